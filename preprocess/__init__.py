@@ -1,0 +1,1 @@
+"""From meshes and materials to modal packages: needs the FEniCSx stack."""

@@ -1,0 +1,1 @@
+"""From modal packages to motion: needs NumPy, h5py and SciPy only."""

@@ -1,0 +1,102 @@
+"""The modal package in memory: what one flexible body tells the solver.
+
+All arrays are in SI units and in the body frame (`_B`). `m` is the number of
+modes, `n` the number of nodes, `c` the number of cells. The file layout is in
+io.py and docs/format.md.
+"""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+FORMAT = "plymotion modal package"
+FORMAT_VERSION = (1, 0)
+
+MODE_KINDS = ("rigid", "fixed_normal", "constraint", "attachment", "residual", "experimental")
+REFERENCE_CONDITIONS = ("clamped", "chord", "mean-axis")
+MASS_FORMS = ("consistent", "lumped")
+
+
+class PackageError(Exception):
+    """A modal package that cannot be used; the message names file and dataset."""
+
+
+@dataclass(frozen=True)
+class Invariants:
+    """Sums over mass stations k that make the inertia of a moving flexible body.
+
+    A station has mass m_k, rest position x_k, translation shapes phi_k (3, m),
+    rotation shapes psi_k (3, m) and rotary inertia J_k (3, 3) about its own
+    mass centre. Stations are nodes (lumped) or integration points of the
+    consistent mass; the sums have the same form. Indices a, b are body axes.
+    """
+
+    mass: float  # sum m_k                                  [kg]
+    S0_B: Array  # (3,)         sum m x_a                   [kg m]
+    S_B: Array  # (3, m)        sum m phi_ai                [kg]
+    T00_B: Array  # (3, 3)      sum m x_a x_b               [kg m2]
+    T01_B: Array  # (3, 3, m)   sum m x_a phi_bi            [kg m]
+    T11_B: Array  # (3, 3, m, m) sum m phi_ai phi_bj        [kg]
+    J0_B: Array  # (3, 3)       sum J_k                     [kg m2]
+    J_psi_B: Array  # (3, m)    sum J_k psi_ki              [kg m]
+    mass_form: str  # one of MASS_FORMS
+
+
+@dataclass(frozen=True)
+class Interface:
+    """A named place where joints, loads and masses attach."""
+
+    name: str
+    kind: str  # "node" (one node) or "average" (weighted nodes)
+    node_ids: IntArray  # (k,)
+    weights: Array  # (k,), sum 1
+    position_B: Array  # (3,) rest position                 [m]
+    A_BI: Array  # (3, 3) interface axes to body axes       [-]
+    phi_B: Array  # (3, m) translation per unit mode        [m]
+    psi_B: Array  # (3, m) rotation per unit mode           [rad]
+
+
+@dataclass(frozen=True)
+class SectionData:
+    """A beam cross-section as it went into the body (for the reader, not the solver)."""
+
+    name: str
+    K: Array  # (6, 6), order extension shear2 shear3 twist bend2 bend3
+    M: Array  # (6, 6), per length, same order of velocities
+    ply_table: str = ""  # TOML text of material and lay-up
+
+
+@dataclass(frozen=True)
+class ModalPackage:
+    """One flexible body, reduced to its modes."""
+
+    body: str
+    nodes_B: Array  # (n, 3)                                [m]
+    node_ids: IntArray  # (n,)
+    connectivity: IntArray  # flat node indices (0-based rows of nodes_B)
+    offsets: IntArray  # (c + 1,)
+    cell_types: IntArray  # (c,) VTK cell types
+    shapes_B: Array  # (m, n, 6): translation then rotation [m, rad]
+    mode_kinds: tuple[str, ...]  # m of MODE_KINDS
+    frequencies: Array  # (m,) natural frequencies          [rad/s]
+    mass: Array  # (m, m) modal mass
+    stiffness: Array  # (m, m) modal stiffness
+    damping: Array  # (m, m) modal damping
+    node_mass: Array  # (n,)                                [kg]
+    node_inertia_B: Array  # (n, 3, 3)                      [kg m2]
+    invariants: Invariants
+    interfaces: tuple[Interface, ...]
+    reference_condition: str
+    sections: tuple[SectionData, ...] = ()
+    mode_labels: tuple[str, ...] = ()  # e.g. "bending-xy 1"
+    provenance: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def n_mode(self) -> int:
+        """Number of modes m."""
+        return int(self.shapes_B.shape[0])
