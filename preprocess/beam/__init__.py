@@ -1,0 +1,1 @@
+"""Beams: a two-node Timoshenko element from any full 6x6 section stiffness."""

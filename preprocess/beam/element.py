@@ -1,0 +1,161 @@
+"""Two-node Timoshenko beam element with exact static interpolation.
+
+Element axes: x1 along the element from node 1, x2 and x3 the section's axes.
+Degrees of freedom per node: displacement u1 u2 u3 [m] of the reference line,
+rotation f1 f2 f3 [rad] of the section. A point of the section moves by
+
+    u1(x) = u1 + x3 f2 - x2 f3,   u2(x) = u2 - x3 f1,   u3(x) = u3 + x2 f1
+
+(Paper: Eq. (32), Eq. (33), Eq. (34)), hence the generalised strains
+e6 = [u1', u2' - f3, u3' + f2, f1', f2', f3'], i.e. e6 = d' - Z d with the
+constant nilpotent Z below, and F6 = K e6.
+
+Between its nodes the element carries no load: the resultants follow from
+equilibrium, F6(x) = (I + x Q) F6(0) with Q = -Z', the strains are K^-1 F6(x),
+and integration gives the displacement as a cubic polynomial of x:
+
+    d(x) = (I + x Z) d(0) + C(x) F6(0),
+    C(x) = S x + (Z S + S Q) x^2/2 + Z S Q x^3/6,   S = K^-1.
+
+Every coupling of K is in it, and nothing locks, because shear and curvature are
+never interpolated separately.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...solver.package.schema import Array
+
+# Rotation of the section feeds the deflection: u2' holds f3, u3' holds -f2.
+Z = np.zeros((6, 6))
+Z[1, 5], Z[2, 4] = 1.0, -1.0
+# Equilibrium without distributed load: M2' = F3, M3' = -F2.
+Q = -Z.T
+
+MASS_POINTS = 4  # N' m N has degree 6 in x: four Gauss points are exact
+STIFFNESS_POINTS = 2  # B' K B has degree 2 in x
+
+
+def _scaled_inverse(A: Array) -> Array:
+    """Inverse of a symmetric positive definite matrix whose rows have mixed units.
+
+    Slender members mix lengths of very different powers; scaling by the
+    diagonal first keeps the inverse accurate to round-off.
+    """
+    scale = 1.0 / np.sqrt(np.diagonal(A))
+    inverse = np.linalg.inv(A * np.outer(scale, scale))
+    return 0.5 * (inverse + inverse.T) * np.outer(scale, scale)
+
+
+@dataclass(frozen=True)
+class BeamElement:
+    """One element in element axes.
+
+    Attributes
+    ----------
+    length : length L [m]
+    K : (6, 6) section stiffness, order extension, shear2, shear3, twist, bend2,
+        bend3 [N, N m, N m2]
+    """
+
+    length: float
+    K: Array
+
+    def _compliance(self) -> Array:
+        return _scaled_inverse(self.K)
+
+    def equilibrium(self, x: Array) -> Array:
+        """Resultants at `x` from those at node 1: F6(x) = T(x) F6(0).
+
+        Parameters
+        ----------
+        x : (k,) positions along the element [m]
+
+        Returns
+        -------
+        (k, 6, 6)
+        """
+        return np.eye(6) + np.asarray(x)[:, None, None] * Q
+
+    def _line_flexibility(self, x: Array) -> Array:
+        """Displacement at `x` per resultants at node 1, node 1 held: C(x), (k, 6, 6)."""
+        S = self._compliance()
+        s = np.asarray(x)[:, None, None]
+        return S * s + (Z @ S + S @ Q) * s**2 / 2 + Z @ S @ Q * s**3 / 6
+
+    def flexibility(self) -> Array:
+        """Deformation energy per resultants at node 1: int_0^L T' K^-1 T dx, (6, 6)."""
+        S, L = self._compliance(), self.length
+        return S * L + (Q.T @ S + S @ Q) * L**2 / 2 + Q.T @ S @ Q * L**3 / 3
+
+    def _resultants(self) -> Array:
+        """Resultants at node 1 per nodal displacements, (6, 12)."""
+        # C(L) = T(L)^-T flexibility: only the symmetric matrix has to be inverted.
+        T_end = np.eye(6) + self.length * Q
+        return _scaled_inverse(self.flexibility()) @ np.hstack([-np.eye(6), T_end.T])
+
+    def shape(self, x: Array) -> Array:
+        """Shape functions N(x): displacement and rotation per nodal displacements.
+
+        Parameters
+        ----------
+        x : (k,) positions along the element [m]
+
+        Returns
+        -------
+        (k, 6, 12) in element axes
+        """
+        rigid = np.zeros((len(x), 6, 12))
+        rigid[:, :, :6] = np.eye(6) + np.asarray(x)[:, None, None] * Z
+        return rigid + self._line_flexibility(x) @ self._resultants()
+
+    def strain(self, x: Array) -> Array:
+        """Strain matrix B(x): e6(x) per nodal displacements, (k, 6, 12)."""
+        return self._compliance() @ self.equilibrium(x) @ self._resultants()
+
+    def stiffness(self) -> Array:
+        """Element stiffness by the inverse of the flexibility, (12, 12).
+
+        Equal to the integral of Paper: Eq. (35), because the strains are those
+        of the exact static solution; see `stiffness_integral`.
+        """
+        T_end = np.eye(6) + self.length * Q
+        R = np.hstack([-np.eye(6), T_end.T])
+        return R.T @ _scaled_inverse(self.flexibility()) @ R
+
+    def stiffness_integral(self) -> Array:
+        """Element stiffness as int B' K B dx, (12, 12). Paper: Eq. (35)."""
+        x, w = gauss(self.length, STIFFNESS_POINTS)
+        B = self.strain(x)
+        return np.einsum("k,kai,ab,kbj->ij", w, B, self.K, B, optimize=True)
+
+    def consistent_mass(self, mass: Array) -> Array:
+        """Consistent element mass int N' m N dx, (12, 12).
+
+        Parameters
+        ----------
+        mass : (6, 6) section mass per length, about the reference line
+            [kg/m, kg, kg m]
+        """
+        x, w = gauss(self.length, MASS_POINTS)
+        N = self.shape(x)
+        M = np.einsum("k,kai,ab,kbj->ij", w, N, mass, N, optimize=True)
+        return 0.5 * (M + M.T)
+
+    def lumped_mass(self, mass: Array) -> Array:
+        """Half of the element's section mass at each node, (12, 12).
+
+        Mass and rotary inertia are those of the half element's sections; the
+        distance of its sections from the node along x1 is left out.
+        """
+        half = 0.5 * self.length * mass
+        M = np.zeros((12, 12))
+        M[:6, :6] = M[6:, 6:] = half
+        return M
+
+
+def gauss(length: float, n: int) -> tuple[Array, Array]:
+    """Gauss points and weights on [0, length], each (n,) [m]."""
+    x, w = np.polynomial.legendre.leggauss(n)
+    return 0.5 * length * (x + 1.0), 0.5 * length * w

@@ -1,0 +1,57 @@
+"""A slice of a beam as a rigid plate: mass, mass centre, rotary inertia."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...solver.package.schema import Array
+from ...solver.rotations import skew
+
+TOLERANCE = 1e-9  # relative departure from the mass matrix of a rigid slice
+
+
+@dataclass(frozen=True)
+class SectionMass:
+    """Inertia of a slice, per length, in section axes.
+
+    Attributes
+    ----------
+    m : mass per length [kg/m]
+    centre_E : (3,) mass centre from the reference line [m]
+    J_E : (3, 3) rotary inertia about the mass centre [kg m]
+    """
+
+    m: float
+    centre_E: Array
+    J_E: Array
+
+    @classmethod
+    def from_matrix(cls, mass: Array) -> "SectionMass":
+        """Take the 6x6 mass per length apart: [[m, -m c~], [m c~, J - m c~ c~]].
+
+        Raises
+        ------
+        ValueError : the matrix is not that of a rigid slice, so that no mass
+            centre and inertia stand for it.
+        """
+        m = float(np.trace(mass[:3, :3]) / 3.0)
+        if not m > 0.0:
+            raise ValueError(f"the section's mass per length must be positive, it is {m:.6g} kg/m")
+        moment = mass[3:, :3] / m
+        centre = np.array([moment[2, 1], moment[0, 2], moment[1, 0]])
+        J = mass[3:, 3:] + m * skew(centre) @ skew(centre)
+        slice_ = cls(m, centre, 0.5 * (J + J.T))
+        scale = np.sqrt(np.abs(np.diagonal(mass)))
+        gap = np.abs(slice_.matrix() - mass).max(initial=0.0, where=np.outer(scale, scale) > 0)
+        worst = np.max(np.abs(slice_.matrix() - mass) / np.maximum(np.outer(scale, scale), 1e-300))
+        if gap > 0.0 and worst > TOLERANCE:
+            raise ValueError(
+                f"the section's 6x6 mass is not that of a rigid slice (scaled difference {worst:.3g})"
+            )
+        return slice_
+
+    def matrix(self) -> Array:
+        """The 6x6 mass per length at the reference line, section axes."""
+        c = skew(self.centre_E)
+        lower = self.m * c
+        return np.block([[self.m * np.eye(3), -lower], [lower, self.J_E - self.m * c @ c]])

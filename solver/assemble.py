@@ -1,0 +1,146 @@
+"""Compile readable tables of bodies, markers and joints into a frozen `Model`."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .joints.table import KINDS, N_PARAMETER, N_ROW
+from .model import GROUND, Model
+from .package.schema import Array, Invariants, ModalPackage
+
+
+@dataclass(frozen=True)
+class Body:
+    """Inertia and elasticity of one body, in its own frame; rigid if it has no modes."""
+
+    name: str
+    invariants: Invariants
+    mass: Array  # (m, m) modal mass
+    stiffness: Array  # (m, m)
+    damping: Array  # (m, m)
+
+
+def rigid_body(name: str, mass: float, centre_B: Array, inertia_B: Array) -> Body:
+    """Return a rigid body of given mass, mass centre (3,) and inertia about it (3, 3)."""
+    centre = np.asarray(centre_B, dtype=float)
+    empty = np.zeros((0, 0))
+    invariants = Invariants(
+        mass=mass,
+        S0_B=mass * centre,
+        S_B=np.zeros((3, 0)),
+        T00_B=mass * np.outer(centre, centre),
+        T01_B=np.zeros((3, 3, 0)),
+        T11_B=np.zeros((3, 3, 0, 0)),
+        J0_B=np.asarray(inertia_B, dtype=float),
+        J_psi_B=np.zeros((3, 0)),
+        mass_form="lumped",
+    )
+    return Body(name, invariants, empty, empty, empty)
+
+
+def flexible_body(name: str, package: ModalPackage) -> Body:
+    """Return the body that a modal package describes."""
+    return Body(name, package.invariants, package.mass, package.stiffness, package.damping)
+
+
+@dataclass(frozen=True)
+class MarkerTable:
+    """One marker: body index (GROUND = -1), rest frame, and its mode shapes."""
+
+    body: int
+    x: Array  # (3,) body components; global for the ground [m]
+    A: Array = field(default_factory=lambda: np.eye(3))
+    phi: Array = field(default_factory=lambda: np.zeros((3, 0)))
+    psi: Array = field(default_factory=lambda: np.zeros((3, 0)))
+
+
+@dataclass(frozen=True)
+class JointTable:
+    """One joint between two markers; kind is a key of `joints.table.KINDS`."""
+
+    name: str
+    kind: str
+    marker_1: int
+    marker_2: int
+    parameters: tuple[float, ...] = ()
+
+
+def assemble_model(
+    bodies: list[Body],
+    markers: list[MarkerTable],
+    joints: list[JointTable],
+    point_masses: list[tuple[int, float]] = (),  # type: ignore[assignment]
+    gravity_G: Array | tuple[float, float, float] = (0.0, 0.0, 0.0),
+    alpha: float = 5.0,
+    beta: float = 5.0,
+) -> Model:
+    """Lay the tables end to end.
+
+    Parameters
+    ----------
+    point_masses : list of (marker index, mass [kg])
+    gravity_G : (3,) [m/s2]
+    alpha, beta : Baumgarte's constants, Eq. (13) [1/s]
+    """
+    n_mode = np.array([b.mass.shape[0] for b in bodies], dtype=np.int64)
+    for marker in markers:
+        expected = 0 if marker.body == GROUND else int(n_mode[marker.body])
+        if marker.phi.shape != (3, expected) or marker.psi.shape != (3, expected):
+            raise ValueError(
+                f"marker shapes {marker.phi.shape}, {marker.psi.shape}: expected (3, {expected})"
+            )
+    kinds = np.array([KINDS[j.kind] for j in joints], dtype=np.int64)
+    parameters = np.zeros((len(joints), N_PARAMETER))
+    for k, joint in enumerate(joints):
+        parameters[k, : len(joint.parameters)] = joint.parameters
+    inv = [b.invariants for b in bodies]
+    marker_size = [m.phi.size for m in markers]
+    return Model(
+        n_mode=n_mode,
+        pos_start=_starts(7 + n_mode)[:-1],
+        vel_start=_starts(6 + n_mode)[:-1],
+        mode_start=_starts(n_mode),
+        square_start=_starts(n_mode**2),
+        mass=np.array([i.mass for i in inv]),
+        S0=_stack([i.S0_B for i in inv], (3,)),
+        T00=_stack([i.T00_B for i in inv], (3, 3)),
+        J0=_stack([i.J0_B for i in inv], (3, 3)),
+        S=_flat([i.S_B for i in inv]),
+        T01=_flat([i.T01_B for i in inv]),
+        T11=_flat([i.T11_B.transpose(0, 1, 3, 2) for i in inv]),
+        J_psi=_flat([i.J_psi_B for i in inv]),
+        M_qq=_flat([b.mass for b in bodies]),
+        K_qq=_flat([b.stiffness for b in bodies]),
+        D_qq=_flat([b.damping for b in bodies]),
+        gravity_G=np.asarray(gravity_G, dtype=float),
+        marker_body=np.array([m.body for m in markers], dtype=np.int64),
+        marker_x=_stack([m.x for m in markers], (3,)),
+        marker_A=_stack([m.A for m in markers], (3, 3)),
+        marker_start=_starts(np.array(marker_size, dtype=np.int64))[:-1],
+        marker_phi=_flat([m.phi for m in markers]),
+        marker_psi=_flat([m.psi for m in markers]),
+        joint_kind=kinds,
+        joint_marker=np.array(
+            [(j.marker_1, j.marker_2) for j in joints], dtype=np.int64
+        ).reshape(-1, 2),
+        joint_row=_starts(np.array([N_ROW[k] for k in kinds], dtype=np.int64)),
+        joint_parameters=parameters,
+        point_marker=np.array([k for k, _ in point_masses], dtype=np.int64),
+        point_mass=np.array([mass for _, mass in point_masses], dtype=float),
+        alpha=float(alpha),
+        beta=float(beta),
+    )
+
+
+def _starts(sizes: np.ndarray) -> np.ndarray:
+    return np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64)
+
+
+def _stack(arrays: list[Array], shape: tuple[int, ...]) -> Array:
+    return np.ascontiguousarray(np.array(arrays, dtype=float).reshape(-1, *shape))
+
+
+def _flat(arrays: list[Array]) -> Array:
+    if not arrays:
+        return np.zeros(0)
+    return np.concatenate([np.ascontiguousarray(a, dtype=float).reshape(-1) for a in arrays])

@@ -1,0 +1,90 @@
+"""Motion of a marker: a frame fixed to a body's interface, or to the ground.
+
+Joints, loads and point masses see bodies through markers only, so each is
+written once for rigid bodies, flexible bodies and the ground: the paper's
+virtual body with its six constraints already substituted.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..compiled import jit
+from ..model import Model
+from ..package.schema import Array
+from ..rotations import cross, rotation_matrix, skew, tangent_map, tangent_rate
+
+
+class Marker(NamedTuple):
+    """Position, velocity and their derivatives of one marker, global components."""
+
+    x: Array  # (3,)                position                  [m]
+    A: Array  # (3, 3)              marker axes to global
+    v: Array  # (3,)                velocity                  [m/s]
+    w: Array  # (3,)                angular velocity          [rad/s]
+    J_v: Array  # (3, n)            v = J_v (rdot, w_B, qdot)
+    J_w: Array  # (3, n)            w = J_w (rdot, w_B, qdot)
+    a: Array  # (3,)                acceleration at zero coordinate accelerations [m/s2]
+    alpha: Array  # (3,)            the same of the angular velocity [rad/s2]
+
+
+@jit
+def marker_motion(model: Model, k: int, y: Array) -> Marker:
+    """Return the motion of marker k in state y (model.py).
+
+    Translation x = r + A (x_k + phi q) is linear in the modes. The rotation
+    psi q is taken as a finite rotation vector, so that a marker's axes stay
+    orthonormal and its angular velocity is the exact rate of them.
+    """
+    body = model.marker_body[k]
+    if body < 0:
+        return Marker(
+            model.marker_x[k].copy(),
+            model.marker_A[k].copy(),
+            np.zeros(3),
+            np.zeros(3),
+            np.zeros((3, 0)),
+            np.zeros((3, 0)),
+            np.zeros(3),
+            np.zeros(3),
+        )
+    m = model.n_mode[body]
+    n_pos = 7 * model.n_mode.shape[0] + model.mode_start[-1]
+    i = model.pos_start[body]
+    j = n_pos + model.vel_start[body]
+    r = y[i : i + 3]
+    A = rotation_matrix(y[i + 3 : i + 7])
+    q = y[i + 7 : i + 7 + m]
+    v = y[j : j + 3]
+    w = y[j + 3 : j + 6]
+    q_d = y[j + 6 : j + 6 + m]
+    s = model.marker_start[k]
+    phi = model.marker_phi[s : s + 3 * m].reshape(3, m)
+    psi = model.marker_psi[s : s + 3 * m].reshape(3, m)
+
+    b = model.marker_x[k] + phi @ q
+    b_d = phi @ q_d
+    theta = psi @ q
+    theta_d = psi @ q_d
+    T = tangent_map(theta)
+    spin = T @ theta_d  # relative angular velocity, body components
+
+    J_v = np.empty((3, 6 + m))
+    J_v[:, 0:3] = np.eye(3)
+    J_v[:, 3:6] = -(A @ skew(b))
+    J_v[:, 6:] = A @ phi
+    J_w = np.empty((3, 6 + m))
+    J_w[:, 0:3] = 0.0
+    J_w[:, 3:6] = A
+    J_w[:, 6:] = A @ (T @ psi)
+    rotation = np.eye(3) + skew(theta) @ T
+    return Marker(
+        r + A @ b,
+        A @ (rotation @ model.marker_A[k]),
+        v + A @ (cross(w, b) + b_d),
+        A @ (w + spin),
+        J_v,
+        J_w,
+        A @ (cross(w, cross(w, b)) + 2.0 * cross(w, b_d)),
+        A @ (cross(w, spin) + tangent_rate(theta, theta_d)),
+    )

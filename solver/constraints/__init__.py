@@ -1,0 +1,1 @@
+"""Treatments of the constraint equations."""

@@ -1,0 +1,231 @@
+"""The contract of every integrator: one step at a time, trouble as status with words.
+
+An integrator knows y' = f(t, y) and numbers, never a body. It runs forward in time only.
+Nothing here closes over a mechanism and the state is flat arrays, so that a step loop can
+be compiled later without changing the contract.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .norm import Array, ErrorNorm
+
+Derivative = Callable[[float, Array], Array]
+Jacobian = Callable[[float, Array], Array]
+Dense = Callable[[Any], Array]
+
+MAX_REFUSALS_NOT_FINITE = 25
+
+
+@dataclass
+class Counters:
+    """What a run has cost so far."""
+
+    steps: int = 0  # accepted steps
+    rejected: int = 0  # tried and taken back
+    evaluations: int = 0  # calls of f, those for difference Jacobians included
+    jacobians: int = 0
+    factorisations: int = 0
+
+
+class Integrator(ABC):
+    """Carry y' = f(t, y) from t0 to t_end, one accepted step per call of `step`.
+
+    A method derives from this class and provides `_attempt` (try one step of a given
+    size) and `_dense` (the solution inside the last step). Everything else is here:
+    limits of the step, counters, status. Read after each step: `t_old`, `t` [s],
+    `y` (n,), `h` the step just taken [s], `order`, `counters`, `status`, `message`,
+    `hints` (remarks on the choice of method).
+
+    Parameters
+    ----------
+    f : derivative f(t, y) -> (n,); may hand back the same buffer each time, must not keep y
+    t0, t_end : start and end [s], t_end > t0
+    y0 : (n,) start values
+    rtol, atol : tolerances of the local error, relative and absolute (scalar or (n,));
+        atol = inf takes a component out of the error control
+    first_step : size of the first step [s]; chosen from f if None
+    max_step, min_step : bounds of the step [s]; below min_step (and below ten spacings of
+        t in any case) the run ends as failed
+    jacobian : df/dy (t, y) -> (n, n); only implicit methods use it
+    block_starts : (b,) first index of each block of y; the error norm is the largest of
+        the blocks' root mean squares. One block if None
+    fixed_step : take this step [s] without error control (studies of stability and order)
+
+    Raises
+    ------
+    ValueError : an option that makes no sense; the message names it
+    """
+
+    order: int
+
+    def __init__(
+        self,
+        f: Derivative,
+        t0: float,
+        y0: Array,
+        t_end: float,
+        *,
+        rtol: float = 1e-6,
+        atol: float | Array = 1e-9,
+        first_step: float | None = None,
+        max_step: float = np.inf,
+        min_step: float = 0.0,
+        jacobian: Jacobian | None = None,
+        block_starts: Sequence[int] | None = None,
+        fixed_step: float | None = None,
+    ) -> None:
+        self.y: Array = np.array(y0, dtype=float)
+        if self.y.ndim != 1 or self.y.size == 0 or not np.isfinite(self.y).all():
+            raise ValueError(f"y0: expected a non-empty 1-D array of finite numbers, got {y0!r}")
+        if not (np.isfinite(t0) and np.isfinite(t_end) and t_end > t0):
+            raise ValueError(f"t_end: expected a finite time after t0 = {t0!r}, got {t_end!r}")
+        for name, value in (("max_step", max_step), ("first_step", first_step)):
+            if value is not None and not value > 0:
+                raise ValueError(f"{name}: expected a step size above 0 s, got {value!r}")
+        if fixed_step is not None and not 0 < fixed_step < np.inf:
+            raise ValueError(f"fixed_step: expected a finite step above 0 s, got {fixed_step!r}")
+        if not 0 <= min_step <= max_step:
+            raise ValueError(
+                f"min_step: expected 0 <= min_step <= max_step = {max_step!r}, got {min_step!r}"
+            )
+        self._f = f
+        self.t0 = self.t_old = self.t = float(t0)
+        self.t_end = float(t_end)
+        self.n = self.y.size
+        self.norm = ErrorNorm(self.n, rtol, atol, block_starts)
+        self.jacobian = jacobian
+        self.max_step, self.min_step, self.fixed_step = max_step, min_step, fixed_step
+        self.h = 0.0
+        self.status = "running"
+        self.message = ""
+        self.hints: list[str] = []
+        self.counters = Counters()
+        self._trouble = ""  # why the last attempt was refused
+        self._raised = ""  # error raised inside f in this attempt
+        self._not_finite = 0  # attempts in a row refused because of inf or nan
+        self._nan = np.full(self.n, np.nan)
+        self._output: Dense | None = None
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            self._f_start = np.array(self.derivative(self.t, self.y), dtype=float)
+            if self._f_start.shape != self.y.shape:
+                raise ValueError(
+                    f"f: expected a derivative of shape {self.y.shape} like y0, "
+                    f"got {self._f_start.shape}"
+                )
+            if not np.isfinite(self._f_start).all():
+                self._refuse_not_finite("the derivative at the start")
+                self._fail(f"Cannot start at t = {self.t:.9g} s")
+            self._h_next = self._first_step(first_step)
+
+    def step(self) -> None:
+        """Take one accepted step, or set `status` to "failed" and say why in `message`.
+
+        Raises
+        ------
+        RuntimeError : the run has already ended
+        """
+        if self.status != "running":
+            raise RuntimeError(f"step() on an integrator that is {self.status}: {self.message}")
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            while self.status == "running":
+                h, t_new = self._limited_step()
+                floor = max(self.min_step, 10 * np.spacing(abs(self.t)))
+                if h < floor and t_new < self.t_end:
+                    self._fail(
+                        f"The step at t = {self.t:.9g} s fell to {h:.3g} s, below {floor:.3g} s"
+                    )
+                    return
+                self._raised = ""
+                y_new = self._attempt(h, t_new)
+                if y_new is not None:
+                    self.t_old, self.t, self.y, self.h = self.t, t_new, y_new, h
+                    self._output = None
+                    self._not_finite = 0
+                    self.counters.steps += 1
+                    if t_new >= self.t_end:
+                        self.status, self.message = "finished", f"Reached t = {t_new:.9g} s"
+                    return
+                self.counters.rejected += 1
+                if self.fixed_step is not None:
+                    self._fail(f"The fixed step of {h:.3g} s fails at t = {self.t:.9g} s")
+                elif self._not_finite > MAX_REFUSALS_NOT_FINITE:
+                    self._fail(f"No step however small succeeds at t = {self.t:.9g} s")
+
+    def dense_output(self) -> Dense:
+        """Solution over [t_old, t]: callable of a time () or times (k,) giving (n,) or (k, n).
+
+        Ask for it before the next call of `step`; the callable itself stays valid.
+        """
+        if self.counters.steps == 0:
+            raise RuntimeError("dense_output() before the first accepted step")
+        if self._output is None:
+            self._output = self._dense()
+        return self._output
+
+    def derivative(self, t: float, y: Array) -> Array:
+        """Evaluate f, counted; a numerical error raised inside f counts as not finite."""
+        self.counters.evaluations += 1
+        try:
+            return self._f(t, y)
+        except (np.linalg.LinAlgError, ArithmeticError) as error:
+            self._raised = f"{type(error).__name__} in the derivative at t = {t:.9g} s: {error}"
+            return self._nan
+
+    @abstractmethod
+    def _attempt(self, h: float, t_new: float) -> Array | None:
+        """Try one step; y at t_new, or None with `_h_next` made smaller and `_trouble` set."""
+
+    @abstractmethod
+    def _dense(self) -> Dense:
+        """Solution inside the last accepted step."""
+
+    def _limited_step(self) -> tuple[float, float]:
+        """Step and its end: within max_step, on t_end exactly, no sliver before t_end."""
+        remaining = self.t_end - self.t
+        if self.fixed_step is not None:
+            h, stretch = self.fixed_step, 1 + 1e-6
+        else:
+            h, stretch = min(self._h_next, self.max_step), 1.01
+        if h * stretch >= remaining:
+            return remaining, self.t_end
+        return h, self.t + h
+
+    def _refuse_not_finite(self, what: str) -> None:
+        self._not_finite += 1
+        self._trouble = self._raised or f"{what} is not finite (inf or nan)"
+
+    def _fail(self, where: str) -> None:
+        self.status = "failed"
+        advice = (
+            "Look for a singular position, a division by zero or unstable motion just after it"
+            if self._not_finite
+            else "Look for a jump or a singularity in the forces just after it, loosen rtol "
+            "and atol, or use an implicit method if the problem is stiff"
+        )
+        self.message = f"{where}; last refusal: {self._trouble or 'none'}. {advice}."
+
+    def _first_step(self, first_step: float | None) -> float:
+        """Size of the first step from the sizes of y, f and the change of f along f."""
+        if self.fixed_step is not None:
+            return self.fixed_step
+        span = self.t_end - self.t0
+        if first_step is not None or self.status == "failed":
+            return min(first_step or span, span)
+        weight = self.norm.weight(self.y, self.y)
+        size_y = self.norm(self.y * weight)
+        size_f = self.norm(self._f_start * weight)
+        h = 0.01 * size_y / size_f if min(size_y, size_f) > 1e-5 else 1e-6
+        h = min(h, span, self.max_step)
+        f_ahead = self.derivative(self.t + h, self.y + h * self._f_start)
+        change = self.norm((f_ahead - self._f_start) * weight) / h
+        if not np.isfinite(change):
+            return 0.01 * h
+        largest = max(size_f, change)
+        if largest <= 1e-15:
+            return min(100 * h, span)
+        return min(100 * h, (0.01 / largest) ** (1 / (self.order + 1)), span)

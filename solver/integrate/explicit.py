@@ -1,0 +1,200 @@
+"""Explicit Runge-Kutta methods of Dormand and Prince, orders 8(5,3) and 5(4).
+
+The tableaux are the public class attributes of SciPy's classes; the step loop, the step
+control and the stiffness test are ours.
+"""
+
+from math import isfinite
+from typing import Any, ClassVar
+
+import numpy as np
+from scipy.integrate import DOP853, RK45
+
+from .base import Dense, Integrator
+from .norm import Array
+
+SAFETY = 0.9
+STIFF_TESTS = 15  # in a row, before the hint is given
+TEST_EVERY = 25  # steps, while nothing looks stiff
+
+
+class ExplicitRungeKutta(Integrator):
+    """Step loop with proportional-integral control, shared by the tableaux below.
+
+    The step factor is SAFETY err^-a err_last^b: a steadies order and b damps the change,
+    which saves refusals where the error varies along the motion.
+    """
+
+    A: ClassVar[Array]  # (s, s) stage weights
+    B: ClassVar[Array]  # (s,) solution weights
+    C: ClassVar[Array]  # (s,) stage times [h]
+    n_rows: ClassVar[int]  # stages, f at the new point, extra stages of the dense output
+    integral: ClassVar[float]  # b
+    min_factor: ClassVar[float]
+    max_factor: ClassVar[float]
+    stability_limit: ClassVar[float]  # |h lambda| near which steps are limited by stability
+
+    def __init__(self, *args: Any, **options: Any) -> None:
+        super().__init__(*args, **options)
+        self._K = np.zeros((self.n_rows, self.n))
+        s = self.B.size
+        self._stages = [
+            (i, self.A[i, :i].copy(), self._K[:i], float(self.C[i])) for i in range(1, s)
+        ]
+        self._work = np.empty(self.n)
+        self._f_now = self._f_start
+        self._err_last = 1e-4
+        self._refused = False
+        self._suspect = self._clear = 0
+
+    def _attempt(self, h: float, t_new: float) -> Array | None:
+        K, work, y = self._K, self._work, self.y
+        s = self.B.size
+        K[0] = self._f_now
+        for i, a, K_before, c in self._stages:
+            np.dot(a, K_before, out=work)
+            work *= h
+            work += y
+            K[i] = self.derivative(self.t + c * h, work)
+        y_new = self.B.dot(K[:s])
+        y_new *= h
+        y_new += y
+        err = self._error(h, t_new, y_new)
+        if not isfinite(err):
+            self._refuse_not_finite("the derivative or the error")
+            self._refuse(h, 0.1)
+            return None
+        if err > 1 and self.fixed_step is None:
+            self._trouble = f"local error {err:.3g} times the tolerance"
+            self._refuse(h, max(self.min_factor, SAFETY * err ** (-1 / self._exponent)))
+            return None
+        if not self._first_same_as_last:
+            K[s] = self.derivative(t_new, y_new)
+            if not isfinite(K[s].dot(K[s])):
+                self._refuse_not_finite("the derivative")
+                self._refuse(h, 0.1)
+                return None
+        err = max(err, 1e-8)
+        proportional = 1 / self._exponent - 0.75 * self.integral
+        factor = SAFETY * err**-proportional * self._err_last**self.integral
+        factor = min(1.0 if self._refused else self.max_factor, max(self.min_factor, factor))
+        self._h_next = h * factor
+        self._err_last = max(err, 1e-4)
+        self._refused = False
+        self._f_now = K[s].copy()
+        if self._suspect or self.counters.steps % TEST_EVERY == 0:
+            self._test_stiffness(h, y_new)
+        self._last = (h, y, y_new)
+        return y_new
+
+    def _refuse(self, h: float, factor: float) -> None:
+        self._h_next = h * factor
+        self._refused = True
+
+    def _test_stiffness(self, h: float, y_new: Array) -> None:
+        """Compare |h lambda|, seen from the last stage (also at t_new), with the limit."""
+        s = self.B.size
+        weight = self.norm.weight(y_new, y_new)
+        distance = self.norm((y_new - self._work) * weight)
+        if distance == 0:
+            return
+        speed = h * self.norm((self._K[s] - self._K[s - 1]) * weight) / distance
+        if speed > self.stability_limit:
+            self._suspect, self._clear = self._suspect + 1, 0
+            if self._suspect == STIFF_TESTS and not self.hints:
+                self.hints.append(
+                    f"stiff: at t = {self.t:.6g} s the step {h:.3g} s is limited by stability, not "
+                    "by accuracy; an implicit method (gear) may need fewer steps"
+                )
+        elif self._suspect:
+            self._clear += 1
+            if self._clear == 6:
+                self._suspect = 0
+
+    _exponent: ClassVar[float]  # err grows with h to this power
+    _first_same_as_last: ClassVar[bool]  # the error needs f at the new point
+
+    def _error(self, h: float, t_new: float, y_new: Array) -> float:
+        raise NotImplementedError
+
+
+class RungeKutta8(ExplicitRungeKutta):
+    """Dormand-Prince 8(5,3): twelve evaluations a step, dense output of order 7.
+
+    Best where the highest frequency is resolved anyway and accuracy counts. Stable up to
+    |h lambda| of about 6, on the imaginary axis as on the real one. The dense output costs
+    three more evaluations, spent only in steps where it is asked for.
+    """
+
+    order = 8
+    A, B, C = DOP853.A, DOP853.B, DOP853.C
+    n_rows = 16
+    integral, min_factor, max_factor = 0.04, 0.333, 6.0
+    stability_limit = 5.6
+    _exponent, _first_same_as_last = 8.0, False
+
+    def _error(self, h: float, t_new: float, y_new: Array) -> float:
+        K = self._K[: self.B.size]
+        weight = self.norm.weight(self.y, y_new)
+        err5 = self.norm(DOP853.E5[:-1].dot(K) * weight)
+        err3 = self.norm(DOP853.E3[:-1].dot(K) * weight)
+        if err5 == 0:
+            return 0.0 * err3
+        return h * err5 * err5 / (err5 * err5 + 0.01 * err3 * err3) ** 0.5
+
+    def _dense(self) -> Dense:
+        h, y_old, y_new = self._last
+        K, s = self._K, self.B.size + 1
+        for i, (a, c) in enumerate(zip(DOP853.A_EXTRA, DOP853.C_EXTRA, strict=True), start=s):
+            K[i] = self.derivative(self.t_old + c * h, y_old + h * a[:i].dot(K[:i]))
+        step = y_new - y_old
+        first = h * K[0] - step
+        F = np.vstack((step, first, step - h * K[s - 1] - first, h * DOP853.D.dot(K)))
+        return _Nested(self.t_old, h, y_old, F)
+
+
+class RungeKutta5(ExplicitRungeKutta):
+    """Dormand-Prince 5(4): six evaluations a step, dense output of order 4."""
+
+    order = 5
+    A, B, C = RK45.A, RK45.B, RK45.C
+    n_rows = 7
+    integral, min_factor, max_factor = 0.04, 0.2, 10.0
+    stability_limit = 3.25
+    _exponent, _first_same_as_last = 5.0, True
+
+    def _error(self, h: float, t_new: float, y_new: Array) -> float:
+        self._K[-1] = self.derivative(t_new, y_new)
+        return h * self.norm(RK45.E.dot(self._K) * self.norm.weight(self.y, y_new))
+
+    def _dense(self) -> Dense:
+        h, y_old, _ = self._last
+        return _Powers(self.t_old, h, y_old, h * RK45.P.T.dot(self._K))
+
+
+class _Nested:
+    """y_old + x (F0 + (1-x) (F1 + x (F2 + ...))) with x = (t - t_old) / h."""
+
+    def __init__(self, t_old: float, h: float, y_old: Array, F: Array) -> None:
+        self.t_old, self.h, self.y_old, self.F = t_old, h, y_old, F
+
+    def __call__(self, t: Any) -> Array:
+        x = ((np.asarray(t, dtype=float) - self.t_old) / self.h)[..., None]
+        y = np.zeros(x.shape[:-1] + self.y_old.shape)
+        for i in range(len(self.F) - 1, -1, -1):
+            y = (y + self.F[i]) * (x if i % 2 == 0 else 1 - x)
+        return y + self.y_old
+
+
+class _Powers:
+    """y_old + sum over j of Q_j x^(j+1) with x = (t - t_old) / h."""
+
+    def __init__(self, t_old: float, h: float, y_old: Array, Q: Array) -> None:
+        self.t_old, self.h, self.y_old, self.Q = t_old, h, y_old, Q
+
+    def __call__(self, t: Any) -> Array:
+        x = ((np.asarray(t, dtype=float) - self.t_old) / self.h)[..., None]
+        y = np.zeros(x.shape[:-1] + self.y_old.shape)
+        for Q_j in self.Q[::-1]:
+            y = (y + Q_j) * x
+        return y + self.y_old

@@ -1,0 +1,223 @@
+"""Gear's method: backward differentiation formulae of variable order and step."""
+
+from collections.abc import Sequence
+from itertools import accumulate
+from math import isfinite
+from typing import Any
+
+import numpy as np
+
+from .base import Dense, Derivative, Integrator
+from .bdf_formula import corrector, error_weights, interpolation, predictor
+from .jacobian import difference_jacobian, increments
+from .newton import SimplifiedNewton
+from .norm import Array
+
+HIGHEST_ORDER = 5
+SAFETY = 0.9
+MIN_FACTOR, MAX_FACTOR, MAX_FACTOR_ORDER_1 = 0.2, 2.0, 10.0
+HYSTERESIS = 1.2  # a smaller growth of the step is not worth new factors
+
+
+class Gear(Integrator):
+    """Backward differentiation formulae of order 1 to `max_order`, simplified Newton.
+
+    True variable-coefficient formulae: the corrector is the polynomial through the new
+    point and the last k accepted ones at the times where they really are. Codes for large
+    systems fix the leading coefficient (or interpolate to equal steps) so that a matrix
+    factorisation survives a change of step, and pay with worse stability while steps
+    change. Here n is some tens: a factorisation costs less than an evaluation or two of
+    f, the Jacobian survives in any case, and no past value is ever re-interpolated.
+
+    Orders 3 to 5 amplify undamped oscillations where w h is below 1.94, 4.71 and between
+    0.71 and 9.39: set `max_order = 2` where undamped elastic modes are not resolved by
+    the step. Order 2 damps every oscillation.
+
+    Parameters
+    ----------
+    max_order : cap of the order, 1 to 5
+    fixed_order : with fixed_step: use this order as soon as enough points are there
+    past : (t (m,), y (m, n)) earlier points of the solution, times ascending to before t0:
+        a start without the low orders
+    others : see Integrator. With fixed_step only Newton's iteration uses the tolerances.
+    """
+
+    order = 1
+
+    def __init__(
+        self,
+        f: Derivative,
+        t0: float,
+        y0: Array,
+        t_end: float,
+        *,
+        max_order: int = HIGHEST_ORDER,
+        fixed_order: int | None = None,
+        past: tuple[Sequence[float] | Array, Array] | None = None,
+        **options: Any,
+    ) -> None:
+        for name, value in (("max_order", max_order), ("fixed_order", fixed_order)):
+            if value is not None and value not in range(1, HIGHEST_ORDER + 1):
+                raise ValueError(
+                    f"{name}: expected an order from 1 to {HIGHEST_ORDER}, got {value!r}"
+                )
+        super().__init__(f, t0, y0, t_end, **options)
+        if (fixed_order is None) != (self.fixed_step is None):
+            raise ValueError("fixed_order and fixed_step: expected both or none")
+        self.max_order = max_order if fixed_order is None else fixed_order
+        self._times = [self.t]  # newest first, as the rows of _values
+        self._steps: list[float] = []  # between them
+        self._values = np.zeros((HIGHEST_ORDER + 2, self.n))
+        self._values[0] = self.y
+        if past is not None:
+            self._remember_past(*past)
+        self._since_change = 0  # steps at this order and step size
+        self._failures = 0  # error tests failed in a row
+        self._formula_of: tuple[int, list[float]] = (0, [])
+        self._newton = SimplifiedNewton(
+            self.derivative, self._evaluate_jacobian, self.norm, self.counters, self.n + 1
+        )
+
+    def _remember_past(self, t: Sequence[float] | Array, y: Array) -> None:
+        times, values = np.asarray(t, dtype=float), np.asarray(y, dtype=float)
+        if (
+            values.shape != (times.size, self.n)
+            or not (np.diff(np.append(times, self.t)) > 0).all()
+        ):
+            raise ValueError(
+                f"past: expected ascending times (m,) before t0 and values (m, {self.n}), "
+                f"got shapes {times.shape} and {values.shape}"
+            )
+        for t_i, y_i in zip(times, values, strict=True):
+            self._times.insert(1, float(t_i))
+            self._values[2:] = self._values[1:-1]
+            self._values[1] = y_i
+        del self._times[HIGHEST_ORDER + 2 :]
+        self._steps = list(-np.diff(self._times))
+
+    def _attempt(self, h: float, t_new: float) -> Array | None:
+        if self.fixed_step is not None:
+            self.order = min(self.max_order, len(self._times))
+        k = self.order
+        s = self._distances(h, k + 1)
+        if (k, s) != self._formula_of:
+            self._formula(k, s)
+        predicted, psi = self._weights @ self._values[: len(s)]
+        if len(self._times) == 1:
+            predicted += h * self._f_start
+        weight = self.norm.weight(self.y, predicted)
+        self._h_try = h
+        y_new = self._newton.solve(t_new, predicted, psi, h / self._c_0, weight)
+        if y_new is None:
+            self._refuse_newton(h)
+            return None
+        if self.fixed_step is None:
+            err = self.norm((y_new - predicted) * weight) * self._err_scale
+            if not isfinite(err):
+                self._refuse_not_finite("the error")
+                self._h_next = 0.1 * h
+                return None
+            if err > 1:
+                self._refuse_error(h, err)
+                return None
+        self._remember(t_new, h, y_new)
+        self._failures = 0
+        if self.fixed_step is None:
+            self._choose(h, err, weight)
+        return y_new
+
+    def _distances(self, h: float, count: int) -> list[float]:
+        """(t_new - t_i) / h of the last points, summed so that equal steps give equal floats."""
+        s = [1.0]
+        for step in self._steps[: count - 1]:
+            s.append(s[-1] + step / h)
+        return s
+
+    def _formula(self, k: int, s: list[float]) -> None:
+        self._formula_of = (k, s)
+        self._c_0, b = corrector(s[:k])
+        self._weights = np.zeros((2, len(s)))
+        self._weights[0] = predictor(s)
+        self._weights[1, : len(b)] = b
+        # at the very start the second point is the first again, taken with its derivative
+        self._err_scale = 1 / s[k] if len(s) > k else 0.5
+
+    def _refuse_newton(self, h: float) -> None:
+        if self._newton.trouble.startswith("not finite"):
+            self._refuse_not_finite("the derivative or the Jacobian")
+            self._h_next = 0.1 * h
+        else:
+            self._not_finite = 0
+            self._trouble = self._newton.trouble
+            self._h_next = 0.25 * h
+        self._since_change = 0
+
+    def _refuse_error(self, h: float, err: float) -> None:
+        self._not_finite = 0
+        self._trouble = f"local error {err:.3g} times the tolerance at order {self.order}"
+        self._failures += 1
+        self._h_next = h * max(MIN_FACTOR, min(0.9, SAFETY * err ** (-1 / (self.order + 1))))
+        if self._failures >= 3:  # the past says nothing about what comes, so forget it
+            self.order = 1
+        self._since_change = 0
+
+    def _remember(self, t: float, h: float, y: Array) -> None:
+        self._times.insert(0, t)
+        self._steps.insert(0, h)
+        del self._times[HIGHEST_ORDER + 2 :], self._steps[HIGHEST_ORDER + 1 :]
+        self._values[1:] = self._values[:-1]
+        self._values[0] = y
+        self._order_used = self.order
+
+    def _choose(self, h: float, err: float, weight: Array) -> None:
+        """Order and size of the next step: the order that allows the largest step."""
+        k = self.order
+        self._since_change += 1
+        self._h_next = h
+        if self._since_change <= k:
+            return
+        s = [distance / h for distance in accumulate(self._steps)]
+        best, growth = k, max(err, 1e-10) ** (-1 / (k + 1))
+        if k > 1:
+            lower = self._estimate(s[:k], weight) ** (-1 / k)
+            if lower > growth:
+                best, growth = k - 1, lower
+        if k < self.max_order and len(s) >= k + 2:
+            higher = self._estimate(s[: k + 2], weight) ** (-1 / (k + 2))
+            if higher > growth:
+                best, growth = k + 1, higher
+        factor = min(SAFETY * growth, MAX_FACTOR if best > 1 else MAX_FACTOR_ORDER_1)
+        if best != k:
+            self.order, self._since_change = best, 0
+        if factor >= HYSTERESIS or factor < 1:
+            self._h_next, self._since_change = h * max(MIN_FACTOR, factor), 0
+
+    def _estimate(self, s: list[float], weight: Array) -> float:
+        """Size of the local error that the order len(s) - 1 would have made."""
+        error = np.array(error_weights(s)) @ self._values[: len(s) + 1]
+        return max(self.norm(error * weight), 1e-10)
+
+    def _evaluate_jacobian(self, t: float, y: Array) -> Array:
+        if self.jacobian is not None:
+            return np.asarray(self.jacobian(t, y), dtype=float)
+        f_y = np.array(self.derivative(t, y))
+        delta = increments(y, self._h_try * f_y, self.norm.rtol, self.norm.atol)
+        return difference_jacobian(self.derivative, t, y, f_y, delta)
+
+    def _dense(self) -> Dense:
+        count = self._order_used + 1
+        return _Interpolant(self._times[:count], self._values[:count].copy())
+
+
+class _Interpolant:
+    """Polynomial through the points that the last step's formula used."""
+
+    def __init__(self, times: list[float], values: Array) -> None:
+        self.times, self.values = times, values
+
+    def __call__(self, t: Any) -> Array:
+        h = self.times[0] - self.times[1]
+        points = [(t_i - self.times[0]) / h for t_i in self.times]
+        x = (np.asarray(t, dtype=float) - self.times[0]) / h
+        weights = np.array([interpolation(float(x_i), points) for x_i in x.ravel()])
+        return (weights @ self.values).reshape(x.shape + self.values.shape[1:])

@@ -1,0 +1,73 @@
+"""Rows of the constraint equations, and the two building blocks of all joints.
+
+A joint is written between the frames of two markers. Each row holds the
+constraint Phi, its rate as coefficients C of (v_1, w_1, v_2, w_2), Phi_t, and
+gamma* = everything of the acceleration equation that is free of coordinate
+accelerations, moved to the right. Paper: Eq. (10), Eq. (11).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..bodies.marker import Marker
+from ..compiled import jit
+from ..package.schema import Array
+from ..rotations import cross
+
+
+class Rows(NamedTuple):
+    """All constraint rows of a system, filled joint by joint."""
+
+    Phi: Array  # (n,)
+    C: Array  # (n, 12): coefficients of v_1, w_1, v_2, w_2, global components
+    Phi_t: Array  # (n,)
+    gamma: Array  # (n,): gamma*
+
+
+@jit
+def same_point(rows: Rows, k: int, one: Marker, two: Marker) -> None:
+    """Rows k..k+2: the origins of both markers coincide [m]."""
+    rows.Phi[k : k + 3] = two.x - one.x
+    rows.C[k : k + 3] = 0.0
+    for i in range(3):
+        rows.C[k + i, i] = -1.0
+        rows.C[k + i, 6 + i] = 1.0
+    rows.Phi_t[k : k + 3] = 0.0
+    rows.gamma[k : k + 3] = one.a - two.a
+
+
+@jit
+def orthogonal_axes(
+    rows: Rows,
+    k: int,
+    one: Marker,
+    two: Marker,
+    a: Array,
+    b: Array,
+    spin: Array,
+    spin_rate: Array,
+) -> None:
+    """Row k: a . b = 0 with b fixed in marker two and a turning relative to marker one.
+
+    `spin` is the angular velocity of a relative to marker one and `spin_rate`
+    its global rate less alpha-terms of the coordinates, (3,) [rad/s, rad/s2];
+    both are zero for an axis fixed in marker one.
+    """
+    n = cross(a, b)
+    n_d = cross(cross(one.w + spin, a), b) + cross(a, cross(two.w, b))
+    rows.Phi[k] = a @ b
+    rows.C[k] = 0.0
+    rows.C[k, 3:6] = n
+    rows.C[k, 9:12] = -n
+    rows.Phi_t[k] = spin @ n
+    rows.gamma[k] = -((one.alpha - two.alpha + spin_rate) @ n + (one.w + spin - two.w) @ n_d)
+
+
+@jit
+def fixed_axes(rows: Rows, k: int, one: Marker, two: Marker, i: int, j: int) -> None:
+    """Row k: axis i of marker one is orthogonal to axis j of marker two."""
+    zero = np.zeros(3)
+    orthogonal_axes(
+        rows, k, one, two, one.A[:, i].copy(), two.A[:, j].copy(), zero, zero
+    )

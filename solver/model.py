@@ -1,0 +1,84 @@
+"""The frozen model: everything the step loop reads, as flat arrays.
+
+Readable descriptions (case.py, package/) are compiled once into a `Model`;
+inside a step no object per body is touched. Bodies stand end to end with
+offsets; markers, joints and point masses are tables. A body without modes is
+rigid. The ground is body -1 and has no coordinates.
+
+State: y = [positions | velocities | work]
+  positions of a body   r_G (3), p (4 Euler parameters), q (m)
+  velocities of a body  rdot_G (3), w_B (3), qdot (m)
+  work                  done on the system by drives and damping since the start [J]
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .package.schema import Array
+
+IntArray = NDArray[np.int64]
+
+GROUND = -1
+
+
+class Model(NamedTuple):
+    """Arrays of one mechanism; built by assemble.py, read by system.py."""
+
+    # bodies (nb); mode_start and square_start have nb + 1 entries
+    n_mode: IntArray  # modes of each body
+    pos_start: IntArray  # first position coordinate
+    vel_start: IntArray  # first velocity coordinate
+    mode_start: IntArray  # running sum of n_mode
+    square_start: IntArray  # running sum of n_mode squared
+    mass: Array  # (nb,)                     [kg]
+    S0: Array  # (nb, 3)                     [kg m]
+    T00: Array  # (nb, 3, 3)                 [kg m2]
+    J0: Array  # (nb, 3, 3)                  [kg m2]
+    S: Array  # flat (3, m) per body         [kg]
+    T01: Array  # flat (9, m) per body       [kg m]
+    T11: Array  # flat (9 m, m) per body     [kg]
+    J_psi: Array  # flat (3, m) per body     [kg m2]
+    M_qq: Array  # flat (m, m) per body
+    K_qq: Array  # flat (m, m) per body
+    D_qq: Array  # flat (m, m) per body
+    gravity_G: Array  # (3,)                 [m/s2]
+    # markers (nk): frames fixed to a body's interface or to the ground
+    marker_body: IntArray
+    marker_x: Array  # (nk, 3) rest position, body (ground: global) components [m]
+    marker_A: Array  # (nk, 3, 3) marker axes to body axes
+    marker_start: IntArray  # (nk,) start of its rows in marker_phi
+    marker_phi: Array  # flat (3, m) per marker
+    marker_psi: Array  # flat (3, m) per marker
+    # joints (nj): constraint rows joint_row[j] .. joint_row[j + 1]
+    joint_kind: IntArray
+    joint_marker: IntArray  # (nj, 2)
+    joint_row: IntArray  # (nj + 1,)
+    joint_parameters: Array  # (nj, N_PARAMETER)
+    # point masses (nm)
+    point_marker: IntArray
+    point_mass: Array
+    # Baumgarte's constants, Eq. (13)
+    alpha: float
+    beta: float
+
+    @property
+    def n_body(self) -> int:
+        """Number of moving bodies."""
+        return int(self.n_mode.shape[0])
+
+    @property
+    def n_pos(self) -> int:
+        """Number of position coordinates."""
+        return int(7 * self.n_body + self.mode_start[-1])
+
+    @property
+    def n_vel(self) -> int:
+        """Number of velocity coordinates."""
+        return int(6 * self.n_body + self.mode_start[-1])
+
+    @property
+    def n_constraint(self) -> int:
+        """Number of constraint equations."""
+        return int(self.joint_row[-1])

@@ -1,0 +1,162 @@
+"""HDF5 as we use it: atomic writing, text attributes, errors that say what is wrong.
+
+Works with h5py 3.7 (HDF5 1.10) and later. Text is fixed-length UTF-8, because
+variable-length text costs a 4 kB heap per file object and defeats checksums.
+"""
+
+import contextlib
+import hashlib
+import os
+import secrets
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+SIGNATURE = b"\x89HDF\r\n\x1a\n"
+LIBVER = ("earliest", "v110")  # readable by HDF5 1.10 and by VTK
+MAX_ATTRIBUTE = 60_000  # HDF5 stores larger attributes in a way old libraries cannot read
+
+
+@contextlib.contextmanager
+def temporary_sibling(path: Path) -> Iterator[Path]:
+    """Give a name beside `path`; move it onto `path` on success, remove it on failure."""
+    temporary = path.with_name(f".{path.stem}.{os.getpid()}-{secrets.token_hex(4)}{path.suffix}")
+    try:
+        yield temporary
+        os.replace(temporary, path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def new_file(path: Path) -> Iterator[h5py.File]:
+    """Open a new HDF5 file that appears under `path` only when it is complete."""
+    with temporary_sibling(path) as temporary, h5py.File(temporary, "w", libver=LIBVER) as file:
+        yield file
+
+
+@contextlib.contextmanager
+def open_file(path: Path, error: type[Exception]) -> Iterator[h5py.File]:
+    """Open an HDF5 file for reading; whatever is wrong with it is raised as `error`."""
+    if not path.is_file():
+        raise error(f"{path}: no such file")
+    with path.open("rb") as raw:
+        head = raw.read(16)
+    if not head.startswith(SIGNATURE):
+        raise error(f"{path}: not an HDF5 file but {_kind_of_bytes(head)}")
+    try:
+        with h5py.File(path, "r") as file:
+            yield file
+    except (OSError, KeyError, RuntimeError, ValueError, TypeError, MemoryError) as cause:
+        if "truncated" in str(cause):
+            message = f"truncated: {path.stat().st_size} bytes are there, more are expected"
+        else:
+            message = "damaged HDF5 file"
+        raise error(f"{path}: {message} (HDF5 says: {cause})") from cause
+
+
+def _kind_of_bytes(head: bytes) -> str:
+    known = {
+        b"": "an empty file",
+        b"PK\x03\x04": "a zip archive (.npz?)",
+        b"\x93NUMPY": "a NumPy .npy file",
+        b"<?xml": "an XML file (.vtu?)",
+        b"CDF": "a classic NetCDF file",
+        b"# vtk": "a legacy VTK file",
+        b"$MeshFormat": "a gmsh mesh",
+    }
+    for start, name in known.items():
+        if head == start or (start and head.startswith(start)):
+            return name
+    return "a text file" if head.isascii() and b"\0" not in head else "something else"
+
+
+def kind_of_file(file: h5py.File) -> str:
+    """Guess what a foreign HDF5 file is, for an error message."""
+    names = set(file)
+    if {"ENS_MAA", "INFOS_GENERALES"} & names:
+        return "a MED file (Salome, Code_Aster)"
+    if "_NCProperties" in file.attrs:
+        return "a NetCDF-4 file"
+    if "#refs#" in names:
+        return "a MATLAB 7.3 file"
+    if "VTKHDF" in names:
+        return "a VTKHDF file without modal data"
+    if "Mesh" in names:
+        return "the HDF5 part of an XDMF file"
+    shown = ", ".join(sorted(names)[:5]) or "nothing"
+    return f"an HDF5 file holding {shown}"
+
+
+def set_text(item: h5py.HLObject, name: str, text: str) -> None:
+    """Store text as an attribute of fixed length. Raises ValueError when it is too long."""
+    raw = text.encode("utf-8")
+    if len(raw) > MAX_ATTRIBUTE:
+        raise ValueError(f"attribute {name} has {len(raw)} bytes, at most {MAX_ATTRIBUTE} fit")
+    item.attrs.create(name, np.bytes_(raw), dtype=h5py.string_dtype("utf-8", max(len(raw), 1)))
+
+
+def as_text(value: Any) -> str:
+    """Turn any HDF5 text value (fixed or variable length) into str."""
+    if isinstance(value, np.ndarray) and value.shape in ((), (1,)):
+        value = value.reshape(())[()]
+    return value.decode("utf-8") if isinstance(value, bytes) else str(value)
+
+
+def get_text(item: h5py.HLObject, name: str, default: str = "") -> str:
+    """Return a text attribute."""
+    return as_text(item.attrs[name]) if name in item.attrs else default
+
+
+def is_text(dataset: h5py.Dataset) -> bool:
+    """Say whether a dataset holds text."""
+    return h5py.check_string_dtype(dataset.dtype) is not None
+
+
+def content_sha256(group: h5py.Group, *preamble: str) -> str:
+    """Hash names, attributes and values of a group in a canonical order.
+
+    The rule (docs/format.md repeats it for other writers): a sequence of items,
+    each its length in bytes as decimal text, a colon, and the bytes. Items are
+    the preamble; then for the group and everything below it, sorted by path,
+    the path; for each attribute, sorted by name, its name and value; for a
+    dataset its value. A value is text, or its shape ("3,4"), "f8" or "i8", and
+    the numbers as little-endian 64-bit in C order.
+    """
+    digest = hashlib.sha256()
+
+    def item(raw: bytes) -> None:
+        digest.update(b"%d:" % len(raw))
+        digest.update(raw)
+
+    def value(data: Any) -> None:
+        array = np.asarray(data)
+        if array.dtype.kind in "SOU":
+            for text in array.ravel():
+                item(as_text(text).encode("utf-8"))
+            return
+        kind = "f8" if array.dtype.kind == "f" else "i8"
+        item(",".join(map(str, array.shape)).encode())
+        item(kind.encode())
+        item(np.ascontiguousarray(array, dtype=f"<{kind}").tobytes())
+
+    for text in preamble:
+        item(text.encode("utf-8"))
+    members: dict[str, h5py.HLObject] = {"": group}
+    group.visititems(lambda path, member: members.__setitem__(path, member))
+    for path in sorted(members, key=_name_bytes):
+        item(_name_bytes(path))
+        for name in sorted(members[path].attrs, key=_name_bytes):
+            item(_name_bytes(name))
+            value(members[path].attrs[name])
+        if isinstance(members[path], h5py.Dataset):
+            value(members[path][()])
+    return digest.hexdigest()
+
+
+def _name_bytes(name: str | bytes) -> bytes:
+    """Names that are not UTF-8 (a damaged file) come from h5py as bytes."""
+    return name if isinstance(name, bytes) else name.encode("utf-8", "surrogateescape")

@@ -1,0 +1,136 @@
+"""Rotations: skew matrices, Euler parameters, finite rotation vectors.
+
+`A_GB` takes components in the body frame B to components in G. Euler
+parameters p = (e0, e1, e2, e3) need not be exactly normalised: every formula
+here divides by p'p, so that an integrator's drift of the norm is harmless.
+"""
+
+import numpy as np
+
+from .compiled import jit
+from .package.schema import Array
+
+
+@jit
+def skew(a: Array) -> Array:
+    """Return the matrix a~ with a~ b = a x b, (3, 3)."""
+    return np.array(((0.0, -a[2], a[1]), (a[2], 0.0, -a[0]), (-a[1], a[0], 0.0)))
+
+
+@jit
+def cross(a: Array, b: Array) -> Array:
+    """Return a x b, (3,)."""
+    return np.array(
+        (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+    )
+
+
+@jit
+def rotation_matrix(p: Array) -> Array:
+    """Return A_GB (3, 3) of Euler parameters p (4,), a rotation for any p != 0."""
+    n = p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3]
+    s = 2.0 / n
+    e0, e1, e2, e3 = p[0], p[1], p[2], p[3]
+    return np.array(
+        (
+            (1.0 - s * (e2 * e2 + e3 * e3), s * (e1 * e2 - e0 * e3), s * (e1 * e3 + e0 * e2)),
+            (s * (e1 * e2 + e0 * e3), 1.0 - s * (e1 * e1 + e3 * e3), s * (e2 * e3 - e0 * e1)),
+            (s * (e1 * e3 - e0 * e2), s * (e2 * e3 + e0 * e1), 1.0 - s * (e1 * e1 + e2 * e2)),
+        )
+    )
+
+
+@jit
+def parameter_rate(p: Array, w_B: Array) -> Array:
+    """Return pdot (4,) of a body with angular velocity w_B (3,), body components [rad/s].
+
+    The rate is orthogonal to p: the norm of p is an invariant of the flow.
+    """
+    e0, e1, e2, e3 = p[0], p[1], p[2], p[3]
+    return 0.5 * np.array(
+        (
+            -e1 * w_B[0] - e2 * w_B[1] - e3 * w_B[2],
+            e0 * w_B[0] - e3 * w_B[1] + e2 * w_B[2],
+            e3 * w_B[0] + e0 * w_B[1] - e1 * w_B[2],
+            -e2 * w_B[0] + e1 * w_B[1] + e0 * w_B[2],
+        )
+    )
+
+
+@jit
+def vector_to_matrix(theta: Array) -> Array:
+    """Return exp(theta~) (3, 3), the rotation by |theta| about theta (3,) [rad]."""
+    return np.eye(3) + skew(theta) @ tangent_map(theta)
+
+
+@jit
+def _tangent_coefficients(s: float) -> tuple[float, float, float, float]:
+    """Return a = (1 - cos x)/x2, b = (x - sin x)/x3 and da/ds, db/ds at s = x2.
+
+    Both are entire functions of s: below 0.05 their series (error < 1e-17)
+    avoids the cancellation of the closed forms.
+    """
+    if s < 0.05:
+        a = 1 / 2 - s * (1 / 24 - s * (1 / 720 - s * (1 / 40320 - s * (1 / 3628800 - s / 479001600))))
+        b = 1 / 6 - s * (1 / 120 - s * (1 / 5040 - s * (1 / 362880 - s * (1 / 39916800 - s / 6227020800))))
+        da = -1 / 24 + s * (1 / 360 - s * (1 / 13440 - s * (1 / 907200 - s / 95800320)))
+        db = -1 / 120 + s * (1 / 2520 - s * (1 / 120960 - s * (1 / 9979200 - s / 1245404160)))
+        return a, b, da, db
+    x = np.sqrt(s)
+    a = (1.0 - np.cos(x)) / s
+    b = (x - np.sin(x)) / (s * x)
+    da = (0.5 * np.sin(x) / x - a) / s
+    db = (0.5 * a - 1.5 * b) / s
+    return a, b, da, db
+
+
+@jit
+def tangent_map(theta: Array) -> Array:
+    """Return T (3, 3) with angular velocity = T thetadot, in the axes that theta starts from."""
+    a, b, _, _ = _tangent_coefficients(theta @ theta)
+    t = skew(theta)
+    return np.eye(3) + a * t + b * (t @ t)
+
+
+@jit
+def tangent_rate(theta: Array, theta_d: Array) -> Array:
+    """Return (dT/dt) thetadot (3,) of `tangent_map`, at rates theta_d (3,) [rad/s]."""
+    a, b, da, db = _tangent_coefficients(theta @ theta)
+    s_d = 2.0 * (theta @ theta_d)
+    c = cross(theta, theta_d)
+    return s_d * da * c + s_d * db * cross(theta, c) + b * cross(theta_d, c)
+
+
+def matrix_to_parameters(A_GB: Array) -> Array:
+    """Return Euler parameters (4,) of a rotation matrix (3, 3), e0 >= 0."""
+    trace = np.trace(A_GB)
+    # The largest of the four squares is the safe one to divide by.
+    squares = np.array([trace, A_GB[0, 0], A_GB[1, 1], A_GB[2, 2]])
+    k = int(np.argmax(squares))
+    p = np.empty(4)
+    off = np.array(
+        [A_GB[2, 1] - A_GB[1, 2], A_GB[0, 2] - A_GB[2, 0], A_GB[1, 0] - A_GB[0, 1]]
+    )
+    if k == 0:
+        p[0] = 1.0 + trace
+        p[1:] = off
+    else:
+        i = k - 1
+        p[1:] = A_GB[:, i] + A_GB[i, :]
+        p[1 + i] = 1.0 + 2.0 * A_GB[i, i] - trace
+        p[0] = off[i]
+    p /= np.linalg.norm(p)
+    return p if p[0] >= 0 else -p
+
+
+def frame_from_axis(axis: Array) -> Array:
+    """Return a rotation matrix (3, 3) whose third column is the unit vector along `axis`.
+
+    The first column is the coordinate axis that is farthest from `axis`, made
+    orthogonal to it: deterministic, and the identity for axis = z.
+    """
+    z = np.asarray(axis, dtype=float) / np.linalg.norm(axis)
+    start = np.eye(3)[int(np.argmin(np.abs(z)))]
+    x = start - (start @ z) * z
+    x /= np.linalg.norm(x)
+    return np.column_stack([x, np.cross(z, x), z])

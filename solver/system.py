@@ -1,0 +1,192 @@
+"""Equations of motion of the whole system and their solution for accelerations."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .bodies.floating_frame import add_inertia
+from .bodies.marker import marker_motion
+from .compiled import jit
+from .constraints.baumgarte import stabilised
+from .forces import add_point_mass
+from .joints.rows import Rows
+from .joints.table import joint_rows
+from .model import Model
+from .package.schema import Array
+from .rotations import parameter_rate, rotation_matrix
+
+
+class Equations(NamedTuple):
+    """One evaluation of the equations of motion at (t, y)."""
+
+    M: Array  # (n_vel, n_vel) mass matrix
+    f: Array  # (n_vel,) loads, quadratic velocity terms, elastic and damping forces
+    Phi_q: Array  # (n_c, n_vel) d Phidot / d velocities
+    Phi: Array  # (n_c,)
+    Phi_t: Array  # (n_c,)
+    gamma: Array  # (n_c,) gamma* of Eq. (11)
+    damping_power: Array  # (1,) power of the modal dampers, <= 0 [W]
+
+
+@jit
+def assemble(model: Model, t: float, y: Array) -> Equations:
+    """Assemble mass matrix, forces and constraints at time t and state y.
+
+    Paper: Eq. (6), Eq. (9), Eq. (12) with the sign of s of Eq. (6): M a + Phi_q' lambda = f.
+    """
+    n_body = model.n_mode.shape[0]
+    n_pos = 7 * n_body + model.mode_start[n_body]
+    n_vel = 6 * n_body + model.mode_start[n_body]
+    n_c = model.joint_row[-1]
+    M = np.zeros((n_vel, n_vel))
+    f = np.zeros(n_vel)
+    damping_power = np.zeros(1)
+    for i in range(n_body):
+        _add_body(model, i, n_pos, y, M, f, damping_power)
+    for k in range(model.point_mass.shape[0]):
+        marker = marker_motion(model, model.point_marker[k], y)
+        body = model.marker_body[model.point_marker[k]]
+        if body >= 0:
+            j = model.vel_start[body]
+            e = j + 6 + model.n_mode[body]
+            add_point_mass(M[j:e, j:e], f[j:e], marker, model.point_mass[k], model.gravity_G)
+
+    Phi_q = np.zeros((n_c, n_vel))
+    rows = Rows(np.zeros(n_c), np.zeros((n_c, 12)), np.zeros(n_c), np.zeros(n_c))
+    for k in range(model.joint_kind.shape[0]):
+        k_1, k_2 = model.joint_marker[k, 0], model.joint_marker[k, 1]
+        one = marker_motion(model, k_1, y)
+        two = marker_motion(model, k_2, y)
+        a, b = model.joint_row[k], model.joint_row[k + 1]
+        joint_rows(rows, a, model.joint_kind[k], one, two, t, model.joint_parameters[k])
+        body = model.marker_body[k_1]
+        if body >= 0:
+            j = model.vel_start[body]
+            e = j + 6 + model.n_mode[body]
+            C = rows.C[a:b]
+            Phi_q[a:b, j:e] += C[:, 0:3].copy() @ one.J_v + C[:, 3:6].copy() @ one.J_w
+        body = model.marker_body[k_2]
+        if body >= 0:
+            j = model.vel_start[body]
+            e = j + 6 + model.n_mode[body]
+            C = rows.C[a:b]
+            Phi_q[a:b, j:e] += C[:, 6:9].copy() @ two.J_v + C[:, 9:12].copy() @ two.J_w
+    return Equations(M, f, Phi_q, rows.Phi, rows.Phi_t, rows.gamma, damping_power)
+
+
+@jit
+def _add_body(
+    model: Model, i: int, n_pos: int, y: Array, M: Array, f: Array, damping_power: Array
+) -> None:
+    """Add the inertia, gravity and modal forces of body i. Paper: Eq. (3), Eq. (4), Eq. (6)."""
+    m = model.n_mode[i]
+    a = model.pos_start[i]
+    j = model.vel_start[i]
+    c = n_pos + j
+    one = model.mode_start[i]
+    two = model.square_start[i]
+    q = y[a + 7 : a + 7 + m]
+    q_d = y[c + 6 : c + 6 + m]
+    e = j + 6 + m
+    add_inertia(
+        M[j:e, j:e],
+        f[j:e],
+        rotation_matrix(y[a + 3 : a + 7]),
+        y[c + 3 : c + 6],
+        q,
+        q_d,
+        model.gravity_G,
+        model.mass[i],
+        model.S0[i],
+        model.S[3 * one : 3 * (one + m)].reshape(3, m),
+        model.T00[i],
+        model.T01[9 * one : 9 * (one + m)].reshape(9, m),
+        model.T11[9 * two : 9 * (two + m * m)].reshape(9 * m, m),
+        model.J0[i],
+        model.J_psi[3 * one : 3 * (one + m)].reshape(3, m),
+        model.M_qq[two : two + m * m].reshape(m, m),
+    )
+    damping = model.D_qq[two : two + m * m].reshape(m, m) @ q_d
+    f[j + 6 : e] -= model.K_qq[two : two + m * m].reshape(m, m) @ q + damping
+    damping_power[0] -= q_d @ damping
+
+
+@jit
+def solve(equations: Equations, gamma: Array) -> tuple[Array, Array]:
+    """Return accelerations (n_vel,) and multipliers (n_c,). Paper: Eq. (12), Eq. (14), Eq. (16).
+
+    [M Phi_q'; Phi_q 0] [a; lambda] = [f; gamma]; a load Lambda w, not
+    Lambda u' (docs/errata.md), is part of f.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        If the matrix is exactly singular (redundant constraints).
+    """
+    n = equations.f.shape[0]
+    n_c = gamma.shape[0]
+    A = np.zeros((n + n_c, n + n_c))
+    A[:n, :n] = equations.M
+    A[n:, :n] = equations.Phi_q
+    A[:n, n:] = equations.Phi_q.T
+    b = np.empty(n + n_c)
+    b[:n] = equations.f
+    b[n:] = gamma
+    x = np.linalg.solve(A, b)
+    return x[:n], x[n:]
+
+
+@jit
+def derivative(model: Model, t: float, y: Array) -> Array:
+    """Return dy/dt, (n,): the index-1 system with Baumgarte's feedback. Paper: Eq. (14).
+
+    The last entry is the power of drives and dampers, so that the energy
+    balance is integrated as accurately as the motion.
+    """
+    n_body = model.n_mode.shape[0]
+    n_pos = 7 * n_body + model.mode_start[n_body]
+    equations = assemble(model, t, y)
+    n_vel = equations.f.shape[0]
+    velocities = y[n_pos : n_pos + n_vel]
+    Phi_d = equations.Phi_q @ velocities + equations.Phi_t
+    gamma = stabilised(equations.gamma, equations.Phi, Phi_d, model.alpha, model.beta)
+    acceleration, multipliers = solve(equations, gamma)
+    y_d = np.empty(y.shape[0])
+    for i in range(n_body):
+        a = model.pos_start[i]
+        j = n_pos + model.vel_start[i]
+        m = model.n_mode[i]
+        y_d[a : a + 3] = y[j : j + 3]
+        y_d[a + 3 : a + 7] = parameter_rate(y[a + 3 : a + 7], y[j + 3 : j + 6])
+        y_d[a + 7 : a + 7 + m] = y[j + 6 : j + 6 + m]
+    y_d[n_pos : n_pos + n_vel] = acceleration
+    y_d[n_pos + n_vel] = multipliers @ equations.Phi_t + equations.damping_power[0]
+    return y_d
+
+
+@jit
+def energies(model: Model, t: float, y: Array) -> Array:
+    """Return kinetic, strain and potential energy at (t, y), (3,) [J]. Paper: Eq. (1), Eq. (3).
+
+    Potential energy is zero for a mass point at the global origin.
+    """
+    n_body = model.n_mode.shape[0]
+    n_pos = 7 * n_body + model.mode_start[n_body]
+    equations = assemble(model, t, y)
+    velocities = y[n_pos : n_pos + equations.f.shape[0]]
+    out = np.zeros(3)
+    out[0] = 0.5 * velocities @ (equations.M @ velocities)
+    for i in range(n_body):
+        a = model.pos_start[i]
+        m = model.n_mode[i]
+        one = model.mode_start[i]
+        two = model.square_start[i]
+        q = y[a + 7 : a + 7 + m]
+        out[1] += 0.5 * q @ (model.K_qq[two : two + m * m].reshape(m, m) @ q)
+        first = model.S0[i] + model.S[3 * one : 3 * (one + m)].reshape(3, m) @ q
+        centre = model.mass[i] * y[a : a + 3] + rotation_matrix(y[a + 3 : a + 7]) @ first
+        out[2] -= model.gravity_G @ centre
+    for k in range(model.point_mass.shape[0]):
+        marker = marker_motion(model, model.point_marker[k], y)
+        out[2] -= model.point_mass[k] * (model.gravity_G @ marker.x)
+    return out

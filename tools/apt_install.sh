@@ -1,0 +1,25 @@
+#!/bin/sh
+# Install Debian packages, or say what to do: apt_install.sh PACKAGE...
+# Exit code 3: not possible here (no apt, or not root).
+set -eu
+
+if ! command -v apt-get >/dev/null 2>&1; then
+    echo "setup: this system has no apt-get; install with its own package manager: $*" >&2
+    exit 3
+fi
+if [ "$(id -u)" -ne 0 ]; then
+    echo "setup: not root; run this once:  sudo apt-get install --no-install-recommends $*" >&2
+    exit 3
+fi
+
+export DEBIAN_FRONTEND=noninteractive
+install() { apt-get install -y -q --no-install-recommends "$@"; }
+
+# A fresh machine has no package lists at all; an old one has lists that name
+# versions which are gone: look again once before giving up.
+if [ -z "$(find /var/lib/apt/lists -name '*_Packages*' 2>/dev/null | head -n 1)" ]; then
+    apt-get update -q
+    install "$@"
+else
+    install "$@" || { apt-get update -q && install "$@"; }
+fi

@@ -1,0 +1,55 @@
+"""What one Python knows of FEniCSx: run by that Python, prints one line of JSON.
+
+Real imports, because an installed package may still not load (a complex-valued
+build, a shared library that is missing); and one form is compiled, because
+DOLFINx needs a C compiler and Python's headers at run time. Written for any
+Python 3, since it also has to tell why an old one does not do.
+"""
+
+import importlib
+import json
+import sys
+
+# mpi4py first: with the wheel it loads the MPI library that the others link to.
+MODULES = ("mpi4py.MPI", "petsc4py.PETSc", "slepc4py.SLEPc", "dolfinx", "gmsh", "h5py", "scipy")
+
+
+def probe():
+    """Versions and problems found: {"dolfinx": "0.9.0", "problems": {module: reason}}."""
+    found = {"python": sys.executable, "problems": {}}
+    problems = found["problems"]
+    if sys.version_info < (3, 11):
+        problems["python"] = "%d.%d is older than 3.11" % sys.version_info[:2]
+        return found
+    loaded = {}
+    for name in MODULES:
+        try:
+            loaded[name] = importlib.import_module(name)
+        except Exception as error:  # a broken library can raise anything on import
+            problems[name.split(".")[0]] = "{}: {}".format(type(error).__name__, error)
+    if "dolfinx" in loaded:
+        found["dolfinx"] = loaded["dolfinx"].__version__
+    if "petsc4py.PETSc" in loaded:
+        import numpy
+
+        if numpy.issubdtype(loaded["petsc4py.PETSc"].ScalarType, numpy.complexfloating):
+            problems["petsc4py"] = "complex-valued build, a real-valued one is needed"
+    if not problems:
+        try:
+            compile_form(loaded["mpi4py.MPI"])
+        except Exception as error:  # whatever the compiler or the loader raises
+            problems["compiler"] = "{}: {}".format(type(error).__name__, error)
+    return found
+
+
+def compile_form(MPI):
+    """Compile the length of an interval (cached on disk after the first time)."""
+    import ufl
+    from dolfinx import fem, mesh
+
+    interval = mesh.create_unit_interval(MPI.COMM_SELF, 1)
+    fem.form(fem.Constant(interval, 1.0) * ufl.dx)
+
+
+if __name__ == "__main__":
+    print(json.dumps(probe()))

@@ -1,0 +1,131 @@
+"""Where FEniCSx can come from: Debian's packages, conda, or a wheel.
+
+Each source is a function that installs what is missing and returns the report
+of the probe (tools/fenicsx_probe.py), or a line that says why it cannot.
+"""
+
+import json
+import platform
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+from interpreters import first, run, say
+
+ROOT = Path(__file__).resolve().parent.parent
+APT_INSTALL = str(ROOT / "tools" / "apt_install.sh")
+PROBE = str(ROOT / "tools" / "fenicsx_probe.py")
+
+SYSTEM_PYTHON = "/usr/bin/python3"
+SYSTEM_PACKAGES = (
+    "python3-dolfinx-real",
+    "python3-slepc4py-real",
+    "python3-gmsh",
+    "python3-h5py",
+    "python3-scipy",
+)
+WHEEL = "dolfinx-solver-real==0.11.0.post0"
+WHEEL_FOLDER = ROOT / ".fenicsx-0.11"
+CONDA_FOLDER = ROOT / ".fenicsx-conda"
+CONDA_PACKAGES = (
+    "fenics-dolfinx petsc=*=*real* slepc4py python-gmsh h5py scipy c-compiler pytest".split()
+)
+
+# What gmsh's wheel links to and a machine without a desktop lacks.
+GMSH_LIBRARIES = (
+    "libglu1-mesa libgl1 libx11-6 libxrender1 libxcursor1 libxfixes3 libxext6 libxft2 "
+    "libxinerama1 libfontconfig1 libgomp1"
+).split()
+
+Report = dict[str, Any]  # {"python": path, "dolfinx": version, "problems": {module: reason}}
+
+
+def probe(python: str) -> Report:
+    """What an interpreter really imports; a problem "python" if it does not start."""
+    try:
+        done = subprocess.run([python, PROBE], capture_output=True, text=True, timeout=300)
+    except (OSError, subprocess.TimeoutExpired) as error:
+        return {"python": python, "problems": {"python": f"does not start: {error}"}}
+    for line in reversed(done.stdout.splitlines()):
+        if line.startswith("{"):
+            report: Report = json.loads(line)
+            return report
+    reason = (done.stderr.strip().splitlines() or ["no output"])[-1]
+    return {"python": python, "problems": {"python": f"does not start: {reason}"}}
+
+
+def usable(report: Report) -> bool:
+    """True if everything that the preprocessor needs was imported."""
+    return not report["problems"]
+
+
+def reasons(report: Report) -> str:
+    """The problems of a report in one line: what is missing, then what is broken."""
+    problems: dict[str, str] = report["problems"]
+    missing = [name for name, why in problems.items() if "ModuleNotFoundError" in why]
+    others = [f"{name}: {why}" for name, why in problems.items() if name not in missing]
+    return "; ".join([*([f"no {', '.join(missing)}"] if missing else []), *others])
+
+
+def repaired(report: Report) -> Report:
+    """The same interpreter after installing what can be by apt: libraries, a compiler."""
+    problems: dict[str, str] = report["problems"]
+    packages: list[str] = []
+    if "cannot open shared object file" in problems.get("gmsh", ""):
+        packages += GMSH_LIBRARIES
+    if "compiler" in problems:
+        packages += ["gcc", "libc6-dev"]
+    if not packages or run([APT_INSTALL, *packages]) != 0:
+        return report
+    return probe(report["python"])
+
+
+def from_system() -> Report | str:
+    """FEniCSx of the distribution: /usr/bin/python3 with Debian's packages."""
+    if not Path(SYSTEM_PYTHON).exists():
+        return f"there is no {SYSTEM_PYTHON}"
+    report = probe(SYSTEM_PYTHON)
+    if usable(report):
+        return report
+    say(f"{SYSTEM_PYTHON} has {reasons(report)}: installing {' '.join(SYSTEM_PACKAGES)}")
+    if run([APT_INSTALL, *SYSTEM_PACKAGES]) != 0:
+        return f"could not install {' '.join(SYSTEM_PACKAGES)} by apt-get (see above)"
+    report = probe(SYSTEM_PYTHON)
+    report = report if usable(report) else repaired(report)
+    return report if usable(report) else f"{SYSTEM_PYTHON}: {reasons(report)}"
+
+
+def from_conda() -> Report | str:
+    """FEniCSx of conda-forge, in an environment of the project's own."""
+    tool = next(filter(None, map(shutil.which, ("micromamba", "mamba", "conda"))), None)
+    if tool is None:
+        return "neither micromamba, mamba nor conda is on PATH"
+    say(f"{CONDA_FOLDER.name}: installing FEniCSx by {tool}")
+    channel = ["--override-channels", "-c", "conda-forge"]
+    if run([tool, "create", "-y", "-p", str(CONDA_FOLDER), *channel, *CONDA_PACKAGES]) != 0:
+        return f"{tool} failed (see above)"
+    report = probe(str(CONDA_FOLDER / "bin" / "python"))
+    return report if usable(report) else f"{CONDA_FOLDER.name}: {reasons(report)}"
+
+
+def from_wheel() -> Report | str:
+    """FEniCSx of a wheel, in an environment of the project's own: Linux on x86-64."""
+    python = str(WHEEL_FOLDER / "bin" / "python")
+    report = probe(python)
+    if usable(report):
+        return report
+    if (platform.system(), platform.machine()) != ("Linux", "x86_64"):
+        return f"{WHEEL} exists for Linux on x86-64 only"
+    base = first((14, 13, 12), ("ensurepip", "venv"))
+    if base is None:
+        return f"{WHEEL} needs a Python 3.12, 3.13 or 3.14 and none starts here"
+    say(f"{WHEEL_FOLDER.name}: installing {WHEEL} for {base}")
+    if run([base, "-m", "venv", "--clear", str(WHEEL_FOLDER)]) != 0:
+        return f"{base} could not make {WHEEL_FOLDER.name} (see above)"
+    pip = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
+    if run([*pip, WHEEL, "gmsh", "h5py", "scipy", "pytest"]) != 0:
+        return f"pip could not install {WHEEL} (see above)"
+    report = probe(python)
+    report = report if usable(report) else repaired(report)
+    return report if usable(report) else f"{WHEEL_FOLDER.name}: {reasons(report)}"
