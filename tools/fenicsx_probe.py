@@ -14,10 +14,10 @@ import sys
 MODULES = ("mpi4py.MPI", "petsc4py.PETSc", "slepc4py.SLEPc", "dolfinx", "gmsh", "h5py", "scipy")
 
 
-def probe():
+def probe() -> dict:
     """Versions and problems found: {"dolfinx": "0.9.0", "problems": {module: reason}}."""
-    found = {"python": sys.executable, "problems": {}}
-    problems = found["problems"]
+    problems: dict = {}
+    found = {"python": sys.executable, "problems": problems}
     if sys.version_info < (3, 11):
         problems["python"] = "%d.%d is older than 3.11" % sys.version_info[:2]
         return found
@@ -42,7 +42,7 @@ def probe():
     return found
 
 
-def compile_form(MPI):
+def compile_form(MPI) -> None:  # type: ignore[no-untyped-def]
     """Compile the length of an interval (cached on disk after the first time)."""
     import ufl
     from dolfinx import fem, mesh

@@ -29,14 +29,30 @@ WHEEL = "dolfinx-solver-real==0.11.0.post0"
 WHEEL_FOLDER = ROOT / ".fenicsx-0.11"
 CONDA_FOLDER = ROOT / ".fenicsx-conda"
 CONDA_PACKAGES = (
-    "fenics-dolfinx petsc=*=*real* slepc4py python-gmsh h5py scipy c-compiler pytest".split()
+    "fenics-dolfinx",
+    "petsc=*=*real*",
+    "slepc4py",
+    "python-gmsh",
+    "h5py",
+    "scipy",
+    "c-compiler",
+    "pytest",
 )
 
 # What gmsh's wheel links to and a machine without a desktop lacks.
 GMSH_LIBRARIES = (
-    "libglu1-mesa libgl1 libx11-6 libxrender1 libxcursor1 libxfixes3 libxext6 libxft2 "
-    "libxinerama1 libfontconfig1 libgomp1"
-).split()
+    "libglu1-mesa",
+    "libgl1",
+    "libx11-6",
+    "libxrender1",
+    "libxcursor1",
+    "libxfixes3",
+    "libxext6",
+    "libxft2",
+    "libxinerama1",
+    "libfontconfig1",
+    "libgomp1",
+)
 
 Report = dict[str, Any]  # {"python": path, "dolfinx": version, "problems": {module: reason}}
 

@@ -130,6 +130,14 @@ class BeamElement:
         B = self.strain(x)
         return np.einsum("k,kai,ab,kbj->ij", w, B, self.K, B, optimize=True)
 
+    def mass_matrix(self, mass: Array, mass_form: str) -> Array:
+        """Element mass in the form "consistent" or "lumped", (12, 12)."""
+        if mass_form == "consistent":
+            return self.consistent_mass(mass)
+        if mass_form == "lumped":
+            return self.lumped_mass(mass)
+        raise ValueError(f"mass form {mass_form!r}: expected consistent or lumped")
+
     def consistent_mass(self, mass: Array) -> Array:
         """Consistent element mass int N' m N dx, (12, 12).
 

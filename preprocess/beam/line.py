@@ -6,6 +6,7 @@ its x axis along the beam; the section's x2 axis is given in it, x3 = x x x2.
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 import scipy.sparse as sp
@@ -58,7 +59,10 @@ class BeamLine:
         # positions made by linspace differ in the last bits: those are equal lengths
         rounded = np.round(lengths / self.x_B[-1], 12)
         return [
-            (BeamElement(float(lengths[rounded == value].mean()), self.K), np.nonzero(rounded == value)[0])
+            (
+                BeamElement(float(lengths[rounded == value].mean()), self.K),
+                np.nonzero(rounded == value)[0],
+            )
             for value in np.unique(rounded)
         ]
 
@@ -74,12 +78,10 @@ class BeamLine:
         mass_form : "consistent" (int N' m N) or "lumped" (half of each element
             to each of its nodes)
         """
-        if mass_form == "consistent":
-            return self._assemble([e.consistent_mass(self.mass) for e, _ in self.spans])
-        return self._assemble([e.lumped_mass(self.mass) for e, _ in self.spans])
+        return self._assemble([e.mass_matrix(self.mass, mass_form) for e, _ in self.spans])
 
     def to_element(self, columns_B: Array) -> Array:
-        """Turn nodal columns (6 n, m) into the 12 values of each element, (e, 12, m), section axes."""
+        """Nodal columns (6 n, m) as the 12 values of each element in section axes, (e, 12, m)."""
         nodal = columns_B.reshape(self.n_node, 2, 3, -1)
         nodal_E = np.einsum("ae,kpam->kpem", self.A_BE, nodal).reshape(self.n_node, 6, -1)
         return np.concatenate([nodal_E[:-1], nodal_E[1:]], axis=1)
@@ -132,7 +134,7 @@ def node_positions(length: float, elements: int, stops: list[float]) -> Array:
     ValueError : fewer elements than stretches between stops.
     """
     inner = sorted({0.0, 1.0, *stops})
-    cuts = [inner[0]] + [b for a, b in zip(inner, inner[1:], strict=False) if b - a > 1e-9]
+    cuts = [inner[0]] + [b for a, b in pairwise(inner) if b - a > 1e-9]
     cuts[-1] = 1.0
     stretches = np.diff(cuts)
     if elements < len(stretches):

@@ -41,12 +41,13 @@ class SectionMass:
         centre = np.array([moment[2, 1], moment[0, 2], moment[1, 0]])
         J = mass[3:, 3:] + m * skew(centre) @ skew(centre)
         slice_ = cls(m, centre, 0.5 * (J + J.T))
-        scale = np.sqrt(np.abs(np.diagonal(mass)))
-        gap = np.abs(slice_.matrix() - mass).max(initial=0.0, where=np.outer(scale, scale) > 0)
-        worst = np.max(np.abs(slice_.matrix() - mass) / np.maximum(np.outer(scale, scale), 1e-300))
-        if gap > 0.0 and worst > TOLERANCE:
+        scale = np.sqrt(np.diagonal(mass).clip(min=0.0))
+        gap = np.abs(slice_.matrix() - mass) - TOLERANCE * np.outer(scale, scale)
+        if gap.max() > 0.0:
+            i, j = (int(k) for k in np.unravel_index(np.argmax(gap), gap.shape))
             raise ValueError(
-                f"the section's 6x6 mass is not that of a rigid slice (scaled difference {worst:.3g})"
+                "the section's 6x6 mass is not that of a rigid slice: entry "
+                f"[{i}, {j}] is {mass[i, j]:.9g}, expected {slice_.matrix()[i, j]:.9g}"
             )
         return slice_
 

@@ -14,7 +14,7 @@ from .newton import SimplifiedNewton
 from .norm import Array
 
 HIGHEST_ORDER = 5
-SAFETY = 0.9
+SAFETY = 0.8
 MIN_FACTOR, MAX_FACTOR, MAX_FACTOR_ORDER_1 = 0.2, 2.0, 10.0
 HYSTERESIS = 1.2  # a smaller growth of the step is not worth new factors
 

@@ -10,8 +10,8 @@ from .base import Counters, Derivative
 from .norm import Array, ErrorNorm
 
 MAX_ITERATIONS = 4
-TOLERANCE = 0.03  # of the local error allowed, left over by the iteration
-DRIFT = 0.25  # of gamma, up to which an old factorisation serves
+TOLERANCE = 0.1  # of the local error allowed, left over by the iteration
+DRIFT = 0.1  # of gamma, up to which an old factorisation serves
 
 
 class SimplifiedNewton:

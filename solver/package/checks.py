@@ -176,7 +176,11 @@ def _positive_mass(matrix: Array, error: Reporter) -> None:
     matrix = np.asarray(matrix)
     if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not matrix.size:
         return
-    values = np.linalg.eigvalsh((matrix + matrix.T) / 2)
+    try:
+        values = np.linalg.eigvalsh((matrix + matrix.T) / 2)
+    except np.linalg.LinAlgError as cause:
+        error("modes/mass", f"its eigenvalues cannot be computed ({cause})")
+        return
     if values[0] <= np.finfo(float).eps * len(values) * abs(values[-1]):
         text = f"expected a positive definite matrix, smallest eigenvalue is {values[0]:.6g}"
         error("modes/mass", text)

@@ -15,8 +15,15 @@ LUMPED_T11 = 0.05  # relative: lumped invariants against a modal mass that may b
 
 def plausibility_findings(package: ModalPackage) -> list[Finding]:
     """Return what is impossible (error) or suspicious (warning) in a body."""
-    checks = (_mass, _inertia, _free_body_mass, _modal_mass, _modes, _damping, _reference)
-    findings = [finding for check in checks for finding in check(package)]
+    findings: list[Finding] = []
+    try:
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            for check in (_mass, _inertia, _free_body_mass, _modal_mass, _modes, _damping):
+                findings += check(package)
+    except np.linalg.LinAlgError as cause:
+        text = f"eigenvalues cannot be computed, numbers are out of any range ({cause})"
+        findings.append(_finding("error", "modes", text))
+    findings += _reference(package)
     for interface in package.interfaces:
         findings += _interface(package, interface)
     return findings

@@ -157,3 +157,10 @@ def test_free_body_mass_gives_the_kinetic_energy_of_its_nodes() -> None:
     twice = np.einsum("k,ka,ka->", package.node_mass, v_k, v_k)
     twice += np.einsum("ka,kab,kb->", w_k, package.node_inertia_B, w_k)
     assert y @ free_body_mass(package) @ y == pytest.approx(twice, rel=1e-12)
+
+
+def test_numbers_beyond_all_range_are_a_finding_not_a_crash() -> None:
+    package = dataclasses.replace(cantilever(), stiffness=np.full((4, 4), 1e308))
+    assert found(plausibility_findings(package), "error", "modes/stiffness") or found(
+        plausibility_findings(package), "error", "modes"
+    )

@@ -1,0 +1,191 @@
+# Plymotion: targets are files, so what is up to date is not made again.
+# The steps of a case:
+#   case.toml -> case.mk, bodies/*.json, runs/*.json     check       light environment
+#   bodies/*.json -> bodies/*.vtkhdf                     preprocess  FEniCSx
+#   runs/<run>.json + packages -> <run>/summary.json     run         light environment
+#   summaries -> report.html, figures                    report      light environment
+
+MAKEFLAGS += --no-builtin-rules
+.DELETE_ON_ERROR:
+.SUFFIXES:
+.DEFAULT_GOAL := help
+
+# Small matrices: threads of the linear algebra only get into each other's way.
+export OPENBLAS_NUM_THREADS := 1
+
+VENV := .venv
+PY := $(VENV)/bin/python
+LIGHT := $(VENV)/installed
+FENICSX := build/fenicsx.env
+FE_PYTHON = . ./$(FENICSX) && PYTHONPATH=. "$$FENICSX_PYTHON"
+
+PREPROCESS_SOURCES := $(shell find preprocess meshes -name '*.py' -o -name '*.geo')
+SOLVER_SOURCES := $(shell find solver -name '*.py')
+PACKAGE_SOURCES := $(filter solver/package/% solver/rotations.py,$(SOLVER_SOURCES))
+REPORT_SOURCES := $(filter solver/report% solver/results%,$(SOLVER_SOURCES))
+RUN_SOURCES := $(filter-out solver/report% solver/case%,$(SOLVER_SOURCES))
+
+##@ Set-up
+
+.PHONY: environment
+environment: $(LIGHT) ## Make the light environment .venv (PYTHON=... chooses the interpreter)
+
+$(LIGHT): pyproject.toml tools/light_environment.sh tools/apt_install.sh
+	@tools/light_environment.sh $(VENV)
+	@touch $@
+
+.PHONY: fenicsx
+fenicsx: $(FENICSX) ## Find FEniCSx, or install it (FENICSX_PYTHON=... chooses the interpreter)
+	@. ./$(FENICSX) && echo "FEniCSx: $$FENICSX_PYTHON, DOLFINx $$DOLFINX_VERSION"
+
+# Look again if the recorded interpreter is gone or the user names another one.
+RECORDED := $(shell sed -n "s/^FENICSX_PYTHON='\{0,1\}\([^']*\)'\{0,1\}$$/\1/p" $(FENICSX) 2>/dev/null)
+ifneq ($(RECORDED),)
+ifeq ($(wildcard $(RECORDED)),)
+$(FENICSX): FORCE
+endif
+ifneq ($(filter-out $(RECORDED),$(FENICSX_PYTHON)),)
+$(FENICSX): FORCE
+endif
+endif
+export FENICSX_PYTHON
+
+FENICSX_TOOLS := $(addprefix tools/,find_fenicsx.py fenicsx_sources.py fenicsx_probe.py interpreters.py)
+$(FENICSX): $(FENICSX_TOOLS) | $(LIGHT)
+	@$(PY) tools/find_fenicsx.py $@
+
+##@ Cases
+
+# make <case>                  everything from the case file to the report
+# make <case> PACKAGES=shipped the packages of the repository: no FEniCSx needed
+# make <case> COARSE=1         a small version, in build/<case>-coarse
+CASES := $(patsubst cases/%/case.toml,%,$(wildcard cases/*/case.toml))
+COARSE ?=
+PACKAGES ?=
+ifneq ($(filter-out shipped,$(PACKAGES)),)
+$(error PACKAGES=$(PACKAGES): expected PACKAGES=shipped, or nothing)
+endif
+
+out = build/$(1)$(if $(COARSE),-coarse)
+asked = $(or $(filter $(1) $(call out,$(1))/%,$(MAKECMDGOALS)),$(filter cases,$(MAKECMDGOALS)))
+ASKED := $(foreach case,$(CASES),$(if $(call asked,$(case)),$(case)))
+OPTIONS := $(strip PACKAGES=$(PACKAGES) COARSE=$(COARSE))
+
+.PHONY: cases $(CASES)
+cases: $(CASES) ## Make every case (make <case>: one of them)
+
+# The list of a case's bodies and runs is made first: make reads it and starts anew.
+include $(foreach case,$(ASKED),$(call out,$(case))/case.mk)
+
+define CASE_RULES
+$(1): $(2)/report.html
+	@echo "$(1): $(2)/report.html"
+
+# Another choice of options than last time is another case file.
+ifneq ($$(strip $$(file <$(2)/case.options)),$$(OPTIONS))
+$(2)/case.mk: FORCE
+endif
+CHECK_$(1) := $$(PY) -m plymotion.solver check cases/$(1)/case.toml --out $(2) \
+    $$(if $$(PACKAGES),--packages tests/packages/$(1)) $$(if $$(COARSE),--coarse)
+
+$(2)/case.mk: cases/$(1)/case.toml $$(SOLVER_SOURCES) $$(LIGHT)
+	$$(CHECK_$(1))
+	@echo "$$(OPTIONS)" > $(2)/case.options
+	@touch $$@
+
+# Written by `check` as well, and only when their content changes.
+$(2)/bodies/%.json: | $(2)/case.mk
+	@[ -e $$@ ] || $$(CHECK_$(1))
+$(2)/runs/%.json: | $(2)/case.mk
+	@[ -e $$@ ] || $$(CHECK_$(1))
+
+# One process for all bodies: imports, meshes and compiled forms are shared. It
+# leaves alone the packages that are up to date by content, and the empty recipe
+# below tells make to look at each one's time instead of believing it new.
+PACKAGES_$(1) := $$(patsubst %.json,%.vtkhdf,$$($(1)_SPECS))
+ifneq ($$(PACKAGES_$(1)),)
+ifneq ($$(filter-out $$(wildcard $$(PACKAGES_$(1))),$$(PACKAGES_$(1))),)
+$(2)/bodies/built: FORCE
+endif
+$(2)/bodies/built: $$($(1)_SPECS) $$(PREPROCESS_SOURCES) $$(PACKAGE_SOURCES) $$(FENICSX)
+	$$(FE_PYTHON) -m plymotion.preprocess body $$($(1)_SPECS) --out-dir $(2)/bodies
+	@touch $$@
+$$(PACKAGES_$(1)): $(2)/bodies/built ;
+endif
+
+# Exit code 3: the run stopped early, its result up to there is kept and reported.
+SUMMARIES_$(1) := $$(patsubst %,$(2)/%/summary.json,$$($(1)_RUNS))
+$$(SUMMARIES_$(1)): $(2)/%/summary.json: $(2)/runs/%.json $$(RUN_SOURCES) $$(LIGHT)
+	$$(PY) -m plymotion.solver run $(2)/runs/$$*.json --out $(2)/$$* || [ $$$$? -eq 3 ]
+
+$(2)/report.html: $(2)/case.mk $$(SUMMARIES_$(1)) $$(REPORT_SOURCES)
+	$$(PY) -m plymotion.solver report $(2)
+endef
+$(foreach case,$(ASKED),$(eval $(call CASE_RULES,$(case),$(call out,$(case)))))
+
+##@ Tests
+
+.PHONY: test
+test: ## All of it: check, test-fe, then every case in its coarse version
+	@tools/phases.sh "$(MAKE)" check test-fe test-cases
+
+.PHONY: check
+check: lint types imports test-light ## Lint, types, import directions and the tests without FEniCSx
+
+.PHONY: lint
+lint: $(LIGHT) ## Style: ruff
+	$(VENV)/bin/ruff check --quiet .
+	$(VENV)/bin/ruff format --check --quiet .
+
+.PHONY: types
+types: $(LIGHT) ## Types: mypy
+	$(VENV)/bin/mypy
+	$(VENV)/bin/mypy tools
+
+.PHONY: imports
+imports: $(LIGHT) ## Allowed directions between modules: import-linter
+	$(VENV)/bin/lint-imports
+
+.PHONY: test-light
+test-light: $(LIGHT) ## Tests without FEniCSx, on two cores
+	$(PY) -m pytest tests --ignore tests/fe -n 2 -q
+
+.PHONY: test-fe
+test-fe: $(LIGHT) ## FE tests on the distribution's DOLFINx and on the wheel, numbers compared
+	$(PY) tools/fe_tests.py
+
+.PHONY: test-cases
+test-cases: ## Every case in its coarse version, from mesh to report
+	$(if $(CASES),$(MAKE) COARSE=1 $(CASES),@echo "there is no case in cases/"; exit 1)
+
+##@ Documents and cleaning
+
+.PHONY: docs
+docs: $(LIGHT) ## Regenerate docs/equations.md and docs/case-reference.md
+	$(PY) tools/equations.py docs/equations.md
+	$(PY) -m plymotion.solver check --reference > docs/case-reference.md.part
+	mv docs/case-reference.md.part docs/case-reference.md
+
+.PHONY: clean
+clean: ## Remove everything that was built, not the environments
+	rm -rf build .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+	find . -path './.*' -prune -o -name __pycache__ -exec rm -rf {} +
+
+.PHONY: distclean
+distclean: clean ## Remove the environments as well
+	rm -rf $(VENV) .fenicsx-* *.egg-info
+
+.PHONY: help
+help: ## This list
+	@awk 'BEGIN { FS = ":[^#]*## " } \
+	    /^##@/ { printf "\n%s\n", substr($$0, 5) } \
+	    /^[a-z][a-z-]*:.*## / { printf "  make %-18s %s\n", $$1, $$2 }' Makefile
+	@echo
+	@echo "Cases: $(or $(CASES),none yet)"
+	@echo "  make <case>                  from the case file to build/<case>/report.html"
+	@echo "  make <case> PACKAGES=shipped with the packages of the repository, without FEniCSx"
+	@echo "  make <case> COARSE=1         a small version, in build/<case>-coarse"
+	@echo "  make -j2 ...                 two steps at a time"
+
+.PHONY: FORCE
+FORCE:

@@ -1,0 +1,157 @@
+"""Write what the other stages read: body specifications, runs, make rules.
+
+    build/<case>/case.json              title, figures, runs
+    build/<case>/bodies/<name>.json     one distinct body: what the preprocessor builds
+    build/<case>/runs/<run>.json        one run: resolved mechanism and its packages
+    build/<case>/case.mk                what make must know
+
+A file is rewritten only when its content changes, so that make rebuilds no
+package after an edit that does not concern it.
+"""
+
+import hashlib
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+from .load import Case
+from .schema import BeamBody, Mechanism, PackageBody
+
+
+def body_spec(name: str, body: BeamBody, mechanism: Mechanism) -> dict[str, Any]:
+    """Return what the preprocessor needs to build one beam body, plain JSON, SI and degrees."""
+    section = mechanism.sections[body.section].model_dump(exclude_none=True)
+    section["name"] = body.section
+    section["material"] = mechanism.materials[body.material].model_dump()
+    section["material"]["name"] = body.material
+    section["ply_angle_deg"] = body.ply_angle_deg
+    return {
+        "body": name,
+        "kind": "beam",
+        "length": body.length,
+        "elements": body.elements,
+        "x2_axis": body.x2_axis,
+        "section": section,
+        "mass_form": body.mass_form,
+        "reference": body.reference.model_dump(),
+        "modes": [m.model_dump() for m in body.modes],
+        "damping_ratio": body.damping_ratio,
+        "interfaces": {k: v.model_dump() for k, v in body.interfaces.items()},
+    }
+
+
+def sha256(data: Any) -> str:
+    """Return the hash of plain data in canonical JSON."""
+    return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
+
+
+def write_case(case: Case, out: Path, packages: Path | None = None) -> None:
+    """Write all files of a checked case into `out`.
+
+    Parameters
+    ----------
+    packages : folder of ready packages; None: out/bodies, built by the preprocessor
+    """
+    folder = packages if packages is not None else out / "bodies"
+    specs: dict[str, str] = {}  # hash -> stem of the file
+    spec_files: list[Path] = []
+    run_packages: dict[str, list[str]] = {}
+    for run, mechanism in case.runs.items():
+        table: dict[str, dict[str, str]] = {}
+        for name, body in mechanism.bodies.items():
+            if isinstance(body, PackageBody):
+                file = (case.file.parent / body.package).resolve()
+                table[name] = {"file": os.path.relpath(file, out)}
+            elif isinstance(body, BeamBody):
+                spec = body_spec(name, body, mechanism)
+                digest = sha256(spec)
+                if digest not in specs:
+                    # Named after the first run that uses it: readable, and shared by the others.
+                    specs[digest] = f"{name}.{run}"
+                    file = out / "bodies" / f"{specs[digest]}.json"
+                    write_if_changed(file, dump({**spec, "inputs_sha256": digest}))
+                    spec_files.append(file)
+                package = folder / f"{specs[digest]}.vtkhdf"
+                table[name] = {
+                    "file": os.path.relpath(package, out),
+                    "inputs_sha256": digest,
+                }
+        run_packages[run] = sorted(os.path.relpath(out / t["file"]) for t in table.values())
+        write_if_changed(
+            out / "runs" / f"{run}.json",
+            dump(
+                {
+                    "case": case.name,
+                    "run": run,
+                    "title": case.top.runs[run].title or run,
+                    "packages": table,
+                    "mechanism": mechanism.model_dump(),
+                }
+            ),
+        )
+    _drop_stale(out / "bodies", {f.stem for f in spec_files}, (".json", ".vtkhdf"))
+    _drop_stale(out / "runs", set(case.runs), (".json",))
+    first = next(iter(case.runs.values()))
+    write_if_changed(
+        out / "case.json",
+        dump(
+            {
+                "case": case.name,
+                "title": case.top.title,
+                "runs": {n: r.title or n for n, r in case.top.runs.items()},
+                "figures": {n: f.model_dump() for n, f in case.top.figures.items()},
+                "signals": {n: s.model_dump() for n, s in first.signals.items()},
+            }
+        ),
+    )
+    _write_rules(case, out, spec_files, run_packages, built=packages is None)
+
+
+def _write_rules(
+    case: Case,
+    out: Path,
+    spec_files: list[Path],
+    run_packages: dict[str, list[str]],
+    *,
+    built: bool,
+) -> None:
+    """Write case.mk: lists for the Makefile, and which packages each run needs."""
+    base = os.path.relpath(out)
+    packages = [f"{os.path.splitext(os.path.relpath(f))[0]}.vtkhdf" for f in spec_files]
+    text = [
+        "# Written by `python -m plymotion.solver check`; do not edit.",
+        f"{case.name}_SPECS := {' '.join(os.path.relpath(f) for f in spec_files) if built else ''}",
+        f"{case.name}_PACKAGES := {' '.join(packages) if built else ''}",
+        f"{case.name}_RUNS := {' '.join(case.runs)}",
+    ]
+    for run, needed in run_packages.items():
+        text.append(f"{base}/{run}/summary.json: {base}/runs/{run}.json {' '.join(needed)}")
+    # The rules file is the target of `check`: always newer than the case file.
+    write_atomic(out / "case.mk", "\n".join(text) + "\n")
+
+
+def _drop_stale(folder: Path, keep: set[str], suffixes: tuple[str, ...]) -> None:
+    """Remove files of bodies or runs that the case no longer has."""
+    for file in folder.glob("*"):
+        if file.suffix in suffixes and file.name[: -len(file.suffix)] not in keep:
+            file.unlink()
+
+
+def dump(data: Any) -> str:
+    """Return readable JSON."""
+    return json.dumps(data, indent=2) + "\n"
+
+
+def write_if_changed(file: Path, text: str) -> None:
+    """Write a file unless it already holds `text`."""
+    if not (file.is_file() and file.read_text(encoding="utf-8") == text):
+        write_atomic(file, text)
+
+
+def write_atomic(file: Path, text: str) -> None:
+    """Write to a temporary name in the same folder, then rename."""
+    file.parent.mkdir(parents=True, exist_ok=True)
+    temporary = file.with_name(f".{file.name}.{os.getpid()}")
+    temporary.write_text(text, encoding="utf-8")
+    os.replace(temporary, file)

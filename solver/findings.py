@@ -1,0 +1,76 @@
+"""Doubts about a finished run, each with a code and words that say what helps."""
+
+import numpy as np
+
+from .mechanism import BuiltMechanism
+from .package.schema import Array
+
+Finding = dict[str, str]
+
+DRIFT_TOLERANCE = 1e-6  # [m]
+ENERGY_TOLERANCE = 1e-3  # relative
+ROTATION_TOLERANCE = 0.1  # [rad]
+LAST_MODE_SHARE = 0.02  # of the peak strain energy
+
+
+def finding(code: str, message: str) -> Finding:
+    """Return one warning of summary.json."""
+    return {"code": code, "message": message}
+
+
+def of_checks(checks: dict[str, float]) -> list[Finding]:
+    """Doubts from the numbers of the run: drift of constraints and of the energy balance."""
+    found = []
+    if checks["constraint_position_max"] > DRIFT_TOLERANCE:
+        found.append(
+            finding(
+                "constraint-drift",
+                f"joined points are up to {checks['constraint_position_max']:.2g} m apart "
+                f"(expected below {DRIFT_TOLERANCE:g} m): tighten rtol and atol, or raise alpha, beta",
+            )
+        )
+    if checks["energy_drift_relative"] > ENERGY_TOLERANCE:
+        found.append(
+            finding(
+                "energy-drift",
+                f"the energy balance is off by {checks['energy_drift_relative']:.2g} of the energy "
+                f"in play (expected below {ENERGY_TOLERANCE:g}): tighten rtol and atol",
+            )
+        )
+    return found
+
+
+def of_motion(built: BuiltMechanism, y: Array) -> list[Finding]:
+    """Doubts from the elastic motion, body by body: large rotations, too few modes."""
+    found = []
+    for i, name in enumerate(built.body_names):
+        m = int(built.model.n_mode[i])
+        if m == 0:
+            continue
+        a = int(built.model.pos_start[i]) + 7
+        q = y[:, a : a + m]
+        rotation = max(
+            float(np.max(np.linalg.norm(q @ interface.psi_B.T, axis=1)))
+            for interface in built.packages[name].interfaces
+        )
+        if rotation > ROTATION_TOLERANCE:
+            found.append(
+                finding(
+                    "elastic-rotation-large",
+                    f"{name}: an interface turns by {rotation:.2f} rad relative to the body frame "
+                    f"(expected below {ROTATION_TOLERANCE:g} rad for a linear body): split the body "
+                    "or stiffen it",
+                )
+            )
+        energy = 0.5 * np.diag(built.packages[name].stiffness) * q**2
+        peak = float(energy.sum(axis=1).max())
+        if m > 1 and peak > 0 and float(energy[:, -1].max()) > LAST_MODE_SHARE * peak:
+            found.append(
+                finding(
+                    "modes-too-few",
+                    f"{name}: the highest of {m} modes carries "
+                    f"{float(energy[:, -1].max()) / peak:.1%} of the peak strain energy "
+                    f"(expected below {LAST_MODE_SHARE:.0%}): take more modes",
+                )
+            )
+    return found

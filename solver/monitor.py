@@ -1,0 +1,135 @@
+"""Watch a run for the states in which a linear flexible body stops being valid."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .bodies.floating_frame import centrifugal_matrix
+from .integrate import Integrator, StopRequest
+from .model import GROUND, Model
+from .package.schema import Array
+
+SPIN_CODE = "spin-above-clamped-frequency"
+
+
+@dataclass(frozen=True)
+class CarriedMass:
+    """A mass that moves with an interface of a flexible body and is not in its own M."""
+
+    body: int
+    phi: Array  # (3, m)
+    mass: float
+
+
+def carried_masses(model: Model) -> list[CarriedMass]:
+    """Masses at the interfaces of flexible bodies: point masses and rigid bodies fixed there."""
+    found = [(int(k), float(m)) for k, m in zip(model.point_marker, model.point_mass, strict=True)]
+    for joint in np.flatnonzero(model.joint_kind == 1):
+        for side in (0, 1):
+            marker, other = (int(model.joint_marker[joint, s]) for s in (side, 1 - side))
+            body = int(model.marker_body[other])
+            if body != GROUND and model.n_mode[body] == 0:
+                found.append((marker, float(model.mass[body])))
+    carried = []
+    for marker, mass in found:
+        body = int(model.marker_body[marker])
+        if body != GROUND and model.n_mode[body] > 0:
+            m = int(model.n_mode[body])
+            s = int(model.marker_start[marker])
+            phi = model.marker_phi[s : s + 3 * m].reshape(3, m)
+            carried.append(CarriedMass(body, phi, mass))
+    return carried
+
+
+@dataclass
+class SpinMonitor:
+    """Find the instant when spinning takes away the last stiffness of a linear body.
+
+    Criterion, for every flexible body: the smallest eigenvalue of
+    K_ij - w_a w_b sum m (delta_ab phi_i.phi_j - phi_ia phi_jb), masses carried
+    at its interfaces included once, is positive.
+    """
+
+    model: Model
+    body_names: list[str]
+    stop: bool = True
+    warnings: dict[str, str] = field(default_factory=dict)  # body -> message
+
+    def __post_init__(self) -> None:
+        self._carried = carried_masses(self.model)
+        self._flexible = [i for i in range(self.model.n_body) if self.model.n_mode[i] > 0]
+
+    def _matrices(self, body: int, w: Array) -> tuple[Array, Array]:
+        """Return modal stiffness and the stiffness lost by spinning, (m, m) each."""
+        m = int(self.model.n_mode[body])
+        two = int(self.model.square_start[body])
+        K = self.model.K_qq[two : two + m * m].reshape(m, m)
+        lost = centrifugal_matrix(w, self.model.T11[9 * two : 9 * (two + m * m)], m)
+        for c in self._carried:
+            if c.body == body:
+                along = c.phi.T @ w
+                lost = lost + c.mass * ((w @ w) * (c.phi.T @ c.phi) - np.outer(along, along))
+        return K, lost
+
+    def spin(self, body: int, y: Array) -> Array:
+        """Angular velocity (3,) of the body's frame, body components [rad/s]."""
+        j = self.model.n_pos + int(self.model.vel_start[body])
+        return y[j + 3 : j + 6]
+
+    def margin(self, body: int, y: Array) -> float:
+        """Smallest eigenvalue of the softened modal stiffness [1/s2]."""
+        K, lost = self._matrices(body, self.spin(body, y))
+        return float(np.linalg.eigvalsh(K - lost)[0])
+
+    def critical_spin(self, body: int, direction: Array) -> float:
+        """Spin about `direction` (3,) at which the margin vanishes [rad/s]; inf if never."""
+        K, lost = self._matrices(body, direction / np.linalg.norm(direction))
+        inverse = np.linalg.inv(np.linalg.cholesky(K))
+        largest = float(np.linalg.eigvalsh(inverse @ lost @ inverse.T)[-1])
+        return 1.0 / np.sqrt(largest) if largest > 0 else np.inf
+
+    def check(self, t: float, y: Array) -> list[int]:
+        """Return the bodies that are invalid in state y."""
+        return [i for i in self._flexible if self.margin(i, y) <= 0.0]
+
+    def _warn(self, body: int, t: float, y: Array) -> str:
+        w = self.spin(body, y)
+        name = self.body_names[body]
+        message = (
+            f"{name}: at t = {t:.4f} s the spin of {np.linalg.norm(w):.4g} rad/s reaches the first "
+            f"frequency of the clamped body with the masses it carries "
+            f"({self.critical_spin(body, w):.4g} rad/s): a linear body has no stiffness left there "
+            "and its motion from then on is worthless. What helps: a stiffer or shorter body "
+            "(split it into several), a lower speed; on_invalid = \"warn\" goes on regardless"
+        )
+        self.warnings[name] = message
+        return message
+
+    def at_start(self, t: float, y: Array) -> str | None:
+        """Check the start; return the message if the run should not begin."""
+        messages = [self._warn(i, t, y) for i in self.check(t, y)]
+        return messages[0] if messages and self.stop else None
+
+    def __call__(self, integrator: Integrator) -> StopRequest | None:
+        """Check the step just taken; called by `integrate`."""
+        request = None
+        for i in self._flexible:
+            if self.body_names[i] in self.warnings or self.margin(i, integrator.y) > 0.0:
+                continue
+            t = self._crossing(i, integrator)
+            message = self._warn(i, t, integrator.dense_output()(t))
+            if self.stop and (request is None or t < request.t_stop):
+                request = StopRequest(t, message, SPIN_CODE)
+        return request
+
+    def _crossing(self, body: int, integrator: Integrator) -> float:
+        """Bisect the step for the time at which the margin passes zero."""
+        dense = integrator.dense_output()
+        low, high = integrator.t_old, integrator.t
+        while high - low > 1e-9 * max(1.0, abs(high)):
+            middle = 0.5 * (low + high)
+            if self.margin(body, dense(middle)) > 0.0:
+                low = middle
+            else:
+                high = middle
+        return high

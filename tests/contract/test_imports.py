@@ -1,0 +1,98 @@
+"""What each half may import: checked in a fresh interpreter and by import-linter."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+FE_MODULES = {"dolfinx", "petsc4py", "slepc4py", "mpi4py", "gmsh", "basix", "ufl", "ffcx"}
+
+IMPORT_ALL = """
+import importlib, pkgutil, sys
+package = importlib.import_module(sys.argv[1])
+for module in pkgutil.walk_packages(package.__path__, package.__name__ + "."):
+    if not module.name.endswith("__main__"):
+        importlib.import_module(module.name)
+print(*sys.modules)
+"""
+
+
+def modules_after_importing(package: str, repository: Path) -> set[str]:
+    """sys.modules of a fresh interpreter that imported all modules of a package."""
+    command = [sys.executable, "-c", IMPORT_ALL, package]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=repository)
+    assert done.returncode == 0, done.stderr
+    return set(done.stdout.split())
+
+
+def test_whole_solver_loads_no_fe_code(repository: Path) -> None:
+    loaded = modules_after_importing("plymotion.solver", repository)
+    on_disk = {
+        ".".join(("plymotion", *path.relative_to(repository).with_suffix("").parts))
+        for path in (repository / "solver").rglob("*.py")
+        if not path.stem.startswith("__")
+    }
+    assert on_disk <= loaded, "some modules were not imported by this test"
+    assert not {name.split(".")[0] for name in loaded} & FE_MODULES
+    assert not {name for name in loaded if name.startswith("plymotion.preprocess")}
+
+
+def test_package_format_needs_numpy_and_h5py_only(repository: Path) -> None:
+    loaded = {
+        name.split(".")[0]
+        for name in modules_after_importing("plymotion.solver.package", repository)
+    }
+    assert "numpy" in loaded
+    assert not loaded & (FE_MODULES | {"pydantic", "numba", "matplotlib", "tqdm", "pyvista"})
+
+
+def copy_of_the_code(repository: Path, folder: Path) -> None:
+    """A second checkout with the same two links, to plant forbidden imports in."""
+    for half in ("preprocess", "solver"):
+        ignore = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(repository / half, folder / half, ignore=ignore)
+    shutil.copytree(repository / "plymotion", folder / "plymotion", symlinks=True)
+    shutil.copy(repository / "pyproject.toml", folder)
+
+
+def lint(folder: Path) -> subprocess.CompletedProcess[str]:
+    """import-linter on a checkout, its own modules first on the path."""
+    program = "from importlinter.cli import lint_imports_command as c; c()"
+    return subprocess.run(
+        [sys.executable, "-c", program, "--no-cache"],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        env={"PYTHONPATH": str(folder), "COLUMNS": "200"},
+    )
+
+
+@pytest.mark.parametrize(
+    ("path", "statement", "contract"),
+    [
+        ("solver/planted.py", "import dolfinx", "never imports the preprocessor"),
+        ("solver/planted.py", "from ..preprocess import beam", "never imports the preprocessor"),
+        ("solver/planted.py", "def f():\n    import gmsh", "never imports the preprocessor"),
+        ("preprocess/planted.py", "from ..solver import joints", "package format and rotations"),
+        ("preprocess/planted.py", "import pydantic", "FEniCSx stack and the standard library"),
+        ("preprocess/planted.py", "from petsc4py import PETSc", "is the only door"),
+        ("solver/bodies/planted.py", "from .. import joints", "from the report down"),
+        ("solver/integrate/planted.py", "from .. import bodies", "never a body"),
+        ("solver/package/planted.py", "import scipy", "stands alone"),
+    ],
+)
+def test_import_linter_sees_through_the_links(
+    repository: Path, tmp_path: Path, path: str, statement: str, contract: str
+) -> None:
+    copy_of_the_code(repository, tmp_path)
+    before = lint(tmp_path)
+    assert before.returncode == 0, before.stdout + before.stderr
+    planted = tmp_path / path
+    planted.write_text(f'"""An import that is not allowed."""\n\n{statement}\n')
+    after = lint(tmp_path)
+    assert after.returncode == 1, after.stdout + after.stderr
+    broken = [line for line in after.stdout.splitlines() if line.endswith("BROKEN")]
+    assert len(broken) >= 1
+    assert any(contract in line for line in broken), after.stdout

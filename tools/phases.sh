@@ -1,0 +1,20 @@
+#!/bin/sh
+# Run targets one after the other and tell the time of each: phases.sh MAKE TARGET...
+# All are run, so that one failure does not hide another; fails if any failed.
+set -u
+make=$1
+shift
+failed=0
+table=
+
+for target in "$@"; do
+    printf '\n==== make %s\n' "$target"
+    start=$(date +%s)
+    if $make "$target"; then result=passed; else result=FAILED; failed=1; fi
+    seconds=$(($(date +%s) - start))
+    table="$table$(printf '  %-12s %s in %d s' "$target" "$result" "$seconds")
+"
+done
+
+printf '\n==== phases\n%s' "$table"
+exit "$failed"
