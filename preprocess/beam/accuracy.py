@@ -14,7 +14,7 @@ error falls at least with the square of the element length.
 import numpy as np
 
 from ...solver.package.schema import Array
-from .element import BeamElement
+from .element import BeamElement, scaled_inverse
 from .line import BeamLine
 
 LIMIT = 0.01  # relative frequency error from which a mesh counts as coarse
@@ -45,12 +45,14 @@ def frequency_error(line: BeamLine, values: Array, columns_B: Array, mass_form: 
         gained = P.T @ M_fine @ P - element.mass_matrix(line.mass, mass_form)
         change += np.einsum("eim,ij,ejm->m", d, gained, d, optimize=True)
         r = np.einsum("ij,ejm->eim", M_fine[12:] @ P, d)
-        follow = np.linalg.solve(K_fine[12:, 12:], np.eye(6))
+        follow = scaled_inverse(K_fine[12:, 12:])
         change += values * np.einsum("eim,ij,ejm->m", r, follow, r, optimize=True)
     return 0.5 * 4.0 / 3.0 * change
 
 
-def coarse_mesh_warnings(labels: tuple[str, ...], error: Array, elements: int) -> list[dict]:
+def coarse_mesh_warnings(
+    labels: tuple[str, ...], error: Array, elements: int
+) -> list[dict[str, str]]:
     """Warning `mesh-coarse-for-modes` naming the modes beyond LIMIT; empty if there are none."""
     coarse = [
         f"{label} ({abs(e):.1%})" for label, e in zip(labels, error, strict=True) if abs(e) > LIMIT

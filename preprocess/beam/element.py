@@ -37,7 +37,7 @@ MASS_POINTS = 4  # N' m N has degree 6 in x: four Gauss points are exact
 STIFFNESS_POINTS = 2  # B' K B has degree 2 in x
 
 
-def _scaled_inverse(A: Array) -> Array:
+def scaled_inverse(A: Array) -> Array:
     """Inverse of a symmetric positive definite matrix whose rows have mixed units.
 
     Slender members mix lengths of very different powers; scaling by the
@@ -63,7 +63,7 @@ class BeamElement:
     K: Array
 
     def _compliance(self) -> Array:
-        return _scaled_inverse(self.K)
+        return scaled_inverse(self.K)
 
     def equilibrium(self, x: Array) -> Array:
         """Resultants at `x` from those at node 1: F6(x) = T(x) F6(0).
@@ -93,7 +93,7 @@ class BeamElement:
         """Resultants at node 1 per nodal displacements, (6, 12)."""
         # C(L) = T(L)^-T flexibility: only the symmetric matrix has to be inverted.
         T_end = np.eye(6) + self.length * Q
-        return _scaled_inverse(self.flexibility()) @ np.hstack([-np.eye(6), T_end.T])
+        return scaled_inverse(self.flexibility()) @ np.hstack([-np.eye(6), T_end.T])
 
     def shape(self, x: Array) -> Array:
         """Shape functions N(x): displacement and rotation per nodal displacements.
@@ -122,7 +122,7 @@ class BeamElement:
         """
         T_end = np.eye(6) + self.length * Q
         R = np.hstack([-np.eye(6), T_end.T])
-        return R.T @ _scaled_inverse(self.flexibility()) @ R
+        return R.T @ scaled_inverse(self.flexibility()) @ R
 
     def stiffness_integral(self) -> Array:
         """Element stiffness as int B' K B dx, (12, 12). Paper: Eq. (35)."""

@@ -1,0 +1,92 @@
+"""Build the modal package of one body from its specification.
+
+    {"body": "arm", "kind": "beam", "length": 0.545, "elements": 16,
+     "x2_axis": [0, 1, 0],                       section's x2 in body axes
+     "section": {...},                           see section.analyse
+     "mass_form": "consistent",                  or "lumped": of modes and invariants
+     "reference": {"kind": "clamped", "at": "root"},
+     "modes": [{"kind": "bending-xy", "count": 4}],
+     "interfaces": {"root": {"at": "start"}, "mid": {"at": 0.5}, "tip": {"at": "end"}},
+     "damping_ratio": 0.0}
+
+Lengths in m. `inputs_sha256` and `case` may be added; they go to the provenance.
+"""
+
+import functools
+import json
+import time
+from datetime import datetime, timezone
+from typing import Any
+
+from .. import __version__
+from ..solver.package.schema import ModalPackage, SectionData
+from .beam.body import beam_model, beam_modes, beam_package, mesh_warnings
+from .beam.spec import SpecError, read_spec
+from .fenicsx import eigenpairs, versions
+from .fingerprint import canonical, fingerprint
+from .section import SectionResult, analyse
+
+
+def build_body(spec: dict[str, Any]) -> ModalPackage:
+    """Analyse the section, solve the modes and collect the package of one body.
+
+    The eigenproblem and the inertia invariants use the same mass: the
+    `mass_form` of the specification, consistent by default.
+
+    Parameters
+    ----------
+    spec : plain JSON as in the text at the top of this file
+
+    Raises
+    ------
+    SpecError : the specification has an unknown, missing or impossible entry
+    ModeError : fewer modes of a kind than asked for
+    Errors of the section analysis (material, mesh) pass through.
+    """
+    beam = read_spec(spec)
+    start = time.perf_counter()
+    section_spec = {key: value for key, value in beam.section.items() if key != "name"}
+    name = str(beam.section.get("name", beam.body))
+    result = _section(canonical(section_spec))
+    after_section = time.perf_counter()
+    try:
+        model = beam_model(beam, result.K, result.M)
+        model.line.section_mass  # noqa: B018  a section that is no rigid slice fails here
+    except SpecError:
+        raise
+    except ValueError as error:
+        raise SpecError(f"section: {error}") from error
+    modes = beam_modes(model, eigenpairs)
+    after_modes = time.perf_counter()
+    provenance = {
+        "plymotion": __version__,
+        "versions": versions(),
+        "command": "python -m plymotion.preprocess body",
+        "fingerprint": fingerprint(spec),
+        "inputs_sha256": spec.get("inputs_sha256"),
+        "case": spec.get("case"),
+        "spec": spec,
+        "ranks": 1,
+        "dofs": {"section": result.n_dof, "body": 6 * model.line.n_node},
+        "seconds": {"section": after_section - start, "modes": after_modes - after_section},
+        "warnings": mesh_warnings(model, modes),
+        "created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
+    }
+    section = SectionData(name, result.K, result.M, toml_text(section_spec))
+    return beam_package(model, modes, section, provenance)
+
+
+@functools.lru_cache(maxsize=256)
+def _section(text: str) -> SectionResult:
+    """Analyse a section once, however many bodies have it."""
+    return analyse(json.loads(text))
+
+
+def toml_text(table: dict[str, Any], path: str = "") -> str:
+    """Plain values, lists and tables as TOML, for the reader of a package."""
+    lines = [f"{key} = {json.dumps(v)}" for key, v in table.items() if not isinstance(v, dict)]
+    for key, value in table.items():
+        if isinstance(value, dict):
+            name = f"{path}{key}"
+            lines += [f"\n[{name}]", toml_text(value, f"{name}.").rstrip("\n")]
+    return "\n".join(lines).lstrip("\n") + "\n"

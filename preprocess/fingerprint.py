@@ -1,0 +1,45 @@
+"""Content hash of everything a modal package is made from.
+
+A package is rebuilt only when this hash differs from the one it stores: the
+body's specification, the preprocessor's sources and mesh scripts, and the
+format it is written in.
+"""
+
+import functools
+import hashlib
+import json
+from pathlib import Path
+from typing import Any
+
+from ..solver.package.schema import FORMAT_VERSION
+
+# Who asked for the body says nothing about the body: a new integrator setting
+# in the case file must not rebuild its packages.
+NOT_INPUTS = ("inputs_sha256", "case")
+
+
+def canonical(table: Any) -> str:
+    """JSON text that is the same for the same content."""
+    return json.dumps(table, sort_keys=True, separators=(",", ":"))
+
+
+def fingerprint(spec: dict[str, Any]) -> str:
+    """SHA-256 of a body specification, the sources and the format version."""
+    content = {key: value for key, value in spec.items() if key not in NOT_INPUTS}
+    text = canonical([content, list(FORMAT_VERSION), _sources_sha256()])
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+@functools.cache
+def _sources_sha256() -> str:
+    here = Path(__file__).resolve().parent
+    files = {f"preprocess/{p.relative_to(here).as_posix()}": p for p in here.rglob("*.py")}
+    for folder in (here.parent / "meshes", here.parent.parent / "meshes"):
+        files |= {f"meshes/{p.name}": p for p in folder.glob("*.geo")}
+    package = here.parent / "solver" / "package"
+    for name in ("schema.py", "invariants.py"):
+        files[f"package/{name}"] = package / name
+    digest = hashlib.sha256()
+    for name in sorted(files):
+        digest.update(f"{name}\0".encode() + files[name].read_bytes() + b"\0")
+    return digest.hexdigest()

@@ -1,0 +1,152 @@
+"""Command line: check, run, report, info, validate."""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from plymotion import __version__
+
+from .errors import InputError
+from .package import PackageError
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run one command; return the exit code.
+
+    0 done; 1 findings of `validate`; 2 bad input; 3 a run that ended early with
+    its result kept; 130 interrupted.
+    """
+    options = _parser().parse_args(arguments)
+    try:
+        return int(options.command(options))
+    except (InputError, PackageError) as error:
+        for line in str(error).splitlines():
+            print(f"error: {line}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("interrupted: nothing written", file=sys.stderr)
+        return 130
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="plymotion", description="Flexible multibody dynamics with laminated members."
+    )
+    parser.add_argument("--version", action="version", version=f"plymotion {__version__}")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+
+    check = commands.add_parser("check", help="check a case file; write what the stages read")
+    check.add_argument("case", type=Path, nargs="?", help="cases/<name>/case.toml")
+    check.add_argument("--out", type=Path, help="folder for case.json, bodies/, runs/, case.mk")
+    check.add_argument("--packages", type=Path, help="folder of ready packages")
+    check.add_argument("--coarse", action="store_true", help="apply the [coarse] variant")
+    check.add_argument("--reference", action="store_true", help="print docs/case-reference.md")
+    check.set_defaults(command=_check)
+
+    run = commands.add_parser("run", help="integrate one run")
+    run.add_argument("run", type=Path, help="build/<case>/runs/<run>.json, written by check")
+    run.add_argument("--out", type=Path, required=True, help="folder for summary and result")
+    run.add_argument("--quiet", action="store_true", help="no progress bar")
+    run.set_defaults(command=_run)
+
+    report = commands.add_parser("report", help="figures, report.html and the table of a case")
+    report.add_argument("folder", type=Path, help="build/<case>")
+    report.set_defaults(command=_report)
+
+    info = commands.add_parser("info", help="say what a modal package holds")
+    info.add_argument("package", type=Path)
+    info.set_defaults(command=_info)
+
+    validate = commands.add_parser("validate", help="check modal packages against docs/format.md")
+    validate.add_argument("package", type=Path, nargs="+")
+    validate.set_defaults(command=_validate)
+    return parser
+
+
+def _check(options: argparse.Namespace) -> int:
+    from .case import load_case
+    from .case.reference import reference_page
+    from .case.specs import write_case
+
+    if options.reference:
+        print(reference_page(), end="")
+        return 0
+    if options.case is None:
+        raise InputError("check: no case file given; expected cases/<name>/case.toml")
+    case = load_case(options.case, coarse=options.coarse)
+    if options.out is None:
+        print(f"{options.case}: {len(case.runs)} runs, no errors")
+    else:
+        write_case(case, options.out, options.packages)
+    return 0
+
+
+def _run(options: argparse.Namespace) -> int:
+    from .run import INCOMPLETE, run_file
+
+    summary = run_file(options.run, options.out, progress=not options.quiet)
+    cost = summary["cost"]
+    outcome = "done" if summary["completed"] else summary["status"]
+    print(
+        f"{summary['run']}: {outcome} at t = {summary['t_end']:.4g} s, "
+        f"{cost['steps']} steps, {cost['solve_s']:.2f} s"
+    )
+    for warning in summary["warnings"]:
+        print(f"  warning [{warning['code']}] {warning['message']}")
+    return 0 if summary["completed"] else INCOMPLETE
+
+
+def _report(options: argparse.Namespace) -> int:
+    from .report import make_report, summary_table
+
+    try:
+        case: dict[str, Any] = json.loads((options.folder / "case.json").read_text())
+    except (OSError, ValueError) as error:
+        raise InputError(
+            f"{options.folder}: no case.json ({error}); expected the folder of a case"
+        ) from error
+    runs = [r for r in case["runs"] if (options.folder / r / "summary.json").is_file()]
+    if not runs:
+        raise InputError(f"{options.folder}: no finished run; expected <run>/summary.json")
+    page = make_report(options.folder, runs, case)
+    summaries = [json.loads((options.folder / r / "summary.json").read_text()) for r in runs]
+    print(summary_table(summaries))
+    print(f"Report: {page}")
+    return 0
+
+
+def _info(options: argparse.Namespace) -> int:
+    from .package.io import read_package
+
+    package = read_package(options.package)
+    print(f"{package.body}: {package.nodes_B.shape[0]} nodes, {package.n_mode} modes")
+    print(f"  reference condition {package.reference_condition}")
+    print(f"  mass {package.invariants.mass:.6g} kg, inertia {package.invariants.mass_form}")
+    labels = package.mode_labels or package.mode_kinds
+    for label, frequency in zip(labels, package.frequencies, strict=True):
+        print(f"  {label:24s} {frequency:12.5g} rad/s {frequency / 6.283185307179586:12.5g} Hz")
+    for interface in package.interfaces:
+        x, y, z = interface.position_B
+        print(f"  interface {interface.name:12s} at ({x:.6g}, {y:.6g}, {z:.6g}) m")
+    return 0
+
+
+def _validate(options: argparse.Namespace) -> int:
+    from .package.validate import validate
+
+    failed = 0
+    for path in options.package:
+        findings = validate(path)
+        for item in findings:
+            print(f"{path}: {item.level}: {item.dataset}: {item.message}")
+        if any(item.level == "error" for item in findings):
+            failed = 1
+        else:
+            print(f"{path}: valid")
+    return failed
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,85 @@
+"""Every joint: Jacobian and gamma against differences; joints do no work. Eq. (10), (11)."""
+
+import numpy as np
+import pytest
+from flexible_samples import body_of, random_marker, random_points, random_state
+
+from plymotion.solver.assemble import JointTable, assemble_model
+from plymotion.solver.joints.table import KINDS
+from plymotion.solver.rotations import parameter_rate
+from plymotion.solver.system import assemble
+
+PARAMETERS = {"rotation_drive": (0.1, 0.7, 0.3, -0.2)}
+
+
+def _model(kind, rng, grounded):
+    points = [random_points(rng, 3), random_points(rng, 2)]
+    bodies = [body_of(p) for p in points]
+    one = random_marker(rng, -1, 0) if grounded else random_marker(rng, 0, 3)
+    two = random_marker(rng, 1, 2)
+    joint = JointTable("joint", kind, 0, 1, PARAMETERS.get(kind, ()))
+    return assemble_model(bodies, [one, two], [joint])
+
+
+def _moved(model, y, a, h):
+    """State after h seconds at constant coordinate accelerations a (one RK4 step)."""
+
+    def rate(state):
+        out = np.zeros_like(state)
+        for i in range(model.n_body):
+            p, j, m = model.pos_start[i], model.n_pos + model.vel_start[i], model.n_mode[i]
+            out[p : p + 3] = state[j : j + 3]
+            out[p + 3 : p + 7] = parameter_rate(state[p + 3 : p + 7], state[j + 3 : j + 6])
+            out[p + 7 : p + 7 + m] = state[j + 6 : j + 6 + m]
+        out[model.n_pos : -1] = a
+        return out
+
+    k1 = rate(y)
+    k2 = rate(y + 0.5 * h * k1)
+    k3 = rate(y + 0.5 * h * k2)
+    k4 = rate(y + h * k3)
+    return y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+
+
+def _difference(f, h=1e-3):
+    """Sixth-order central difference at zero."""
+    c = np.array([-1, 9, -45, 0, 45, -9, 1]) / 60
+    return sum(ci * f(i * h) for ci, i in zip(c, range(-3, 4), strict=True)) / h
+
+
+@pytest.mark.parametrize("grounded", [False, True])
+@pytest.mark.parametrize("kind", list(KINDS))
+def test_jacobian_and_gamma_against_differences(kind, grounded):
+    rng = np.random.default_rng(7)
+    model = _model(kind, rng, grounded)
+    y, a, t = random_state(rng, model), rng.normal(size=model.n_vel), 0.3
+
+    def velocity(state, equations):
+        return equations.Phi_q @ state[model.n_pos : -1] + equations.Phi_t
+
+    def Phi(s):
+        return assemble(model, t + s, _moved(model, y, a, s)).Phi
+
+    def Phi_d(s):
+        state = _moved(model, y, a, s)
+        return velocity(state, assemble(model, t + s, state))
+
+    equations = assemble(model, t, y)
+    scale = np.abs(equations.Phi_q).max() * np.abs(y[model.n_pos :]).max()
+    np.testing.assert_allclose(velocity(y, equations), _difference(Phi), atol=1e-9 * scale)
+    np.testing.assert_allclose(
+        equations.Phi_q @ a - equations.gamma, _difference(Phi_d), atol=1e-8 * scale
+    )
+
+
+def test_printed_eq_11_misses_the_mixed_term():
+    """Eq. (11) prints -2 Phi_q qdot for its last term: only -2 Phi_qt qdot fits the difference."""
+    rng = np.random.default_rng(11)
+    model = _model("rotation_drive", rng, False)
+    y, t = random_state(rng, model), 0.3
+    equations = assemble(model, t, y)
+    later = assemble(model, t + 1e-6, y)
+    v = y[model.n_pos : -1]
+    mixed = (later.Phi_q - equations.Phi_q) @ v / 1e-6  # Phi_qt qdot
+    printed = equations.gamma + 2 * mixed - 2 * equations.Phi_q @ v
+    assert np.abs(printed - equations.gamma).max() > 0.1
