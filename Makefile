@@ -36,7 +36,7 @@ $(LIGHT): pyproject.toml tools/light_environment.sh tools/apt_install.sh
 
 .PHONY: fenicsx
 fenicsx: $(FENICSX) ## Find FEniCSx, or install it (FENICSX_PYTHON=... chooses the interpreter)
-	@. ./$(FENICSX) && echo "FEniCSx: $$FENICSX_PYTHON, DOLFINx $$DOLFINX_VERSION"
+	@echo "$(FENICSX):"; cat $(FENICSX)
 
 # Look again if the recorded interpreter is gone or the user names another one.
 RECORDED := $(shell sed -n "s/^FENICSX_PYTHON='\{0,1\}\([^']*\)'\{0,1\}$$/\1/p" $(FENICSX) 2>/dev/null)

@@ -15,7 +15,7 @@ Lengths in m. `inputs_sha256` and `case` may be added; they go to the provenance
 import functools
 import json
 import time
-from datetime import datetime, timezone
+from datetime import UTC, datetime
 from typing import Any
 
 from .. import __version__
@@ -70,7 +70,7 @@ def build_body(spec: dict[str, Any]) -> ModalPackage:
         "dofs": {"section": result.n_dof, "body": 6 * model.line.n_node},
         "seconds": {"section": after_section - start, "modes": after_modes - after_section},
         "warnings": mesh_warnings(model, modes),
-        "created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
     }
     section = SectionData(name, result.K, result.M, toml_text(section_spec))
     return beam_package(model, modes, section, provenance)

@@ -16,6 +16,7 @@ from plymotion.solver.package.materials import (
     Orthotropic,
     isotropic,
     material_from_dict,
+    nearest,
 )
 
 __all__ = [
@@ -24,6 +25,7 @@ __all__ = [
     "bond",
     "isotropic",
     "material_from_dict",
+    "nearest",
     "ply_rotation",
     "rotated",
 ]

@@ -61,7 +61,7 @@ def shear_compliance(
     """
     H, L = matrices.H, matrices.L
     B = V0.T @ (H @ V0) + Psi.T @ (L @ V0)
-    mixed = V1.T @ (H.T @ (V0 @ T))
+    mixed = V1.T @ (H @ (V0 @ T))
     C2 = V1.T @ shear_load(matrices, Psi, V0, T) + mixed + mixed.T + T.T @ (V0.T @ (L @ V0)) @ T
     BT = B @ T
     compliance = C2 - BT.T @ np.linalg.solve(A, BT)

@@ -95,7 +95,7 @@ def material_from_dict(table: Mapping[str, Any], where: str) -> Orthotropic:
     if kind not in kinds:
         raise MaterialError(
             f"{where}.kind = {kind!r}: expected one of {', '.join(kinds)}"
-            + _nearest(str(kind), list(kinds))
+            + nearest(str(kind), list(kinds))
         )
     keys = kinds[kind]
     for key in table:
@@ -103,7 +103,7 @@ def material_from_dict(table: Mapping[str, Any], where: str) -> Orthotropic:
             raise MaterialError(
                 f"{where}.{key}: unknown key of an {kind} material; expected "
                 + ", ".join(keys)
-                + _nearest(str(key), list(keys))
+                + nearest(str(key), list(keys))
             )
     values = {key: _number(table, key, where) for key in keys}
     if kind == "isotropic":
@@ -166,6 +166,7 @@ def _number(table: Mapping[str, Any], key: str, where: str) -> float:
     return float(value)
 
 
-def _nearest(word: str, known: list[str]) -> str:
+def nearest(word: str, known: list[str]) -> str:
+    """Return " (did you mean x?)" for the known word closest to `word`, or nothing."""
     close = difflib.get_close_matches(word, known, n=1)
     return f" (did you mean {close[0]}?)" if close else ""

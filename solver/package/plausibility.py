@@ -33,6 +33,12 @@ def _finding(level: str, dataset: str, message: str) -> Finding:
     return Finding(level, f"/modal_package/{dataset}", message)
 
 
+def _eigenvalues(matrix: Array) -> Array:
+    if not np.isfinite(matrix).all():
+        raise np.linalg.LinAlgError("overflow")
+    return np.linalg.eigvalsh(matrix)
+
+
 def _mass(package: ModalPackage) -> Iterator[Finding]:
     nodal, total = float(np.sum(package.node_mass)), package.invariants.mass
     if abs(nodal - total) > TOTAL_MASS * total:
@@ -59,7 +65,7 @@ def _inertia(package: ModalPackage) -> Iterator[Finding]:
         matrix = getattr(inv, name)
         if np.abs(matrix - matrix.T).max() > 1e-9 * max(np.abs(inertia_at_rest(inv)).max(), 1e-300):
             yield _finding("error", f"invariants/{name}", "expected a symmetric matrix")
-    a, b, c = np.linalg.eigvalsh(centre_inertia(package))
+    a, b, c = _eigenvalues(centre_inertia(package))
     shown = f"principal inertias about the centre of mass are {a:.6g}, {b:.6g}, {c:.6g} kg m2"
     if a < -1e-9 * c:
         yield _finding("error", "invariants/T00_B", f"expected none below zero: {shown}")
@@ -95,7 +101,7 @@ def free_body_mass(package: ModalPackage) -> Array:
 def _free_body_mass(package: ModalPackage) -> Iterator[Finding]:
     M = free_body_mass(package)
     scale = np.sqrt(np.maximum(np.diag(M), 1e-300))
-    smallest = float(np.linalg.eigvalsh(M / np.outer(scale, scale))[0])
+    smallest = float(_eigenvalues(M / np.outer(scale, scale))[0])
     if smallest < -CONSISTENCY:
         text = (
             "the mass matrix of frame and modes together is indefinite (scaled smallest "
@@ -114,7 +120,7 @@ def _modal_mass(package: ModalPackage) -> Iterator[Finding]:
         return
     scale = np.sqrt(np.abs(np.diag(package.mass)))
     rest = (package.mass - translation) / np.outer(scale, scale)
-    smallest = float(np.linalg.eigvalsh((rest + rest.T) / 2)[0])
+    smallest = float(_eigenvalues((rest + rest.T) / 2)[0])
     lumped = package.invariants.mass_form == "lumped"
     if smallest < -(LUMPED_T11 if lumped else CONSISTENCY):
         text = (
@@ -136,7 +142,7 @@ def _modes(package: ModalPackage) -> Iterator[Finding]:
     K = package.stiffness
     scale = np.sqrt(np.abs(np.diag(K)))
     scale[scale == 0] = 1.0
-    smallest = float(np.linalg.eigvalsh(K / np.outer(scale, scale))[0])
+    smallest = float(_eigenvalues(K / np.outer(scale, scale))[0])
     if smallest < -1e-9:
         text = f"expected none of its eigenvalues below zero, smallest (scaled) is {smallest:.3g}"
         yield _finding("error", "modes/stiffness", text)
@@ -154,7 +160,7 @@ def _modes(package: ModalPackage) -> Iterator[Finding]:
 
 
 def _damping(package: ModalPackage) -> Iterator[Finding]:
-    values = np.linalg.eigvalsh(package.damping) if package.n_mode else np.zeros(1)
+    values = _eigenvalues(package.damping) if package.n_mode else np.zeros(1)
     if values[0] < -1e-9 * max(np.abs(values).max(), 1e-300):
         text = f"feeds energy into the body (eigenvalue {values[0]:.3g})"
         yield _finding("warning", "modes/damping", text)

@@ -1,0 +1,18 @@
+"""What a run leaves: result.vtkhdf for programs and ParaView, summary.json for people and tests."""
+
+from .reader import read_result
+from .schema import BodyGeometry, ResultError, RunResult, Signal
+from .summary import read_summary, signal_summary, write_summary
+from .writer import write_result
+
+__all__ = [
+    "BodyGeometry",
+    "ResultError",
+    "RunResult",
+    "Signal",
+    "read_result",
+    "read_summary",
+    "signal_summary",
+    "write_result",
+    "write_summary",
+]

@@ -1,0 +1,98 @@
+"""Read a result back."""
+
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from ..errors import nearest
+from ..package.container import get_text, kind_of_file, open_file
+from .schema import (
+    FORMAT,
+    FORMAT_VERSION,
+    BodyGeometry,
+    ResultError,
+    RunResult,
+    Signal,
+    check_result,
+)
+
+
+def read_result(path: str | Path) -> RunResult:
+    """Read result.vtkhdf.
+
+    Raises
+    ------
+    ResultError
+        When the file is missing, truncated, foreign, newer or incomplete.
+    """
+    path = Path(path)
+    with open_file(path, ResultError) as file:
+        found = get_text(file, "format")
+        if found != FORMAT:
+            what = repr(found) if found else kind_of_file(file)
+            raise ResultError(f"{path}: attribute format: expected {FORMAT!r}, this is {what}")
+        major, minor = (int(v) for v in file.attrs["format_version"])
+        if major > FORMAT_VERSION[0]:
+            raise ResultError(
+                f"{path}: written by a newer Plymotion: format {major}.{minor}, "
+                f"this reader knows {FORMAT_VERSION[0]}.x"
+            )
+        result = _load(path, file)
+    try:
+        check_result(result)
+    except ResultError as error:
+        raise ResultError(f"{path}: /results/{error}") from None
+    return result
+
+
+def _load(path: Path, file: h5py.File) -> RunResult:
+    group = _get(path, file, "results")
+
+    def array(name: str) -> np.ndarray:
+        return np.asarray(_get(path, group, name)[()])
+
+    def members(name: str) -> list[h5py.HLObject]:
+        items = list(group[name].values()) if name in group else []
+        return sorted(items, key=lambda item: int(item.attrs.get("index", 0)))
+
+    def series(name: str) -> dict[str, np.ndarray]:
+        return {item.name.rsplit("/", 1)[1]: item[()] for item in members(name)}
+
+    return RunResult(
+        case=get_text(file, "case"),
+        run=get_text(file, "run"),
+        t=array("t"),
+        signals=tuple(
+            Signal(
+                item.name.rsplit("/", 1)[1],
+                get_text(item, "unit"),
+                get_text(item, "description"),
+                item[()],
+            )
+            for item in members("signals")
+        ),
+        q=array("q"),
+        v=array("v"),
+        multipliers=array("multipliers"),
+        energies=series("energies"),
+        bodies=tuple(
+            BodyGeometry(
+                item.name.rsplit("/", 1)[1],
+                *(
+                    np.asarray(_get(path, item, name)[()])
+                    for name in ("nodes_B", "connectivity", "offsets", "cell_types")
+                ),
+            )
+            for item in members("bodies")
+        ),
+        node_positions_G=array("node_positions_G"),
+        violations=series("violations"),
+        node_deflection=array("node_deflection") if "node_deflection" in group else None,
+    )
+
+
+def _get(path: Path, group: h5py.Group, name: str) -> h5py.HLObject:
+    if name not in group:
+        raise ResultError(f"{path}: {group.name}: no {name!r}{nearest(name, group)}")
+    return group[name]

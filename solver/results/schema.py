@@ -1,0 +1,91 @@
+"""The result of a run in memory: k output times, all arrays in SI units."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..errors import InputError
+from ..package.schema import Array, IntArray
+
+FORMAT = "plymotion result"
+FORMAT_VERSION = (1, 0)
+
+ENERGIES = ("kinetic", "strain", "potential", "drive_work")
+
+
+class ResultError(InputError):
+    """A result that cannot be written or read; the message names file and dataset."""
+
+
+@dataclass(frozen=True)
+class Signal:
+    """A named quantity over time."""
+
+    name: str
+    unit: str
+    description: str
+    values: Array  # (k,)
+
+
+@dataclass(frozen=True)
+class BodyGeometry:
+    """What is drawn of a body, in its own frame."""
+
+    name: str
+    nodes_B: Array  # (n, 3)                                [m]
+    connectivity: IntArray  # flat node indices (0-based rows of nodes_B)
+    offsets: IntArray  # (c + 1,)
+    cell_types: IntArray  # (c,) VTK cell types
+
+
+@dataclass(frozen=True)
+class RunResult:
+    """Everything that a run leaves, at its k output times."""
+
+    case: str
+    run: str
+    t: Array  # (k,)                                        [s]
+    signals: tuple[Signal, ...]
+    q: Array  # (k, n_pos) positions, Euler parameters, modal coordinates
+    v: Array  # (k, n_vel) velocities
+    multipliers: Array  # (k, n_c) reactions of the joints
+    energies: dict[str, Array]  # ENERGIES, (k,) each       [J]
+    bodies: tuple[BodyGeometry, ...]
+    node_positions_G: Array  # (k, n, 3), bodies end to end [m]
+    # Largest constraint violation, (k,) each: position [m], rotation [rad], velocity [m/s]
+    violations: dict[str, Array] = field(default_factory=dict)
+    node_deflection: Array | None = None  # (k, n) magnitude of the elastic displacement [m]
+
+    @property
+    def energy_balance(self) -> Array:
+        """Change of kinetic + strain + potential energy minus drive work, (k,) [J]."""
+        e = self.energies
+        balance = e["kinetic"] + e["strain"] + e["potential"] - e["drive_work"]
+        return np.asarray(balance - balance[0])
+
+
+def check_result(result: RunResult) -> None:
+    """Raise ResultError, naming the array, when sizes of a result do not agree."""
+    k = len(result.t)
+    n = sum(len(body.nodes_B) for body in result.bodies)
+    shapes: dict[str, tuple[Array, tuple[int, ...]]] = {
+        "node_positions_G": (result.node_positions_G, (k, n, 3))
+    }
+    for name in ("q", "v", "multipliers"):
+        array = getattr(result, name)
+        shapes[name] = (array, (k, array.shape[1] if array.ndim == 2 else -1))
+    if result.node_deflection is not None:
+        shapes["node_deflection"] = (result.node_deflection, (k, n))
+    for signal in result.signals:
+        shapes[f"signals/{signal.name}"] = (signal.values, (k,))
+    for group in ("energies", "violations"):
+        for name, values in getattr(result, group).items():
+            shapes[f"{group}/{name}"] = (values, (k,))
+    missing = [name for name in ENERGIES if name not in result.energies]
+    if missing:
+        raise ResultError(f"energies/{missing[0]}: missing; expected {', '.join(ENERGIES)}")
+    if not k or np.any(np.diff(result.t) <= 0):
+        raise ResultError("t: expected at least one time, rising")
+    for name, (array, expected) in shapes.items():
+        if np.shape(array) != expected:
+            raise ResultError(f"{name}: expected shape {expected}, got {np.shape(array)}")

@@ -1,0 +1,68 @@
+"""summary.json: the few numbers of a run, with a stable layout."""
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..package.container import temporary_sibling
+from ..package.schema import Array
+from .schema import ResultError, Signal
+
+
+def signal_summary(signal: Signal, t: Array) -> dict[str, Any]:
+    """Return unit, final value and both extremes of a signal with their times [s].
+
+    Values that are no numbers (NaN, inf) are passed over; a signal without any
+    number gives None everywhere.
+    """
+    known = np.flatnonzero(np.isfinite(signal.values))
+    if not len(known):
+        return {"unit": signal.unit} | dict.fromkeys(("final", "min", "t_min", "max", "t_max"))
+    low = known[np.argmin(signal.values[known])]
+    high = known[np.argmax(signal.values[known])]
+    return {
+        "unit": signal.unit,
+        "final": float(signal.values[-1]) if known[-1] == len(signal.values) - 1 else None,
+        "min": float(signal.values[low]),
+        "t_min": float(t[low]),
+        "max": float(signal.values[high]),
+        "t_max": float(t[high]),
+    }
+
+
+def write_summary(path: str | Path, summary: dict[str, Any]) -> None:
+    """Write a summary as JSON that every parser reads: NaN and inf become null."""
+    path = Path(path)
+    try:
+        text = json.dumps(_plain(summary), indent=2, ensure_ascii=False, allow_nan=False)
+    except TypeError as error:
+        raise ResultError(f"{path}: the summary holds something that is no JSON: {error}") from None
+    with temporary_sibling(path) as temporary:
+        temporary.write_text(text + "\n", encoding="utf-8")
+
+
+def read_summary(path: str | Path) -> dict[str, Any]:
+    """Read a summary. Raises ResultError when it is missing or no JSON table."""
+    path = Path(path)
+    try:
+        summary = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise ResultError(f"{path}: no summary of a run: {error}") from error
+    if not isinstance(summary, dict) or "run" not in summary:
+        raise ResultError(f"{path}: key run: expected the summary of a run, there is no such key")
+    return summary
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.ndarray | np.generic):
+        return _plain(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

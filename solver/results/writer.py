@@ -1,0 +1,130 @@
+"""Write a result: one VTKHDF file that ParaView plays, with our own arrays beside the view."""
+
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from ..package.container import new_file, set_text
+from ..package.schema import Array
+from .schema import FORMAT, FORMAT_VERSION, ResultError, RunResult, check_result
+
+LARGE = 1_000_000  # bytes from which an array is compressed
+MULTIPLIER_UNIT = "N, N m"
+
+
+def write_result(path: str | Path, result: RunResult, *, max_frames: int = 200) -> None:
+    """Write result.vtkhdf; the file appears only when it is complete.
+
+    /results keeps every output time; the animation has at most `max_frames` of
+    them, the first and the last included.
+
+    Raises
+    ------
+    ResultError
+        When sizes disagree or the name does not end in .vtkhdf.
+    """
+    path = Path(path)
+    if path.suffix != ".vtkhdf":
+        raise ResultError(f"{path}: a result ends in .vtkhdf (ParaView goes by the name)")
+    try:
+        check_result(result)
+    except ResultError as error:
+        raise ResultError(f"{path}: {error}") from None
+    with new_file(path) as file:
+        set_text(file, "format", FORMAT)
+        file.attrs["format_version"] = np.array(FORMAT_VERSION, dtype=np.int64)
+        set_text(file, "case", result.case)
+        set_text(file, "run", result.run)
+        set_text(file, "units", "SI")
+        _write_results(file.create_group("results"), result)
+        _write_animation(file.create_group("VTKHDF"), result, frames(len(result.t), max_frames))
+
+
+def frames(k: int, max_frames: int) -> Array:
+    """Choose at most max_frames of k output times, evenly, with first and last."""
+    return np.unique(np.linspace(0, k - 1, max(1, min(k, max_frames))).round().astype(int))
+
+
+def _write_results(group: h5py.Group, result: RunResult) -> None:
+    _put(group, "t", result.t, "s", "-", "output times")
+    _put(group, "q", result.q, "m, -, -", "G", "positions, Euler parameters, modal coordinates")
+    _put(group, "v", result.v, "m/s, rad/s, 1/s", "G, B", "velocities of bodies and modes")
+    _put(group, "multipliers", result.multipliers, MULTIPLIER_UNIT, "G", "Lagrange multipliers")
+    for name, values in result.energies.items():
+        _put(group, f"energies/{name}", values, "J", "-", name.replace("_", " "))
+    units = {"position": "m", "rotation": "rad", "velocity": "m/s"}
+    for name, values in result.violations.items():
+        text = f"largest constraint violation, {name}"
+        _put(group, f"violations/{name}", values, units.get(name, "-"), "-", text)
+    for index, signal in enumerate(result.signals):
+        item = _put(
+            group, f"signals/{signal.name}", signal.values, signal.unit, "-", signal.description
+        )
+        item.attrs["index"] = index
+    for index, body in enumerate(result.bodies):
+        sub = group.create_group(f"bodies/{body.name}")
+        sub.attrs["index"] = index
+        _put(sub, "nodes_B", body.nodes_B, "m", "B", "rest positions of the drawn points")
+        _put(sub, "connectivity", body.connectivity, "-", "-", "rows of nodes_B, cell by cell")
+        _put(sub, "offsets", body.offsets, "-", "-", "start of each cell in connectivity")
+        _put(sub, "cell_types", body.cell_types, "-", "-", "VTK cell types")
+    text = "positions of all drawn points, bodies end to end"
+    _put(group, "node_positions_G", result.node_positions_G, "m", "G", text)
+    if result.node_deflection is not None:
+        text = "magnitude of the elastic displacement"
+        _put(group, "node_deflection", result.node_deflection, "m", "B", text)
+
+
+def _put(
+    group: h5py.Group, name: str, values: Array, unit: str, frame: str, text: str
+) -> h5py.Dataset:
+    values = np.asarray(values)
+    squeeze = {"compression": "gzip", "shuffle": True} if values.nbytes > LARGE else {}
+    dataset = group.create_dataset(name, data=values, **squeeze)
+    for key, word in (("unit", unit), ("frame", frame), ("description", text)):
+        set_text(dataset, key, word)
+    return dataset
+
+
+def _write_animation(view: h5py.Group, result: RunResult, chosen: Array) -> None:
+    """Write one unstructured grid of all bodies: fixed points and cells, moving displacement."""
+    view.attrs["Version"] = np.array([2, 2], dtype=np.int64)
+    view.attrs.create("Type", np.bytes_("UnstructuredGrid"), dtype="S16")
+    points = result.node_positions_G[chosen]
+    n_step, n = points.shape[:2]
+    starts = np.cumsum([0] + [len(body.nodes_B) for body in result.bodies])
+    cells = [len(body.cell_types) for body in result.bodies]
+    connectivity = _join(
+        [b.connectivity + s for b, s in zip(result.bodies, starts[:-1], strict=True)]
+    )
+    lengths = _join([np.diff(body.offsets) for body in result.bodies])
+    view["Points"] = points[0]
+    view["Connectivity"] = connectivity
+    view["Offsets"] = np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64)
+    view["Types"] = _join([body.cell_types for body in result.bodies]).astype(np.uint8)
+    counts = {"Points": n, "Cells": sum(cells), "ConnectivityIds": len(connectivity)}
+    for name, count in counts.items():
+        view[f"NumberOf{name}"] = np.array([count], dtype=np.int64)
+    view["CellData/body_id"] = np.repeat(np.arange(len(cells)), cells).astype(np.int64)
+
+    moving = {"displacement": (points - points[0]).reshape(-1, 3)}
+    if result.node_deflection is not None:
+        moving["deflection"] = result.node_deflection[chosen].ravel()
+    steps = view.create_group("Steps")
+    steps.attrs["NSteps"] = np.int64(n_step)
+    steps["Values"] = result.t[chosen]
+    steps["NumberOfParts"] = np.ones(n_step, dtype=np.int64)
+    still = np.zeros(n_step, dtype=np.int64)
+    for name in ("PartOffsets", "PointOffsets", "CellDataOffsets/body_id"):
+        steps[name] = still
+    for name in ("CellOffsets", "ConnectivityIdOffsets"):
+        steps[name] = still[:, None]
+    for name, values in moving.items():
+        squeeze = {"compression": "gzip", "shuffle": True} if values.nbytes > LARGE else {}
+        view.create_dataset(f"PointData/{name}", data=values, **squeeze)
+        steps[f"PointDataOffsets/{name}"] = np.arange(n_step, dtype=np.int64) * n
+
+
+def _join(parts: list[Array]) -> Array:
+    return np.concatenate([np.zeros(0, dtype=np.int64), *parts]).astype(np.int64)

@@ -1,0 +1,133 @@
+"""Bad case files: one line that names file, key, value and expectation; good ones resolve."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from plymotion.solver.__main__ import main
+from plymotion.solver.case import load_case
+from plymotion.solver.case.reference import reference_page
+from plymotion.solver.case.specs import write_case
+from plymotion.solver.errors import InputError
+
+BAD = {
+    "unknown key": (
+        "length = 0.545",
+        "lenght = 0.545",
+        r"bodies\.arm\.lenght: unknown key; did you mean 'length'",
+    ),
+    "unknown table": ("[solver]", "[solvr]", r"solvr: unknown key; did you mean 'solver'"),
+    "negative thickness": (
+        "height = 0.015",
+        "height = -0.015",
+        r"sections\.arm\.height = -0\.015: .*greater than 0",
+    ),
+    "isotropic nu": ("nu = 0.3\n", "nu = 0.7\n", r"materials\.aluminium\.nu = 0\.7: .*less than 0\.5"),
+    "orthotropic nu": (
+        "nu12 = 0.3",
+        "nu12 = 4.3",
+        r"materials\.graphite-epoxy\.nu12 = 4\.3: expected nu12\^2 < E1/E2",
+    ),
+    "nus together": (
+        "nu12 = 0.3\nnu13 = 0.3\nnu23 = 0.218837",
+        "nu12 = 3.0\nnu13 = 3.0\nnu23 = 0.9",
+        r"materials\.graphite-epoxy: .*together are too large",
+    ),
+    "no such body": (
+        '"arm.tip", "hand.root"',
+        '"armm.tip", "hand.root"',
+        r'joints\.elbow\.between = "armm\.tip": there is no body "armm"; did you mean \'arm\'',
+    ),
+    "no such interface": (
+        '"arm.tip", "hand.root"',
+        '"arm.tipp", "hand.root"',
+        r'body "arm" has no interface "tipp"; did you mean \'tip\'',
+    ),
+    "kind": ('kind = "beam"', 'kind = "baem"', r'bodies\.arm\.kind = "baem": expected one of .*"beam"'),
+    "drive": ("speed = 20.0", "sped = 20.0", r"drive\.sped: unknown key; did you mean 'speed'"),
+    "two laws": ("speed = 20.0", "speed = 20.0, polynomial = [0, 1]", "either `speed` or"),
+    "type": ("t_end = 1.0", 't_end = "long"', r'solver\.t_end = "long": .*number'),
+    "no node": ("mid = { at = 0.5 }", "mid = { at = 0.51 }", r"mid\.at = 0\.51: no node there"),
+    "variant": ('["layup-1"]', '["layup-3"]', r'"layup-3": no such variant; did you mean'),
+    "version": ("format = 1", "format = 2", "format = 2: value should be 1"),
+    "toml": ("[solver]", "[solver", "not valid TOML"),
+    "figure": ('signal = "arm_mid"', 'signal = "arm_mod"', r"no such signal; did you mean 'arm_mid'"),
+}
+
+
+@pytest.fixture(scope="module")
+def source(repository) -> str:
+    return (repository / "cases/double-pendulum/case.toml").read_text()
+
+
+@pytest.mark.parametrize("name", list(BAD))
+def test_bad_input_exits_with_2_and_writes_nothing(name, source, tmp_path, capsys):
+    old, new, expected = BAD[name]
+    assert old in source
+    file = tmp_path / "case.toml"
+    file.write_text(source.replace(old, new, 1))
+    out = tmp_path / "build"
+    assert main(["check", str(file), "--out", str(out)]) == 2
+    message = capsys.readouterr().err
+    assert str(file) in message
+    assert re.search(expected, message), message
+    assert not out.exists()
+
+
+def test_missing_file(tmp_path, capsys):
+    assert main(["check", str(tmp_path / "case.toml")]) == 2
+    assert "no such case file" in capsys.readouterr().err
+
+
+def test_variants_are_merged_in_order(repository):
+    case = load_case(repository / "cases/double-pendulum/case.toml")
+    assert list(case.runs)[:3] == ["isotropic", "layup-1", "layup-2"]
+    run = case.runs["layup-2-soft-following"]
+    assert run.bodies["arm"].material == "graphite-epoxy"
+    assert run.bodies["hand"].ply_angle_deg == 30.0
+    assert run.bodies["arm"].x2_axis == [0.0, 0.0, 1.0]
+    assert run.bodies["hand"].angular_velocity == [0.0, 0.0, 20.0]
+    assert case.runs["isotropic"].bodies["hand"].angular_velocity == [0.0, 0.0, 0.0]
+
+
+def test_only_what_changed_is_rewritten(source, tmp_path):
+    """After touching only the integrator settings no body's specification changes."""
+    file, out = tmp_path / "case" / "case.toml", tmp_path / "build"
+    file.parent.mkdir()
+    file.write_text(source)
+    write_case(load_case(file), out)
+    specs = sorted((out / "bodies").glob("*.json"))
+    assert len(specs) == 12  # two links, three materials, two sides in the plane of motion
+    before = {p: p.stat().st_mtime_ns for p in out.rglob("*.json")}
+    file.write_text(source.replace("rtol = 1e-7", "rtol = 1e-5", 1))
+    write_case(load_case(file), out)
+    changed = {p.parent.name for p, t in before.items() if p.stat().st_mtime_ns != t}
+    assert changed == {"runs"}
+
+
+def test_figures_and_runs_of_the_reference_case_exist(repository):
+    table = tomllib.loads((repository / "cases/double-pendulum/case.toml").read_text())
+    for figure in table["figures"].values():
+        assert set(figure["runs"]) <= set(table["runs"])
+
+
+def test_reference_page_is_current(repository):
+    """docs/case-reference.md is what `make docs` writes."""
+    assert (repository / "docs/case-reference.md").read_text() == reference_page()
+
+
+def test_every_key_has_a_meaning():
+    rows = [r for r in reference_page().splitlines() if r.startswith("| `")]
+    assert len(rows) > 80
+    for row in rows:
+        assert row.split("|")[-2].strip(), f"no meaning: {row}"
+
+
+def test_errors_come_together(source, tmp_path):
+    file = tmp_path / "case.toml"
+    file.write_text(source.replace("nu = 0.3\n", "nu = 0.7\n").replace("0.545\n", "-0.545\n"))
+    with pytest.raises(InputError) as error:
+        load_case(Path(file))
+    assert len(str(error.value).splitlines()) >= 2
