@@ -134,7 +134,7 @@ check: lint types imports test-light ## Lint, types, import directions and the t
 
 .PHONY: lint
 lint: $(LIGHT) ## Style: ruff
-	$(VENV)/bin/ruff check --quiet .
+	$(VENV)/bin/ruff check --quiet --output-format concise .
 	$(VENV)/bin/ruff format --check --quiet .
 
 .PHONY: types

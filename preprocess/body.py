@@ -79,7 +79,7 @@ def build_body(spec: dict[str, Any]) -> ModalPackage:
 @functools.lru_cache(maxsize=256)
 def _section(text: str) -> SectionResult:
     """Analyse a section once, however many bodies have it."""
-    return analyse(json.loads(text))
+    return analyse(json.loads(text), where="section")
 
 
 def toml_text(table: dict[str, Any], path: str = "") -> str:

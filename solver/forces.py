@@ -3,6 +3,7 @@
 from .bodies.marker import Marker
 from .compiled import jit
 from .package.schema import Array
+from .small import mm, tv
 
 
 @jit
@@ -13,5 +14,5 @@ def add_point_mass(M: Array, f: Array, marker: Marker, mass: float, gravity_G: A
     and no constraints of its own, and the same motion as a rigid body of no
     size that is joined there.
     """
-    M += mass * (marker.J_v.T @ marker.J_v)
-    f += mass * (marker.J_v.T @ (gravity_G - marker.a))
+    M += mass * mm(marker.J_v.T, marker.J_v)
+    f += mass * tv(marker.J_v, gravity_G - marker.a)

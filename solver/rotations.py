@@ -9,6 +9,7 @@ import numpy as np
 
 from .compiled import jit
 from .package.schema import Array
+from .small import mm
 
 
 @jit
@@ -23,6 +24,12 @@ def cross(a: Array, b: Array) -> Array:
     return np.array(
         (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
     )
+
+
+@jit
+def dot(a: Array, b: Array) -> float:
+    """Return a . b of two vectors (3,)."""
+    return float(a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
 
 
 @jit
@@ -60,7 +67,7 @@ def parameter_rate(p: Array, w_B: Array) -> Array:
 @jit
 def vector_to_matrix(theta: Array) -> Array:
     """Return exp(theta~) (3, 3), the rotation by |theta| about theta (3,) [rad]."""
-    return np.eye(3) + skew(theta) @ tangent_map(theta)
+    return np.eye(3) + mm(skew(theta), tangent_map(theta))
 
 
 @jit
@@ -87,16 +94,16 @@ def _tangent_coefficients(s: float) -> tuple[float, float, float, float]:
 @jit
 def tangent_map(theta: Array) -> Array:
     """Return T (3, 3) with angular velocity = T thetadot, in the axes that theta starts from."""
-    a, b, _, _ = _tangent_coefficients(theta @ theta)
+    a, b, _, _ = _tangent_coefficients(dot(theta, theta))
     t = skew(theta)
-    return np.eye(3) + a * t + b * (t @ t)
+    return np.eye(3) + a * t + b * mm(t, t)
 
 
 @jit
 def tangent_rate(theta: Array, theta_d: Array) -> Array:
     """Return (dT/dt) thetadot (3,) of `tangent_map`, at rates theta_d (3,) [rad/s]."""
-    a, b, da, db = _tangent_coefficients(theta @ theta)
-    s_d = 2.0 * (theta @ theta_d)
+    a, b, da, db = _tangent_coefficients(dot(theta, theta))
+    s_d = 2.0 * dot(theta, theta_d)
     c = cross(theta, theta_d)
     return s_d * da * c + s_d * db * cross(theta, c) + b * cross(theta_d, c)
 

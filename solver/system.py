@@ -14,6 +14,7 @@ from .joints.table import joint_rows
 from .model import Model
 from .package.schema import Array
 from .rotations import parameter_rate, rotation_matrix
+from .small import mm, mv
 
 
 class Equations(NamedTuple):
@@ -63,14 +64,12 @@ def assemble(model: Model, t: float, y: Array) -> Equations:
         if body >= 0:
             j = model.vel_start[body]
             e = j + 6 + model.n_mode[body]
-            C = rows.C[a:b]
-            Phi_q[a:b, j:e] += C[:, 0:3].copy() @ one.J_v + C[:, 3:6].copy() @ one.J_w
+            Phi_q[a:b, j:e] += mm(rows.C[a:b, 0:3], one.J_v) + mm(rows.C[a:b, 3:6], one.J_w)
         body = model.marker_body[k_2]
         if body >= 0:
             j = model.vel_start[body]
             e = j + 6 + model.n_mode[body]
-            C = rows.C[a:b]
-            Phi_q[a:b, j:e] += C[:, 6:9].copy() @ two.J_v + C[:, 9:12].copy() @ two.J_w
+            Phi_q[a:b, j:e] += mm(rows.C[a:b, 6:9], two.J_v) + mm(rows.C[a:b, 9:12], two.J_w)
     return Equations(M, f, Phi_q, rows.Phi, rows.Phi_t, rows.gamma, damping_power)
 
 
@@ -106,8 +105,8 @@ def _add_body(
         model.J_psi[3 * one : 3 * (one + m)].reshape(3, m),
         model.M_qq[two : two + m * m].reshape(m, m),
     )
-    damping = model.D_qq[two : two + m * m].reshape(m, m) @ q_d
-    f[j + 6 : e] -= model.K_qq[two : two + m * m].reshape(m, m) @ q + damping
+    damping = mv(model.D_qq[two : two + m * m].reshape(m, m), q_d)
+    f[j + 6 : e] -= mv(model.K_qq[two : two + m * m].reshape(m, m), q) + damping
     damping_power[0] -= q_d @ damping
 
 
@@ -148,7 +147,7 @@ def derivative(model: Model, t: float, y: Array) -> Array:
     equations = assemble(model, t, y)
     n_vel = equations.f.shape[0]
     velocities = y[n_pos : n_pos + n_vel]
-    Phi_d = equations.Phi_q @ velocities + equations.Phi_t
+    Phi_d = mv(equations.Phi_q, velocities) + equations.Phi_t
     gamma = stabilised(equations.gamma, equations.Phi, Phi_d, model.alpha, model.beta)
     acceleration, multipliers = solve(equations, gamma)
     y_d = np.empty(y.shape[0])

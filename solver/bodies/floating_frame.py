@@ -10,7 +10,8 @@ import numpy as np
 
 from ..compiled import jit
 from ..package.schema import Array
-from ..rotations import cross, skew
+from ..rotations import cross, dot, skew
+from ..small import mm, mv, tv
 
 
 @jit
@@ -58,18 +59,18 @@ def add_inertia(
         over j: sum m phi_aj phi_bi, so that one product contracts the first shape.
     """
     m = q.shape[0]
-    T01_q = (T01 @ q).reshape(3, 3)
-    D = (T01.copy().reshape(9 * m) + T11 @ q).reshape(3, 3, m)  # sum m b_a phi_bi
-    R = (T11 @ q_d).reshape(3, 3, m)  # sum m bdot_a phi_bi
+    T01_q = mv(T01, q).reshape(3, 3)
+    D = (T01.reshape(9 * m) + mv(T11, q)).reshape(3, 3, m)  # sum m b_a phi_bi
+    R = mv(T11, q_d).reshape(3, 3, m)  # sum m bdot_a phi_bi
     D_flat = D.reshape(9, m)
-    B = T00 + T01_q.T + (D_flat @ q).reshape(3, 3)  # sum m b_a b_b
-    P = (D_flat @ q_d).reshape(3, 3)  # sum m b_a bdot_b
-    first = S0 + S @ q
-    first_d = S @ q_d
-    J = np.trace(B) * np.eye(3) - B + J0
+    B = T00 + T01_q.T + mv(D_flat, q).reshape(3, 3)  # sum m b_a b_b
+    P = mv(D_flat, q_d).reshape(3, 3)  # sum m b_a bdot_b
+    first = S0 + mv(S, q)
+    first_d = mv(S, q_d)
+    J = (B[0, 0] + B[1, 1] + B[2, 2]) * np.eye(3) - B + J0
     M_wq = axial(D) + J_psi
-    A_S = A_GB @ S
-    A_first = A_GB @ skew(first)
+    A_S = mm(A_GB, S)
+    A_first = mm(A_GB, skew(first))
 
     for i in range(3):
         M[i, i] += mass
@@ -82,19 +83,19 @@ def add_inertia(
     M[6:, 3:6] += M_wq.T
     M[6:, 6:] += M_qq
 
-    g_B = A_GB.T @ gravity_G
-    f[0:3] += mass * gravity_G - A_GB @ (cross(w, cross(w, first)) + 2.0 * cross(w, first_d))
+    g_B = tv(A_GB, gravity_G)
+    f[0:3] += mass * gravity_G - mv(A_GB, cross(w, cross(w, first)) + 2.0 * cross(w, first_d))
     f[3:6] += (
         cross(first, g_B)
-        - cross(w, J @ w + J_psi @ q_d)
-        + 2.0 * (P.T @ w - np.trace(P) * w)
+        - cross(w, mv(J, w) + mv(J_psi, q_d))
+        + 2.0 * (tv(P, w) - (P[0, 0] + P[1, 1] + P[2, 2]) * w)
     )
     ww = np.outer(w, w).reshape(9)
     f[6:] += (
-        S.T @ g_B
-        + (w @ w) * (D[0, 0] + D[1, 1] + D[2, 2])
-        - ww @ D_flat
-        - 2.0 * (w @ axial(R))
+        tv(S, g_B)
+        + dot(w, w) * (D[0, 0] + D[1, 1] + D[2, 2])
+        - tv(D_flat, ww)
+        - 2.0 * tv(axial(R), w)
     )
 
 
@@ -106,7 +107,7 @@ def centrifugal_matrix(w: Array, T11: Array, m: int) -> Array:
     laid out as in `add_inertia`.
     """
     T = T11.reshape(3, 3, m, m)
-    out = (w @ w) * (T[0, 0] + T[1, 1] + T[2, 2])
+    out = dot(w, w) * (T[0, 0] + T[1, 1] + T[2, 2])
     for a in range(3):
         for b in range(3):
             out = out - w[a] * w[b] * T[a, b]

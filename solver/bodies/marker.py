@@ -13,6 +13,7 @@ from ..compiled import jit
 from ..model import Model
 from ..package.schema import Array
 from ..rotations import cross, rotation_matrix, skew, tangent_map, tangent_rate
+from ..small import mm, mv
 
 
 class Marker(NamedTuple):
@@ -62,29 +63,29 @@ def marker_motion(model: Model, k: int, y: Array) -> Marker:
     phi = model.marker_phi[s : s + 3 * m].reshape(3, m)
     psi = model.marker_psi[s : s + 3 * m].reshape(3, m)
 
-    b = model.marker_x[k] + phi @ q
-    b_d = phi @ q_d
-    theta = psi @ q
-    theta_d = psi @ q_d
+    b = model.marker_x[k] + mv(phi, q)
+    b_d = mv(phi, q_d)
+    theta = mv(psi, q)
+    theta_d = mv(psi, q_d)
     T = tangent_map(theta)
-    spin = T @ theta_d  # relative angular velocity, body components
+    spin = mv(T, theta_d)  # relative angular velocity, body components
 
     J_v = np.empty((3, 6 + m))
     J_v[:, 0:3] = np.eye(3)
-    J_v[:, 3:6] = -(A @ skew(b))
-    J_v[:, 6:] = A @ phi
+    J_v[:, 3:6] = -mm(A, skew(b))
+    J_v[:, 6:] = mm(A, phi)
     J_w = np.empty((3, 6 + m))
     J_w[:, 0:3] = 0.0
     J_w[:, 3:6] = A
-    J_w[:, 6:] = A @ (T @ psi)
-    rotation = np.eye(3) + skew(theta) @ T
+    J_w[:, 6:] = mm(A, mm(T, psi))
+    rotation = np.eye(3) + mm(skew(theta), T)
     return Marker(
-        r + A @ b,
-        A @ (rotation @ model.marker_A[k]),
-        v + A @ (cross(w, b) + b_d),
-        A @ (w + spin),
+        r + mv(A, b),
+        mm(A, mm(rotation, model.marker_A[k])),
+        v + mv(A, cross(w, b) + b_d),
+        mv(A, w + spin),
         J_v,
         J_w,
-        A @ (cross(w, cross(w, b)) + 2.0 * cross(w, b_d)),
-        A @ (cross(w, spin) + tangent_rate(theta, theta_d)),
+        mv(A, cross(w, cross(w, b)) + 2.0 * cross(w, b_d)),
+        mv(A, cross(w, spin) + tangent_rate(theta, theta_d)),
     )

@@ -13,7 +13,7 @@ import numpy as np
 from ..bodies.marker import Marker
 from ..compiled import jit
 from ..package.schema import Array
-from ..rotations import cross
+from ..rotations import cross, dot
 
 
 class Rows(NamedTuple):
@@ -56,12 +56,14 @@ def orthogonal_axes(
     """
     n = cross(a, b)
     n_d = cross(cross(one.w + spin, a), b) + cross(a, cross(two.w, b))
-    rows.Phi[k] = a @ b
+    rows.Phi[k] = dot(a, b)
     rows.C[k] = 0.0
     rows.C[k, 3:6] = n
     rows.C[k, 9:12] = -n
-    rows.Phi_t[k] = spin @ n
-    rows.gamma[k] = -((one.alpha - two.alpha + spin_rate) @ n + (one.w + spin - two.w) @ n_d)
+    rows.Phi_t[k] = dot(spin, n)
+    rows.gamma[k] = -(
+        dot(one.alpha - two.alpha + spin_rate, n) + dot(one.w + spin - two.w, n_d)
+    )
 
 
 @jit

@@ -1,5 +1,6 @@
 """What each half may import: checked in a fresh interpreter and by import-linter."""
 
+import ast
 import shutil
 import subprocess
 import sys
@@ -47,6 +48,29 @@ def test_package_format_needs_numpy_and_h5py_only(repository: Path) -> None:
     }
     assert "numpy" in loaded
     assert not loaded & (FE_MODULES | {"pydantic", "numba", "matplotlib", "tqdm", "pyvista"})
+
+
+def bare_imports(source: str) -> list[str]:
+    """Absolute imports of a half by its folder's name."""
+    found = []
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            found += [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
+            found.append(node.module)
+    return [name for name in found if name.split(".")[0] in {"solver", "preprocess"}]
+
+
+@pytest.mark.parametrize("half", ["preprocess", "solver"])
+def test_no_half_is_imported_by_its_bare_name(repository: Path, half: str) -> None:
+    # It would be a second copy of the module, with a state of its own.
+    for path in (repository / half).rglob("*.py"):
+        assert bare_imports(path.read_text("utf-8")) == [], path
+
+
+def test_bare_names_are_found() -> None:
+    source = "import solver.package\nfrom preprocess import beam\nfrom . import solver\n"
+    assert bare_imports(source) == ["solver.package", "preprocess"]
 
 
 def copy_of_the_code(repository: Path, folder: Path) -> None:

@@ -67,7 +67,7 @@ def test_the_rule_leaves_others_alone(line: str) -> None:
     assert not REGISTRY_HOST.search(line)
 
 
-@pytest.mark.parametrize("half", ["preprocess", "solver"])
+@pytest.mark.parametrize("half", ["meshes", "preprocess", "solver"])
 def test_links_are_relative(repository: Path, half: str) -> None:
     link = repository / "plymotion" / half
     assert link.is_symlink()
