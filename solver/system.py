@@ -33,7 +33,8 @@ class Equations(NamedTuple):
 def assemble(model: Model, t: float, y: Array) -> Equations:
     """Assemble mass matrix, forces and constraints at time t and state y.
 
-    Paper: Eq. (6), Eq. (9), Eq. (12) with the sign of s of Eq. (6): M a + Phi_q' lambda = f.
+    Paper: Eq. (5), Eq. (6), Eq. (8), Eq. (9), Eq. (12) with the sign of s of Eq. (6):
+    M a + Phi_q' lambda = f.
     """
     n_body = model.n_mode.shape[0]
     n_pos = 7 * n_body + model.mode_start[n_body]
