@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .bodies.floating_frame import add_inertia
-from .bodies.marker import marker_motion
+from .bodies.marker import marker_motion, standing_marker
 from .compiled import jit
 from .constraints.baumgarte import stabilised
 from .forces import add_point_mass
@@ -14,7 +14,7 @@ from .joints.table import joint_rows
 from .model import Model
 from .package.schema import Array
 from .rotations import parameter_rate, rotation_matrix
-from .small import mm, mv
+from .small import mv, tv
 
 
 class Equations(NamedTuple):
@@ -55,23 +55,30 @@ def assemble(model: Model, t: float, y: Array) -> Equations:
 
     Phi_q = np.zeros((n_c, n_vel))
     rows = Rows(np.zeros(n_c), np.zeros((n_c, 12)), np.zeros(n_c), np.zeros(n_c))
+    one = two = standing_marker(np.zeros(3), np.eye(3))
     for k in range(model.joint_kind.shape[0]):
-        k_1, k_2 = model.joint_marker[k, 0], model.joint_marker[k, 1]
-        one = marker_motion(model, k_1, y)
-        two = marker_motion(model, k_2, y)
+        if k == 0 or not _same_markers(model, k):  # a drive stands on its joint's markers
+            one = marker_motion(model, model.joint_marker[k, 0], y)
+            two = marker_motion(model, model.joint_marker[k, 1], y)
         a, b = model.joint_row[k], model.joint_row[k + 1]
         joint_rows(rows, a, model.joint_kind[k], one, two, t, model.joint_parameters[k])
-        body = model.marker_body[k_1]
-        if body >= 0:
-            j = model.vel_start[body]
-            e = j + 6 + model.n_mode[body]
-            Phi_q[a:b, j:e] += mm(rows.C[a:b, 0:3], one.J_v) + mm(rows.C[a:b, 3:6], one.J_w)
-        body = model.marker_body[k_2]
-        if body >= 0:
-            j = model.vel_start[body]
-            e = j + 6 + model.n_mode[body]
-            Phi_q[a:b, j:e] += mm(rows.C[a:b, 6:9], two.J_v) + mm(rows.C[a:b, 9:12], two.J_w)
+        for side, marker in ((0, one), (6, two)):
+            body = model.marker_body[model.joint_marker[k, side // 6]]
+            if body >= 0:
+                j = model.vel_start[body]
+                for i in range(a, b):
+                    C = rows.C[i, side : side + 6]
+                    Phi_q[i, j : j + marker.J_v.shape[1]] += tv(marker.J_v, C[:3]) + tv(
+                        marker.J_w, C[3:]
+                    )
     return Equations(M, f, Phi_q, rows.Phi, rows.Phi_t, rows.gamma, damping_power)
+
+
+@jit
+def _same_markers(model: Model, k: int) -> bool:
+    """Tell whether joint k stands on the markers of joint k - 1."""
+    here, before = model.joint_marker[k], model.joint_marker[k - 1]
+    return bool(here[0] == before[0] and here[1] == before[1])
 
 
 @jit

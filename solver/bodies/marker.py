@@ -30,6 +30,14 @@ class Marker(NamedTuple):
 
 
 @jit
+def standing_marker(x: Array, A: Array) -> Marker:
+    """Return a marker of the ground at x (3,) with axes A (3, 3)."""
+    no_columns = np.zeros((3, 0))
+    zero = np.zeros(3)
+    return Marker(x, A, zero, zero, no_columns, no_columns, zero, zero)
+
+
+@jit
 def marker_motion(model: Model, k: int, y: Array) -> Marker:
     """Return the motion of marker k in state y (model.py).
 
@@ -39,16 +47,7 @@ def marker_motion(model: Model, k: int, y: Array) -> Marker:
     """
     body = model.marker_body[k]
     if body < 0:
-        return Marker(
-            model.marker_x[k].copy(),
-            model.marker_A[k].copy(),
-            np.zeros(3),
-            np.zeros(3),
-            np.zeros((3, 0)),
-            np.zeros((3, 0)),
-            np.zeros(3),
-            np.zeros(3),
-        )
+        return standing_marker(model.marker_x[k].copy(), model.marker_A[k].copy())
     m = model.n_mode[body]
     n_pos = 7 * model.n_mode.shape[0] + model.mode_start[-1]
     i = model.pos_start[body]

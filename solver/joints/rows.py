@@ -28,13 +28,13 @@ class Rows(NamedTuple):
 @jit
 def same_point(rows: Rows, k: int, one: Marker, two: Marker) -> None:
     """Rows k..k+2: the origins of both markers coincide [m]."""
-    rows.Phi[k : k + 3] = two.x - one.x
-    rows.C[k : k + 3] = 0.0
     for i in range(3):
+        rows.Phi[k + i] = two.x[i] - one.x[i]
+        rows.C[k + i] = 0.0
         rows.C[k + i, i] = -1.0
         rows.C[k + i, 6 + i] = 1.0
-    rows.Phi_t[k : k + 3] = 0.0
-    rows.gamma[k : k + 3] = one.a - two.a
+        rows.Phi_t[k + i] = 0.0
+        rows.gamma[k + i] = one.a[i] - two.a[i]
 
 
 @jit
@@ -54,16 +54,20 @@ def orthogonal_axes(
     its global rate less alpha-terms of the coordinates, (3,) [rad/s, rad/s2];
     both are zero for an axis fixed in marker one.
     """
+    w = one.w + spin
     n = cross(a, b)
-    n_d = cross(cross(one.w + spin, a), b) + cross(a, cross(two.w, b))
+    n_d = cross(cross(w, a), b) + cross(a, cross(two.w, b))
     rows.Phi[k] = dot(a, b)
-    rows.C[k] = 0.0
-    rows.C[k, 3:6] = n
-    rows.C[k, 9:12] = -n
     rows.Phi_t[k] = dot(spin, n)
-    rows.gamma[k] = -(
-        dot(one.alpha - two.alpha + spin_rate, n) + dot(one.w + spin - two.w, n_d)
-    )
+    gamma = 0.0
+    for i in range(3):
+        rows.C[k, i] = 0.0
+        rows.C[k, 3 + i] = n[i]
+        rows.C[k, 6 + i] = 0.0
+        rows.C[k, 9 + i] = -n[i]
+        gamma -= (one.alpha[i] - two.alpha[i] + spin_rate[i]) * n[i]
+        gamma -= (w[i] - two.w[i]) * n_d[i]
+    rows.gamma[k] = gamma
 
 
 @jit
