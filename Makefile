@@ -6,6 +6,12 @@
 #   summaries -> report.html, figures                    report      light environment
 
 MAKEFLAGS += --no-builtin-rules
+# All cores, unless the user says otherwise; a sub-make shares them.
+ifeq ($(MAKELEVEL),0)
+ifeq ($(filter -j%,$(MAKEFLAGS)),)
+MAKEFLAGS += -j$(shell nproc)
+endif
+endif
 .DELETE_ON_ERROR:
 .SUFFIXES:
 .DEFAULT_GOAL := help
@@ -22,6 +28,7 @@ FE_PYTHON = . ./$(FENICSX) && PYTHONPATH=. "$$FENICSX_PYTHON"
 PREPROCESS_SOURCES := $(shell find preprocess meshes -name '*.py' -o -name '*.geo')
 SOLVER_SOURCES := $(shell find solver -name '*.py')
 PACKAGE_SOURCES := $(filter solver/package/% solver/rotations.py,$(SOLVER_SOURCES))
+HOT_SOURCES := $(shell grep -lE '@jit|NamedTuple' -r solver --include='*.py')
 REPORT_SOURCES := $(filter solver/report% solver/results%,$(SOLVER_SOURCES))
 RUN_SOURCES := $(filter-out solver/report% solver/case%,$(SOLVER_SOURCES))
 
@@ -53,6 +60,12 @@ export FENICSX_PYTHON
 FENICSX_TOOLS := $(addprefix tools/,find_fenicsx.py fenicsx_sources.py fenicsx_probe.py interpreters.py)
 $(FENICSX): $(FENICSX_TOOLS) | $(LIGHT)
 	@$(PY) tools/find_fenicsx.py $@
+
+COMPILED := build/compiled
+$(COMPILED): $(HOT_SOURCES) $(LIGHT)
+	@mkdir -p $(@D)
+	$(PY) -m plymotion.solver compile
+	@touch $@
 
 ##@ Cases
 
@@ -115,7 +128,7 @@ endif
 
 # Exit code 3: the run stopped early, its result up to there is kept and reported.
 SUMMARIES_$(1) := $$(patsubst %,$(2)/%/summary.json,$$($(1)_RUNS))
-$$(SUMMARIES_$(1)): $(2)/%/summary.json: $(2)/runs/%.json $$(RUN_SOURCES) $$(LIGHT)
+$$(SUMMARIES_$(1)): $(2)/%/summary.json: $(2)/runs/%.json $$(RUN_SOURCES) $$(LIGHT) | $$(COMPILED)
 	$$(PY) -m plymotion.solver run $(2)/runs/$$*.json --out $(2)/$$* || [ $$$$? -eq 3 ]
 
 $(2)/report.html: $(2)/case.mk $$(SUMMARIES_$(1)) $$(REPORT_SOURCES)
@@ -157,6 +170,13 @@ test-fe: $(LIGHT) ## FE tests on the distribution's DOLFINx and on the wheel, nu
 .PHONY: test-cases
 test-cases: ## Every case in its coarse version, from mesh to report
 	$(if $(CASES),$(MAKE) COARSE=1 $(CASES),@echo "there is no case in cases/"; exit 1)
+
+.PHONY: ship
+ship: ## Copy the packages of every case to tests/packages, for use without FEniCSx
+	for case in $(CASES); do \
+	    mkdir -p tests/packages/$$case && rm -f tests/packages/$$case/*.vtkhdf && \
+	    cp build/$$case/bodies/*.vtkhdf tests/packages/$$case/; \
+	done
 
 ##@ Documents and cleaning
 

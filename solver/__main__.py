@@ -1,4 +1,4 @@
-"""Command line: check, run, report, info, validate."""
+"""Command line: check, compile, run, report, info, validate."""
 
 import argparse
 import json
@@ -51,6 +51,9 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--quiet", action="store_true", help="no progress bar")
     run.set_defaults(command=_run)
 
+    ahead = commands.add_parser("compile", help="compile the step loop before the first run")
+    ahead.set_defaults(command=_compile)
+
     report = commands.add_parser("report", help="figures, report.html and the table of a case")
     report.add_argument("folder", type=Path, help="build/<case>")
     report.set_defaults(command=_report)
@@ -96,6 +99,13 @@ def _run(options: argparse.Namespace) -> int:
     for warning in summary["warnings"]:
         print(f"  warning [{warning['code']}] {warning['message']}")
     return 0 if summary["completed"] else INCOMPLETE
+
+
+def _compile(options: argparse.Namespace) -> int:
+    from .ahead import compile_ahead
+
+    print(compile_ahead())
+    return 0
 
 
 def _report(options: argparse.Namespace) -> int:

@@ -17,7 +17,7 @@ _KEPT_CACHES = 4
 
 
 def _cache_directory() -> Path:
-    """Return the cache folder, named after the content of all solver sources.
+    """Return the cache folder, named after the content of all compiled sources.
 
     Numba looks at the file of a function but not at the files of what it
     calls: without this, an edit of a callee would leave stale machine code.
@@ -25,8 +25,10 @@ def _cache_directory() -> Path:
     here = Path(__file__).resolve().parent
     digest = hashlib.sha256()
     for source in sorted(here.rglob("*.py")):
-        digest.update(source.relative_to(here).as_posix().encode())
-        digest.update(source.read_bytes())
+        text = source.read_bytes()
+        if b"@jit" in text or b"NamedTuple" in text:
+            digest.update(source.relative_to(here).as_posix().encode())
+            digest.update(text)
     base = Path(os.environ.get("PLYMOTION_CACHE", Path.home() / ".cache" / "plymotion"))
     return base / f"numba-{digest.hexdigest()[:16]}"
 

@@ -204,7 +204,6 @@ def _collect(
     warnings = [findings.finding(SPIN_CODE, m) for m in monitor.warnings.values()]
     if not completed and solution.code != SPIN_CODE:
         warnings.append(findings.finding(f"run-{solution.status}", solution.message))
-    warnings += [findings.finding("integrator-hint", hint) for hint in solution.hints]
     warnings += findings.of_checks(checks) + findings.of_motion(built, y)
     for name, package in spec.packages.items():
         for item in package.provenance.get("warnings", []):
@@ -231,6 +230,7 @@ def _collect(
             "factorisations": counters.factorisations,
             "integrator": spec.mechanism["solver"]["integrator"],
         },
+        "hints": list(solution.hints),
         "warnings": warnings,
     }
     return result, summary

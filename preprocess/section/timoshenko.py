@@ -73,8 +73,8 @@ def stiffness(
 ) -> SectionStiffness:
     """The 6x6 stiffness K of a section.
 
-    Paper: Eq. (36) with X = K[CLASSICAL, CLASSICAL], F = K[CLASSICAL, SHEAR] and
-    G = K[SHEAR, SHEAR]; Paper: Eq. (41), Eq. (42) with F = -B' T G, Eq. (43).
+    Paper: Eq. (36), Eq. (41), Eq. (42), Eq. (43), with the blocks X = K[CLASSICAL, CLASSICAL],
+    F = K[CLASSICAL, SHEAR] = -B' T G and G = K[SHEAR, SHEAR].
 
     Parameters
     ----------

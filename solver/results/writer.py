@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 
 from ..package.container import new_file, set_text
-from ..package.schema import Array
+from ..package.schema import Array, IntArray
 from .schema import FORMAT, FORMAT_VERSION, ResultError, RunResult, check_result
 
 LARGE = 1_000_000  # bytes from which an array is compressed
@@ -41,7 +41,7 @@ def write_result(path: str | Path, result: RunResult, *, max_frames: int = 200) 
         _write_animation(file.create_group("VTKHDF"), result, frames(len(result.t), max_frames))
 
 
-def frames(k: int, max_frames: int) -> Array:
+def frames(k: int, max_frames: int) -> IntArray:
     """Choose at most max_frames of k output times, evenly, with first and last."""
     return np.unique(np.linspace(0, k - 1, max(1, min(k, max_frames))).round().astype(int))
 
@@ -77,9 +77,8 @@ def _write_results(group: h5py.Group, result: RunResult) -> None:
 
 
 def _put(
-    group: h5py.Group, name: str, values: Array, unit: str, frame: str, text: str
+    group: h5py.Group, name: str, values: Array | IntArray, unit: str, frame: str, text: str
 ) -> h5py.Dataset:
-    values = np.asarray(values)
     squeeze = {"compression": "gzip", "shuffle": True} if values.nbytes > LARGE else {}
     dataset = group.create_dataset(name, data=values, **squeeze)
     for key, word in (("unit", unit), ("frame", frame), ("description", text)):
@@ -87,7 +86,7 @@ def _put(
     return dataset
 
 
-def _write_animation(view: h5py.Group, result: RunResult, chosen: Array) -> None:
+def _write_animation(view: h5py.Group, result: RunResult, chosen: IntArray) -> None:
     """Write one unstructured grid of all bodies: fixed points and cells, moving displacement."""
     view.attrs["Version"] = np.array([2, 2], dtype=np.int64)
     view.attrs.create("Type", np.bytes_("UnstructuredGrid"), dtype="S16")
@@ -126,5 +125,5 @@ def _write_animation(view: h5py.Group, result: RunResult, chosen: Array) -> None
         steps[f"PointDataOffsets/{name}"] = np.arange(n_step, dtype=np.int64) * n
 
 
-def _join(parts: list[Array]) -> Array:
+def _join(parts: list[IntArray]) -> IntArray:
     return np.concatenate([np.zeros(0, dtype=np.int64), *parts]).astype(np.int64)

@@ -1,0 +1,38 @@
+"""Compile the step loop before the first run, so that runs in parallel need not each do it."""
+
+import time
+
+import numpy as np
+
+from .assemble import JointTable, MarkerTable, assemble_model, rigid_body
+from .bodies.floating_frame import centrifugal_matrix
+from .bodies.marker import marker_motion
+from .compiled import COMPILED
+from .joints.rotation_drive import polynomial
+from .joints.table import KINDS
+from .rotations import rotation_matrix, vector_to_matrix
+from .system import assemble, derivative, energies, solve
+
+
+def compile_ahead() -> str:
+    """Call every compiled function once; return what was done, in words."""
+    if not COMPILED:
+        return "Numba is not used: runs take plain NumPy"
+    begin = time.perf_counter()
+    body = rigid_body("body", 1.0, np.zeros(3), np.eye(3))
+    markers = [MarkerTable(-1, np.zeros(3)), MarkerTable(0, np.zeros(3))]
+    joints = [JointTable(kind, kind, 0, 1) for kind in KINDS]
+    model = assemble_model([body], markers, joints, [(1, 1.0)], alpha=0.0)
+    y = np.zeros(model.n_pos + model.n_vel + 1)
+    y[3] = 1.0
+    equations = assemble(model, 0.0, y)
+    free = assemble_model([body], markers, [], [(1, 1.0)])
+    derivative(free, 0.0, y)
+    energies(free, 0.0, y)
+    solve(assemble(free, 0.0, y), np.zeros(0))
+    marker_motion(model, 1, y)
+    rotation_matrix(y[3:7])
+    vector_to_matrix(equations.gamma[:3])
+    polynomial(model.joint_parameters[0], 0.0)
+    centrifugal_matrix(y[10:13], np.zeros(9), 1)
+    return f"step loop ready in {time.perf_counter() - begin:.1f} s"

@@ -1,0 +1,105 @@
+"""Mass of a beam: assembled, as stations, as the invariants of the solver."""
+
+import numpy as np
+import pytest
+
+from plymotion.preprocess.beam.line import BeamLine, node_positions, section_axes
+from plymotion.preprocess.beam.section_mass import SectionMass
+from plymotion.preprocess.beam.stations import mass_stations, nodal_mass
+from plymotion.solver.package.invariants import inertia_at_rest
+from plymotion.solver.rotations import skew
+
+FORMS = ("consistent", "lumped")
+M_LINE, LENGTH = 2.0, 1.3
+J = np.array([[5e-3, 0, 0], [0, 2e-3, 4e-4], [0, 4e-4, 3e-3]])
+ECCENTRIC = SectionMass(M_LINE, np.array([0.0, 0.01, -0.02]), J)
+
+
+def eccentric_line(elements: int = 8) -> BeamLine:
+    """Coupled stiffness, mass centre off the line, rolled section, unequal elements."""
+    A = np.random.default_rng(0).normal(size=(6, 6))
+    scale = np.sqrt([1e4, 3e3, 2e3, 50.0, 80.0, 120.0])
+    K = (A @ A.T + 6 * np.eye(6)) * np.outer(scale, scale)
+    x = node_positions(LENGTH, elements, [0.3])
+    return BeamLine(x, K, ECCENTRIC.matrix(), section_axes(np.array([0.0, 0.6, 0.8])))
+
+
+def rigid_columns(line: BeamLine) -> np.ndarray:
+    """Nodal displacements of unit translations and rotations about the origin."""
+    columns = np.zeros((line.n_node, 6, 6))
+    columns[:, :3, :3] = columns[:, 3:, 3:] = np.eye(3)
+    columns[:, :3, 3:] = [-skew(x) for x in line.nodes_B]
+    return columns.reshape(-1, 6)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_stations_carry_the_assembled_mass(form: str) -> None:
+    line = eccentric_line()
+    X = np.random.default_rng(1).normal(size=(6 * line.n_node, 5))
+    assembled = X.T @ (line.mass_matrix(form) @ X)
+    stations = mass_stations(line, X, form)
+    assert np.abs(stations.modal_mass() - assembled).max() < 1e-12 * np.abs(assembled).max()
+    rotary = np.einsum("kai,kab,kbj->ij", stations.psi_B, stations.J_B, stations.psi_B)
+    T11 = np.einsum("aaij->ij", stations.invariants(form).T11_B)
+    assert np.abs(T11 + rotary - assembled).max() < 1e-12 * np.abs(assembled).max()
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_rigid_motion_of_the_stations_is_that_of_the_body(form: str) -> None:
+    line = eccentric_line(200 if form == "lumped" else 8)
+    stations = mass_stations(line, rigid_columns(line), form)
+    inv = stations.invariants(form)
+    A, mass = line.A_BE, M_LINE * LENGTH
+    c = A @ ECCENTRIC.centre_E
+    centre = np.array([LENGTH / 2, 0, 0]) + c
+    assert inv.mass == pytest.approx(mass, rel=1e-13)
+    assert np.allclose(inv.S0_B, mass * centre, rtol=1e-12, atol=1e-14)
+    # exact inertia of a uniform bar about the origin; lumping the mass at nodes misses h^2/12
+    spread = LENGTH**3 / 3 * M_LINE
+    x2 = np.array([[spread, 0, 0], [0, 0, 0], [0, 0, 0]])
+    cross = mass * LENGTH / 2 * np.outer([1.0, 0, 0], c)
+    T00 = x2 + cross + cross.T + mass * np.outer(c, c)
+    inertia = np.trace(T00) * np.eye(3) - T00 + LENGTH * A @ J @ A.T
+    tolerance = {"consistent": 1e-12, "lumped": 0.6 / 200**2}[form]
+    assert np.abs(inertia_at_rest(inv) - inertia).max() < tolerance * np.abs(inertia).max()
+    # the same by the rigid modes' own mass matrix
+    M = stations.modal_mass()
+    assert np.allclose(M[:3, :3], mass * np.eye(3), atol=1e-12)
+    assert np.allclose(M[3:, 3:], inertia_at_rest(inv), atol=1e-12)
+    assert np.allclose(M[3:, :3], skew(inv.S0_B), atol=1e-12)
+    # columns of T01, S and J_psi for a rigid rotation: phi = w x x, psi = w
+    assert np.allclose(inv.S_B[:, 3:], -skew(inv.S0_B), atol=1e-12)
+    assert np.allclose(inv.J_psi_B[:, 3:], inv.J0_B, atol=1e-15)
+
+
+def test_nodal_mass_is_the_diagonal_of_the_lumped_mass() -> None:
+    line = eccentric_line()
+    mass, inertia = nodal_mass(line)
+    blocks = line.mass_matrix("lumped").toarray().reshape(line.n_node, 6, line.n_node, 6)
+    for k in range(line.n_node):
+        assert np.allclose(blocks[k, :3, k, :3], mass[k] * np.eye(3), atol=1e-15)
+        assert np.allclose(blocks[k, 3:, k, 3:], inertia[k], atol=1e-15)
+    assert mass.sum() == pytest.approx(M_LINE * LENGTH, rel=1e-13)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_participation_splits_the_modal_mass(form: str) -> None:
+    line = eccentric_line()
+    X = np.random.default_rng(2).normal(size=(6 * line.n_node, 3))
+    stations = mass_stations(line, X, form)
+    products = stations.J_B.copy()
+    products[:, range(3), range(3)] = 0.0
+    missing = np.einsum("kai,kab,kbj->ij", stations.psi_B, products, stations.psi_B)
+    assert np.allclose(stations.participation().sum(axis=0) + missing, stations.modal_mass())
+
+
+def test_mass_that_is_no_rigid_slice_is_refused() -> None:
+    assert np.allclose(
+        SectionMass.from_matrix(ECCENTRIC.matrix()).centre_E, ECCENTRIC.centre_E, atol=1e-15
+    )
+    matrix = ECCENTRIC.matrix()
+    matrix[0, 1] = matrix[1, 0] = 0.1
+    with pytest.raises(ValueError, match=r"entry \[0, 1\]"):
+        SectionMass.from_matrix(matrix)
+    with pytest.raises(ValueError, match="positive"):
+        SectionMass.from_matrix(np.zeros((6, 6)))

@@ -1,0 +1,155 @@
+"""Natural frequencies of uniform beams against exact solutions of Timoshenko's equations.
+
+The exact solution integrates the beam's own differential equations with inertia,
+
+    d' = Z d + K^-1 F,    F' = Q F - w^2 m d,
+
+over the whole length by one matrix exponential: no elements. A clamped-free beam
+vibrates where the transfer matrix from its root forces to its tip forces is
+singular. All couplings of K and m are in it.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+import scipy.linalg
+import scipy.optimize
+
+from plymotion.preprocess.beam.accuracy import frequency_error
+from plymotion.preprocess.beam.element import Q, Z
+from plymotion.preprocess.beam.line import BeamLine
+from plymotion.preprocess.beam.stations import mass_stations
+from plymotion.preprocess.modes import KINDS, ModeRequest, Modes, constrained_modes
+
+LENGTH = 0.5
+E, NU, RHO, WIDTH, HEIGHT = 7e10, 0.3, 2700.0, 0.02, 0.05  # along x2, x3
+G, AREA = E / (2 * (1 + NU)), WIDTH * HEIGHT
+I2, I3 = WIDTH * HEIGHT**3 / 12, HEIGHT * WIDTH**3 / 12
+ISOTROPIC = np.diag([E * AREA, 5 / 6 * G * AREA, 5 / 6 * G * AREA, G * 9.9e-8, E * I2, E * I3])
+MASS = RHO * np.diag([AREA, AREA, AREA, I2 + I3, I2, I3])
+
+
+def coupled() -> np.ndarray:
+    """The isotropic stiffness with strong couplings of every kind."""
+    A = np.random.default_rng(7).normal(size=(6, 6))
+    C = A @ A.T + 6.0 * np.eye(6)
+    d = np.sqrt(np.diag(C))
+    scale = np.sqrt(np.diag(ISOTROPIC))
+    return C / np.outer(d, d) * np.outer(scale, scale)
+
+
+def dense(K: np.ndarray, M: np.ndarray, n_mode: int) -> tuple[np.ndarray, np.ndarray]:
+    return scipy.linalg.eigh(K.toarray(), M.toarray(), subset_by_index=(0, n_mode - 1))
+
+
+def cantilever_modes(
+    K: np.ndarray, elements: int, requests: list[ModeRequest], mass_form: str = "consistent"
+) -> tuple[BeamLine, Modes]:
+    line = BeamLine(np.linspace(0, LENGTH, elements + 1), K, MASS, np.eye(3))
+
+    def participation(columns: np.ndarray) -> np.ndarray:
+        return mass_stations(line, columns, mass_form).participation()
+
+    modes = constrained_modes(
+        line.stiffness(),
+        line.mass_matrix(mass_form),
+        np.arange(6),
+        requests,
+        participation,
+        np.arange(line.n_node)[::-1],
+        dense,
+    )
+    return line, modes
+
+
+def tip_force_determinant(K: np.ndarray) -> Callable[[float], float]:
+    """Determinant whose roots are the clamped-free angular frequencies."""
+    # unit root forces of very different effect: scale by the static compliance
+    S = np.linalg.inv(K)
+    scale = np.sqrt(np.diag(K))
+
+    def value(omega: float) -> float:
+        A = np.zeros((12, 12))
+        A[:6, :6], A[:6, 6:] = Z, S
+        A[6:, :6], A[6:, 6:] = -(omega**2) * MASS, Q
+        balance = np.concatenate([1 / scale, scale])
+        A = A * np.outer(1 / balance, balance)
+        return float(np.linalg.det(scipy.linalg.expm(A * LENGTH)[6:, 6:]))
+
+    return value
+
+
+def exact_near(K: np.ndarray, guess: float, width: float = 0.02) -> float:
+    """The exact frequency next to a guess, which must be the only one within `width`."""
+    f = tip_force_determinant(K)
+    return float(
+        scipy.optimize.brentq(f, guess * (1 - width), guess * (1 + width), xtol=1e-9, rtol=1e-14)
+    )
+
+
+def test_exact_solution_has_the_textbook_limit() -> None:
+    # E. g. Blevins: clamped-free Bernoulli beam, 1.8751^2; made shear-stiff and slender here.
+    K = ISOTROPIC.copy()
+    K[1, 1] *= 1e6
+    K[2, 2] *= 1e6
+    textbook = 1.875104068711961**2 * np.sqrt(E * I3 / (RHO * AREA)) / LENGTH**2
+    rotary = I3 / (AREA * LENGTH**2)  # what is left of Timoshenko, of this relative order
+    assert exact_near(K, textbook) == pytest.approx(textbook, rel=4 * rotary)
+    axial = 0.5 * np.pi * np.sqrt(E / RHO) / LENGTH
+    assert exact_near(ISOTROPIC, axial, 1e-3) == pytest.approx(axial, rel=1e-9)
+
+
+@pytest.mark.parametrize("stiffness", ["isotropic", "coupled"])
+def test_lowest_frequencies_converge_to_the_exact_ones(stiffness: str) -> None:
+    K = ISOTROPIC if stiffness == "isotropic" else coupled()
+    request = [ModeRequest("lowest", 4)]
+    meshes = (8, 16, 32)
+    found = np.array([np.sqrt(cantilever_modes(K, n, request)[1].values) for n in meshes])
+    exact = np.array([exact_near(K, w, 5e-3) for w in found[-1]])
+    error = found / exact - 1.0
+    order = np.log2(error[:-1] / error[1:])
+    assert (error > 0).all(), "consistent mass bounds frequencies from above"
+    assert error[1].max() < 2e-3
+    assert error[-1].max() < 5e-4
+    assert (order > 1.9).all()
+
+
+def test_bending_converges_with_the_fourth_order_where_it_is_slender() -> None:
+    K, mass = ISOTROPIC.copy(), MASS
+    K[1, 1] *= 1e4  # shear and rotary inertia leave an error of second order, small and later
+    _, coarse = cantilever_modes(K, 4, [ModeRequest("bending-xy", 2)])
+    _, fine = cantilever_modes(K, 8, [ModeRequest("bending-xy", 2)])
+    assert mass is MASS
+    exact = np.array([exact_near(K, w, 5e-3) for w in np.sqrt(fine.values)])
+    order = np.log2((np.sqrt(coarse.values) / exact - 1) / (np.sqrt(fine.values) / exact - 1))
+    assert (order > 3.5).all()
+
+
+@pytest.mark.parametrize("mass_form", ["consistent", "lumped"])
+@pytest.mark.parametrize("kind", KINDS)
+def test_frequencies_of_each_kind(kind: str, mass_form: str) -> None:
+    limits = {"consistent": 1.2e-3, "lumped": 1.2e-2}
+    _, modes = cantilever_modes(ISOTROPIC, 32, [ModeRequest(kind, 3)], mass_form)
+    assert modes.labels == tuple(f"{kind} {i}" for i in (1, 2, 3))
+    for w in np.sqrt(modes.values):
+        exact = exact_near(ISOTROPIC, w, 0.015)
+        assert w == pytest.approx(exact, rel=limits[mass_form])
+
+
+@pytest.mark.parametrize("mass_form", ["consistent", "lumped"])
+@pytest.mark.parametrize("elements", [4, 8, 16])
+def test_estimated_frequency_error_is_the_true_one(elements: int, mass_form: str) -> None:
+    request = [ModeRequest(kind, 2) for kind in KINDS]
+    line, modes = cantilever_modes(ISOTROPIC, elements, request, mass_form)
+    estimate = frequency_error(line, modes.values, modes.columns_B, mass_form)
+    _, fine = cantilever_modes(ISOTROPIC, 96, request)
+    reference = dict(zip(fine.labels, np.sqrt(fine.values), strict=True))
+    for label, w, guess in zip(modes.labels, np.sqrt(modes.values), estimate, strict=True):
+        exact = exact_near(ISOTROPIC, reference[label], 2e-3)
+        true = w / exact - 1.0
+        print(label, elements, mass_form, true, guess)
+        if abs(true) > 1e-3:
+            assert 0.5 < guess / true < 2.0
+        else:
+            assert abs(guess) < 2e-3
