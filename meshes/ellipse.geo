@@ -4,8 +4,8 @@
 DefineConstant[
   radius_2 = {0.01, Min 0, Name "Parameters/radius_2"},      // half-axis along x2 [m]
   radius_3 = {0.01, Min 0, Name "Parameters/radius_3"},      // half-axis along x3 [m]
-  elements_arc = {6, Min 1, Step 1, Name "Parameters/elements_arc"},  // on a quarter of the edge
-  elements_radial = {4, Min 1, Step 1, Name "Parameters/elements_radial"}  // from core to edge
+  elements_arc = {10, Min 1, Step 1, Name "Parameters/elements_arc"},  // on a quarter of the edge
+  elements_radial = {6, Min 1, Step 1, Name "Parameters/elements_radial"}  // from core to edge
 ];
 
 Mesh.ElementOrder = 2;

@@ -3,7 +3,7 @@
 from .bodies.marker import Marker
 from .compiled import jit
 from .package.schema import Array
-from .small import mm, tv
+from .small import add, mm, tv
 
 
 @jit
@@ -14,5 +14,7 @@ def add_point_mass(M: Array, f: Array, marker: Marker, mass: float, gravity_G: A
     and no constraints of its own, and the same motion as a rigid body of no
     size that is joined there.
     """
-    M += mass * mm(marker.J_v.T, marker.J_v)
-    f += mass * tv(marker.J_v, gravity_G - marker.a)
+    load = tv(marker.J_v, gravity_G - marker.a)
+    for i in range(f.shape[0]):
+        f[i] += mass * load[i]
+    add(M, 0, 0, mm(marker.J_v.T, marker.J_v), mass)

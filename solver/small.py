@@ -41,6 +41,30 @@ def _looped_mm(A: Array, B: Array) -> Array:
     return out
 
 
+@jit
+def _looped_add(M: Array, i: int, j: int, B: Array, factor: float) -> None:
+    for a in range(B.shape[0]):
+        for b in range(B.shape[1]):
+            M[i + a, j + b] += factor * B[a, b]
+
+
+@jit
+def _looped_add_transposed(M: Array, i: int, j: int, B: Array, factor: float) -> None:
+    for a in range(B.shape[0]):
+        for b in range(B.shape[1]):
+            M[i + b, j + a] += factor * B[a, b]
+
+
+def _add(M: Array, i: int, j: int, B: Array, factor: float) -> None:
+    """Add factor * B to the block of M that begins at (i, j)."""
+    M[i : i + B.shape[0], j : j + B.shape[1]] += factor * B
+
+
+def _add_transposed(M: Array, i: int, j: int, B: Array, factor: float) -> None:
+    """Add factor * B' to the block of M that begins at (i, j)."""
+    M[i : i + B.shape[1], j : j + B.shape[0]] += factor * B.T
+
+
 def _mv(A: Array, x: Array) -> Array:
     """Return A x."""
     return A @ x
@@ -59,3 +83,5 @@ def _mm(A: Array, B: Array) -> Array:
 mv = _looped_mv if COMPILED else _mv
 tv = _looped_tv if COMPILED else _tv
 mm = _looped_mm if COMPILED else _mm
+add = _looped_add if COMPILED else _add
+add_transposed = _looped_add_transposed if COMPILED else _add_transposed

@@ -14,7 +14,7 @@ from .joints.table import joint_rows
 from .model import Model
 from .package.schema import Array
 from .rotations import parameter_rate, rotation_matrix
-from .small import mv, tv
+from .small import add, mm, mv
 
 
 class Equations(NamedTuple):
@@ -66,11 +66,8 @@ def assemble(model: Model, t: float, y: Array) -> Equations:
             body = model.marker_body[model.joint_marker[k, side // 6]]
             if body >= 0:
                 j = model.vel_start[body]
-                for i in range(a, b):
-                    C = rows.C[i, side : side + 6]
-                    Phi_q[i, j : j + marker.J_v.shape[1]] += tv(marker.J_v, C[:3]) + tv(
-                        marker.J_w, C[3:]
-                    )
+                add(Phi_q, a, j, mm(rows.C[a:b, side : side + 3], marker.J_v), 1.0)
+                add(Phi_q, a, j, mm(rows.C[a:b, side + 3 : side + 6], marker.J_w), 1.0)
     return Equations(M, f, Phi_q, rows.Phi, rows.Phi_t, rows.gamma, damping_power)
 
 
@@ -114,8 +111,10 @@ def _add_body(
         model.M_qq[two : two + m * m].reshape(m, m),
     )
     damping = mv(model.D_qq[two : two + m * m].reshape(m, m), q_d)
-    f[j + 6 : e] -= mv(model.K_qq[two : two + m * m].reshape(m, m), q) + damping
-    damping_power[0] -= q_d @ damping
+    spring = mv(model.K_qq[two : two + m * m].reshape(m, m), q)
+    for k in range(m):
+        f[j + 6 + k] -= spring[k] + damping[k]
+        damping_power[0] -= q_d[k] * damping[k]
 
 
 @jit

@@ -29,7 +29,7 @@ SHAPES = {"rectangle": ("width", "height"), "ellipse": ("radius_2", "radius_3")}
 
 # Spacing of rectangles between equal (0) and cosine (1): the free edges of an off-axis laminate
 # need a boundary layer of the thickness, isotropic sections lose little by it.
-GRADING = 0.75
+GRADING = 0.5
 
 
 def script_path(name: str) -> Path:
@@ -91,7 +91,7 @@ def default_rectangle(width: float, height: float) -> tuple[int, int]:
 
 def default_ellipse() -> tuple[int, int]:
     """Numbers of elements on a quarter of the edge and from core to edge."""
-    return (8, 5)
+    return (10, 6)
 
 
 def generate(request: MeshRequest) -> fenicsx.LabelledMesh:

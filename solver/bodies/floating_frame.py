@@ -11,16 +11,17 @@ import numpy as np
 from ..compiled import jit
 from ..package.schema import Array
 from ..rotations import cross, dot, skew
-from ..small import mm, mv, tv
+from ..small import add, add_transposed, mm, mv, tv
 
 
 @jit
 def axial(T: Array) -> Array:
     """Return eps_cab T_abi, (3, m): the vector of the antisymmetric part of (3, 3, m)."""
     out = np.empty((3, T.shape[2]))
-    out[0] = T[1, 2] - T[2, 1]
-    out[1] = T[2, 0] - T[0, 2]
-    out[2] = T[0, 1] - T[1, 0]
+    for k in range(T.shape[2]):
+        out[0, k] = T[1, 2, k] - T[2, 1, k]
+        out[1, k] = T[2, 0, k] - T[0, 2, k]
+        out[2, k] = T[0, 1, k] - T[1, 0, k]
     return out
 
 
@@ -61,42 +62,48 @@ def add_inertia(
     m = q.shape[0]
     T01_q = mv(T01, q).reshape(3, 3)
     D = (T01.reshape(9 * m) + mv(T11, q)).reshape(3, 3, m)  # sum m b_a phi_bi
-    R = mv(T11, q_d).reshape(3, 3, m)  # sum m bdot_a phi_bi
+    axial_R = axial(mv(T11, q_d).reshape(3, 3, m))  # eps_cab sum m bdot_a phi_bi
     D_flat = D.reshape(9, m)
     B = T00 + T01_q.T + mv(D_flat, q).reshape(3, 3)  # sum m b_a b_b
     P = mv(D_flat, q_d).reshape(3, 3)  # sum m b_a bdot_b
     first = S0 + mv(S, q)
     first_d = mv(S, q_d)
-    J = (B[0, 0] + B[1, 1] + B[2, 2]) * np.eye(3) - B + J0
-    M_wq = axial(D) + J_psi
+    trace = B[0, 0] + B[1, 1] + B[2, 2]
     A_S = mm(A_GB, S)
     A_first = mm(A_GB, skew(first))
-
+    M_wq = axial(D)
+    add(M_wq, 0, 0, J_psi, 1.0)
+    J = J0 - B
     for i in range(3):
         M[i, i] += mass
-    M[0:3, 3:6] -= A_first
-    M[3:6, 0:3] -= A_first.T
-    M[3:6, 3:6] += J
-    M[0:3, 6:] += A_S
-    M[6:, 0:3] += A_S.T
-    M[3:6, 6:] += M_wq
-    M[6:, 3:6] += M_wq.T
-    M[6:, 6:] += M_qq
+        J[i, i] += trace
+    add(M, 0, 3, A_first, -1.0)
+    add_transposed(M, 3, 0, A_first, -1.0)
+    add(M, 3, 3, J, 1.0)
+    add(M, 0, 6, A_S, 1.0)
+    add_transposed(M, 6, 0, A_S, 1.0)
+    add(M, 3, 6, M_wq, 1.0)
+    add_transposed(M, 6, 3, M_wq, 1.0)
+    add(M, 6, 6, M_qq, 1.0)
 
     g_B = tv(A_GB, gravity_G)
-    f[0:3] += mass * gravity_G - mv(A_GB, cross(w, cross(w, first)) + 2.0 * cross(w, first_d))
-    f[3:6] += (
-        cross(first, g_B)
-        - cross(w, mv(J, w) + mv(J_psi, q_d))
-        + 2.0 * (tv(P, w) - (P[0, 0] + P[1, 1] + P[2, 2]) * w)
-    )
-    ww = np.outer(w, w).reshape(9)
-    f[6:] += (
-        tv(S, g_B)
-        + dot(w, w) * (D[0, 0] + D[1, 1] + D[2, 2])
-        - tv(D_flat, ww)
-        - 2.0 * tv(axial(R), w)
-    )
+    s_r = mv(A_GB, cross(w, cross(w, first)) + 2.0 * cross(w, first_d))
+    weight = cross(first, g_B)
+    spin = cross(w, mv(J, w) + mv(J_psi, q_d))
+    coriolis = tv(P, w)
+    trace_P = P[0, 0] + P[1, 1] + P[2, 2]
+    for i in range(3):
+        f[i] += mass * gravity_G[i] - s_r[i]
+        f[3 + i] += weight[i] - spin[i] + 2.0 * (coriolis[i] - trace_P * w[i])
+    modal_weight = tv(S, g_B)
+    ww = dot(w, w)
+    for k in range(m):
+        f_k = modal_weight[k]
+        for a in range(3):
+            f_k += ww * D[a, a, k] - 2.0 * w[a] * axial_R[a, k]
+            for b in range(3):
+                f_k -= w[a] * w[b] * D[a, b, k]
+        f[6 + k] += f_k
 
 
 @jit

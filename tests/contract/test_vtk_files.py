@@ -1,19 +1,17 @@
 """ParaView's reader (VTK through PyVista) opens packages and plays results."""
 
-import sys
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+import pyvista as pv
+from package_samples import cantilever
+from result_samples import swinging_rod
+from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
 
 from plymotion.solver.package import write_package
 from plymotion.solver.results import write_result
-
-pv = pytest.importorskip("pyvista")
-sys.path.insert(0, str(Path(__file__).parents[1] / "unit"))
-from package_samples import cantilever  # noqa: E402
-from result_samples import swinging_rod  # noqa: E402
 
 
 def test_package_opens_with_its_modes(tmp_path: Path) -> None:
@@ -46,8 +44,7 @@ def test_result_plays(tmp_path: Path, k: int, max_frames: int, expected: int) ->
     write_result(tmp_path / "result.vtkhdf", result, max_frames=max_frames)
     reader = pv.get_reader(tmp_path / "result.vtkhdf").reader  # as ParaView drives it
     reader.UpdateInformation()
-    pipeline = pv.vtk.vtkStreamingDemandDrivenPipeline
-    times = reader.GetOutputInformation(0).Get(pipeline.TIME_STEPS())
+    times = reader.GetOutputInformation(0).Get(vtkStreamingDemandDrivenPipeline.TIME_STEPS())
     assert len(times) == expected
     assert times[0] == result.t[0]
     assert times[-1] == result.t[-1]

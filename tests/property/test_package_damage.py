@@ -1,17 +1,14 @@
 """Whatever happens to a package file, the reader answers with the truth or a PackageError."""
 
 import dataclasses
-import sys
 from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from package_samples import cantilever, same
 
 from plymotion.solver.package import PackageError, read_package, validate, write_package
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "unit"))
-from package_samples import cantilever, same
 
 SAMPLE = cantilever(n=5, m=2)
 

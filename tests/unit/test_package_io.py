@@ -4,13 +4,13 @@ import dataclasses
 import os
 import shutil
 import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+from package_samples import cantilever, same
 
 from plymotion.solver.package import (
     ModalPackage,
@@ -19,9 +19,6 @@ from plymotion.solver.package import (
     read_package,
     write_package,
 )
-
-sys.path.insert(0, str(Path(__file__).parent))
-from package_samples import cantilever, same
 
 ROOT = Path(__file__).resolve().parents[2]
 DATA = "/modal_package"
@@ -117,7 +114,7 @@ def test_two_hdf5_versions_read_each_other(file: Path, tmp_path: Path) -> None:
     )
     copy = tmp_path / "copy.vtkhdf"
     subprocess.run(
-        [str(other_python()), "-c", script, str(file), str(copy), str(Path(__file__).parent)],
+        [str(other_python()), "-c", script, str(file), str(copy), str(ROOT / "tests")],
         check=True,
         env={**os.environ, "PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1"},
     )

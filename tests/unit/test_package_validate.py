@@ -1,12 +1,12 @@
 """The validator: all findings at once, each naming its dataset."""
 
 import dataclasses
-import sys
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+from package_samples import cantilever
 
 from plymotion.solver.package import Finding, ModalPackage, from_stations, validate, write_package
 from plymotion.solver.package.plausibility import (
@@ -14,9 +14,6 @@ from plymotion.solver.package.plausibility import (
     free_body_mass,
     plausibility_findings,
 )
-
-sys.path.insert(0, str(Path(__file__).parent))
-from package_samples import cantilever
 
 
 def found(findings: list[Finding], level: str, dataset: str) -> bool:

@@ -2,12 +2,13 @@
 
 import dataclasses
 import json
-import sys
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+from package_samples import same
+from result_samples import swinging_rod
 
 from plymotion.solver.results import (
     ResultError,
@@ -19,10 +20,6 @@ from plymotion.solver.results import (
     write_result,
     write_summary,
 )
-
-sys.path.insert(0, str(Path(__file__).parent))
-from package_samples import same
-from result_samples import swinging_rod
 
 
 def equal(a: RunResult, b: RunResult) -> bool:

@@ -40,7 +40,10 @@ def coupled() -> np.ndarray:
 
 
 def dense(K: np.ndarray, M: np.ndarray, n_mode: int) -> tuple[np.ndarray, np.ndarray]:
-    return scipy.linalg.eigh(K.toarray(), M.toarray(), subset_by_index=(0, n_mode - 1))
+    # the inverse pencil gives the lowest frequencies to round-off
+    inverse, X = scipy.linalg.eigh(M.toarray(), K.toarray())
+    values = 1.0 / inverse[::-1][:n_mode]
+    return values, X[:, ::-1][:, :n_mode] * np.sqrt(values)
 
 
 def cantilever_modes(
@@ -63,9 +66,12 @@ def cantilever_modes(
     return line, modes
 
 
-def tip_force_determinant(K: np.ndarray) -> Callable[[float], float]:
+# the strains and forces that take part in a kind of motion of an uncoupled beam
+PART = {"bending-xy": [1, 5], "bending-xz": [2, 4], "torsion": [3], "axial": [0]}
+
+
+def tip_force_determinant(K: np.ndarray, part: list[int]) -> Callable[[float], float]:
     """Determinant whose roots are the clamped-free angular frequencies."""
-    # unit root forces of very different effect: scale by the static compliance
     S = np.linalg.inv(K)
     scale = np.sqrt(np.diag(K))
 
@@ -75,14 +81,15 @@ def tip_force_determinant(K: np.ndarray) -> Callable[[float], float]:
         A[6:, :6], A[6:, 6:] = -(omega**2) * MASS, Q
         balance = np.concatenate([1 / scale, scale])
         A = A * np.outer(1 / balance, balance)
-        return float(np.linalg.det(scipy.linalg.expm(A * LENGTH)[6:, 6:]))
+        tip_by_root = scipy.linalg.expm(A * LENGTH)[6:, 6:]
+        return float(np.linalg.det(tip_by_root[np.ix_(part, part)]))
 
     return value
 
 
-def exact_near(K: np.ndarray, guess: float, width: float = 0.02) -> float:
-    """The exact frequency next to a guess, which must be the only one within `width`."""
-    f = tip_force_determinant(K)
+def exact_near(K: np.ndarray, guess: float, width: float, kind: str = "") -> float:
+    """The exact frequency next to a guess; it must be the only one (of its kind) within `width`."""
+    f = tip_force_determinant(K, PART.get(kind, list(range(6))))
     return float(
         scipy.optimize.brentq(f, guess * (1 - width), guess * (1 + width), xtol=1e-9, rtol=1e-14)
     )
@@ -95,7 +102,7 @@ def test_exact_solution_has_the_textbook_limit() -> None:
     K[2, 2] *= 1e6
     textbook = 1.875104068711961**2 * np.sqrt(E * I3 / (RHO * AREA)) / LENGTH**2
     rotary = I3 / (AREA * LENGTH**2)  # what is left of Timoshenko, of this relative order
-    assert exact_near(K, textbook) == pytest.approx(textbook, rel=4 * rotary)
+    assert exact_near(K, textbook, 0.02) == pytest.approx(textbook, rel=4 * rotary)
     axial = 0.5 * np.pi * np.sqrt(E / RHO) / LENGTH
     assert exact_near(ISOTROPIC, axial, 1e-3) == pytest.approx(axial, rel=1e-9)
 
@@ -116,11 +123,10 @@ def test_lowest_frequencies_converge_to_the_exact_ones(stiffness: str) -> None:
 
 
 def test_bending_converges_with_the_fourth_order_where_it_is_slender() -> None:
-    K, mass = ISOTROPIC.copy(), MASS
+    K = ISOTROPIC.copy()
     K[1, 1] *= 1e4  # shear and rotary inertia leave an error of second order, small and later
     _, coarse = cantilever_modes(K, 4, [ModeRequest("bending-xy", 2)])
     _, fine = cantilever_modes(K, 8, [ModeRequest("bending-xy", 2)])
-    assert mass is MASS
     exact = np.array([exact_near(K, w, 5e-3) for w in np.sqrt(fine.values)])
     order = np.log2((np.sqrt(coarse.values) / exact - 1) / (np.sqrt(fine.values) / exact - 1))
     assert (order > 3.5).all()
@@ -129,11 +135,12 @@ def test_bending_converges_with_the_fourth_order_where_it_is_slender() -> None:
 @pytest.mark.parametrize("mass_form", ["consistent", "lumped"])
 @pytest.mark.parametrize("kind", KINDS)
 def test_frequencies_of_each_kind(kind: str, mass_form: str) -> None:
-    limits = {"consistent": 1.2e-3, "lumped": 1.2e-2}
+    # bars: (k L)^2/24 = 2.5e-3 for the third mode; lumped bending loses rotary stations at the tip
+    limits = {"consistent": 2.6e-3, "lumped": 1.2e-2}
     _, modes = cantilever_modes(ISOTROPIC, 32, [ModeRequest(kind, 3)], mass_form)
     assert modes.labels == tuple(f"{kind} {i}" for i in (1, 2, 3))
     for w in np.sqrt(modes.values):
-        exact = exact_near(ISOTROPIC, w, 0.015)
+        exact = exact_near(ISOTROPIC, w, 0.02, kind)
         assert w == pytest.approx(exact, rel=limits[mass_form])
 
 
@@ -146,10 +153,7 @@ def test_estimated_frequency_error_is_the_true_one(elements: int, mass_form: str
     _, fine = cantilever_modes(ISOTROPIC, 96, request)
     reference = dict(zip(fine.labels, np.sqrt(fine.values), strict=True))
     for label, w, guess in zip(modes.labels, np.sqrt(modes.values), estimate, strict=True):
-        exact = exact_near(ISOTROPIC, reference[label], 2e-3)
+        exact = exact_near(ISOTROPIC, reference[label], 2e-3, label.split()[0])
         true = w / exact - 1.0
-        print(label, elements, mass_form, true, guess)
-        if abs(true) > 1e-3:
-            assert 0.5 < guess / true < 2.0
-        else:
-            assert abs(guess) < 2e-3
+        print(f"{label} {elements} {mass_form}: true {true:.2e}, estimated {guess:.2e}")
+        assert 0.8 < guess / true < 1.25

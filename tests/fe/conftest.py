@@ -1,0 +1,39 @@
+"""FE tests run where FEniCSx is, and record numbers for the comparison of its versions."""
+
+import importlib.util
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+HERE = Path(__file__).resolve().parent
+NUMBERS = HERE.parent.parent / "build" / "fe-numbers"
+
+
+def _load_numbers() -> ModuleType:
+    # by path: a plain `import numbers` is the standard library's
+    spec = importlib.util.spec_from_file_location("plymotion_fe_numbers", HERE / "numbers.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+_numbers = _load_numbers()
+
+
+@pytest.fixture
+def record() -> Callable[[str, Any], None]:
+    """record(name, array): these numbers must be equal on every version of DOLFINx."""
+    return _numbers.record
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    try:
+        from plymotion.preprocess import fenicsx
+    except ImportError:
+        return
+    _numbers.write(NUMBERS, fenicsx.versions()["dolfinx"])

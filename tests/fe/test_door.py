@@ -1,0 +1,187 @@
+"""The door to FEniCSx: eigenpairs, factorisation, gmsh scripts, messages when parts are missing."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+pytest.importorskip("plymotion.preprocess.fenicsx", exc_type=ImportError) if hasattr(
+    pytest, "version_tuple"
+) and pytest.version_tuple >= (8, 2) else pytest.importorskip("plymotion.preprocess.fenicsx")
+
+from plymotion.preprocess import fenicsx
+from plymotion.preprocess.section.mesh import script_path
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+N = 120
+
+
+def chain(n: int = N, *, free: bool = False) -> Any:
+    """Stiffness of n equal springs between masses, in N/m; fixed at both ends or free."""
+    diagonal = np.full(n, 2.0)
+    if free:
+        diagonal[[0, -1]] = 1.0
+    off = -np.ones(n - 1)
+    return sp.csr_matrix(sp.diags([off, diagonal, off], [-1, 0, 1]) * 1e9)
+
+
+def exact(n_mode: int) -> Any:
+    return 2e9 * (1 - np.cos(np.arange(1, n_mode + 1) * np.pi / (N + 1)))
+
+
+@pytest.mark.parametrize("n_mode", [1, 6, 50, N - 1, N])
+def test_eigenpairs_of_a_chain(n_mode: int) -> None:
+    K, M = chain(), sp.identity(N, format="csr")
+    values, X = fenicsx.eigenpairs(K, M, n_mode)
+    assert values == pytest.approx(exact(n_mode), rel=1e-10)
+    assert np.abs(X.T @ X - np.eye(n_mode)).max() < 1e-12
+    assert np.abs(K @ X - X * values).max() < 1e-8 * values[-1]
+
+
+@pytest.mark.parametrize("n_mode", [3, 59, 60])
+def test_massless_unknowns(n_mode: int, record: Callable[[str, Any], None]) -> None:
+    """Half of the masses zero: condensing them out by hand gives the same frequencies."""
+    mass = np.ones(N)
+    mass[1::2] = 0.0
+    values, X = fenicsx.eigenpairs(chain(), sp.csr_matrix(sp.diags(mass)), n_mode)
+    K = chain().toarray()
+    a, b = np.flatnonzero(mass), np.flatnonzero(mass == 0)
+    condensed = K[np.ix_(a, a)] - K[np.ix_(a, b)] @ np.linalg.solve(
+        K[np.ix_(b, b)], K[np.ix_(b, a)]
+    )
+    assert values == pytest.approx(np.linalg.eigvalsh(condensed)[:n_mode], rel=1e-10)
+    assert np.abs(X.T @ (mass[:, None] * X) - np.eye(n_mode)).max() < 1e-12
+    record(f"eigenpairs/massless/{n_mode}", values)
+
+
+def test_more_modes_than_masses() -> None:
+    mass = np.zeros(N)
+    mass[:10] = 1.0
+    with pytest.raises(fenicsx.EigenError, match="11 modes asked for.* 10 of finite"):
+        fenicsx.eigenpairs(chain(), sp.csr_matrix(sp.diags(mass)), 11)
+
+
+def test_free_body_needs_a_negative_target() -> None:
+    K, M = chain(free=True), sp.identity(N, format="csr")
+    with pytest.raises(fenicsx.EigenError, match="negative target"):
+        fenicsx.eigenpairs(K, M, 3)
+    values, X = fenicsx.eigenpairs(K, M, 3, target=-1e5)
+    assert abs(values[0]) < 1e-6 * values[1]
+    assert np.ptp(X[:, 0]) < 1e-8 * np.abs(X[:, 0]).max()
+
+
+def test_target_in_the_middle() -> None:
+    values, _ = fenicsx.eigenpairs(chain(), sp.identity(N, format="csr"), 4, target=1e9)
+    every = exact(N)
+    nearest = np.sort(every[np.argsort(np.abs(every - 1e9))[:4]])
+    assert values == pytest.approx(nearest, rel=1e-10)
+
+
+def test_repeated_eigenvalues() -> None:
+    """Two equal chains: every eigenvalue twice, both found, the same on each run."""
+    K = sp.block_diag([chain(), chain()], format="csr")
+    M = sp.identity(2 * N, format="csr")
+    values, X = fenicsx.eigenpairs(K, M, 8)
+    assert values == pytest.approx(np.repeat(exact(4), 2), rel=1e-10)
+    assert np.array_equal(fenicsx.eigenpairs(K, M, 8)[1], X)
+
+
+def test_cholesky_solves_and_updates() -> None:
+    K = chain()
+    B = np.random.default_rng(1).standard_normal((N, 3))
+    factor = fenicsx.cholesky(K)
+    assert np.abs(K @ factor.solve(B) - B).max() < 1e-10
+    factor.update(3.0 * K)
+    assert factor.solve(B[:, 0]) == pytest.approx(np.linalg.solve(3.0 * K.toarray(), B[:, 0]))
+    with pytest.raises(fenicsx.FactorisationError, match="same sparsity"):
+        factor.update(sp.identity(N, format="csr"))
+
+
+@pytest.mark.parametrize("matrix", [chain(free=True), chain() - 1e9 * sp.identity(N)])
+def test_cholesky_refuses_singular_and_indefinite(matrix: Any) -> None:
+    with pytest.raises(fenicsx.FactorisationError, match="rigid motion"):
+        fenicsx.cholesky(matrix)
+
+
+@pytest.mark.parametrize(("name", "order"), [("rectangle", 9), ("ellipse", 9)])
+def test_scripts_stand_alone(name: str, order: int) -> None:
+    """The scripts mesh with their own defaults, as in the gmsh window."""
+    labelled = fenicsx.mesh_from_geo(script_path(name), {})
+    assert fenicsx.cell_name(labelled.mesh) == "quadrilateral"
+    assert labelled.names.keys() == {"section"}
+    assert set(labelled.cell_labels) == set(labelled.names.values())
+    space = fenicsx.vector_space(labelled.mesh, 2, 3)
+    assert fenicsx.cell_dofs(space).shape == (labelled.n_cell, order)
+
+
+def test_script_parameters_do_not_linger() -> None:
+    sizes = {"width": 3.0, "height": 2.0, "elements_2": 2, "elements_3": 3, "grading": 0.0}
+    labelled = fenicsx.mesh_from_geo(script_path("rectangle"), sizes)
+    assert labelled.n_cell == 6
+    default = fenicsx.mesh_from_geo(script_path("rectangle"), {})
+    assert np.ptp(default.mesh.geometry.x[:, 0]) == pytest.approx(0.06)
+
+
+SQUARE = """
+Point(1) = {0, 0, 0}; l[] = Extrude {1, 0, 0} { Point{1}; Layers{2}; };
+s[] = Extrude {0, 1, 0} { Line{l[1]}; Layers{2}; Recombine; };
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (None, "no such gmsh script"),
+        (SQUARE, "is in 0 physical groups"),
+        (
+            SQUARE + 'Physical Surface("a") = {s[1]}; Physical Surface("b") = {s[1]};',
+            "is in 2 physical groups",
+        ),
+        ("Point(1) = {0, 0, ;", "gmsh"),
+    ],
+)
+def test_scripts_that_cannot_be_meshed(text: str | None, message: str, tmp_path: Path) -> None:
+    path = tmp_path / "part.geo"
+    if text is not None:
+        path.write_text(text)
+    with pytest.raises(fenicsx.MeshError, match=message):
+        fenicsx.mesh_from_geo(path, {})
+
+
+def test_unknown_parameter() -> None:
+    with pytest.raises(fenicsx.MeshError, match="no parameter radius"):
+        fenicsx.mesh_from_geo(script_path("ellipse"), {"radius": 1.0})
+
+
+def test_versions_are_named() -> None:
+    versions = fenicsx.versions()
+    for name in ("dolfinx", "petsc", "slepc", "gmsh", "numpy", "h5py", "python"):
+        assert versions[name][0].isdigit()
+
+
+@pytest.mark.parametrize("missing", ["dolfinx", "gmsh", "slepc4py"])
+def test_missing_part_is_named(missing: str) -> None:
+    """An interpreter without one of the parts says which, and what to do."""
+    code = (
+        f"import sys; sys.modules[{missing!r}] = None\n"
+        "import plymotion.preprocess.materials\n"
+        "try:\n    import plymotion.preprocess.fenicsx\n"
+        "except ImportError as error:\n    print(type(error).__name__, error)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        cwd=ROOT,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        check=True,
+    )
+    assert done.stdout.startswith("MissingFenicsx")
+    assert missing in done.stdout
+    assert "make fenicsx" in done.stdout
