@@ -148,9 +148,7 @@ class Cholesky:
     def update(self, A: Any) -> None:
         """Factorise another matrix of exactly the same sparsity pattern."""
         A = _sorted_csr(A)
-        same = np.array_equal(A.indptr, self.A.indptr) and np.array_equal(
-            A.indices, self.A.indices
-        )
+        same = np.array_equal(A.indptr, self.A.indptr) and np.array_equal(A.indices, self.A.indices)
         if not same:
             raise FactorisationError("update() needs a matrix of the same sparsity pattern")
         self.A = A

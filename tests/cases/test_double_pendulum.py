@@ -94,7 +94,14 @@ def test_soft_free_run_can_be_told_to_go_on(build, repository):
 
 def test_following_hand_without_gravity_shows_no_bending(build, repository):
     """The whole turns as one rigid body at the driven speed: nothing bends it."""
-    runs = _edited(build, repository, ("gravity = [0.0, -9.81, 0.0]", "gravity = [0.0, 0.0, 0.0]"))
+    runs = _edited(
+        build,
+        repository,
+        ("gravity = [0.0, -9.81, 0.0]", "gravity = [0.0, 0.0, 0.0]"),
+        ("rtol = 1e-6", "rtol = 1e-9"),
+        ("atol_position = 1e-8", "atol_position = 1e-11"),
+        ("atol_velocity = 1e-6", "atol_velocity = 1e-9"),
+    )
     result, summary = execute(
         read_run(runs / "layup-1-soft-following.json"), progress=False
     )

@@ -8,6 +8,14 @@ from typing import Any
 
 import pytest
 
+try:
+    from plymotion.preprocess import fenicsx
+except ImportError as error:
+    MISSING: str | None = str(error)
+    collect_ignore_glob = ["test_*.py"]
+else:
+    MISSING = None
+
 HERE = Path(__file__).resolve().parent
 NUMBERS = HERE.parent.parent / "build" / "fe-numbers"
 
@@ -31,9 +39,10 @@ def record() -> Callable[[str, Any], None]:
     return _numbers.record
 
 
-def pytest_sessionfinish(session: pytest.Session) -> None:
-    try:
-        from plymotion.preprocess import fenicsx
-    except ImportError:
-        return
-    _numbers.write(NUMBERS, fenicsx.versions()["dolfinx"])
+def pytest_report_header() -> str | None:
+    return f"FE tests not collected: {MISSING}" if MISSING else None
+
+
+def pytest_sessionfinish() -> None:
+    if MISSING is None:
+        _numbers.write(NUMBERS, fenicsx.versions()["dolfinx"])

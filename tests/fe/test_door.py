@@ -11,10 +11,6 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-pytest.importorskip("plymotion.preprocess.fenicsx", exc_type=ImportError) if hasattr(
-    pytest, "version_tuple"
-) and pytest.version_tuple >= (8, 2) else pytest.importorskip("plymotion.preprocess.fenicsx")
-
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.section.mesh import script_path
 

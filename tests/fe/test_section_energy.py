@@ -5,10 +5,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-pytest.importorskip("plymotion.preprocess.fenicsx", exc_type=ImportError) if hasattr(
-    pytest, "version_tuple"
-) and pytest.version_tuple >= (8, 2) else pytest.importorskip("plymotion.preprocess.fenicsx")
-
 from plymotion.preprocess.materials import Orthotropic, isotropic, ply_rotation, rotated
 from plymotion.preprocess.section import SectionError, timoshenko, warping
 from plymotion.preprocess.section.forms import SectionMatrices, SectionSpace, section_space

@@ -9,10 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-pytest.importorskip("plymotion.preprocess.fenicsx", exc_type=ImportError) if hasattr(
-    pytest, "version_tuple"
-) and pytest.version_tuple >= (8, 2) else pytest.importorskip("plymotion.preprocess.fenicsx")
-
 from plymotion.preprocess.section import SectionError, analyse
 
 FOLDER = Path(__file__).resolve().parent.parent / "reference" / "sections"

@@ -107,7 +107,7 @@ def test_quarter_turn_swaps_the_axes() -> None:
     m = graphite()
     C = rotated(m.stiffness_M, ply_rotation(90.0))
     order = [1, 0, 2, 4, 3, 5]
-    assert C == pytest.approx(m.stiffness_M[np.ix_(order, order)], rel=1e-12, abs=1e-3)
+    assert pytest.approx(m.stiffness_M[np.ix_(order, order)], rel=1e-12, abs=1e-3) == C
 
 
 @pytest.mark.parametrize(

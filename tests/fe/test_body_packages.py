@@ -1,0 +1,157 @@
+"""From specification files to modal packages: content, provenance, command line."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+pytest.importorskip("plymotion.preprocess.fenicsx", exc_type=ImportError) if hasattr(
+    pytest, "version_tuple"
+) and pytest.version_tuple >= (8, 2) else pytest.importorskip("plymotion.preprocess.fenicsx")
+
+from plymotion.preprocess.body import build_body, toml_text
+from plymotion.solver.package import read_package, validate, write_package
+from plymotion.solver.package.invariants import inertia_at_rest
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+MASS = 0.545 * 0.06 * 0.015 * 2700.0
+
+
+def arm(**changes: Any) -> dict[str, Any]:
+    return {
+        "body": "arm",
+        "kind": "beam",
+        "length": 0.545,
+        "elements": 16,
+        "x2_axis": [0, 1, 0],
+        "section": {
+            "name": "bar",
+            "shape": "rectangle",
+            "width": 0.06,
+            "height": 0.015,
+            "material": {"kind": "isotropic", "E": 70e9, "nu": 0.3, "rho": 2700.0},
+        },
+        "mass_form": "consistent",
+        "reference": {"kind": "clamped", "at": "root"},
+        "modes": [{"kind": "bending-xy", "count": 4}],
+        "interfaces": {"root": {"at": "start"}, "tip": {"at": "end"}, "mid": {"at": 0.5}},
+        "damping_ratio": 0.01,
+        "inputs_sha256": "0" * 64,
+        "case": "double-pendulum",
+        **changes,
+    }
+
+
+@pytest.mark.parametrize("mass_form", ["consistent", "lumped"])
+def test_package_is_sound_and_complete(tmp_path: Path, mass_form: str) -> None:
+    path = tmp_path / "arm.vtkhdf"
+    write_package(path, build_body(arm(mass_form=mass_form)))
+    assert [f for f in validate(path) if f.level != "note"] == []
+    package = read_package(path)
+    assert path.stat().st_size < 100_000
+    assert package.mode_labels == tuple(f"bending-xy {i}" for i in (1, 2, 3, 4))
+    assert package.invariants.mass == pytest.approx(MASS, rel=1e-9)
+    assert package.node_mass.sum() == pytest.approx(MASS, rel=1e-9)
+    assert package.node_mass[0] == pytest.approx(MASS / 32, rel=1e-9)
+    assert np.allclose(package.invariants.S0_B, [MASS * 0.545 / 2, 0, 0], atol=1e-9 * MASS)
+    about_y = MASS * (0.545**2 / 3 + 0.015**2 / 12)
+    lumping = 0.6 / 16**2 if mass_form == "lumped" else 1e-9
+    assert inertia_at_rest(package.invariants)[1, 1] == pytest.approx(about_y, rel=lumping)
+    assert np.allclose(package.damping, np.diag(0.02 * package.frequencies))
+    assert np.abs(package.shapes_B[:, 0]).max() == 0.0
+    tip = next(i for i in package.interfaces if i.name == "tip")
+    assert np.array_equal(tip.phi_B, package.shapes_B[:, -1, :3].T)
+    assert np.array_equal(tip.psi_B, package.shapes_B[:, -1, 3:].T)
+    assert np.allclose(tip.position_B, [0.545, 0, 0])
+    assert 'kind = "isotropic"' in package.sections[0].ply_table
+
+
+def test_modal_mass_is_in_the_invariants() -> None:
+    package = build_body(arm())
+    translation = np.einsum("aaij->ij", package.invariants.T11_B)
+    rotary = np.eye(4) - translation
+    assert np.linalg.eigvalsh(rotary)[0] > 0
+    assert np.diag(rotary).max() < 0.1  # a slender beam carries little in rotation
+
+
+def test_x2_axis_turns_the_section() -> None:
+    flat = build_body(arm(modes=[{"kind": "bending-xz", "count": 2}]))
+    turned = build_body(arm(modes=[{"kind": "bending-xy", "count": 2}], x2_axis=[0, 0, 1]))
+    assert np.allclose(flat.frequencies, turned.frequencies, rtol=1e-9)
+
+
+def test_clamp_at_the_far_end() -> None:
+    a = build_body(arm())
+    b = build_body(arm(reference={"kind": "clamped", "at": "tip"}))
+    assert np.allclose(a.frequencies, b.frequencies, rtol=1e-9)
+    assert np.allclose(a.shapes_B[:, ::-1, 1], b.shapes_B[:, :, 1], atol=1e-7)
+
+
+def test_provenance_says_where_it_comes_from() -> None:
+    package = build_body(arm())
+    found = package.provenance
+    assert found["inputs_sha256"] == "0" * 64
+    assert found["case"] == "double-pendulum"
+    assert found["spec"] == arm()
+    assert {"dolfinx", "petsc", "slepc"} <= set(found["versions"])
+    assert set(found["seconds"]) == {"section", "modes"}
+    assert str(ROOT) not in json.dumps(found)
+
+
+def test_ply_table_reads_back() -> None:
+    import tomllib
+
+    section = arm()["section"]
+    assert tomllib.loads(toml_text(section)) == section
+
+
+def run(*arguments: str | Path) -> "subprocess.CompletedProcess[str]":
+    command = [sys.executable, "-m", "plymotion.preprocess", *map(str, arguments)]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1"}
+    return subprocess.run(command, capture_output=True, text=True, cwd=ROOT, env=environment)
+
+
+def test_command_line(tmp_path: Path) -> None:
+    specs = {
+        "arm.good": arm(),
+        "arm.bad": arm(elements=0),
+        "arm.metal": arm(section={**arm()["section"], "material": {"kind": "isotropic", "E": -1}}),
+        "hand": arm(body="hand"),
+    }
+    for name, spec in specs.items():
+        (tmp_path / f"{name}.json").write_text(json.dumps(spec))
+    (tmp_path / "broken.json").write_text("{")
+    files = [tmp_path / f"{name}.json" for name in specs]
+    out = tmp_path / "out"
+
+    first = run("body", *files, tmp_path / "broken.json", "--out-dir", out)
+    assert first.returncode == 2
+    assert sorted(p.name for p in out.iterdir()) == ["arm.good.vtkhdf", "hand.vtkhdf"]
+    assert "[1/5] arm.good: section " in first.stdout
+    errors = first.stderr.strip().splitlines()
+    assert len(errors) == 3, first.stderr
+    assert "arm.bad.json: elements: expected a whole number of at least 1, found 0" in errors[0]
+    assert "arm.metal.json" in errors[1]
+    assert "section.material" in errors[1]
+    assert "broken.json: not JSON" in errors[2]
+
+    good = out / "arm.good.vtkhdf"
+    content = good.read_bytes()
+    os.utime(good, (1, 1))
+    second = run("body", files[0], "--out-dir", out)
+    assert (second.returncode, second.stdout) == (0, "[1/1] arm.good: unchanged\n")
+    assert good.read_bytes() == content
+    assert good.stat().st_mtime > 1e9, "make must see it as up to date"
+
+    files[0].write_text(json.dumps(arm(elements=18)))
+    assert "section" in run("body", files[0], "--out-dir", out).stdout
+    assert len(read_package(good).node_ids) == 19
+    assert "unchanged" not in run("body", files[0], "--out-dir", out, "--force").stdout
+    good.write_bytes(b"damaged")
+    assert "section" in run("body", files[0], "--out-dir", out).stdout
+    assert len(read_package(good).node_ids) == 19
