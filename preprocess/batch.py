@@ -102,6 +102,6 @@ def _summary(package: ModalPackage, total: float) -> str:
     hertz = package.frequencies / (2.0 * math.pi)
     span = f", {hertz[0]:.4g} to {hertz[-1]:.4g} Hz" if len(hertz) else ""
     return (
-        f"section {seconds['section']:.2g} s, modes {seconds['modes']:.2g} s, "
-        f"{dofs['section']} dofs ({total:.2g} s in all; {package.n_mode} modes{span})"
+        f"section {seconds['section']:.2f} s, modes {seconds['modes']:.2f} s, "
+        f"{dofs['section']} dofs ({total:.2f} s in all; {package.n_mode} modes{span})"
     )

@@ -120,9 +120,9 @@ def assemble_model(
         marker_phi=_flat([m.phi for m in markers]),
         marker_psi=_flat([m.psi for m in markers]),
         joint_kind=kinds,
-        joint_marker=np.array(
-            [(j.marker_1, j.marker_2) for j in joints], dtype=np.int64
-        ).reshape(-1, 2),
+        joint_marker=np.array([(j.marker_1, j.marker_2) for j in joints], dtype=np.int64).reshape(
+            -1, 2
+        ),
         joint_row=_starts(np.array([N_ROW[k] for k in kinds], dtype=np.int64)),
         joint_parameters=parameters,
         point_marker=np.array([k for k, _ in point_masses], dtype=np.int64),

@@ -48,13 +48,14 @@ def _find_numba() -> Any:
         import numba
     except ImportError:
         return None
+    config: Any = numba.config
     cache = _cache_directory()
     try:
         cache.mkdir(parents=True, exist_ok=True)
         _drop_old_caches(cache)
-        numba.config.CACHE_DIR = str(cache)
+        config.CACHE_DIR = str(cache)
     except OSError:  # no writable home: compile anew in every process
-        numba.config.CACHE_DIR = ""
+        config.CACHE_DIR = ""
     return numba
 
 

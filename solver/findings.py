@@ -1,5 +1,7 @@
 """Doubts about a finished run, each with a code and words that say what helps."""
 
+from typing import Any
+
 import numpy as np
 
 from .mechanism import BuiltMechanism
@@ -18,7 +20,7 @@ def finding(code: str, message: str) -> Finding:
     return {"code": code, "message": message}
 
 
-def of_checks(checks: dict[str, float]) -> list[Finding]:
+def of_checks(checks: dict[str, Any]) -> list[Finding]:
     """Doubts from the numbers of the run: drift of constraints and of the energy balance."""
     found = []
     if checks["constraint_position_max"] > DRIFT_TOLERANCE:
@@ -26,7 +28,7 @@ def of_checks(checks: dict[str, float]) -> list[Finding]:
             finding(
                 "constraint-drift",
                 f"joined points are up to {checks['constraint_position_max']:.2g} m apart "
-                f"(expected below {DRIFT_TOLERANCE:g} m): tighten rtol and atol, or raise alpha, beta",
+                f"(expected below {DRIFT_TOLERANCE:g} m): tighten rtol and atol, raise alpha, beta",
             )
         )
     if checks["energy_drift_relative"] > ENERGY_TOLERANCE:
@@ -58,8 +60,8 @@ def of_motion(built: BuiltMechanism, y: Array) -> list[Finding]:
                 finding(
                     "elastic-rotation-large",
                     f"{name}: an interface turns by {rotation:.2f} rad relative to the body frame "
-                    f"(expected below {ROTATION_TOLERANCE:g} rad for a linear body): split the body "
-                    "or stiffen it",
+                    f"(linear bodies: below {ROTATION_TOLERANCE:g} rad): split the body or "
+                    "stiffen it",
                 )
             )
         energy = 0.5 * np.diag(built.packages[name].stiffness) * q**2

@@ -59,7 +59,9 @@ def _describe(model: Model, residual: Array, names: list[str], units: tuple[str,
         if not drive and len(r) > 3:
             turn = float(np.linalg.norm(r[3:]))
         if max(shift, turn) > 1e-9:
-            parts.append((max(shift, turn), f"{name}: {shift:.4g} {units[0]}, {turn:.4g} {units[1]}"))
+            parts.append(
+                (max(shift, turn), f"{name}: {shift:.4g} {units[0]}, {turn:.4g} {units[1]}")
+            )
     return "; ".join(text for _, text in sorted(parts, reverse=True))
 
 
@@ -87,16 +89,16 @@ def _assembled(model: Model, y: Array, names: list[str], t: float) -> Array:
     if np.max(np.abs(equations.Phi)) > 1e3 * _POSITION_TOLERANCE:
         apart = _describe(model, equations.Phi, names, ("m apart", "rad twisted"))
         raise InputError(
-            f"the mechanism cannot be assembled from the given positions; joints left open: {apart}. "
+            "the mechanism cannot be assembled from the given positions; joints left open: "
+            f"{apart}. "
             "Check lengths, ground points and initial positions of the bodies"
         )
     for k, name in enumerate(names):
-        if model.joint_kind[k] == ROTATION_DRIVE:
-            if _drive_cosine(model, y, k, t) < 0:
-                raise InputError(
-                    f"the drive of {name} assembles half a turn away from its value at the start; "
-                    "give initial positions nearer to it"
-                )
+        if model.joint_kind[k] == ROTATION_DRIVE and _drive_cosine(model, y, k, t) < 0:
+            raise InputError(
+                f"the drive of {name} assembles half a turn away from its value at the start; "
+                "give initial positions nearer to it"
+            )
     return y
 
 
@@ -125,9 +127,7 @@ def _check_rank(model: Model, equations: Equations, names: list[str]) -> None:
     )
 
 
-def _velocities(
-    model: Model, start: Start, y: Array, names: list[str], t: float
-) -> Array:
+def _velocities(model: Model, start: Start, y: Array, names: list[str], t: float) -> Array:
     """Keep the given velocities; the others follow from the joints at least kinetic energy."""
     equations = assemble(model, t, y)
     free = ~np.asarray(start.given, dtype=bool)

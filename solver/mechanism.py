@@ -71,9 +71,7 @@ class _Builder:
 
     def place(self, key: str, place: str) -> tuple[int, Interface]:
         if place not in self.places:
-            raise InputError(
-                f'{key} = "{place}": no such interface{nearest(place, self.places)}'
-            )
+            raise InputError(f'{key} = "{place}": no such interface{nearest(place, self.places)}')
         return self.places[place]
 
     def marker(self, key: str, place: str, A_GM: Array) -> int:
@@ -101,9 +99,7 @@ class _Builder:
             drive = joint.get("drive")
             if drive is not None:
                 law = drive["polynomial"] or [drive["angle"], drive["speed"]]
-                found.append(
-                    JointTable(f"{name} (drive)", "rotation_drive", one, two, tuple(law))
-                )
+                found.append(JointTable(f"{name} (drive)", "rotation_drive", one, two, tuple(law)))
         return found
 
     def start(self, model: Model) -> Start:

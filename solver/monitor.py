@@ -110,7 +110,7 @@ class SpinMonitor:
             f"frequency of the clamped body with the masses it carries "
             f"({self.critical_spin(body, w):.4g} rad/s): a linear body has no stiffness left there "
             "and its motion from then on is worthless. What helps: a stiffer or shorter body "
-            "(split it into several), a lower speed; on_invalid = \"warn\" goes on regardless"
+            '(split it into several), a lower speed; on_invalid = "warn" goes on regardless'
         )
         self.warnings[name] = message
         return message

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .constraints.baumgarte import stabilised
 from .joints.table import ROTATION_DRIVE
@@ -23,7 +24,7 @@ class History:
     velocity_violation: Array  # (k,) largest |Phidot| [m/s, rad/s]
 
 
-def position_rows(model: Model) -> Array:
+def position_rows(model: Model) -> NDArray[np.bool_]:
     """Return a mask (n_c,) of the constraint rows that are distances [m]."""
     mask = np.zeros(model.n_constraint, dtype=bool)
     for k, kind in enumerate(model.joint_kind):

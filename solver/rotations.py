@@ -78,8 +78,12 @@ def _tangent_coefficients(s: float) -> tuple[float, float, float, float]:
     avoids the cancellation of the closed forms.
     """
     if s < 0.05:
-        a = 1 / 2 - s * (1 / 24 - s * (1 / 720 - s * (1 / 40320 - s * (1 / 3628800 - s / 479001600))))
-        b = 1 / 6 - s * (1 / 120 - s * (1 / 5040 - s * (1 / 362880 - s * (1 / 39916800 - s / 6227020800))))
+        a = 1 / 2 - s * (
+            1 / 24 - s * (1 / 720 - s * (1 / 40320 - s * (1 / 3628800 - s / 479001600)))
+        )
+        b = 1 / 6 - s * (
+            1 / 120 - s * (1 / 5040 - s * (1 / 362880 - s * (1 / 39916800 - s / 6227020800)))
+        )
         da = -1 / 24 + s * (1 / 360 - s * (1 / 13440 - s * (1 / 907200 - s / 95800320)))
         db = -1 / 120 + s * (1 / 2520 - s * (1 / 120960 - s * (1 / 9979200 - s / 1245404160)))
         return a, b, da, db
@@ -102,7 +106,7 @@ def tangent_map(theta: Array) -> Array:
 @jit
 def tangent_rate(theta: Array, theta_d: Array) -> Array:
     """Return (dT/dt) thetadot (3,) of `tangent_map`, at rates theta_d (3,) [rad/s]."""
-    a, b, da, db = _tangent_coefficients(dot(theta, theta))
+    _, b, da, db = _tangent_coefficients(dot(theta, theta))
     s_d = 2.0 * dot(theta, theta_d)
     c = cross(theta, theta_d)
     return s_d * da * c + s_d * db * cross(theta, c) + b * cross(theta_d, c)
@@ -115,9 +119,7 @@ def matrix_to_parameters(A_GB: Array) -> Array:
     squares = np.array([trace, A_GB[0, 0], A_GB[1, 1], A_GB[2, 2]])
     k = int(np.argmax(squares))
     p = np.empty(4)
-    off = np.array(
-        [A_GB[2, 1] - A_GB[1, 2], A_GB[0, 2] - A_GB[2, 0], A_GB[1, 0] - A_GB[0, 1]]
-    )
+    off = np.array([A_GB[2, 1] - A_GB[1, 2], A_GB[0, 2] - A_GB[2, 0], A_GB[1, 0] - A_GB[0, 1]])
     if k == 0:
         p[0] = 1.0 + trace
         p[1:] = off

@@ -69,7 +69,7 @@ def read_run(file: Path) -> RunSpec:
         if expected is not None and found != expected:
             raise PackageError(
                 f"{shown}: built from other inputs than bodies.{body} of case {case}, run {run} "
-                f"(inputs {str(found)[:12]}, expected {expected[:12]}): rebuild it with `make {case}`"
+                f"(inputs {str(found)[:12]}, expected {expected[:12]}): run `make {case}`"
             )
         packages[body] = package
     return RunSpec(case, run, mechanism, packages)
@@ -78,7 +78,7 @@ def read_run(file: Path) -> RunSpec:
 def output_times(t_end: float, step: float) -> Array:
     """Return 0, step, 2 step, ..., t_end, (k,) [s]; the last interval may be shorter."""
     count = int(np.floor(t_end / step * (1 + 1e-12)))
-    times = np.arange(count + 1) * step
+    times = np.linspace(0.0, count * step, count + 1)
     if t_end - times[-1] > 1e-9 * t_end:
         times = np.append(times, t_end)
     times[-1] = t_end
@@ -192,7 +192,7 @@ def _collect(
         bodies=geometry,
         node_positions_G=points,
     )
-    checks = {
+    checks: dict[str, Any] = {
         "constraint_position_max": float(past.position_violation.max()),
         "constraint_rotation_max": float(past.rotation_violation.max()),
         "constraint_velocity_max": float(past.velocity_violation.max()),

@@ -11,6 +11,7 @@ from .accuracy import coarse_mesh_warnings, frequency_error
 from .line import BeamLine, node_positions
 from .spec import BeamSpec, SpecError
 from .stations import mass_stations, nodal_mass
+from .theory import section_stiffness
 
 VTK_LINE = 3
 
@@ -43,7 +44,7 @@ def beam_model(spec: BeamSpec, K: Array, mass: Array) -> BeamModel:
         x_B = node_positions(spec.length, spec.elements, list(places.values()))
     except ValueError as error:
         raise SpecError(f"elements: {error}, found {spec.elements}") from error
-    line = BeamLine(x_B, K, mass, spec.A_BE)
+    line = BeamLine(x_B, section_stiffness(K, spec.theory), mass, spec.A_BE)
     node_of = {
         name: int(np.argmin(np.abs(x_B - place * spec.length))) for name, place in places.items()
     }

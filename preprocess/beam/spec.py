@@ -14,10 +14,12 @@ import numpy as np
 from ...solver.package.schema import MASS_FORMS, Array
 from ..modes import CHOICES, ModeRequest
 from .line import section_axes
+from .theory import THEORIES
 
 REQUIRED = ("body", "kind", "length", "elements", "section", "interfaces")
 OPTIONAL = (
     "x2_axis",
+    "theory",
     "mass_form",
     "reference",
     "modes",
@@ -43,6 +45,7 @@ class BeamSpec:
     elements : number of elements
     A_BE : (3, 3) section axes in body axes
     section : specification of the cross-section (see `section.analyse`)
+    theory : "timoshenko" or "classical" (no shear)
     mass_form : "consistent" or "lumped"
     interfaces : name and place as a fraction of the length
     reference : name of the place that holds the body frame, and its fraction
@@ -55,6 +58,7 @@ class BeamSpec:
     elements: int
     A_BE: Array
     section: dict[str, Any]
+    theory: str
     mass_form: str
     interfaces: dict[str, float]
     reference: tuple[str, float]
@@ -91,6 +95,7 @@ def read_spec(spec: dict[str, Any]) -> BeamSpec:
         elements=elements,
         A_BE=_axes(spec.get("x2_axis", [0.0, 1.0, 0.0])),
         section=spec["section"],
+        theory=_one_of(spec.get("theory", "timoshenko"), THEORIES, "theory"),
         mass_form=_one_of(spec.get("mass_form", "consistent"), MASS_FORMS, "mass_form"),
         interfaces=interfaces,
         reference=_reference(spec.get("reference", {"kind": "clamped", "at": "start"}), interfaces),

@@ -149,14 +149,12 @@ def _check_beam(key: str, body: BeamBody, mechanism: Mechanism) -> list[str]:
     x2 = np.array(body.x2_axis)
     if abs(np.linalg.norm(x2) - 1.0) > 1e-9 or abs(x2[0]) > 1e-9:
         found.append(f"{key}.x2_axis = {body.x2_axis}: expected a unit vector normal to body x")
-    for name, interface in body.interfaces.items():
-        if isinstance(interface.at, float):
-            node = interface.at * body.elements
-            if abs(node - round(node)) > 1e-9:
-                found.append(
-                    f"{key}.interfaces.{name}.at = {interface.at}: no node there with "
-                    f"{body.elements} elements; expected a multiple of 1/{body.elements}"
-                )
+    stops = {i.at if isinstance(i.at, float) else i.at == "end" for i in body.interfaces.values()}
+    if body.elements < len(stops | {0.0, 1.0}) - 1:
+        found.append(
+            f"{key}.elements = {body.elements}: expected at least {len(stops | {0.0, 1.0}) - 1}: "
+            "every interface needs a node"
+        )
     return found
 
 

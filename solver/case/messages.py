@@ -40,11 +40,7 @@ def _is_tag(part: Any, item: Any) -> bool:
     tags = {"beam", "rigid", "package", "isotropic", "orthotropic", "rectangle", "ellipse"}
     tags |= {"revolute", "fixed", "constrained-str", "float"}
     position = item["loc"].index(part)
-    return (
-        isinstance(part, str)
-        and (part in tags or "[" in part)
-        and position > 1
-    )
+    return isinstance(part, str) and (part in tags or "[" in part) and position > 1
 
 
 def _tag(item: Any) -> str:

@@ -85,16 +85,14 @@ class BeamInterface(Table):
     """`[bodies.NAME.interfaces.NAME]` of a beam: a node where joints, masses and signals attach."""
 
     at: Literal["start", "end"] | Annotated[float, Field(ge=0, le=1)] = Field(
-        description='"start", "end", or fraction of the length; a node must lie there'
+        description='"start", "end", or fraction of the length; a node is put there'
     )
 
 
 class PointInterface(Table):
     """`[bodies.NAME.interfaces.NAME]` of a rigid body."""
 
-    position: Vector = Field(
-        description="place in the body frame", json_schema_extra=_unit("m")
-    )
+    position: Vector = Field(description="place in the body frame", json_schema_extra=_unit("m"))
 
 
 class Reference(Table):
@@ -161,6 +159,11 @@ class BeamBody(Placed):
         json_schema_extra=_unit("-"),
     )
     elements: int = Field(default=16, ge=1, le=2000, description="beam elements along the length")
+    theory: Literal["timoshenko", "classical"] = Field(
+        default="timoshenko",
+        description="strains of the beam: all six, or classical without shear (nearer to a solid "
+        "for vibrating wide strips with bending-twist coupling)",
+    )
     mass_form: Literal["consistent", "lumped"] = Field(
         default="consistent", description="inertia from consistent mass, or lumped (the paper)"
     )
@@ -308,16 +311,25 @@ class Solver(Table):
         default=1e-6, gt=0, description="absolute tolerance of velocities and modal rates"
     )
     max_order: int = Field(
-        default=5, ge=1, le=5, description="cap of the order of gear; 2 is stable on any oscillation"
+        default=5,
+        ge=1,
+        le=5,
+        description="cap of the order of gear; 2 is stable on any oscillation",
     )
     max_step: float | None = Field(
         default=None, gt=0, description="largest step", json_schema_extra=_unit("s")
     )
     alpha: float = Field(
-        default=5.0, ge=0, description="Baumgarte's velocity feedback", json_schema_extra=_unit("1/s")
+        default=5.0,
+        ge=0,
+        description="Baumgarte's velocity feedback",
+        json_schema_extra=_unit("1/s"),
     )
     beta: float = Field(
-        default=5.0, ge=0, description="Baumgarte's position feedback", json_schema_extra=_unit("1/s")
+        default=5.0,
+        ge=0,
+        description="Baumgarte's position feedback",
+        json_schema_extra=_unit("1/s"),
     )
     on_invalid: Literal["stop", "warn"] = Field(
         default="stop",

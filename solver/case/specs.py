@@ -33,6 +33,7 @@ def body_spec(name: str, body: BeamBody, mechanism: Mechanism) -> dict[str, Any]
         "elements": body.elements,
         "x2_axis": body.x2_axis,
         "section": section,
+        "theory": body.theory,
         "mass_form": body.mass_form,
         "reference": body.reference.model_dump(),
         "modes": [m.model_dump() for m in body.modes],

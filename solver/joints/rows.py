@@ -74,6 +74,4 @@ def orthogonal_axes(
 def fixed_axes(rows: Rows, k: int, one: Marker, two: Marker, i: int, j: int) -> None:
     """Row k: axis i of marker one is orthogonal to axis j of marker two."""
     zero = np.zeros(3)
-    orthogonal_axes(
-        rows, k, one, two, one.A[:, i].copy(), two.A[:, j].copy(), zero, zero
-    )
+    orthogonal_axes(rows, k, one, two, one.A[:, i].copy(), two.A[:, j].copy(), zero, zero)

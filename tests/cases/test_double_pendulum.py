@@ -102,9 +102,7 @@ def test_following_hand_without_gravity_shows_no_bending(build, repository):
         ("atol_position = 1e-8", "atol_position = 1e-11"),
         ("atol_velocity = 1e-6", "atol_velocity = 1e-9"),
     )
-    result, summary = execute(
-        read_run(runs / "layup-1-soft-following.json"), progress=False
-    )
+    result, summary = execute(read_run(runs / "layup-1-soft-following.json"), progress=False)
     signals = {s.name: s.values for s in result.signals}
     assert summary["completed"]
     angle = 20.0 * result.t
@@ -187,8 +185,10 @@ def test_contradictory_start(build, repository, capsys):
     _edited(
         build,
         repository,
-        ("position = [0.0, 0.0, 0.0]\ninterfaces", 
-         "position = [0.0, 0.0, 0.0]\nangular_velocity = [0.0, 0.0, 5.0]\ninterfaces"),
+        (
+            "position = [0.0, 0.0, 0.0]\ninterfaces",
+            "position = [0.0, 0.0, 0.0]\nangular_velocity = [0.0, 0.0, 5.0]\ninterfaces",
+        ),
     )
     message = _fails(build, capsys)
     assert "initial velocities contradict" in message

@@ -14,10 +14,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-pytest.importorskip("plymotion.preprocess.fenicsx", exc_type=ImportError) if hasattr(
-    pytest, "version_tuple"
-) and pytest.version_tuple >= (8, 2) else pytest.importorskip("plymotion.preprocess.fenicsx")
-
 from plymotion.preprocess.beam.line import BeamLine
 from plymotion.preprocess.body import build_body
 from plymotion.preprocess.fenicsx import eigenpairs
@@ -56,6 +52,11 @@ def test_first_frequency(record: Callable[[str, Any], None]) -> None:
     found = flatwise_hz(strip())
     record("strip_30_cantilever_hz", found)
     assert found[0] == pytest.approx(HZ[0], rel=REFERENCE["tolerance"])
+
+
+def test_classical_theory_has_all_reference_frequencies() -> None:
+    found = flatwise_hz({**strip(), "theory": "classical"})
+    assert found == pytest.approx(HZ, rel=REFERENCE["tolerance"])
 
 
 @pytest.mark.xfail(

@@ -10,10 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-pytest.importorskip("plymotion.preprocess.fenicsx", exc_type=ImportError) if hasattr(
-    pytest, "version_tuple"
-) and pytest.version_tuple >= (8, 2) else pytest.importorskip("plymotion.preprocess.fenicsx")
-
 from plymotion.preprocess.body import build_body, toml_text
 from plymotion.solver.package import read_package, validate, write_package
 from plymotion.solver.package.invariants import inertia_at_rest

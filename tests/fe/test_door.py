@@ -59,7 +59,7 @@ def test_massless_unknowns(n_mode: int, record: Callable[[str, Any], None]) -> N
 def test_more_modes_than_masses() -> None:
     mass = np.zeros(N)
     mass[:10] = 1.0
-    with pytest.raises(fenicsx.EigenError, match="11 modes asked for.* 10 of finite"):
+    with pytest.raises(fenicsx.EigenError, match=r"11 modes asked for.* 10 of finite"):
         fenicsx.eigenpairs(chain(), sp.csr_matrix(sp.diags(mass)), 11)
 
 
@@ -136,7 +136,7 @@ s[] = Extrude {0, 1, 0} { Line{l[1]}; Layers{2}; Recombine; };
         (None, "no such gmsh script"),
         (SQUARE, "is in 0 physical groups"),
         (
-            SQUARE + 'Physical Surface("a") = {s[1]}; Physical Surface("b") = {s[1]};',
+            SQUARE + 'Physical Surface("a") = {s[1]};\nPhysical Surface("b") = {s[1]};\n',
             "is in 2 physical groups",
         ),
         ("Point(1) = {0, 0, ;", "gmsh"),

@@ -6,10 +6,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-pytest.importorskip("plymotion.preprocess.fenicsx", exc_type=ImportError) if hasattr(
-    pytest, "version_tuple"
-) and pytest.version_tuple >= (8, 2) else pytest.importorskip("plymotion.preprocess.fenicsx")
-
 from plymotion.preprocess.body import build_body
 from plymotion.preprocess.modes import ModeError
 

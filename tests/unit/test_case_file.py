@@ -24,7 +24,11 @@ BAD = {
         "height = -0.015",
         r"sections\.arm\.height = -0\.015: .*greater than 0",
     ),
-    "isotropic nu": ("nu = 0.3\n", "nu = 0.7\n", r"materials\.aluminium\.nu = 0\.7: .*less than 0\.5"),
+    "isotropic nu": (
+        "nu = 0.3\n",
+        "nu = 0.7\n",
+        r"materials\.aluminium\.nu = 0\.7: .*less than 0\.5",
+    ),
     "orthotropic nu": (
         "nu12 = 0.3",
         "nu12 = 4.3",
@@ -45,15 +49,23 @@ BAD = {
         '"arm.tipp", "hand.root"',
         r'body "arm" has no interface "tipp"; did you mean \'tip\'',
     ),
-    "kind": ('kind = "beam"', 'kind = "baem"', r'bodies\.arm\.kind = "baem": expected one of .*"beam"'),
+    "kind": (
+        'kind = "beam"',
+        'kind = "baem"',
+        r'bodies\.arm\.kind = "baem": expected one of .*"beam"',
+    ),
     "drive": ("speed = 20.0", "sped = 20.0", r"drive\.sped: unknown key; did you mean 'speed'"),
     "two laws": ("speed = 20.0", "speed = 20.0, polynomial = [0, 1]", "either `speed` or"),
     "type": ("t_end = 1.0", 't_end = "long"', r'solver\.t_end = "long": .*number'),
-    "no node": ("mid = { at = 0.5 }", "mid = { at = 0.51 }", r"mid\.at = 0\.51: no node there"),
+    "no node": ("elements = 24", "elements = 1", r"arm\.elements = 1: expected at least 2"),
     "variant": ('["layup-1"]', '["layup-3"]', r'"layup-3": no such variant; did you mean'),
     "version": ("format = 1", "format = 2", "format = 2: value should be 1"),
     "toml": ("[solver]", "[solver", "not valid TOML"),
-    "figure": ('signal = "arm_mid"', 'signal = "arm_mod"', r"no such signal; did you mean 'arm_mid'"),
+    "figure": (
+        'signal = "arm_mid"',
+        'signal = "arm_mod"',
+        r"no such signal; did you mean 'arm_mid'",
+    ),
 }
 
 

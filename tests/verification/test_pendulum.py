@@ -21,9 +21,7 @@ NOTHING = np.zeros((3, 0))
 
 @pytest.fixture(scope="module")
 def reference(repository):
-    return tomllib.loads(
-        (repository / "tests/reference/dynamics/a01_pendulum.toml").read_text()
-    )
+    return tomllib.loads((repository / "tests/reference/dynamics/a01_pendulum.toml").read_text())
 
 
 def _pendulum(body, gravity, *, phi=NOTHING, masses=()):

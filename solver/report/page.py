@@ -1,0 +1,143 @@
+"""report.html: one page that needs nothing else, neither files nor network."""
+
+import base64
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from .story import Story
+from .table import number, signal_numbers
+
+_CSS = (Path(__file__).parent / "page.css").read_text(encoding="utf-8")
+
+
+def page(
+    title: str,
+    stories: list[Story],
+    comparisons: list[tuple[str, Path]],
+    motions: list[Path],
+    balances: list[Path],
+) -> str:
+    """Return the page as HTML; figures are embedded."""
+    done = sum(not story.stopped for story in stories)
+    count = f"{done} of {len(stories)} runs completed"
+    parts = [
+        f"<header><h1>{escape(title)}</h1><p>{count}.</p></header>",
+        "<section><h2>Runs</h2>",
+        _outcomes(stories),
+        "</section><section><h2>Signals</h2>",
+        _signals(stories),
+        "</section>",
+        _warnings(stories),
+        "<section><h2>Comparison</h2>",
+        *(_figure(path, caption, "wide") for caption, path in comparisons),
+        "</section><section><h2>Motion</h2><div class='grid'>",
+        *(_figure(p, f"Motion of {s.title}") for s, p in zip(stories, motions, strict=True)),
+        "</div></section><section><h2>Can the numbers be trusted?</h2><div class='grid'>",
+        *(_figure(p, f"Balance of {s.title}") for s, p in zip(stories, balances, strict=True)),
+        "</div></section>",
+        _READING,
+    ]
+    return (
+        "<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'>"
+        "<meta name='viewport' content='width=device-width, initial-scale=1'>"
+        f"<title>{escape(title)}</title><style>{_CSS}</style></head>\n<body><main>"
+        + "\n".join(parts)
+        + "</main></body></html>\n"
+    )
+
+
+def _figure(path: Path, caption: str, kind: str = "") -> str:
+    data = base64.b64encode(path.read_bytes()).decode("ascii")
+    return (
+        f"<figure class='{kind}'><img alt='{escape(caption, quote=True)}' "
+        f"src='data:image/png;base64,{data}'></figure>"
+    )
+
+
+def _table(head: list[str], rows: list[list[str]]) -> str:
+    top = "".join(f"<th>{cell}</th>" for cell in head)
+    body = "".join("<tr>" + "".join(f"<td>{c}</td>" for c in row) + "</tr>" for row in rows)
+    table = f"<table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>"
+    return f"<div class='scroll'>{table}</div>"
+
+
+def _name(story: Story) -> str:
+    code = f"<code>{escape(story.name)}</code>"
+    return f"{escape(story.title)}<br>{code}" if story.title != story.name else code
+
+
+def _badge(story: Story) -> str:
+    if not story.stopped:
+        return "<span class='badge good'>completed</span>"
+    return f"<span class='badge bad'>stopped at {number(story.summary.get('t_end'), 4)} s</span>"
+
+
+def _outcomes(stories: list[Story]) -> str:
+    head = ["run", "outcome", "t<sub>end</sub> [s]", "constraint violation [m]"]
+    head += ["energy drift [-]", "modes", "integrator", "steps", "solve [s]", "preprocess [s]"]
+    rows = []
+    for story in stories:
+        checks: dict[str, Any] = story.summary.get("checks", {})
+        cost: dict[str, Any] = story.summary.get("cost", {})
+        modes = ", ".join(f"{escape(b)} {n}" for b, n in checks.get("modes_used", {}).items())
+        rows.append(
+            [
+                _name(story),
+                _badge(story),
+                number(story.summary.get("t_end"), 4),
+                number(checks.get("constraint_position_max"), 2),
+                number(checks.get("energy_drift_relative"), 2),
+                modes or "-",
+                escape(str(cost.get("integrator", "-"))),
+                str(cost.get("steps", "-")),
+                number(cost.get("solve_s")),
+                number(cost.get("preprocess_s")),
+            ]
+        )
+    return _table(head, rows)
+
+
+def _signals(stories: list[Story]) -> str:
+    names = list(dict.fromkeys(s.name for story in stories for s in story.result.signals))
+    units = {s.name: s.unit for story in stories for s in story.result.signals}
+    head = ["run"]
+    for name in names:
+        shown = f"{escape(name)} [{escape(units[name])}]"
+        head += [f"{shown}<br>final", f"{shown}<br>largest"]
+    rows = []
+    for story in stories:
+        row = [_name(story)]
+        for name in names:
+            row += signal_numbers(story.summary.get("signals", {}).get(name, {}))
+        rows.append(row)
+    return _table(head, rows)
+
+
+def _warnings(stories: list[Story]) -> str:
+    items = []
+    for story in stories:
+        messages = story.summary.get("warnings", [])
+        if not messages:
+            continue
+        lines = "".join(
+            f"<li><code>{escape(w['code'])}</code> {escape(w['message'])}</li>" for w in messages
+        )
+        items.append(f"<h3>{escape(story.title)}</h3><ul>{lines}</ul>")
+    if not items:
+        return "<section><h2>Warnings</h2><p>None.</p></section>"
+    return f"<section class='warnings'><h2>Warnings</h2>{''.join(items)}</section>"
+
+
+_READING = """<section class='reading'><h2>How to read this page</h2><dl>
+<dt>Completed</dt><dd>The run reached its planned end. A stopped run is drawn up to its stop,
+which is marked in red; its final values are those at the stop.</dd>
+<dt>Constraint violation</dt><dd>The largest distance, over the run, between points that a joint
+holds together.</dd>
+<dt>Energy drift</dt><dd>Kinetic, strain and potential energy less the work of drives and dampers
+is constant in an exact solution; the number is its largest change over the largest energy in
+play.</dd>
+<dt>Largest</dt><dd>The largest magnitude of a signal at the output times.</dd>
+<dt>More</dt><dd>Each run's folder holds <code>summary.json</code> (these numbers for programs) and
+<code>result.vtkhdf</code>: in ParaView apply the filter <em>Warp By Vector</em> with the array
+<em>displacement</em>, then press play.</dd></dl></section>"""

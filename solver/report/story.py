@@ -1,0 +1,70 @@
+"""What the report knows of a run: its summary, its result and the words for it."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError, nearest
+from ..results import ResultError, RunResult, Signal, read_result, read_summary
+
+
+@dataclass(frozen=True)
+class Story:
+    """One run as the report tells it."""
+
+    name: str
+    title: str
+    summary: dict[str, Any]
+    result: RunResult
+
+    @property
+    def stopped(self) -> bool:
+        """True when the run ended before its planned end."""
+        return not self.summary.get("completed", False)
+
+    def signal(self, name: str) -> Signal:
+        """Return a signal by name. Raises InputError."""
+        for signal in self.result.signals:
+            if signal.name == name:
+                return signal
+        known = [signal.name for signal in self.result.signals]
+        raise InputError(f"run {self.name}: no signal {name!r}{nearest(name, known)}")
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """One signal of several runs in one picture."""
+
+    name: str
+    title: str
+    signal: str
+    runs: tuple[str, ...]
+
+
+def read_story(case_dir: Path, run: str, title: str) -> Story:
+    """Read summary and result of a run. Raises ResultError."""
+    summary = read_summary(case_dir / run / "summary.json")
+    if summary["run"] != run:
+        raise ResultError(
+            f"{case_dir / run / 'summary.json'}: key run: expected {run!r}, "
+            f"found {summary['run']!r}"
+        )
+    return Story(run, title, summary, read_result(case_dir / run / "result.vtkhdf"))
+
+
+def comparisons(case: dict[str, Any], stories: list[Story]) -> list[Comparison]:
+    """Return the pictures that the case asks for, with the runs that exist.
+
+    A case without figures gets one picture per signal.
+    """
+    there = {story.name for story in stories}
+    wanted = case.get("figures") or {
+        s.name: {"title": s.description or s.name, "signal": s.name, "runs": sorted(there)}
+        for s in stories[0].result.signals
+    }
+    found = []
+    for name, figure in wanted.items():
+        runs = tuple(run for run in figure["runs"] if run in there)
+        if runs:
+            found.append(Comparison(name, figure.get("title") or name, figure["signal"], runs))
+    return found

@@ -1,0 +1,105 @@
+"""How all figures look: colours that colour-blind readers tell apart, quiet axes, crisp text."""
+
+import contextlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError
+from ..package.container import temporary_sibling
+
+# Okabe and Ito's palette without its yellow, which is too light for lines.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+DASHES = ("-", (0, (5, 1.5)), (0, (1.2, 1.2)), "-.")  # for readers in black and white
+INK, GREY, PALE = "#222222", "#777777", "#C9C9C9"
+WARNING = "#B00020"
+
+_RULES: Any = {
+    "font.size": 9,
+    "font.family": "DejaVu Sans",
+    "axes.titlesize": 10,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.labelcolor": INK,
+    "axes.edgecolor": GREY,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#E6E6E6",
+    "grid.linewidth": 0.6,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "lines.linewidth": 1.3,
+    "lines.solid_capstyle": "round",
+    "legend.frameon": False,
+    "legend.fontsize": 8.5,
+    "axes.formatter.limits": (-3, 4),
+    "axes.formatter.use_mathtext": True,
+    "figure.dpi": 150,
+}
+
+
+@contextlib.contextmanager
+def house_style() -> Iterator[None]:
+    """Draw in our style inside this context. Raises InputError without matplotlib."""
+    try:
+        import matplotlib
+    except ImportError as error:
+        raise InputError(
+            "report: figures need matplotlib, which is not installed; expected "
+            "the extra `plot`: pip install plymotion[plot]"
+        ) from error
+    with matplotlib.rc_context(_RULES):
+        yield
+
+
+class Canvas:
+    """A matplotlib figure without pyplot and its global state; use it inside house_style()."""
+
+    def __init__(self, width: float, height: float) -> None:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+
+        self.figure = Figure(figsize=(width, height), layout="constrained")
+        FigureCanvasAgg(self.figure)
+
+    def panels(self, rows: int, columns: int = 1, **options: Any) -> list[Any]:
+        """Return axes, row by row."""
+        return list(self.figure.subplots(rows, columns, squeeze=False, **options).ravel())
+
+    def save(self, path: Path) -> Path:
+        """Write a PNG; it appears only when it is complete."""
+        with temporary_sibling(path) as temporary:
+            # No creation tool or date inside: the same run gives the same bytes.
+            self.figure.savefig(temporary, format="png", metadata={"Software": None})
+        return path
+
+
+def colour(index: int) -> str:
+    """Return the colour of the index-th series."""
+    return COLOURS[index % len(COLOURS)]
+
+
+def unit_text(unit: str) -> str:
+    """Return " [m]" for an axis label; a quotient has "[-]"."""
+    return f" [{unit}]" if unit else ""
+
+
+def mark_stop(axes: Any, t: float, t_full: float, *, label: bool = True) -> None:
+    """Mark the end of a run that stopped before the others."""
+    axes.axvline(t, color=WARNING, linewidth=1.0, linestyle=(0, (3, 2)), zorder=1)
+    if label:
+        left = t < 0.6 * t_full
+        axes.annotate(
+            f"stopped at {t:.4g} s",
+            (t, 1.0),
+            xycoords=("data", "axes fraction"),
+            xytext=(4 if left else -4, -3),
+            textcoords="offset points",
+            ha="left" if left else "right",
+            va="top",
+            color=WARNING,
+            fontsize=8,
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.8},
+        )
