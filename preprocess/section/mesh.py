@@ -100,7 +100,7 @@ def generate(request: MeshRequest) -> fenicsx.LabelledMesh:
 
 
 def _size(spec: Mapping[str, Any], key: str, where: str) -> float:
-    value = spec.get(key)
+    value: Any = spec.get(key)
     if not _is_number(value) or not value > 0.0:
         raise SectionError(f"{where}.{key} = {value!r}: expected a length above 0 [m]")
     return float(value)

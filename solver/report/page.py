@@ -55,10 +55,9 @@ def _figure(path: Path, caption: str, kind: str = "") -> str:
     )
 
 
-def _table(head: list[str], rows: list[list[str]]) -> str:
-    top = "".join(f"<th>{cell}</th>" for cell in head)
+def _table(head: str, rows: list[list[str]]) -> str:
     body = "".join("<tr>" + "".join(f"<td>{c}</td>" for c in row) + "</tr>" for row in rows)
-    table = f"<table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>"
+    table = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
     return f"<div class='scroll'>{table}</div>"
 
 
@@ -67,15 +66,22 @@ def _name(story: Story) -> str:
     return f"{escape(story.title)}<br>{code}" if story.title != story.name else code
 
 
-def _badge(story: Story) -> str:
-    if not story.stopped:
-        return "<span class='badge good'>completed</span>"
-    return f"<span class='badge bad'>stopped at {number(story.summary.get('t_end'), 4)} s</span>"
+def _outcome(story: Story) -> str:
+    t_end = f"{number(story.summary.get('t_end'), 4)} s"
+    if story.stopped:
+        badge = f"<span class='badge bad'>stopped at {t_end}</span>"
+    else:
+        badge = f"<span class='badge good'>completed, {t_end}</span>"
+    count = len(story.summary.get("warnings", []))
+    if count:
+        words = "1 warning" if count == 1 else f"{count} warnings"
+        badge += f"<br><a href='#warnings-{escape(story.name)}'>{words}</a>"
+    return badge
 
 
 def _outcomes(stories: list[Story]) -> str:
-    head = ["run", "outcome", "t<sub>end</sub> [s]", "constraint violation [m]"]
-    head += ["energy drift [-]", "modes", "integrator", "steps", "solve [s]", "preprocess [s]"]
+    head = ["run", "outcome", "constraint<br>violation [m]", "energy<br>drift [-]", "modes"]
+    head += ["integrator", "steps", "solve<br>[s]", "preprocess<br>[s]"]
     rows = []
     for story in stories:
         checks: dict[str, Any] = story.summary.get("checks", {})
@@ -84,8 +90,7 @@ def _outcomes(stories: list[Story]) -> str:
         rows.append(
             [
                 _name(story),
-                _badge(story),
-                number(story.summary.get("t_end"), 4),
+                _outcome(story),
                 number(checks.get("constraint_position_max"), 2),
                 number(checks.get("energy_drift_relative"), 2),
                 modes or "-",
@@ -95,23 +100,22 @@ def _outcomes(stories: list[Story]) -> str:
                 number(cost.get("preprocess_s")),
             ]
         )
-    return _table(head, rows)
+    return _table("".join(f"<th>{cell}</th>" for cell in head), rows)
 
 
 def _signals(stories: list[Story]) -> str:
-    names = list(dict.fromkeys(s.name for story in stories for s in story.result.signals))
     units = {s.name: s.unit for story in stories for s in story.result.signals}
-    head = ["run"]
-    for name in names:
-        shown = f"{escape(name)} [{escape(units[name])}]"
-        head += [f"{shown}<br>final", f"{shown}<br>largest"]
+    top = "<th rowspan='2'>run</th>"
+    for name, unit in units.items():
+        top += f"<th colspan='2'>{escape(name)} [{escape(unit)}]</th>"
+    below = "<th>final</th><th>largest</th>" * len(units)
     rows = []
     for story in stories:
         row = [_name(story)]
-        for name in names:
+        for name in units:
             row += signal_numbers(story.summary.get("signals", {}).get(name, {}))
         rows.append(row)
-    return _table(head, rows)
+    return _table(f"{top}</tr><tr class='below'>{below}", rows)
 
 
 def _warnings(stories: list[Story]) -> str:
@@ -123,7 +127,8 @@ def _warnings(stories: list[Story]) -> str:
         lines = "".join(
             f"<li><code>{escape(w['code'])}</code> {escape(w['message'])}</li>" for w in messages
         )
-        items.append(f"<h3>{escape(story.title)}</h3><ul>{lines}</ul>")
+        anchor = f"warnings-{escape(story.name)}"
+        items.append(f"<h3 id='{anchor}'>{escape(story.title)}</h3><ul>{lines}</ul>")
     if not items:
         return "<section><h2>Warnings</h2><p>None.</p></section>"
     return f"<section class='warnings'><h2>Warnings</h2>{''.join(items)}</section>"
