@@ -28,7 +28,10 @@ def draw_balance(path: Path, story: Story) -> Path:
         values = result.energies[name]
         values = values - values[0] if name == "potential" else values
         top.plot(result.t, values, color=colour(i), label=words)
-    canvas.figure.suptitle(story.title, fontsize=10, fontweight="bold", x=0.02, ha="left")
+    title = story.title
+    if story.stopped:
+        title += f" (stopped at {result.t[-1]:.4g} s)"
+    canvas.figure.suptitle(title, fontsize=10, fontweight="bold", x=0.02, ha="left")
     top.set_ylabel("energy [J]")
     above = {"loc": "lower left", "bbox_to_anchor": (-0.02, 0.98), "borderaxespad": 0.0}
     top.legend(ncols=4, columnspacing=1.2, handlelength=1.4, **above)
@@ -50,7 +53,7 @@ def draw_balance(path: Path, story: Story) -> Path:
     top.set_xlim(0, max(float(result.t[-1]), 1e-12))
     for axes in (top, middle, bottom):
         if story.stopped:
-            mark_stop(axes, float(result.t[-1]), float(result.t[-1]), label=axes is top)
+            mark_stop(axes, float(result.t[-1]), float(result.t[-1]), label=False)
     return canvas.save(path)
 
 

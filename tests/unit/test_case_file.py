@@ -143,3 +143,10 @@ def test_errors_come_together(source, tmp_path):
     with pytest.raises(InputError) as error:
         load_case(Path(file))
     assert len(str(error.value).splitlines()) >= 2
+
+
+def test_case_of_the_readme_is_valid(repository, tmp_path):
+    text = (repository / "README.md").read_text()
+    file = tmp_path / "case.toml"
+    file.write_text(re.search(r"```toml\n(.*?)```", text, re.DOTALL)[1])
+    assert list(load_case(file).runs) == ["base"]

@@ -1,0 +1,303 @@
+"""The report: what it draws is what the runs say, and it stands alone."""
+
+import dataclasses
+import json
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from result_samples import swinging_rod
+
+from plymotion.solver.errors import InputError
+from plymotion.solver.report import make_report, summary_table
+from plymotion.solver.report.balance import relative_balance
+from plymotion.solver.report.comparison import crossings, draw_comparison, spread
+from plymotion.solver.report.motion import plane, segments, travelling_point
+from plymotion.solver.report.story import Comparison, Story, comparisons, read_story
+from plymotion.solver.report.style import house_style
+from plymotion.solver.results import (
+    BodyGeometry,
+    ResultError,
+    RunResult,
+    Signal,
+    signal_summary,
+    write_result,
+    write_summary,
+)
+
+pytest.importorskip("matplotlib")
+
+CASE = {
+    "title": "Swinging rods <long & short>",
+    "runs": {"long": "long rod", "short": "short rod", "broken": "rod that stopped"},
+    "figures": {
+        "angles": {
+            "title": "Angle of the rods",
+            "signal": "angle",
+            "runs": ["long", "short", "broken"],
+        }
+    },
+}
+
+
+def summary_of(result: RunResult, **extra: Any) -> dict[str, Any]:
+    drift = float(np.max(np.abs(relative_balance(result))))
+    return {
+        "case": result.case,
+        "run": result.run,
+        "completed": True,
+        "t_end": float(result.t[-1]),
+        "signals": {s.name: signal_summary(s, result.t) for s in result.signals},
+        "checks": {
+            "constraint_position_max": float(result.violations["position"].max()),
+            "energy_drift_relative": drift,
+            "modes_used": {"rod": 0},
+        },
+        "cost": {
+            "preprocess_s": 0.0,
+            "solve_s": 0.25,
+            "steps": 77,
+            "evaluations": 900,
+            "integrator": "rk8",
+        },
+        "warnings": [],
+        **extra,
+    }
+
+
+RUNS = {
+    "long": (swinging_rod("long", length=0.8), {}),
+    "short": (swinging_rod("short", length=0.3), {}),
+    "broken": (
+        swinging_rod("broken", t_end=0.7),
+        {
+            "completed": False,
+            "warnings": [
+                {"code": "run-stopped", "message": "stopped at 0.7 s because <k> & more"},
+                {"code": "run-stopped", "message": "and a second time"},
+            ],
+        },
+    ),
+}
+
+
+@pytest.fixture(scope="module")
+def case_dir(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("build")
+    for name, (result, extra) in RUNS.items():
+        (folder / name).mkdir()
+        write_result(folder / name / "result.vtkhdf", result)
+        write_summary(folder / name / "summary.json", summary_of(result, **extra))
+    make_report(folder, list(RUNS), CASE)
+    return folder
+
+
+class Page(HTMLParser):
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.links: list[str] = []
+        self.open: list[str] = []
+        self.cells: list[str] = []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.links += [v or "" for k, v in attrs if k in ("src", "href")]
+        if tag not in ("meta", "img", "br", "link"):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if "td" in self.open:
+            self.cells.append(data)
+
+
+def test_report_leaves_figures_and_a_page_and_nothing_else(case_dir: Path) -> None:
+    made = {str(p.relative_to(case_dir)) for p in case_dir.rglob("*") if p.is_file()}
+    expected = {"report.html", "angles.png"}
+    for run in RUNS:
+        files = ("summary.json", "result.vtkhdf", "motion.png", "balance.png")
+        expected |= {f"{run}/{file}" for file in files}
+    assert made == expected
+
+
+def test_page_is_well_formed_and_needs_nothing_from_outside(case_dir: Path) -> None:
+    text = (case_dir / "report.html").read_text()
+    page = Page(text)
+    assert page.open == []
+    images = [link for link in page.links if link.startswith("data:image/png;base64,")]
+    assert len(images) == 1 + 2 * len(RUNS)
+    anchors = [link for link in page.links if link not in images]
+    assert anchors == ["#warnings-broken"]
+    assert "id='warnings-broken'" in text
+    assert not re.search(r"https?://|@import|<script", text)
+
+
+def test_page_tells_outcome_numbers_and_warnings_in_full(case_dir: Path) -> None:
+    text = (case_dir / "report.html").read_text()
+    assert "Swinging rods &lt;long &amp; short&gt;" in text
+    assert "2 of 3 runs completed" in text
+    assert "stopped at 0.7 s because &lt;k&gt; &amp; more" in text
+    assert "and a second time" in text
+    final = RUNS["long"][0].signals[0].values[-1]
+    assert f"{final:.5g}" in Page(text).cells
+
+
+def test_report_again_gives_the_same_bytes(case_dir: Path) -> None:
+    files = [*case_dir.glob("*.png"), *case_dir.glob("*/*.png"), case_dir / "report.html"]
+    before = {file: file.read_bytes() for file in files}
+    make_report(case_dir, list(RUNS), CASE)
+    assert before == {file: file.read_bytes() for file in files}
+
+
+def test_report_without_a_case_draws_every_signal(case_dir: Path, tmp_path: Path) -> None:
+    stories = [read_story(case_dir, run, run) for run in RUNS]
+    wanted = comparisons({}, stories)
+    assert [c.signal for c in wanted] == ["tip_x", "tip_y", "angle"]
+    assert all(set(c.runs) == set(RUNS) for c in wanted)
+
+
+def test_figures_show_only_runs_that_exist(case_dir: Path) -> None:
+    stories = [read_story(case_dir, "long", "long rod")]
+    (wanted,) = comparisons(CASE, stories)
+    assert wanted.runs == ("long",)
+
+
+@pytest.mark.parametrize(
+    ("runs", "case", "words"),
+    [
+        ([], CASE, "no runs"),
+        (["longer"], CASE, "summary.json"),
+        (
+            ["long"],
+            {"figures": {"f": {"title": "", "signal": "angel", "runs": ["long"]}}},
+            "'angle'",
+        ),
+    ],
+)
+def test_report_names_bad_input(
+    case_dir: Path, runs: list[str], case: dict[str, Any], words: str
+) -> None:
+    with pytest.raises(InputError, match=re.escape(words)):
+        make_report(case_dir, runs, case)
+
+
+def test_summary_of_another_run_is_refused(case_dir: Path, tmp_path: Path) -> None:
+    (tmp_path / "long").mkdir()
+    (tmp_path / "long/summary.json").write_bytes((case_dir / "short/summary.json").read_bytes())
+    with pytest.raises(ResultError, match="expected 'long', found 'short'"):
+        read_story(tmp_path, "long", "")
+
+
+def test_table_is_aligned_and_complete() -> None:
+    text = summary_table([summary_of(result, **extra) for result, extra in RUNS.values()])
+    outcome, signals = (block.splitlines() for block in text.split("\n\n"))
+    assert [line.split()[:2] for line in outcome[3:]] == [
+        ["long", "yes"],
+        ["short", "yes"],
+        ["broken", "NO"],
+    ]
+    assert "run-stopped x2" in outcome[-1]
+    assert len({line.rstrip().rfind(" ") for line in signals[3:]}) == 1, "last column not aligned"
+    for line, (result, _) in zip(signals[3:], RUNS.values(), strict=True):
+        numbers = [float(word) for word in line.split()[1:]]
+        expected = [
+            value for s in result.signals for value in (s.values[-1], np.abs(s.values).max())
+        ]
+        np.testing.assert_allclose(numbers, expected, rtol=5.1e-4)
+
+
+def test_table_of_runs_with_missing_numbers() -> None:
+    bare = {"run": "a", "signals": {"x": {"unit": "m", "final": None, "min": None, "max": None}}}
+    text = summary_table([bare])
+    assert text.splitlines()[3].split()[:3] == ["a", "NO", "-"]
+    assert summary_table([]) == "no runs"
+
+
+def story(name: str, t: np.ndarray, values: np.ndarray) -> Story:
+    result = dataclasses.replace(
+        swinging_rod(k=len(t)), t=t, signals=(Signal("s", "m", "", values),)
+    )
+    return Story(name, name, {"completed": True}, result)
+
+
+def test_curves_that_cross_often_are_told_from_calm_ones() -> None:
+    t = np.linspace(0, 1, 1001)
+    calm = [story("a", t, np.sin(6 * t)), story("b", t, np.sin(6 * t) * 2 + 0.1)]
+    busy = [story("a", t, np.sin(60 * t)), story("b", t, np.sin(66 * t))]
+    assert crossings(calm, [s.signal("s") for s in calm]) <= 3
+    # sin(60t) - sin(66t) = -2 cos(63t) sin(3t): zeros at 63t = pi/2 + n pi, 20 of them in (0, 1)
+    assert crossings(busy, [s.signal("s") for s in busy]) == 20
+    assert spread([s.signal("s") for s in calm]) == pytest.approx(2.1, abs=0.01)
+
+
+def ink(path: Path, rgb: tuple[int, int, int]) -> int:
+    """Count pixels of one colour in a PNG, as a reader would see a curve."""
+    from matplotlib.image import imread
+
+    pixels = np.round(imread(path)[:, :, :3] * 255).astype(int)
+    return int(np.sum(np.all(pixels == rgb, axis=2)))
+
+
+def test_every_run_has_its_own_colour_and_stops_are_red(case_dir: Path, tmp_path: Path) -> None:
+    """The picture holds ink of each series, and red only where a run stopped."""
+    stories = [read_story(case_dir, run, run) for run in RUNS]
+    blue, red = (0x00, 0x72, 0xB2), (0xB0, 0x00, 0x20)
+    with house_style():
+        whole = draw_comparison(
+            tmp_path / "two.png", Comparison("c", "c", "angle", ("long", "short")), stories[:2]
+        )
+        cut = draw_comparison(
+            tmp_path / "all.png", Comparison("c", "c", "angle", tuple(RUNS)), stories
+        )
+    for shade in (blue, (0xD5, 0x5E, 0x00)):
+        assert ink(whole, shade) > 200
+    assert ink(cut, (0x00, 0x9E, 0x73)) > 100
+    assert ink(whole, red) == 0
+    assert ink(cut, red) > 50
+
+
+def test_motion_is_drawn_in_the_plane_of_motion() -> None:
+    result = swinging_rod()
+    assert plane(result) == (0, 1)
+    turned = dataclasses.replace(result, node_positions_G=result.node_positions_G[:, :, [0, 2, 1]])
+    assert plane(turned) == (0, 2)
+
+
+def test_outermost_point_is_the_tip_of_the_rod() -> None:
+    result = swinging_rod()
+    assert travelling_point(result.node_positions_G[:, :9, :2]) == 8
+
+
+def test_outlines_of_cells() -> None:
+    own = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.0]])
+    body = BodyGeometry(
+        "b",
+        np.zeros((5, 3)),
+        np.array([0, 1, 2, 3, 0, 1, 4, 2]),
+        np.array([0, 4, 7, 8]),
+        np.array([9, 21, 1]),
+    )
+    quad, edge, point = segments(body, own)
+    np.testing.assert_array_equal(quad, own[[0, 1, 2, 3, 0]])
+    np.testing.assert_array_equal(edge, own[[0, 4, 1]])
+    np.testing.assert_array_equal(point, own[[2]])
+
+
+def test_energy_balance_notices_a_lost_joule() -> None:
+    result = swinging_rod()
+    leaky = {**result.energies, "kinetic": result.energies["kinetic"].copy()}
+    leaky["kinetic"][250:] -= 0.1
+    broken = dataclasses.replace(result, energies=leaky)
+    scale = max(leaky["kinetic"].max(), np.ptp(leaky["potential"]))
+    assert np.abs(relative_balance(broken)).max() == pytest.approx(0.1 / scale, rel=1e-6)
+
+
+def test_summary_files_are_plain_json(case_dir: Path) -> None:
+    for run in RUNS:
+        assert json.loads((case_dir / run / "summary.json").read_text())["run"] == run
