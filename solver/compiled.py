@@ -44,6 +44,8 @@ def _drop_old_caches(current: Path) -> None:
 def _find_numba() -> Any:
     if os.environ.get("PLYMOTION_COMPILED", "1") == "0":
         return None
+    # Level 3 takes half as long again to compile this code and gains nothing at run time.
+    os.environ.setdefault("NUMBA_OPT", "1")
     try:
         import numba
     except ImportError:

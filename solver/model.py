@@ -36,9 +36,9 @@ class Model(NamedTuple):
     S0: Array  # (nb, 3)                     [kg m]
     T00: Array  # (nb, 3, 3)                 [kg m2]
     J0: Array  # (nb, 3, 3)                  [kg m2]
-    S: Array  # flat (3, m) per body         [kg]
-    T01: Array  # flat (9, m) per body       [kg m]
-    T11: Array  # flat (9 m, m) per body     [kg]
+    S: Array  # flat (3, m) per body         [kg m]
+    T01: Array  # flat (9, m) per body       [kg m2]
+    T11: Array  # flat (9 m, m) per body     [kg m2]
     J_psi: Array  # flat (3, m) per body     [kg m2]
     M_qq: Array  # flat (m, m) per body
     K_qq: Array  # flat (m, m) per body

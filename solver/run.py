@@ -191,6 +191,11 @@ def _collect(
         energies=past.energies,
         bodies=geometry,
         node_positions_G=points,
+        violations={
+            "position": past.position_violation,
+            "rotation": past.rotation_violation,
+            "velocity": past.velocity_violation,
+        },
     )
     checks: dict[str, Any] = {
         "constraint_position_max": float(past.position_violation.max()),

@@ -16,10 +16,10 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-import ufl
 from numpy.typing import NDArray
 
 from .. import fenicsx
+from ..fenicsx import ufl
 from .mesh import MeshRequest, generate
 
 Array = NDArray[np.float64]

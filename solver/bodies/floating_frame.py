@@ -108,7 +108,7 @@ def add_inertia(
 
 @jit
 def centrifugal_matrix(w: Array, T11: Array, m: int) -> Array:
-    """Return w_a w_b sum m (delta_ab phi_i.phi_j - phi_ia phi_jb), (m, m) [1/s2 kg].
+    """Return w_a w_b sum m (delta_ab phi_i.phi_j - phi_ia phi_jb), (m, m) [kg m2/s2].
 
     The stiffness that spinning takes from the modes of a linear body. `T11` is
     laid out as in `add_inertia`.

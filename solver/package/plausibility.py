@@ -36,7 +36,7 @@ def _finding(level: str, dataset: str, message: str) -> Finding:
 def _eigenvalues(matrix: Array) -> Array:
     if not np.isfinite(matrix).all():
         raise np.linalg.LinAlgError("overflow")
-    return np.linalg.eigvalsh(matrix)
+    return np.asarray(np.linalg.eigvalsh(matrix), dtype=np.float64)
 
 
 def _mass(package: ModalPackage) -> Iterator[Finding]:

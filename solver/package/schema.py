@@ -32,16 +32,17 @@ class Invariants:
 
     A station has mass m_k, rest position x_k, translation shapes phi_k (3, m),
     rotation shapes psi_k (3, m) and rotary inertia J_k (3, 3) about its own
-    mass centre. Stations are nodes (lumped) or integration points of the
+    mass centre. Modal coordinates are numbers, so phi is in m and psi in rad.
+    Stations are nodes (lumped) or integration points of the
     consistent mass; the sums have the same form. Indices a, b are body axes.
     """
 
     mass: float  # sum m_k                                  [kg]
     S0_B: Array  # (3,)         sum m x_a                   [kg m]
-    S_B: Array  # (3, m)        sum m phi_ai                [kg]
+    S_B: Array  # (3, m)        sum m phi_ai                [kg m]
     T00_B: Array  # (3, 3)      sum m x_a x_b               [kg m2]
-    T01_B: Array  # (3, 3, m)   sum m x_a phi_bi            [kg m]
-    T11_B: Array  # (3, 3, m, m) sum m phi_ai phi_bj        [kg]
+    T01_B: Array  # (3, 3, m)   sum m x_a phi_bi            [kg m2]
+    T11_B: Array  # (3, 3, m, m) sum m phi_ai phi_bj        [kg m2]
     J0_B: Array  # (3, 3)       sum J_k                     [kg m2]
     J_psi_B: Array  # (3, m)    sum J_k psi_ki              [kg m]
     mass_form: str  # one of MASS_FORMS
