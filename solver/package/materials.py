@@ -141,7 +141,8 @@ def _check_definite(c: Mapping[str, float], where: str) -> None:
     if not rest > 0.0:
         raise MaterialError(
             f"{where}: nu12 = {c['nu12']:g}, nu13 = {c['nu13']:g} and nu23 = {c['nu23']:g} "
-            "together are too large: expected 1 - nu12 nu21 - nu13 nu31 - nu23 nu32 - 2 nu21 nu32 nu13 > 0, "
+            "together are too large: "
+            "expected 1 - nu12 nu21 - nu13 nu31 - nu23 nu32 - 2 nu21 nu32 nu13 > 0, "
             f"got {rest:.6g}"
         )
 
