@@ -12,11 +12,14 @@ from .errors import InputError
 from .package import PackageError
 
 
+INTERRUPTED = 130  # what a shell reports of a program ended by Ctrl-C
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Run one command; return the exit code.
 
     0 done; 1 findings of `validate`; 2 bad input; 3 a run that ended early with
-    its result kept; 130 interrupted.
+    its result kept; 130 interrupted, the result of a run kept up to there.
     """
     options = _parser().parse_args(arguments)
     try:
@@ -27,7 +30,7 @@ def main(arguments: list[str] | None = None) -> int:
         return 2
     except KeyboardInterrupt:
         print("interrupted: nothing written", file=sys.stderr)
-        return 130
+        return INTERRUPTED
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -98,6 +101,8 @@ def _run(options: argparse.Namespace) -> int:
     )
     for warning in summary["warnings"]:
         print(f"  warning [{warning['code']}] {warning['message']}")
+    if summary["status"] == "interrupted":
+        return INTERRUPTED
     return 0 if summary["completed"] else INCOMPLETE
 
 
