@@ -129,7 +129,8 @@ def test_command_line(tmp_path: Path) -> None:
     assert first.returncode == 2
     assert sorted(p.name for p in out.iterdir()) == ["arm.good.vtkhdf", "hand.vtkhdf"]
     assert "[1/5] arm.good: section " in first.stdout
-    errors = first.stderr.strip().splitlines()
+    # The libraries below may have words of their own on a bare machine (hwloc without /sys).
+    errors = [line for line in first.stderr.splitlines() if line.startswith("error: ")]
     assert len(errors) == 3, first.stderr
     assert "arm.bad.json: elements: expected a whole number of at least 1, found 0" in errors[0]
     assert "arm.metal.json" in errors[1]
