@@ -16,7 +16,6 @@ from plymotion.solver.package.materials import (
     Orthotropic,
     isotropic,
     material_from_dict,
-    nearest,
 )
 
 __all__ = [
@@ -25,7 +24,6 @@ __all__ = [
     "bond",
     "isotropic",
     "material_from_dict",
-    "nearest",
     "ply_rotation",
     "rotated",
 ]

@@ -11,7 +11,6 @@ from plymotion import __version__
 from .errors import InputError
 from .package import PackageError
 
-
 INTERRUPTED = 130  # what a shell reports of a program ended by Ctrl-C
 
 

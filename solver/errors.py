@@ -8,10 +8,14 @@ class InputError(Exception):
     """Something in the input cannot be used; the message names file, key, value, expectation."""
 
 
+def did_you_mean(word: str, known: Iterable[str]) -> str:
+    """Return "; did you mean 'x'?" for the known word closest to `word`, or nothing."""
+    close = get_close_matches(word, sorted(known), n=1, cutoff=0.5)
+    return f"; did you mean {close[0]!r}?" if close else ""
+
+
 def nearest(name: str, known: Iterable[str]) -> str:
-    """Return "; did you mean 'x'?" for the known name closest to `name`, or the known names."""
+    """Return `did_you_mean`, or all known names where none is close."""
     names = sorted(known)
-    close = get_close_matches(name, names, n=1, cutoff=0.5)
-    if close:
-        return f"; did you mean {close[0]!r}?"
-    return f"; known: {', '.join(names)}" if names else "; none is defined"
+    listed = f"; known: {', '.join(names)}" if names else "; none is defined"
+    return did_you_mean(name, names) or listed

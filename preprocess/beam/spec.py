@@ -5,12 +5,12 @@ one by hand, so every value is checked here and an error names key, value and
 expectation.
 """
 
-import difflib
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from ...solver.errors import did_you_mean
 from ...solver.package.schema import MASS_FORMS, Array
 from ..modes import CHOICES, ModeRequest
 from .line import section_axes
@@ -108,8 +108,7 @@ def known_keys(table: dict[str, Any], known: tuple[str, ...], where: str) -> Non
     """Raise SpecError for the first key that is not known, with the nearest that is."""
     for key in table:
         if key not in known:
-            near = difflib.get_close_matches(str(key), known, n=1)
-            hint = f"; nearest: {near[0]}" if near else ""
+            hint = did_you_mean(str(key), known)
             name = f"{where}.{key}" if where else str(key)
             raise SpecError(f"{name}: unknown key{hint} (known: {', '.join(known)})")
 
@@ -148,8 +147,7 @@ def _expected(key: str, value: Any, wish: str) -> str:
 
 def _one_of(value: Any, known: tuple[str, ...], key: str) -> str:
     if value not in known:
-        near = difflib.get_close_matches(str(value), known, n=1)
-        hint = f"; nearest: {near[0]}" if near else ""
+        hint = did_you_mean(str(value), known)
         raise SpecError(_expected(key, value, f"one of {', '.join(known)}") + hint)
     return str(value)
 

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..materials import material_from_dict, nearest, ply_rotation, rotated
+from ...solver.errors import did_you_mean
+from ..materials import material_from_dict, ply_rotation, rotated
 from .forms import section_space
 from .inertia import mass_centre, mass_matrix
 from .mesh import SHAPES, SectionError, mesh_request
@@ -90,5 +91,5 @@ def _check_keys(spec: Mapping[str, Any], where: str) -> None:
         if key not in known and spec.get("shape") in SHAPES:
             raise SectionError(
                 f"{where}.{key}: unknown key of a {spec['shape']}; expected {', '.join(known)}"
-                + nearest(str(key), known)
+                + did_you_mean(str(key), known)
             )

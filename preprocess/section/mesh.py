@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ...solver.errors import did_you_mean
 from .. import fenicsx
-from ..materials import nearest
 
 
 class SectionError(Exception):
@@ -60,7 +60,7 @@ def mesh_request(spec: Mapping[str, Any], where: str) -> MeshRequest:
     if shape not in SHAPES:
         raise SectionError(
             f"{where}.shape = {shape!r}: expected one of {', '.join(SHAPES)}"
-            + nearest(str(shape), list(SHAPES))
+            + did_you_mean(str(shape), SHAPES)
         )
     sizes = {key: _size(spec, key, where) for key in SHAPES[shape]}
     elements = _elements(spec["elements"], where) if "elements" in spec else None

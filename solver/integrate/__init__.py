@@ -1,9 +1,9 @@
 """Integrators of y' = f(t, y) behind one contract; none of them knows a body."""
 
-from difflib import get_close_matches
 from inspect import signature
 from typing import Any
 
+from ..errors import did_you_mean
 from .base import Counters, Derivative, Integrator
 from .drive import Solution, StopRequest, integrate
 from .explicit import RungeKutta5, RungeKutta8
@@ -39,9 +39,7 @@ def new_integrator(
 
 
 def _unknown(word: str, known: list[str]) -> str:
-    near = get_close_matches(word, known, n=1)
-    hint = f"; did you mean {near[0]!r}?" if near else ""
-    return f"expected one of {', '.join(known)}, got {word!r}{hint}"
+    return f"expected one of {', '.join(known)}, got {word!r}{did_you_mean(word, known)}"
 
 
 __all__ = [

@@ -1,6 +1,5 @@
 """What must hold before the solver may use a package: layout and numbers."""
 
-import difflib
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,6 +7,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from ..errors import did_you_mean
 from .container import is_text
 from .layout import (
     BODY_LAYOUT,
@@ -124,8 +124,7 @@ def _present(group: h5py.Group, specs: Iterable[DatasetSpec]) -> list[Finding]:
             continue
         where = f"{group.name}/{spec.path}"
         if not isinstance(item, h5py.Dataset):
-            near = difflib.get_close_matches(spec.path, found, n=1, cutoff=0.6)
-            hint = f"; nearest name there: {near[0]}" if near else ""
+            hint = did_you_mean(spec.path, found)
             text = f"missing; expected {spec.type} {shape_text(spec.shape)}{hint}"
             findings.append(Finding("error", where, text))
         elif is_text(item) != (spec.type == "text"):
@@ -189,8 +188,7 @@ def _positive_mass(matrix: Array, error: Reporter) -> None:
 def _one_of(path: str, values: Iterable[str], known: tuple[str, ...], error: Reporter) -> None:
     for value in values:
         if value not in known:
-            near = difflib.get_close_matches(value, known, n=1)
-            hint = f"; nearest: {near[0]}" if near else ""
+            hint = did_you_mean(value, known)
             error(path, f"expected one of {', '.join(known)}, found {value!r}{hint}")
 
 

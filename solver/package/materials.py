@@ -5,7 +5,6 @@ engineering shear strains (2 eps_23, 2 eps_13, 2 eps_12). `_M` are the axes of
 the material (1 along the fibre, 3 normal to the ply).
 """
 
-import difflib
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
@@ -13,6 +12,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ..errors import did_you_mean
 
 Array = NDArray[np.float64]
 
@@ -95,7 +96,7 @@ def material_from_dict(table: Mapping[str, Any], where: str) -> Orthotropic:
     if kind not in kinds:
         raise MaterialError(
             f"{where}.kind = {kind!r}: expected one of {', '.join(kinds)}"
-            + nearest(str(kind), list(kinds))
+            + did_you_mean(str(kind), kinds)
         )
     keys = kinds[kind]
     for key in table:
@@ -103,7 +104,7 @@ def material_from_dict(table: Mapping[str, Any], where: str) -> Orthotropic:
             raise MaterialError(
                 f"{where}.{key}: unknown key of an {kind} material; expected "
                 + ", ".join(keys)
-                + nearest(str(key), list(keys))
+                + did_you_mean(str(key), keys)
             )
     values = {key: _number(table, key, where) for key in keys}
     if kind == "isotropic":
@@ -165,9 +166,3 @@ def _number(table: Mapping[str, Any], key: str, where: str) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
         raise MaterialError(f"{where}.{key} = {value!r}: expected a number [{_UNITS[key[0]]}]")
     return float(value)
-
-
-def nearest(word: str, known: list[str]) -> str:
-    """Return " (did you mean x?)" for the known word closest to `word`, or nothing."""
-    close = difflib.get_close_matches(word, known, n=1)
-    return f" (did you mean {close[0]}?)" if close else ""

@@ -163,10 +163,10 @@ def test_one_mesh_serves_every_material() -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"shape": "rectangel"}, r"arm\.shape = 'rectangel'.*did you mean rectangle"),
+        ({"shape": "rectangel"}, r"arm\.shape = 'rectangel'.*did you mean 'rectangle'"),
         ({"height": -0.015}, r"arm\.height = -0.015: expected a length above 0"),
         ({"width": "wide"}, r"arm\.width = 'wide'"),
-        ({"heigth": 0.1}, r"arm\.heigth: unknown key.*did you mean height"),
+        ({"heigth": 0.1}, r"arm\.heigth: unknown key.*did you mean 'height'"),
         ({"radius_2": 0.1}, r"arm\.radius_2: unknown key of a rectangle"),
         ({"elements": [4, 0]}, r"arm\.elements = \[4, 0\]: expected two whole numbers"),
         ({"grading": 2.0}, r"arm\.grading = 2.0: expected a number from 0 to 1"),

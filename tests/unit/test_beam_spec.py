@@ -40,7 +40,7 @@ def test_one_request_may_stand_without_list_and_kind() -> None:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"lenght": 1.0}, "lenght: unknown key; nearest: length"),
+        ({"lenght": 1.0}, "lenght: unknown key; did you mean 'length'"),
         ({"length": -1.0}, r"length: expected a number above 0 \[m\], found -1.0"),
         ({"length": float("nan")}, "length: expected a number"),
         ({"length": "long"}, "length: expected a number"),
@@ -50,9 +50,12 @@ def test_one_request_may_stand_without_list_and_kind() -> None:
         ({"body": ""}, "body: expected a name"),
         ({"section": "strip"}, "section: expected an object"),
         ({"x2_axis": [1, 0, 0]}, "x2_axis: expected a unit vector"),
-        ({"mass_form": "lumpd"}, "mass_form: .*; nearest: lumped"),
+        ({"mass_form": "lumpd"}, "mass_form: .*; did you mean 'lumped'"),
         ({"damping_ratio": -0.1}, "damping_ratio: expected a number of at least 0"),
-        ({"modes": [{"kind": "bending-yx", "count": 1}]}, r"modes\[0\].kind: .*; nearest: bending"),
+        (
+            {"modes": [{"kind": "bending-yx", "count": 1}]},
+            r"modes\[0\].kind: .*; did you mean 'bending",
+        ),
         ({"modes": [{"kind": "axial"}]}, r"modes\[0\].count: expected a whole number"),
         ({"modes": 4}, "modes: expected a list"),
         ({"interfaces": {}}, "interfaces: expected names"),
@@ -60,7 +63,7 @@ def test_one_request_may_stand_without_list_and_kind() -> None:
         ({"interfaces": {"tip": {"at": "top"}}}, "interfaces.tip.at: expected 'start'"),
         ({"interfaces": {"tip": {"on": 1}}}, "interfaces.tip: expected"),
         ({"reference": {"kind": "chord"}}, "reference.kind: expected one of clamped"),
-        ({"reference": {"at": "rot"}}, "reference.at: .*; nearest: root"),
+        ({"reference": {"at": "rot"}}, "reference.at: .*; did you mean 'root'"),
     ],
 )
 def test_message_names_key_value_and_expectation(changes: dict[str, Any], message: str) -> None:
