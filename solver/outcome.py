@@ -1,0 +1,134 @@
+"""What a run leaves: histories, signals, checks and warnings from its solution."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from . import findings, recover, signals
+from .integrate import Solution
+from .mechanism import BuiltMechanism
+from .monitor import SPIN_CODE, SpinMonitor
+from .package import ModalPackage
+from .package.schema import Array
+from .results import BodyGeometry, RunResult, Signal, signal_summary
+
+VTK_LINE = 3
+
+
+@dataclass(frozen=True)
+class RunSpec:
+    """A run as `check` wrote it, with its packages read."""
+
+    case: str
+    run: str
+    mechanism: dict[str, Any]
+    packages: dict[str, ModalPackage]
+
+
+def collect(
+    spec: RunSpec,
+    built: BuiltMechanism,
+    monitor: SpinMonitor,
+    solution: Solution,
+    solve_s: float,
+) -> tuple[RunResult, dict[str, Any]]:
+    """Recover everything of interest from the solution."""
+    model, t, y = built.model, solution.t, solution.y
+    past = recover.history(model, t, y)
+    found_signals = tuple(
+        Signal(
+            name,
+            signals.unit(table),
+            table["description"],
+            signals.evaluate(built, name, table, y),
+        )
+        for name, table in spec.mechanism["signals"].items()
+    )
+    geometry, points = _geometry(built, y)
+    result = RunResult(
+        case=spec.case,
+        run=spec.run,
+        t=t,
+        signals=found_signals,
+        q=y[:, : model.n_pos],
+        v=y[:, model.n_pos : model.n_pos + model.n_vel],
+        multipliers=past.multipliers,
+        energies=past.energies,
+        bodies=geometry,
+        node_positions_G=points,
+        violations={
+            "position": past.position_violation,
+            "rotation": past.rotation_violation,
+            "velocity": past.velocity_violation,
+        },
+    )
+    checks: dict[str, Any] = {
+        "constraint_position_max": float(past.position_violation.max()),
+        "constraint_rotation_max": float(past.rotation_violation.max()),
+        "constraint_velocity_max": float(past.velocity_violation.max()),
+        "energy_drift_relative": recover.energy_drift(past.energies),
+        "drive_work": float(past.energies["drive_work"][-1]),
+        "modes_used": {n: p.n_mode for n, p in spec.packages.items()},
+    }
+    completed = solution.status == "finished"
+    warnings = [findings.finding(SPIN_CODE, m) for m in monitor.warnings.values()]
+    if not completed and solution.code != SPIN_CODE:
+        warnings.append(findings.finding(f"run-{solution.status}", solution.message))
+    warnings += findings.of_checks(checks) + findings.of_motion(built, y)
+    for name, package in spec.packages.items():
+        for item in package.provenance.get("warnings", []):
+            warnings.append(findings.finding(item["code"], f"{name}: {item['message']}"))
+    counters = solution.counters
+    summary = {
+        "case": spec.case,
+        "run": spec.run,
+        "completed": completed,
+        "status": solution.status,
+        "message": solution.message,
+        "t_end": float(t[-1]),
+        "signals": {s.name: signal_summary(s, t) for s in found_signals},
+        "checks": checks,
+        "cost": {
+            "preprocess_s": sum(
+                float(sum(p.provenance.get("seconds", {}).values())) for p in spec.packages.values()
+            ),
+            "solve_s": solve_s,
+            "steps": counters.steps,
+            "rejected": counters.rejected,
+            "evaluations": counters.evaluations,
+            "jacobians": counters.jacobians,
+            "factorisations": counters.factorisations,
+            "integrator": spec.mechanism["solver"]["integrator"],
+        },
+        "hints": list(solution.hints),
+        "warnings": warnings,
+    }
+    return result, summary
+
+
+def _geometry(built: BuiltMechanism, y: Array) -> tuple[tuple[BodyGeometry, ...], Array]:
+    """Return the drawn shape of every body and its global points (k, n, 3)."""
+    bodies, points = [], []
+    for i, name in enumerate(built.body_names):
+        package = built.packages.get(name)
+        if package is not None:
+            nodes, shapes = package.nodes_B, package.shapes_B[:, :, :3]
+            body = BodyGeometry(
+                name, nodes, package.connectivity, package.offsets, package.cell_types
+            )
+        else:
+            ends = [p.position_B for _, (b, p) in built.places.items() if b == i]
+            nodes = np.array([np.zeros(3), *ends])
+            shapes = np.zeros((0, nodes.shape[0], 3))
+            spokes = np.array([(0, k) for k in range(1, len(nodes))], dtype=np.int64)
+            body = BodyGeometry(
+                name,
+                nodes,
+                spokes.reshape(-1),
+                np.arange(len(spokes) + 1, dtype=np.int64) * 2,
+                np.full(len(spokes), VTK_LINE, dtype=np.int64),
+            )
+        bodies.append(body)
+        points.append(recover.node_positions(built.model, i, y, nodes, shapes))
+    return tuple(bodies), np.concatenate(points, axis=1)
