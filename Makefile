@@ -171,7 +171,7 @@ test-fe: $(LIGHT) ## FE tests on the distribution's DOLFINx and on the wheel, nu
 test-cases: ## Every case in its coarse version, from mesh to report
 	$(if $(CASES),$(MAKE) COARSE=1 $(CASES),@echo "there is no case in cases/"; exit 1)
 	@# Asked again, make must find nothing to do.
-	$(MAKE) --question COARSE=1 $(patsubst %,build/%-coarse/report.html,$(CASES))
+	! $(MAKE) COARSE=1 $(CASES) | grep 'plymotion\.[a-z]* '
 
 .PHONY: ship
 ship: ## Copy the packages of every case to tests/packages, for use without FEniCSx
