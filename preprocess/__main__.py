@@ -8,7 +8,7 @@ from pathlib import Path
 EPILOG = """\
 Each SPEC.json becomes DIR/SPEC.vtkhdf, a modal package. A package whose stored
 inputs (specification, preprocessor sources, format version) are the same is
-kept; its time stamp is renewed, so that make sees it as up to date.
+left alone, so that make repeats no run that reads it.
 
 exit code: 0 all packages are there; 2 a body could not be built (the others
 were); 130 interrupted.
@@ -47,6 +47,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         from .batch import build_all  # here, so that --help needs no FEniCSx
 
         return build_all(options.specs, options.out_dir, force=options.force)
+    except OSError as error:
+        print(f"error: {error.filename or ''}: {error.strerror or error}", file=sys.stderr)
+        return 2
     except KeyboardInterrupt:
         print("interrupted: packages finished so far are kept", file=sys.stderr)
         return 130

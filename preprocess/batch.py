@@ -2,7 +2,6 @@
 
 import json
 import math
-import os
 import sys
 import time
 import traceback
@@ -37,7 +36,6 @@ def build_all(specs: Sequence[Path], out_dir: Path, *, force: bool = False) -> i
             spec = _read(path)
             target = out_dir / f"{path.stem}.vtkhdf"
             if not force and _unchanged(target, spec):
-                os.utime(target)
                 print(f"{label}: unchanged", flush=True)
                 continue
             print(f"{label}: {_build(spec, target)}", flush=True)

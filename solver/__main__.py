@@ -17,7 +17,7 @@ INTERRUPTED = 130  # what a shell reports of a program ended by Ctrl-C
 def main(arguments: list[str] | None = None) -> int:
     """Run one command; return the exit code.
 
-    0 done; 1 findings of `validate`; 2 bad input; 3 a run that ended early with
+    0 done; 2 bad input, errors found by `validate` included; 3 a run that ended early with
     its result kept; 130 interrupted, the result of a run kept up to there.
     """
     options = _parser().parse_args(arguments)
@@ -26,6 +26,9 @@ def main(arguments: list[str] | None = None) -> int:
     except (InputError, PackageError) as error:
         for line in str(error).splitlines():
             print(f"error: {line}", file=sys.stderr)
+        return 2
+    except OSError as error:
+        print(f"error: {error.filename or ''}: {error.strerror or error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print("interrupted: nothing written", file=sys.stderr)
@@ -156,7 +159,7 @@ def _validate(options: argparse.Namespace) -> int:
         for item in findings:
             print(f"{path}: {item.level}: {item.dataset}: {item.message}")
         if any(item.level == "error" for item in findings):
-            failed = 1
+            failed = 2
         else:
             print(f"{path}: valid")
     return failed

@@ -220,3 +220,10 @@ def test_plain_numpy_gives_the_same_motion(build, repository):
         found[flag] = np.array(q)
         assert not (flag == "0" and compiled)
     np.testing.assert_allclose(found["0"], found["1"], atol=1e-10)
+
+
+def test_output_that_cannot_be_written_is_an_error_with_words(build, capsys):
+    (build / "out").write_text("a file where a folder should be")
+    run = str(build / "runs/isotropic-soft-free.json")
+    assert main(["run", run, "--out", str(build / "out"), "--quiet"]) == 2
+    assert "out: File exists" in capsys.readouterr().err

@@ -143,7 +143,7 @@ def test_command_line(tmp_path: Path) -> None:
     second = run("body", files[0], "--out-dir", out)
     assert (second.returncode, second.stdout) == (0, "[1/1] arm.good: unchanged\n")
     assert good.read_bytes() == content
-    assert good.stat().st_mtime > 1e9, "make must see it as up to date"
+    assert good.stat().st_mtime == 1, "make would repeat every run that reads it"
 
     files[0].write_text(json.dumps(arm(elements=18)))
     assert "section" in run("body", files[0], "--out-dir", out).stdout
