@@ -9,7 +9,6 @@ import numpy as np
 
 from .compiled import jit
 from .package.schema import Array
-from .small import mm
 
 
 @jit
@@ -65,12 +64,6 @@ def parameter_rate(p: Array, w_B: Array) -> Array:
 
 
 @jit
-def vector_to_matrix(theta: Array) -> Array:
-    """Return exp(theta~) (3, 3), the rotation by |theta| about theta (3,) [rad]."""
-    return np.eye(3) + mm(skew(theta), tangent_map(theta))
-
-
-@jit
 def _tangent_coefficients(s: float) -> tuple[float, float, float, float]:
     """Return a = (1 - cos x)/x2, b = (x - sin x)/x3 and da/ds, db/ds at s = x2.
 
@@ -96,11 +89,31 @@ def _tangent_coefficients(s: float) -> tuple[float, float, float, float]:
 
 
 @jit
+def _about(v: Array, c0: float, c1: float, c2: float) -> Array:
+    """Return c0 I + c1 v~ + c2 v v', (3, 3)."""
+    return np.array(
+        (
+            (c0 + c2 * v[0] * v[0], c2 * v[0] * v[1] - c1 * v[2], c2 * v[0] * v[2] + c1 * v[1]),
+            (c2 * v[1] * v[0] + c1 * v[2], c0 + c2 * v[1] * v[1], c2 * v[1] * v[2] - c1 * v[0]),
+            (c2 * v[2] * v[0] - c1 * v[1], c2 * v[2] * v[1] + c1 * v[0], c0 + c2 * v[2] * v[2]),
+        )
+    )
+
+
+@jit
+def vector_to_matrix(theta: Array) -> Array:
+    """Return exp(theta~) (3, 3), the rotation by |theta| about theta (3,) [rad]."""
+    s = dot(theta, theta)
+    a, b, _, _ = _tangent_coefficients(s)  # cos = 1 - s a, sin(x)/x = 1 - s b
+    return _about(theta, 1.0 - s * a, 1.0 - s * b, a)
+
+
+@jit
 def tangent_map(theta: Array) -> Array:
     """Return T (3, 3) with angular velocity = T thetadot, in the axes that theta starts from."""
-    a, b, _, _ = _tangent_coefficients(dot(theta, theta))
-    t = skew(theta)
-    return np.eye(3) + a * t + b * mm(t, t)
+    s = dot(theta, theta)
+    a, b, _, _ = _tangent_coefficients(s)
+    return _about(theta, 1.0 - s * b, a, b)
 
 
 @jit
@@ -109,7 +122,10 @@ def tangent_rate(theta: Array, theta_d: Array) -> Array:
     _, b, da, db = _tangent_coefficients(dot(theta, theta))
     s_d = 2.0 * dot(theta, theta_d)
     c = cross(theta, theta_d)
-    return s_d * da * c + s_d * db * cross(theta, c) + b * cross(theta_d, c)
+    c_2, c_3 = cross(theta, c), cross(theta_d, c)
+    for i in range(3):
+        c[i] = s_d * (da * c[i] + db * c_2[i]) + b * c_3[i]
+    return c
 
 
 def matrix_to_parameters(A_GB: Array) -> Array:

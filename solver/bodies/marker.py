@@ -12,7 +12,14 @@ import numpy as np
 from ..compiled import jit
 from ..model import Model
 from ..package.schema import Array
-from ..rotations import cross, rotation_matrix, skew, tangent_map, tangent_rate
+from ..rotations import (
+    cross,
+    rotation_matrix,
+    skew,
+    tangent_map,
+    tangent_rate,
+    vector_to_matrix,
+)
 from ..small import mm, mv
 
 
@@ -70,14 +77,15 @@ def marker_motion(model: Model, k: int, y: Array) -> Marker:
     spin = mv(T, theta_d)  # relative angular velocity, body components
 
     J_v = np.empty((3, 6 + m))
-    J_v[:, 0:3] = np.eye(3)
-    J_v[:, 3:6] = -mm(A, skew(b))
+    J_v[:, 0:3] = 0.0
+    J_v[0, 0] = J_v[1, 1] = J_v[2, 2] = 1.0
+    J_v[:, 3:6] = mm(A, skew(-b))
     J_v[:, 6:] = mm(A, phi)
     J_w = np.empty((3, 6 + m))
     J_w[:, 0:3] = 0.0
     J_w[:, 3:6] = A
     J_w[:, 6:] = mm(A, mm(T, psi))
-    rotation = np.eye(3) + mm(skew(theta), T)
+    rotation = vector_to_matrix(theta)
     return Marker(
         r + mv(A, b),
         mm(A, mm(rotation, model.marker_A[k])),
