@@ -9,7 +9,6 @@ the material (1 along the fibre, 3 normal to the ply), `_B` those of the member.
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plymotion.solver.package.materials import (
     MaterialError,
@@ -17,6 +16,7 @@ from plymotion.solver.package.materials import (
     isotropic,
     material_from_dict,
 )
+from plymotion.solver.package.schema import Array
 
 __all__ = [
     "MaterialError",
@@ -27,8 +27,6 @@ __all__ = [
     "ply_rotation",
     "rotated",
 ]
-
-Array = NDArray[np.float64]
 
 
 def ply_rotation(ply_angle_deg: float) -> Array:

@@ -27,9 +27,10 @@ def compile_ahead() -> str:
     y[3] = 1.0
     equations = assemble(model, 0.0, y)
     free = assemble_model([body], markers, [], [(1, 1.0)])
+    alone = assemble(free, 0.0, y)
     derivative(free, 0.0, y)
-    energies(free, 0.0, y)
-    solve(assemble(free, 0.0, y), np.zeros(0))
+    energies(free, alone, y)
+    solve(alone, np.zeros(0))
     marker_motion(model, 1, y)
     rotation_matrix(y[3:7])
     vector_to_matrix(equations.gamma[:3])

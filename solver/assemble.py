@@ -1,5 +1,6 @@
 """Compile readable tables of bodies, markers and joints into a frozen `Model`."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -69,7 +70,7 @@ def assemble_model(
     bodies: list[Body],
     markers: list[MarkerTable],
     joints: list[JointTable],
-    point_masses: list[tuple[int, float]] = (),  # type: ignore[assignment]
+    point_masses: Sequence[tuple[int, float]] = (),
     gravity_G: Array | tuple[float, float, float] = (0.0, 0.0, 0.0),
     alpha: float = 5.0,
     beta: float = 5.0,
@@ -78,7 +79,7 @@ def assemble_model(
 
     Parameters
     ----------
-    point_masses : list of (marker index, mass [kg])
+    point_masses : pairs of (marker index, mass [kg])
     gravity_G : (3,) [m/s2]
     alpha, beta : Baumgarte's constants, Eq. (13) [1/s]
     """
@@ -95,7 +96,12 @@ def assemble_model(
         parameters[k, : len(joint.parameters)] = joint.parameters
     inv = [b.invariants for b in bodies]
     marker_size = [m.phi.size for m in markers]
+    joint_row = _starts(np.array([N_ROW[k] for k in kinds], dtype=np.int64))
     return Model(
+        n_body=len(bodies),
+        n_pos=int((7 + n_mode).sum()),
+        n_vel=int((6 + n_mode).sum()),
+        n_constraint=int(joint_row[-1]),
         n_mode=n_mode,
         pos_start=_starts(7 + n_mode)[:-1],
         vel_start=_starts(6 + n_mode)[:-1],
@@ -123,7 +129,7 @@ def assemble_model(
         joint_marker=np.array([(j.marker_1, j.marker_2) for j in joints], dtype=np.int64).reshape(
             -1, 2
         ),
-        joint_row=_starts(np.array([N_ROW[k] for k in kinds], dtype=np.int64)),
+        joint_row=joint_row,
         joint_parameters=parameters,
         point_marker=np.array([k for k, _ in point_masses], dtype=np.int64),
         point_mass=np.array([mass for _, mass in point_masses], dtype=float),

@@ -26,6 +26,10 @@ GROUND = -1
 class Model(NamedTuple):
     """Arrays of one mechanism; built by assemble.py, read by system.py."""
 
+    n_body: int  # nb, moving bodies
+    n_pos: int  # position coordinates
+    n_vel: int  # velocity coordinates
+    n_constraint: int  # constraint equations
     # bodies (nb); mode_start and square_start have nb + 1 entries
     n_mode: IntArray  # modes of each body
     pos_start: IntArray  # first position coordinate
@@ -62,23 +66,3 @@ class Model(NamedTuple):
     # Baumgarte's constants, Eq. (13)
     alpha: float
     beta: float
-
-    @property
-    def n_body(self) -> int:
-        """Number of moving bodies."""
-        return int(self.n_mode.shape[0])
-
-    @property
-    def n_pos(self) -> int:
-        """Number of position coordinates."""
-        return int(7 * self.n_body + self.mode_start[-1])
-
-    @property
-    def n_vel(self) -> int:
-        """Number of velocity coordinates."""
-        return int(6 * self.n_body + self.mode_start[-1])
-
-    @property
-    def n_constraint(self) -> int:
-        """Number of constraint equations."""
-        return int(self.joint_row[-1])

@@ -98,7 +98,7 @@ class SpinMonitor:
         largest = float(np.linalg.eigvalsh(inverse @ lost @ inverse.T)[-1])
         return 1.0 / np.sqrt(largest) if largest > 0 else np.inf
 
-    def check(self, t: float, y: Array) -> list[int]:
+    def check(self, y: Array) -> list[int]:
         """Return the bodies that are invalid in state y."""
         return [i for i in self._flexible if self.margin(i, y) <= 0.0]
 
@@ -117,7 +117,7 @@ class SpinMonitor:
 
     def at_start(self, t: float, y: Array) -> str | None:
         """Check the start; return the message if the run should not begin."""
-        messages = [self._warn(i, t, y) for i in self.check(t, y)]
+        messages = [self._warn(i, t, y) for i in self.check(y)]
         return messages[0] if messages and self.stop else None
 
     def __call__(self, integrator: Integrator) -> StopRequest | None:

@@ -67,7 +67,7 @@ def collect(
         "constraint_position_max": float(past.position_violation.max()),
         "constraint_rotation_max": float(past.rotation_violation.max()),
         "constraint_velocity_max": float(past.velocity_violation.max()),
-        "energy_drift_relative": recover.energy_drift(past.energies),
+        "energy_drift_relative": float(np.abs(result.relative_balance).max()),
         "drive_work": float(past.energies["drive_work"][-1]),
         "modes_used": {n: p.n_mode for n, p in spec.packages.items()},
     }

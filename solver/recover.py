@@ -47,7 +47,7 @@ def history(model: Model, t: Array, y: Array) -> History:
         Phi_d[k] = equations.Phi_q @ v + equations.Phi_t
         gamma = stabilised(equations.gamma, Phi[k], Phi_d[k], model.alpha, model.beta)
         multipliers[k] = solve(equations, gamma)[1]
-        energy[k] = energies(model, t[k], y[k])
+        energy[k] = energies(model, equations, y[k])
     distance = position_rows(model)
     return History(
         multipliers=multipliers,
@@ -61,22 +61,6 @@ def history(model: Model, t: Array, y: Array) -> History:
         rotation_violation=np.abs(Phi[:, ~distance]).max(axis=1, initial=0.0),
         velocity_violation=np.abs(Phi_d).max(axis=1, initial=0.0),
     )
-
-
-def energy_drift(energy: dict[str, Array]) -> float:
-    """Return the largest error of the energy balance, relative to the energy in play.
-
-    Kinetic + strain + potential - work of drives and dampers is constant; the
-    scale is the largest of the kinetic energy, the work and the change of potential.
-    """
-    balance = energy["kinetic"] + energy["strain"] + energy["potential"] - energy["drive_work"]
-    scale = max(
-        float(np.max(np.abs(energy["kinetic"]))),
-        float(np.max(np.abs(energy["drive_work"]))),
-        float(np.ptp(energy["potential"])),
-        1e-300,
-    )
-    return float(np.max(np.abs(balance - balance[0]))) / scale
 
 
 def body_frames(model: Model, body: int, y: Array) -> tuple[Array, Array, Array]:

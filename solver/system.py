@@ -36,15 +36,12 @@ def assemble(model: Model, t: float, y: Array) -> Equations:
     Paper: Eq. (5), Eq. (6), Eq. (8), Eq. (9), Eq. (12) with the sign of s of Eq. (6):
     M a + Phi_q' lambda = f.
     """
-    n_body = model.n_mode.shape[0]
-    n_pos = 7 * n_body + model.mode_start[n_body]
-    n_vel = 6 * n_body + model.mode_start[n_body]
-    n_c = model.joint_row[-1]
+    n_vel, n_c = model.n_vel, model.n_constraint
     M = np.zeros((n_vel, n_vel))
     f = np.zeros(n_vel)
     damping_power = np.zeros(1)
-    for i in range(n_body):
-        _add_body(model, i, n_pos, y, M, f, damping_power)
+    for i in range(model.n_body):
+        _add_body(model, i, y, M, f, damping_power)
     for k in range(model.point_mass.shape[0]):
         marker = marker_motion(model, model.point_marker[k], y)
         body = model.marker_body[model.point_marker[k]]
@@ -62,12 +59,14 @@ def assemble(model: Model, t: float, y: Array) -> Equations:
             two = marker_motion(model, model.joint_marker[k, 1], y)
         a, b = model.joint_row[k], model.joint_row[k + 1]
         joint_rows(rows, a, model.joint_kind[k], one, two, t, model.joint_parameters[k])
-        for side, marker in ((0, one), (6, two)):
-            body = model.marker_body[model.joint_marker[k, side // 6]]
+        for side in range(2):
+            marker = one if side == 0 else two
+            body = model.marker_body[model.joint_marker[k, side]]
             if body >= 0:
                 j = model.vel_start[body]
-                add(Phi_q, a, j, mm(rows.C[a:b, side : side + 3], marker.J_v), 1.0)
-                add(Phi_q, a, j, mm(rows.C[a:b, side + 3 : side + 6], marker.J_w), 1.0)
+                C = rows.C[a:b, 6 * side : 6 * side + 6]
+                add(Phi_q, a, j, mm(C[:, :3], marker.J_v), 1.0)
+                add(Phi_q, a, j, mm(C[:, 3:], marker.J_w), 1.0)
     return Equations(M, f, Phi_q, rows.Phi, rows.Phi_t, rows.gamma, damping_power)
 
 
@@ -79,14 +78,12 @@ def _same_markers(model: Model, k: int) -> bool:
 
 
 @jit
-def _add_body(
-    model: Model, i: int, n_pos: int, y: Array, M: Array, f: Array, damping_power: Array
-) -> None:
+def _add_body(model: Model, i: int, y: Array, M: Array, f: Array, damping_power: Array) -> None:
     """Add the inertia, gravity and modal forces of body i. Paper: Eq. (3), Eq. (4), Eq. (6)."""
     m = model.n_mode[i]
     a = model.pos_start[i]
     j = model.vel_start[i]
-    c = n_pos + j
+    c = model.n_pos + j
     one = model.mode_start[i]
     two = model.square_start[i]
     q = y[a + 7 : a + 7 + m]
@@ -149,16 +146,14 @@ def derivative(model: Model, t: float, y: Array) -> Array:
     The last entry is the power of drives and dampers, so that the energy
     balance is integrated as accurately as the motion.
     """
-    n_body = model.n_mode.shape[0]
-    n_pos = 7 * n_body + model.mode_start[n_body]
+    n_pos, n_vel = model.n_pos, model.n_vel
     equations = assemble(model, t, y)
-    n_vel = equations.f.shape[0]
     velocities = y[n_pos : n_pos + n_vel]
     Phi_d = mv(equations.Phi_q, velocities) + equations.Phi_t
     gamma = stabilised(equations.gamma, equations.Phi, Phi_d, model.alpha, model.beta)
     acceleration, multipliers = solve(equations, gamma)
     y_d = np.empty(y.shape[0])
-    for i in range(n_body):
+    for i in range(model.n_body):
         a = model.pos_start[i]
         j = n_pos + model.vel_start[i]
         m = model.n_mode[i]
@@ -171,18 +166,17 @@ def derivative(model: Model, t: float, y: Array) -> Array:
 
 
 @jit
-def energies(model: Model, t: float, y: Array) -> Array:
-    """Return kinetic, strain and potential energy at (t, y), (3,) [J]. Paper: Eq. (1), Eq. (3).
+def energies(model: Model, equations: Equations, y: Array) -> Array:
+    """Return kinetic, strain and potential energy, (3,) [J]. Paper: Eq. (1), Eq. (3).
+
+    `equations` are those of state y.
 
     Potential energy is zero for a mass point at the global origin.
     """
-    n_body = model.n_mode.shape[0]
-    n_pos = 7 * n_body + model.mode_start[n_body]
-    equations = assemble(model, t, y)
-    velocities = y[n_pos : n_pos + equations.f.shape[0]]
+    velocities = y[model.n_pos : model.n_pos + model.n_vel]
     out = np.zeros(3)
     out[0] = 0.5 * velocities @ (equations.M @ velocities)
-    for i in range(n_body):
+    for i in range(model.n_body):
         a = model.pos_start[i]
         m = model.n_mode[i]
         one = model.mode_start[i]

@@ -103,7 +103,7 @@ def momenta(model: Model, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def total_energy(model: Model, y: np.ndarray) -> float:
-    return float(energies(model, 0.0, y).sum())
+    return float(energies(model, assemble(model, 0.0, y), y).sum())
 
 
 def simulate(model: Model, y: np.ndarray, times, f=None, rtol: float = 1e-11, name: str = "rk8"):

@@ -6,16 +6,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...solver.errors import did_you_mean
+from ...solver.package.schema import Array
 from ..materials import material_from_dict, ply_rotation, rotated
 from .forms import section_space
 from .inertia import mass_centre, mass_matrix
 from .mesh import SHAPES, SectionError, mesh_request
 from .timoshenko import shear_centre, stiffness, tension_centre
-
-Array = NDArray[np.float64]
 
 _KEYS = ("name", "shape", "elements", "grading", "material", "ply_angle_deg")
 

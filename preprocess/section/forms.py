@@ -16,13 +16,11 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
+from ...solver.package.schema import Array
 from .. import fenicsx
 from ..fenicsx import ufl
 from .mesh import MeshRequest, generate
-
-Array = NDArray[np.float64]
 
 DEGREE = 2  # of the warping field; not below the degree of the geometry
 QUADRATURE_DEGREE = 2 * DEGREE + 2  # curved cells need two more than straight ones

@@ -1,11 +1,9 @@
 """Mass of the cross-section per unit length."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...solver.package.schema import Array
 from .forms import SectionSpace
-
-Array = NDArray[np.float64]
 
 
 def mass_matrix(space: SectionSpace, density: Array) -> Array:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...solver.package.schema import Array
 from .forms import SectionMatrices, SectionSpace
 from .mesh import SectionError
 from .warping import (
@@ -20,8 +21,6 @@ from .warping import (
     shear_load,
     shear_warping,
 )
-
-Array = NDArray[np.float64]
 
 CLASSICAL = np.array([0, 3, 4, 5])  # extension, twist, bend2, bend3
 SHEAR = np.array([1, 2])

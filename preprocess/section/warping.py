@@ -11,11 +11,10 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from ...solver.package.schema import Array
 from .. import fenicsx
 from .forms import SectionMatrices, SectionSpace
 from .mesh import SectionError
-
-Array = NDArray[np.float64]
 
 # Load must not work on a rigid motion: relative work that round-off may leave.
 SOLVABILITY = 1e-10

@@ -56,9 +56,8 @@ def marker_motion(model: Model, k: int, y: Array) -> Marker:
     if body < 0:
         return standing_marker(model.marker_x[k].copy(), model.marker_A[k].copy())
     m = model.n_mode[body]
-    n_pos = 7 * model.n_mode.shape[0] + model.mode_start[-1]
     i = model.pos_start[body]
-    j = n_pos + model.vel_start[body]
+    j = model.n_pos + model.vel_start[body]
     r = y[i : i + 3]
     A = rotation_matrix(y[i + 3 : i + 7])
     q = y[i + 7 : i + 7 + m]

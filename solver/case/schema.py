@@ -237,11 +237,6 @@ class Drive(Table):
             raise ValueError("expected either `speed` or `polynomial`")
         return self
 
-    @property
-    def coefficients(self) -> tuple[float, ...]:
-        """Coefficients of the angle's polynomial in time [rad, rad/s, ...]."""
-        return tuple(self.polynomial) if self.polynomial else (self.angle, float(self.speed or 0.0))
-
 
 class RevoluteJoint(Table):
     """`[joints.NAME]` with kind = "revolute": a hinge."""

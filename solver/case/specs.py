@@ -15,6 +15,7 @@ import os
 from pathlib import Path
 from typing import Any
 
+from ..package.container import temporary_sibling
 from .load import Case
 from .schema import BeamBody, Mechanism, PackageBody
 
@@ -119,11 +120,9 @@ def _write_rules(
 ) -> None:
     """Write case.mk: lists for the Makefile, and which packages each run needs."""
     base = os.path.relpath(out)
-    packages = [f"{os.path.splitext(os.path.relpath(f))[0]}.vtkhdf" for f in spec_files]
     text = [
         "# Written by `python -m plymotion.solver check`; do not edit.",
         f"{case.name}_SPECS := {' '.join(os.path.relpath(f) for f in spec_files) if built else ''}",
-        f"{case.name}_PACKAGES := {' '.join(packages) if built else ''}",
         f"{case.name}_RUNS := {' '.join(case.runs)}",
     ]
     for run, needed in run_packages.items():
@@ -153,6 +152,5 @@ def write_if_changed(file: Path, text: str) -> None:
 def write_atomic(file: Path, text: str) -> None:
     """Write to a temporary name in the same folder, then rename."""
     file.parent.mkdir(parents=True, exist_ok=True)
-    temporary = file.with_name(f".{file.name}.{os.getpid()}")
-    temporary.write_text(text, encoding="utf-8")
-    os.replace(temporary, file)
+    with temporary_sibling(file) as temporary:
+        temporary.write_text(text, encoding="utf-8")

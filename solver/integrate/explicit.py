@@ -4,7 +4,7 @@ The tableaux are the public class attributes of SciPy's classes; the step loop, 
 control and the stiffness test are ours.
 """
 
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from math import isfinite
 from typing import Any, ClassVar
 
@@ -182,29 +182,34 @@ class RungeKutta5(ExplicitRungeKutta):
         return _Powers(self.t_old, h, y_old, h * RK45.P.T.dot(self._K))
 
 
-class _Nested:
-    """y_old + x (F0 + (1-x) (F1 + x (F2 + ...))) with x = (t - t_old) / h."""
+class _Polynomial(ABC):
+    """y_old + p(x) with x = (t - t_old) / h; the rows of `c` are the coefficients of p."""
 
-    def __init__(self, t_old: float, h: float, y_old: Array, F: Array) -> None:
-        self.t_old, self.h, self.y_old, self.F = t_old, h, y_old, F
-
-    def __call__(self, t: Any) -> Array:
-        x = ((np.asarray(t, dtype=float) - self.t_old) / self.h)[..., None]
-        y = np.zeros(x.shape[:-1] + self.y_old.shape)
-        for i in range(len(self.F) - 1, -1, -1):
-            y = (y + self.F[i]) * (x if i % 2 == 0 else 1 - x)
-        return y + self.y_old
-
-
-class _Powers:
-    """y_old + sum over j of Q_j x^(j+1) with x = (t - t_old) / h."""
-
-    def __init__(self, t_old: float, h: float, y_old: Array, Q: Array) -> None:
-        self.t_old, self.h, self.y_old, self.Q = t_old, h, y_old, Q
+    def __init__(self, t_old: float, h: float, y_old: Array, c: Array) -> None:
+        self.t_old, self.h, self.y_old, self.c = t_old, h, y_old, c
 
     def __call__(self, t: Any) -> Array:
         x = ((np.asarray(t, dtype=float) - self.t_old) / self.h)[..., None]
-        y = np.zeros(x.shape[:-1] + self.y_old.shape)
-        for Q_j in self.Q[::-1]:
-            y = (y + Q_j) * x
-        return y + self.y_old
+        return self._change(x, np.zeros(x.shape[:-1] + self.y_old.shape)) + self.y_old
+
+    @abstractmethod
+    def _change(self, x: Array, y: Array) -> Array:
+        """Value of p at x, from zeros y of the shape of the answer."""
+
+
+class _Nested(_Polynomial):
+    """p = x (c0 + (1-x) (c1 + x (c2 + ...)))."""
+
+    def _change(self, x: Array, y: Array) -> Array:
+        for i in range(len(self.c) - 1, -1, -1):
+            y = (y + self.c[i]) * (x if i % 2 == 0 else 1 - x)
+        return y
+
+
+class _Powers(_Polynomial):
+    """p = sum over j of c_j x^(j+1)."""
+
+    def _change(self, x: Array, y: Array) -> Array:
+        for c_j in self.c[::-1]:
+            y = (y + c_j) * x
+        return y

@@ -11,11 +11,9 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import did_you_mean
-
-Array = NDArray[np.float64]
+from .schema import Array
 
 _UNITS = {"E": "Pa", "G": "Pa", "n": "-", "r": "kg/m3"}  # by first letter of the key
 

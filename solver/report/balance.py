@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 
 from ..package.schema import Array
-from ..results import RunResult
 from .story import Story
 from .style import GREY, Canvas, colour, mark_stop
 
@@ -36,7 +35,7 @@ def draw_balance(path: Path, story: Story) -> Path:
     above = {"loc": "lower left", "bbox_to_anchor": (-0.02, 0.98), "borderaxespad": 0.0}
     top.legend(ncols=4, columnspacing=1.2, handlelength=1.4, **above)
 
-    _log(middle, result.t, np.abs(relative_balance(result)), colour(0), "energy balance")
+    _log(middle, result.t, np.abs(result.relative_balance), colour(0), "energy balance")
     middle.set_ylabel("error of the\nenergy balance [-]")
     shown = [n for n, values in result.violations.items() if np.any(values > 0)]
     for i, name in enumerate(shown):
@@ -55,17 +54,6 @@ def draw_balance(path: Path, story: Story) -> Path:
         if story.stopped:
             mark_stop(axes, float(result.t[-1]), float(result.t[-1]), label=False)
     return canvas.save(path)
-
-
-def relative_balance(result: RunResult) -> Array:
-    """Return the error of the energy balance over the largest energy in play, (k,) [-]."""
-    e = result.energies
-    scale = max(
-        float(np.max(np.abs(e["kinetic"]))),
-        float(np.max(np.abs(e["drive_work"]))),
-        float(np.ptp(e["potential"])),
-    )
-    return result.energy_balance / (scale or 1.0)
 
 
 def _log(axes: Any, t: Array, values: Array, shade: str, label: str) -> None:

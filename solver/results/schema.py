@@ -63,6 +63,20 @@ class RunResult:
         balance = e["kinetic"] + e["strain"] + e["potential"] - e["drive_work"]
         return np.asarray(balance - balance[0])
 
+    @property
+    def relative_balance(self) -> Array:
+        """Error of the energy balance over the largest energy in play, (k,) [-].
+
+        That is the largest of the kinetic energy, the work and the change of potential.
+        """
+        e = self.energies
+        scale = max(
+            float(np.max(np.abs(e["kinetic"]))),
+            float(np.max(np.abs(e["drive_work"]))),
+            float(np.ptp(e["potential"])),
+        )
+        return self.energy_balance / (scale or 1.0)
+
 
 def check_result(result: RunResult) -> None:
     """Raise ResultError, naming the array, when sizes of a result do not agree."""

@@ -13,7 +13,6 @@ from result_samples import swinging_rod
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.report import make_report, summary_table
-from plymotion.solver.report.balance import relative_balance
 from plymotion.solver.report.comparison import crossings, draw_comparison, spread
 from plymotion.solver.report.motion import plane, segments, travelling_point
 from plymotion.solver.report.story import Comparison, Story, comparisons, read_story
@@ -44,7 +43,7 @@ CASE = {
 
 
 def summary_of(result: RunResult, **extra: Any) -> dict[str, Any]:
-    drift = float(np.max(np.abs(relative_balance(result))))
+    drift = float(np.max(np.abs(result.relative_balance)))
     return {
         "case": result.case,
         "run": result.run,
@@ -295,7 +294,7 @@ def test_energy_balance_notices_a_lost_joule() -> None:
     leaky["kinetic"][250:] -= 0.1
     broken = dataclasses.replace(result, energies=leaky)
     scale = max(leaky["kinetic"].max(), np.ptp(leaky["potential"]))
-    assert np.abs(relative_balance(broken)).max() == pytest.approx(0.1 / scale, rel=1e-6)
+    assert np.abs(broken.relative_balance).max() == pytest.approx(0.1 / scale, rel=1e-6)
 
 
 def test_summary_files_are_plain_json(case_dir: Path) -> None:
