@@ -6,30 +6,43 @@ that says what is missing and how to get it.
 
 from .cholesky import Cholesky, FactorisationError, cholesky
 from .eigen import EigenError, eigenpairs
-from .meshing import LabelledMesh, MeshError, gmsh_session, mesh_from_geo, mesh_from_model
+from .gmsh_model import MeshError, gmsh_session, open_mesh, plain_from_model, run_script
+from .meshing import LabelledMesh, labelled_mesh, mesh_from_geo, mesh_from_model
+from .plain import EDGES, NODES, PlainMesh, split, used_nodes, with_centre_nodes
 from .spaces import (
     assemble,
+    basis,
     cell_dofs,
     cell_name,
     cell_space,
     compile_forms,
     dof_coordinates,
     function,
+    geometry,
+    quadrature,
+    reference_nodes,
     set_cell_values,
     vector_space,
 )
 from .stack import HAS_MUMPS, MPI, MissingFenicsx, gmsh, ufl, versions
+from .team import ALONE, Team, world
 
 __all__ = [
+    "ALONE",
+    "EDGES",
     "HAS_MUMPS",
     "MPI",
+    "NODES",
     "Cholesky",
     "EigenError",
     "FactorisationError",
     "LabelledMesh",
     "MeshError",
     "MissingFenicsx",
+    "PlainMesh",
+    "Team",
     "assemble",
+    "basis",
     "cell_dofs",
     "cell_name",
     "cell_space",
@@ -38,12 +51,23 @@ __all__ = [
     "dof_coordinates",
     "eigenpairs",
     "function",
+    "geometry",
     "gmsh",
     "gmsh_session",
+    "labelled_mesh",
     "mesh_from_geo",
     "mesh_from_model",
+    "open_mesh",
+    "plain_from_model",
+    "quadrature",
+    "reference_nodes",
+    "run_script",
     "set_cell_values",
+    "split",
     "ufl",
+    "used_nodes",
     "vector_space",
     "versions",
+    "with_centre_nodes",
+    "world",
 ]

@@ -3,9 +3,17 @@
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 
-from .petsc import PETSC_ERRORS, petsc_matrix, reason, sorted_csr
-from .stack import HAS_MUMPS, MPI, Array, PETSc
+from .petsc import PETSC_ERRORS, reason, sorted_csr
+from .stack import HAS_MUMPS, Array, PETSc
+from .team import ALONE, Team
+
+# Approximate minimum fill orders these matrices in half of the time of nested dissection and fills
+# in no more; large ones are left to MUMPS's own choice.
+MINIMUM_FILL = 2
+LARGE = 100_000
+PREFIX = "plymotion_cholesky_"
 
 
 class FactorisationError(Exception):
@@ -13,13 +21,31 @@ class FactorisationError(Exception):
 
 
 class Cholesky:
-    """A factorised symmetric positive definite matrix; `update` reuses the symbolic part."""
+    """A factorised symmetric positive definite matrix; `update` reuses the symbolic part.
 
-    def __init__(self, A: Any) -> None:
-        self.A = sorted_csr(A)
-        self._mat = petsc_matrix(self.A, spd=True)
-        self._pc = PETSc.PC().create(comm=MPI.COMM_SELF)
+    A team of processes factorises together what each of them holds whole.
+    """
+
+    def __init__(self, A: Any, team: Team = ALONE) -> None:
+        A = sorted_csr(A)
+        self.A = sp.csr_matrix((A.data.copy(), A.indices, A.indptr), shape=A.shape)
+        self._team = team
+        self._rows = team.share(A.shape[0])
+        self._csr = self._own_rows()
+        if team.size == 1:
+            # PETSc works on these very arrays: new values need no insertion
+            self._mat = PETSc.Mat().createAIJWithArrays(A.shape, self._csr, comm=team.comm)
+        else:
+            local = (self._rows.stop - self._rows.start, A.shape[0])
+            self._mat = PETSc.Mat().createAIJ((local, local), csr=self._csr, comm=team.comm)
+        self._mat.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+        self._mat.setOption(PETSc.Mat.Option.SPD, True)  # MUMPS with SYM=1, half an LU
+        self._pc = PETSc.PC().create(comm=team.comm)
         self._pc.setOperators(self._mat)
+        if HAS_MUMPS and A.shape[0] < LARGE:
+            # through the options: PETSc 3.18 forgets what is set on the factor
+            PETSc.Options()[f"{PREFIX}mat_mumps_icntl_7"] = MINIMUM_FILL
+            self._pc.setOptionsPrefix(PREFIX)
         self._pc.setType("cholesky")
         if HAS_MUMPS:
             self._pc.setFactorSolverType("mumps")
@@ -33,11 +59,12 @@ class Cholesky:
         same = np.array_equal(A.indptr, self.A.indptr) and np.array_equal(A.indices, self.A.indices)
         if not same:
             raise FactorisationError("update() needs a matrix of the same sparsity pattern")
-        self.A = A
-        index = PETSc.IntType
-        self._mat.zeroEntries()
-        self._mat.setValuesCSR(A.indptr.astype(index), A.indices.astype(index), A.data)
-        self._mat.assemble()
+        self.A.data[:] = A.data
+        if self._team.size == 1:
+            self._mat.stateIncrease()
+        else:
+            self._mat.setValuesCSR(*self._own_rows())
+            self._mat.assemble()
         self._factorise()
 
     def solve(self, B: Array) -> Array:
@@ -83,20 +110,30 @@ class Cholesky:
                 "motion constrained and every part connected?"
             )
 
+    def _own_rows(self) -> tuple[Any, Any, Array]:
+        """The rows of this process: starts, columns, values."""
+        index = PETSc.IntType
+        first, last = self._rows.start, self._rows.stop
+        begin, end = self.A.indptr[[first, last]]
+        starts = self.A.indptr[first : last + 1] - begin
+        return starts.astype(index), self.A.indices[begin:end].astype(index), self.A.data[begin:end]
+
     def _solve(self, columns: Array) -> Array:
-        rhs = PETSc.Mat().createDense(
-            columns.shape, array=np.asfortranarray(columns), comm=MPI.COMM_SELF
-        )
+        comm, count = self._team.comm, columns.shape[1]
+        own = np.asfortranarray(columns[self._rows])
+        size = ((len(own), len(columns)), (PETSc.DECIDE, count))
+        rhs = PETSc.Mat().createDense(size, array=own, comm=comm)
         rhs.assemble()
-        out = PETSc.Mat().createDense(columns.shape, comm=MPI.COMM_SELF)
+        out = PETSc.Mat().createDense(size, comm=comm)
         out.setUp()
         self._factor.matSolve(rhs, out)
-        return np.array(out.getDenseArray())
+        return self._team.stacked(np.array(out.getDenseArray()))
 
 
-def cholesky(A: Any) -> Cholesky:
+def cholesky(A: Any, team: Team = ALONE) -> Cholesky:
     """Factorise a symmetric positive definite sparse matrix (MUMPS where PETSc has it).
 
-    Raises FactorisationError if the matrix is indefinite or singular.
+    `A` is whole on every process of the team, and so are the columns to solve for. Raises
+    FactorisationError if the matrix is indefinite or singular.
     """
-    return Cholesky(A)
+    return Cholesky(A, team)

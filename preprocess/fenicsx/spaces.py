@@ -7,7 +7,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from .stack import Array, basix_ufl, dolfinx, quiet, ufl
+from .stack import Array, basix, basix_ufl, dolfinx, quiet, ufl
 
 
 def _function_space(mesh: Any, element: Any) -> Any:
@@ -84,3 +84,44 @@ def assemble(form: Any) -> sp.csr_matrix:
     shape = matrix.getSize()
     matrix.destroy()
     return sp.csr_matrix((data, indices, indptr), shape=shape)
+
+
+def quadrature(cell: str, degree: int) -> tuple[Array, Array]:
+    """Points (q, 2) and weights (q,) on the reference cell, exact for polynomials of `degree`."""
+    points, weights = basix.make_quadrature(getattr(basix.CellType, cell), degree)
+    return np.array(points), np.array(weights)
+
+
+def basis(cell: str, degree: int, points: Array) -> tuple[Array, Array]:
+    """Lagrange functions of `vector_space` and of the geometry at points of the reference cell.
+
+    Values (q, k) and derivatives (q, k, 2) of the k functions of a cell, in the order of
+    `cell_dofs`: DOLFINx has already put the nodes of shared edges in the same order there.
+    """
+    table = np.asarray(_lagrange(cell, degree).tabulate(1, points))[..., 0]
+    return table[0], np.moveaxis(table[1:], 0, -1)
+
+
+def reference_nodes(cell: str, degree: int) -> Array:
+    """Places of the nodes of `basis` on the reference cell, (k, 2)."""
+    return np.array(_lagrange(cell, degree).points)
+
+
+def _lagrange(cell: str, degree: int) -> Any:
+    return basix.create_element(
+        basix.ElementFamily.P,
+        getattr(basix.CellType, cell),
+        degree,
+        basix.LagrangeVariant.gll_warped,
+    )
+
+
+def geometry(mesh: Any) -> tuple[Array, NDArray[np.int32], int]:
+    """Nodes (n, 3) of a mesh [m], the nodes of its cells (n_cell, k), and their degree."""
+    maps = getattr(mesh.geometry, "cmaps", None)
+    tables = getattr(mesh.geometry, "dofmaps", None)
+    cells = tables[0] if tables is not None else mesh.geometry.dofmap
+    if hasattr(cells, "offsets"):
+        cells = np.asarray(cells.array).reshape(len(cells.offsets) - 1, -1)
+    degree = (maps[0] if maps is not None else mesh.geometry.cmap).degree
+    return np.array(mesh.geometry.x), np.array(cells, dtype=np.int32), int(degree)

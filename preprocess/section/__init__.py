@@ -1,6 +1,6 @@
-"""Cross-section analysis: 6x6 stiffness and mass of a beam of any material."""
+"""Cross-section analysis: 6x6 stiffness and mass of a beam of any material, and its stresses."""
 
-from .analysis import SectionResult, analyse
-from .mesh import SectionError
+from .analysis import analyse
+from .errors import SectionError
 
-__all__ = ["SectionError", "SectionResult", "analyse"]
+__all__ = ["SectionError", "analyse"]

@@ -1,48 +1,53 @@
-"""From the description of a cross-section to its stiffness and mass."""
+"""From the description of a cross-section to its stiffness, mass and stresses."""
 
 import time
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
 from typing import Any
 
-import numpy as np
-
-from ...solver.errors import did_you_mean
 from ...solver.package.schema import Array
-from ..materials import material_from_dict, ply_rotation, rotated
-from .forms import section_space
+from ...solver.package.section import SectionFile
+from .. import fenicsx
+from .errors import SectionError
+from .estimate import error_estimate, scaled
+from .guards import check_degree
 from .inertia import mass_centre, mass_matrix
-from .mesh import SHAPES, SectionError, mesh_request
-from .timoshenko import shear_centre, stiffness, tension_centre
+from .layers import Layup, layup
+from .mesh_data import mesh_data, nodal_displacements
+from .problem import SectionProblem, section_problem
+from .recovery import section_recovery, unit_displacements
+from .space import SectionSpace
+from .timoshenko import SectionStiffness, shear_centre, tension_centre
 
-_KEYS = ("name", "shape", "elements", "grading", "material", "ply_angle_deg")
+DEGREE = 2  # of the warping field
+MOST_DOFS = 400_000  # no refinement beyond: minutes and gigabytes
 
-
-@dataclass(frozen=True)
-class SectionResult:
-    """What a beam needs to know of its cross-section; origin and axes are the section's."""
-
-    K: Array  # (6, 6) stiffness: extension, shear2, shear3, twist, bend2, bend3
-    M: Array  # (6, 6) mass per length for [v1, v2, v3, w1, w2, w3]
-    shear_centre: Array  # (2,) x2, x3 [m]
-    tension_centre: Array  # (2,) [m]
-    mass_centre: Array  # (2,) [m]
-    n_dof: int
-    seconds: dict[str, float]  # by phase: mesh_and_forms, assembly, stiffness, mass, total
+Progress = Callable[[str], None]
 
 
-def analyse(spec: Mapping[str, Any], where: str | None = None) -> SectionResult:
-    """Stiffness and mass of a cross-section of one material.
+def analyse(
+    spec: Mapping[str, Any],
+    where: str | None = None,
+    *,
+    estimate: bool = True,
+    accuracy: float | None = None,
+    recovery_degree: int | None = None,
+    team: fenicsx.Team = fenicsx.ALONE,
+    progress: Progress | None = None,
+) -> SectionFile:
+    """Stiffness, mass, error estimate and recovery of a cross-section.
 
     Parameters
     ----------
-    spec : plain data,
-        {"name": "arm", "shape": "rectangle", "width": 0.06, "height": 0.015,
-        "elements": [16, 8], "material": {"kind": "orthotropic", ...}, "ply_angle_deg": 30.0}
-        or shape "ellipse" with "radius_2" and "radius_3"; width and radius_2 lie along x2.
-        `elements`, `grading` (rectangle) and `ply_angle_deg` may be left out. The plies lie
-        normal to x3; the fibre points along cos(angle) x1 + sin(angle) x2.
+    spec : plain data, see docs/section-description.md for the meaning and
+        solver/section/expand.py for the form: name, convention, mesh, materials, regions
     where : file and key of the description for messages, the section's name by default
+    estimate : also solve with one degree more, for the error of K
+    accuracy : refine the mesh until the estimate, scaled by sqrt(K_ii K_jj), is below this
+    recovery_degree : recover stresses at the points of a coarser rule (3: four in a quadrilateral)
+        instead of all points of integration
+    team : processes that all call this with the same arguments and share the work; each gets
+        the whole result
+    progress : told what begins, one line each
 
     Raises
     ------
@@ -51,43 +56,80 @@ def analyse(spec: Mapping[str, Any], where: str | None = None) -> SectionResult:
     """
     start = time.perf_counter()
     where = where or f"section {spec.get('name', '')}".strip()
-    _check_keys(spec, where)
-    if "material" not in spec:
-        raise SectionError(f"{where}.material: missing, expected a table of constants")
-    material = material_from_dict(spec["material"], f"{where}.material")
-    angle = spec.get("ply_angle_deg", 0.0)
-    if type(angle) not in (int, float) or not np.isfinite(angle):
-        raise SectionError(f"{where}.ply_angle_deg = {angle!r}: expected an angle [deg]")
-
-    seconds = {}
-    space = section_space(mesh_request(spec, where))
-    seconds["mesh_and_forms"] = time.perf_counter() - start
-
-    lap = time.perf_counter()
-    C_B = rotated(material.stiffness_M, ply_rotation(angle))
-    matrices = space.matrices(np.broadcast_to(C_B, (space.n_cell, 6, 6)))
-    seconds["assembly"] = time.perf_counter() - lap
-
-    lap = time.perf_counter()
-    K = stiffness(space, matrices).K
-    seconds["stiffness"] = time.perf_counter() - lap
-
-    lap = time.perf_counter()
-    M = mass_matrix(space, np.full(space.n_cell, material.rho))
-    seconds["mass"] = time.perf_counter() - lap
-    seconds["total"] = time.perf_counter() - start
-    return SectionResult(
-        K, M, shear_centre(K), tension_centre(K), mass_centre(M), space.n_dof, seconds
+    tell = progress or (lambda _line: None)
+    degree = int(spec["mesh"].get("degree", DEGREE))
+    steps: list[dict[str, float]] = []
+    refine = 0
+    while True:
+        tell(f"mesh, refined {refine} times" if refine else "mesh")
+        problem = section_problem(spec["mesh"], where, degree, refine, team)
+        lay = layup(spec, problem.mesh, problem.space, where)
+        warnings = [*problem.mesh.warnings, *lay.warnings, *check_degree(problem.space, lay, where)]
+        tell(f"warping, {problem.space.n_dof} dofs")
+        result = _solve(problem, lay, where)
+        error = None
+        if estimate or accuracy is not None:
+            tell("error estimate")
+            error = _estimate(spec, where, problem, refine, result.K)
+        lap = time.perf_counter() - start
+        worst = float(scaled(error, result.K).max()) if error is not None else float("nan")
+        steps.append(
+            {"refine": refine, "dofs": problem.space.n_dof, "error": worst, "seconds": lap}
+        )
+        if accuracy is None or worst <= accuracy:
+            break
+        if 4 * problem.space.n_dof > MOST_DOFS:
+            warnings.append(
+                {
+                    "code": "accuracy-not-met",
+                    "message": f"estimated error {worst:.1e} with {problem.space.n_dof} dofs, "
+                    f"{accuracy:.1e} asked for; the next refinement would have four times as many",
+                }
+            )
+            break
+        refine += 1
+    tell("recovery")
+    M = mass_matrix(problem.space, lay.density)
+    fields = unit_displacements(problem.space, result)
+    points, lay_points = problem.space, lay
+    if recovery_degree is not None:
+        points = SectionSpace(problem.mesh.labelled, degree, recovery_degree)
+        lay_points = layup(spec, problem.mesh, points, where)
+    seconds = time.perf_counter() - start
+    return SectionFile(
+        name=str(spec.get("name", "section")),
+        K=result.K,
+        M=M,
+        error_estimate=error,
+        shear_centre=shear_centre(result.K),
+        tension_centre=tension_centre(result.K),
+        mass_centre=mass_centre(M),
+        mesh=mesh_data(problem.mesh, problem.space, lay),
+        warping=nodal_displacements(problem.space, fields[0]),
+        recovery=section_recovery(points, lay_points, fields, dict(spec["materials"])),
+        warnings=tuple(warnings),
+        provenance={
+            "spec": dict(spec),
+            "dofs": problem.space.n_dof,
+            "degree": degree,
+            "refinements": steps,
+            "seconds": seconds,
+            "versions": fenicsx.versions(),
+        },
     )
 
 
-def _check_keys(spec: Mapping[str, Any], where: str) -> None:
-    known = [*_KEYS, *SHAPES.get(str(spec.get("shape")), ())]
-    if spec.get("shape") == "ellipse":
-        known.remove("grading")
-    for key in spec:
-        if key not in known and spec.get("shape") in SHAPES:
-            raise SectionError(
-                f"{where}.{key}: unknown key of a {spec['shape']}; expected {', '.join(known)}"
-                + did_you_mean(str(key), known)
-            )
+def _solve(problem: SectionProblem, lay: Layup, where: str) -> SectionStiffness:
+    try:
+        return problem.solve(lay.stiffness)
+    except SectionError as error:
+        raise SectionError(f"{where}: {error}") from error
+
+
+def _estimate(
+    spec: Mapping[str, Any], where: str, problem: SectionProblem, refine: int, K: Array
+) -> Array:
+    degree = problem.space.degree + 1
+    richer = section_problem(spec["mesh"], where, degree, refine, problem.team)
+    lay = layup(spec, richer.mesh, richer.space, where)
+    return error_estimate(K, _solve(richer, lay, where).K)

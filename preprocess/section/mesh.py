@@ -1,117 +1,174 @@
-"""Cross-section meshes: from a description to nine-node quadrilaterals by gmsh.
+"""Cross-section meshes: from a description to a DOLFINx mesh with named regions and curves.
 
-The mesh axes are the section's: x = x2, y = x3, origin = reference point.
+The mesh axes are the section's: x = x2, y = x3, origin = reference point. A mesh comes from
+a script of the library (meshes/), from a gmsh script or mesh of the user, or as arrays.
 """
 
-import math
+import hashlib
+import importlib.util
+import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
-from ...solver.errors import did_you_mean
+import numpy as np
+
+from ...solver.package.schema import Array
 from .. import fenicsx
+from ..fenicsx import PlainMesh
+from .errors import SectionError
+from .mesh_checks import checked
+
+__all__ = ["SectionError", "SectionMesh", "script_path", "section_mesh"]
+
+KEPT = 8  # meshes that a process keeps
+SOURCES = ("script", "file", "arrays")
+ARRAY_CELLS = {
+    "triangle": ("triangle", 1),
+    "triangle6": ("triangle", 2),
+    "quad": ("quadrilateral", 1),
+    "quad8": ("quadrilateral", 2),
+    "quad9": ("quadrilateral", 2),
+}
 
 
-class SectionError(Exception):
-    """A cross-section that is described wrongly or cannot be analysed."""
+@dataclass(frozen=True, eq=False)  # the same only if it is the very same
+class SectionMesh:
+    """The mesh of a section: cells with their regions, and its named curves.
+
+    Attributes
+    ----------
+    labelled : DOLFINx's mesh, the label of each cell, the label of each region
+    curves : physical curve -> (s, 2 or 3, 2) its line elements: end points, then the middle
+        node of degree-2 ones [m]
+    warnings : {"code", "message"}
+    """
+
+    labelled: fenicsx.LabelledMesh
+    curves: dict[str, Array]
+    warnings: tuple[dict[str, str], ...] = ()
 
 
-@dataclass(frozen=True)
-class MeshRequest:
-    """A gmsh script and values for its parameters; hashable, so that meshes can be kept."""
-
-    script: str  # name in meshes/, without .geo
-    parameters: tuple[tuple[str, float], ...]
-
-
-SHAPES = {"rectangle": ("width", "height"), "ellipse": ("radius_2", "radius_3")}
-
-# Spacing of rectangles between equal (0) and cosine (1): the free edges of an off-axis laminate
-# need a boundary layer of the thickness, isotropic sections lose little by it.
-GRADING = 0.5
-
-
-def script_path(name: str) -> Path:
-    """Where the gmsh script lies: beside the package in a wheel, at the top of a checkout."""
-    here = Path(__file__)
-    candidates = [root.parents[2] / "meshes" / f"{name}.geo" for root in (here, here.resolve())]
-    for candidate in candidates:
-        if candidate.is_file():
-            return candidate
-    raise SectionError(f"gmsh script {name}.geo: not found at {candidates[0]}")
-
-
-def mesh_request(spec: Mapping[str, Any], where: str) -> MeshRequest:
-    """Mesh parameters of a section description.
+def section_mesh(spec_mesh: Mapping[str, Any], where: str, *, refine: int = 0) -> SectionMesh:
+    """Make the mesh of a section; equal requests share one mesh.
 
     Parameters
     ----------
-    spec : keys shape, its two sizes [m], optional `elements` (two counts: along width and height
-        of a rectangle; on a quarter of the edge and from core to edge of an ellipse) and, of a
-        rectangle, optional `grading` (0 to 1)
+    spec_mesh : one of
+        {"script": "box", "parameters": {"width": 0.02, "rows": [0.5, 1.0], ...}}, a script of the
+        library with numbers or lists of numbers for its parameters (the airfoil: also
+        "coordinates", pairs);
+        {"file": "part.msh"} or {"file": "part.geo", "parameters": {...}};
+        {"arrays": "part.npz"}, with points, cells, cell_type, region, region_names and, for
+        curves, lines, curve, curve_names;
+        plus optional "scale", a factor on all coordinates
     where : file and key of the description, for messages
+    refine : how often every edge is halved; curved edges stay on the geometry of a script, and
+        keep their shape in a mesh that was given
 
     Raises
     ------
-    SectionError : unknown shape, size that is no positive number, bad counts.
+    SectionError : no such file, a mesh that gmsh cannot make, regions that overlap or are empty,
+        cells that fold, a section in several parts.
     """
-    shape = spec.get("shape")
-    if shape not in SHAPES:
+    path = _source(spec_mesh, where)
+    content = hashlib.sha256(path.read_bytes()).hexdigest()
+    table = json.dumps(spec_mesh, sort_keys=True, separators=(",", ":"))
+    return _made(table, str(path), content, where, refine)
+
+
+@lru_cache(maxsize=KEPT)
+def _made(table: str, file: str, content: str, where: str, refine: int) -> SectionMesh:
+    spec, path = json.loads(table), Path(file)
+    del content  # it makes another entry when the file has changed
+    try:
+        plain = _read(spec, path, refine)
+    except fenicsx.MeshError as error:
+        raise SectionError(f"{where}: {error}") from error
+    scale = float(spec.get("scale", 1.0))
+    if scale != 1.0:
+        curves = {name: scale * lines for name, lines in plain.curves.items()}
+        plain = replace(plain, points=scale * plain.points, curves=curves)
+    plain, warnings = checked(plain, f"{where}: {path}")
+    return SectionMesh(fenicsx.labelled_mesh(plain), plain.curves, tuple(warnings))
+
+
+def script_path(name: str) -> Path:
+    """Where a script of the library lies: beside the package in a wheel, at the checkout's top."""
+    here = Path(__file__)
+    folders = [root.parents[2] / "meshes" for root in (here, here.resolve())]
+    for folder in folders:
+        for suffix in (".geo", ".py"):
+            if (folder / f"{name}{suffix}").is_file():
+                return folder / f"{name}{suffix}"
+    raise SectionError(f"gmsh script {name}: not found in {folders[0]}")
+
+
+def _source(spec: Mapping[str, Any], where: str) -> Path:
+    given = [key for key in SOURCES if key in spec]
+    if len(given) != 1:
         raise SectionError(
-            f"{where}.shape = {shape!r}: expected one of {', '.join(SHAPES)}"
-            + did_you_mean(str(shape), SHAPES)
+            f"{where}: expected one of {', '.join(SOURCES)}, found {' and '.join(given) or 'none'}"
         )
-    sizes = {key: _size(spec, key, where) for key in SHAPES[shape]}
-    elements = _elements(spec["elements"], where) if "elements" in spec else None
-    if shape == "ellipse":
-        counts = elements or default_ellipse()
-        values = {**sizes, "elements_arc": counts[0], "elements_radial": counts[1]}
-    else:
-        counts = elements or default_rectangle(sizes["width"], sizes["height"])
-        grading = spec.get("grading", GRADING)
-        if not _is_number(grading) or not 0.0 <= grading <= 1.0:
-            raise SectionError(f"{where}.grading = {grading!r}: expected a number from 0 to 1")
-        values = {
-            **sizes,
-            "elements_2": counts[0],
-            "elements_3": counts[1],
-            "grading": float(grading),
-        }
-    return MeshRequest(shape, tuple((key, float(value)) for key, value in values.items()))
+    if given[0] == "script":
+        return script_path(str(spec["script"]))
+    path = Path(spec[given[0]])
+    if not path.is_file():
+        raise SectionError(f"{where}.{given[0]} = {str(path)!r}: no such file")
+    return path
 
 
-def default_rectangle(width: float, height: float) -> tuple[int, int]:
-    """Numbers of elements that keep the stiffness of an off-axis ply within about 1e-4."""
-    short = 10
-    slenderness = max(width, height) / min(width, height)
-    long = 2 * math.ceil(short * min(slenderness, 50.0) ** 0.5 / 2)
-    return (long, short) if width >= height else (short, long)
+def _read(spec: Mapping[str, Any], path: Path, refine: int) -> PlainMesh:
+    parameters = spec.get("parameters", {})
+    if path.suffix == ".geo":
+        return fenicsx.run_script(path, parameters, refine=refine)
+    if path.suffix == ".py":
+        with fenicsx.gmsh_session() as gmsh:
+            gmsh.clear()
+            try:
+                _module(path).build(gmsh, parameters, spec.get("coordinates", ()), refine=refine)
+            except ValueError as error:
+                raise fenicsx.MeshError(f"{path.name}: {error}") from error
+            return fenicsx.plain_from_model(str(path))
+    plain = _arrays(path) if "arrays" in spec else fenicsx.open_mesh(path)
+    for _ in range(refine):
+        plain = fenicsx.split(plain)
+    return plain
 
 
-def default_ellipse() -> tuple[int, int]:
-    """Numbers of elements on a quarter of the edge and from core to edge."""
-    return (10, 6)
+def _module(path: Path) -> ModuleType:
+    """A Python script of the library; it is no part of the package and gets gmsh from here."""
+    spec = importlib.util.spec_from_file_location(f"plymotion_meshes_{path.stem}", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
-def generate(request: MeshRequest) -> fenicsx.LabelledMesh:
-    """Run gmsh and convert: nine-node quadrilaterals, one physical surface "section"."""
-    return fenicsx.mesh_from_geo(script_path(request.script), dict(request.parameters))
-
-
-def _size(spec: Mapping[str, Any], key: str, where: str) -> float:
-    value: Any = spec.get(key)
-    if not _is_number(value) or not value > 0.0:
-        raise SectionError(f"{where}.{key} = {value!r}: expected a length above 0 [m]")
-    return float(value)
-
-
-def _elements(value: Any, where: str) -> tuple[int, int]:
-    good = isinstance(value, list | tuple) and len(value) == 2
-    if not good or not all(type(count) is int and count >= 1 for count in value):
-        raise SectionError(f"{where}.elements = {value!r}: expected two whole numbers from 1")
-    return value[0], value[1]
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and type(value) is not bool and math.isfinite(value)
+def _arrays(path: Path) -> PlainMesh:
+    with np.load(path, allow_pickle=False) as file:
+        data = {name: file[name] for name in file.files}
+    name = str(data["cell_type"])
+    if name not in ARRAY_CELLS:
+        raise fenicsx.MeshError(
+            f"{path}: cell_type = {name!r}: expected one of {', '.join(ARRAY_CELLS)}"
+        )
+    shape, degree = ARRAY_CELLS[name]
+    points, cells = fenicsx.used_nodes(data["points"].astype(float), data["cells"].astype(np.int64))
+    if name == "quad8":
+        points, cells = fenicsx.with_centre_nodes(points, cells)
+    curves = {}
+    for row, curve in enumerate(data.get("curve_names", ())):
+        lines = data["lines"][data["curve"] == row]
+        if len(lines):
+            curves[str(curve)] = data["points"][lines].astype(float)
+    regions = tuple(str(region) for region in data["region_names"])
+    region = data["region"].astype(np.int64)
+    empty = np.setdiff1d(np.arange(len(regions)), region)
+    if empty.size:
+        raise fenicsx.MeshError(f"{path}: region {regions[empty[0]]!r} has no cells")
+    return PlainMesh(points, cells, shape, degree, region, regions, curves)

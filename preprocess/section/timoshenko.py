@@ -9,16 +9,16 @@ x2 sigma11, all about the origin of the section axes.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+import scipy.sparse as sp
 
 from ...solver.package.schema import Array
-from .forms import SectionMatrices, SectionSpace
-from .mesh import SectionError
+from .errors import SectionError
+from .space import SectionSpace
 from .warping import (
+    ClassicalState,
     WarpingSolver,
     beam_strain_fields,
     classical_warping,
-    shear_load,
     shear_warping,
 )
 
@@ -35,40 +35,43 @@ class SectionStiffness:
 
     K: Array  # (6, 6), order extension, shear2, shear3, twist, bend2, bend3 [N, N m, N m2]
     A: Array  # (4, 4) classical stiffness
+    B: Array  # (4, 4) coupling of the strains with their change along the beam
+    T: Array  # (4, 2) change of the classical strains per shear force, e' = T [F2, F3]
     V0: Array  # (n_dof, 4) warping per unit classical strain
     V1: Array  # (n_dof, 2) warping per unit shear force
 
 
-def classical_stiffness(matrices: SectionMatrices, Psi: Array, V0: Array) -> Array:
+def classical_stiffness(space: SectionSpace, state: ClassicalState) -> Array:
     """A (4, 4): [F1, M1, M2, M3] = A [gamma11, kappa1, kappa2, kappa3] without shear force.
 
-    Paper: Eq. (44), without its factor 2, which would give 0.654 of the axial stiffness of an
-    isotropic bar (nu = 0.3).
+    The energy of the classical state, A = Psi' L Psi + V0' H Psi. Paper: Eq. (44), without its
+    factor 2, which would give 0.654 of the axial stiffness of an isotropic bar (nu = 0.3).
     """
-    A = Psi.T @ (matrices.L @ Psi) + V0.T @ (matrices.H @ Psi)
-    return 0.5 * (A + A.T)
+    A = space.work(state.stress, state.strain)
+    return np.asarray(0.5 * (A + A.T))
 
 
 def shear_compliance(
-    matrices: SectionMatrices, Psi: Array, V0: Array, V1: Array, A: Array, T: Array
-) -> tuple[Array, Array]:
-    """Compliance G^-1 (2, 2) of pure shear and the coupling B (4, 4).
+    space: SectionSpace, solver: WarpingSolver, state: ClassicalState, A: Array, B: Array
+) -> tuple[Array, Array, Array]:
+    """Compliance G^-1 (2, 2) of pure shear, with T (4, 2) and V1 (n_dof, 2).
 
-    B = V0' H V0 + Psi' L V0 and G^-1 = C2 - T' B' A^-1 B T, where C2 is the energy quadratic in
-    the shear forces. Paper: Eq. (45), completed by the terms of Psi and by -B' A^-1 B, without
-    which the shear stiffness is wrong by an order of magnitude.
+    G^-1 = C2 - T' B' A^-1 B T, where C2 is the energy quadratic in the shear forces. Paper:
+    Eq. (45), completed by the terms of Psi and by -B' A^-1 B, without which the shear stiffness
+    is wrong by an order of magnitude.
     """
-    H, L = matrices.H, matrices.L
-    B = V0.T @ (H @ V0) + Psi.T @ (L @ V0)
-    mixed = V1.T @ (H @ (V0 @ T))
-    C2 = V1.T @ shear_load(matrices, Psi, V0, T) + mixed + mixed.T + T.T @ (V0.T @ (L @ V0)) @ T
+    T = np.linalg.solve(A, Q)
+    V1, load, within = shear_warping(space, solver, state, T)
+    mixed = V1.T @ within
+    along = T.T @ space.work(state.change_stress, state.change_strain) @ T
+    C2 = V1.T @ load + mixed + mixed.T + along
     BT = B @ T
     compliance = C2 - BT.T @ np.linalg.solve(A, BT)
-    return 0.5 * (compliance + compliance.T), B
+    return np.asarray(0.5 * (compliance + compliance.T)), T, V1
 
 
 def stiffness(
-    space: SectionSpace, matrices: SectionMatrices, pins: NDArray[np.int64] | None = None
+    space: SectionSpace, solver: WarpingSolver, E: sp.csr_matrix, C: Array
 ) -> SectionStiffness:
     """The 6x6 stiffness K of a section.
 
@@ -77,21 +80,21 @@ def stiffness(
 
     Parameters
     ----------
-    space, matrices : the section's mesh and its E, H, L
-    pins : four unknowns to pin instead of the default ones (the result does not depend on them)
+    space, solver : of the section's mesh
+    E : (n_dof, n_dof) stiffness against warping [Pa]
+    C : (c, 1 or q, 6, 6) stiffness of the points, section axes [Pa]
 
     Raises
     ------
     SectionError : a load on the warping that works on rigid motions, or K not positive definite.
     FactorisationError : E singular beyond its rigid motions (a disconnected section).
     """
-    Psi = beam_strain_fields(space)
-    solver = WarpingSolver(space, matrices.E, pins)
-    V0 = classical_warping(solver, matrices, Psi)
-    A = classical_stiffness(matrices, Psi, V0)
-    T = np.linalg.solve(A, Q)
-    V1 = shear_warping(solver, matrices, Psi, V0, T)
-    G_inverse, B = shear_compliance(matrices, Psi, V0, V1, A, T)
+    solver.factorise(E)
+    state = classical_warping(space, solver, C, beam_strain_fields(space))
+    A = classical_stiffness(space, state)
+    # B = V0' H V0 + Psi' L V0: the classical strains with their change along the beam
+    B = space.work(state.strain, state.change_stress)
+    G_inverse, T, V1 = shear_compliance(space, solver, state, A, B)
     G = np.linalg.inv(G_inverse)
     F = -B.T @ T @ G
     K = np.empty((6, 6))
@@ -103,7 +106,7 @@ def stiffness(
     scale = 1.0 / np.sqrt(np.abs(np.diag(K)))
     if not np.linalg.eigvalsh(K * np.outer(scale, scale))[0] > 0.0:
         raise SectionError("the stiffness of the section is not positive definite")
-    return SectionStiffness(K, A, V0, V1)
+    return SectionStiffness(K, A, B, T, state.V0, V1)
 
 
 def shear_centre(K: Array) -> Array:

@@ -7,14 +7,16 @@ values of the warping.
 Paper: Eq. (37), Eq. (38).
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from ...solver.package.schema import Array
 from .. import fenicsx
-from .forms import SectionMatrices, SectionSpace
-from .mesh import SectionError
+from .errors import SectionError
+from .space import SectionSpace
 
 # Load must not work on a rigid motion: relative work that round-off may leave.
 SOLVABILITY = 1e-10
@@ -45,73 +47,104 @@ def pinned_dofs(space: SectionSpace) -> NDArray[np.int64]:
 
 
 class WarpingSolver:
-    """Solves E W = load for warpings that hold no rigid motion.
+    """Solves E W = load for warpings that hold no rigid motion; one for all materials of a mesh.
 
     Pinning four unknowns keeps the matrix positive definite, hence a Cholesky factorisation.
     Loads that do no work on rigid motions leave the pins without force, so that which ones are
-    pinned changes nothing; the rigid part is taken out afterwards.
+    pinned changes nothing; the rigid part is taken out afterwards. The pattern without the pins
+    and the symbolic factorisation are kept from one material to the next.
     """
 
     def __init__(
-        self, space: SectionSpace, E: sp.csr_matrix, pins: NDArray[np.int64] | None = None
+        self,
+        space: SectionSpace,
+        pins: NDArray[np.int64] | None = None,
+        team: fenicsx.Team = fenicsx.ALONE,
     ) -> None:
         self.rigid = rigid_fields(space)
-        self._rigid_load = space.area_gram @ self.rigid
+        self._rigid_size = np.linalg.norm(self.rigid, axis=0)
+        self._rigid_load = space.load(space.at_points(self.rigid))
         self._rigid_gram = self.rigid.T @ self._rigid_load
-        self._free = np.ones(space.n_dof, dtype=bool)
-        self._free[pinned_dofs(space) if pins is None else pins] = False
-        pinned = E[self._free][:, self._free]
-        if pins is not None:
-            self._factor = fenicsx.cholesky(pinned)
-        elif space.factor is None:
-            self._factor = space.factor = fenicsx.cholesky(pinned)
+        self._kept = space.pattern.without(pinned_dofs(space) if pins is None else pins)
+        self._team = team
+        self._factor: fenicsx.Cholesky | None = None
+
+    def factorise(self, E: sp.csr_matrix) -> None:
+        """Take the stiffness of a material.
+
+        Raises FactorisationError if E is singular beyond its rigid motions.
+        """
+        pinned = self._kept.matrix(E.data)
+        if self._factor is None:
+            self._factor = fenicsx.cholesky(pinned, self._team)
         else:
-            self._factor = space.factor
             self._factor.update(pinned)
 
     def solve(self, load: Array, size: float) -> Array:
-        """Warpings (n_dof, k) of loads (n_dof, k).
+        """Warpings (n_dof, m) of loads (n_dof, m).
 
         `size` is the norm of the terms that the loads were summed from. Raises SectionError if
         the loads work on rigid motions.
         """
-        work = np.linalg.norm(self.rigid.T @ load, axis=1) / np.linalg.norm(self.rigid, axis=0)
+        assert self._factor is not None, "factorise() comes first"
+        work = np.linalg.norm(self.rigid.T @ load, axis=1) / self._rigid_size
         if not np.all(work <= SOLVABILITY * size):
             raise SectionError(
                 f"the warping has no solution: its load works {np.max(work / size):.1e} (relative) "
                 f"on a rigid motion, at most {SOLVABILITY:g} is round-off"
             )
+        free = self._kept.free
         W = np.zeros_like(load)
-        W[self._free] = self._factor.solve(load[self._free])
+        W[free] = self._factor.solve(load[free])
         return W - self.rigid @ np.linalg.solve(self._rigid_gram, self._rigid_load.T @ W)
 
 
-def classical_warping(solver: WarpingSolver, matrices: SectionMatrices, Psi: Array) -> Array:
+@dataclass(frozen=True)
+class ClassicalState:
+    """Strains and stresses of the points under unit classical strains, each (c, q, 6, 4).
+
+    The beam's strain e makes the strain (G_h V0 + G_l Psi) e of a point, and a change e' adds
+    G_l V0 e'.
+    """
+
+    V0: Array  # (n_dof, 4)
+    strain: Array  # G_h V0 + G_l Psi
+    stress: Array  # C strain
+    change_strain: Array  # G_l V0
+    change_stress: Array  # C G_l V0
+
+
+def classical_warping(
+    space: SectionSpace, solver: WarpingSolver, C: Array, Psi: Array
+) -> ClassicalState:
     """V0 (n_dof, 4): warping per unit classical strain, from E V0 = -H Psi.
 
     Paper: Eq. (39), corrected: "D" stands for the identity, and the projection onto the rigid
     fields vanishes because H Psi does no work on them.
     """
-    load = -(matrices.H @ Psi)
-    return solver.solve(load, float(np.linalg.norm(load)))
-
-
-def shear_load(matrices: SectionMatrices, Psi: Array, V0: Array, T: Array) -> Array:
-    """Right-hand side (H' V0 + L Psi - H V0) T of the warping under shear, (n_dof, 2).
-
-    `T` (4, 2) gives the change of the classical strains along the beam by the shear forces,
-    e' = T [F2, F3].
-    """
-    return (matrices.H.T @ V0 + matrices.L @ Psi - matrices.H @ V0) @ T
+    rigid = space.strain_along_beam(Psi)
+    load = -space.load_in_section(C @ rigid)
+    V0 = solver.solve(load, float(np.linalg.norm(load)))
+    strain = space.strain_in_section(V0) + rigid
+    change = space.strain_along_beam(V0)
+    return ClassicalState(V0, strain, C @ strain, change, C @ change)
 
 
 def shear_warping(
-    solver: WarpingSolver, matrices: SectionMatrices, Psi: Array, V0: Array, T: Array
-) -> Array:
-    """V1 (n_dof, 2): warping per unit shear force [F2, F3].
+    space: SectionSpace, solver: WarpingSolver, state: ClassicalState, T: Array
+) -> tuple[Array, Array, Array]:
+    """V1 (n_dof, 2): warping per unit shear force [F2, F3], and the two parts of its load.
 
-    Paper: Eq. (40), per shear force instead of per e': only the e' that equilibrium allows
-    leave a load that does no work on rigid motions, so that the projection is not needed.
+    E V1 = (H' V0 + L Psi - H V0) T: the stresses of the classical state change along the beam by
+    e' = T [F2, F3], and so does its warping. Paper: Eq. (40), per shear force instead of per e':
+    only the e' that equilibrium allows leave a load that does no work on rigid motions, so that
+    the projection is not needed.
+
+    Returns
+    -------
+    V1, the load, and its part H V0 T, each (n_dof, 2).
     """
-    size = np.linalg.norm(matrices.L @ Psi @ T) + np.linalg.norm(matrices.H @ V0 @ T)
-    return solver.solve(shear_load(matrices, Psi, V0, T), float(size))
+    along = space.load_along_beam(state.stress @ T)
+    within = space.load_in_section(state.change_stress @ T)
+    size = float(np.linalg.norm(along) + np.linalg.norm(within))
+    return solver.solve(along - within, size), along - within, within

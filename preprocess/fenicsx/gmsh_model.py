@@ -1,0 +1,265 @@
+"""gmsh: run a script, open a mesh file, read the current model as plain arrays."""
+
+import inspect
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .plain import IntArray, PlainMesh, used_nodes, with_centre_nodes
+from .stack import Array, gmsh
+
+CELLS = {
+    2: ("triangle", 1, 3),
+    3: ("quadrilateral", 1, 4),
+    9: ("triangle", 2, 6),
+    10: ("quadrilateral", 2, 9),
+    16: ("quadrilateral", 2, 8),  # serendipity
+}
+LINES = {1: 2, 8: 3}
+
+Parameters = Mapping[str, float | Sequence[float]]
+
+
+class MeshError(Exception):
+    """A gmsh model that cannot become a finite-element mesh."""
+
+
+_session_depth = 0
+
+
+@contextmanager
+def gmsh_session() -> Iterator[Any]:
+    """A gmsh without terminal output and without the user's own option files; may be nested."""
+    global _session_depth
+    if _session_depth == 0:
+        keywords: dict[str, Any] = {"readConfigFiles": False}
+        if "interruptible" in inspect.signature(gmsh.initialize).parameters:
+            keywords["interruptible"] = False  # Ctrl-C stays Python's
+        gmsh.initialize([], **keywords)
+        gmsh.option.setNumber("General.Terminal", 0)
+    _session_depth += 1
+    try:
+        yield gmsh
+    finally:
+        _session_depth -= 1
+        if _session_depth == 0:
+            gmsh.finalize()
+
+
+def run_script(path: Path, parameters: Parameters, *, refine: int = 0, gdim: int = 2) -> PlainMesh:
+    """Mesh a gmsh script with values for its parameters.
+
+    Parameters
+    ----------
+    path : a .geo file whose DefineConstant entries are named "Parameters/<key>"
+    parameters : value of each <key>, a number or a list of numbers
+    refine : how often gmsh halves all edges; new nodes lie on the geometry
+    gdim : of the space
+
+    Raises
+    ------
+    MeshError : missing file, unknown parameter, gmsh error, a model that is no mesh of regions.
+    """
+    if not path.is_file():
+        raise MeshError(f"{path}: no such gmsh script")
+    text = path.read_text(encoding="utf-8", errors="replace")
+    for key in parameters:
+        if f'"Parameters/{key}"' not in text:
+            raise MeshError(f"{path}: the script has no parameter {key}")
+    numbers = [
+        {
+            "type": "number",
+            "name": f"Parameters/{key}",
+            "values": np.atleast_1d(np.asarray(value, dtype=float)).tolist(),
+        }
+        for key, value in parameters.items()
+    ]
+    with gmsh_session():
+        gmsh.clear()
+        gmsh.onelab.clear()
+        gmsh.onelab.set(json.dumps(numbers))
+        try:
+            gmsh.merge(str(path))
+            gmsh.model.mesh.generate(2)
+            if refine:
+                # gmsh halves edges where it puts the middle nodes of the order that is set
+                order = int(gmsh.option.getNumber("Mesh.ElementOrder"))
+                for _ in range(refine):
+                    gmsh.model.mesh.refine()
+                gmsh.model.mesh.setOrder(order)
+        except Exception as error:  # gmsh raises bare Exception or ValueError
+            raise MeshError(f"{path}: gmsh: {error}") from error
+        plain = plain_from_model(str(path), gdim)
+        gmsh.clear()
+        gmsh.onelab.clear()
+    return plain
+
+
+def open_mesh(path: Path, *, gdim: int = 2) -> PlainMesh:
+    """Read a mesh file that gmsh knows (.msh of any version).
+
+    Raises
+    ------
+    MeshError : missing file, gmsh error, a model that is no mesh of regions.
+    """
+    if not path.is_file():
+        raise MeshError(f"{path}: no such mesh file")
+    with gmsh_session():
+        gmsh.clear()
+        try:
+            gmsh.open(str(path))
+        except Exception as error:  # gmsh raises bare Exception or ValueError
+            raise MeshError(f"{path}: gmsh: {error}") from error
+        plain = plain_from_model(str(path), gdim)
+        gmsh.clear()
+    return plain
+
+
+def plain_from_model(where: str, gdim: int = 2) -> PlainMesh:
+    """Read the surfaces of the current gmsh model, each in one physical group, and named curves.
+
+    Raises
+    ------
+    MeshError : solid cells, cells of several kinds or of a degree above 2, surfaces in no or in
+        two physical groups, groups without cells or of the same name, nodes outside the plane
+        z = 0 if gdim is 2.
+    """
+    _check_kinds(where)
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    order = np.argsort(tags)
+    tags = np.asarray(tags, dtype=np.int64)[order]
+    points = np.reshape(coordinates, (-1, 3))[order]
+
+    groups = _surface_groups(where)
+    _check_membership(groups, where)
+    parts, rows = [], []
+    kind = 0
+    for row, (name, entities) in enumerate(groups.items()):
+        cells = []
+        for entity in entities:
+            kinds, _, nodes = gmsh.model.mesh.getElements(2, entity)
+            for kind, table in zip(kinds, nodes, strict=True):
+                cells.append(np.reshape(table, (-1, CELLS[kind][2])))
+        if not cells:
+            raise MeshError(f"{where}: physical surface {name!r} has no cells")
+        parts += cells
+        rows += [np.full(len(table), row) for table in cells]
+    shape, degree, n_node = CELLS[kind]
+    cells = np.searchsorted(tags, np.concatenate(parts).astype(np.int64))
+    points, cells = used_nodes(points, cells)
+    if gdim == 2:
+        points = _in_plane(points, where)
+    if n_node == 8:
+        points, cells = with_centre_nodes(points, cells)
+    return PlainMesh(
+        points, cells, shape, degree, np.concatenate(rows), tuple(groups), _curves(gdim)
+    )
+
+
+def _check_kinds(where: str) -> None:
+    if len(gmsh.model.mesh.getElementTypes(3)):
+        raise MeshError(f"{where}: has solid (3-D) cells, expected a mesh of surfaces only")
+    kinds = [int(kind) for kind in gmsh.model.mesh.getElementTypes(2)]
+    if not kinds:
+        raise MeshError(f"{where}: has no surface cells")
+    for kind in kinds:
+        if kind not in CELLS:
+            name = gmsh.model.mesh.getElementProperties(kind)[0]
+            raise MeshError(
+                f"{where}: has cells of kind {name!r}, expected triangles or quadrilaterals of "
+                "degree 1 or 2 (gmsh: Mesh.ElementOrder = 2;)"
+            )
+    if len({CELLS[kind][0] for kind in kinds}) > 1:
+        count = {CELLS[kind][0]: 0 for kind in kinds}
+        for kind in kinds:
+            count[CELLS[kind][0]] += len(gmsh.model.mesh.getElementsByType(kind)[0])
+        raise MeshError(
+            f"{where}: mixes {count['triangle']} triangles and {count['quadrilateral']} "
+            "quadrilaterals, expected cells of one kind. In gmsh, take away every `Recombine` for "
+            "triangles only, or let Mesh.SubdivisionAlgorithm = 1; split all into quadrilaterals"
+        )
+    if len(kinds) > 1:
+        raise MeshError(f"{where}: mixes cells of degree 1 and 2, or with 8 and 9 nodes")
+
+
+def _surface_groups(where: str) -> dict[str, list[int]]:
+    """Physical surfaces by name (the number of one without name), and their entities."""
+    groups: dict[str, list[int]] = {}
+    numbers: dict[str, int] = {}
+    for _, tag in gmsh.model.getPhysicalGroups(2):
+        name = gmsh.model.getPhysicalName(2, tag) or str(tag)
+        if name in groups:
+            raise MeshError(
+                f"{where}: two physical surfaces, {numbers[name]} and {tag}, are named {name!r}: "
+                "give each region a name of its own"
+            )
+        numbers[name] = tag
+        groups[name] = [int(entity) for entity in gmsh.model.getEntitiesForPhysicalGroup(2, tag)]
+    if not groups:
+        raise MeshError(
+            f"{where}: no physical surface, expected one for each region, such as "
+            'Physical Surface("section") = {1}; (and no Mesh.SaveAll when saving)'
+        )
+    return groups
+
+
+def _check_membership(groups: Mapping[str, Sequence[int]], where: str) -> None:
+    """Every surface that has cells lies in exactly one group: gmsh hands out its cells by group."""
+    members: dict[int, list[str]] = {}
+    for name, entities in groups.items():
+        for entity in entities:
+            members.setdefault(entity, []).append(name)
+    for _, entity in gmsh.model.getEntities(2):
+        names = members.get(entity, [])
+        if len(names) == 1 or not len(gmsh.model.mesh.getElements(2, entity)[0]):
+            continue
+        box = gmsh.model.getBoundingBox(2, entity)
+        place = (
+            f"surface {entity}, from ({box[0]:.4g}, {box[1]:.4g}) to ({box[3]:.4g}, {box[4]:.4g}),"
+        )
+        listed = ": " + " and ".join(map(repr, names)) if names else ""
+        raise MeshError(
+            f"{where}: {place} is in {len(names)} physical groups{listed}; expected exactly one, "
+            "the region whose material it has"
+        )
+
+
+def _in_plane(points: Array, where: str) -> Array:
+    """The x, y of points that must lie on z = 0, (n, 2)."""
+    size = float(np.ptp(points[:, :2], axis=0).max())
+    far = int(np.argmax(np.abs(points[:, 2])))
+    if not abs(points[far, 2]) <= 1e-9 * size:
+        x, y, z = points[far]
+        raise MeshError(
+            f"{where}: node at ({x:.4g}, {y:.4g}, {z:.4g}) lies off the plane z = 0; a section is "
+            "meshed with x = x2, y = x3 and z = 0"
+        )
+    return np.ascontiguousarray(points[:, :2])
+
+
+def _curves(gdim: int) -> dict[str, Array]:
+    """Line elements of every physical curve by name."""
+    curves = {}
+    for _, tag in gmsh.model.getPhysicalGroups(1):
+        pieces = []
+        for entity in gmsh.model.getEntitiesForPhysicalGroup(1, tag):
+            kinds, _, nodes = gmsh.model.mesh.getElements(1, entity)
+            for kind, table in zip(kinds, nodes, strict=True):
+                if kind in LINES:
+                    pieces.append(_coordinates(table).reshape(-1, LINES[kind], 3)[..., :gdim])
+        if pieces and len({piece.shape[1] for piece in pieces}) == 1:
+            name = gmsh.model.getPhysicalName(1, tag) or str(tag)
+            curves[name] = np.concatenate(pieces)
+    return curves
+
+
+def _coordinates(tags: IntArray) -> Array:
+    """Places of nodes, (len(tags), 3)."""
+    every, coordinates, _ = gmsh.model.mesh.getNodes()
+    order = np.argsort(every)
+    rows = order[np.searchsorted(every, tags, sorter=order)]
+    return np.asarray(np.reshape(coordinates, (-1, 3))[rows])

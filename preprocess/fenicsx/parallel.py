@@ -1,0 +1,57 @@
+"""Several processes by MPI: the ranks of one analysis, or a pool of workers."""
+
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from mpi4py.futures import MPICommExecutor, MPIPoolExecutor
+
+from .stack import MPI
+from .team import world
+
+PATIENCE = 60.0  # s that the ranks may be apart at the end of an analysis
+
+
+class Ranks:
+    """The ranks that mpirun started: all take part, rank 0 reads decisions and writes."""
+
+    def __init__(self) -> None:
+        self.team = world()
+        self._comm = MPI.COMM_WORLD.Dup()  # its messages never meet those of an analysis
+        self.rank = self.team.rank
+
+    def agreed(self, value: Any) -> Any:
+        """The value of rank 0, on every rank."""
+        return self._comm.bcast(value, root=0)
+
+    def together(self) -> None:
+        """Wait for the others; one that is left alone by an error of its own ends the job."""
+        request = self._comm.Ibarrier()
+        deadline = time.monotonic() + PATIENCE
+        while not request.Test():
+            if time.monotonic() > deadline:
+                print(f"rank {self.rank}: the other ranks hang, the job ends", file=sys.stderr)
+                self._comm.Abort(2)
+            time.sleep(0.001)
+
+
+def world_size() -> int:
+    """Number of processes that mpirun started; 1 without it."""
+    return int(MPI.COMM_WORLD.size)
+
+
+@contextmanager
+def pool() -> Iterator[Any]:
+    """An executor over all ranks but the first; None on a rank whose work for it is done.
+
+    Both ways of starting will do: `mpirun -n N python -m mpi4py.futures -m MODULE ...`, where
+    only rank 0 comes here, and `mpirun -n N python -m MODULE ...`, where all do.
+    """
+    if "mpi4py.futures" in sys.orig_argv:
+        with MPIPoolExecutor(max_workers=world_size() - 1, main=False) as executor:
+            yield executor
+    else:
+        with MPICommExecutor(MPI.COMM_WORLD, root=0) as executor:
+            yield executor

@@ -1,0 +1,38 @@
+"""Elements that cannot follow the material: linear fields lock."""
+
+from ..materials import Orthotropic
+from .errors import SectionError
+from .layers import Layup
+from .space import SectionSpace
+
+INCOMPRESSIBLE = 9.0  # bulk over shear modulus, that of Poisson's ratio 0.446
+
+
+def bulk_over_shear(material: Orthotropic) -> float:
+    """Resistance to a change of volume over the least shear modulus."""
+    bulk = 1.0 / float(material.compliance_M[:3, :3].sum())
+    return bulk / min(material.G12, material.G13, material.G23)
+
+
+def check_degree(space: SectionSpace, lay: Layup, where: str) -> list[dict[str, str]]:
+    """Warnings about a linear warping field.
+
+    Raises SectionError where a linear field locks: EI 18 % too large at Poisson's ratio 0.49.
+    """
+    if space.degree > 1:
+        return []
+    for ply, material in zip(lay.plies, lay.materials, strict=True):
+        ratio = bulk_over_shear(material)
+        if ratio > INCOMPRESSIBLE:
+            raise SectionError(
+                f"{where}.mesh.degree = 1: expected 2 for {ply.material}, which is nearly "
+                f"incompressible (bulk modulus {ratio:.0f} times the shear modulus): linear "
+                "elements lock"
+            )
+    return [
+        {
+            "code": "degree-1-locks",
+            "message": "linear elements are too stiff in bending and torsion by some per cent; "
+            "leave mesh.degree at 2",
+        }
+    ]

@@ -1,0 +1,228 @@
+"""Which ply a point of the section belongs to, and how its axes lie.
+
+Layer direction y2 is a unit vector in the section, y3 = x1 x y2 the outward normal of the
+wall. The fibre lies at cos(angle) x1 + sin(angle) y2. Plies are listed outermost first, so the
+depth below the outer surface tells the ply.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...solver.errors import did_you_mean
+from ...solver.package.schema import Array
+from ...solver.package.section import Ply
+from ..materials import Orthotropic, material_from_dict, rotated
+from .curves import nearest_on_curve
+from .errors import SectionError
+from .mesh import SectionMesh
+from .space import SectionSpace
+
+CONVENTIONS = ("contour", "cartesian")
+THICKNESS = 1e-3  # relative difference of a laminate and its wall that rounding may make
+
+
+@dataclass(frozen=True)
+class Layup:
+    """Ply and layer direction of every integration point of a space.
+
+    Attributes
+    ----------
+    ply : (c, q) row of plies
+    y2 : (c, q, 2) layer direction, where the ply angle points [-]
+    plies, materials : what the rows stand for, one material per ply
+    uniform : True if no cell holds two plies or a turning direction
+    warnings : {"code", "message"}
+    """
+
+    ply: NDArray[np.int64]
+    y2: Array
+    plies: tuple[Ply, ...]
+    materials: tuple[Orthotropic, ...]
+    uniform: bool
+    warnings: tuple[dict[str, str], ...]
+
+    @cached_property
+    def A_BM(self) -> Array:
+        """Ply axes in section axes, (c, 1, 3, 3) or (c, q, 3, 3): v_B = A_BM v_M."""
+        y2, ply = (self.y2[:, :1], self.ply[:, :1]) if self.uniform else (self.y2, self.ply)
+        angle = np.radians([p.angle_deg for p in self.plies])[ply]
+        cos, sin = np.cos(angle)[..., None], np.sin(angle)[..., None]
+        A = np.zeros((*ply.shape, 3, 3))
+        A[..., 0, :1], A[..., 0, 1:2] = cos, -sin
+        A[..., 1:, 0], A[..., 1:, 1] = sin * y2, cos * y2
+        A[..., 1, 2], A[..., 2, 2] = -y2[..., 1], y2[..., 0]
+        return A
+
+    @property
+    def stiffness_M(self) -> Array:
+        """Stiffness of each ply in its own axes, (k, 6, 6) [Pa]."""
+        return np.array([material.stiffness_M for material in self.materials])
+
+    @property
+    def stiffness(self) -> Array:
+        """Stiffness in section axes, (c, 1, 6, 6) or (c, q, 6, 6) [Pa]."""
+        ply = self.ply[:, :1] if self.uniform else self.ply
+        return rotated(self.stiffness_M[ply], self.A_BM)
+
+    @property
+    def density(self) -> Array:
+        """(c, q) [kg/m3]."""
+        return np.array([material.rho for material in self.materials])[self.ply]
+
+
+def layup(spec: Mapping[str, Any], mesh: SectionMesh, space: SectionSpace, where: str) -> Layup:
+    """Find the ply of every integration point.
+
+    Parameters
+    ----------
+    spec : keys `materials`, `regions`, `convention` of a section's description
+    mesh, space : the section's mesh and its integration points
+    where : file and key for messages
+
+    Raises
+    ------
+    SectionError : regions or materials that do not fit the mesh, a laminate of another thickness
+        than its wall.
+    MaterialError : impossible constants.
+    """
+    convention = spec.get("convention", CONVENTIONS[0])
+    if convention not in CONVENTIONS:
+        raise SectionError(
+            f"{where}.convention = {convention!r}: expected one of {', '.join(CONVENTIONS)}"
+            + did_you_mean(str(convention), CONVENTIONS)
+        )
+    regions, names = spec["regions"], mesh.labelled.names
+    _same_names(regions, names, where)
+    table = {
+        name: material_from_dict(constants, f"{where}.materials.{name}")
+        for name, constants in spec["materials"].items()
+    }
+    ply = np.full(space.weights.shape, -1)
+    y2 = np.zeros((*space.weights.shape, 2))
+    plies: list[Ply] = []
+    materials: list[Orthotropic] = []
+    turning, mixed = False, 0
+    for name, region in regions.items():
+        place = f"{where}.regions.{name}"
+        cells = np.flatnonzero(mesh.labelled.cell_labels == names[name])
+        turns = _Direction(region.get("direction"), mesh, place)
+        direction, depth = turns.at(space.points[cells])
+        nodes = np.stack([space.x2, space.x3], axis=1)[np.unique(space.dofs[cells])]
+        index = _ply_index(region["plies"], depth, turns, nodes, place)
+        ply[cells] = len(plies) + index
+        y2[cells] = direction
+        mixed += int(np.count_nonzero(index.min(axis=1) != index.max(axis=1)))
+        turning |= turns.turning
+        for i, entry in enumerate(region["plies"]):
+            material = entry["material"]
+            if material not in table:
+                raise SectionError(
+                    f"{place}.plies[{i}].material = {material!r}: expected one of "
+                    + ", ".join(table)
+                    + did_you_mean(str(material), table)
+                )
+            plies.append(Ply(name, i, material, float(entry.get("angle_deg", 0.0))))
+            materials.append(table[material])
+    if convention == "cartesian":
+        flip = (y2[..., 0] < -1e-9) | ((np.abs(y2[..., 0]) <= 1e-9) & (y2[..., 1] < 0.0))
+        y2 = np.where(flip[..., None], -y2, y2)
+    warnings = []
+    if mixed:
+        warnings.append(
+            {
+                "code": "plies-not-resolved",
+                "message": f"{mixed} of {space.n_cell} cells hold more than one ply: their "
+                "stiffness is integrated across the ply's face, with the error of that; let mesh "
+                "lines follow the plies",
+            }
+        )
+    uniform = not turning and not mixed
+    return Layup(ply, y2, tuple(plies), tuple(materials), uniform, tuple(warnings))
+
+
+def _same_names(regions: Mapping[str, Any], names: Mapping[str, int], where: str) -> None:
+    for name in names:
+        if name not in regions:
+            raise SectionError(
+                f"{where}.regions.{name}: missing, the mesh has a region of this name without "
+                "material" + did_you_mean(name, regions)
+            )
+    for name in regions:
+        if name not in names:
+            raise SectionError(
+                f"{where}.regions.{name}: the mesh has no such region, expected "
+                + ", ".join(names)
+                + did_you_mean(name, names)
+            )
+
+
+class _Direction:
+    """Layer direction and depth below the outer surface, by vector, circle or curve."""
+
+    def __init__(self, table: Mapping[str, Any] | None, mesh: SectionMesh, where: str) -> None:
+        self.given = table is not None
+        self.kind, self.value = next(iter((table or {"vector": [1.0, 0.0]}).items()))
+        self.turning = self.kind != "vector"
+        if self.kind == "curve":
+            if self.value not in mesh.curves:
+                raise SectionError(
+                    f"{where}.direction.curve = {self.value!r}: the mesh has no such physical "
+                    f"curve, expected one of {', '.join(mesh.curves) or 'none'}"
+                    + did_you_mean(str(self.value), mesh.curves)
+                )
+            self._segments = mesh.curves[self.value]
+        elif self.kind == "vector":
+            vector = np.asarray(self.value, dtype=float)
+            self._y2 = vector / np.linalg.norm(vector)
+        elif self.kind != "circle":
+            raise SectionError(
+                f"{where}.direction: expected vector, circle or curve, found {self.kind!r}"
+                + did_you_mean(self.kind, ("vector", "circle", "curve"))
+            )
+
+    def at(self, x: Array) -> tuple[Array, Array]:
+        """y2 (..., 2) and depth (...) at points x (..., 2); depth from 0 by an unknown offset."""
+        if self.kind == "vector":
+            y3 = np.array([-self._y2[1], self._y2[0]])
+            return np.broadcast_to(self._y2, x.shape), -(x @ y3)
+        if self.kind == "circle":
+            outward = x - np.asarray(self.value, dtype=float)
+            depth = -np.linalg.norm(outward, axis=-1)
+            y3 = -outward / depth[..., None]
+        else:
+            outward = nearest_on_curve(self._segments, x.reshape(-1, 2)).reshape(x.shape) - x
+            depth = np.linalg.norm(outward, axis=-1)
+            y3 = outward / np.maximum(depth, np.finfo(float).tiny)[..., None]
+        return np.stack([y3[..., 1], -y3[..., 0]], axis=-1), depth
+
+
+def _ply_index(
+    plies: Any, depth: Array, direction: _Direction, nodes: Array, where: str
+) -> NDArray[np.int64]:
+    """Row of the ply at each depth."""
+    if len(plies) == 1 and plies[0].get("thickness") is None:
+        return np.zeros(depth.shape, dtype=np.int64)
+    if not direction.given:
+        raise SectionError(f"{where}.direction: missing, a laminate of plies needs one")
+    _, at_nodes = direction.at(nodes)
+    # a curve is the outer surface itself; otherwise the outermost node lies on it
+    top = 0.0 if direction.kind == "curve" else float(at_nodes.min())
+    wall = float(at_nodes.max()) - top
+    given = [entry.get("thickness") for entry in plies]
+    thickness = np.array(
+        [wall / len(plies)] * len(plies) if given[0] is None else given, dtype=float
+    )
+    total = float(thickness.sum())
+    tapers = direction.kind == "curve"
+    if total < wall * (1 - THICKNESS) or (not tapers and total > wall * (1 + THICKNESS)):
+        raise SectionError(
+            f"{where}.plies: {len(plies)} plies are {total:.6g} m thick in all, expected the "
+            f"{wall:.6g} m of the wall in the mesh"
+        )
+    faces = np.cumsum(thickness)[:-1]
+    return np.searchsorted(faces, depth - top).astype(np.int64)

@@ -1,0 +1,108 @@
+"""Where element matrices go: the sparsity pattern of a section, made once for a mesh."""
+
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from ...solver.package.schema import Array
+
+IntTable = NDArray[np.int32]
+EVERY = slice(None)
+
+
+class Pattern:
+    """The pattern of matrices with 3x3 blocks for every pair of nodes that share a cell.
+
+    Parameters
+    ----------
+    dofs : (n_cell, k) nodes of each cell
+    n_node : number of nodes
+
+    Unknowns are numbered node by node, three to a node.
+    """
+
+    def __init__(self, dofs: IntTable, n_node: int) -> None:
+        k = dofs.shape[1]
+        self.n_dof = 3 * n_node
+        self._k = k
+        self._part: tuple[slice, sp.csr_matrix] | None = None
+        rows = np.repeat(dofs, k, axis=1).ravel().astype(np.int64)
+        columns = np.tile(dofs, (1, k)).ravel()
+        pair, entry = np.unique(rows * n_node + columns, return_inverse=True)
+        self._n_pair = pair.size
+        # (n_pair, n_cell k^2): adds up the entries that cells have for the same pair
+        self._sum = sp.csr_matrix(
+            (np.ones(entry.size), (entry.ravel(), np.arange(entry.size))),
+            shape=(pair.size, entry.size),
+        )
+        row, column = np.divmod(pair, n_node)
+        length = np.bincount(row, minlength=n_node)
+        start = np.concatenate([[0], np.cumsum(length)])
+        # a row of blocks is three rows of the matrix, each three times as long
+        place = np.arange(pair.size) - start[row]
+        first = 9 * start[row] + 3 * place
+        a, b = np.divmod(np.arange(9), 3)
+        position = first[:, None] + 3 * length[row][:, None] * a + b  # (n_pair, 9)
+        self._order = np.empty(9 * pair.size, dtype=np.int64)
+        self._order[position.ravel()] = np.arange(9 * pair.size)
+        self.indptr = np.concatenate([[0], np.cumsum(np.repeat(3 * length, 3))]).astype(np.int32)
+        block_columns = np.broadcast_to(3 * column[:, None] + b, position.shape)
+        self.indices = block_columns.ravel()[self._order].astype(np.int32)
+
+    def data(self, blocks: Array, cells: slice = EVERY) -> Array:
+        """Values of the matrix, (nnz,), summed from the blocks (c, k^2, 9) of some cells.
+
+        The block of nodes i, j of a cell is row k i + j, its entries are 3 a + b.
+        """
+        return (self._sum_of(cells) @ blocks.reshape(-1, 9)).ravel()[self._order]
+
+    def _sum_of(self, cells: slice) -> sp.csr_matrix:
+        """The part of `_sum` that belongs to some cells; kept, as a process has but one share."""
+        if cells == EVERY:
+            return self._sum
+        if self._part is None or self._part[0] != cells:
+            pairs = self._k**2
+            columns = slice(cells.start * pairs, cells.stop * pairs)
+            self._part = (cells, self._sum[:, columns].tocsr())
+        return self._part[1]
+
+    def matrix(self, data: Array) -> sp.csr_matrix:
+        """The matrix of values (nnz,)."""
+        matrix = sp.csr_matrix((self.n_dof, self.n_dof))
+        matrix.data, matrix.indices, matrix.indptr = data, self.indices, self.indptr
+        matrix.has_sorted_indices = True
+        return matrix
+
+    def without(self, pins: NDArray[np.int64]) -> "Restriction":
+        """The pattern without the rows and columns of pinned unknowns."""
+        return Restriction(self, pins)
+
+    @cached_property
+    def row_of_entry(self) -> NDArray[np.int32]:
+        """Row of every value."""
+        return np.repeat(np.arange(self.n_dof, dtype=np.int32), np.diff(self.indptr))
+
+
+class Restriction:
+    """A pattern without some rows and columns: which values stay, and where."""
+
+    def __init__(self, pattern: Pattern, pins: NDArray[np.int64]) -> None:
+        self.free = np.ones(pattern.n_dof, dtype=bool)
+        self.free[pins] = False
+        number = np.cumsum(self.free, dtype=np.int32) - 1
+        row, column = pattern.row_of_entry, pattern.indices
+        self._kept = np.flatnonzero(self.free[row] & self.free[column])
+        self._n = int(np.count_nonzero(self.free))
+        self._indices = number[column[self._kept]]
+        counts = np.bincount(number[row[self._kept]], minlength=self._n)
+        self._indptr = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
+
+    def matrix(self, data: Array) -> sp.csr_matrix:
+        """The free part of the matrix of values (nnz,)."""
+        matrix = sp.csr_matrix((self._n, self._n))
+        matrix.data = data[self._kept]
+        matrix.indices, matrix.indptr = self._indices, self._indptr
+        matrix.has_sorted_indices = True
+        return matrix

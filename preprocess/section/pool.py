@@ -1,0 +1,71 @@
+"""Sections of a batch in mesh order, and spread over the workers of an MPI job."""
+
+import json
+import math
+from collections.abc import Callable, Sequence
+from concurrent.futures import as_completed
+from pathlib import Path
+
+from ...solver.package.shares import by_mesh, mesh_key
+from ..batch import USER_ERROR, Outcome, build
+from .batch import SectionFiles
+
+CHUNKS = 4  # per worker: enough for a fair end, few enough to keep a mesh's work together
+
+
+def mesh_groups(specs: Sequence[Path]) -> list[list[Path]]:
+    """Specification files of equal meshes together; one that cannot be read stands alone."""
+    return by_mesh((path, _mesh_key(path)) for path in specs)
+
+
+def _mesh_key(path: Path) -> str:
+    try:
+        return mesh_key(json.loads(path.read_text(encoding="utf-8")))
+    except (OSError, ValueError, AttributeError):
+        return str(path)  # its error is told when its turn comes
+
+
+def build_over_ranks(
+    product: SectionFiles,
+    specs: Sequence[Path],
+    target_of: Callable[[Path], Path],
+    *,
+    force: bool,
+    tell: Callable[[Outcome, str], None],
+) -> int:
+    """Make every section file on the workers of the MPI job; returns the exit code.
+
+    Only the first rank tells of it. Each worker keeps what the sections of a mesh share.
+    """
+    from ..fenicsx import parallel
+
+    code = 0
+    workers = parallel.world_size() - 1
+    largest = max(1, math.ceil(len(specs) / (CHUNKS * workers)))
+    with parallel.pool() as executor:
+        if executor is None:  # a worker that has been told to stop
+            return code
+        futures = [
+            executor.submit(_build_some, product, [(path, target_of(path)) for path in part], force)
+            for group in mesh_groups(specs)
+            for part in _parts(group, largest)
+        ]
+        count = 0
+        for future in as_completed(futures):
+            for outcome in future.result():
+                count += 1
+                tell(outcome, f"{count}/{len(specs)}")
+                if outcome.status == "failed":
+                    code = USER_ERROR
+    return code
+
+
+def _parts(group: list[Path], largest: int) -> list[list[Path]]:
+    return [group[i : i + largest] for i in range(0, len(group), largest)]
+
+
+def _build_some(
+    product: SectionFiles, files: list[tuple[Path, Path]], force: bool
+) -> list[Outcome]:
+    """What a worker does: a few sections of one mesh."""
+    return [build(product, path, target, force=force) for path, target in files]

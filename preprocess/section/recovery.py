@@ -1,0 +1,61 @@
+"""From the six resultants back to strains at every point of the section."""
+
+import numpy as np
+
+from ...solver.package.schema import Array
+from ...solver.package.section import SectionRecovery
+from ..materials import bond
+from .layers import Layup
+from .space import SectionSpace
+from .timoshenko import CLASSICAL, SHEAR, SectionStiffness
+from .warping import beam_strain_fields
+
+
+def unit_displacements(space: SectionSpace, result: SectionStiffness) -> tuple[Array, Array]:
+    """Warping w and w' + Psi e of the six unit resultants, each (n_dof, 6).
+
+    Strain of point = G_h w + G_l (w' + Psi e). With the shear forces F_s constant along the
+    beam, e' = T F_s, e = A^-1 (F_c - (B - B') e'), w = V0 e + V1 F_s and w' = V0 e'.
+
+    Paper: Eq. (37), Eq. (38), read backwards.
+    """
+    F = np.eye(6)
+    F_c, F_s = F[CLASSICAL], F[SHEAR]
+    change = result.T @ F_s
+    e = np.linalg.solve(result.A, F_c - (result.B - result.B.T) @ change)
+    w = result.V0 @ e + result.V1 @ F_s
+    return w, result.V0 @ change + beam_strain_fields(space) @ e
+
+
+def section_recovery(
+    space: SectionSpace,
+    lay: Layup,
+    fields: tuple[Array, Array],
+    materials: dict[str, dict[str, object]],
+) -> SectionRecovery:
+    """What the solver needs to recover ply stresses.
+
+    Parameters
+    ----------
+    space : its points become the points of recovery
+    lay : ply of each of these points
+    fields : `unit_displacements` on the same mesh and degree, whatever the points there
+    materials : constants by name, as described
+    """
+    c, q = space.weights.shape
+    A_BM = np.broadcast_to(lay.A_BM, (c, q, 3, 3))
+    # work is the same in both axes: stress_B = T stress_M, so strain_M = T' strain_B
+    w, along = fields
+    strain_B = space.strain_in_section(w) + space.strain_along_beam(along)
+    strain_M = np.swapaxes(bond(lay.A_BM), -1, -2) @ strain_B
+    return SectionRecovery(
+        points=space.points.reshape(-1, 2),
+        weights=space.weights.ravel(),
+        cell=np.repeat(np.arange(c), q),
+        ply=lay.ply.ravel(),
+        A_BM=A_BM.reshape(-1, 3, 3).copy(),
+        strain_M=strain_M.reshape(-1, 6, 6),
+        C_M=lay.stiffness_M,
+        plies=lay.plies,
+        materials=materials,
+    )

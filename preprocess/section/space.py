@@ -1,0 +1,186 @@
+"""Warping of a section on its mesh: nodes, integration points, strain operators.
+
+A displacement w(x1, x2, x3) of the section's points has the three-dimensional
+strain G_h w + G_l w', a dash meaning d/dx1: G_h holds the derivatives within the
+section, G_l those along the beam.
+"""
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from ...solver.package.schema import Array
+from .. import fenicsx
+from .errors import SectionError
+from .pattern import Pattern
+
+# Row of the strain (11, 22, 33, 23, 13, 12) that each derivative d w_a / d x_alpha enters,
+# in the order (a, alpha) = 1,2  1,3  2,2  2,3  3,2  3,3; and that each w_a' enters.
+IN_SECTION = [5, 4, 1, 3, 3, 2]
+ALONG_BEAM = [0, 5, 4]
+
+
+class SectionSpace:
+    """Continuous Lagrange functions of a degree on a mesh, and the points of integration.
+
+    All that no material changes; `quadrature_degree` is chosen so that E is exact enough, unless
+    other points are asked for. Displacements of the section are flat arrays (n_dof,): node by
+    node the three components (w1, w2, w3). `c` counts cells, `q` the points of a cell, `k` its
+    nodes.
+
+    Attributes
+    ----------
+    x2, x3 : (n_node,) places of the nodes [m]
+    dofs : (c, k) nodes of each cell
+    points : (c, q, 2) places of the integration points [m]
+    weights : (c, q) their areas [m2]
+    values : (q, k) functions at the points
+    gradients : (c, q, 2, k) their derivatives in the section [1/m]
+
+    Raises
+    ------
+    SectionError : the degree is below that of the geometry.
+    """
+
+    def __init__(
+        self, labelled: fenicsx.LabelledMesh, degree: int = 2, quadrature_degree: int | None = None
+    ) -> None:
+        mesh = labelled.mesh
+        cell = fenicsx.cell_name(mesh)
+        nodes, cells, geometry_degree = fenicsx.geometry(mesh)
+        if degree < geometry_degree:
+            raise SectionError(
+                f"mesh.degree = {degree}: expected at least {geometry_degree}, the degree of the "
+                "geometry: a lower field cannot follow it"
+            )
+        self.labelled, self.degree, self.cell = labelled, degree, cell
+        space = fenicsx.vector_space(mesh, degree, 3)
+        self.x2, self.x3 = fenicsx.dof_coordinates(space)[:, :2].T.copy()
+        self.dofs = fenicsx.cell_dofs(space)
+
+        # curved cells need two degrees more than straight ones
+        curved = geometry_degree > 1 and is_curved(nodes[cells][..., :2], cell)
+        self.quadrature_degree = quadrature_degree or 2 * degree + (2 if curved else 0)
+        reference, weights = fenicsx.quadrature(cell, self.quadrature_degree)
+        values, slopes = fenicsx.basis(cell, geometry_degree, reference)
+        corners = nodes[cells][..., :2]
+        self.points = values @ corners
+        jacobian = np.einsum("cka,qkg->cqag", corners, slopes, optimize=True)
+        determinant = (
+            jacobian[..., 0, 0] * jacobian[..., 1, 1] - jacobian[..., 0, 1] * jacobian[..., 1, 0]
+        )
+        self.weights = weights * np.abs(determinant)
+        inverse = np.empty_like(jacobian)  # d xi_g / d x_a
+        inverse[..., 0, 0], inverse[..., 1, 1] = jacobian[..., 1, 1], jacobian[..., 0, 0]
+        inverse[..., 0, 1], inverse[..., 1, 0] = -jacobian[..., 0, 1], -jacobian[..., 1, 0]
+        inverse /= determinant[..., None, None]
+        self.values, slopes = fenicsx.basis(cell, degree, reference)
+        self.gradients = np.swapaxes(inverse, -1, -2) @ np.swapaxes(slopes, -1, -2)
+        k = self.dofs.shape[1]
+        # (n_node, c k): adds up at each node what the cells bring
+        self._to_nodes = sp.csr_matrix(
+            (np.ones(self.dofs.size), (self.dofs.ravel(), np.arange(self.dofs.size))),
+            shape=(self.x2.size, self.n_cell * k),
+        )
+
+    @property
+    def n_cell(self) -> int:
+        """Number of cells."""
+        return int(self.dofs.shape[0])
+
+    @property
+    def n_dof(self) -> int:
+        """Number of unknowns of the warping, three per node."""
+        return 3 * int(self.x2.size)
+
+    @property
+    def area(self) -> float:
+        """Area of the section [m2]."""
+        return float(self.weights.sum())
+
+    @cached_property
+    def pattern(self) -> Pattern:
+        """Sparsity pattern of every matrix on this space."""
+        return Pattern(self.dofs, self.x2.size)
+
+    def displacements(self, *fields: tuple[Any, Any, Any]) -> Array:
+        """Nodal values of fields (w1, w2, w3), each a number or (n_node,), as columns."""
+        out = np.zeros((self.x2.size, 3, len(fields)))
+        for column, components in enumerate(fields):
+            for i, component in enumerate(components):
+                out[:, i, column] = component
+        return out.reshape(self.n_dof, len(fields))
+
+    def at_points(self, W: Array) -> Array:
+        """Values of displacement columns (n_dof, m) at the points, (c, q, 3, m)."""
+        nodal = self._of_cells(W)
+        return (self.values @ nodal).reshape(*self.weights.shape, 3, -1)
+
+    def strain_in_section(self, W: Array) -> Array:
+        """G_h W at the points, (c, q, 6, m), for displacement columns W (n_dof, m)."""
+        c, q = self.weights.shape
+        slope = self.gradients.reshape(c, 2 * q, -1) @ self._of_cells(W)
+        slope = slope.reshape(c, q, 2, 3, -1)
+        strain = np.zeros((c, q, 6, slope.shape[-1]))
+        for entry, row in enumerate(IN_SECTION):
+            strain[:, :, row] += slope[:, :, entry % 2, entry // 2]
+        return strain
+
+    def strain_along_beam(self, W: Array) -> Array:
+        """G_l W at the points, (c, q, 6, m): the strain that a change W per x1 makes."""
+        strain = np.zeros((*self.weights.shape, 6, W.shape[1]))
+        strain[:, :, ALONG_BEAM] = self.at_points(W)
+        return strain
+
+    def load_in_section(self, stress: Array) -> Array:
+        """Integral of (G_h w)' stress for each unknown of w, (n_dof, m), stress (c, q, 6, m)."""
+        weighted = self.weights[..., None, None] * stress
+        c, q, _, m = stress.shape
+        # rows (q, alpha), columns (a, m): the stress that works on d w_a / d x_alpha
+        partner = weighted[:, :, IN_SECTION].reshape(c, q, 3, 2, m).swapaxes(2, 3)
+        slopes = self.gradients.reshape(c, 2 * q, -1)
+        return self._sum(np.swapaxes(slopes, 1, 2) @ partner.reshape(c, 2 * q, 3 * m))
+
+    def load_along_beam(self, stress: Array) -> Array:
+        """Integral of (G_l w)' stress for each unknown of w, (n_dof, m), stress (c, q, 6, m)."""
+        return self.load(stress[:, :, ALONG_BEAM])
+
+    def load(self, traction: Array) -> Array:
+        """Integral of w . traction for each unknown of w, (n_dof, m), traction (c, q, 3, m)."""
+        weighted = self.weights[..., None, None] * traction
+        return self._sum(self.values.T @ weighted.reshape(*self.weights.shape, -1))
+
+    def work(self, stress: Array, strain: Array) -> Array:
+        """Integral of stress' strain over the section, (m, n), of (c, q, 6, m) and (c, q, 6, n)."""
+        weighted = self.weights[..., None, None] * stress
+        rows = weighted.reshape(-1, stress.shape[2], stress.shape[3]).transpose(2, 0, 1)
+        columns = strain.reshape(-1, *strain.shape[2:])
+        return np.asarray(rows.reshape(stress.shape[3], -1) @ columns.reshape(-1, strain.shape[3]))
+
+    def _of_cells(self, W: Array) -> Array:
+        """Nodal values cell by cell, (c, k, 3 m)."""
+        return W.reshape(self.x2.size, -1)[self.dofs]
+
+    def _sum(self, of_cells: Array) -> Array:
+        """Loads (n_dof, m) from the shares of the cells (c, k, 3 m)."""
+        columns = of_cells.shape[-1]
+        return (self._to_nodes @ of_cells.reshape(-1, columns)).reshape(self.n_dof, -1)
+
+
+def is_curved(corners: Array, cell: str) -> bool:
+    """True unless the middle nodes of degree-2 cells lie half way between corners.
+
+    `corners` (c, k, 2) are the nodes of the cells in DOLFINx's order.
+    """
+    ends = {
+        "triangle": {3: (1, 2), 4: (0, 2), 5: (0, 1)},
+        "quadrilateral": {4: (0, 1), 5: (0, 2), 6: (1, 3), 7: (2, 3)},
+    }[cell]
+    size = np.abs(corners.max(axis=1) - corners.min(axis=1)).max(axis=1)
+    for middle, (a, b) in ends.items():
+        off = corners[:, middle] - 0.5 * (corners[:, a] + corners[:, b])
+        if np.any(np.abs(off).max(axis=1) > 1e-9 * size):
+            return True
+    return False
