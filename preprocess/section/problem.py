@@ -6,6 +6,7 @@ from typing import Any
 
 from ...solver.package.schema import Array
 from .. import fenicsx
+from .errors import SectionError
 from .mesh import SectionMesh, section_mesh
 from .operators import SectionOperators
 from .space import SectionSpace
@@ -41,8 +42,18 @@ def section_problem(
     refine: int = 0,
     team: fenicsx.Team = fenicsx.ALONE,
 ) -> SectionProblem:
-    """The problem on the mesh of a description, refined uniformly `refine` times."""
-    return _kept(section_mesh(mesh_spec, where, refine=refine), degree, team)
+    """The problem on the mesh of a description, refined uniformly `refine` times.
+
+    Raises SectionError if the degree of the field is below that of the geometry.
+    """
+    mesh = section_mesh(mesh_spec, where, refine=refine)
+    _, _, of_geometry = fenicsx.geometry(mesh.labelled.mesh)
+    if degree < of_geometry:
+        raise SectionError(
+            f"{where}.mesh.degree = {degree}: expected at least {of_geometry}, the degree of the "
+            "mesh: a lower field cannot follow its curved edges"
+        )
+    return _kept(mesh, degree, team)
 
 
 @lru_cache(maxsize=KEPT)

@@ -13,7 +13,6 @@ import scipy.sparse as sp
 
 from ...solver.package.schema import Array
 from .. import fenicsx
-from .errors import SectionError
 from .pattern import Pattern
 
 # Row of the strain (11, 22, 33, 23, 13, 12) that each derivative d w_a / d x_alpha enters,
@@ -38,10 +37,6 @@ class SectionSpace:
     weights : (c, q) their areas [m2]
     values : (q, k) functions at the points
     gradients : (c, q, 2, k) their derivatives in the section [1/m]
-
-    Raises
-    ------
-    SectionError : the degree is below that of the geometry.
     """
 
     def __init__(
@@ -50,11 +45,6 @@ class SectionSpace:
         mesh = labelled.mesh
         cell = fenicsx.cell_name(mesh)
         nodes, cells, geometry_degree = fenicsx.geometry(mesh)
-        if degree < geometry_degree:
-            raise SectionError(
-                f"mesh.degree = {degree}: expected at least {geometry_degree}, the degree of the "
-                "geometry: a lower field cannot follow it"
-            )
         self.labelled, self.degree, self.cell = labelled, degree, cell
         space = fenicsx.vector_space(mesh, degree, 3)
         self.x2, self.x3 = fenicsx.dof_coordinates(space)[:, :2].T.copy()
