@@ -35,9 +35,9 @@ def _sources_sha256() -> str:
     here = Path(__file__).resolve().parent
     files = {f"preprocess/{p.relative_to(here).as_posix()}": p for p in here.rglob("*.py")}
     for folder in (here.parent / "meshes", here.parent.parent / "meshes"):
-        files |= {f"meshes/{p.name}": p for p in folder.glob("*.geo")}
+        files |= {f"meshes/{p.name}": p for p in folder.glob("*.*") if p.suffix in (".geo", ".py")}
     package = here.parent / "solver" / "package"
-    for name in ("schema.py", "invariants.py"):
+    for name in ("schema.py", "invariants.py", "materials.py", "section.py"):
         files[f"package/{name}"] = package / name
     digest = hashlib.sha256()
     for name in sorted(files):

@@ -136,19 +136,16 @@ def plain_from_model(where: str, gdim: int = 2) -> PlainMesh:
 
     groups = _surface_groups(where)
     _check_membership(groups, where)
-    parts, rows = [], []
-    kind = 0
-    for row, (name, entities) in enumerate(groups.items()):
-        cells = []
-        for entity in entities:
-            kinds, _, nodes = gmsh.model.mesh.getElements(2, entity)
-            for kind, table in zip(kinds, nodes, strict=True):
-                cells.append(np.reshape(table, (-1, CELLS[kind][2])))
-        if not cells:
-            raise MeshError(f"{where}: physical surface {name!r} has no cells")
-        parts += cells
-        rows += [np.full(len(table), row) for table in cells]
+    kind = int(gmsh.model.mesh.getElementTypes(2)[0])
     shape, degree, n_node = CELLS[kind]
+    parts, rows = [], []
+    for row, (name, entities) in enumerate(groups.items()):
+        tables = [gmsh.model.mesh.getElementsByType(kind, entity)[1] for entity in entities]
+        nodes = np.concatenate([np.zeros(0, dtype=np.int64), *tables])
+        if not nodes.size:
+            raise MeshError(f"{where}: physical surface {name!r} has no cells")
+        parts.append(nodes.reshape(-1, n_node))
+        rows.append(np.full(len(parts[-1]), row))
     cells = np.searchsorted(tags, np.concatenate(parts).astype(np.int64))
     points, cells = used_nodes(points, cells)
     if gdim == 2:

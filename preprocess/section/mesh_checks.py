@@ -150,8 +150,8 @@ def _one_part(plain: PlainMesh, neighbours: sp.csr_matrix, where: str) -> None:
     elif pairs.size:
         reason = (
             f"{len(pairs)} pairs of nodes lie at the same place, as at "
-            f"{_at(plain.points[pairs[0, 0]])}, but are not merged: merge them (gmsh: Coherence; in "
-            "the script, Coherence Mesh; for a mesh), so that the parts share edges"
+            f"{_at(plain.points[pairs[0, 0]])}, but are not merged: merge them, so that the parts "
+            "share edges (gmsh: Coherence; in the script, Coherence Mesh; for a mesh)"
         )
     else:
         reason = (
@@ -216,8 +216,8 @@ def _slivers(plain: PlainMesh) -> Warnings:
         {
             "code": "sliver-elements",
             "message": f"{np.count_nonzero(bad)} of {len(bad)} cells are slivers, the worst at "
-            f"{_at(plain.middles[worst])} in region {_region(plain, worst)!r}: sine of the flattest "
-            f"angle {sine[worst]:.2g} (expected {LEAST_SINE} at least), smallest to largest area "
-            f"scale {ratio[worst]:.2g} ({LEAST_AREA_RATIO}); stresses there are poor",
+            f"{_at(plain.middles[worst])} in region {_region(plain, worst)!r}: sine of the "
+            f"flattest angle {sine[worst]:.2g} (expected {LEAST_SINE} at least), smallest to "
+            f"largest area scale {ratio[worst]:.2g} ({LEAST_AREA_RATIO}); stresses there are poor",
         }
     ]
