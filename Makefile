@@ -31,7 +31,7 @@ PACKAGE_SOURCES := $(filter solver/package/% solver/rotations.py,$(SOLVER_SOURCE
 HOT_SOURCES := $(shell grep -lE '@jit|NamedTuple' -r solver --include='*.py')
 REPORT_SOURCES := $(filter solver/report% solver/results%,$(SOLVER_SOURCES))
 SECTION_SOURCES := $(filter solver/section% solver/input% solver/strength%,$(SOLVER_SOURCES))
-RUN_SOURCES := $(filter-out solver/report% solver/case% solver/section%,$(SOLVER_SOURCES))
+RUN_SOURCES := $(filter-out solver/report% solver/case% solver/input% solver/section%,$(SOLVER_SOURCES))
 
 ##@ Set-up
 
@@ -219,10 +219,12 @@ ship: ## Copy the packages of every case to tests/packages, for use without FEni
 ##@ Documents and cleaning
 
 .PHONY: docs
-docs: $(LIGHT) ## Regenerate docs/equations.md and docs/case-reference.md
+docs: $(LIGHT) ## Regenerate docs/equations.md, case-reference.md, section-description.md
 	$(PY) tools/equations.py docs/equations.md
 	$(PY) -m plymotion.solver check --reference > docs/case-reference.md.part
 	mv docs/case-reference.md.part docs/case-reference.md
+	$(PY) -m plymotion.solver.section.reference > docs/section-description.md.part
+	mv docs/section-description.md.part docs/section-description.md
 
 .PHONY: clean
 clean: ## Remove everything that was built, not the environments

@@ -37,16 +37,38 @@ def part_view(
     group: h5py.Group, name: str, of: h5py.Dataset, part: Any, shape: tuple[int, ...]
 ) -> h5py.Dataset:
     """Add a virtual dataset that shows `of[part]`."""
-    layout = h5py.VirtualLayout(shape, dtype=of.dtype)
-    layout[...] = h5py.VirtualSource(".", of.name, shape=of.shape, dtype=of.dtype)[part]
-    return group.create_virtual_dataset(name, layout)
+    return _virtual(group, name, of, part, shape, (0,) * len(shape))
 
 
 def plane_view(group: h5py.Group, name: str, of: h5py.Dataset) -> h5py.Dataset:
     """Add a virtual dataset (n, 3) that shows vectors (n, 2) of the section, x1 = 0."""
-    layout = h5py.VirtualLayout((of.shape[0], 3), dtype=of.dtype)
-    layout[:, 1:] = h5py.VirtualSource(".", of.name, shape=of.shape, dtype=of.dtype)[...]
-    return group.create_virtual_dataset(name, layout, fillvalue=0.0)
+    return _virtual(group, name, of, ..., (of.shape[0], 3), (0, 1))
+
+
+def _virtual(
+    group: h5py.Group,
+    name: str,
+    of: h5py.Dataset,
+    part: Any,
+    shape: tuple[int, ...],
+    corner: tuple[int, ...],
+) -> h5py.Dataset:
+    """Add a virtual dataset with `of[part]` from `corner` on and zeros before it.
+
+    By h5py's lower level: the upper one would put the time of writing into the file.
+    """
+    target = h5py.h5s.create_simple(shape)
+    size = tuple(n - first for n, first in zip(shape, corner, strict=True))
+    target.select_hyperslab(corner, size)
+    source = h5py.VirtualSource(".", of.name, shape=of.shape, dtype=of.dtype)[part]
+    creation = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    creation.set_obj_track_times(False)
+    creation.set_fill_value(np.zeros((), of.dtype))
+    creation.set_virtual(target, b".", of.name.encode(), source.sel.id)
+    made = h5py.h5d.create(
+        group.id, name.encode(), of.id.get_type(), h5py.h5s.create_simple(shape), creation
+    )
+    return h5py.Dataset(made)
 
 
 def describe(dataset: h5py.Dataset, unit: str, frame: str) -> None:

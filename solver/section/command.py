@@ -3,6 +3,7 @@
 import argparse
 import json
 import sys
+import time
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
@@ -94,8 +95,12 @@ def _make(
             if options.batch and bar.disable and not options.quiet:
                 print(f"[{len(made)}/{total}] {one.entry.name}: {one.status}", file=sys.stderr)
 
-        jobs = min(options.jobs, len(requests))
-        make_sections(requests, words, jobs=jobs, done=done, progress=bar.set_postfix_str)
+        def progress(doing: str) -> None:
+            if not bar.disable:  # quick sections begin faster than a screen can be read
+                due = time.time() - bar.last_print_t > bar.mininterval
+                bar.set_postfix_str(doing, refresh=due)
+
+        make_sections(requests, words, jobs=options.jobs, done=done, progress=progress)
 
 
 def _name(word: str) -> str:
@@ -123,7 +128,7 @@ class _Screen:
                 if self.options.figures:
                     figures_of(one.file)
             else:
-                print(self._text(one))
+                print(self._text(one), end="\n" if one is made[-1] else "\n\n")
         if self.options.json and not (code and len(made) == 1):
             print(json.dumps(next(iter(tables.values())) if len(made) == 1 else tables))
         return code
@@ -146,7 +151,7 @@ class _Screen:
                 for i, file in enumerate(files)
             )
         )
-        return "\n\n".join(parts) + "\n"
+        return "\n\n".join(parts)
 
 
 def _summarise(made: Sequence[Made], options: argparse.Namespace) -> int:

@@ -17,8 +17,8 @@ def wall_thickness(values: Values, key: str) -> float:
     """Thickness of a wall: its own, or that of all."""
     value = values.get(key) or values.get("wall")
     if value is None:
-        expected = "expected the thickness" if key == "wall" else f"expected it, or {key}"
-        raise InputError(f"wall: missing, {expected} [m]")
+        other = "" if key == "wall" else f" of every wall, or {key}"
+        raise InputError(f"wall: missing, expected the thickness{other} [m]")
     return float(value)
 
 
@@ -63,8 +63,8 @@ def box(values: Values, plies: Plies) -> dict[str, Any]:
     thickness, density = _box_walls(values), values["density"]
     width, height = values["width"], values["height"]
     lengths = {
-        "2": 0.5 * width - max(thickness["wall_left"], thickness["wall_right"]),
-        "3": 0.5 * height - max(thickness["wall_top"], thickness["wall_bottom"]),
+        "2": 0.5 * (width - thickness["wall_left"] - thickness["wall_right"]),
+        "3": 0.5 * (height - thickness["wall_top"] - thickness["wall_bottom"]),
     }
     return {
         "parameters": {
@@ -90,8 +90,8 @@ def two_cell(values: Values, plies: Plies) -> dict[str, Any]:
             f"web_position = {position:g}: expected a web between the side walls, with x2 from "
             f"{position - left:g} to {position + right:g} [m]"
         )
-    inside = 0.5 * height - max(skin["wall_top"], skin["wall_bottom"])
-    lengths = {"left": 0.5 * left, "right": 0.5 * right, "3": inside}
+    inside = height - skin["wall_top"] - skin["wall_bottom"]
+    lengths = {"left": 0.5 * left, "right": 0.5 * right, "3": 0.5 * inside}
     return {
         "parameters": {
             "width": width,
@@ -146,9 +146,9 @@ def channel(values: Values, plies: Plies) -> dict[str, Any]:
     """Channel."""
     sizes, thickness = _flanged(values)
     lengths = {
-        "top": 0.5 * sizes["top_width"],
-        "bottom": 0.5 * sizes["bottom_width"],
-        "web": 0.5 * sizes["height"],
+        "top": 0.5 * (sizes["top_width"] - thickness["wall_web"]),
+        "bottom": 0.5 * (sizes["bottom_width"] - thickness["wall_web"]),
+        "web": 0.5 * (sizes["height"] - thickness["wall_top"] - thickness["wall_bottom"]),
     }
     ends = united(faces(plies[region]) for region in ("top", "web", "bottom"))
     return {
