@@ -6,9 +6,11 @@ DefineConstant[
   wall = {0.005, Min 0, Name "Parameters/wall"},                 // thickness [m]
   start_deg = {0, Name "Parameters/start_deg"},        // where the wall begins, from x2 to x3
   span_deg = {360, Min 0, Max 360, Name "Parameters/span_deg"},  // 360: a closed tube
-  // ends of the columns of elements, fractions of the span
-  columns() = {{0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5,
-                0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95, 1}, Name "Parameters/columns"},
+  // patches: their ends as fractions of the span, each of less than half a turn; elements along
+  // each, and length of each element over that of the one before it
+  patches() = {{0.25, 0.5, 0.75, 1}, Name "Parameters/patches"},
+  elements() = {{9, 9, 9, 9}, Name "Parameters/elements"},
+  growth() = {{1, 1, 1, 1}, Name "Parameters/growth"},
   // ends of the rows of elements, fractions of the thickness from the outer face
   rows() = {{0.25, 0.5, 0.75, 1}, Name "Parameters/rows"}
 ];
@@ -16,12 +18,11 @@ DefineConstant[
 Mesh.ElementOrder = 2;
 Mesh.SecondOrderIncomplete = 0;
 
-// Every element is a patch of its own, with edges on the circles.
-n_patches = #columns[];
+n_patches = #patches[];
 n_columns = (span_deg == 360) ? n_patches : n_patches + 1;
 n_rows = #rows[];
 faces[] = {0, rows[]};
-stations[] = {0, columns[]};
+stations[] = {0, patches[]};
 
 Point(1) = {0, 0, 0};
 first_point = newp;  // of column c on face j: first_point + c (n_rows + 1) + j
@@ -48,7 +49,7 @@ For c In {0:n_patches - 1}
   For j In {0:n_rows}
     l = along + c * (n_rows + 1) + j;
     Circle(l) = {first_point + c * (n_rows + 1) + j, 1, first_point + next * (n_rows + 1) + j};
-    Transfinite Curve {l} = 2;
+    Transfinite Curve {l} = elements[c] + 1 Using Progression growth[c];
   EndFor
 EndFor
 

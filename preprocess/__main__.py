@@ -107,9 +107,7 @@ def _add_section_options(parser: argparse.ArgumentParser) -> None:
         metavar="A",
         help="refine until the estimated error of K, scaled by sqrt(Kii Kjj), is below A",
     )
-    parser.add_argument(
-        "--no-estimate", action="store_true", help="no error estimate: quicker"
-    )
+    parser.add_argument("--no-estimate", action="store_true", help="no error estimate: quicker")
     parser.add_argument(
         "--shard", type=shard, default=(1, 1), metavar="k/N", help="only the k-th of N shares"
     )

@@ -67,13 +67,24 @@ def _slopes(plain: PlainMesh, points: Array) -> tuple[Array, Array]:
     )
 
 
+def _areas(plain: PlainMesh) -> Array:
+    """Determinant of the map at the integration points of every cell, (c, q)."""
+    points, _ = fenicsx.quadrature(plain.cell, QUADRATURE_DEGREE)
+    return _slopes(plain, points)[1]
+
+
+def folds(plain: PlainMesh) -> bool:
+    """True if the map of a cell turns over within it."""
+    area = _areas(plain)
+    return bool(np.any((area.min(axis=1) < 0.0) & (area.max(axis=1) > 0.0)))
+
+
 def _counter_clockwise(plain: PlainMesh, where: str) -> PlainMesh:
     """Turn cells that are numbered clockwise, which says nothing of their shape.
 
     A cell whose map changes its sign folds over itself: its integrals are wrong.
     """
-    points, _ = fenicsx.quadrature(plain.cell, QUADRATURE_DEGREE)
-    _, area = _slopes(plain, points)
+    area = _areas(plain)
     low, high = area.min(axis=1), area.max(axis=1)
     size = np.ptp(plain.points[plain.corners], axis=1).max(axis=1) ** 2
     folded = np.flatnonzero((low < 0.0) & (high > 0.0))

@@ -104,10 +104,15 @@ def tube(values: Values, plies: Plies) -> dict[str, Any]:
     span, density = values["span_deg"], values["density"]
     step = STEP_DEG / density
     if span == 360.0:
-        n = math.ceil(360.0 / step)
-        columns = [i / n for i in range(1, n)] + [1.0]
+        quarter = math.ceil(90.0 / step)
+        columns = {
+            "patches": [0.25, 0.5, 0.75, 1.0],
+            "elements": [quarter] * 4,
+            "growth": [1.0] * 4,
+        }
     else:
-        columns = arc(span, min(step, span / 6.0), math.degrees(wall / (4.0 * density * radius)))
+        first = math.degrees(wall / (4.0 * density * radius))
+        columns = arc(span, min(step, span / 6.0), first)
     # thick walls need rows for the curvature, laminates for the plies
     least = max(2, math.ceil(8.0 * wall / radius))
     return {
@@ -116,7 +121,7 @@ def tube(values: Values, plies: Plies) -> dict[str, Any]:
             "wall": wall,
             "start_deg": values["start_deg"],
             "span_deg": span,
-            "columns": columns,
+            **columns,
             "rows": rows(faces(plies["wall"]), least, density=density),
         }
     }

@@ -112,15 +112,26 @@ def cosine(n: int, grading: float) -> list[float]:
     ] + [1.0]
 
 
-def arc(span: float, step: float, first: float) -> list[float]:
-    """Ends of elements along an open arc as fractions: closer together towards both ends.
+def arc(span: float, step: float, first: float) -> dict[str, list[float]]:
+    """Patches of an open arc: closer together towards both ends, equal between.
 
-    `step` is the angle of an element far from the ends, `first` that of one at an end.
+    Parameters
+    ----------
+    span : angle of the arc
+    step : angle of an element far from the ends
+    first : angle of one at an end
+
+    Returns
+    -------
+    patches (their ends as fractions of the span), elements and growth of each
     """
-    half, sizes = 0.5 * span, [min(first, step)]
-    while sizes[-1] < step and sum(sizes) < half:
-        sizes.append(min(GROWTH * sizes[-1], step))
-    n = max(len(sizes), len(sizes) + math.ceil((half - sum(sizes)) / step - 1e-9))
-    sizes += [step] * (n - len(sizes))
-    ends = [math.fsum(sizes[: i + 1]) / (2.0 * math.fsum(sizes)) for i in range(n)]
-    return ends + [1.0 - end for end in reversed(ends[:-1])] + [1.0]
+    sizes = [min(first, step)]
+    while sizes[-1] * GROWTH < step and math.fsum(sizes) < 0.25 * span:
+        sizes.append(sizes[-1] * GROWTH)
+    end = math.fsum(sizes) / span
+    even = max(1, math.ceil((0.5 - end) * span / step - 1e-9))
+    return {
+        "patches": [end, 0.5, 1.0 - end, 1.0],
+        "elements": [len(sizes), even, even, len(sizes)],
+        "growth": [GROWTH, 1.0, 1.0, 1.0 / GROWTH],
+    }

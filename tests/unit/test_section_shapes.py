@@ -1,5 +1,6 @@
 """The library of section shapes: sizes that do not fit, rows that follow plies, contours."""
 
+from itertools import pairwise
 from math import dist
 from pathlib import Path
 from typing import Any
@@ -140,7 +141,7 @@ def test_more_density_means_more_elements() -> None:
         dense = expand(name, {**sizes, "density": 2.0})["parameters"]
         more = {
             key: (
-                len(dense[key]) > len(plain[key])
+                sum(dense[key]) > sum(plain[key])
                 if isinstance(plain[key], list)
                 else dense[key] > plain[key]
             )
@@ -153,7 +154,7 @@ def test_more_density_means_more_elements() -> None:
 
 def test_rows_of_few_plies_thin_out_towards_corners() -> None:
     inner = rows([1.0], 5, "inner")
-    sizes = [b - a for a, b in zip([0.0, *inner], inner, strict=False)]
+    sizes = [b - a for a, b in pairwise([0.0, *inner])]
     assert len(inner) == 5
     assert sizes == sorted(sizes, reverse=True)
     both = rows([1.0], 6, "both")
@@ -190,11 +191,20 @@ def test_spacings() -> None:
     assert cosine(4, 0.0) == pytest.approx([0.25, 0.5, 0.75, 1.0])
     assert cosine(2, 1.0) == pytest.approx([0.5, 1.0])
     assert graded_ends(3, 0.5) == pytest.approx([4 / 7, 6 / 7, 1.0])
-    ends = arc(180.0, 10.0, 1.0)
-    sizes = [180.0 * (b - a) for a, b in zip([0.0, *ends], ends, strict=False)]
-    assert max(sizes) <= 10.0 + 1e-9
-    assert sizes == pytest.approx(sizes[::-1])
-    assert sizes[0] <= 1.0 + 1e-9
+
+
+@pytest.mark.parametrize(("span", "step", "first"), [(180, 10, 1), (180, 10, 20), (5, 0.8, 0.1)])
+def test_patches_of_an_open_arc(span: float, step: float, first: float) -> None:
+    table = arc(span, step, first)
+    ends = [0.0, *table["patches"]]
+    lengths = [span * (b - a) for a, b in pairwise(ends)]
+    assert lengths[0] == pytest.approx(lengths[3])
+    assert lengths[1] == pytest.approx(lengths[2])
+    assert max(lengths) < 180.0
+    assert lengths[1] / table["elements"][1] <= step * (1 + 1e-9)
+    n, growth = table["elements"][0], table["growth"][0]
+    assert lengths[0] * (growth - 1) / (growth**n - 1) <= first * (1 + 1e-9)
+    assert table["growth"][3] == pytest.approx(1 / growth)
 
 
 NOSE = [(1.0, 0.001), (0.7, 0.03), (0.4, 0.06), (0.2, 0.05), (0.05, 0.03), (0.0, 0.0)]
