@@ -60,7 +60,7 @@ def analyse(
     check_spec(spec, where)
     tell = progress or (lambda _line: None)
     degree = int(spec["mesh"].get("degree", DEGREE))
-    steps: list[dict[str, float]] = []
+    steps: list[dict[str, float | None]] = []
     refine = 0
     while True:
         tell(f"mesh, refined {refine} times" if refine else "mesh")
@@ -74,11 +74,11 @@ def analyse(
             tell("error estimate")
             error = _estimate(spec, where, problem, refine, result.K)
         lap = time.perf_counter() - start
-        worst = float(scaled(error, result.K).max()) if error is not None else float("nan")
+        worst = None if error is None else float(scaled(error, result.K).max())
         steps.append(
             {"refine": refine, "dofs": problem.space.n_dof, "error": worst, "seconds": lap}
         )
-        if accuracy is None or worst <= accuracy:
+        if accuracy is None or worst is None or worst <= accuracy:
             break
         if 4 * problem.space.n_dof > MOST_DOFS:
             warnings.append(

@@ -248,7 +248,7 @@ def test_blunt_trailing_edge_is_kept() -> None:
     blunt = library("airfoil", contour=outline.tolist())
     assert 0.27 < nodes_of(sharp, "skin-rear")[..., 0].max() < 0.295
     assert nodes_of(blunt, "skin-rear")[..., 0].max() == pytest.approx(0.3, abs=1e-4)
-    assert np.ptp(blunt.curves["outer"][..., 0]) == pytest.approx(0.3, abs=1e-4)
+    assert np.ptp(blunt.curves["outer"][..., 0]) == pytest.approx(0.3, abs=3e-4)
 
 
 @pytest.mark.parametrize(
@@ -256,7 +256,8 @@ def test_blunt_trailing_edge_is_kept() -> None:
     [
         ({"skin": 0.025}, "skin_rear = 0.025: leaves no hollow"),
         ({"webs": [0.3, 0.98]}, "webs: the last one lies behind"),
-        ({"skin": 0.012, "webs": [0.05, 0.5], "skin_rear": 0.001}, "too thick for the nose"),
+        ({"skin": 0.012, "webs": [0.03, 0.5], "skin_rear": 0.001}, "webs: .* no room"),
+        ({"skin": 0.012, "skin_rear": 0.001}, "skin_front = 0.012: too thick for the nose"),
     ],
 )
 def test_airfoils_that_cannot_be(change: dict[str, Any], message: str) -> None:
@@ -266,7 +267,7 @@ def test_airfoils_that_cannot_be(change: dict[str, Any], message: str) -> None:
 
 # A quarter of a ring, inner radius 1, outer 2: two regions, the outer arc named.
 RING = """
-DefineConstant[ n = {4}, Name "Parameters/n"} ];
+DefineConstant[ n = {4, Name "Parameters/n"} ];
 Mesh.ElementOrder = ORDER;
 Mesh.SecondOrderIncomplete = INCOMPLETE;
 Point(1) = {0, 0, 0};
