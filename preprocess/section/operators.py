@@ -44,16 +44,15 @@ class SectionOperators:
 
     def _blocks_of_points(self, C: Array) -> Array:
         """Element matrices (c, k^2, 9) where every point has its stiffness, (c, q, 6, 6)."""
-        gradients, weights = self.space.gradients[self._cells], self.space.weights[self._cells]
+        gradients = self.space.gradients[self._cells]
+        weighted = self.space.weighted_gradients[self._cells]
         c, q, _, k = gradients.shape
         blocks = np.empty((c, k, 9 * k))
         for first in range(0, c, AT_A_TIME):
             some = slice(first, first + AT_A_TIME)
-            slopes = gradients[some]
-            # stress in direction alpha at a point from each node's displacement
-            stress = np.swapaxes(slopes, 2, 3)[:, :, None] @ _by_slopes(C[some])
-            left = (weights[some, :, None, None] * slopes).reshape(-1, 2 * q, k)
-            blocks[some] = np.swapaxes(left, 1, 2) @ stress.reshape(-1, 2 * q, 9 * k)
+            # stress in direction alpha at a point from the displacement of each node
+            stress = np.swapaxes(gradients[some], 2, 3)[:, :, None] @ _by_slopes(C[some])
+            blocks[some] = weighted[some] @ stress.reshape(-1, 2 * q, 9 * k)
         return blocks.reshape(c, k * k, 9)
 
 
@@ -69,9 +68,8 @@ def slope_products(space: SectionSpace, cells: slice) -> Array:
 
     Row k i + j is the pair of nodes, column 2 alpha + beta.
     """
-    slopes = space.gradients[cells]
-    c, q, _, k = slopes.shape
-    right = slopes.reshape(c, q, 2 * k)
-    left = (slopes * space.weights[cells, :, None, None]).reshape(c, q, 2 * k)
-    products = np.swapaxes(left, 1, 2) @ right  # (c, alpha i, beta j)
-    return products.reshape(c, 2, k, 2, k).transpose(0, 2, 4, 1, 3).reshape(c, k * k, 4)
+    c, q, _, k = space.gradients[cells].shape
+    slopes = space.gradients[cells].reshape(c, q, 2 * k)
+    left = space.weighted_gradients[cells].reshape(c, k, q, 2).swapaxes(2, 3)
+    products = left.reshape(c, 2 * k, q) @ slopes  # (c, i alpha, beta j)
+    return products.reshape(c, k, 2, 2, k).transpose(0, 1, 4, 2, 3).reshape(c, k * k, 4)
