@@ -27,8 +27,7 @@ def plain_from_model(where: str, gdim: int = 2) -> PlainMesh:
     Raises
     ------
     MeshError : solid cells, cells of several kinds or of a degree above 2, surfaces in no or in
-        two physical groups, groups without cells or of the same name, nodes outside the plane
-        z = 0 if gdim is 2.
+        two physical groups, groups without cells, nodes outside the plane z = 0 if gdim is 2.
     """
     _check_kinds(where)
     tags, every = _nodes()
@@ -83,15 +82,8 @@ def _check_kinds(where: str) -> None:
 def _surface_groups(where: str) -> dict[str, list[int]]:
     """Physical surfaces by name (the number of one without name), and their entities."""
     groups: dict[str, list[int]] = {}
-    numbers: dict[str, int] = {}
     for _, tag in gmsh.model.getPhysicalGroups(2):
         name = gmsh.model.getPhysicalName(2, tag) or str(tag)
-        if name in groups:
-            raise MeshError(
-                f"{where}: two physical surfaces, {numbers[name]} and {tag}, are named {name!r}: "
-                "give each region a name of its own"
-            )
-        numbers[name] = tag
         groups[name] = [int(entity) for entity in gmsh.model.getEntitiesForPhysicalGroup(2, tag)]
     if not groups:
         raise MeshError(

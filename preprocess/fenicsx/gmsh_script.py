@@ -2,6 +2,7 @@
 
 import inspect
 import json
+import re
 import subprocess
 import sys
 import tempfile
@@ -56,38 +57,48 @@ def run_script(path: Path, parameters: Parameters, *, refine: int = 0, gdim: int
     ------
     MeshError : missing file, unknown parameter, gmsh error, a model that is no mesh of regions.
     """
-    global _spoiled
     if not path.is_file():
         raise MeshError(f"{path}: no such gmsh script")
     text = path.read_text(encoding="utf-8", errors="replace")
     for key in parameters:
         if f'"Parameters/{key}"' not in text:
             raise MeshError(f"{path}: the script has no parameter {key}")
-    if not _spoiled:
-        with gmsh_session():
+    with gmsh_session():
+        gmsh.clear()
+        try:
+            generate(str(path), parameters)
+        except Exception as error:  # gmsh raises bare Exception or ValueError
+            _flush_parser()
+            if "Redefinition of function" not in str(error):
+                raise MeshError(f"{path}: gmsh: {error}") from error
+        else:
+            plain = plain_from_model(str(path), gdim)
+            if refine:
+                plain = _refined(plain, all_lines(gdim), refined_curve_nodes(refine), refine)
             gmsh.clear()
-            try:
-                generate(str(path), parameters)
-            except Exception as error:  # gmsh raises bare Exception or ValueError
-                _spoiled = "syntax error" in str(error)
-                if "Redefinition of function" not in str(error):
-                    raise MeshError(f"{path}: gmsh: {error}") from error
-            else:
-                plain = plain_from_model(str(path), gdim)
-                if refine:
-                    plain = _refined(plain, all_lines(gdim), refined_curve_nodes(refine), refine)
-                gmsh.clear()
-                return plain
+            return plain
+    # gmsh reads a script with a Macro once in a process, because the name stays taken
     return _run_alone(path, parameters, refine, gdim)
 
 
-# A script with a syntax error leaves its rest in gmsh's parser, for the next one to stumble over;
-# and one with a Macro can be read once in a process, because the name stays taken. Both then run
-# in a process of their own.
-_spoiled = False
+def _flush_parser() -> None:
+    """Get rid of what a faulty script left in gmsh's parser, for the next one to stumble over.
+
+    Every attempt to read an empty script takes away what is left up to the next mistake.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        empty = Path(folder) / "empty.geo"
+        empty.write_text("\n")
+        for _ in range(100):
+            try:
+                gmsh.merge(str(empty))
+            except Exception:  # gmsh raises bare Exception or ValueError
+                continue
+            return
 
 
 def _run_alone(path: Path, parameters: Parameters, refine: int, gdim: int) -> PlainMesh:
+    """`run_script` by a process of its own."""
     with tempfile.TemporaryDirectory() as folder:
         mesh, nodes = Path(folder) / "mesh.msh", Path(folder) / "nodes.npy"
         numbers = json.dumps({key: np.asarray(v).tolist() for key, v in parameters.items()})
@@ -141,6 +152,7 @@ def open_mesh(path: Path, *, gdim: int = 2) -> PlainMesh:
     """
     if not path.is_file():
         raise MeshError(f"{path}: no such mesh file")
+    _check_names(path)
     with gmsh_session():
         gmsh.clear()
         try:
@@ -150,3 +162,20 @@ def open_mesh(path: Path, *, gdim: int = 2) -> PlainMesh:
         plain = plain_from_model(str(path), gdim)
         gmsh.clear()
     return plain
+
+
+_NAMES = re.compile(rb"\$PhysicalNames\s(.*?)\$EndPhysicalNames", re.DOTALL)
+_SURFACE = re.compile(rb'^\s*2\s+(\d+)\s+"(.*)"\s*$', re.MULTILINE)
+
+
+def _check_names(path: Path) -> None:
+    """Two groups of one name: gmsh would drop the second name without a word."""
+    block = _NAMES.search(path.read_bytes())  # text in binary files too
+    numbers: dict[bytes, bytes] = {}
+    for number, name in _SURFACE.findall(block[1]) if block else []:
+        if name in numbers:
+            raise MeshError(
+                f"{path}: two physical surfaces, {numbers[name].decode()} and {number.decode()}, "
+                f"are named {name.decode('utf-8', 'replace')!r}: give each region a name of its own"
+            )
+        numbers[name] = number

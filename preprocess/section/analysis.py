@@ -9,7 +9,7 @@ from ...solver.package.section import SectionFile
 from .. import fenicsx
 from .errors import SectionError
 from .estimate import error_estimate, scaled
-from .guards import check_degree
+from .guards import check_degree, solvability_warnings
 from .inertia import mass_centre, mass_matrix
 from .layers import Layup, layup
 from .mesh_data import mesh_data, nodal_displacements
@@ -69,6 +69,7 @@ def analyse(
         warnings = [*problem.mesh.warnings, *lay.warnings, *check_degree(problem.space, lay, where)]
         tell(f"warping, {problem.space.n_dof} dofs")
         result = _solve(problem, lay, where)
+        warnings += solvability_warnings(result)
         error = None
         if estimate or accuracy is not None:
             tell("error estimate")

@@ -77,22 +77,22 @@ def section_mesh(spec_mesh: Mapping[str, Any], where: str, *, refine: int = 0) -
     path = _source(spec_mesh, where)
     content = hashlib.sha256(path.read_bytes()).hexdigest()
     table = json.dumps(spec_mesh, sort_keys=True, separators=(",", ":"))
-    return _made(table, str(path), content, where, refine)
+    try:
+        return _made(table, str(path), content, refine)
+    except (fenicsx.MeshError, SectionError) as error:
+        raise SectionError(f"{where}: {error}") from error
 
 
 @lru_cache(maxsize=KEPT)
-def _made(table: str, file: str, content: str, where: str, refine: int) -> SectionMesh:
+def _made(table: str, file: str, content: str, refine: int) -> SectionMesh:
     spec, path = json.loads(table), Path(file)
     del content  # it makes another entry when the file has changed
-    try:
-        plain = _read(spec, path, refine)
-    except fenicsx.MeshError as error:
-        raise SectionError(f"{where}: {error}") from error
+    plain = _read(spec, path, refine)
     scale = float(spec.get("scale", 1.0))
     if scale != 1.0:
         curves = {name: scale * lines for name, lines in plain.curves.items()}
         plain = replace(plain, points=scale * plain.points, curves=curves)
-    plain, warnings = checked(plain, f"{where}: {path}")
+    plain, warnings = checked(plain, str(path))
     return SectionMesh(fenicsx.labelled_mesh(plain), plain.curves, tuple(warnings))
 
 
@@ -179,6 +179,8 @@ def _arrays(path: Path) -> PlainMesh:
             curves[str(curve)] = data["points"][lines].astype(float)
     regions = tuple(str(region) for region in data["region_names"])
     region = data["region"].astype(np.int64)
+    if len(set(regions)) < len(regions):
+        raise fenicsx.MeshError(f"{path}: region_names = {list(regions)}: expected each name once")
     empty = np.setdiff1d(np.arange(len(regions)), region)
     if empty.size:
         raise fenicsx.MeshError(f"{path}: region {regions[empty[0]]!r} has no cells")

@@ -18,8 +18,9 @@ from .pattern import Pattern
 # Row of the strain (11, 22, 33, 23, 13, 12) that each derivative d w_a / d x_alpha enters,
 # in the order (a, alpha) = 1,2  1,3  2,2  2,3  3,2  3,3; and that each w_a' enters.
 IN_SECTION = [5, 4, 1, 3, 3, 2]
-BY_SLOPE = np.reshape(IN_SECTION, (3, 2)).T  # the same as (alpha, a)
 ALONG_BEAM = [0, 5, 4]
+BY_SLOPE = [5, 1, 3, 4, 3, 2]  # IN_SECTION in the order 3 alpha + a
+SLOPE = [0, 1, 5, 4, 3, 0]  # the other way round: row 11 has none, row 23 has another one
 
 
 class SectionSpace:
@@ -122,10 +123,10 @@ class SectionSpace:
         """G_h W at the points, (c, q, 6, m), for displacement columns W (n_dof, m)."""
         c, q = self.weights.shape
         slope = self.gradients.reshape(c, 2 * q, -1) @ self._of_cells(W)
-        slope = slope.reshape(c, q, 2, 3, -1)
-        strain = np.zeros((c, q, 6, slope.shape[-1]))
-        for a, alpha in np.ndindex(3, 2):
-            strain[:, :, BY_SLOPE[alpha, a]] += slope[:, :, alpha, a]
+        slope = slope.reshape(c, q, 6, -1)  # rows 3 alpha + a
+        strain = np.take(slope, SLOPE, axis=2)
+        strain[:, :, 0] = 0.0
+        strain[:, :, 3] += slope[:, :, 2]  # d w3 / d x2
         return strain
 
     def strain_along_beam(self, W: Array) -> Array:
@@ -138,12 +139,12 @@ class SectionSpace:
         """Integral of (G_h w)' stress for each unknown of w, (n_dof, m), stress (c, q, 6, m)."""
         c, q, _, m = stress.shape
         # rows (q, alpha), columns (a, m): the stress that works on d w_a / d x_alpha
-        partner = stress[:, :, BY_SLOPE].reshape(c, 2 * q, 3 * m)
+        partner = np.take(stress, BY_SLOPE, axis=2).reshape(c, 2 * q, 3 * m)
         return self._sum(self.weighted_gradients @ partner)
 
     def load_along_beam(self, stress: Array) -> Array:
         """Integral of (G_l w)' stress for each unknown of w, (n_dof, m), stress (c, q, 6, m)."""
-        return self.load(stress[:, :, ALONG_BEAM])
+        return self.load(np.take(stress, ALONG_BEAM, axis=2))
 
     def load(self, traction: Array) -> Array:
         """Integral of w . traction for each unknown of w, (n_dof, m), traction (c, q, 3, m)."""
