@@ -84,11 +84,10 @@ def test_a_little_work_on_a_rigid_motion_is_told(off_axis: Solved) -> None:
     assert solvability_warnings(result) == []
     space, solver = problem.space, WarpingSolver(problem.space)
     solver.factorise(problem.operators.E(C))
-    load = space.load(space.at_points(space.displacements((1, 0, 0), (space.x2, 0, 0))))
-    balanced = (
-        load[:, 1:] - load[:, :1] * (solver.rigid.T @ load)[0, 1] / ((solver.rigid.T @ load)[0, 0])
-    )
-    solver.solve(balanced + 1e-8 * load[:, :1], float(np.linalg.norm(balanced)))
+    fields = space.displacements((1, 0, 0), (space.x2, 0, 0))
+    push, balanced = space.load(space.at_points(fields)).T[:, :, None]
+    size = float(np.linalg.norm(balanced))
+    solver.solve(balanced + 1e-8 * size / np.linalg.norm(push) * push, size)
     (warning,) = solvability_warnings(replace(result, solvability=solver.solvability))
     assert warning["code"] == "few-digits"
 
