@@ -1,6 +1,7 @@
-"""Time of a cross-section: against one factorisation of its matrix, in a batch, from a cold start.
+r"""Time of a cross-section: against one factorisation of its matrix, in a batch, from a cold start.
 
-. build/fenicsx.env && PYTHONPATH=. "$FENICSX_PYTHON" benchmarks/section_speed.py [--json FILE]
+. build/fenicsx.env && PYTHONPATH=.:tests "$FENICSX_PYTHON" \
+    benchmarks/section_speed.py [--json FILE]
 
 Times are seconds of processor on one core, which other work on the machine disturbs least. What
 is compared runs in turns, and medians are printed.

@@ -31,6 +31,7 @@ class Cholesky:
         A = sorted_csr(A)
         self.A = sp.csr_matrix((A.data.copy(), A.indices, A.indptr), shape=A.shape)
         self._team = team
+        self._checked = False
         self._rows = team.share(A.shape[0])
         self._csr = self._own_rows()
         rows = np.repeat(np.arange(A.shape[0], dtype=A.indices.dtype), np.diff(A.indptr))

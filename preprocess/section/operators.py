@@ -26,23 +26,21 @@ class SectionOperators:
     def __init__(self, space: SectionSpace, team: fenicsx.Team = fenicsx.ALONE) -> None:
         self.space, self.team = space, team
         self._cells = team.share(space.n_cell) if team.size > 1 else EVERY
-        self._whole: Array | None = None
+        self._products: sp.csr_matrix | None = None
 
     def E(self, C: Array) -> sp.csr_matrix:
         """<G_h, C G_h> [Pa] for C (c, 1, 6, 6), constant in each cell, or (c, q, 6, 6) [Pa]."""
-        own = C[self._cells]
-        blocks = self._blocks(own[:, 0]) if own.shape[1] == 1 else self._blocks_of_points(own)
-        data = self.space.pattern.data(blocks, self._cells)
-        return self.space.pattern.matrix(self.team.total(data))
+        own, pattern = C[self._cells], self.space.pattern
+        if own.shape[1] > 1:
+            data = pattern.data(self._blocks(own), self._cells)
+        else:  # one stiffness for each cell: all that is of the mesh alone is one sparse matrix
+            if self._products is None:
+                products = slope_products(self.space, self._cells)
+                self._products = pattern.summed(products, self._cells)
+            data = pattern.ordered(self._products @ _by_slopes(own[:, 0]).reshape(-1, 9))
+        return pattern.matrix(self.team.total(data))
 
     def _blocks(self, C: Array) -> Array:
-        """Element matrices (c, k^2, 9) of cells that have one stiffness each, (c, 6, 6)."""
-        if self._whole is None:
-            self._whole = slope_products(self.space, self._cells)
-        columns = _by_slopes(C).reshape(-1, 4, 9)
-        return np.asarray(self._whole @ columns)
-
-    def _blocks_of_points(self, C: Array) -> Array:
         """Element matrices (c, k^2, 9) where every point has its stiffness, (c, q, 6, 6)."""
         gradients = self.space.gradients[self._cells]
         weighted = self.space.weighted_gradients[self._cells]
