@@ -51,10 +51,10 @@ def solved(name):
     seconds = []
     for _ in range(REPEATS):
         section = Section(geometry)
-        start = time.perf_counter()
+        start = time.process_time()
         section.calculate_geometric_properties()
         section.calculate_warping_properties()
-        seconds.append(time.perf_counter() - start)
+        seconds.append(time.process_time() - start)
     shear = section.get_eas(e_ref=m["E"])
     return {
         "J": float(section.get_ej()) / m["E"],

@@ -135,4 +135,4 @@ def _estimate(
     degree = problem.space.degree + 1
     richer = section_problem(spec["mesh"], where, degree, refine, problem.team)
     lay = layup(spec, richer.mesh, richer.space, where)
-    return error_estimate(K, _solve(richer, lay, where).K)
+    return error_estimate(K, _solve(richer, lay, where).K, problem.space.degree)
