@@ -25,12 +25,13 @@ LIGHT := $(VENV)/installed
 FENICSX := build/fenicsx.env
 FE_PYTHON = . ./$(FENICSX) && PYTHONPATH=. "$$FENICSX_PYTHON"
 
-PREPROCESS_SOURCES := $(shell find preprocess meshes -name '*.py' -o -name '*.geo')
+PREPROCESS_SOURCES := $(shell find preprocess meshes -name '*.py' -o -name '*.geo' -o -name '*.dat')
 SOLVER_SOURCES := $(shell find solver -name '*.py')
 PACKAGE_SOURCES := $(filter solver/package/% solver/rotations.py,$(SOLVER_SOURCES))
 HOT_SOURCES := $(shell grep -lE '@jit|NamedTuple' -r solver --include='*.py')
 REPORT_SOURCES := $(filter solver/report% solver/results%,$(SOLVER_SOURCES))
-RUN_SOURCES := $(filter-out solver/report% solver/case%,$(SOLVER_SOURCES))
+SECTION_SOURCES := $(filter solver/section% solver/input% solver/strength%,$(SOLVER_SOURCES))
+RUN_SOURCES := $(filter-out solver/report% solver/case% solver/input% solver/section%,$(SOLVER_SOURCES))
 
 ##@ Set-up
 
@@ -57,7 +58,12 @@ endif
 endif
 export FENICSX_PYTHON
 
-FENICSX_TOOLS := $(addprefix tools/,find_fenicsx.py fenicsx_sources.py fenicsx_probe.py interpreters.py)
+# Asked for by name: look again, the recorded one may have lost a library.
+ifneq ($(filter fenicsx,$(MAKECMDGOALS)),)
+$(FENICSX): FORCE
+endif
+FENICSX_TOOLS := $(addprefix tools/,find_fenicsx.py fenicsx_sources.py interpreters.py) \
+    $(addprefix solver/section/,interpreter.py fenicsx_probe.py)
 $(FENICSX): $(FENICSX_TOOLS) | $(LIGHT)
 	@$(PY) tools/find_fenicsx.py $@
 
@@ -136,6 +142,36 @@ $(2)/report.html: $(2)/case.mk $$(SUMMARIES_$(1)) $$(REPORT_SOURCES)
 endef
 $(foreach case,$(ASKED),$(eval $(call CASE_RULES,$(case),$(call out,$(case)))))
 
+##@ Cross-sections
+
+# make sections         all of cases/sections in one batch: build/sections/summary.csv
+# make section-<name>   one of them, with figures: build/sections/<name>/
+SECTIONS := $(patsubst cases/sections/%.toml,%,$(wildcard cases/sections/*.toml))
+SECTION_FOLDER := build/sections
+SECTION_FILES := $(foreach name,$(SECTIONS),$(SECTION_FOLDER)/$(name)/$(name).vtkhdf)
+SECTION_INPUTS := $(wildcard cases/sections/*) $(PREPROCESS_SOURCES) $(PACKAGE_SOURCES) \
+    $(SECTION_SOURCES)
+SECTION := $(PY) -m plymotion.solver section --out $(SECTION_FOLDER)
+
+.PHONY: sections $(addprefix section-,$(SECTIONS))
+sections: $(SECTION_FOLDER)/summary.csv ## Analyse every cross-section of cases/sections
+	@echo "sections: $<"
+
+# The batch leaves alone what is up to date by content; a file that is gone is made again.
+ifneq ($(filter-out $(wildcard $(SECTION_FILES)),$(SECTION_FILES)),)
+$(SECTION_FOLDER)/summary.csv: FORCE
+endif
+$(SECTION_FOLDER)/summary.csv: $(SECTION_INPUTS) $(FENICSX) $(LIGHT)
+	$(SECTION) --batch cases/sections --jobs $$(nproc)
+
+$(addprefix section-,$(SECTIONS)): section-%: $(SECTION_FOLDER)/%.txt
+	@cat $<
+
+$(SECTION_FOLDER)/%.txt: cases/sections/%.toml $(SECTION_INPUTS) $(FENICSX) $(LIGHT)
+	@mkdir -p $(@D)
+	$(SECTION) $< > $@.part
+	@mv $@.part $@
+
 ##@ Tests
 
 .PHONY: test
@@ -168,10 +204,10 @@ test-fe: $(LIGHT) ## FE tests on the distribution's DOLFINx and on the wheel, nu
 	$(PY) tools/fe_tests.py
 
 .PHONY: test-cases
-test-cases: ## Every case in its coarse version, from mesh to report
-	$(if $(CASES),$(MAKE) COARSE=1 $(CASES),@echo "there is no case in cases/"; exit 1)
+test-cases: ## Every case in its coarse version, and every cross-section
+	$(if $(CASES),$(MAKE) COARSE=1 $(CASES) sections,@echo "there is no case in cases/"; exit 1)
 	@# Asked again, make must find nothing to do.
-	! $(MAKE) COARSE=1 $(CASES) | grep 'plymotion\.[a-z]* '
+	! $(MAKE) COARSE=1 $(CASES) sections | grep 'plymotion\.[a-z]* '
 
 .PHONY: ship
 ship: ## Copy the packages of every case to tests/packages, for use without FEniCSx
@@ -183,10 +219,12 @@ ship: ## Copy the packages of every case to tests/packages, for use without FEni
 ##@ Documents and cleaning
 
 .PHONY: docs
-docs: $(LIGHT) ## Regenerate docs/equations.md and docs/case-reference.md
+docs: $(LIGHT) ## Regenerate docs/equations.md, case-reference.md, section-description.md
 	$(PY) tools/equations.py docs/equations.md
 	$(PY) -m plymotion.solver check --reference > docs/case-reference.md.part
 	mv docs/case-reference.md.part docs/case-reference.md
+	$(PY) -m plymotion.solver.section.reference > docs/section-description.md.part
+	mv docs/section-description.md.part docs/section-description.md
 
 .PHONY: clean
 clean: ## Remove everything that was built, not the environments
@@ -208,6 +246,9 @@ help: ## This list
 	@echo "  make <case> PACKAGES=shipped with the packages of the repository, without FEniCSx"
 	@echo "  make <case> COARSE=1         a small version, in build/<case>-coarse"
 	@echo "  make -j2 ...                 two steps at a time"
+	@echo
+	@echo "Cross-sections: $(or $(SECTIONS),none yet)"
+	@echo "  make section-<name>          numbers and figures of one, in build/sections/<name>"
 
 .PHONY: FORCE
 FORCE:

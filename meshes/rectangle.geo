@@ -1,34 +1,33 @@
-// Rectangular cross-section: x = x2 (width), y = x3 (height), centred at the origin.
-// Nine-node quadrilaterals in rows and columns, closer together towards the edges, where the
-// stresses of an anisotropic section are singular. Opens in the gmsh window as it is.
+// Rectangular cross-section: x = x2 (width), y = x3 (height), centred at the origin. Nine-node
+// quadrilaterals in rows and columns. Opens in the gmsh window as it is.
 
 DefineConstant[
-  width = {0.06, Min 0, Name "Parameters/width"},            // along x2 [m]
-  height = {0.015, Min 0, Name "Parameters/height"},         // along x3 [m]
-  elements_2 = {16, Min 1, Step 1, Name "Parameters/elements_2"},  // along the width
-  elements_3 = {8, Min 1, Step 1, Name "Parameters/elements_3"},   // along the height
-  grading = {0.5, Min 0, Max 1, Name "Parameters/grading"}   // 0: equal, 1: cosine spacing
+  width = {0.06, Min 0, Name "Parameters/width"},    // along x2 [m]
+  height = {0.015, Min 0, Name "Parameters/height"}, // along x3 [m]
+  // ends of the columns, fractions of the width from the left edge
+  columns() = {{0.02, 0.07, 0.15, 0.26, 0.38, 0.5, 0.62, 0.74, 0.85, 0.93, 0.98, 1},
+    Name "Parameters/columns"},
+  // ends of the rows, fractions of the height from the top
+  rows() = {{0.06, 0.2, 0.4, 0.6, 0.8, 0.94, 1}, Name "Parameters/rows"}
 ];
 
 Mesh.ElementOrder = 2;
 Mesh.SecondOrderIncomplete = 0;
 
-// Ends of the rows and columns as fractions: given as layers they are exact in every gmsh.
-rows[] = {}; row_ends[] = {};
-For i In {1:elements_3}
-  s = i / elements_3;
-  rows[] += 1; row_ends[] += (1 - grading) * s + grading * (1 - Cos(Pi * s)) / 2;
+one_column[] = {};
+For i In {1:#columns[]}
+  one_column[] += 1;
 EndFor
-columns[] = {}; column_ends[] = {};
-For i In {1:elements_2}
-  s = i / elements_2;
-  columns[] += 1; column_ends[] += (1 - grading) * s + grading * (1 - Cos(Pi * s)) / 2;
+one_row[] = {};
+For i In {1:#rows[]}
+  one_row[] += 1;
 EndFor
 
-Point(1) = {-width / 2, -height / 2, 0};
-side[] = Extrude {0, height, 0} { Point{1}; Layers{ rows[], row_ends[] }; };
+// Extruded layers end at the given fractions exactly.
+Point(1) = {-width / 2, height / 2, 0};
+side[] = Extrude {0, -height, 0} { Point{1}; Layers{ one_row[], rows[] }; };
 face[] = Extrude {width, 0, 0} {
-  Line{side[1]}; Layers{ columns[], column_ends[] }; Recombine;
+  Line{side[1]}; Layers{ one_column[], columns[] }; Recombine;
 };
 
 Physical Surface("section") = {face[1]};

@@ -5,7 +5,9 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-EPILOG = """\
+from ..solver.package.shares import shard
+
+BODY_EPILOG = """\
 Each SPEC.json becomes DIR/SPEC.vtkhdf, a modal package. A package whose stored
 inputs (specification, preprocessor sources, format version) are the same is
 left alone, so that make repeats no run that reads it.
@@ -13,10 +15,46 @@ left alone, so that make repeats no run that reads it.
 exit code: 0 all packages are there; 2 a body could not be built (the others
 were); 130 interrupted.
 """
+SECTION_EPILOG = """\
+Each SPEC.json becomes SPEC.vtkhdf, a section file. A file whose stored inputs
+(specification, options, preprocessor sources, format version) are the same is
+left alone. @LIST stands for the lines of the file LIST; SPEC `-` alone reads
+the names from standard input and answers each at once.
+
+{ranks}
+
+exit code: 0 all files are there; 2 a section could not be analysed (the others
+were); 130 interrupted.
+"""
+TOGETHER = """\
+`mpirun -n N python -m plymotion.preprocess section ...` works on one section
+after the other with all ranks; rank 0 writes and prints."""
+APART = """\
+Start it as
+    mpirun -n N python -m mpi4py.futures -m plymotion.preprocess section-batch ...
+Rank 0 hands out the sections and prints, every other rank makes one at a time
+and keeps meshes and factorisations for the next."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code."""
+    options = _parser().parse_args(arguments)
+    try:
+        return int(options.run(options))
+    except OSError as error:
+        print(f"error: {error.filename or ''}: {error.strerror or error}", file=sys.stderr)
+        return 2
+    except ImportError as error:
+        if not type(error).__module__.startswith("plymotion."):
+            raise
+        print(f"error: {error}", file=sys.stderr)  # FEniCSx is missing: it says what helps
+        return 2
+    except KeyboardInterrupt:
+        print("interrupted: files finished so far are kept", file=sys.stderr)
+        return 130
+
+
+def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="python -m plymotion.preprocess",
         description="From laminate, mesh and material to modal packages (needs FEniCSx).",
@@ -26,33 +64,82 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "body",
         help="build the modal packages of bodies",
         description="Build the modal packages of bodies: sections, modes, inertia.",
-        epilog=EPILOG,
+        epilog=BODY_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    body.add_argument(
-        "specs",
-        nargs="+",
-        type=Path,
-        metavar="SPEC.json",
-        help="specification of one body, as `python -m plymotion.solver check` writes it",
-    )
+    _add_specs(body, "specification of one body, as `plymotion check` writes it")
     body.add_argument(
         "--out-dir", type=Path, required=True, metavar="DIR", help="folder of the packages"
     )
-    body.add_argument(
+    body.set_defaults(run=_body)
+    for name, text, ranks in (
+        ("section", "analyse cross-sections", TOGETHER),
+        ("section-batch", "analyse many cross-sections over the ranks of an MPI job", APART),
+    ):
+        section = commands.add_parser(
+            name,
+            help=text,
+            description=f"{text[0].upper()}{text[1:]}: stiffness, mass, recovery of stresses.",
+            epilog=SECTION_EPILOG.format(ranks=ranks),
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+            fromfile_prefix_chars="@",
+        )
+        _add_specs(section, "specification of one section, as `plymotion section` writes it")
+        _add_section_options(section)
+        section.set_defaults(run=_section if name == "section" else _section_batch)
+    return parser
+
+
+def _add_specs(parser: argparse.ArgumentParser, text: str) -> None:
+    parser.add_argument("specs", nargs="+", type=Path, metavar="SPEC.json", help=text)
+    parser.add_argument(
         "--force", action="store_true", help="build also what has not changed since the last time"
     )
-    options = parser.parse_args(arguments)
-    try:
-        from .batch import build_all  # here, so that --help needs no FEniCSx
 
-        return build_all(options.specs, options.out_dir, force=options.force)
-    except OSError as error:
-        print(f"error: {error.filename or ''}: {error.strerror or error}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("interrupted: packages finished so far are kept", file=sys.stderr)
-        return 130
+
+def _add_section_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--out-dir", type=Path, metavar="DIR", help="folder of the files (default: beside SPEC)"
+    )
+    parser.add_argument(
+        "--accuracy",
+        type=float,
+        metavar="A",
+        help="refine until the estimated error of K, scaled by sqrt(Kii Kjj), is below A",
+    )
+    parser.add_argument("--no-estimate", action="store_true", help="no error estimate: quicker")
+    parser.add_argument(
+        "--shard", type=shard, default=(1, 1), metavar="k/N", help="only the k-th of N shares"
+    )
+    parser.add_argument(
+        "--json", action="store_true", help="tell of each section as one line of JSON"
+    )
+
+
+def _body(options: argparse.Namespace) -> int:
+    from .batch import build_all  # here, so that --help needs no HDF5
+    from .body_packages import BodyPackages
+
+    out_dir: Path = options.out_dir
+    out_dir.mkdir(parents=True, exist_ok=True)
+    return build_all(
+        BodyPackages(),
+        options.specs,
+        lambda spec: out_dir / f"{spec.stem}.vtkhdf",
+        force=options.force,
+    )
+
+
+def _section(options: argparse.Namespace) -> int:
+    from .section.run import run_sections
+
+    return run_sections(options, pool=False)
+
+
+def _section_batch(options: argparse.Namespace) -> int:
+    from .section.run import run_sections
+
+    return run_sections(options, pool=True)
 
 
 if __name__ == "__main__":

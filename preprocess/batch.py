@@ -1,52 +1,118 @@
-"""Many bodies in one process: imports, compiled forms and equal sections are shared."""
+"""Many specifications in one process: imports, compiled forms and equal meshes are shared.
+
+A `Product` (modal packages of bodies, section files) knows how one specification
+becomes a file; what is the same for all products is here: reading, leaving alone
+what is up to date, errors that do not stop the others, progress.
+"""
 
 import json
-import math
 import sys
 import time
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
-
-from ..solver.package.io import read_package, write_package
-from ..solver.package.schema import ModalPackage, PackageError
-from .fingerprint import fingerprint
+from typing import Any, Protocol
 
 USER_ERROR = 2
 
 
-def build_all(specs: Sequence[Path], out_dir: Path, *, force: bool = False) -> int:
-    """Build the package of every specification file; returns the exit code.
+class BatchError(Exception):
+    """A specification that cannot be read."""
 
-    One line of progress for every body on stdout, one line for every error on
-    stderr. A body that fails does not stop the others.
+
+class Product(Protocol):
+    """How one specification becomes one file."""
+
+    def unchanged(self, target: Path, spec: dict[str, Any]) -> bool:
+        """True if the target is a sound file made from these very inputs."""
+
+    def make(self, spec: dict[str, Any], target: Path) -> tuple[str, Sequence[dict[str, str]]]:
+        """Write the target; returns what to tell of it, and its coded warnings."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of one specification."""
+
+    spec: str
+    file: str
+    status: str  # "built", "unchanged", "failed"
+    seconds: float
+    text: str = ""  # in words, of a file that was built
+    warnings: tuple[dict[str, str], ...] = ()  # {"code", "message"}
+    error: str = ""  # in one line
+    defect: str = ""  # traceback of an error that is none of the user's
+
+
+def build(product: Product, path: Path, target: Path, *, force: bool = False) -> Outcome:
+    """Make the file of one specification; an error becomes part of the outcome.
+
+    Raises
+    ------
+    ImportError : FEniCSx is missing, which no other specification would survive.
+    """
+    start = time.perf_counter()
+
+    def outcome(status: str, **more: Any) -> Outcome:
+        seconds = time.perf_counter() - start
+        return Outcome(str(path), str(target), status, seconds, **more)
+
+    try:
+        spec = _read(path)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        if not force and product.unchanged(target, spec):
+            return outcome("unchanged")
+        text, warnings = product.make(spec, target)
+        return outcome("built", text=text, warnings=tuple(warnings))
+    except ImportError:
+        raise
+    except Exception as error:
+        defect = "" if _is_user_error(error) else traceback.format_exc()
+        line = " ".join(str(error).split()) or type(error).__name__
+        return outcome("failed", error=line, defect=defect)
+
+
+def build_all(
+    product: Product,
+    specs: Sequence[Path],
+    target_of: Callable[[Path], Path],
+    *,
+    force: bool = False,
+    tell: "Callable[[Outcome, str], None] | None" = None,
+) -> int:
+    """Make the file of every specification, one after the other; returns the exit code.
 
     Parameters
     ----------
-    specs : JSON files, one body each
-    out_dir : the packages become out_dir/<stem>.vtkhdf
+    specs : JSON files
+    target_of : the file that a specification becomes
     force : build also what has not changed
+    tell : what to do with each outcome and its place in the list ("3/14"); `tell_text` by default
     """
-    out_dir.mkdir(parents=True, exist_ok=True)
+    tell = tell or tell_text
     code = 0
     for count, path in enumerate(specs, start=1):
-        label = f"[{count}/{len(specs)}] {path.stem}"
-        try:
-            spec = _read(path)
-            target = out_dir / f"{path.stem}.vtkhdf"
-            if not force and _unchanged(target, spec):
-                print(f"{label}: unchanged", flush=True)
-                continue
-            print(f"{label}: {_build(spec, target)}", flush=True)
-        except Exception as error:
+        outcome = build(product, path, target_of(path), force=force)
+        tell(outcome, f"{count}/{len(specs)}")
+        if outcome.status == "failed":
             code = USER_ERROR
-            if not _is_user_error(error):
-                traceback.print_exc()
-                print("this is a defect of the preprocessor, not of the input:", file=sys.stderr)
-            text = " ".join(str(error).split()) or type(error).__name__
-            print(f"error: {path}: {text}", file=sys.stderr, flush=True)
     return code
+
+
+def tell_text(outcome: Outcome, place: str) -> None:
+    """One line of progress on stdout; warnings and errors, a line each, on stderr."""
+    name = Path(outcome.file).stem
+    for warning in outcome.warnings:
+        text = f"warning: {name}: {warning['code']}: {warning['message']}"
+        print(text, file=sys.stderr, flush=True)
+    if outcome.status != "failed":
+        print(f"[{place}] {name}: {outcome.text or outcome.status}", flush=True)
+        return
+    if outcome.defect:
+        print(outcome.defect, end="", file=sys.stderr)
+        print("this is a defect of the preprocessor, not of the input:", file=sys.stderr)
+    print(f"error: {outcome.spec}: {outcome.error}", file=sys.stderr, flush=True)
 
 
 def _is_user_error(error: Exception) -> bool:
@@ -59,47 +125,12 @@ def _is_user_error(error: Exception) -> bool:
 
 
 def _read(path: Path) -> dict[str, Any]:
-    from .beam.spec import SpecError
-
     try:
         spec = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError as error:
-        raise SpecError("no such file") from error
+        raise BatchError("no such file") from error
     except (json.JSONDecodeError, UnicodeDecodeError) as error:
-        raise SpecError(f"not JSON: {error}") from error
+        raise BatchError(f"not JSON: {error}") from error
     if not isinstance(spec, dict):
-        raise SpecError(f"expected a JSON object, found {type(spec).__name__}")
+        raise BatchError(f"expected a JSON object, found {type(spec).__name__}")
     return spec
-
-
-def _unchanged(target: Path, spec: dict[str, Any]) -> bool:
-    """True if the target is a sound package made from these very inputs."""
-    if not target.exists():
-        return False
-    try:
-        stored = read_package(target).provenance.get("fingerprint")
-    except PackageError:
-        return False  # damaged or older: made anew
-    return stored == fingerprint(spec)
-
-
-def _build(spec: dict[str, Any], target: Path) -> str:
-    from .body import build_body
-
-    start = time.perf_counter()
-    package = build_body(spec)
-    write_package(target, package)
-    for warning in package.provenance["warnings"]:
-        text = f"warning: {target.stem}: {warning['code']}: {warning['message']}"
-        print(text, file=sys.stderr, flush=True)
-    return _summary(package, time.perf_counter() - start)
-
-
-def _summary(package: ModalPackage, total: float) -> str:
-    seconds, dofs = package.provenance["seconds"], package.provenance["dofs"]
-    hertz = package.frequencies / (2.0 * math.pi)
-    span = f", {hertz[0]:.4g} to {hertz[-1]:.4g} Hz" if len(hertz) else ""
-    return (
-        f"section {seconds['section']:.2f} s, modes {seconds['modes']:.2f} s, "
-        f"{dofs['section']} dofs ({total:.2f} s in all; {package.n_mode} modes{span})"
-    )

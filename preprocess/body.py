@@ -2,7 +2,7 @@
 
     {"body": "arm", "kind": "beam", "length": 0.545, "elements": 16,
      "x2_axis": [0, 1, 0],                       section's x2 in body axes
-     "section": {...},                           see section.analyse
+     "section": {...},                           see section/analysis.py
      "mass_form": "consistent",                  or "lumped": of modes and invariants
      "reference": {"kind": "clamped", "at": "root"},
      "modes": [{"kind": "bending-xy", "count": 4}],
@@ -19,12 +19,17 @@ from datetime import UTC, datetime
 from typing import Any
 
 from .. import __version__
+from ..solver.package.recovery_data import thinned
 from ..solver.package.schema import ModalPackage, SectionData
+from ..solver.package.section import SectionFile
 from .beam.body import beam_model, beam_modes, beam_package, mesh_warnings
 from .beam.spec import SpecError, read_spec
 from .fenicsx import eigenpairs, versions
 from .fingerprint import canonical, fingerprint
-from .section import SectionResult, analyse
+from .section import analyse
+
+# Stresses of a package are recovered at the points of this rule: four in a quadrilateral.
+RECOVERY_DEGREE = 3
 
 
 def build_body(spec: dict[str, Any]) -> ModalPackage:
@@ -67,26 +72,43 @@ def build_body(spec: dict[str, Any]) -> ModalPackage:
         "case": spec.get("case"),
         "spec": spec,
         "ranks": 1,
-        "dofs": {"section": result.n_dof, "body": 6 * model.line.n_node},
+        "dofs": {"section": result.provenance["dofs"], "body": 6 * model.line.n_node},
         "seconds": {"section": after_section - start, "modes": after_modes - after_section},
-        "warnings": mesh_warnings(model, modes),
+        "warnings": [*result.warnings, *mesh_warnings(model, modes)],
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
     }
-    section = SectionData(name, result.K, result.M, toml_text(section_spec))
+    recovery = thinned(result.recovery)
+    section = SectionData(name, result.K, result.M, toml_text(section_spec), recovery)
     return beam_package(model, modes, section, provenance)
 
 
 @functools.lru_cache(maxsize=256)
-def _section(text: str) -> SectionResult:
+def _section(text: str) -> SectionFile:
     """Analyse a section once, however many bodies have it."""
-    return analyse(json.loads(text), where="section")
+    return analyse(
+        json.loads(text), where="section", estimate=False, recovery_degree=RECOVERY_DEGREE
+    )
 
 
 def toml_text(table: dict[str, Any], path: str = "") -> str:
     """Plain values, lists and tables as TOML, for the reader of a package."""
-    lines = [f"{key} = {json.dumps(v)}" for key, v in table.items() if not isinstance(v, dict)]
+    lines = [f"{_key(k)} = {_value(v)}" for k, v in table.items() if not isinstance(v, dict)]
     for key, value in table.items():
         if isinstance(value, dict):
-            name = f"{path}{key}"
+            name = f"{path}{_key(key)}"
             lines += [f"\n[{name}]", toml_text(value, f"{name}.").rstrip("\n")]
     return "\n".join(lines).lstrip("\n") + "\n"
+
+
+def _key(key: str) -> str:
+    bare = key.isascii() and key.replace("_", "").replace("-", "").isalnum()
+    return key if bare else json.dumps(key)
+
+
+def _value(value: Any) -> str:
+    """A value on one line: a table within a list is an inline one."""
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{_key(k)} = {_value(v)}" for k, v in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(_value(v) for v in value) + "]"
+    return json.dumps(value)

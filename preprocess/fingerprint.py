@@ -16,6 +16,7 @@ from ..solver.package.schema import FORMAT_VERSION
 # Who asked for the body says nothing about the body: a new integrator setting
 # in the case file must not rebuild its packages.
 NOT_INPUTS = ("inputs_sha256", "case")
+PLACES = ("file", "arrays")
 
 
 def canonical(table: Any) -> str:
@@ -25,9 +26,18 @@ def canonical(table: Any) -> str:
 
 def fingerprint(spec: dict[str, Any]) -> str:
     """SHA-256 of a body specification, the sources and the format version."""
-    content = {key: value for key, value in spec.items() if key not in NOT_INPUTS}
-    text = canonical([content, list(FORMAT_VERSION), _sources_sha256()])
+    text = canonical([_inputs(spec), list(FORMAT_VERSION), _sources_sha256()])
     return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _inputs(table: Any) -> Any:
+    """The part of a specification that is an input: a mesh counts by its content, not its place."""
+    if isinstance(table, list):
+        return [_inputs(value) for value in table]
+    if not isinstance(table, dict):
+        return table
+    left_out = (*NOT_INPUTS, *(PLACES if "sha256" in table else ()))
+    return {key: _inputs(value) for key, value in table.items() if key not in left_out}
 
 
 @functools.cache
@@ -35,9 +45,9 @@ def _sources_sha256() -> str:
     here = Path(__file__).resolve().parent
     files = {f"preprocess/{p.relative_to(here).as_posix()}": p for p in here.rglob("*.py")}
     for folder in (here.parent / "meshes", here.parent.parent / "meshes"):
-        files |= {f"meshes/{p.name}": p for p in folder.glob("*.geo")}
+        files |= {f"meshes/{p.name}": p for p in folder.glob("*.*") if p.suffix in (".geo", ".py")}
     package = here.parent / "solver" / "package"
-    for name in ("schema.py", "invariants.py"):
+    for name in ("schema.py", "invariants.py", "materials.py", "section.py", "recovery_data.py"):
         files[f"package/{name}"] = package / name
     digest = hashlib.sha256()
     for name in sorted(files):

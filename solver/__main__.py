@@ -1,4 +1,4 @@
-"""Command line: check, compile, run, report, info, validate."""
+"""Command line: check, compile, run, report, info, validate, section."""
 
 import argparse
 import json
@@ -10,6 +10,7 @@ from plymotion import __version__
 
 from .errors import InputError
 from .package import PackageError
+from .section.options import add_section_command
 
 INTERRUPTED = 130  # what a shell reports of a program ended by Ctrl-C
 
@@ -70,6 +71,8 @@ def _parser() -> argparse.ArgumentParser:
     validate = commands.add_parser("validate", help="check modal packages against docs/format.md")
     validate.add_argument("package", type=Path, nargs="+")
     validate.set_defaults(command=_validate)
+
+    add_section_command(commands, _section)
     return parser
 
 
@@ -163,6 +166,12 @@ def _validate(options: argparse.Namespace) -> int:
         else:
             print(f"{path}: valid")
     return failed
+
+
+def _section(options: argparse.Namespace) -> int:
+    from .section.command import run_section
+
+    return run_section(options)
 
 
 if __name__ == "__main__":

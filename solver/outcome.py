@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from . import findings, recover, signals
+from . import findings, ply_stress, recover, signals
 from .integrate import Solution
 from .mechanism import BuiltMechanism
 from .monitor import SPIN_CODE, SpinMonitor
@@ -79,6 +79,11 @@ def collect(
     for name, package in spec.packages.items():
         for item in package.provenance.get("warnings", []):
             warnings.append(findings.finding(item["code"], f"{name}: {item['message']}"))
+    strength = _strength(built, t, y)
+    for name, found in strength.items():
+        if found.governing.ratio < 1.0:
+            text = ply_stress.failure_text(name, found.governing)
+            warnings.append(findings.finding("ply-failure", text))
     counters = solution.counters
     summary = {
         "case": spec.case,
@@ -89,6 +94,7 @@ def collect(
         "t_end": float(t[-1]),
         "signals": {s.name: signal_summary(s, t) for s in found_signals},
         "checks": checks,
+        "strength": {name: ply_stress.summary(found) for name, found in strength.items()},
         "cost": {
             "preprocess_s": sum(
                 float(sum(p.provenance.get("seconds", {}).values())) for p in spec.packages.values()
@@ -105,6 +111,20 @@ def collect(
         "warnings": warnings,
     }
     return result, summary
+
+
+def _strength(built: BuiltMechanism, t: Array, y: Array) -> dict[str, ply_stress.BodyStrength]:
+    """Return the strength of every body whose package can tell."""
+    found = {}
+    for i, name in enumerate(built.body_names):
+        package = built.packages.get(name)
+        if package is None:
+            continue
+        _, _, q = recover.body_frames(built.model, i, y)
+        strength = ply_stress.body_strength(package, t, q)
+        if strength is not None:
+            found[name] = strength
+    return found
 
 
 def _geometry(built: BuiltMechanism, y: Array) -> tuple[tuple[BodyGeometry, ...], Array]:

@@ -3,8 +3,12 @@
 import dataclasses
 
 import numpy as np
+from recovery_samples import PLY, PLY_STRENGTH, plies_of, rectangle_recovery
 
 from plymotion.solver.package import Interface, ModalPackage, SectionData, from_stations
+from plymotion.solver.package.schema import BodyRecovery
+
+EI = 5.6e4
 
 
 def cantilever(n: int = 17, m: int = 4, length: float = 1.5) -> ModalPackage:
@@ -22,13 +26,21 @@ def cantilever(n: int = 17, m: int = 4, length: float = 1.5) -> ModalPackage:
     for i in range(m):
         for j in range(m):  # integral of EI v_i'' v_j''
             a, b = i + 2, j + 2
-            K[i, j] = 5.6e4 * a * (a - 1) * b * (b - 1) / (a + b - 3) / length**3
+            K[i, j] = EI * a * (a - 1) * b * (b - 1) / (a + b - 3) / length**3
     M = np.einsum("k,ika,jka->ij", node_mass, shapes[..., :3], shapes[..., :3])
     M += np.einsum("ika,kab,jkb->ij", shapes[..., 3:], inertia, shapes[..., 3:])
+    resultants = np.zeros((n, 6, m))
+    for i in range(m):
+        a = i + 2
+        resultants[:, 5, i] = EI * a * (a - 1) * s ** (a - 2) / length**2
+        if a > 2:
+            resultants[:, 1, i] = -EI * a * (a - 1) * (a - 2) * s ** (a - 3) / length**3
     L_inv = np.linalg.inv(np.linalg.cholesky(M))
     values, vectors = np.linalg.eigh(L_inv @ K @ L_inv.T)
     X = L_inv.T @ vectors
     shapes = np.einsum("ij,ikd->jkd", X, shapes)
+    plies = plies_of(("cfrp", 0.0), ("cfrp", 45.0), ("cfrp", 0.0))
+    materials = {"cfrp": {**PLY, "strength": PLY_STRENGTH}}
     phi, psi = (np.moveaxis(part, 0, 2) for part in (shapes[..., :3], shapes[..., 3:]))
     ids = 10 + np.arange(n)
     ends = [("base", 0), ("tip", n - 1)]
@@ -63,8 +75,15 @@ def cantilever(n: int = 17, m: int = 4, length: float = 1.5) -> ModalPackage:
         ),
         reference_condition="clamped",
         sections=(
-            SectionData("bar", np.diag([1e8, 3e7, 3e7, 2e4, 5e4, 9e4]), np.eye(6), "plies = 8"),
+            SectionData(
+                "bar",
+                np.diag([1e8, 3e7, 3e7, 2e4, 5e4, EI]),
+                np.eye(6),
+                "plies = 3",
+                rectangle_recovery(0.06, 0.03, plies, materials),
+            ),
         ),
+        recovery=BodyRecovery(x, np.zeros(n, dtype=np.int64), resultants @ X, np.eye(3)),
         mode_labels=tuple(f"bending-xy {i + 1}" for i in range(m)),
         provenance={"tools": {"numpy": np.__version__}, "ranks": 1},
     )

@@ -8,6 +8,7 @@ import dolfinx
 import numpy as np
 import ufl
 from mpi4py import MPI
+from section_specs import rectangle_spec
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.beam.line import BeamLine
@@ -62,14 +63,8 @@ def solid() -> tuple[Any, Any, Any]:
 
 def beam(theory: str) -> tuple[Any, Any, Any]:
     """The same of the beam."""
-    spec = {
-        "shape": "rectangle",
-        "width": WIDTH,
-        "height": HEIGHT,
-        "material": STRIP["material"],
-        **STRIP["layup"],
-    }
-    section = analyse(spec)
+    spec = rectangle_spec(WIDTH, HEIGHT, STRIP["material"], **STRIP["layup"])
+    section = analyse(spec, estimate=False)
     K = section_stiffness(section.K, theory)
     line = BeamLine(np.linspace(0.0, LENGTH, 65), K, section.M, np.eye(3))
     free = np.arange(6 * line.n_node) >= 6

@@ -1,23 +1,20 @@
 """Where FEniCSx can come from: Debian's packages, conda, or a wheel.
 
 Each source is a function that installs what is missing and returns the report
-of the probe (tools/fenicsx_probe.py), or a line that says why it cannot.
+of the probe (solver/section/interpreter.py), or a line that says why it cannot.
 """
 
-import json
 import platform
 import shutil
-import subprocess
 from pathlib import Path
-from typing import Any
 
 from interpreters import first, run, say
 
+from plymotion.solver.section.interpreter import SYSTEM_PYTHON, Report, probe, reasons, usable
+
 ROOT = Path(__file__).resolve().parent.parent
 APT_INSTALL = str(ROOT / "tools" / "apt_install.sh")
-PROBE = str(ROOT / "tools" / "fenicsx_probe.py")
 
-SYSTEM_PYTHON = "/usr/bin/python3"
 SYSTEM_PACKAGES = (
     "python3-dolfinx-real",
     "python3-slepc4py-real",
@@ -53,35 +50,6 @@ GMSH_LIBRARIES = (
     "libfontconfig1",
     "libgomp1",
 )
-
-Report = dict[str, Any]  # {"python": path, "dolfinx": version, "problems": {module: reason}}
-
-
-def probe(python: str) -> Report:
-    """What an interpreter really imports; a problem "python" if it does not start."""
-    try:
-        done = subprocess.run([python, PROBE], capture_output=True, text=True, timeout=300)
-    except (OSError, subprocess.TimeoutExpired) as error:
-        return {"python": python, "problems": {"python": f"does not start: {error}"}}
-    for line in reversed(done.stdout.splitlines()):
-        if line.startswith("{"):
-            report: Report = json.loads(line)
-            return report
-    reason = (done.stderr.strip().splitlines() or ["no output"])[-1]
-    return {"python": python, "problems": {"python": f"does not start: {reason}"}}
-
-
-def usable(report: Report) -> bool:
-    """True if everything that the preprocessor needs was imported."""
-    return not report["problems"]
-
-
-def reasons(report: Report) -> str:
-    """The problems of a report in one line: what is missing, then what is broken."""
-    problems: dict[str, str] = report["problems"]
-    missing = [name for name, why in problems.items() if "ModuleNotFoundError" in why]
-    others = [f"{name}: {why}" for name, why in problems.items() if name not in missing]
-    return "; ".join([*([f"no {', '.join(missing)}"] if missing else []), *others])
 
 
 def repaired(report: Report) -> Report:

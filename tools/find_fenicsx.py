@@ -7,23 +7,13 @@ conda, or the wheel. The choice is written as a line that shells can read.
 
 import os
 import shlex
-import shutil
 import sys
 from pathlib import Path
 
-from fenicsx_sources import (
-    ROOT,
-    SYSTEM_PACKAGES,
-    SYSTEM_PYTHON,
-    Report,
-    from_conda,
-    from_system,
-    from_wheel,
-    probe,
-    reasons,
-    usable,
-)
+from fenicsx_sources import ROOT, SYSTEM_PACKAGES, from_conda, from_system, from_wheel
 from interpreters import say
+
+from plymotion.solver.section.interpreter import Report, present, probe, reasons, usable
 
 ADVICE = f"""\
 setup: no FEniCSx here and none could be installed. One of these helps:
@@ -32,17 +22,6 @@ setup: no FEniCSx here and none could be installed. One of these helps:
   Linux x86-64:    have a Python 3.12, 3.13 or 3.14 on PATH, then  make fenicsx
   elsewhere:       make FENICSX_PYTHON=/path/to/python ...   (real-scalar DOLFINx, slepc4py, gmsh)
   without FEniCSx: make <case> PACKAGES=shipped   (uses the modal packages of the repository)"""
-
-
-def present() -> Report | None:
-    """The first interpreter of this machine that has everything, or None."""
-    own = sorted(str(path) for path in ROOT.glob(".fenicsx-*/bin/python"))
-    candidates = [shutil.which("python3"), SYSTEM_PYTHON, *own]
-    for python in dict.fromkeys(filter(None, candidates)):
-        report = probe(python)
-        if usable(report):
-            return report
-    return None
 
 
 def installed() -> Report | None:
@@ -75,7 +54,7 @@ def main(path: Path) -> int:
             say(f"FENICSX_PYTHON={wish} will not do: {reasons(report)}")
             return 1
     else:
-        report = present() or installed()
+        report = present([ROOT])[0] or installed()
     if report is None:
         print(ADVICE, file=sys.stderr)
         return 1

@@ -9,6 +9,7 @@ from ...solver.package.schema import Array, IntArray, Interface, ModalPackage, S
 from ..modes import EigenSolver, Modes, constrained_modes
 from .accuracy import coarse_mesh_warnings, frequency_error
 from .line import BeamLine, node_positions
+from .resultants import mode_resultants
 from .spec import BeamSpec, SpecError
 from .stations import mass_stations, nodal_mass
 from .theory import section_stiffness
@@ -106,6 +107,9 @@ def beam_package(
         ),
         reference_condition="clamped",
         sections=(section,),
+        recovery=mode_resultants(
+            line, modes.columns_B, modes.values, spec.mass_form, (model.reference_node,)
+        ),
         mode_labels=modes.labels,
         provenance=provenance,
     )

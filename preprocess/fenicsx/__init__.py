@@ -6,7 +6,8 @@ that says what is missing and how to get it.
 
 from .cholesky import Cholesky, FactorisationError, cholesky
 from .eigen import EigenError, eigenpairs
-from .gmsh_model import MeshError, gmsh_session, open_mesh, plain_from_model, run_script
+from .gmsh_model import MeshError, plain_from_model
+from .gmsh_script import gmsh_session, open_mesh, run_script
 from .meshing import LabelledMesh, labelled_mesh, mesh_from_geo, mesh_from_model
 from .plain import EDGES, NODES, PlainMesh, split, used_nodes, with_centre_nodes
 from .spaces import (

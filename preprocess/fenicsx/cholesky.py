@@ -23,7 +23,8 @@ class FactorisationError(Exception):
 class Cholesky:
     """A factorised symmetric positive definite matrix; `update` reuses the symbolic part.
 
-    A team of processes factorises together what each of them holds whole.
+    A team of processes factorises together what each of them holds whole. The first solve after
+    a factorisation checks it, with a column of its own beside those that are asked for.
     """
 
     def __init__(self, A: Any, team: Team = ALONE) -> None:
@@ -32,6 +33,8 @@ class Cholesky:
         self._team = team
         self._rows = team.share(A.shape[0])
         self._csr = self._own_rows()
+        rows = np.repeat(np.arange(A.shape[0], dtype=A.indices.dtype), np.diff(A.indptr))
+        self._diagonal = np.flatnonzero(rows == A.indices)
         if team.size == 1:
             # PETSc works on these very arrays: new values need no insertion
             self._mat = PETSc.Mat().createAIJWithArrays(A.shape, self._csr, comm=team.comm)
@@ -68,17 +71,29 @@ class Cholesky:
         self._factorise()
 
     def solve(self, B: Array) -> Array:
-        """Solve A X = B for one (n,) or several (n, k) right-hand sides."""
+        """Solve A X = B for one (n,) or several (n, k) right-hand sides.
+
+        Raises FactorisationError if the factorisation turns out to be that of a singular matrix.
+        """
         columns = np.asarray(B, dtype=np.float64).reshape(self.A.shape[0], -1)
+        if self._checked:
+            return self._solve(columns).reshape(np.shape(B))
+        # A singular matrix passes the factorisation with one pivot of round-off size. A random
+        # right-hand side finds it; scaling by the diagonal keeps units out of the number.
+        diagonal = np.zeros(self.A.shape[0])
+        diagonal[self.A.indices[self._diagonal]] = np.abs(self.A.data[self._diagonal])
+        scale = np.sqrt(diagonal)
+        z = np.random.default_rng(0).standard_normal(scale.size)
+        columns = np.column_stack([columns, scale * z])
         X = self._solve(columns)
-        residual = np.abs(self.A @ X - columns).max(axis=0)
-        size = self._norm * np.abs(X).max(axis=0) + np.abs(columns).max(axis=0)
-        if not np.all(residual <= 1e-10 * size):
-            raise FactorisationError(
-                f"backward error {np.max(residual / size):.1e} of a Cholesky solve; the matrix is "
-                "singular or indefinite: is every rigid motion constrained?"
-            )
-        return X.reshape(np.shape(B))
+        self._check_condition(float(np.linalg.norm(scale * X[:, -1]) / np.linalg.norm(z)))
+        self._check_residual(X, columns, float(diagonal.max()))
+        self._checked = True
+        return X[:, :-1].reshape(np.shape(B))
+
+    def check(self) -> None:
+        """Check the factorisation now."""
+        self.solve(np.empty((self.A.shape[0], 0)))
 
     def _factorise(self) -> None:
         try:
@@ -94,20 +109,23 @@ class Cholesky:
                     f"the matrix is not positive definite (MUMPS: {negative} negative pivots, "
                     f"status {status}): is every rigid motion constrained?"
                 )
-        self._norm = float(np.abs(self.A).sum(axis=1).max())
-        self._check_condition()
+        self._checked = False
 
-    def _check_condition(self) -> None:
-        # A singular matrix passes the factorisation with one pivot of round-off size. A random
-        # right-hand side finds it; scaling by the diagonal keeps units out of the number.
-        scale = np.sqrt(np.abs(self.A.diagonal()))
-        z = np.random.default_rng(0).standard_normal(scale.size)
-        x = scale * self._solve((scale * z)[:, None])[:, 0]
-        growth = np.linalg.norm(x) / np.linalg.norm(z)
+    def _check_condition(self, growth: float) -> None:
         if not growth < 1e13:
             raise FactorisationError(
                 f"the matrix is singular (scaled condition above {growth:.0e}): is every rigid "
                 "motion constrained and every part connected?"
+            )
+
+    def _check_residual(self, X: Array, columns: Array, norm: float) -> None:
+        """`norm` is the largest entry of the matrix."""
+        residual = np.abs(self.A @ X - columns).max(axis=0)
+        size = norm * np.abs(X).max(axis=0) + np.abs(columns).max(axis=0)
+        if not np.all(residual <= 1e-10 * size):
+            raise FactorisationError(
+                f"backward error {np.max(residual / size):.1e} of a Cholesky solve; the matrix is "
+                "singular or indefinite: is every rigid motion constrained?"
             )
 
     def _own_rows(self) -> tuple[Any, Any, Array]:
@@ -116,7 +134,8 @@ class Cholesky:
         first, last = self._rows.start, self._rows.stop
         begin, end = self.A.indptr[[first, last]]
         starts = self.A.indptr[first : last + 1] - begin
-        return starts.astype(index), self.A.indices[begin:end].astype(index), self.A.data[begin:end]
+        columns = self.A.indices[begin:end].astype(index, copy=False)
+        return starts.astype(index), columns, self.A.data[begin:end]
 
     def _solve(self, columns: Array) -> Array:
         comm, count = self._team.comm, columns.shape[1]
@@ -124,10 +143,11 @@ class Cholesky:
         size = ((len(own), len(columns)), (PETSc.DECIDE, count))
         rhs = PETSc.Mat().createDense(size, array=own, comm=comm)
         rhs.assemble()
-        out = PETSc.Mat().createDense(size, comm=comm)
-        out.setUp()
+        found = np.zeros_like(own)
+        out = PETSc.Mat().createDense(size, array=found, comm=comm)
+        out.assemble()
         self._factor.matSolve(rhs, out)
-        return self._team.stacked(np.array(out.getDenseArray()))
+        return self._team.stacked(found)
 
 
 def cholesky(A: Any, team: Team = ALONE) -> Cholesky:
@@ -136,4 +156,6 @@ def cholesky(A: Any, team: Team = ALONE) -> Cholesky:
     `A` is whole on every process of the team, and so are the columns to solve for. Raises
     FactorisationError if the matrix is indefinite or singular.
     """
-    return Cholesky(A, team)
+    factor = Cholesky(A, team)
+    factor.check()
+    return factor

@@ -1,11 +1,6 @@
-"""gmsh: run a script, open a mesh file, read the current model as plain arrays."""
+"""Read the current gmsh model as plain arrays."""
 
-import inspect
-import json
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from pathlib import Path
-from typing import Any
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -21,102 +16,9 @@ CELLS = {
 }
 LINES = {1: 2, 8: 3}
 
-Parameters = Mapping[str, float | Sequence[float]]
-
 
 class MeshError(Exception):
     """A gmsh model that cannot become a finite-element mesh."""
-
-
-_session_depth = 0
-
-
-@contextmanager
-def gmsh_session() -> Iterator[Any]:
-    """A gmsh without terminal output and without the user's own option files; may be nested."""
-    global _session_depth
-    if _session_depth == 0:
-        keywords: dict[str, Any] = {"readConfigFiles": False}
-        if "interruptible" in inspect.signature(gmsh.initialize).parameters:
-            keywords["interruptible"] = False  # Ctrl-C stays Python's
-        gmsh.initialize([], **keywords)
-        gmsh.option.setNumber("General.Terminal", 0)
-    _session_depth += 1
-    try:
-        yield gmsh
-    finally:
-        _session_depth -= 1
-        if _session_depth == 0:
-            gmsh.finalize()
-
-
-def run_script(path: Path, parameters: Parameters, *, refine: int = 0, gdim: int = 2) -> PlainMesh:
-    """Mesh a gmsh script with values for its parameters.
-
-    Parameters
-    ----------
-    path : a .geo file whose DefineConstant entries are named "Parameters/<key>"
-    parameters : value of each <key>, a number or a list of numbers
-    refine : how often gmsh halves all edges; new nodes lie on the geometry
-    gdim : of the space
-
-    Raises
-    ------
-    MeshError : missing file, unknown parameter, gmsh error, a model that is no mesh of regions.
-    """
-    if not path.is_file():
-        raise MeshError(f"{path}: no such gmsh script")
-    text = path.read_text(encoding="utf-8", errors="replace")
-    for key in parameters:
-        if f'"Parameters/{key}"' not in text:
-            raise MeshError(f"{path}: the script has no parameter {key}")
-    numbers = [
-        {
-            "type": "number",
-            "name": f"Parameters/{key}",
-            "values": np.atleast_1d(np.asarray(value, dtype=float)).tolist(),
-        }
-        for key, value in parameters.items()
-    ]
-    with gmsh_session():
-        gmsh.clear()
-        gmsh.onelab.clear()
-        gmsh.onelab.set(json.dumps(numbers))
-        try:
-            gmsh.merge(str(path))
-            gmsh.model.mesh.generate(2)
-            if refine:
-                # gmsh halves edges where it puts the middle nodes of the order that is set
-                order = int(gmsh.option.getNumber("Mesh.ElementOrder"))
-                for _ in range(refine):
-                    gmsh.model.mesh.refine()
-                gmsh.model.mesh.setOrder(order)
-        except Exception as error:  # gmsh raises bare Exception or ValueError
-            raise MeshError(f"{path}: gmsh: {error}") from error
-        plain = plain_from_model(str(path), gdim)
-        gmsh.clear()
-        gmsh.onelab.clear()
-    return plain
-
-
-def open_mesh(path: Path, *, gdim: int = 2) -> PlainMesh:
-    """Read a mesh file that gmsh knows (.msh of any version).
-
-    Raises
-    ------
-    MeshError : missing file, gmsh error, a model that is no mesh of regions.
-    """
-    if not path.is_file():
-        raise MeshError(f"{path}: no such mesh file")
-    with gmsh_session():
-        gmsh.clear()
-        try:
-            gmsh.open(str(path))
-        except Exception as error:  # gmsh raises bare Exception or ValueError
-            raise MeshError(f"{path}: gmsh: {error}") from error
-        plain = plain_from_model(str(path), gdim)
-        gmsh.clear()
-    return plain
 
 
 def plain_from_model(where: str, gdim: int = 2) -> PlainMesh:
@@ -136,19 +38,16 @@ def plain_from_model(where: str, gdim: int = 2) -> PlainMesh:
 
     groups = _surface_groups(where)
     _check_membership(groups, where)
-    parts, rows = [], []
-    kind = 0
-    for row, (name, entities) in enumerate(groups.items()):
-        cells = []
-        for entity in entities:
-            kinds, _, nodes = gmsh.model.mesh.getElements(2, entity)
-            for kind, table in zip(kinds, nodes, strict=True):
-                cells.append(np.reshape(table, (-1, CELLS[kind][2])))
-        if not cells:
-            raise MeshError(f"{where}: physical surface {name!r} has no cells")
-        parts += cells
-        rows += [np.full(len(table), row) for table in cells]
+    kind = int(gmsh.model.mesh.getElementTypes(2)[0])
     shape, degree, n_node = CELLS[kind]
+    parts, rows = [], []
+    for row, (name, entities) in enumerate(groups.items()):
+        tables = [gmsh.model.mesh.getElementsByType(kind, entity)[1] for entity in entities]
+        nodes = np.concatenate([np.zeros(0, dtype=np.int64), *tables])
+        if not nodes.size:
+            raise MeshError(f"{where}: physical surface {name!r} has no cells")
+        parts.append(nodes.reshape(-1, n_node))
+        rows.append(np.full(len(parts[-1]), row))
     cells = np.searchsorted(tags, np.concatenate(parts).astype(np.int64))
     points, cells = used_nodes(points, cells)
     if gdim == 2:

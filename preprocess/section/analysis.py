@@ -16,6 +16,7 @@ from .mesh_data import mesh_data, nodal_displacements
 from .problem import SectionProblem, section_problem
 from .recovery import section_recovery, unit_displacements
 from .space import SectionSpace
+from .spec import check_spec
 from .timoshenko import SectionStiffness, shear_centre, tension_centre
 
 DEGREE = 2  # of the warping field
@@ -56,6 +57,7 @@ def analyse(
     """
     start = time.perf_counter()
     where = where or f"section {spec.get('name', '')}".strip()
+    check_spec(spec, where)
     tell = progress or (lambda _line: None)
     degree = int(spec["mesh"].get("degree", DEGREE))
     steps: list[dict[str, float]] = []

@@ -20,7 +20,7 @@ from ...solver.package.schema import Array
 from .. import fenicsx
 from ..fenicsx import PlainMesh
 from .errors import SectionError
-from .mesh_checks import checked
+from .mesh_checks import checked, folds
 
 __all__ = ["SectionError", "SectionMesh", "script_path", "section_mesh"]
 
@@ -123,8 +123,10 @@ def _source(spec: Mapping[str, Any], where: str) -> Path:
 
 def _read(spec: Mapping[str, Any], path: Path, refine: int) -> PlainMesh:
     parameters = spec.get("parameters", {})
+    if "script" in spec and path.suffix == ".geo":
+        return fenicsx.run_script(path, _halved(parameters, refine))
     if path.suffix == ".geo":
-        return fenicsx.run_script(path, parameters, refine=refine)
+        return _user_script(path, parameters, refine)
     if path.suffix == ".py":
         with fenicsx.gmsh_session() as gmsh:
             gmsh.clear()
@@ -133,10 +135,39 @@ def _read(spec: Mapping[str, Any], path: Path, refine: int) -> PlainMesh:
             except ValueError as error:
                 raise fenicsx.MeshError(f"{path.name}: {error}") from error
             return fenicsx.plain_from_model(str(path))
-    plain = _arrays(path) if "arrays" in spec else fenicsx.open_mesh(path)
-    for _ in range(refine):
+    return _split(_arrays(path) if "arrays" in spec else fenicsx.open_mesh(path), refine)
+
+
+def _split(plain: PlainMesh, times: int) -> PlainMesh:
+    for _ in range(times):
         plain = fenicsx.split(plain)
     return plain
+
+
+def _user_script(path: Path, parameters: Mapping[str, Any], refine: int) -> PlainMesh:
+    """gmsh's own refinement stays on the geometry, but draws curved lines inside it straight.
+
+    Thin curved rows may fold by that: then the cells themselves are cut.
+    """
+    plain = fenicsx.run_script(path, parameters, refine=refine)
+    if refine and folds(plain):
+        return _split(fenicsx.run_script(path, parameters), refine)
+    return plain
+
+
+def _halved(parameters: Mapping[str, Any], times: int) -> dict[str, Any]:
+    """Parameters of a script of the library that halve every edge of its elements."""
+    table = dict(parameters)
+    for _ in range(times):
+        for key, value in table.items():
+            if key.startswith(("rows", "columns")):
+                middles = 0.5 * (np.array([0.0, *value[:-1]]) + np.array(value))
+                table[key] = np.sort([*middles, *value]).tolist()
+            elif key.startswith(("elements", "even")):
+                table[key] = (2 * np.asarray(value)).tolist()
+            elif key.startswith("growth"):
+                table[key] = np.sqrt(value).tolist()
+    return table
 
 
 def _module(path: Path) -> ModuleType:

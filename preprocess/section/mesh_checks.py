@@ -67,13 +67,24 @@ def _slopes(plain: PlainMesh, points: Array) -> tuple[Array, Array]:
     )
 
 
+def _areas(plain: PlainMesh) -> Array:
+    """Determinant of the map at the integration points of every cell, (c, q)."""
+    points, _ = fenicsx.quadrature(plain.cell, QUADRATURE_DEGREE)
+    return _slopes(plain, points)[1]
+
+
+def folds(plain: PlainMesh) -> bool:
+    """True if the map of a cell turns over within it."""
+    area = _areas(plain)
+    return bool(np.any((area.min(axis=1) < 0.0) & (area.max(axis=1) > 0.0)))
+
+
 def _counter_clockwise(plain: PlainMesh, where: str) -> PlainMesh:
     """Turn cells that are numbered clockwise, which says nothing of their shape.
 
     A cell whose map changes its sign folds over itself: its integrals are wrong.
     """
-    points, _ = fenicsx.quadrature(plain.cell, QUADRATURE_DEGREE)
-    _, area = _slopes(plain, points)
+    area = _areas(plain)
     low, high = area.min(axis=1), area.max(axis=1)
     size = np.ptp(plain.points[plain.corners], axis=1).max(axis=1) ** 2
     folded = np.flatnonzero((low < 0.0) & (high > 0.0))
@@ -150,8 +161,8 @@ def _one_part(plain: PlainMesh, neighbours: sp.csr_matrix, where: str) -> None:
     elif pairs.size:
         reason = (
             f"{len(pairs)} pairs of nodes lie at the same place, as at "
-            f"{_at(plain.points[pairs[0, 0]])}, but are not merged: merge them (gmsh: Coherence; in "
-            "the script, Coherence Mesh; for a mesh), so that the parts share edges"
+            f"{_at(plain.points[pairs[0, 0]])}, but are not merged: merge them, so that the parts "
+            "share edges (gmsh: Coherence; in the script, Coherence Mesh; for a mesh)"
         )
     else:
         reason = (
@@ -216,8 +227,8 @@ def _slivers(plain: PlainMesh) -> Warnings:
         {
             "code": "sliver-elements",
             "message": f"{np.count_nonzero(bad)} of {len(bad)} cells are slivers, the worst at "
-            f"{_at(plain.middles[worst])} in region {_region(plain, worst)!r}: sine of the flattest "
-            f"angle {sine[worst]:.2g} (expected {LEAST_SINE} at least), smallest to largest area "
-            f"scale {ratio[worst]:.2g} ({LEAST_AREA_RATIO}); stresses there are poor",
+            f"{_at(plain.middles[worst])} in region {_region(plain, worst)!r}: sine of the "
+            f"flattest angle {sine[worst]:.2g} (expected {LEAST_SINE} at least), smallest to "
+            f"largest area scale {ratio[worst]:.2g} ({LEAST_AREA_RATIO}); stresses there are poor",
         }
     ]

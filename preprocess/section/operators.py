@@ -6,8 +6,6 @@ assembled; H and L are met as loads of stresses: H X = <G_h, C G_l X>. docs/adr/
 form compiler is used here.
 """
 
-from collections.abc import Iterator
-
 import numpy as np
 import scipy.sparse as sp
 
@@ -15,6 +13,8 @@ from ...solver.package.schema import Array
 from .. import fenicsx
 from .pattern import EVERY
 from .space import IN_SECTION, SectionSpace
+
+AT_A_TIME = 64  # cells, so that what lies between two products stays in the cache
 
 
 class SectionOperators:
@@ -30,33 +30,48 @@ class SectionOperators:
 
     def E(self, C: Array) -> sp.csr_matrix:
         """<G_h, C G_h> [Pa] for C (c, 1, 6, 6), constant in each cell, or (c, q, 6, 6) [Pa]."""
-        data: Array | float = 0.0
-        for slopes, stiffness in self._groups(C[self._cells]):
-            in_plane = stiffness[:, IN_SECTION][:, :, IN_SECTION].reshape(-1, 3, 2, 3, 2)
-            columns = in_plane.transpose(0, 2, 4, 1, 3).reshape(-1, 4, 9)
-            data = data + self.space.pattern.data(slopes @ columns, self._cells)
-        return self.space.pattern.matrix(self.team.total(np.asarray(data)))
+        own = C[self._cells]
+        blocks = self._blocks(own[:, 0]) if own.shape[1] == 1 else self._blocks_of_points(own)
+        data = self.space.pattern.data(blocks, self._cells)
+        return self.space.pattern.matrix(self.team.total(data))
 
-    def _groups(self, C: Array) -> Iterator[tuple[Array, Array]]:
-        """Points that share a stiffness in every cell: all of them, or one by one."""
-        if C.shape[1] == 1:
-            if self._whole is None:
-                self._whole = slope_products(self.space, self._cells, slice(None))
-            yield self._whole, C[:, 0]
-        else:
-            for q in range(C.shape[1]):
-                yield slope_products(self.space, self._cells, slice(q, q + 1)), C[:, q]
+    def _blocks(self, C: Array) -> Array:
+        """Element matrices (c, k^2, 9) of cells that have one stiffness each, (c, 6, 6)."""
+        if self._whole is None:
+            self._whole = slope_products(self.space, self._cells)
+        columns = _by_slopes(C).reshape(-1, 4, 9)
+        return np.asarray(self._whole @ columns)
+
+    def _blocks_of_points(self, C: Array) -> Array:
+        """Element matrices (c, k^2, 9) where every point has its stiffness, (c, q, 6, 6)."""
+        gradients, weights = self.space.gradients[self._cells], self.space.weights[self._cells]
+        c, q, _, k = gradients.shape
+        blocks = np.empty((c, k, 9 * k))
+        for first in range(0, c, AT_A_TIME):
+            some = slice(first, first + AT_A_TIME)
+            slopes = gradients[some]
+            # stress in direction alpha at a point from each node's displacement
+            stress = np.swapaxes(slopes, 2, 3)[:, :, None] @ _by_slopes(C[some])
+            left = (weights[some, :, None, None] * slopes).reshape(-1, 2 * q, k)
+            blocks[some] = np.swapaxes(left, 1, 2) @ stress.reshape(-1, 2 * q, 9 * k)
+        return blocks.reshape(c, k * k, 9)
 
 
-def slope_products(space: SectionSpace, cells: slice, points: slice) -> Array:
-    """Integrals of d_alpha phi_i d_beta phi_j over each cell, (c, k^2, 4).
+def _by_slopes(C: Array) -> Array:
+    """For each pair of slopes alpha, beta the stiffness of a against b, (..., 2, 2, 3 a + b)."""
+    shape = C.shape[:-2]
+    in_plane = C[..., IN_SECTION, :][..., IN_SECTION].reshape(*shape, 3, 2, 3, 2)
+    return np.moveaxis(in_plane, (-3, -1), (-4, -3)).reshape(*shape, 2, 2, 9)
 
-    Row k i + j is the pair of nodes, column 2 alpha + beta; for some of the cells, summed over
-    some of the points.
+
+def slope_products(space: SectionSpace, cells: slice) -> Array:
+    """Integrals of d_alpha phi_i d_beta phi_j over each of some cells, (c, k^2, 4).
+
+    Row k i + j is the pair of nodes, column 2 alpha + beta.
     """
-    slopes = space.gradients[cells, points]
+    slopes = space.gradients[cells]
     c, q, _, k = slopes.shape
     right = slopes.reshape(c, q, 2 * k)
-    left = (slopes * space.weights[cells, points, None, None]).reshape(c, q, 2 * k)
+    left = (slopes * space.weights[cells, :, None, None]).reshape(c, q, 2 * k)
     products = np.swapaxes(left, 1, 2) @ right  # (c, alpha i, beta j)
     return products.reshape(c, 2, k, 2, k).transpose(0, 2, 4, 1, 3).reshape(c, k * k, 4)

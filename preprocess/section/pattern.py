@@ -1,7 +1,5 @@
 """Where element matrices go: the sparsity pattern of a section, made once for a mesh."""
 
-from functools import cached_property
-
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
@@ -37,19 +35,16 @@ class Pattern:
             (np.ones(entry.size), (entry.ravel(), np.arange(entry.size))),
             shape=(pair.size, entry.size),
         )
+        # SciPy's step from blocks to rows tells where each of their entries goes
         row, column = np.divmod(pair, n_node)
-        length = np.bincount(row, minlength=n_node)
-        start = np.concatenate([[0], np.cumsum(length)])
-        # a row of blocks is three rows of the matrix, each three times as long
-        place = np.arange(pair.size) - start[row]
-        first = 9 * start[row] + 3 * place
-        a, b = np.divmod(np.arange(9), 3)
-        position = first[:, None] + 3 * length[row][:, None] * a + b  # (n_pair, 9)
-        self._order = np.empty(9 * pair.size, dtype=np.int64)
-        self._order[position.ravel()] = np.arange(9 * pair.size)
-        self.indptr = np.concatenate([[0], np.cumsum(np.repeat(3 * length, 3))]).astype(np.int32)
-        block_columns = np.broadcast_to(3 * column[:, None] + b, position.shape)
-        self.indices = block_columns.ravel()[self._order].astype(np.int32)
+        start = np.searchsorted(row, np.arange(n_node + 1)).astype(np.int32)
+        number = np.arange(9 * pair.size, dtype=np.int32).reshape(-1, 3, 3)
+        blocks = sp.bsr_matrix(
+            (number, column.astype(np.int32), start), shape=(self.n_dof, self.n_dof)
+        )
+        whole = blocks.tocsr()
+        self._order = whole.data.astype(np.intp)
+        self.indptr, self.indices = whole.indptr, whole.indices
 
     def data(self, blocks: Array, cells: slice = EVERY) -> Array:
         """Values of the matrix, (nnz,), summed from the blocks (c, k^2, 9) of some cells.
@@ -79,11 +74,6 @@ class Pattern:
         """The pattern without the rows and columns of pinned unknowns."""
         return Restriction(self, pins)
 
-    @cached_property
-    def row_of_entry(self) -> NDArray[np.int32]:
-        """Row of every value."""
-        return np.repeat(np.arange(self.n_dof, dtype=np.int32), np.diff(self.indptr))
-
 
 class Restriction:
     """A pattern without some rows and columns: which values stay, and where."""
@@ -92,12 +82,19 @@ class Restriction:
         self.free = np.ones(pattern.n_dof, dtype=bool)
         self.free[pins] = False
         number = np.cumsum(self.free, dtype=np.int32) - 1
-        row, column = pattern.row_of_entry, pattern.indices
-        self._kept = np.flatnonzero(self.free[row] & self.free[column])
+        self._kept = np.ones(pattern.indices.size, dtype=bool)
+        length = np.diff(pattern.indptr)
+        # the pattern is symmetric: only the rows that a pin's row names hold that pin's column
+        rows = [slice(pattern.indptr[pin], pattern.indptr[pin + 1]) for pin in pins]
+        for i in np.unique(np.concatenate([pattern.indices[row] for row in rows])):
+            row = slice(pattern.indptr[i], pattern.indptr[i + 1])
+            self._kept[row] = self.free[pattern.indices[row]]
+            length[i] = np.count_nonzero(self._kept[row])
+        for row in rows:
+            self._kept[row] = False
         self._n = int(np.count_nonzero(self.free))
-        self._indices = number[column[self._kept]]
-        counts = np.bincount(number[row[self._kept]], minlength=self._n)
-        self._indptr = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
+        self._indices = number[pattern.indices[self._kept]]
+        self._indptr = np.concatenate([[0], np.cumsum(length[self.free])]).astype(np.int32)
 
     def matrix(self, data: Array) -> sp.csr_matrix:
         """The free part of the matrix of values (nnz,)."""

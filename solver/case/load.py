@@ -1,6 +1,5 @@
 """Read a case file: merge variants, check every run, resolve names."""
 
-import tomllib
 from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,9 +9,10 @@ import numpy as np
 from pydantic import ValidationError
 
 from ..errors import InputError, nearest
-from ..package.materials import MaterialError, material_from_dict
-from .messages import lines
+from ..input import lines, read_toml
+from ..input.material import check_materials
 from .schema import BeamBody, CaseFile, Mechanism, PackageBody, RigidBody
+from .sections import check_section
 
 
 @dataclass(frozen=True)
@@ -33,12 +33,7 @@ def load_case(file: Path, *, coarse: bool = False) -> Case:
     InputError
         Every finding on a line of its own: file, key, value, expectation.
     """
-    try:
-        table = tomllib.loads(file.read_text(encoding="utf-8"))
-    except FileNotFoundError as error:
-        raise InputError(f"{file}: no such case file") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{file}: not valid TOML: {error}") from error
+    table = read_toml(file, "case file")
     top_keys = set(CaseFile.model_fields)
     try:
         top = CaseFile.model_validate({k: v for k, v in table.items() if k in top_keys})
@@ -68,7 +63,7 @@ def load_case(file: Path, *, coarse: bool = False) -> Case:
         except ValidationError as error:
             problems += lines(error, Mechanism, str(file))
             continue
-        problems += [f"{file}: {p}" for p in cross_check(mechanism)]
+        problems += [f"{file}: {p}" for p in cross_check(mechanism, file.parent)]
         runs[name] = mechanism
     for name, figure in top.figures.items():
         for run_name in figure.runs:
@@ -102,17 +97,15 @@ def interfaces(body: BeamBody | RigidBody | PackageBody) -> list[str] | None:
     return None if isinstance(body, PackageBody) else list(body.interfaces)
 
 
-def cross_check(mechanism: Mechanism) -> list[str]:
-    """Return what types and bounds alone cannot tell: names that exist, values that fit."""
-    found: list[str] = []
-    for name, material in mechanism.materials.items():
-        try:
-            material_from_dict(material.model_dump(), f"materials.{name}")
-        except MaterialError as error:
-            found.append(str(error))
+def cross_check(mechanism: Mechanism, folder: Path) -> list[str]:
+    """Return what types and bounds alone cannot tell: names that exist, values that fit.
+
+    `folder` is that of the case file.
+    """
+    found = check_materials(mechanism.materials)
     for name, body in mechanism.bodies.items():
         if isinstance(body, BeamBody):
-            found += _check_beam(f"bodies.{name}", body, mechanism)
+            found += _check_beam(f"bodies.{name}", body, mechanism, folder)
         elif isinstance(body, RigidBody):
             inertia = np.array(body.inertia)
             if not np.allclose(inertia, inertia.T) or np.linalg.eigvalsh(inertia)[0] <= 0:
@@ -135,14 +128,16 @@ def cross_check(mechanism: Mechanism) -> list[str]:
     return found
 
 
-def _check_beam(key: str, body: BeamBody, mechanism: Mechanism) -> list[str]:
+def _check_beam(key: str, body: BeamBody, mechanism: Mechanism, folder: Path) -> list[str]:
     found = []
     if body.section not in mechanism.sections:
         hint = nearest(body.section, mechanism.sections)
         found.append(f'{key}.section = "{body.section}": no such section{hint}')
-    if body.material not in mechanism.materials:
+    if body.material is not None and body.material not in mechanism.materials:
         hint = nearest(body.material, mechanism.materials)
         found.append(f'{key}.material = "{body.material}": no such material{hint}')
+    if not found:
+        found += check_section(key, body, mechanism, folder)
     if body.reference.at not in body.interfaces:
         hint = nearest(body.reference.at, body.interfaces)
         found.append(f'{key}.reference.at = "{body.reference.at}": no such interface{hint}')

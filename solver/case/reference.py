@@ -1,20 +1,15 @@
 """The reference page of the case file, generated from the schema."""
 
-from typing import Any, get_args, get_origin
-
-from annotated_types import Ge, Gt, Le, Lt, MaxLen, MinLen
 from pydantic import BaseModel
-from pydantic.fields import FieldInfo
 
+from ..input.material import MATERIAL_TABLES
+from ..input.page import chapters, required
+from ..section.mesh_table import SHAPE_MESHES
 from . import schema
 
-_ORDER: tuple[type[BaseModel], ...] = (
-    schema.CaseFile,
-    schema.Mechanism,
-    schema.IsotropicMaterial,
-    schema.OrthotropicMaterial,
-    schema.RectangleSection,
-    schema.EllipseSection,
+_FIRST: tuple[type[BaseModel], ...] = (schema.CaseFile, schema.Mechanism, *MATERIAL_TABLES)
+_THEN: tuple[type[BaseModel], ...] = (
+    schema.DescribedSection,
     schema.BeamBody,
     schema.RigidBody,
     schema.PackageBody,
@@ -47,67 +42,17 @@ def reference_page() -> str:
         "Unknown keys are errors.",
         "",
     ]
-    for model in _ORDER:
-        first, _, rest = (model.__doc__ or "").partition("\n")
-        out += [f"## {first.rstrip('.')}", ""]
-        if rest.strip():
-            out += [" ".join(rest.split()), ""]
-        out += ["| key | type | unit | bounds | default | meaning |", "|---|---|---|---|---|---|"]
-        for name, info in model.model_fields.items():
-            out.append(_row(name, info))
-        out.append("")
-    return "\n".join(out)
+    return "\n".join([*out, *chapters(_FIRST), *_shapes(), *chapters(_THEN)])
 
 
-def _row(name: str, info: FieldInfo) -> str:
-    extra = info.json_schema_extra if isinstance(info.json_schema_extra, dict) else {}
-    unit = str(extra.get("unit", ""))
-    default = "required" if info.is_required() else f"`{_plain(info.default)}`"
-    meaning = info.description or ("kind of this table" if name in ("kind", "shape") else "")
-    cells = [f"`{name}`", _type(info.annotation), unit, _bounds(info), default, meaning]
-    return "| " + " | ".join(c.replace("|", "\\|") for c in cells) + " |"
-
-
-def _plain(value: Any) -> str:
-    if isinstance(value, BaseModel):
-        return str(value.model_dump())
-    return "absent" if value is None else str(value)
-
-
-def _type(kind: Any) -> str:
-    origin, arguments = get_origin(kind), get_args(kind)
-    if isinstance(kind, type) and issubclass(kind, BaseModel):
-        return "table"
-    if origin is not None and str(origin).endswith("Literal"):
-        return " or ".join(f'`"{a}"`' if isinstance(a, str) else f"`{a}`" for a in arguments)
-    if origin is list:
-        return f"list of {_type(arguments[0])}"
-    if origin is dict:
-        inner = _type(arguments[1])
-        return f"named {inner}s" if inner == "table" else f"table of {inner}"
-    if hasattr(kind, "__metadata__"):
-        return _type(kind.__origin__)
-    if arguments:
-        names = [_type(a) for a in arguments if a is not type(None)]
-        return " or ".join(dict.fromkeys(names))
-    return {"float": "number", "int": "integer", "str": "text"}.get(
-        getattr(kind, "__name__", ""), "any"
-    )
-
-
-def _bounds(info: FieldInfo) -> str:
-    words = []
-    for item in info.metadata:
-        if isinstance(item, Gt):
-            words.append(f"> {item.gt}")
-        elif isinstance(item, Ge):
-            words.append(f">= {item.ge}")
-        elif isinstance(item, Lt):
-            words.append(f"< {item.lt}")
-        elif isinstance(item, Le):
-            words.append(f"<= {item.le}")
-        elif isinstance(item, MinLen):
-            words.append(f"at least {item.min_length}")
-        elif isinstance(item, MaxLen):
-            words.append(f"at most {item.max_length}")
-    return ", ".join(words)
+def _shapes() -> list[str]:
+    """Return the chapter of sections that are shapes."""
+    return [
+        "## `[sections.NAME]` with `shape`: a section of one material",
+        "",
+        "The body names the material. The keys are those of `[mesh]` in a section description, see "
+        "[section-description.md](section-description.md); these are required:",
+        "",
+        *(f'- `shape = "{n}"`: {", ".join(required(m))}' for n, m in SHAPE_MESHES.items()),
+        "",
+    ]

@@ -3,82 +3,28 @@
 docs/case-reference.md is generated from here (`python -m plymotion.solver check --reference`).
 """
 
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
-Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
-Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_-]*$")]
-Unit = dict[str, Any]
-
-
-def _unit(unit: str) -> Unit:
-    return {"unit": unit}
+from ..input.material import Material
+from ..input.table import Name, Table, Vector, unit
+from ..section.mesh_table import ShapeMesh, shape_or
 
 
-class Table(BaseModel):
-    """A table of the case file: unknown keys are errors."""
+class DescribedSection(Table):
+    """`[sections.NAME]` with `file`: a section with lay-ups, or on a mesh of its own.
 
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True)
+    Its keys: docs/section-description.md.
+    """
 
-
-class IsotropicMaterial(Table):
-    """`[materials.NAME]` with kind = "isotropic"."""
-
-    kind: Literal["isotropic"]
-    E: float = Field(gt=0, description="Young's modulus", json_schema_extra=_unit("Pa"))
-    nu: float = Field(gt=-1, lt=0.5, description="Poisson's ratio", json_schema_extra=_unit("-"))
-    rho: float = Field(gt=0, description="density", json_schema_extra=_unit("kg/m3"))
+    file: str = Field(description="path of a section description, relative to the case file")
 
 
-class OrthotropicMaterial(Table):
-    """`[materials.NAME]` with kind = "orthotropic": axis 1 along the fibre, 3 normal to the ply."""
-
-    kind: Literal["orthotropic"]
-    E1: float = Field(gt=0, description="modulus along the fibre", json_schema_extra=_unit("Pa"))
-    E2: float = Field(gt=0, description="modulus across, in the ply", json_schema_extra=_unit("Pa"))
-    E3: float = Field(gt=0, description="modulus normal to the ply", json_schema_extra=_unit("Pa"))
-    G12: float = Field(gt=0, description="shear modulus in the ply", json_schema_extra=_unit("Pa"))
-    G13: float = Field(gt=0, description="shear modulus 1-3", json_schema_extra=_unit("Pa"))
-    G23: float = Field(gt=0, description="shear modulus 2-3", json_schema_extra=_unit("Pa"))
-    nu12: float = Field(
-        description="Poisson's ratio: contraction along 2 under tension along 1; "
-        "nu12^2 < E1/E2 and the compliance positive definite",
-        json_schema_extra=_unit("-"),
-    )
-    nu13: float = Field(description="Poisson's ratio 1-3", json_schema_extra=_unit("-"))
-    nu23: float = Field(description="Poisson's ratio 2-3", json_schema_extra=_unit("-"))
-    rho: float = Field(gt=0, description="density", json_schema_extra=_unit("kg/m3"))
-
-
-Material = Annotated[IsotropicMaterial | OrthotropicMaterial, Field(discriminator="kind")]
-
-
-class RectangleSection(Table):
-    """`[sections.NAME]` with shape = "rectangle": axes x2 (width) and x3 (height) at the centre."""
-
-    shape: Literal["rectangle"]
-    width: float = Field(gt=0, description="side along x2", json_schema_extra=_unit("m"))
-    height: float = Field(
-        gt=0, description="side along x3; plies are stacked along it", json_schema_extra=_unit("m")
-    )
-    elements: list[Annotated[int, Field(ge=1, le=400)]] | None = Field(
-        default=None,
-        min_length=2,
-        max_length=2,
-        description="9-node elements along width and height; default chosen by shape",
-    )
-
-
-class EllipseSection(Table):
-    """`[sections.NAME]` with shape = "ellipse"."""
-
-    shape: Literal["ellipse"]
-    radius_2: float = Field(gt=0, description="half axis along x2", json_schema_extra=_unit("m"))
-    radius_3: float = Field(gt=0, description="half axis along x3", json_schema_extra=_unit("m"))
-
-
-Section = Annotated[RectangleSection | EllipseSection, Field(discriminator="shape")]
+if TYPE_CHECKING:
+    Section = ShapeMesh | DescribedSection
+else:
+    Section = shape_or(DescribedSection)
 
 
 class BeamInterface(Table):
@@ -92,7 +38,7 @@ class BeamInterface(Table):
 class PointInterface(Table):
     """`[bodies.NAME.interfaces.NAME]` of a rigid body."""
 
-    position: Vector = Field(description="place in the body frame", json_schema_extra=_unit("m"))
+    position: Vector = Field(description="place in the body frame", json_schema_extra=unit("m"))
 
 
 class Reference(Table):
@@ -119,23 +65,23 @@ class Placed(Table):
     position: Vector = Field(
         default=[0.0, 0.0, 0.0],
         description="frame origin at the start, global; assembly closes the joints from here",
-        json_schema_extra=_unit("m"),
+        json_schema_extra=unit("m"),
     )
     rotation_deg: Vector = Field(
         default=[0.0, 0.0, 0.0],
         description="rotation vector from global to body axes at the start",
-        json_schema_extra=_unit("deg"),
+        json_schema_extra=unit("deg"),
     )
     velocity: Vector | None = Field(
         default=None,
         description="of the frame origin at the start, global; absent: follows from the joints",
-        json_schema_extra=_unit("m/s"),
+        json_schema_extra=unit("m/s"),
     )
     angular_velocity: Vector | None = Field(
         default=None,
         description="of the frame at the start, body axes; absent: follows from the joints "
         "at least kinetic energy",
-        json_schema_extra=_unit("rad/s"),
+        json_schema_extra=unit("rad/s"),
     )
 
 
@@ -143,20 +89,24 @@ class BeamBody(Placed):
     """`[bodies.NAME]` with kind = "beam": straight along body x, from x = 0."""
 
     kind: Literal["beam"]
-    length: float = Field(gt=0, description="length", json_schema_extra=_unit("m"))
+    length: float = Field(gt=0, description="length", json_schema_extra=unit("m"))
     section: Name = Field(description="name of a section")
-    material: Name = Field(description="name of a material")
-    ply_angle_deg: float = Field(
-        default=0.0,
+    material: Name | None = Field(
+        default=None,
+        description="name of a material; required by a shape, absent with a described section",
+    )
+    ply_angle_deg: float | None = Field(
+        default=None,
         ge=-90,
         le=90,
-        description="fibre direction from x1 towards x2 about the outward normal x3",
-        json_schema_extra=_unit("deg"),
+        description="fibre direction from x1 towards x2 about the outward normal x3, in solid "
+        "shapes; absent: 0",
+        json_schema_extra=unit("deg"),
     )
     x2_axis: Vector = Field(
         default=[0.0, 1.0, 0.0],
         description="direction of the section's x2 (width) in the body frame; normal to x",
-        json_schema_extra=_unit("-"),
+        json_schema_extra=unit("-"),
     )
     elements: int = Field(default=16, ge=1, le=2000, description="beam elements along the length")
     theory: Literal["timoshenko", "classical"] = Field(
@@ -170,7 +120,7 @@ class BeamBody(Placed):
     reference: Reference = Field(default=Reference(), description="reference condition")
     modes: list[ModeChoice] = Field(min_length=1, description="which modes the solver gets")
     damping_ratio: float = Field(
-        default=0.0, ge=0, lt=1, description="of every mode", json_schema_extra=_unit("-")
+        default=0.0, ge=0, lt=1, description="of every mode", json_schema_extra=unit("-")
     )
     interfaces: dict[Name, BeamInterface] = Field(
         min_length=1, description="named places; one must carry the reference condition"
@@ -181,17 +131,17 @@ class RigidBody(Placed):
     """`[bodies.NAME]` with kind = "rigid"."""
 
     kind: Literal["rigid"]
-    mass: float = Field(gt=0, description="mass", json_schema_extra=_unit("kg"))
+    mass: float = Field(gt=0, description="mass", json_schema_extra=unit("kg"))
     centre: Vector = Field(
         default=[0.0, 0.0, 0.0],
         description="mass centre in the body frame",
-        json_schema_extra=_unit("m"),
+        json_schema_extra=unit("m"),
     )
     inertia: list[Vector] = Field(
         min_length=3,
         max_length=3,
         description="3x3 inertia about the mass centre, body axes; symmetric, positive definite",
-        json_schema_extra=_unit("kg m2"),
+        json_schema_extra=unit("kg m2"),
     )
     interfaces: dict[Name, PointInterface] = Field(default={}, description="named places")
 
@@ -209,26 +159,26 @@ Body = Annotated[BeamBody | RigidBody | PackageBody, Field(discriminator="kind")
 class GroundPoint(Table):
     """`[ground.NAME]`: a point of the ground, used as "ground.NAME"."""
 
-    position: Vector = Field(description="global", json_schema_extra=_unit("m"))
+    position: Vector = Field(description="global", json_schema_extra=unit("m"))
 
 
 class Drive(Table):
     """`[joints.NAME.drive]`: prescribed rotation about the joint axis; `speed` or `polynomial`."""
 
     speed: float | None = Field(
-        default=None, description="constant angular velocity", json_schema_extra=_unit("rad/s")
+        default=None, description="constant angular velocity", json_schema_extra=unit("rad/s")
     )
     angle: float = Field(
         default=0.0,
         description="angle at t = 0 of a constant speed, from the starting position",
-        json_schema_extra=_unit("rad"),
+        json_schema_extra=unit("rad"),
     )
     polynomial: list[float] | None = Field(
         default=None,
         min_length=1,
         max_length=8,
         description="c0, c1, ... of angle = c0 + c1 t + c2 t^2 + ..., from the starting position",
-        json_schema_extra=_unit("rad, rad/s, ..."),
+        json_schema_extra=unit("rad, rad/s, ..."),
     )
 
     @model_validator(mode="after")
@@ -250,7 +200,7 @@ class RevoluteJoint(Table):
     axis: Vector = Field(
         default=[0.0, 0.0, 1.0],
         description="hinge axis at the start, global",
-        json_schema_extra=_unit("-"),
+        json_schema_extra=unit("-"),
     )
     drive: Drive | None = Field(default=None, description="prescribed rotation")
 
@@ -268,7 +218,7 @@ Joint = Annotated[RevoluteJoint | FixedJoint, Field(discriminator="kind")]
 class PointMass(Table):
     """`[masses.NAME]`: a mass point carried by a body."""
 
-    mass: float = Field(gt=0, description="mass", json_schema_extra=_unit("kg"))
+    mass: float = Field(gt=0, description="mass", json_schema_extra=unit("kg"))
     at: str = Field(description='"BODY.INTERFACE"')
 
 
@@ -290,9 +240,9 @@ class Signal(Table):
 class Solver(Table):
     """`[solver]`: time span, integrator, constraint treatment."""
 
-    t_end: float = Field(gt=0, description="end of the run", json_schema_extra=_unit("s"))
+    t_end: float = Field(gt=0, description="end of the run", json_schema_extra=unit("s"))
     output_step: float = Field(
-        gt=0, description="interval of the results", json_schema_extra=_unit("s")
+        gt=0, description="interval of the results", json_schema_extra=unit("s")
     )
     integrator: Literal["gear", "rk8", "rk5"] = Field(
         default="gear",
@@ -312,19 +262,19 @@ class Solver(Table):
         description="cap of the order of gear; 2 is stable on any oscillation",
     )
     max_step: float | None = Field(
-        default=None, gt=0, description="largest step", json_schema_extra=_unit("s")
+        default=None, gt=0, description="largest step", json_schema_extra=unit("s")
     )
     alpha: float = Field(
         default=5.0,
         ge=0,
         description="Baumgarte's velocity feedback",
-        json_schema_extra=_unit("1/s"),
+        json_schema_extra=unit("1/s"),
     )
     beta: float = Field(
         default=5.0,
         ge=0,
         description="Baumgarte's position feedback",
-        json_schema_extra=_unit("1/s"),
+        json_schema_extra=unit("1/s"),
     )
     on_invalid: Literal["stop", "warn"] = Field(
         default="stop",
@@ -338,7 +288,7 @@ class Mechanism(Table):
     gravity: Vector = Field(
         default=[0.0, 0.0, 0.0],
         description="acceleration of free fall, global",
-        json_schema_extra=_unit("m/s2"),
+        json_schema_extra=unit("m/s2"),
     )
     materials: dict[Name, Material] = Field(default={}, description="elastic materials")
     sections: dict[Name, Section] = Field(default={}, description="beam cross-sections")

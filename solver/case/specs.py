@@ -18,22 +18,21 @@ from typing import Any
 from ..package.container import temporary_sibling
 from .load import Case
 from .schema import BeamBody, Mechanism, PackageBody
+from .sections import section_sources, section_spec
 
 
-def body_spec(name: str, body: BeamBody, mechanism: Mechanism) -> dict[str, Any]:
-    """Return what the preprocessor needs to build one beam body, plain JSON, SI and degrees."""
-    section = mechanism.sections[body.section].model_dump(exclude_none=True)
-    section["name"] = body.section
-    section["material"] = mechanism.materials[body.material].model_dump()
-    section["material"]["name"] = body.material
-    section["ply_angle_deg"] = body.ply_angle_deg
+def body_spec(name: str, body: BeamBody, mechanism: Mechanism, folder: Path) -> dict[str, Any]:
+    """Return what the preprocessor needs to build one beam body, plain JSON, SI and degrees.
+
+    `folder` is that of the case file.
+    """
     return {
         "body": name,
         "kind": "beam",
         "length": body.length,
         "elements": body.elements,
         "x2_axis": body.x2_axis,
-        "section": section,
+        "section": section_spec(body, mechanism, folder),
         "theory": body.theory,
         "mass_form": body.mass_form,
         "reference": body.reference.model_dump(),
@@ -43,9 +42,25 @@ def body_spec(name: str, body: BeamBody, mechanism: Mechanism) -> dict[str, Any]
     }
 
 
-def sha256(data: Any) -> str:
-    """Return the hash of plain data in canonical JSON."""
-    return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
+def inputs_sha256(spec: dict[str, Any]) -> str:
+    """Return the hash of a body's specification.
+
+    Where a mesh file lies says nothing about the body: its content has a hash in the
+    specification. Numbers count to twelve digits: the last ones of a cosine in the spacing of a
+    mesh are the machine's.
+    """
+    section = spec["section"]
+    mesh = {k: v for k, v in section["mesh"].items() if k not in ("file", "arrays")}
+    content = {**spec, "section": {**section, "mesh": mesh}}
+    return hashlib.sha256(json.dumps(_rounded(content), sort_keys=True).encode()).hexdigest()
+
+
+def _rounded(data: Any) -> Any:
+    if isinstance(data, dict):
+        return {key: _rounded(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [_rounded(value) for value in data]
+    return float(f"{data:.12g}") if isinstance(data, float) else data
 
 
 def write_case(case: Case, out: Path, packages: Path | None = None) -> None:
@@ -66,8 +81,8 @@ def write_case(case: Case, out: Path, packages: Path | None = None) -> None:
                 file = (case.file.parent / body.package).resolve()
                 table[name] = {"file": os.path.relpath(file, out)}
             elif isinstance(body, BeamBody):
-                spec = body_spec(name, body, mechanism)
-                digest = sha256(spec)
+                spec = body_spec(name, body, mechanism, case.file.parent)
+                digest = inputs_sha256(spec)
                 if digest not in specs:
                     # Named after the first run that uses it: readable, and shared by the others.
                     specs[digest] = f"{name}.{run}"
@@ -127,6 +142,11 @@ def _write_rules(
     ]
     for run, needed in run_packages.items():
         text.append(f"{base}/{run}/summary.json: {base}/runs/{run}.json {' '.join(needed)}")
+    folder = case.file.parent
+    sources = {s for m in case.runs.values() for s in section_sources(m, folder)}
+    for file in sorted(os.path.relpath(source) for source in sources):
+        # Its own rule has no recipe: a file that is gone makes the rules anew.
+        text += [f"{base}/case.mk: {file}", f"{file}:"]
     # The rules file is the target of `check`: always newer than the case file.
     write_atomic(out / "case.mk", "\n".join(text) + "\n")
 

@@ -1,6 +1,6 @@
 """The modal package: one HDF5 file per flexible body (docs/format.md)."""
 
-from .checks import Finding
+from .finding import Finding
 from .invariants import from_stations
 from .io import read_package, write_package
 from .schema import Interface, Invariants, ModalPackage, PackageError, SectionData

@@ -107,8 +107,21 @@ def as_text(value: Any) -> str:
 
 
 def get_text(item: h5py.HLObject, name: str, default: str = "") -> str:
-    """Return a text attribute."""
-    return as_text(item.attrs[name]) if name in item.attrs else default
+    """Return a text attribute, or a text dataset of that name."""
+    if name in item.attrs:
+        return as_text(item.attrs[name])
+    if isinstance(item, h5py.Group) and isinstance(item.get(name), h5py.Dataset):
+        return as_text(item[name][()])
+    return default
+
+
+def set_long_text(group: h5py.Group, name: str, text: str) -> None:
+    """Store text as an attribute, or as a dataset of that name where it is too long for one."""
+    if len(text.encode("utf-8")) <= MAX_ATTRIBUTE:
+        set_text(group, name, text)
+    else:
+        raw = text.encode("utf-8")
+        group.create_dataset(name, data=np.bytes_(raw), dtype=h5py.string_dtype("utf-8", len(raw)))
 
 
 def is_text(dataset: h5py.Dataset) -> bool:

@@ -1,88 +1,64 @@
 """What lies where in a modal package: one table for writer, reader, validator and manual.
 
-Shapes are symbols: `n` nodes, `c` cells, `i` connectivity entries, `m` modes,
-`k` nodes of an interface. `<interface>` and `<section>` stand for names that
+Shapes are symbols: `n` nodes, `c` cells, `i` connectivity entries, `m` modes, `s`
+stations of the resultants; `k` nodes of an interface; in a section `k` plies and
+`p` points of its recovery. `<interface>` and `<section>` stand for names that
 the package chooses. The modal coordinates are dimensionless, so that a mode
 shape is in metres and radians, and modal mass, damping and stiffness are in
 kg m2, N m s and N m: all units follow from that.
 """
 
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 
-from .schema import ModalPackage
+from .dataset import DatasetSpec, F, I, T, spec
+from .identity import FileFormat
+from .recovery_data import RECOVERY_LAYOUT
+from .schema import FORMAT, FORMAT_VERSION, ModalPackage
 
 GROUP = "modal_package"
+MODAL_PACKAGE = FileFormat(FORMAT, FORMAT_VERSION, GROUP, "body")
 
-
-@dataclass(frozen=True)
-class DatasetSpec:
-    """One dataset of the file: where, how large, which type, what it means."""
-
-    path: str  # below /modal_package
-    shape: tuple[str | int, ...]
-    type: str  # float64, int64, uint8 or text (fixed-length UTF-8)
-    unit: str
-    frame: str  # B body, I interface, section, or "-"
-    description: str
-    optional: bool = False
-
-
-def _spec(
-    path: str,
-    shape: str,
-    type: str,
-    unit: str,
-    frame: str,
-    description: str,
-    *,
-    optional: bool = False,
-) -> DatasetSpec:
-    axes = tuple(int(s) if s.isdigit() else s for s in shape.replace(",", " ").split())
-    return DatasetSpec(path, axes, type, unit, frame, description, optional)
-
-
-F, I, T = "float64", "int64", "text"  # noqa: E741
 
 BODY_LAYOUT: tuple[DatasetSpec, ...] = (
-    _spec("mesh/nodes_B", "n, 3", F, "m", "B", "rest positions of the nodes"),
-    _spec("mesh/node_ids", "n", I, "-", "-", "identifiers of the nodes, unique"),
-    _spec("mesh/connectivity", "i", I, "-", "-", "nodes of all cells, as 0-based rows of nodes_B"),
-    _spec("mesh/offsets", "c+1", I, "-", "-", "cell j owns connectivity[offsets[j]:offsets[j+1]]"),
-    _spec("mesh/cell_types", "c", "uint8", "-", "-", "VTK cell types"),
-    _spec(
+    spec("mesh/nodes_B", "n, 3", F, "m", "B", "rest positions of the nodes"),
+    spec("mesh/node_ids", "n", I, "-", "-", "identifiers of the nodes, unique"),
+    spec("mesh/connectivity", "i", I, "-", "-", "nodes of all cells, as 0-based rows of nodes_B"),
+    spec("mesh/offsets", "c+1", I, "-", "-", "cell j owns connectivity[offsets[j]:offsets[j+1]]"),
+    spec("mesh/cell_types", "c", "uint8", "-", "-", "VTK cell types"),
+    spec(
         "modes/shapes_B", "m, n, 6", F, "m, rad", "B", "translation (first 3) and rotation (last 3)"
     ),
-    _spec("modes/kinds", "m", T, "-", "-", "what each mode is (one of the mode kinds)"),
-    _spec("modes/labels", "m", T, "-", "-", "a name for each mode, for people", optional=True),
-    _spec("modes/frequencies", "m", F, "rad/s", "-", "natural circular frequency of each mode"),
-    _spec("modes/mass", "m, m", F, "kg m2", "-", "modal mass, full and symmetric"),
-    _spec("modes/stiffness", "m, m", F, "N m", "-", "modal stiffness, full and symmetric"),
-    _spec("modes/damping", "m, m", F, "N m s", "-", "modal damping, full and symmetric"),
-    _spec("nodal/mass", "n", F, "kg", "-", "lumped mass of each node"),
-    _spec("nodal/inertia_B", "n, 3, 3", F, "kg m2", "B", "lumped rotary inertia about each node"),
-    _spec("invariants/mass", "", F, "kg", "-", "sum m"),
-    _spec("invariants/S0_B", "3", F, "kg m", "B", "sum m x_a"),
-    _spec("invariants/S_B", "3, m", F, "kg m", "B", "sum m phi_ai"),
-    _spec("invariants/T00_B", "3, 3", F, "kg m2", "B", "sum m x_a x_b"),
-    _spec("invariants/T01_B", "3, 3, m", F, "kg m2", "B", "sum m x_a phi_bi"),
-    _spec("invariants/T11_B", "3, 3, m, m", F, "kg m2", "B", "sum m phi_ai phi_bj"),
-    _spec("invariants/J0_B", "3, 3", F, "kg m2", "B", "sum J"),
-    _spec("invariants/J_psi_B", "3, m", F, "kg m2", "B", "sum J_ab psi_bi"),
+    spec("modes/kinds", "m", T, "-", "-", "what each mode is (one of the mode kinds)"),
+    spec("modes/labels", "m", T, "-", "-", "a name for each mode, for people", optional=True),
+    spec("modes/frequencies", "m", F, "rad/s", "-", "natural circular frequency of each mode"),
+    spec("modes/mass", "m, m", F, "kg m2", "-", "modal mass, full and symmetric"),
+    spec("modes/stiffness", "m, m", F, "N m", "-", "modal stiffness, full and symmetric"),
+    spec("modes/damping", "m, m", F, "N m s", "-", "modal damping, full and symmetric"),
+    spec("nodal/mass", "n", F, "kg", "-", "lumped mass of each node"),
+    spec("nodal/inertia_B", "n, 3, 3", F, "kg m2", "B", "lumped rotary inertia about each node"),
+    spec("invariants/mass", "", F, "kg", "-", "sum m"),
+    spec("invariants/S0_B", "3", F, "kg m", "B", "sum m x_a"),
+    spec("invariants/S_B", "3, m", F, "kg m", "B", "sum m phi_ai"),
+    spec("invariants/T00_B", "3, 3", F, "kg m2", "B", "sum m x_a x_b"),
+    spec("invariants/T01_B", "3, 3, m", F, "kg m2", "B", "sum m x_a phi_bi"),
+    spec("invariants/T11_B", "3, 3, m, m", F, "kg m2", "B", "sum m phi_ai phi_bj"),
+    spec("invariants/J0_B", "3, 3", F, "kg m2", "B", "sum J"),
+    spec("invariants/J_psi_B", "3, m", F, "kg m2", "B", "sum J_ab psi_bi"),
 )
 
 INTERFACE_LAYOUT: tuple[DatasetSpec, ...] = (
-    _spec("node_ids", "k", I, "-", "-", "identifiers of the nodes that carry the interface"),
-    _spec("weights", "k", F, "-", "-", "share of each node, sum 1"),
-    _spec("position_B", "3", F, "m", "B", "rest position"),
-    _spec("A_BI", "3, 3", F, "-", "I to B", "rotation matrix, interface axes to body axes"),
-    _spec("phi_B", "3, m", F, "m", "B", "translation of the interface per unit mode"),
-    _spec("psi_B", "3, m", F, "rad", "B", "rotation of the interface per unit mode"),
+    spec("node_ids", "k", I, "-", "-", "identifiers of the nodes that carry the interface"),
+    spec("weights", "k", F, "-", "-", "share of each node, sum 1"),
+    spec("position_B", "3", F, "m", "B", "rest position"),
+    spec("A_BI", "3, 3", F, "-", "I to B", "rotation matrix, interface axes to body axes"),
+    spec("phi_B", "3, m", F, "m", "B", "translation of the interface per unit mode"),
+    spec("psi_B", "3, m", F, "rad", "B", "rotation of the interface per unit mode"),
 )
 
 SECTION_LAYOUT: tuple[DatasetSpec, ...] = (
-    _spec(
+    spec(
         "K",
         "6, 6",
         F,
@@ -90,8 +66,24 @@ SECTION_LAYOUT: tuple[DatasetSpec, ...] = (
         "section",
         "stiffness: extension, shear 2, shear 3, twist, bending 2, bending 3",
     ),
-    _spec("M", "6, 6", F, "kg/m, kg, kg m", "section", "mass per length, same order"),
-    _spec("ply_table", "", T, "-", "-", "material and lay-up as TOML text"),
+    spec("M", "6, 6", F, "kg/m, kg, kg m", "section", "mass per length, same order"),
+    spec("ply_table", "", T, "-", "-", "material and lay-up as TOML text"),
+)
+
+
+# All of the group `recovery`, or nothing of it.
+BODY_RECOVERY_LAYOUT: tuple[DatasetSpec, ...] = (
+    spec("recovery/station_x", "s", F, "m", "B", "places along the reference line, rising"),
+    spec("recovery/section", "s", I, "-", "-", "section of each station, by its index"),
+    spec(
+        "recovery/resultants_E",
+        "s, 6, m",
+        F,
+        "N, N m",
+        "section",
+        "F1 F2 F3 M1 M2 M3 on the face +x, per unit mode",
+    ),
+    spec("recovery/A_BE", "3, 3", F, "-", "section to B", "rotation, section axes to body axes"),
 )
 
 
@@ -101,23 +93,14 @@ def documented_layout() -> tuple[DatasetSpec, ...]:
         ("", BODY_LAYOUT),
         ("interfaces/<interface>/", INTERFACE_LAYOUT),
         ("sections/<section>/", SECTION_LAYOUT),
+        ("sections/<section>/", tuple(replace(row, optional=True) for row in RECOVERY_LAYOUT)),
+        ("", tuple(replace(row, optional=True) for row in BODY_RECOVERY_LAYOUT)),
     )
     return tuple(
         DatasetSpec(prefix + s.path, s.shape, s.type, s.unit, s.frame, s.description, s.optional)
         for prefix, specs in groups
         for s in specs
     )
-
-
-def shape_text(shape: tuple[str | int, ...]) -> str:
-    """Write a symbolic shape for people: (m, n, 6), or scalar."""
-    return f"({', '.join(map(str, shape))})" if shape else "scalar"
-
-
-def expected_shape(spec: DatasetSpec, sizes: dict[str, int]) -> tuple[int, ...]:
-    """Put numbers for the symbols of a shape."""
-    sizes = {**sizes, "c+1": sizes["c"] + 1} if "c" in sizes else sizes
-    return tuple(axis if isinstance(axis, int) else sizes[axis] for axis in spec.shape)
 
 
 def body_sizes(package: ModalPackage) -> dict[str, int]:

@@ -1,4 +1,4 @@
-"""Elastic materials: engineering constants, their bounds, and the stiffness in material axes.
+"""Elastic materials: constants, their bounds, stiffness in material axes, and its rotation.
 
 Stress and strain are columns in the paper's order 11, 22, 33, 23, 13, 12 with
 engineering shear strains (2 eps_23, 2 eps_13, 2 eps_12). `_M` are the axes of
@@ -77,7 +77,7 @@ def material_from_dict(table: Mapping[str, Any], where: str) -> Orthotropic:
     Parameters
     ----------
     table : E, nu, rho of an isotropic material, or the nine constants and rho of an orthotropic
-        one; a "name" is allowed and ignored
+        one; "name" and "strength" (see strength.py) are allowed and ignored
     where : file and key of the table, for messages
 
     Raises
@@ -98,7 +98,7 @@ def material_from_dict(table: Mapping[str, Any], where: str) -> Orthotropic:
         )
     keys = kinds[kind]
     for key in table:
-        if key not in (*keys, "kind", "name"):
+        if key not in (*keys, "kind", "name", "strength"):
             raise MaterialError(
                 f"{where}.{key}: unknown key of an {kind} material; expected "
                 + ", ".join(keys)
@@ -114,6 +114,28 @@ def material_from_dict(table: Mapping[str, Any], where: str) -> Orthotropic:
             _check_positive(key, values[key], where)
     _check_definite(values, where)
     return Orthotropic(**values)
+
+
+def bond(A_BM: Array) -> Array:
+    """Matrix T that takes stress columns along: stress_B = T stress_M (Bond 1943).
+
+    Parameters
+    ----------
+    A_BM : (..., 3, 3) rotations, v_B = A_BM v_M
+
+    Returns
+    -------
+    (..., 6, 6); T' takes engineering strains the other way, strain_M = T' strain_B
+    """
+    A_BM = np.asarray(A_BM)
+    pairs = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+    T = np.empty((*A_BM.shape[:-2], 6, 6))
+    for row, (i, j) in enumerate(pairs):
+        for column, (k, m) in enumerate(pairs):
+            T[..., row, column] = A_BM[..., i, k] * A_BM[..., j, m]
+            if k != m:  # a shear stress stands for two entries of the tensor
+                T[..., row, column] += A_BM[..., i, m] * A_BM[..., j, k]
+    return T
 
 
 def check(material: Orthotropic, where: str) -> None:

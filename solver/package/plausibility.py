@@ -4,8 +4,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from .checks import Finding
+from .finding import Finding
 from .invariants import inertia_at_rest
+from .recovery_checks import recovery_findings
 from .schema import Array, Interface, ModalPackage
 
 TOTAL_MASS = 1e-6  # relative: nodal masses against the invariants
@@ -24,6 +25,7 @@ def plausibility_findings(package: ModalPackage) -> list[Finding]:
         text = f"eigenvalues cannot be computed, numbers are out of any range ({cause})"
         findings.append(_finding("error", "modes", text))
     findings += _reference(package)
+    findings += recovery_findings(package)
     for interface in package.interfaces:
         findings += _interface(package, interface)
     return findings

@@ -1,19 +1,27 @@
 """Read a modal package and refuse what the solver could not rely on (docs/format.md)."""
 
-import json
 import warnings
 from pathlib import Path
-from typing import Any
 
 import h5py
 import numpy as np
 
-from .checks import Finding, content_findings, layout_findings, raise_first
-from .container import as_text, content_sha256, get_text, kind_of_file, open_file
-from .layout import BODY_LAYOUT, GROUP, INTERFACE_LAYOUT, SECTION_LAYOUT, DatasetSpec
+from .checks import content_findings, layout_findings
+from .container import get_text, open_file
+from .dataset import read_dataset
+from .finding import raise_first
+from .identity import checksum_findings, identity_notes, json_table
+from .layout import (
+    BODY_LAYOUT,
+    BODY_RECOVERY_LAYOUT,
+    GROUP,
+    INTERFACE_LAYOUT,
+    MODAL_PACKAGE,
+    SECTION_LAYOUT,
+)
+from .recovery_data import RECOVERY_LAYOUT, recovery_from
 from .schema import (
-    FORMAT,
-    FORMAT_VERSION,
+    BodyRecovery,
     Interface,
     Invariants,
     ModalPackage,
@@ -35,56 +43,19 @@ def read_package(path: str | Path) -> ModalPackage:
     """
     path = Path(path)
     with open_file(path, PackageError) as file:
-        for note in identity_notes(path, file):
+        for note in identity_notes(path, file, MODAL_PACKAGE):
             warnings.warn(note.message, UserWarning, stacklevel=2)
         raise_first(path, layout_findings(file[GROUP]))
-        raise_first(path, checksum_findings(file))
+        raise_first(path, checksum_findings(file, MODAL_PACKAGE))
         package = load(file)
     raise_first(path, content_findings(package))
     return package
 
 
-def identity_notes(path: Path, file: h5py.File) -> list[Finding]:
-    """Check that this is a package whose version we know. Raises PackageError."""
-    found = get_text(file, "format")
-    if found != FORMAT:
-        what = f"{found!r}" if found else kind_of_file(file)
-        raise PackageError(f"{path}: attribute format: expected {FORMAT!r}, this is {what}")
-    try:
-        major, minor = (int(v) for v in np.ravel(file.attrs["format_version"]))
-    except (KeyError, ValueError, TypeError):
-        raise PackageError(f"{path}: attribute format_version: expected [major, minor]") from None
-    if major != FORMAT_VERSION[0]:
-        age = "a newer" if major > FORMAT_VERSION[0] else "an older"
-        raise PackageError(
-            f"{path}: written by {age} Plymotion: format {major}.{minor}, "
-            f"this reader knows {FORMAT_VERSION[0]}.x"
-        )
-    if GROUP not in file:
-        raise PackageError(f"{path}: /{GROUP}: missing group")
-    if minor <= FORMAT_VERSION[1]:
-        return []
-    known = ".".join(map(str, FORMAT_VERSION))
-    text = f"{path}: format {major}.{minor} is newer than {known}: parts of it are not read"
-    return [Finding("warning", "format_version", text)]
-
-
-def checksum_findings(file: h5py.File) -> list[Finding]:
-    """Compare the content with the checksum the writer left."""
-    stored = get_text(file, "content_sha256")
-    if not stored:
-        return [Finding("warning", "content_sha256", "no checksum: damage goes unnoticed")]
-    actual = content_sha256(file[GROUP], get_text(file, "body"), get_text(file, "units"))
-    if actual == stored:
-        return []
-    text = f"content was altered after writing: expected {stored[:12]}..., found {actual[:12]}..."
-    return [Finding("error", "content_sha256", text)]
-
-
 def load(file: h5py.File) -> ModalPackage:
     """Read all arrays of a file whose layout has been checked."""
     group = file[GROUP]
-    data = {s.path: _read(group[s.path], s) for s in BODY_LAYOUT if s.path in group}
+    data = {s.path: read_dataset(group[s.path], s) for s in BODY_LAYOUT if s.path in group}
     invariants = {
         s.path.split("/")[1]: data[s.path] for s in BODY_LAYOUT if s.path.startswith("invariants/")
     }
@@ -111,39 +82,40 @@ def load(file: h5py.File) -> ModalPackage:
             Interface(
                 name=g.name.rsplit("/", 1)[1],
                 kind=get_text(g, "kind", "node"),
-                **{s.path: _read(g[s.path], s) for s in INTERFACE_LAYOUT},
+                **{s.path: read_dataset(g[s.path], s) for s in INTERFACE_LAYOUT},
             )
             for g in _ordered(group, "interfaces")
         ),
         reference_condition=get_text(group, "reference_condition"),
-        sections=tuple(
-            SectionData(
-                name=g.name.rsplit("/", 1)[1],
-                **{s.path: _read(g[s.path], s) for s in SECTION_LAYOUT},
-            )
-            for g in _ordered(group, "sections")
-        ),
+        sections=tuple(_section(file, g) for g in _ordered(group, "sections")),
+        recovery=_body_recovery(group),
         mode_labels=data.get("modes/labels", ()),
-        provenance=_provenance(file),
+        provenance=json_table(
+            f"{file.filename}: attribute provenance", get_text(file, "provenance", "{}")
+        ),
+    )
+
+
+def _section(file: h5py.File, group: h5py.Group) -> SectionData:
+    recovery = None
+    if "recovery" in group:
+        data = {s.path: read_dataset(group[s.path], s) for s in RECOVERY_LAYOUT}
+        recovery = recovery_from(data, f"{file.filename}: {group.name}")
+    return SectionData(
+        name=group.name.rsplit("/", 1)[1],
+        recovery=recovery,
+        **{s.path: read_dataset(group[s.path], s) for s in SECTION_LAYOUT},
+    )
+
+
+def _body_recovery(group: h5py.Group) -> BodyRecovery | None:
+    if "recovery" not in group:
+        return None
+    return BodyRecovery(
+        **{s.path.split("/")[1]: read_dataset(group[s.path], s) for s in BODY_RECOVERY_LAYOUT}
     )
 
 
 def _ordered(group: h5py.Group, parent: str) -> list[h5py.Group]:
     members = list(group[parent].values()) if parent in group else []
     return sorted(members, key=lambda g: int(g.attrs.get("index", 0)))
-
-
-def _read(dataset: h5py.Dataset, spec: DatasetSpec) -> Any:
-    if spec.type != "text":
-        return np.asarray(dataset[()], dtype=spec.type)[()]
-    if not spec.shape:
-        return as_text(dataset[()])
-    return tuple(as_text(text) for text in dataset[()])
-
-
-def _provenance(file: h5py.File) -> dict[str, Any]:
-    try:
-        found = json.loads(get_text(file, "provenance", "{}"))
-    except json.JSONDecodeError as cause:
-        raise PackageError(f"{file.filename}: attribute provenance: not JSON: {cause}") from cause
-    return found if isinstance(found, dict) else {"provenance": found}

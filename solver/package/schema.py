@@ -6,16 +6,19 @@ io.py and docs/format.md.
 """
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from .section import SectionRecovery
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 FORMAT = "plymotion modal package"
-FORMAT_VERSION = (1, 0)
+FORMAT_VERSION = (1, 1)
 
 MODE_KINDS = ("rigid", "fixed_normal", "constraint", "attachment", "residual", "experimental")
 REFERENCE_CONDITIONS = ("clamped", "chord", "mean-axis")
@@ -64,12 +67,30 @@ class Interface:
 
 @dataclass(frozen=True)
 class SectionData:
-    """A beam cross-section as it went into the body (for the reader, not the solver)."""
+    """A beam cross-section as it went into the body.
+
+    No solver of motion needs it; with `recovery` the stresses of its plies follow from resultants.
+    """
 
     name: str
     K: Array  # (6, 6), order extension shear2 shear3 twist bend2 bend3
     M: Array  # (6, 6), per length, same order of velocities
     ply_table: str = ""  # TOML text of material and lay-up
+    recovery: "SectionRecovery | None" = None
+
+
+@dataclass(frozen=True)
+class BodyRecovery:
+    """Resultants of a beam at stations x along its reference line, `s` of them.
+
+    F6 = resultants_E[s] @ q are [F1 F2 F3 M1 M2 M3] on the face whose normal is +x, in section
+    axes `_E`. Two stations at one x are the two sides of a place where they jump.
+    """
+
+    station_x: Array  # (s,) rising                         [m]
+    section: IntArray  # (s,) row of the package's sections
+    resultants_E: Array  # (s, 6, m) per unit mode          [N, N m]
+    A_BE: Array  # (3, 3) section axes in body axes         [-]
 
 
 @dataclass(frozen=True)
@@ -94,6 +115,7 @@ class ModalPackage:
     interfaces: tuple[Interface, ...]
     reference_condition: str
     sections: tuple[SectionData, ...] = ()
+    recovery: BodyRecovery | None = None
     mode_labels: tuple[str, ...] = ()  # e.g. "bending-xy 1"
     provenance: dict[str, Any] = field(default_factory=dict)
 

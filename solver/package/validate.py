@@ -1,50 +1,95 @@
-"""Examine a package file and report everything that is wrong with it."""
+"""Examine a package or section file and report everything that is wrong with it."""
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import h5py
-import numpy as np
 
-from .checks import Finding, content_findings, layout_findings
+from .checks import content_findings, layout_findings
 from .container import get_text, open_file
-from .layout import GROUP
+from .finding import Finding
+from .identity import FileFormat, checksum_findings, identity_notes
+from .layout import MODAL_PACKAGE
 from .plausibility import plausibility_findings
-from .reader import checksum_findings, identity_notes, load
+from .reader import load
 from .schema import PackageError
+from .section_checks import (
+    section_content_findings,
+    section_layout_findings,
+    section_plausibility_findings,
+)
+from .section_io import load_section
+from .section_layout import SECTION_FILE
+from .vtk_view import view_findings
 
 __all__ = ["Finding", "validate"]
 
 DATASET_ATTRIBUTES = ("unit", "frame", "description")
 
 
+@dataclass(frozen=True)
+class _Kind:
+    """How files of one format are examined, in this order."""
+
+    format: FileFormat
+    layout: Callable[[h5py.Group], list[Finding]]
+    mesh: tuple[str, str]  # group of the mesh, its nodes
+    load: Callable[[h5py.File], Any]
+    content: Callable[[Any], list[Finding]]
+    plausibility: Callable[[Any], list[Finding]]
+
+
+_MODAL = _Kind(
+    MODAL_PACKAGE,
+    layout_findings,
+    ("modal_package/mesh", "nodes_B"),
+    load,
+    content_findings,
+    plausibility_findings,
+)
+_SECTION = _Kind(
+    SECTION_FILE,
+    section_layout_findings,
+    ("section/mesh", "nodes"),
+    load_section,
+    section_content_findings,
+    section_plausibility_findings,
+)
+
+
 def validate(path: str | Path) -> list[Finding]:
-    """Return every finding on a modal package; none of level "error" means it is usable.
+    """Return every finding on a modal package or a section file; no "error": it is usable.
 
     Later stages need the earlier ones: arrays of a wrong shape are not compared.
-    A file that is no package at all gives one finding.
+    A file that is neither gives one finding.
     """
     path = Path(path)
     try:
         with open_file(path, PackageError) as file:
-            findings = identity_notes(path, file)
-            layout = layout_findings(file[GROUP])
-            findings += layout + _attributes(file) + _view(file) + checksum_findings(file)
+            section = get_text(file, "format") == SECTION_FILE.format
+            kind = _SECTION if section else _MODAL
+            findings = identity_notes(path, file, kind.format)
+            layout = kind.layout(file[kind.format.group])
+            findings += layout + _attributes(file, kind.format)
+            findings += view_findings(file, *kind.mesh) + checksum_findings(file, kind.format)
             if any(f.level == "error" for f in layout):
                 return findings
-            package = load(file)
+            package = kind.load(file)
     except PackageError as error:
         return [Finding("error", "/", str(error))]
-    content = content_findings(package)
+    content = kind.content(package)
     findings += content
     if not any(f.level == "error" for f in content):
-        findings += plausibility_findings(package)
+        findings += kind.plausibility(package)
     return findings
 
 
-def _attributes(file: h5py.File) -> list[Finding]:
+def _attributes(file: h5py.File, known: FileFormat) -> list[Finding]:
     findings = []
-    for name in ("body", "units", "provenance"):
-        if name not in file.attrs:
+    for name in (known.title, "units", "provenance"):
+        if name not in file.attrs and name not in file:
             findings.append(Finding("warning", "/", f"attribute {name}: missing"))
     units = get_text(file, "units", "SI")
     if units != "SI":
@@ -58,22 +103,5 @@ def _attributes(file: h5py.File) -> list[Finding]:
                 text = f"attribute {', '.join(missing)}: missing"
                 findings.append(Finding("warning", item.name, text))
 
-    file[GROUP].visititems(visit)
-    return findings
-
-
-def _view(file: h5py.File) -> list[Finding]:
-    """Check that what ParaView shows is what the solver reads."""
-    view = file.get("VTKHDF")
-    if not isinstance(view, h5py.Group):
-        return [Finding("warning", "/VTKHDF", "missing: ParaView cannot open the file")]
-    mesh = file[GROUP].get("mesh", {})
-    pairs = (("Points", "nodes_B"), ("Connectivity", "connectivity"))
-    findings = []
-    for name, ours in (*pairs, ("Offsets", "offsets"), ("Types", "cell_types")):
-        if name not in view:
-            findings.append(Finding("warning", f"/VTKHDF/{name}", "missing"))
-        elif ours in mesh and not np.array_equal(view[name][()], mesh[ours][()]):
-            text = f"differs from /{GROUP}/mesh/{ours}"
-            findings.append(Finding("error", f"/VTKHDF/{name}", text))
+    file[known.group].visititems(visit)
     return findings

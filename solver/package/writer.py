@@ -1,28 +1,28 @@
 """Write a modal package: HDF5 that is a valid VTKHDF file too (docs/format.md)."""
 
-import json
 from pathlib import Path
-from typing import Any
 
 import h5py
 import numpy as np
 
-from .checks import content_findings, raise_first
-from .container import content_sha256, new_file, set_text
+from .checks import content_findings
+from .container import new_file, set_text
+from .dataset import write_dataset
+from .finding import raise_first
+from .identity import json_text, write_checksum, write_identity
 from .layout import (
     BODY_LAYOUT,
+    BODY_RECOVERY_LAYOUT,
     GROUP,
     INTERFACE_LAYOUT,
+    MODAL_PACKAGE,
     SECTION_LAYOUT,
-    DatasetSpec,
     body_sizes,
     body_values,
-    expected_shape,
-    shape_text,
 )
-from .schema import FORMAT, FORMAT_VERSION, ModalPackage, PackageError
-
-UNITS = "SI"
+from .recovery_data import RECOVERY_LAYOUT, recovery_sizes, recovery_values
+from .schema import ModalPackage, PackageError
+from .vtk_view import create_grid, describe, part_view
 
 
 def write_package(path: str | Path, package: ModalPackage) -> None:
@@ -39,18 +39,16 @@ def write_package(path: str | Path, package: ModalPackage) -> None:
         raise PackageError(f"{path}: a modal package ends in .vtkhdf (ParaView goes by the name)")
     raise_first(path, content_findings(package))
     with new_file(path) as file:
-        set_text(file, "format", FORMAT)
-        file.attrs["format_version"] = np.array(FORMAT_VERSION, dtype=np.int64)
-        set_text(file, "body", package.body)
-        set_text(file, "units", UNITS)
+        write_identity(file, MODAL_PACKAGE, package.body)
+        provenance = json_text(f"{path}: provenance", package.provenance)
         try:
-            set_text(file, "provenance", json.dumps(package.provenance, default=_plain))
-        except (TypeError, ValueError) as cause:
+            set_text(file, "provenance", provenance)
+        except ValueError as cause:
             raise PackageError(f"{path}: provenance: {cause}") from cause
         group = file.create_group(GROUP)
         _write_body(path, group, package)
         _write_view(file, group)
-        set_text(file, "content_sha256", content_sha256(group, package.body, UNITS))
+        write_checksum(file, MODAL_PACKAGE)
 
 
 def _write_body(path: Path, group: h5py.Group, package: ModalPackage) -> None:
@@ -58,66 +56,38 @@ def _write_body(path: Path, group: h5py.Group, package: ModalPackage) -> None:
     sizes, values = body_sizes(package), body_values(package)
     for spec in BODY_LAYOUT:
         if spec.path in values:
-            _write(path, group, spec, values[spec.path], sizes)
+            write_dataset(path, group, spec, values[spec.path], sizes)
     set_text(group["invariants"], "mass_form", package.invariants.mass_form)
     for index, interface in enumerate(package.interfaces):
         sub = _named_group(path, group, "interfaces", interface.name, index)
         set_text(sub, "kind", interface.kind)
         for spec in INTERFACE_LAYOUT:
             k = {"k": len(interface.node_ids)}
-            _write(path, sub, spec, getattr(interface, spec.path), sizes | k)
+            write_dataset(path, sub, spec, getattr(interface, spec.path), sizes | k)
     for index, section in enumerate(package.sections):
         sub = _named_group(path, group, "sections", section.name, index)
         for spec in SECTION_LAYOUT:
-            _write(path, sub, spec, getattr(section, spec.path), sizes)
-
-
-def _write(
-    path: Path, group: h5py.Group, spec: DatasetSpec, value: Any, sizes: dict[str, int]
-) -> None:
-    where = f"{path}: {group.name}/{spec.path}"
-    if spec.type == "text":
-        texts = [value] if isinstance(value, str) else list(value)
-        raw = [text.encode("utf-8") for text in texts]
-        width = max([1, *map(len, raw)])
-        dtype: Any = h5py.string_dtype("utf-8", width)
-        array: Any = np.array(raw if spec.shape else raw[0], dtype=dtype)
-    else:
-        array, dtype = np.asarray(value), np.dtype(spec.type)
-        kinds = "iu" if dtype.kind in "iu" else "fiu"
-        if array.dtype.kind not in kinds and array.size:
-            raise PackageError(f"{where}: expected {spec.type}, got {array.dtype}")
-        array = array.astype(dtype)
-    expected = expected_shape(spec, sizes)
-    if array.shape != expected:
-        symbols = shape_text(spec.shape)
-        raise PackageError(f"{where}: expected shape {symbols} = {expected}, got {array.shape}")
-    dataset = group.create_dataset(spec.path, data=array, dtype=dtype)
-    for key in ("unit", "frame", "description"):
-        set_text(dataset, key, getattr(spec, key))
+            write_dataset(path, sub, spec, getattr(section, spec.path), sizes)
+        if section.recovery is not None:
+            packed = recovery_values(section.recovery, f"{path}: {sub.name}")
+            for spec in RECOVERY_LAYOUT:
+                value = packed[spec.path]
+                write_dataset(path, sub, spec, value, recovery_sizes(packed), compressed=True)
+    if package.recovery is not None:
+        stations = sizes | {"s": len(package.recovery.station_x)}
+        for spec in BODY_RECOVERY_LAYOUT:
+            value = getattr(package.recovery, spec.path.split("/")[1])
+            write_dataset(path, group, spec, value, stations, compressed=True)
 
 
 def _write_view(file: h5py.File, group: h5py.Group) -> None:
-    """Add /VTKHDF: hard links to the mesh and one virtual view per mode; no second copy."""
-    view = file.create_group("VTKHDF")
-    view.attrs["Version"] = np.array([2, 2], dtype=np.int64)
-    view.attrs.create("Type", np.bytes_("UnstructuredGrid"), dtype="S16")
-    mesh, shapes = group["mesh"], group["modes/shapes_B"]
-    links = (("Points", "nodes_B"), ("Connectivity", "connectivity"))
-    for name, ours in (*links, ("Offsets", "offsets"), ("Types", "cell_types")):
-        view[name] = mesh[ours]
-    counts = (("Points", "nodes_B"), ("Cells", "cell_types"), ("ConnectivityIds", "connectivity"))
-    for name, ours in counts:
-        view[f"NumberOf{name}"] = np.array([len(mesh[ours])], dtype=np.int64)
-    point_data = view.create_group("PointData")
-    source = h5py.VirtualSource(".", shapes.name, shape=shapes.shape, dtype=shapes.dtype)
+    """Add /VTKHDF: the mesh and one virtual view per mode; no second copy."""
+    shapes = group["modes/shapes_B"]
+    point_data = create_grid(file, group["mesh"], "nodes_B").create_group("PointData")
     for i in range(shapes.shape[0]):
         for label, unit, part in (("shape", "m", slice(0, 3)), ("rotation", "rad", slice(3, 6))):
-            layout = h5py.VirtualLayout((shapes.shape[1], 3), dtype=shapes.dtype)
-            layout[...] = source[i, :, part]
-            dataset = point_data.create_virtual_dataset(f"mode_{i + 1:03d}_{label}", layout)
-            set_text(dataset, "unit", unit)
-            set_text(dataset, "frame", "B")
+            name, size = f"mode_{i + 1:03d}_{label}", (shapes.shape[1], 3)
+            describe(part_view(point_data, name, shapes, np.s_[i, :, part], size), unit, "B")
 
 
 def _named_group(path: Path, group: h5py.Group, parent: str, name: str, index: int) -> h5py.Group:
@@ -129,11 +99,3 @@ def _named_group(path: Path, group: h5py.Group, parent: str, name: str, index: i
     sub = group.create_group(f"{parent}/{name}")
     sub.attrs["index"] = np.int64(index)
     return sub
-
-
-def _plain(value: object) -> object:
-    if isinstance(value, np.ndarray | np.generic):
-        return value.tolist()
-    if isinstance(value, Path):
-        return str(value)
-    raise TypeError(f"cannot be written as JSON: {value!r}")

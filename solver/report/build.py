@@ -7,6 +7,7 @@ from ..errors import InputError
 from ..package.container import temporary_sibling
 from .balance import draw_balance
 from .comparison import draw_comparison
+from .exposure import draw_exposure
 from .motion import draw_motion
 from .page import page
 from .story import comparisons, read_story
@@ -25,7 +26,7 @@ def make_report(case_dir: Path, runs: list[str], case: dict[str, Any] | None = N
         figures each signal is drawn for all runs.
 
     Writes <figure>.png into case_dir, motion.png and balance.png into each
-    run's folder, and report.html last.
+    run's folder, strength.png too where plies have strengths, and report.html last.
 
     Raises
     ------
@@ -48,8 +49,14 @@ def make_report(case_dir: Path, runs: list[str], case: dict[str, Any] | None = N
             drawn.append((wanted.title, draw_comparison(file, wanted, chosen)))
         motions = [draw_motion(case_dir / s.name / "motion.png", s) for s in stories]
         balances = [draw_balance(case_dir / s.name / "balance.png", s) for s in stories]
+        strengths = [
+            draw_exposure(case_dir / s.name / "strength.png", s)
+            for s in stories
+            if s.summary.get("strength")
+        ]
     title = str(case.get("title") or stories[0].result.case)
     target = case_dir / "report.html"
     with temporary_sibling(target) as temporary:
-        temporary.write_text(page(title, stories, drawn, motions, balances), encoding="utf-8")
+        text = page(title, stories, drawn, motions, balances, strengths)
+        temporary.write_text(text, encoding="utf-8")
     return target

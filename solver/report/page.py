@@ -17,8 +17,12 @@ def page(
     comparisons: list[tuple[str, Path]],
     motions: list[Path],
     balances: list[Path],
+    strengths: list[Path],
 ) -> str:
-    """Return the page as HTML; figures are embedded."""
+    """Return the page as HTML; figures are embedded.
+
+    `strengths` has one figure for each story whose summary tells of strength, the others one each.
+    """
     done = sum(not story.stopped for story in stories)
     count = f"{done} of {len(stories)} runs completed"
     parts = [
@@ -33,7 +37,9 @@ def page(
         *(_figure(path, caption, "wide") for caption, path in comparisons),
         "</section><section><h2>Motion</h2><div class='grid'>",
         *(_figure(p, f"Motion of {s.title}") for s, p in zip(stories, motions, strict=True)),
-        "</div></section><section><h2>Can the numbers be trusted?</h2><div class='grid'>",
+        "</div></section>",
+        _strength(stories, strengths),
+        "<section><h2>Can the numbers be trusted?</h2><div class='grid'>",
         *(_figure(p, f"Balance of {s.title}") for s, p in zip(stories, balances, strict=True)),
         "</div></section>",
         _READING,
@@ -118,6 +124,45 @@ def _signals(stories: list[Story]) -> str:
     return _table(f"{top}</tr><tr class='below'>{below}", rows)
 
 
+def _strength(stories: list[Story], figures: list[Path]) -> str:
+    """Return the section on ply stresses, or nothing where no material has strengths."""
+    told = [story for story in stories if story.summary.get("strength")]
+    if not told:
+        return ""
+    head = ["run", "body", "strength<br>ratio R [-]", "margin<br>R - 1 [-]", "criterion", "mode"]
+    head += ["x<br>[m]", "time<br>[s]", "ply"]
+    rows = []
+    for story in told:
+        for body, found in story.summary["strength"].items():
+            ply = found["ply"]
+            where = f"{ply['region']} {ply['index']}, {ply['material']}, {ply['angle_deg']:g} deg"
+            ratio = number(found["ratio"], 4)
+            rows.append(
+                [
+                    _name(story),
+                    escape(body),
+                    f"<span class='badge bad'>{ratio}</span>" if fails(found) else ratio,
+                    number(found["margin"], 3),
+                    escape(found["criterion"]),
+                    escape(found["mode"]),
+                    number(found["x"], 4),
+                    number(found["time"], 4),
+                    escape(where),
+                ]
+            )
+    table = _table("".join(f"<th>{cell}</th>" for cell in head), rows)
+    drawn = "".join(
+        _figure(path, f"Exposure along the beams of {story.title}")
+        for story, path in zip(told, figures, strict=True)
+    )
+    return f"<section><h2>Strength</h2>{table}<div class='grid'>{drawn}</div></section>"
+
+
+def fails(found: dict[str, Any]) -> bool:
+    """Say whether a ply of a body fails, by its entry in summary.json."""
+    return found["ratio"] is not None and found["ratio"] < 1.0
+
+
 def _warnings(stories: list[Story]) -> str:
     items = []
     for story in stories:
@@ -143,6 +188,10 @@ holds together.</dd>
 is constant in an exact solution; the number is its largest change over the largest energy in
 play.</dd>
 <dt>Largest</dt><dd>The largest magnitude of a signal at the output times.</dd>
+<dt>Strength ratio R</dt><dd>The factor on all stresses at which the first ply fails, lowest over
+points and output times; below 1 it fails in this run. The exposure 1/R grows with the load.
+Stresses are those of the modes that the body has: take more modes and compare. Shown where
+materials have strengths.</dd>
 <dt>More</dt><dd>Each run's folder holds <code>summary.json</code> (these numbers for programs) and
 <code>result.vtkhdf</code>: in ParaView apply the filter <em>Warp By Vector</em> with the array
 <em>displacement</em>, then press play.</dd></dl></section>"""

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from section_specs import rectangle_spec
 
 from plymotion.preprocess.beam.line import BeamLine
 from plymotion.preprocess.body import build_body
@@ -30,13 +31,9 @@ def strip(length_factor: float = 1.0) -> dict[str, Any]:
         "kind": "beam",
         "length": length_factor * geometry["length"],
         "elements": 32,
-        "section": {
-            "shape": "rectangle",
-            "width": geometry["width"],
-            "height": geometry["height"],
-            "material": REFERENCE["material"],
-            **REFERENCE["layup"],
-        },
+        "section": rectangle_spec(
+            geometry["width"], geometry["height"], REFERENCE["material"], **REFERENCE["layup"]
+        ),
         "modes": [{"kind": "bending-xz", "count": 3}, {"kind": "torsion", "count": 1}],
         "interfaces": {"root": {"at": "start"}, "tip": {"at": "end"}},
     }

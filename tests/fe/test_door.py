@@ -117,7 +117,7 @@ def test_scripts_stand_alone(name: str, order: int) -> None:
 
 
 def test_script_parameters_do_not_linger() -> None:
-    sizes = {"width": 3.0, "height": 2.0, "elements_2": 2, "elements_3": 3, "grading": 0.0}
+    sizes = {"width": 3.0, "height": 2.0, "columns": [0.5, 1.0], "rows": [0.3, 0.6, 1.0]}
     labelled = fenicsx.mesh_from_geo(script_path("rectangle"), sizes)
     assert labelled.n_cell == 6
     default = fenicsx.mesh_from_geo(script_path("rectangle"), {})
@@ -134,7 +134,7 @@ s[] = Extrude {0, 1, 0} { Line{l[1]}; Layers{2}; Recombine; };
     ("text", "message"),
     [
         (None, "no such gmsh script"),
-        (SQUARE, "is in 0 physical groups"),
+        (SQUARE, "no physical surface, expected one for each region"),
         (
             SQUARE + 'Physical Surface("a") = {s[1]};\nPhysical Surface("b") = {s[1]};\n',
             "is in 2 physical groups",

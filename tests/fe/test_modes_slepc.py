@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from section_specs import rectangle_spec
 
 from plymotion.preprocess.body import build_body
 from plymotion.preprocess.modes import ModeError
@@ -18,7 +19,7 @@ def bar(modes: list[dict[str, Any]], width: float = 0.01, **changes: Any) -> dic
         "kind": "beam",
         "length": 0.5,
         "elements": 20,
-        "section": {"shape": "rectangle", "width": width, "height": 0.01, "material": ALUMINIUM},
+        "section": rectangle_spec(width, 0.01, ALUMINIUM),
         "modes": modes,
         "interfaces": {"root": {"at": "start"}, "tip": {"at": "end"}},
         **changes,

@@ -12,6 +12,7 @@ from plymotion.preprocess.section.mesh import section_mesh
 from plymotion.preprocess.section.problem import SectionProblem
 from plymotion.preprocess.section.timoshenko import SectionStiffness, stiffness
 from plymotion.preprocess.section.warping import WarpingSolver
+from plymotion.solver.section.shapes import expand
 
 GRAPHITE = Orthotropic(142e9, 9.8e9, 9.8e9, 6.0e9, 6.0e9, 4.8e9, 0.42, 0.42, 0.42, 1600.0)
 
@@ -22,8 +23,8 @@ def rectangle(
     C_M: Any, angle_deg: float = 0.0, width: float = 0.03, height: float = 0.01, n: int = 6
 ) -> Solved:
     """A small rectangle of one ply: the problem, the stiffness of its points, its 6x6."""
-    values = {"width": width, "height": height, "elements_2": n, "elements_3": 4, "grading": 0.5}
-    problem = SectionProblem(section_mesh({"script": "rectangle", "parameters": values}, "test"), 2)
+    sizes = {"width": width, "height": height, "elements_2": n, "elements_3": 4}
+    problem = SectionProblem(section_mesh(expand("rectangle", sizes), "test"), 2)
     C = rotated(C_M, ply_rotation(angle_deg))
     C = np.broadcast_to(C, (problem.space.n_cell, 1, 6, 6))
     return problem, C, problem.solve(C)

@@ -122,7 +122,7 @@ def test_curved_cells_are_told_from_straight_ones() -> None:
         assert is_curved(nodes[cells][..., :2], fenicsx.cell_name(labelled.mesh)) is curved
     straight = fenicsx.mesh_from_geo(
         MESHES / "rectangle.geo",
-        {"width": 1.0, "height": 0.5, "elements_2": 4, "elements_3": 3, "grading": 0.5},
+        {"width": 1.0, "height": 0.5, "columns": [0.2, 0.8, 1.0], "rows": [0.3, 1.0]},
     )
     nodes, cells, _ = fenicsx.geometry(straight.mesh)
     assert not is_curved(nodes[cells][..., :2], "quadrilateral")

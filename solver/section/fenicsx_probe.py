@@ -1,9 +1,10 @@
-"""What one Python knows of FEniCSx: run by that Python, prints one line of JSON.
+"""What one Python knows of FEniCSx: run as a script by that Python, prints one line of JSON.
 
 Real imports, because an installed package may still not load (a complex-valued
 build, a shared library that is missing); and one form is compiled, because
 DOLFINx needs a C compiler and Python's headers at run time. Written for any
-Python 3, since it also has to tell why an old one does not do.
+Python from 3.6 on, since it also has to tell why an old one does not do. All
+by name: the solver itself imports none of it.
 """
 
 import importlib
@@ -18,35 +19,32 @@ def probe() -> dict:
     """Versions and problems found: {"dolfinx": "0.9.0", "problems": {module: reason}}."""
     problems: dict = {}
     found = {"python": sys.executable, "problems": problems}
-    if sys.version_info < (3, 11):
-        problems["python"] = "%d.%d is older than 3.11" % sys.version_info[:2]
+    if sys.version_info < (3, 11):  # noqa: UP036  it may run on an old one
+        problems["python"] = f"{sys.version_info[0]}.{sys.version_info[1]} is older than 3.11"
         return found
     loaded = {}
     for name in MODULES:
         try:
             loaded[name] = importlib.import_module(name)
         except Exception as error:  # a broken library can raise anything on import
-            problems[name.split(".")[0]] = "{}: {}".format(type(error).__name__, error)
+            problems[name.split(".")[0]] = f"{type(error).__name__}: {error}"
     if "dolfinx" in loaded:
         found["dolfinx"] = loaded["dolfinx"].__version__
     if "petsc4py.PETSc" in loaded:
-        import numpy
-
+        numpy = importlib.import_module("numpy")
         if numpy.issubdtype(loaded["petsc4py.PETSc"].ScalarType, numpy.complexfloating):
             problems["petsc4py"] = "complex-valued build, a real-valued one is needed"
     if not problems:
         try:
             compile_form(loaded["mpi4py.MPI"])
         except Exception as error:  # whatever the compiler or the loader raises
-            problems["compiler"] = "{}: {}".format(type(error).__name__, error)
+            problems["compiler"] = f"{type(error).__name__}: {error}"
     return found
 
 
 def compile_form(MPI) -> None:  # type: ignore[no-untyped-def]
     """Compile the length of an interval (cached on disk after the first time)."""
-    import ufl
-    from dolfinx import fem, mesh
-
+    ufl, fem, mesh = map(importlib.import_module, ("ufl", "dolfinx.fem", "dolfinx.mesh"))
     interval = mesh.create_unit_interval(MPI.COMM_SELF, 1)
     fem.form(fem.Constant(interval, 1.0) * ufl.dx)
 

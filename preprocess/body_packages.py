@@ -1,0 +1,44 @@
+"""Modal packages of bodies as a product of the batch."""
+
+import math
+import time
+from pathlib import Path
+from typing import Any
+
+from ..solver.package.io import read_package, write_package
+from ..solver.package.schema import ModalPackage, PackageError
+from .fingerprint import fingerprint
+
+
+class BodyPackages:
+    """One body's specification becomes its modal package."""
+
+    def unchanged(self, target: Path, spec: dict[str, Any]) -> bool:
+        """True if the target is a sound package made from these very inputs."""
+        if not target.exists():
+            return False
+        try:
+            stored = read_package(target).provenance.get("fingerprint")
+        except PackageError:
+            return False  # damaged or older: made anew
+        return stored == fingerprint(spec)
+
+    def make(self, spec: dict[str, Any], target: Path) -> tuple[str, list[dict[str, str]]]:
+        """Build and write the package."""
+        from .body import build_body  # here: FEniCSx is loaded only where something is built
+
+        start = time.perf_counter()
+        package = build_body(spec)
+        write_package(target, package)
+        text = _summary(package, time.perf_counter() - start)
+        return text, package.provenance["warnings"]
+
+
+def _summary(package: ModalPackage, total: float) -> str:
+    seconds, dofs = package.provenance["seconds"], package.provenance["dofs"]
+    hertz = package.frequencies / (2.0 * math.pi)
+    span = f", {hertz[0]:.4g} to {hertz[-1]:.4g} Hz" if len(hertz) else ""
+    return (
+        f"section {seconds['section']:.2f} s, modes {seconds['modes']:.2f} s, "
+        f"{dofs['section']} dofs ({total:.2f} s in all; {package.n_mode} modes{span})"
+    )

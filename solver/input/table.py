@@ -1,0 +1,20 @@
+"""The base of every table that a user writes."""
+
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field
+
+Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_-]*$")]
+Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
+Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
+
+
+class Table(BaseModel):
+    """A table of an input file: unknown keys are errors."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True)
+
+
+def unit(name: str) -> dict[str, Any]:
+    """Return what the manual shows as the unit of a key."""
+    return {"unit": name}

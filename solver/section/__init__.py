@@ -1,0 +1,1 @@
+"""Beam cross-sections on the light side: description, command line, figures, conventions."""

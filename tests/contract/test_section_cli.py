@@ -1,0 +1,328 @@
+"""`plymotion section` as a user calls it: the real command, the real FEniCSx of this machine."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import uuid
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from plymotion.solver.errors import InputError
+from plymotion.solver.package.section_io import read_section
+from plymotion.solver.section import interpreter
+from plymotion.solver.section.interpreter import find_interpreter
+
+BAR = """
+format = 1
+title = "A bar of one ply"
+convention = "contour"
+
+[mesh]
+shape = "rectangle"
+width = 0.06
+height = 0.015
+
+[materials.cfrp]
+kind = "orthotropic"
+E1 = 129.2e9
+E2 = 9.4e9
+E3 = 9.4e9
+G12 = 5.2e9
+G13 = 4.3e9
+G23 = 2.5e9
+nu12 = 0.3
+nu13 = 0.3
+nu23 = 0.22
+rho = 1550.0
+strength = { Xt = 2.0e9, Xc = 1.2e9, Yt = 50e6, Yc = 200e6, S12 = 80e6 }
+
+[laminates.all]
+material = "cfrp"
+angles_deg = [15]
+
+[regions.section]
+laminate = "all"
+"""
+STUDY = """
+format = 1
+sections = ["bar.toml"]
+
+[[sweep]]
+key = "laminates.all.angles_deg"
+values = {values}
+"""
+MARK = "PLYMOTION_TEST"
+
+
+@pytest.fixture(scope="module", autouse=True)
+def fenicsx() -> str:
+    try:
+        return find_interpreter()
+    except InputError as error:
+        pytest.skip(f"needs FEniCSx: {error}")
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "bar.toml").write_text(BAR)
+    return tmp_path
+
+
+@pytest.fixture
+def mark() -> str:
+    """A word in the environment of every process that a test starts."""
+    return uuid.uuid4().hex
+
+
+def command(*arguments: str | Path) -> list[str]:
+    return [sys.executable, "-m", "plymotion.solver", "section", *map(str, arguments)]
+
+
+def run(
+    folder: Path, *arguments: str | Path, **environment: str
+) -> "subprocess.CompletedProcess[str]":
+    return subprocess.run(
+        command(*arguments),
+        capture_output=True,
+        text=True,
+        cwd=folder,
+        env={**os.environ, **environment},
+        timeout=300,
+    )
+
+
+def test_one_section_from_text_to_files(folder: Path) -> None:
+    first = run(folder, "bar.toml", "--no-figures", "--loads=1e4,0,0,0,20,0")
+    assert first.returncode == 0, first.stderr
+    lines = first.stdout.splitlines()
+    assert lines[0] == "bar: A bar of one ply"
+    assert max(map(len, lines)) <= 100
+    assert any(line.startswith("Error estimate  ") for line in lines)
+    assert any(line.startswith("section 1 cfrp") for line in lines)
+    assert any(line.startswith("least by tsai-wu: ") for line in lines)
+    file = folder / "build" / "sections" / "bar" / "bar.vtkhdf"
+    assert f"Files           {file.relative_to(folder)}" in lines
+    section = read_section(file)
+    os.utime(file, (1, 1))
+
+    second = run(folder, "bar.toml", "--json")
+    assert second.returncode == 0, second.stderr
+    found = json.loads(second.stdout)
+    assert list(found) == [
+        *("K", "M", "order", "shear_centre", "tension_centre", "mass_centre", "error_estimate"),
+        *("dofs", "seconds", "warnings"),
+    ]
+    assert np.array_equal(found["K"], section.K)
+    assert np.array_equal(found["error_estimate"], section.error_estimate)
+    assert file.stat().st_mtime == 1, "it was made again"
+
+    # A section file is shown without FEniCSx, in any order.
+    shown = run(folder, file, "--json", "--order", "becas", FENICSX_PYTHON="nowhere")
+    K = np.array(json.loads(shown.stdout)["K"])
+    assert K[2, 2] == section.K[0, 0]
+    assert K[5, 5] == section.K[3, 3]
+
+
+def test_figures_are_drawn_once(folder: Path) -> None:
+    first = run(folder, "bar.toml", "--no-estimate")
+    figures = sorted((folder / "build" / "sections" / "bar").glob("*.png"))
+    assert len(figures) == 2, first.stderr
+    assert all(str(figure.relative_to(folder)) in first.stdout for figure in figures)
+    times = [figure.stat().st_mtime_ns for figure in figures]
+    run(folder, "bar.toml", "--no-estimate")
+    assert [figure.stat().st_mtime_ns for figure in figures] == times
+
+
+def test_accuracy_refines_and_says_what_it_cost(folder: Path) -> None:
+    done = run(folder, "bar.toml", "--no-figures", "--accuracy", "2e-6")
+    assert done.returncode == 0, done.stderr
+    assert "refined in steps:" in done.stdout
+    section = read_section(folder / "build" / "sections" / "bar" / "bar.vtkhdf")
+    steps = section.provenance["refinements"]
+    assert len(steps) > 1
+    assert steps[0]["error"] > 2e-6 >= steps[-1]["error"]
+
+
+def test_errors_name_file_and_key(folder: Path) -> None:
+    (folder / "bad.toml").write_text(BAR.replace("angles_deg", "angle_deg"))
+    done = run(folder, "bad.toml")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "error: bad.toml: laminates.all.angle_deg: unknown key" in done.stderr
+    assert "did you mean 'angles_deg'" in done.stderr
+
+    # An error that only the FE side sees names the description as well.
+    (folder / "part.geo").write_text("Rectangle(1) = {0, 0, 0, 1, 1};\n")
+    own = BAR.replace('shape = "rectangle"\nwidth = 0.06\nheight = 0.015', 'file = "part.geo"')
+    (folder / "own.toml").write_text(own)
+    done = run(folder, "own.toml", "bar.toml", "--no-figures", "--no-estimate")
+    assert done.returncode == 2
+    assert "error: own.toml: " in done.stderr
+    assert "bar: A bar of one ply" in done.stdout, "one failure stops no other"
+
+
+def test_unusable_interpreter_is_named(folder: Path) -> None:
+    done = run(folder, "bar.toml", FENICSX_PYTHON=sys.executable)
+    if done.returncode == 0:
+        pytest.skip("this very Python has FEniCSx")
+    assert done.returncode == 2
+    assert f"error: FENICSX_PYTHON = {sys.executable}: cannot use FEniCSx: no " in done.stderr
+
+
+def test_without_fenicsx_the_message_says_what_to_do(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("FENICSX_PYTHON", raising=False)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setattr(interpreter, "SYSTEM_PYTHON", str(tmp_path / "python3"))
+    monkeypatch.setattr(interpreter, "checkouts", list)
+    with pytest.raises(InputError, match="run `make fenicsx`"):
+        find_interpreter()
+
+
+def test_installed_package_hides_nothing_of_the_other_python(
+    folder: Path, repository: Path, fenicsx: str
+) -> None:
+    # As a wheel lies in site-packages, beside modules that are built for this Python.
+    site = folder / "site-packages"
+    shutil.copytree(
+        repository / "plymotion", site / "plymotion", ignore=shutil.ignore_patterns("__pycache__")
+    )
+    (site / "gmsh.py").write_text("raise ImportError('of the wrong Python')\n")
+    done = run(
+        folder,
+        *("bar.toml", "--no-figures", "--no-estimate"),
+        PYTHONPATH=str(site),
+        FENICSX_PYTHON=fenicsx,
+    )
+    # PYTHONPATH is the user's word, so gmsh is hidden here ...
+    assert done.returncode == 2
+    assert "of the wrong Python" in done.stderr
+    # ... and not if the package is found as an installed one is.
+    start = f"import sys; sys.path.insert(0, {str(site)!r}); sys.argv[0] = 'plymotion'; "
+    start += "from plymotion.solver.__main__ import main; sys.exit(main())"
+    done = subprocess.run(
+        [sys.executable, "-c", start, *command("bar.toml", "--no-figures", "--no-estimate")[3:]],
+        capture_output=True,
+        text=True,
+        cwd=folder,
+        env={**os.environ, "FENICSX_PYTHON": fenicsx},
+    )
+    assert done.returncode == 0, done.stderr
+    assert (folder / "build" / "sections" / "bar" / "bar.vtkhdf").exists()
+
+
+def test_study_with_a_bad_variant_and_shards(folder: Path) -> None:
+    (folder / "study.toml").write_text(STUDY.format(values="[[0], [95], [30], [45], [60]]"))
+    batch = ("--batch", "study.toml", "--out", "out", "--no-estimate")
+    for k in (1, 2):
+        part = run(folder, *batch, "--shard", f"{k}/2")
+        assert part.returncode == (2 if k == 1 else 0)
+    made = sorted((folder / "out").glob("*/*.vtkhdf"))
+    assert [path.stem for path in made] == ["bar-1", "bar-3", "bar-4", "bar-5"]
+    names = [
+        name
+        for k in (1, 2)
+        for name in json.loads((folder / "out" / f"summary-{k}-of-2.json").read_text())
+    ]
+    assert names == ["bar-1", "bar-2", "bar-3", "bar-4", "bar-5"]
+
+    whole = run(folder, *batch, "--json")
+    assert whole.returncode == 2
+    assert "error: bar-2: bar.toml: laminates.all.angles_deg.0 = 95" in whole.stderr
+    table = json.loads(whole.stdout)
+    assert table == json.loads((folder / "out" / "summary.json").read_text())
+    status = {name: row["status"] for name, row in table.items()}
+    assert status == {**dict.fromkeys(names, "unchanged"), "bar-2": "failed"}
+    K = read_section(made[1]).K
+    assert np.array_equal(table["bar-3"]["K"], K)
+    assert table["bar-3"]["changes"] == {"laminates.all.angles_deg": [30]}
+    assert len((folder / "out" / "summary.csv").read_text().splitlines()) == 6
+
+
+def processes(mark: str) -> dict[int, str]:
+    """Command lines of the processes that carry a mark, by number."""
+    found = {}
+    for entry in Path("/proc").iterdir():
+        if entry.name.isdecimal():
+            try:
+                if f"{MARK}={mark}".encode() in (entry / "environ").read_bytes():
+                    found[int(entry.name)] = (entry / "cmdline").read_text().replace("\0", " ")
+            except OSError:
+                continue  # it has ended, or is not ours
+    return found
+
+
+def until(true: Callable[[], object], seconds: float = 60.0) -> None:
+    end = time.monotonic() + seconds
+    while not true():
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.01)
+
+
+@pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="looks for processes in /proc")
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
+def test_stopped_batch_goes_on_where_it_was(
+    folder: Path, mark: str, number: signal.Signals
+) -> None:
+    values = [[3 * i] for i in range(30)]
+    (folder / "study.toml").write_text(STUDY.format(values=values))
+    batch = ("--batch", "study.toml", "--out", "out", "--jobs", "2")
+    made = (folder / "out").glob
+    with subprocess.Popen(
+        command(*batch),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=folder,
+        env={**os.environ, MARK: mark},
+    ) as process:
+        until(lambda: len(list(made("*/bar-*.vtkhdf"))) > 3)
+        process.send_signal(number)
+        _, errors = process.communicate(timeout=60)
+    if number == signal.SIGINT:
+        assert process.returncode == 130
+        assert "of 30 sections are complete and kept" in errors
+        assert processes(mark) == {}, "children are left"
+        assert not list(made("*/.*")), "an unfinished file is left"
+    else:
+        until(lambda: not processes(mark), 20.0)
+    kept = {path: path.stat().st_mtime_ns for path in made("*/bar-*.vtkhdf")}
+    assert 3 < len(kept) < 30
+    for path in kept:
+        read_section(path)
+
+    again = run(folder, *batch, "--json")
+    assert again.returncode == 0, again.stderr
+    status = [row["status"] for row in json.loads(again.stdout).values()]
+    assert status.count("unchanged") == len(kept)
+    assert status.count("built") == 30 - len(kept)
+    assert {path: path.stat().st_mtime_ns for path in kept} == kept
+
+
+@pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="looks for processes in /proc")
+def test_lost_worker_takes_only_its_section_with_it(folder: Path, mark: str) -> None:
+    values = [[3 * i] for i in range(30)]
+    (folder / "study.toml").write_text(STUDY.format(values=values))
+    with subprocess.Popen(
+        command("--batch", "study.toml", "--out", "out", "--json"),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=folder,
+        env={**os.environ, MARK: mark},
+    ) as process:
+        until(lambda: len(list((folder / "out").glob("*/bar-*.vtkhdf"))) > 3)
+        (worker,) = (pid for pid, line in processes(mark).items() if "preprocess section" in line)
+        os.kill(worker, signal.SIGKILL)
+        output, errors = process.communicate(timeout=120)
+    assert process.returncode == 2
+    status = [row["status"] for row in json.loads(output).values()]
+    assert (status.count("built"), status.count("failed")) == (29, 1)
+    assert "the preprocessor was lost: killed by signal 9" in errors
