@@ -12,7 +12,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from .compiled import jit
-from .package.schema import Array
+from .package.schema import Array, IntArray
 
 N_COEFFICIENT = 8  # a polynomial of degree 7
 
@@ -27,7 +27,7 @@ class Law:
 
 @jit
 def law_value(
-    start: Array, times: Array, coefficients: Array, law: int, t: float
+    start: IntArray, times: Array, coefficients: Array, law: int, t: float
 ) -> tuple[float, float, float]:
     """Return value, first and second derivative of a law at t.
 
