@@ -6,9 +6,9 @@ from ...solver.package.schema import Array
 
 # K falls to the exact one as the field gets richer. What the next degree takes off is most of the
 # error: all of it where the solution is smooth, about two thirds where stresses are singular (at
-# the edge of a ply or a re-entrant corner the error falls as degree^-(2..3)). docs/sections.md
-# compares the estimate with true errors.
-SHARE = 1.5
+# the edge of a ply or a re-entrant corner). With this factor the largest estimate is 1.1 to 2.5
+# times the largest error of the reference sections, docs/sections-accuracy.md.
+SHARE = 1.75
 
 
 def error_estimate(K: Array, K_richer: Array) -> Array:
