@@ -4,14 +4,15 @@ import time
 
 import numpy as np
 
-from .assemble import JointTable, MarkerTable, assemble_model, rigid_body
+from .assemble import ForceTable, JointTable, MarkerTable, assemble_model, rigid_body
 from .bodies.floating_frame import centrifugal_matrix
 from .bodies.marker import marker_motion
 from .compiled import COMPILED
-from .joints.rotation_drive import polynomial
+from .forces.table import KINDS as FORCE_KINDS
 from .joints.table import KINDS
+from .laws import polynomial
 from .rotations import rotation_matrix, vector_to_matrix
-from .system import assemble, derivative, energies, solve
+from .system import assemble, derivative, energies, law_at, solve
 
 
 def compile_ahead() -> str:
@@ -21,8 +22,10 @@ def compile_ahead() -> str:
     begin = time.perf_counter()
     body = rigid_body("body", 1.0, np.zeros(3), np.eye(3))
     markers = [MarkerTable(-1, np.zeros(3)), MarkerTable(0, np.zeros(3))]
-    joints = [JointTable(kind, kind, 0, 1) for kind in KINDS]
-    model = assemble_model([body], markers, joints, [(1, 1.0)], alpha=0.0)
+    law = polynomial([0.0])
+    joints = [JointTable(kind, kind, 0, 1, law, 1.0) for kind in KINDS]
+    forces = [ForceTable(kind, kind, 0, 1, law=law) for kind in FORCE_KINDS]
+    model = assemble_model([body], markers, joints, [(1, 1.0)], alpha=0.0, forces=forces)
     y = np.zeros(model.n_pos + model.n_vel + 1)
     y[3] = 1.0
     equations = assemble(model, 0.0, y)
@@ -34,6 +37,6 @@ def compile_ahead() -> str:
     marker_motion(model, 1, y)
     rotation_matrix(y[3:7])
     vector_to_matrix(equations.gamma[:3])
-    polynomial(model.joint_parameters[0], 0.0)
+    law_at(model, 0, 0.0)
     centrifugal_matrix(y[10:13], np.zeros(9), 1)
     return f"step loop ready in {time.perf_counter() - begin:.1f} s"

@@ -5,7 +5,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .joints.table import KINDS, N_PARAMETER, N_ROW
+from .forces.table import KINDS as FORCE_KINDS
+from .forces.table import N_PARAMETER
+from .joints.table import KINDS, NAMES, ROWS
+from .laws import N_COEFFICIENT, Law
 from .model import GROUND, Model
 from .package.schema import Array, Invariants, ModalPackage
 
@@ -63,7 +66,20 @@ class JointTable:
     kind: str
     marker_1: int
     marker_2: int
-    parameters: tuple[float, ...] = ()
+    law: Law | None = None  # of a drive
+    length: float = 0.0  # of a distance [m]
+
+
+@dataclass(frozen=True)
+class ForceTable:
+    """One force element between two markers; kind is a key of `forces.table.KINDS`."""
+
+    name: str
+    kind: str
+    marker_1: int
+    marker_2: int
+    parameters: tuple[float, ...] = ()  # forces.table.PARAMETERS
+    law: Law | None = None  # of an actuator or a load
 
 
 def assemble_model(
@@ -74,6 +90,7 @@ def assemble_model(
     gravity_G: Array | tuple[float, float, float] = (0.0, 0.0, 0.0),
     alpha: float = 5.0,
     beta: float = 5.0,
+    forces: Sequence[ForceTable] = (),
 ) -> Model:
     """Lay the tables end to end.
 
@@ -91,12 +108,14 @@ def assemble_model(
                 f"marker shapes {marker.phi.shape}, {marker.psi.shape}: expected (3, {expected})"
             )
     kinds = np.array([KINDS[j.kind] for j in joints], dtype=np.int64)
-    parameters = np.zeros((len(joints), N_PARAMETER))
-    for k, joint in enumerate(joints):
-        parameters[k, : len(joint.parameters)] = joint.parameters
+    parameters = np.zeros((len(forces), N_PARAMETER))
+    for k, element in enumerate(forces):
+        parameters[k, : len(element.parameters)] = element.parameters
+    laws: list[Law] = []
+    joint_law, force_law = _numbered(joints, laws), _numbered(forces, laws)
     inv = [b.invariants for b in bodies]
     marker_size = [m.phi.size for m in markers]
-    joint_row = _starts(np.array([N_ROW[k] for k in kinds], dtype=np.int64))
+    joint_row = _starts(np.array([len(ROWS[NAMES[k]]) for k in kinds], dtype=np.int64))
     return Model(
         n_body=len(bodies),
         n_pos=int((7 + n_mode).sum()),
@@ -130,12 +149,34 @@ def assemble_model(
             -1, 2
         ),
         joint_row=joint_row,
-        joint_parameters=parameters,
+        joint_law=joint_law,
+        joint_length=np.array([j.length for j in joints], dtype=float),
+        force_kind=np.array([FORCE_KINDS[e.kind] for e in forces], dtype=np.int64),
+        force_marker=np.array([(e.marker_1, e.marker_2) for e in forces], dtype=np.int64).reshape(
+            -1, 2
+        ),
+        force_law=force_law,
+        force_parameters=parameters,
+        law_start=_starts(np.array([len(law.times) for law in laws], dtype=np.int64)),
+        law_time=np.concatenate([np.zeros(0), *[law.times for law in laws]]),
+        law_coefficient=np.concatenate(
+            [np.zeros((0, N_COEFFICIENT)), *[law.coefficients for law in laws]]
+        ),
         point_marker=np.array([k for k, _ in point_masses], dtype=np.int64),
         point_mass=np.array([mass for _, mass in point_masses], dtype=float),
         alpha=float(alpha),
         beta=float(beta),
     )
+
+
+def _numbered(tables: Sequence[JointTable] | Sequence[ForceTable], laws: list[Law]) -> np.ndarray:
+    """Return the number of the law of each, -1 where it has none, and collect the laws."""
+    numbers = []
+    for table in tables:
+        numbers.append(-1 if table.law is None else len(laws))
+        if table.law is not None:
+            laws.append(table.law)
+    return np.array(numbers, dtype=np.int64)
 
 
 def _starts(sizes: np.ndarray) -> np.ndarray:

@@ -6,17 +6,18 @@ import numpy as np
 
 from .bodies.marker import marker_motion
 from .errors import InputError
-from .joints.rotation_drive import polynomial
-from .joints.table import ROTATION_DRIVE
+from .joints.table import KINDS, NAMES, ROWS
 from .model import Model
 from .package.schema import Array
 from .rotations import parameter_rate
-from .system import Equations, assemble
+from .system import Equations, assemble, law_at
 
 _POSITION_TOLERANCE = 1e-12
 _VELOCITY_TOLERANCE = 1e-9
 _MAX_STEP = 0.5  # [m, rad] of one Newton correction: a rough start must not jump
 _MAX_ITERATIONS = 60
+
+ROTATION = KINDS["rotation_drive"]
 
 
 @dataclass(frozen=True)
@@ -49,18 +50,17 @@ def _rows(model: Model, joint: int) -> slice:
     return slice(int(model.joint_row[joint]), int(model.joint_row[joint + 1]))
 
 
-def _describe(model: Model, residual: Array, names: list[str], units: tuple[str, str]) -> str:
+def _describe(model: Model, residual: Array, names: list[str], words: tuple[str, str]) -> str:
     """Say which joints leave a residual, worst first."""
     parts = []
     for k, name in enumerate(names):
         r = residual[_rows(model, k)]
-        drive = model.joint_kind[k] == ROTATION_DRIVE
-        shift, turn = (0.0, abs(r[0])) if drive else (float(np.linalg.norm(r[:3])), 0.0)
-        if not drive and len(r) > 3:
-            turn = float(np.linalg.norm(r[3:]))
+        units = ROWS[NAMES[model.joint_kind[k]]]
+        distance = np.array([unit == "d" for unit in units])
+        shift, turn = float(np.linalg.norm(r[distance])), float(np.linalg.norm(r[~distance]))
         if max(shift, turn) > 1e-9:
             parts.append(
-                (max(shift, turn), f"{name}: {shift:.4g} {units[0]}, {turn:.4g} {units[1]}")
+                (max(shift, turn), f"{name}: {shift:.4g} {words[0]}, {turn:.4g} {words[1]}")
             )
     return "; ".join(text for _, text in sorted(parts, reverse=True))
 
@@ -94,7 +94,7 @@ def _assembled(model: Model, y: Array, names: list[str], t: float) -> Array:
             "Check lengths, ground points and initial positions of the bodies"
         )
     for k, name in enumerate(names):
-        if model.joint_kind[k] == ROTATION_DRIVE and _drive_cosine(model, y, k, t) < 0:
+        if model.joint_kind[k] == ROTATION and _drive_cosine(model, y, k, t) < 0:
             raise InputError(
                 f"the drive of {name} assembles half a turn away from its value at the start; "
                 "give initial positions nearer to it"
@@ -106,7 +106,7 @@ def _drive_cosine(model: Model, y: Array, joint: int, t: float) -> float:
     """Return cos(angle - f(t)) of a rotation drive: +1 on the wanted branch, -1 opposite."""
     one = marker_motion(model, int(model.joint_marker[joint, 0]), y)
     two = marker_motion(model, int(model.joint_marker[joint, 1]), y)
-    f, _, _ = polynomial(model.joint_parameters[joint], t)
+    f, _, _ = law_at(model, model.joint_law[joint], t)
     wanted = one.A[:, 0] * np.cos(f) + one.A[:, 1] * np.sin(f)
     return float(wanted @ two.A[:, 0])
 

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from . import laws
 from .assemble import (
     Body,
     JointTable,
@@ -99,7 +100,9 @@ class _Builder:
             drive = joint.get("drive")
             if drive is not None:
                 law = drive["polynomial"] or [drive["angle"], drive["speed"]]
-                found.append(JointTable(f"{name} (drive)", "rotation_drive", one, two, tuple(law)))
+                found.append(
+                    JointTable(f"{name} (drive)", "rotation_drive", one, two, laws.polynomial(law))
+                )
         return found
 
     def start(self, model: Model) -> Start:

@@ -8,7 +8,7 @@ rigid. The ground is body -1 and has no coordinates.
 State: y = [positions | velocities | work]
   positions of a body   r_G (3), p (4 Euler parameters), q (m)
   velocities of a body  rdot_G (3), w_B (3), qdot (m)
-  work                  done on the system by drives and damping since the start [J]
+  work                  done on the system by drives, dampers, actuators and loads [J]
 """
 
 from typing import NamedTuple
@@ -59,7 +59,17 @@ class Model(NamedTuple):
     joint_kind: IntArray
     joint_marker: IntArray  # (nj, 2)
     joint_row: IntArray  # (nj + 1,)
-    joint_parameters: Array  # (nj, N_PARAMETER)
+    joint_law: IntArray  # (nj,) of a drive; -1: none
+    joint_length: Array  # (nj,) of a distance            [m]
+    # force elements (nf)
+    force_kind: IntArray
+    force_marker: IntArray  # (nf, 2)
+    force_law: IntArray  # (nf,) of an actuator or load; -1: none
+    force_parameters: Array  # (nf, N_PARAMETER)
+    # laws of time (nl): pieces law_start[l] .. law_start[l + 1]
+    law_start: IntArray  # (nl + 1,)
+    law_time: Array  # (n_piece,)                         [s]
+    law_coefficient: Array  # (n_piece, N_COEFFICIENT)
     # point masses (nm)
     point_marker: IntArray
     point_mass: Array

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .constraints.baumgarte import stabilised
-from .joints.table import ROTATION_DRIVE
+from .joints.table import NAMES, ROWS
 from .model import Model
 from .package.schema import Array
 from .rotations import rotation_matrix
@@ -26,11 +26,8 @@ class History:
 
 def position_rows(model: Model) -> NDArray[np.bool_]:
     """Return a mask (n_c,) of the constraint rows that are distances [m]."""
-    mask = np.zeros(model.n_constraint, dtype=bool)
-    for k, kind in enumerate(model.joint_kind):
-        if kind != ROTATION_DRIVE:
-            mask[model.joint_row[k] : model.joint_row[k] + 3] = True
-    return mask
+    units = "".join(ROWS[NAMES[kind]] for kind in model.joint_kind)
+    return np.array([unit == "d" for unit in units], dtype=bool)
 
 
 def history(model: Model, t: Array, y: Array) -> History:

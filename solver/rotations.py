@@ -128,6 +128,7 @@ def tangent_rate(theta: Array, theta_d: Array) -> Array:
     return c
 
 
+@jit
 def matrix_to_parameters(A_GB: Array) -> Array:
     """Return Euler parameters (4,) of a rotation matrix (3, 3), e0 >= 0."""
     trace = np.trace(A_GB)
@@ -146,6 +147,16 @@ def matrix_to_parameters(A_GB: Array) -> Array:
         p[0] = off[i]
     p /= np.linalg.norm(p)
     return p if p[0] >= 0 else -p
+
+
+@jit
+def matrix_to_vector(A: Array) -> Array:
+    """Return the rotation vector (3,) of a rotation matrix (3, 3), up to half a turn [rad]."""
+    p = matrix_to_parameters(A)
+    half_sine = np.sqrt(p[1] ** 2 + p[2] ** 2 + p[3] ** 2)
+    # near no rotation: theta / sin(theta / 2) -> 2
+    factor = 2.0 * np.arctan2(half_sine, p[0]) / half_sine if half_sine > 1e-12 else 2.0
+    return factor * p[1:]
 
 
 def frame_from_axis(axis: Array) -> Array:

@@ -5,16 +5,18 @@ from typing import NamedTuple
 import numpy as np
 
 from .bodies.floating_frame import add_inertia
-from .bodies.marker import marker_motion, standing_marker
+from .bodies.marker import Marker, marker_motion, standing_marker
 from .compiled import jit
 from .constraints.baumgarte import stabilised
-from .forces import add_point_mass
+from .forces.point_mass import add_point_mass
+from .forces.table import FIRST_LOAD, element_wrench
 from .joints.rows import Rows
 from .joints.table import joint_rows
+from .laws import law_value
 from .model import Model
 from .package.schema import Array
-from .rotations import parameter_rate, rotation_matrix
-from .small import add, mm, mv
+from .rotations import cross, parameter_rate, rotation_matrix
+from .small import add, mm, mv, tv
 
 
 class Equations(NamedTuple):
@@ -26,7 +28,8 @@ class Equations(NamedTuple):
     Phi: Array  # (n_c,)
     Phi_t: Array  # (n_c,)
     gamma: Array  # (n_c,) gamma* of Eq. (11)
-    damping_power: Array  # (1,) power of the modal dampers, <= 0 [W]
+    power: Array  # (1,) of dampers, actuators and loads [W]
+    potential: Array  # (1,) energy stored in force elements [J]
 
 
 @jit
@@ -39,9 +42,9 @@ def assemble(model: Model, t: float, y: Array) -> Equations:
     n_vel, n_c = model.n_vel, model.n_constraint
     M = np.zeros((n_vel, n_vel))
     f = np.zeros(n_vel)
-    damping_power = np.zeros(1)
+    power, potential = np.zeros(1), np.zeros(1)
     for i in range(model.n_body):
-        _add_body(model, i, y, M, f, damping_power)
+        _add_body(model, i, y, M, f, power)
     for k in range(model.point_mass.shape[0]):
         marker = marker_motion(model, model.point_marker[k], y)
         body = model.marker_body[model.point_marker[k]]
@@ -49,6 +52,7 @@ def assemble(model: Model, t: float, y: Array) -> Equations:
             j = model.vel_start[body]
             e = j + 6 + model.n_mode[body]
             add_point_mass(M[j:e, j:e], f[j:e], marker, model.point_mass[k], model.gravity_G)
+    _add_forces(model, t, y, f, power, potential)
 
     Phi_q = np.zeros((n_c, n_vel))
     rows = Rows(np.zeros(n_c), np.zeros((n_c, 12)), np.zeros(n_c), np.zeros(n_c))
@@ -58,7 +62,9 @@ def assemble(model: Model, t: float, y: Array) -> Equations:
             one = marker_motion(model, model.joint_marker[k, 0], y)
             two = marker_motion(model, model.joint_marker[k, 1], y)
         a, b = model.joint_row[k], model.joint_row[k + 1]
-        joint_rows(rows, a, model.joint_kind[k], one, two, t, model.joint_parameters[k])
+        drive, drive_d, drive_dd = law_at(model, model.joint_law[k], t)
+        length = model.joint_length[k]
+        joint_rows(rows, a, model.joint_kind[k], one, two, drive, drive_d, drive_dd, length)
         for side in range(2):
             marker = one if side == 0 else two
             body = model.marker_body[model.joint_marker[k, side]]
@@ -67,7 +73,43 @@ def assemble(model: Model, t: float, y: Array) -> Equations:
                 C = rows.C[a:b, 6 * side : 6 * side + 6]
                 add(Phi_q, a, j, mm(C[:, :3], marker.J_v), 1.0)
                 add(Phi_q, a, j, mm(C[:, 3:], marker.J_w), 1.0)
-    return Equations(M, f, Phi_q, rows.Phi, rows.Phi_t, rows.gamma, damping_power)
+    return Equations(M, f, Phi_q, rows.Phi, rows.Phi_t, rows.gamma, power, potential)
+
+
+@jit
+def law_at(model: Model, law: int, t: float) -> tuple[float, float, float]:
+    """Value and rates of a law at t; zeros where there is none."""
+    if law < 0:
+        return 0.0, 0.0, 0.0
+    return law_value(model.law_start, model.law_time, model.law_coefficient, law, t)
+
+
+@jit
+def _add_forces(model: Model, t: float, y: Array, f: Array, power: Array, potential: Array) -> None:
+    """Add the force elements to f (n_vel,), their power and their stored energy."""
+    for k in range(model.force_kind.shape[0]):
+        one = marker_motion(model, model.force_marker[k, 0], y)
+        two = marker_motion(model, model.force_marker[k, 1], y)
+        size, _, _ = law_at(model, model.force_law[k], t)
+        wrench = element_wrench(model.force_kind[k], one, two, model.force_parameters[k], size)
+        power[0] += wrench.power
+        potential[0] += wrench.potential
+        _push(model, model.force_marker[k, 1], two, f, wrench.force, wrench.moment)
+        if model.force_kind[k] < FIRST_LOAD:
+            moment = -wrench.moment - cross(two.x - one.x, wrench.force)
+            _push(model, model.force_marker[k, 0], one, f, -wrench.force, moment)
+
+
+@jit
+def _push(model: Model, k: int, marker: Marker, f: Array, force: Array, moment: Array) -> None:
+    """Add force and moment (3,), global, at marker k to f."""
+    body = model.marker_body[k]
+    if body < 0:
+        return
+    j = model.vel_start[body]
+    by_force, by_moment = tv(marker.J_v, force), tv(marker.J_w, moment)
+    for i in range(by_force.shape[0]):
+        f[j + i] += by_force[i] + by_moment[i]
 
 
 @jit
@@ -78,7 +120,7 @@ def _same_markers(model: Model, k: int) -> bool:
 
 
 @jit
-def _add_body(model: Model, i: int, y: Array, M: Array, f: Array, damping_power: Array) -> None:
+def _add_body(model: Model, i: int, y: Array, M: Array, f: Array, power: Array) -> None:
     """Add the inertia, gravity and modal forces of body i. Paper: Eq. (3), Eq. (4), Eq. (6)."""
     m = model.n_mode[i]
     a = model.pos_start[i]
@@ -111,7 +153,7 @@ def _add_body(model: Model, i: int, y: Array, M: Array, f: Array, damping_power:
     spring = mv(model.K_qq[two : two + m * m].reshape(m, m), q)
     for k in range(m):
         f[j + 6 + k] -= spring[k] + damping[k]
-        damping_power[0] -= q_d[k] * damping[k]
+        power[0] -= q_d[k] * damping[k]
 
 
 @jit
@@ -161,7 +203,7 @@ def derivative(model: Model, t: float, y: Array) -> Array:
         y_d[a + 3 : a + 7] = parameter_rate(y[a + 3 : a + 7], y[j + 3 : j + 6])
         y_d[a + 7 : a + 7 + m] = y[j + 6 : j + 6 + m]
     y_d[n_pos : n_pos + n_vel] = acceleration
-    y_d[n_pos + n_vel] = multipliers @ equations.Phi_t + equations.damping_power[0]
+    y_d[n_pos + n_vel] = multipliers @ equations.Phi_t + equations.power[0]
     return y_d
 
 
@@ -171,10 +213,11 @@ def energies(model: Model, equations: Equations, y: Array) -> Array:
 
     `equations` are those of state y.
 
-    Potential energy is zero for a mass point at the global origin.
+    Potential energy is that of weight, zero for a mass point at the global origin, and of springs.
     """
     velocities = y[model.n_pos : model.n_pos + model.n_vel]
     out = np.zeros(3)
+    out[2] = equations.potential[0]
     out[0] = 0.5 * velocities @ (equations.M @ velocities)
     for i in range(model.n_body):
         a = model.pos_start[i]

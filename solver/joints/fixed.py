@@ -4,7 +4,7 @@ from ..bodies.marker import Marker
 from ..compiled import jit
 from .rows import Rows, fixed_axes, same_point
 
-N_ROW = 6
+ROWS = "dddrrr"
 
 
 @jit

@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 from flexible_samples import body_of, random_marker, random_points, random_state
 
+from plymotion.solver import laws
 from plymotion.solver.assemble import JointTable, assemble_model
-from plymotion.solver.joints.table import KINDS
+from plymotion.solver.joints.table import DRIVES, KINDS
 from plymotion.solver.rotations import parameter_rate
 from plymotion.solver.system import assemble
 
-PARAMETERS = {"rotation_drive": (0.1, 0.7, 0.3, -0.2)}
+LAW = laws.polynomial([0.1, 0.7, 0.3, -0.2])
 
 
 def _model(kind, rng, grounded):
@@ -17,7 +18,7 @@ def _model(kind, rng, grounded):
     bodies = [body_of(p) for p in points]
     one = random_marker(rng, -1, 0) if grounded else random_marker(rng, 0, 3)
     two = random_marker(rng, 1, 2)
-    joint = JointTable("joint", kind, 0, 1, PARAMETERS.get(kind, ()))
+    joint = JointTable("joint", kind, 0, 1, LAW if kind in DRIVES else None, length=1.3)
     return assemble_model(bodies, [one, two], [joint])
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from flexible_samples import simulate, total_energy
 
+from plymotion.solver import laws
 from plymotion.solver.assemble import (
     Body,
     JointTable,
@@ -130,7 +131,7 @@ def test_start_follows_from_a_drive():
     markers = [MarkerTable(-1, np.array([0.0, 0.2, 0.0])), MarkerTable(0, np.zeros(3))]
     joints = [
         JointTable("hinge", "revolute", 0, 1),
-        JointTable("hinge (drive)", "rotation_drive", 0, 1, (0.3, 2.0)),
+        JointTable("hinge (drive)", "rotation_drive", 0, 1, laws.polynomial([0.3, 2.0])),
     ]
     model = assemble_model([body], markers, joints)
     positions = np.array([0.01, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])

@@ -1,9 +1,9 @@
 """Inertia and weight carried at markers."""
 
-from .bodies.marker import Marker
-from .compiled import jit
-from .package.schema import Array
-from .small import add, mm, tv
+from ..bodies.marker import Marker
+from ..compiled import jit
+from ..package.schema import Array
+from ..small import add, mm, tv
 
 
 @jit

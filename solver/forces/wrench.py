@@ -1,0 +1,27 @@
+"""What a force element does to the two markers that it stands between."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..compiled import jit
+from ..package.schema import Array
+
+
+class Wrench(NamedTuple):
+    """Force and moment on marker two at its origin, global components, and their energy.
+
+    Marker one gets the opposite force at the origin of marker two, unless the element is a load
+    from outside.
+    """
+
+    force: Array  # (3,) [N]
+    moment: Array  # (3,) [N m]
+    potential: float  # energy stored in springs [J]
+    power: float  # of dampers, actuators and loads, into the system [W]
+
+
+@jit
+def no_vector() -> Array:
+    """Three zeros."""
+    return np.zeros(3)

@@ -1,0 +1,99 @@
+"""Laws of time: what drives, actuators and loads prescribe, as pieces of polynomials.
+
+Constant speed, polynomials, smooth steps and tables are all the same thing to the step
+loop: pieces, each a polynomial of t - t_piece that holds until the next begins. The last
+piece goes on for ever, the first also holds before it begins.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from .compiled import jit
+from .package.schema import Array, IntArray
+
+N_COEFFICIENT = 8  # a polynomial of degree 7
+
+
+@dataclass(frozen=True)
+class Law:
+    """Pieces of one law: their beginnings (k,) [s] and coefficients (k, N_COEFFICIENT)."""
+
+    times: Array
+    coefficients: Array
+
+
+@jit
+def law_value(
+    start: IntArray, times: Array, coefficients: Array, law: int, t: float
+) -> tuple[float, float, float]:
+    """Return value, first and second derivative of a law at t.
+
+    `start` (n_law + 1,) are the first pieces of all laws, `times` (n_piece,) and `coefficients`
+    (n_piece, N_COEFFICIENT) the pieces of all laws end to end.
+    """
+    k = start[law]
+    while k + 1 < start[law + 1] and t >= times[k + 1]:
+        k += 1
+    s = t - times[k]
+    f, f_d, f_dd = 0.0, 0.0, 0.0
+    for i in range(N_COEFFICIENT - 1, -1, -1):
+        f_dd = f_dd * s + 2.0 * f_d
+        f_d = f_d * s + f
+        f = f * s + coefficients[k, i]
+    return f, f_d, f_dd
+
+
+def _pieces(times: Sequence[float], coefficients: Sequence[Sequence[float]]) -> Law:
+    table = np.zeros((len(times), N_COEFFICIENT))
+    for row, values in zip(table, coefficients, strict=True):
+        row[: len(values)] = values
+    return Law(np.array(times, dtype=float), table)
+
+
+def polynomial(coefficients: Sequence[float]) -> Law:
+    """The law c_0 + c_1 t + c_2 t^2 + ..., up to degree 7."""
+    return _pieces([0.0], [coefficients])
+
+
+def smooth_step(value: float, duration: float, start: float = 0.0) -> Law:
+    """From 0 at `start` to `value` after `duration` [s]; speed and acceleration begin and end at 0.
+
+    value (10 s^3 - 15 s^4 + 6 s^5) with s = (t - start) / duration.
+    """
+    s = 1.0 / duration
+    rise = [0.0, 0.0, 0.0, 10.0 * value * s**3, -15.0 * value * s**4, 6.0 * value * s**5]
+    return _pieces([start - duration, start, start + duration], [[0.0], rise, [value]])
+
+
+def ramp(speed: float, duration: float, offset: float = 0.0) -> Law:
+    """From rest at `offset` to a constant speed after `duration` [s], by a smooth step of speed."""
+    s = 1.0 / duration
+    rise = [offset, 0.0, 0.0, 0.0, 2.5 * speed * s**3, -3.0 * speed * s**4, speed * s**5]
+    return _pieces([0.0, duration], [rise, [offset + 0.5 * speed * duration, speed]])
+
+
+def table(times: Sequence[float], values: Sequence[float], *, smooth: bool = True) -> Law:
+    """Through points: a cubic spline (two continuous derivatives), or straight lines.
+
+    Beyond the last time the last value is held.
+
+    Raises ValueError : fewer than two points, times that do not ascend, no finite numbers.
+    """
+    t, f = np.asarray(times, dtype=float), np.asarray(values, dtype=float)
+    if t.ndim != 1 or t.shape != f.shape or t.size < 2:
+        raise ValueError(f"expected as many values as times, two at least, got {t.size}, {f.size}")
+    for name, array in (("times", t), ("values", f)):
+        bad = np.flatnonzero(~np.isfinite(array))
+        if bad.size:
+            raise ValueError(f"{name}[{bad[0]}] = {array[bad[0]]}: expected a finite number")
+    if not np.all(np.diff(t) > 0.0):
+        i = int(np.flatnonzero(np.diff(t) <= 0.0)[0]) + 1
+        raise ValueError(f"times[{i}] = {t[i]:g}: expected more than {t[i - 1]:g}, times ascend")
+    if smooth:
+        pieces = CubicSpline(t, f).c[::-1].T
+    else:
+        pieces = np.column_stack([f[:-1], np.diff(f) / np.diff(t)])
+    return _pieces([*t[:-1], t[-1]], [*pieces, [f[-1]]])
