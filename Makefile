@@ -218,6 +218,18 @@ ship: ## Copy the packages of every case to tests/packages, for use without FEni
 
 ##@ Documents and cleaning
 
+CHART := docs/pictures/section-error-time.png
+CHART_NUMBERS := build/charts/section-error-time.json
+
+.PHONY: charts
+charts: $(CHART) ## Measure the sections' error against time anew and draw it
+
+$(CHART_NUMBERS): $(PREPROCESS_SOURCES) benchmarks/section_convergence.py | $(FENICSX)
+	. ./$(FENICSX) && PYTHONPATH=.:tests "$$FENICSX_PYTHON" benchmarks/section_convergence.py $@
+
+$(CHART): $(CHART_NUMBERS) benchmarks/section_chart.py
+	$(PY) benchmarks/section_chart.py $< $@
+
 .PHONY: docs
 docs: $(LIGHT) ## Regenerate docs/equations.md, case-reference.md, section-description.md
 	$(PY) tools/equations.py docs/equations.md

@@ -95,7 +95,7 @@ class Contour:
             places = self.at(samples, d[i])[:, 0]
             before = np.flatnonzero((places[:-1] >= x[i]) & (places[1:] < x[i]))
             if not before.size:
-                raise ValueError(f"the skin does not reach x2 = {x[i]:.4g} m")
+                raise ValueError(f"webs: at x2 = {x[i]:.4g} m there is no room between the skins")
             k = before[0]
             s[i] = np.interp(-x[i], -places[k : k + 2], samples[k : k + 2])
         for _ in range(4):

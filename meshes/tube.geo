@@ -61,7 +61,7 @@ For c In {0:n_patches - 1}
     loop = newll;
     Curve Loop(loop) = {l, across + next * n_rows + j, -(l + 1), -(across + c * n_rows + j)};
     patch = news;
-    Plane Surface(patch) = {loop};
+    Surface(patch) = {loop};
     Transfinite Surface {patch};
     Recombine Surface {patch};
     surfaces[] += patch;

@@ -21,6 +21,7 @@ SYSTEM_PACKAGES = (
     "python3-gmsh",
     "python3-h5py",
     "python3-scipy",
+    "libopenblas0-serial",  # the reference BLAS takes three times as long to factorise
 )
 WHEEL = "dolfinx-solver-real==0.11.0.post0"
 WHEEL_FOLDER = ROOT / ".fenicsx-0.11"

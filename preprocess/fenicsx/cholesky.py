@@ -9,9 +9,9 @@ from .petsc import PETSC_ERRORS, reason, sorted_csr
 from .stack import HAS_MUMPS, Array, PETSc
 from .team import ALONE, Team
 
-# Approximate minimum fill orders these matrices in half of the time of nested dissection and fills
-# in no more; large ones are left to MUMPS's own choice.
-MINIMUM_FILL = 2
+# Approximate minimum degree orders these matrices in half of the time of nested dissection and
+# fills in no more; large ones are left to MUMPS's own choice.
+MINIMUM_DEGREE = 0
 LARGE = 100_000
 PREFIX = "plymotion_cholesky_"
 
@@ -31,6 +31,7 @@ class Cholesky:
         A = sorted_csr(A)
         self.A = sp.csr_matrix((A.data.copy(), A.indices, A.indptr), shape=A.shape)
         self._team = team
+        self._checked = False
         self._rows = team.share(A.shape[0])
         self._csr = self._own_rows()
         rows = np.repeat(np.arange(A.shape[0], dtype=A.indices.dtype), np.diff(A.indptr))
@@ -47,7 +48,7 @@ class Cholesky:
         self._pc.setOperators(self._mat)
         if HAS_MUMPS and A.shape[0] < LARGE:
             # through the options: PETSc 3.18 forgets what is set on the factor
-            PETSc.Options()[f"{PREFIX}mat_mumps_icntl_7"] = MINIMUM_FILL
+            PETSc.Options()[f"{PREFIX}mat_mumps_icntl_7"] = MINIMUM_DEGREE
             self._pc.setOptionsPrefix(PREFIX)
         self._pc.setType("cholesky")
         if HAS_MUMPS:
@@ -84,7 +85,7 @@ class Cholesky:
         diagonal[self.A.indices[self._diagonal]] = np.abs(self.A.data[self._diagonal])
         scale = np.sqrt(diagonal)
         z = np.random.default_rng(0).standard_normal(scale.size)
-        columns = np.column_stack([columns, scale * z])
+        columns = np.asfortranarray(np.column_stack([columns, scale * z]))
         X = self._solve(columns)
         self._check_condition(float(np.linalg.norm(scale * X[:, -1]) / np.linalg.norm(z)))
         self._check_residual(X, columns, float(diagonal.max()))

@@ -27,15 +27,10 @@ def plain_from_model(where: str, gdim: int = 2) -> PlainMesh:
     Raises
     ------
     MeshError : solid cells, cells of several kinds or of a degree above 2, surfaces in no or in
-        two physical groups, groups without cells or of the same name, nodes outside the plane
-        z = 0 if gdim is 2.
+        two physical groups, groups without cells, nodes outside the plane z = 0 if gdim is 2.
     """
     _check_kinds(where)
-    tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    order = np.argsort(tags)
-    tags = np.asarray(tags, dtype=np.int64)[order]
-    points = np.reshape(coordinates, (-1, 3))[order]
-
+    tags, every = _nodes()
     groups = _surface_groups(where)
     _check_membership(groups, where)
     kind = int(gmsh.model.mesh.getElementTypes(2)[0])
@@ -49,14 +44,13 @@ def plain_from_model(where: str, gdim: int = 2) -> PlainMesh:
         parts.append(nodes.reshape(-1, n_node))
         rows.append(np.full(len(parts[-1]), row))
     cells = np.searchsorted(tags, np.concatenate(parts).astype(np.int64))
-    points, cells = used_nodes(points, cells)
+    points, cells = used_nodes(every, cells)
     if gdim == 2:
         points = _in_plane(points, where)
     if n_node == 8:
         points, cells = with_centre_nodes(points, cells)
-    return PlainMesh(
-        points, cells, shape, degree, np.concatenate(rows), tuple(groups), _curves(gdim)
-    )
+    curves = _curves(tags, every, gdim)
+    return PlainMesh(points, cells, shape, degree, np.concatenate(rows), tuple(groups), curves)
 
 
 def _check_kinds(where: str) -> None:
@@ -88,15 +82,8 @@ def _check_kinds(where: str) -> None:
 def _surface_groups(where: str) -> dict[str, list[int]]:
     """Physical surfaces by name (the number of one without name), and their entities."""
     groups: dict[str, list[int]] = {}
-    numbers: dict[str, int] = {}
     for _, tag in gmsh.model.getPhysicalGroups(2):
         name = gmsh.model.getPhysicalName(2, tag) or str(tag)
-        if name in groups:
-            raise MeshError(
-                f"{where}: two physical surfaces, {numbers[name]} and {tag}, are named {name!r}: "
-                "give each region a name of its own"
-            )
-        numbers[name] = tag
         groups[name] = [int(entity) for entity in gmsh.model.getEntitiesForPhysicalGroup(2, tag)]
     if not groups:
         raise MeshError(
@@ -140,25 +127,38 @@ def _in_plane(points: Array, where: str) -> Array:
     return np.ascontiguousarray(points[:, :2])
 
 
-def _curves(gdim: int) -> dict[str, Array]:
+def all_lines(gdim: int) -> Array:
+    """Line elements of all curves of the current model, as in `PlainMesh.curves`."""
+    return _lines([tag for _, tag in gmsh.model.getEntities(1)], *_nodes(), gdim)
+
+
+def _nodes() -> tuple[IntArray, Array]:
+    """Numbers of all nodes, ascending, and their places (n, 3)."""
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    order = np.argsort(tags)
+    return np.asarray(tags, dtype=np.int64)[order], np.reshape(coordinates, (-1, 3))[order]
+
+
+def _curves(tags: IntArray, points: Array, gdim: int) -> dict[str, Array]:
     """Line elements of every physical curve by name."""
     curves = {}
     for _, tag in gmsh.model.getPhysicalGroups(1):
-        pieces = []
-        for entity in gmsh.model.getEntitiesForPhysicalGroup(1, tag):
-            kinds, _, nodes = gmsh.model.mesh.getElements(1, entity)
-            for kind, table in zip(kinds, nodes, strict=True):
-                if kind in LINES:
-                    pieces.append(_coordinates(table).reshape(-1, LINES[kind], 3)[..., :gdim])
-        if pieces and len({piece.shape[1] for piece in pieces}) == 1:
-            name = gmsh.model.getPhysicalName(1, tag) or str(tag)
-            curves[name] = np.concatenate(pieces)
+        entities = gmsh.model.getEntitiesForPhysicalGroup(1, tag)
+        lines = _lines(entities, tags, points, gdim)
+        if lines.size:
+            curves[gmsh.model.getPhysicalName(1, tag) or str(tag)] = lines
     return curves
 
 
-def _coordinates(tags: IntArray) -> Array:
-    """Places of nodes, (len(tags), 3)."""
-    every, coordinates, _ = gmsh.model.mesh.getNodes()
-    order = np.argsort(every)
-    rows = order[np.searchsorted(every, tags, sorter=order)]
-    return np.asarray(np.reshape(coordinates, (-1, 3))[rows])
+def _lines(entities: Sequence[int], tags: IntArray, points: Array, gdim: int) -> Array:
+    """Line elements of some curves; none where their degrees are mixed."""
+    pieces = []
+    for entity in entities:
+        kinds, _, nodes = gmsh.model.mesh.getElements(1, entity)
+        for kind, table in zip(kinds, nodes, strict=True):
+            if kind in LINES:
+                pieces.append(np.reshape(table, (-1, LINES[kind])))
+    if len({piece.shape[1] for piece in pieces}) != 1:
+        return np.zeros((0, 2, gdim))
+    rows = np.searchsorted(tags, np.concatenate(pieces).astype(np.int64))
+    return np.asarray(points[rows, :gdim])

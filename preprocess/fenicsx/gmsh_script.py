@@ -2,22 +2,24 @@
 
 import inspect
 import json
-import os
+import re
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.spatial import cKDTree
 
-from .gmsh_model import MeshError, plain_from_model
-from .plain import PlainMesh
-from .stack import gmsh
-
-Parameters = Mapping[str, float | Sequence[float]]
+from . import gmsh_alone
+from .gmsh_alone import Parameters, generate, refined_curve_nodes
+from .gmsh_model import MeshError, all_lines, plain_from_model
+from .plain import PlainMesh, split
+from .stack import Array, gmsh
 
 _session_depth = 0
 
@@ -48,7 +50,7 @@ def run_script(path: Path, parameters: Parameters, *, refine: int = 0, gdim: int
     ----------
     path : a .geo file whose DefineConstant entries are named "Parameters/<key>"
     parameters : value of each <key>, a number or a list of numbers
-    refine : how often gmsh halves all edges; new nodes lie on the geometry
+    refine : how often every edge is halved; new nodes on curves lie on the geometry
     gdim : of the space
 
     Raises
@@ -63,79 +65,86 @@ def run_script(path: Path, parameters: Parameters, *, refine: int = 0, gdim: int
             raise MeshError(f"{path}: the script has no parameter {key}")
     with gmsh_session():
         gmsh.clear()
-        gmsh.onelab.clear()
-        gmsh.onelab.set(_onelab(parameters))
         try:
-            _generate(path, refine)
+            generate(str(path), parameters)
         except Exception as error:  # gmsh raises bare Exception or ValueError
+            _flush_parser()
             if "Redefinition of function" not in str(error):
                 raise MeshError(f"{path}: gmsh: {error}") from error
         else:
             plain = plain_from_model(str(path), gdim)
+            if refine:
+                plain = _refined(plain, all_lines(gdim), refined_curve_nodes(refine), refine)
             gmsh.clear()
-            gmsh.onelab.clear()
             return plain
-    return _run_elsewhere(path, parameters, refine, gdim)
+    # gmsh reads a script with a Macro once in a process, because the name stays taken
+    return _run_alone(path, parameters, refine, gdim)
 
 
-def _onelab(parameters: Parameters) -> str:
-    """Parameters as gmsh's database takes them."""
-    return json.dumps(
-        [
-            {
-                "type": "number",
-                "name": f"Parameters/{key}",
-                "values": np.atleast_1d(np.asarray(value, dtype=float)).tolist(),
-            }
-            for key, value in parameters.items()
-        ]
-    )
+def _flush_parser() -> None:
+    """Get rid of what a faulty script left in gmsh's parser, for the next one to stumble over.
 
-
-def _generate(path: Path, refine: int) -> None:
-    gmsh.merge(str(path))
-    gmsh.model.mesh.generate(2)
-    if refine:
-        # gmsh halves edges where it puts the middle nodes of the order that is set
-        order = int(gmsh.option.getNumber("Mesh.ElementOrder"))
-        for _ in range(refine):
-            gmsh.model.mesh.refine()
-        gmsh.model.mesh.setOrder(order)
-
-
-# gmsh reads a script with a Macro once in a process: the name stays taken.
-_ELSEWHERE = """
-import sys
-from pathlib import Path
-from plymotion.preprocess.fenicsx import gmsh_script as g
-with g.gmsh_session() as gmsh:
-    gmsh.onelab.set(sys.argv[2])
-    g._generate(Path(sys.argv[1]), int(sys.argv[3]))
-    gmsh.option.setNumber("Mesh.SaveAll", 1)
-    gmsh.write(sys.argv[4])
-"""
-
-
-def _run_elsewhere(path: Path, parameters: Parameters, refine: int, gdim: int) -> PlainMesh:
-    """`run_script` in a process of its own."""
+    Every attempt to read an empty script takes away what is left up to the next mistake.
+    """
     with tempfile.TemporaryDirectory() as folder:
-        target = Path(folder) / "mesh.msh"
-        command = [sys.executable, "-c", _ELSEWHERE]
-        arguments = [str(path.absolute()), _onelab(parameters), str(refine), str(target)]
+        empty = Path(folder) / "empty.geo"
+        empty.write_text("\n")
+        for _ in range(100):
+            try:
+                gmsh.merge(str(empty))
+            except Exception:  # gmsh raises bare Exception or ValueError
+                continue
+            return
+
+
+def _run_alone(path: Path, parameters: Parameters, refine: int, gdim: int) -> PlainMesh:
+    """`run_script` by a process of its own."""
+    with tempfile.TemporaryDirectory() as folder:
+        mesh, nodes = Path(folder) / "mesh.msh", Path(folder) / "nodes.npy"
+        numbers = json.dumps({key: np.asarray(v).tolist() for key, v in parameters.items()})
+        command = [sys.executable, gmsh_alone.__file__, str(path.absolute()), numbers]
         done = subprocess.run(
-            command + arguments,
-            capture_output=True,
-            text=True,
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+            [*command, str(refine), str(mesh), str(nodes)], capture_output=True, text=True
         )
         if done.returncode != 0:
             reason = (done.stderr.strip().splitlines() or ["no mesh"])[-1]
-            raise MeshError(f"{path}: gmsh: {reason}")
-        return open_mesh(target, gdim=gdim, where=str(path))
+            raise MeshError(f"{path}: gmsh: {reason.removeprefix('Exception: ')}")
+        with gmsh_session():
+            gmsh.clear()
+            gmsh.open(str(mesh))
+            plain, lines = plain_from_model(str(path), gdim), all_lines(gdim)
+            gmsh.clear()
+        return _refined(plain, lines, np.load(nodes), refine) if refine else plain
 
 
-def open_mesh(path: Path, *, gdim: int = 2, where: str | None = None) -> PlainMesh:
-    """Read a mesh file that gmsh knows (.msh of any version); `where` names it in messages.
+def _refined(plain: PlainMesh, lines: Array, exact: Array, times: int) -> PlainMesh:
+    """Split the cells of a mesh, then put the nodes of its curves where gmsh has them.
+
+    gmsh's own refinement draws lines inside curved patches straight, so that thin rows would fold.
+
+    Parameters
+    ----------
+    lines : line elements of all curves of the geometry, as in `PlainMesh.curves`
+    exact : (n, 3) nodes of the refined curves
+    """
+    plain = replace(plain, curves={**plain.curves, "": lines})
+    for _ in range(times):
+        plain = split(plain)
+    curves = dict(plain.curves)
+    on_curves = curves.pop("").reshape(-1, plain.points.shape[1])
+    _, rows = cKDTree(plain.points).query(on_curves)
+    tree = cKDTree(exact[:, : plain.points.shape[1]])
+
+    def moved(points: Array) -> Array:
+        return np.asarray(tree.data[tree.query(points)[1]])
+
+    points = plain.points.copy()
+    points[rows] = moved(points[rows])
+    return replace(plain, points=points, curves={name: moved(x) for name, x in curves.items()})
+
+
+def open_mesh(path: Path, *, gdim: int = 2) -> PlainMesh:
+    """Read a mesh file that gmsh knows (.msh of any version).
 
     Raises
     ------
@@ -143,12 +152,30 @@ def open_mesh(path: Path, *, gdim: int = 2, where: str | None = None) -> PlainMe
     """
     if not path.is_file():
         raise MeshError(f"{path}: no such mesh file")
+    _check_names(path)
     with gmsh_session():
         gmsh.clear()
         try:
             gmsh.open(str(path))
         except Exception as error:  # gmsh raises bare Exception or ValueError
             raise MeshError(f"{path}: gmsh: {error}") from error
-        plain = plain_from_model(where or str(path), gdim)
+        plain = plain_from_model(str(path), gdim)
         gmsh.clear()
     return plain
+
+
+_NAMES = re.compile(rb"\$PhysicalNames\s(.*?)\$EndPhysicalNames", re.DOTALL)
+_SURFACE = re.compile(rb'^\s*2\s+(\d+)\s+"(.*)"\s*$', re.MULTILINE)
+
+
+def _check_names(path: Path) -> None:
+    """Two groups of one name: gmsh would drop the second name without a word."""
+    block = _NAMES.search(path.read_bytes())  # text in binary files too
+    numbers: dict[bytes, bytes] = {}
+    for number, name in _SURFACE.findall(block[1]) if block else []:
+        if name in numbers:
+            raise MeshError(
+                f"{path}: two physical surfaces, {numbers[name].decode()} and {number.decode()}, "
+                f"are named {name.decode('utf-8', 'replace')!r}: give each region a name of its own"
+            )
+        numbers[name] = number

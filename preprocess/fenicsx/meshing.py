@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .gmsh_alone import Parameters
 from .gmsh_model import plain_from_model
-from .gmsh_script import Parameters, run_script
+from .gmsh_script import run_script
 from .plain import PlainMesh
 from .stack import MPI, basix_ufl, dolfinx, quiet, ufl
 

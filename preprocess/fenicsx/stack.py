@@ -51,6 +51,12 @@ try:
 
     if importlib.util.find_spec("dolfinx_solver") is not None:
         importlib.import_module("dolfinx_solver")
+    import petsc4py
+
+    # Before PETSc is loaded, which otherwise waits for all ranks of the MPI job: those of a pool
+    # come here when they get work, or never. Every object here is told its communicator.
+    petsc4py.init(comm=MPI.COMM_SELF)
+
     import basix
     import dolfinx
     import dolfinx.fem.petsc

@@ -9,7 +9,7 @@ from ...solver.package.section import SectionFile
 from .. import fenicsx
 from .errors import SectionError
 from .estimate import error_estimate, scaled
-from .guards import check_degree
+from .guards import check_degree, solvability_warnings
 from .inertia import mass_centre, mass_matrix
 from .layers import Layup, layup
 from .mesh_data import mesh_data, nodal_displacements
@@ -60,7 +60,7 @@ def analyse(
     check_spec(spec, where)
     tell = progress or (lambda _line: None)
     degree = int(spec["mesh"].get("degree", DEGREE))
-    steps: list[dict[str, float]] = []
+    steps: list[dict[str, float | None]] = []
     refine = 0
     while True:
         tell(f"mesh, refined {refine} times" if refine else "mesh")
@@ -69,16 +69,17 @@ def analyse(
         warnings = [*problem.mesh.warnings, *lay.warnings, *check_degree(problem.space, lay, where)]
         tell(f"warping, {problem.space.n_dof} dofs")
         result = _solve(problem, lay, where)
+        warnings += solvability_warnings(result)
         error = None
         if estimate or accuracy is not None:
             tell("error estimate")
             error = _estimate(spec, where, problem, refine, result.K)
         lap = time.perf_counter() - start
-        worst = float(scaled(error, result.K).max()) if error is not None else float("nan")
+        worst = None if error is None else float(scaled(error, result.K).max())
         steps.append(
             {"refine": refine, "dofs": problem.space.n_dof, "error": worst, "seconds": lap}
         )
-        if accuracy is None or worst <= accuracy:
+        if accuracy is None or worst is None or worst <= accuracy:
             break
         if 4 * problem.space.n_dof > MOST_DOFS:
             warnings.append(
@@ -134,4 +135,4 @@ def _estimate(
     degree = problem.space.degree + 1
     richer = section_problem(spec["mesh"], where, degree, refine, problem.team)
     lay = layup(spec, richer.mesh, richer.space, where)
-    return error_estimate(K, _solve(richer, lay, where).K)
+    return error_estimate(K, _solve(richer, lay, where).K, problem.space.degree)

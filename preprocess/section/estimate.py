@@ -4,19 +4,20 @@ import numpy as np
 
 from ...solver.package.schema import Array
 
-# K falls to the exact one as the field gets richer. What the next degree takes off is most of the
-# error: all of it where the solution is smooth, about two thirds where stresses are singular (at
-# the edge of a ply or a re-entrant corner the error falls as degree^-(2..3)). docs/sections.md
-# compares the estimate with true errors.
-SHARE = 1.5
+# K falls to the exact one as the field gets richer, at least like degree^-RATE: that is what is
+# left where stresses are singular (at the edge of a ply or a re-entrant corner); smooth parts fall
+# faster. docs/sections-accuracy.md compares the estimates that follow with true errors.
+RATE = 2.1
 
 
-def error_estimate(K: Array, K_richer: Array) -> Array:
+def error_estimate(K: Array, K_richer: Array, degree: int) -> Array:
     """Expected |error| of each entry of K (6, 6), in its units.
 
-    `K_richer` is the stiffness on the same mesh with a field of one degree more.
+    `K` is of a field of some degree, `K_richer` of one degree more on the same mesh. With errors
+    like degree^-RATE, their difference is a known share of the error of K.
     """
-    return SHARE * np.abs(K - K_richer)
+    share = 1.0 - (degree / (degree + 1.0)) ** RATE
+    return np.abs(K - K_richer) / share
 
 
 def scaled(difference: Array, K: Array) -> Array:

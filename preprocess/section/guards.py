@@ -1,9 +1,11 @@
-"""Elements that cannot follow the material: linear fields lock."""
+"""Doubts about a section: linear fields that lock, equations solved to few digits."""
 
 from ..materials import Orthotropic
 from .errors import SectionError
 from .layers import Layup
 from .space import SectionSpace
+from .timoshenko import SectionStiffness
+from .warping import SOLVABILITY
 
 INCOMPRESSIBLE = 9.0  # bulk over shear modulus, that of Poisson's ratio 0.446
 
@@ -34,5 +36,19 @@ def check_degree(space: SectionSpace, lay: Layup, where: str) -> list[dict[str, 
             "code": "degree-1-locks",
             "message": "linear elements are too stiff in bending and torsion by some per cent; "
             "leave mesh.degree at 2",
+        }
+    ]
+
+
+def solvability_warnings(result: SectionStiffness) -> list[dict[str, str]]:
+    """A warning where the loads of the warping work on rigid motions more than round-off does."""
+    if result.solvability <= SOLVABILITY:
+        return []
+    return [
+        {
+            "code": "few-digits",
+            "message": f"the loads of the warping work {result.solvability:.1e} (relative) on "
+            f"rigid motions, at most {SOLVABILITY:g} is usual: round-off, as of a very thin open "
+            "section; trust its shear stiffness to fewer digits",
         }
     ]

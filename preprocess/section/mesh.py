@@ -77,22 +77,22 @@ def section_mesh(spec_mesh: Mapping[str, Any], where: str, *, refine: int = 0) -
     path = _source(spec_mesh, where)
     content = hashlib.sha256(path.read_bytes()).hexdigest()
     table = json.dumps(spec_mesh, sort_keys=True, separators=(",", ":"))
-    return _made(table, str(path), content, where, refine)
+    try:
+        return _made(table, str(path), content, refine)
+    except (fenicsx.MeshError, SectionError) as error:
+        raise SectionError(f"{where}: {error}") from error
 
 
 @lru_cache(maxsize=KEPT)
-def _made(table: str, file: str, content: str, where: str, refine: int) -> SectionMesh:
+def _made(table: str, file: str, content: str, refine: int) -> SectionMesh:
     spec, path = json.loads(table), Path(file)
     del content  # it makes another entry when the file has changed
-    try:
-        plain = _read(spec, path, refine)
-    except fenicsx.MeshError as error:
-        raise SectionError(f"{where}: {error}") from error
+    plain = _read(spec, path, refine)
     scale = float(spec.get("scale", 1.0))
     if scale != 1.0:
         curves = {name: scale * lines for name, lines in plain.curves.items()}
         plain = replace(plain, points=scale * plain.points, curves=curves)
-    plain, warnings = checked(plain, f"{where}: {path}")
+    plain, warnings = checked(plain, str(path))
     return SectionMesh(fenicsx.labelled_mesh(plain), plain.curves, tuple(warnings))
 
 
@@ -123,10 +123,8 @@ def _source(spec: Mapping[str, Any], where: str) -> Path:
 
 def _read(spec: Mapping[str, Any], path: Path, refine: int) -> PlainMesh:
     parameters = spec.get("parameters", {})
-    if "script" in spec and path.suffix == ".geo":
-        return fenicsx.run_script(path, _halved(parameters, refine))
     if path.suffix == ".geo":
-        return _user_script(path, parameters, refine)
+        return _script(path, parameters, refine)
     if path.suffix == ".py":
         with fenicsx.gmsh_session() as gmsh:
             gmsh.clear()
@@ -144,30 +142,12 @@ def _split(plain: PlainMesh, times: int) -> PlainMesh:
     return plain
 
 
-def _user_script(path: Path, parameters: Mapping[str, Any], refine: int) -> PlainMesh:
-    """gmsh's own refinement stays on the geometry, but draws curved lines inside it straight.
-
-    Thin curved rows may fold by that: then the cells themselves are cut.
-    """
+def _script(path: Path, parameters: Mapping[str, Any], refine: int) -> PlainMesh:
+    """Refined on the geometry; where thin rows would fold by that, with the shape they have."""
     plain = fenicsx.run_script(path, parameters, refine=refine)
     if refine and folds(plain):
         return _split(fenicsx.run_script(path, parameters), refine)
     return plain
-
-
-def _halved(parameters: Mapping[str, Any], times: int) -> dict[str, Any]:
-    """Parameters of a script of the library that halve every edge of its elements."""
-    table = dict(parameters)
-    for _ in range(times):
-        for key, value in table.items():
-            if key.startswith(("rows", "columns")):
-                middles = 0.5 * (np.array([0.0, *value[:-1]]) + np.array(value))
-                table[key] = np.sort([*middles, *value]).tolist()
-            elif key.startswith(("elements", "even")):
-                table[key] = (2 * np.asarray(value)).tolist()
-            elif key.startswith("growth"):
-                table[key] = np.sqrt(value).tolist()
-    return table
 
 
 def _module(path: Path) -> ModuleType:
@@ -199,6 +179,8 @@ def _arrays(path: Path) -> PlainMesh:
             curves[str(curve)] = data["points"][lines].astype(float)
     regions = tuple(str(region) for region in data["region_names"])
     region = data["region"].astype(np.int64)
+    if len(set(regions)) < len(regions):
+        raise fenicsx.MeshError(f"{path}: region_names = {list(regions)}: expected each name once")
     empty = np.setdiff1d(np.arange(len(regions)), region)
     if empty.size:
         raise fenicsx.MeshError(f"{path}: region {regions[empty[0]]!r} has no cells")

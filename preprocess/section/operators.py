@@ -26,34 +26,31 @@ class SectionOperators:
     def __init__(self, space: SectionSpace, team: fenicsx.Team = fenicsx.ALONE) -> None:
         self.space, self.team = space, team
         self._cells = team.share(space.n_cell) if team.size > 1 else EVERY
-        self._whole: Array | None = None
+        self._products: sp.csr_matrix | None = None
 
     def E(self, C: Array) -> sp.csr_matrix:
         """<G_h, C G_h> [Pa] for C (c, 1, 6, 6), constant in each cell, or (c, q, 6, 6) [Pa]."""
-        own = C[self._cells]
-        blocks = self._blocks(own[:, 0]) if own.shape[1] == 1 else self._blocks_of_points(own)
-        data = self.space.pattern.data(blocks, self._cells)
-        return self.space.pattern.matrix(self.team.total(data))
+        own, pattern = C[self._cells], self.space.pattern
+        if own.shape[1] > 1:
+            data = pattern.data(self._blocks(own), self._cells)
+        else:  # one stiffness for each cell: all that is of the mesh alone is one sparse matrix
+            if self._products is None:
+                products = slope_products(self.space, self._cells)
+                self._products = pattern.summed(products, self._cells)
+            data = pattern.ordered(self._products @ _by_slopes(own[:, 0]).reshape(-1, 9))
+        return pattern.matrix(self.team.total(data))
 
     def _blocks(self, C: Array) -> Array:
-        """Element matrices (c, k^2, 9) of cells that have one stiffness each, (c, 6, 6)."""
-        if self._whole is None:
-            self._whole = slope_products(self.space, self._cells)
-        columns = _by_slopes(C).reshape(-1, 4, 9)
-        return np.asarray(self._whole @ columns)
-
-    def _blocks_of_points(self, C: Array) -> Array:
         """Element matrices (c, k^2, 9) where every point has its stiffness, (c, q, 6, 6)."""
-        gradients, weights = self.space.gradients[self._cells], self.space.weights[self._cells]
+        gradients = self.space.gradients[self._cells]
+        weighted = self.space.weighted_gradients[self._cells]
         c, q, _, k = gradients.shape
         blocks = np.empty((c, k, 9 * k))
         for first in range(0, c, AT_A_TIME):
             some = slice(first, first + AT_A_TIME)
-            slopes = gradients[some]
-            # stress in direction alpha at a point from each node's displacement
-            stress = np.swapaxes(slopes, 2, 3)[:, :, None] @ _by_slopes(C[some])
-            left = (weights[some, :, None, None] * slopes).reshape(-1, 2 * q, k)
-            blocks[some] = np.swapaxes(left, 1, 2) @ stress.reshape(-1, 2 * q, 9 * k)
+            # stress in direction alpha at a point from the displacement of each node
+            stress = np.swapaxes(gradients[some], 2, 3)[:, :, None] @ _by_slopes(C[some])
+            blocks[some] = weighted[some] @ stress.reshape(-1, 2 * q, 9 * k)
         return blocks.reshape(c, k * k, 9)
 
 
@@ -69,9 +66,8 @@ def slope_products(space: SectionSpace, cells: slice) -> Array:
 
     Row k i + j is the pair of nodes, column 2 alpha + beta.
     """
-    slopes = space.gradients[cells]
-    c, q, _, k = slopes.shape
-    right = slopes.reshape(c, q, 2 * k)
-    left = (slopes * space.weights[cells, :, None, None]).reshape(c, q, 2 * k)
-    products = np.swapaxes(left, 1, 2) @ right  # (c, alpha i, beta j)
-    return products.reshape(c, 2, k, 2, k).transpose(0, 2, 4, 1, 3).reshape(c, k * k, 4)
+    c, q, _, k = space.gradients[cells].shape
+    slopes = space.gradients[cells].reshape(c, q, 2 * k)
+    left = space.weighted_gradients[cells].reshape(c, k, q, 2).swapaxes(2, 3)
+    products = left.reshape(c, 2 * k, q) @ slopes  # (c, i alpha, beta j)
+    return products.reshape(c, k, 2, 2, k).transpose(0, 1, 4, 2, 3).reshape(c, k * k, 4)

@@ -51,7 +51,24 @@ class Pattern:
 
         The block of nodes i, j of a cell is row k i + j, its entries are 3 a + b.
         """
-        return (self._sum_of(cells) @ blocks.reshape(-1, 9)).ravel()[self._order]
+        return self.ordered(self._sum_of(cells) @ blocks.reshape(-1, 9))
+
+    def ordered(self, blocks: Array) -> Array:
+        """Values of the matrix, (nnz,), from the blocks (n_pair, 9) of all pairs of nodes."""
+        return np.take(blocks.ravel(), self._order)
+
+    def summed(self, factors: Array, cells: slice = EVERY) -> sp.csr_matrix:
+        """The matrix that takes columns (c m, 9) to the sum of `factors @ columns` for all pairs.
+
+        `factors` (c, k^2, m) are those of some cells, which have m rows of columns each.
+        """
+        entries, m = self._sum_of(cells), factors.shape[2]
+        total = sp.csr_matrix((self._n_pair, factors.shape[0] * m))
+        total.data = np.take(factors.reshape(-1, m), entries.indices, axis=0).ravel()
+        first = m * (entries.indices // self._k**2)
+        total.indices = (first[:, None] + np.arange(m, dtype=first.dtype)).ravel()
+        total.indptr = m * entries.indptr
+        return total
 
     def _sum_of(self, cells: slice) -> sp.csr_matrix:
         """The part of `_sum` that belongs to some cells; kept, as a process has but one share."""

@@ -19,6 +19,8 @@ from .pattern import Pattern
 # in the order (a, alpha) = 1,2  1,3  2,2  2,3  3,2  3,3; and that each w_a' enters.
 IN_SECTION = [5, 4, 1, 3, 3, 2]
 ALONG_BEAM = [0, 5, 4]
+BY_SLOPE = [5, 1, 3, 4, 3, 2]  # IN_SECTION in the order 3 alpha + a
+SLOPE = [0, 1, 5, 4, 3, 0]  # the other way round: row 11 has none, row 23 has another one
 
 
 class SectionSpace:
@@ -51,11 +53,11 @@ class SectionSpace:
         self.dofs = fenicsx.cell_dofs(space)
 
         # curved cells need two degrees more than straight ones
-        curved = geometry_degree > 1 and is_curved(nodes[cells][..., :2], cell)
+        corners = np.ascontiguousarray(nodes[:, :2])[cells]
+        curved = geometry_degree > 1 and is_curved(corners, cell)
         self.quadrature_degree = quadrature_degree or 2 * degree + (2 if curved else 0)
         reference, weights = fenicsx.quadrature(cell, self.quadrature_degree)
         values, slopes = fenicsx.basis(cell, geometry_degree, reference)
-        corners = nodes[cells][..., :2]
         self.points = values @ corners
         jacobian = np.einsum("cka,qkg->cqag", corners, slopes, optimize=True)
         determinant = (
@@ -67,7 +69,9 @@ class SectionSpace:
         inverse[..., 0, 1], inverse[..., 1, 0] = -jacobian[..., 0, 1], -jacobian[..., 1, 0]
         inverse /= determinant[..., None, None]
         self.values, slopes = fenicsx.basis(cell, degree, reference)
-        self.gradients = np.swapaxes(inverse, -1, -2) @ np.swapaxes(slopes, -1, -2)
+        by_slope = np.moveaxis(slopes, -1, 0)[:, :, None]  # (2, q, 1, k)
+        self.gradients = inverse[:, :, 0, :, None] * by_slope[0]
+        self.gradients += inverse[:, :, 1, :, None] * by_slope[1]
         k = self.dofs.shape[1]
         # (n_node, c k): adds up at each node what the cells bring
         self._to_nodes = sp.csr_matrix(
@@ -95,6 +99,13 @@ class SectionSpace:
         """Sparsity pattern of every matrix on this space."""
         return Pattern(self.dofs, self.x2.size)
 
+    @cached_property
+    def weighted_gradients(self) -> Array:
+        """Derivatives times the areas of their points, (c, k, 2 q), columns (q, alpha)."""
+        c, q, _, k = self.gradients.shape
+        weighted = self.weights[..., None, None] * self.gradients
+        return np.ascontiguousarray(np.swapaxes(weighted.reshape(c, 2 * q, k), 1, 2))
+
     def displacements(self, *fields: tuple[Any, Any, Any]) -> Array:
         """Nodal values of fields (w1, w2, w3), each a number or (n_node,), as columns."""
         out = np.zeros((self.x2.size, 3, len(fields)))
@@ -112,10 +123,10 @@ class SectionSpace:
         """G_h W at the points, (c, q, 6, m), for displacement columns W (n_dof, m)."""
         c, q = self.weights.shape
         slope = self.gradients.reshape(c, 2 * q, -1) @ self._of_cells(W)
-        slope = slope.reshape(c, q, 2, 3, -1)
-        strain = np.zeros((c, q, 6, slope.shape[-1]))
-        for entry, row in enumerate(IN_SECTION):
-            strain[:, :, row] += slope[:, :, entry % 2, entry // 2]
+        slope = slope.reshape(c, q, 6, -1)  # rows 3 alpha + a
+        strain = np.take(slope, SLOPE, axis=2)
+        strain[:, :, 0] = 0.0
+        strain[:, :, 3] += slope[:, :, 2]  # d w3 / d x2
         return strain
 
     def strain_along_beam(self, W: Array) -> Array:
@@ -126,16 +137,14 @@ class SectionSpace:
 
     def load_in_section(self, stress: Array) -> Array:
         """Integral of (G_h w)' stress for each unknown of w, (n_dof, m), stress (c, q, 6, m)."""
-        weighted = self.weights[..., None, None] * stress
         c, q, _, m = stress.shape
         # rows (q, alpha), columns (a, m): the stress that works on d w_a / d x_alpha
-        partner = weighted[:, :, IN_SECTION].reshape(c, q, 3, 2, m).swapaxes(2, 3)
-        slopes = self.gradients.reshape(c, 2 * q, -1)
-        return self._sum(np.swapaxes(slopes, 1, 2) @ partner.reshape(c, 2 * q, 3 * m))
+        partner = np.take(stress, BY_SLOPE, axis=2).reshape(c, 2 * q, 3 * m)
+        return self._sum(self.weighted_gradients @ partner)
 
     def load_along_beam(self, stress: Array) -> Array:
         """Integral of (G_l w)' stress for each unknown of w, (n_dof, m), stress (c, q, 6, m)."""
-        return self.load(stress[:, :, ALONG_BEAM])
+        return self.load(np.take(stress, ALONG_BEAM, axis=2))
 
     def load(self, traction: Array) -> Array:
         """Integral of w . traction for each unknown of w, (n_dof, m), traction (c, q, 3, m)."""
@@ -145,9 +154,9 @@ class SectionSpace:
     def work(self, stress: Array, strain: Array) -> Array:
         """Integral of stress' strain over the section, (m, n), of (c, q, 6, m) and (c, q, 6, n)."""
         weighted = self.weights[..., None, None] * stress
-        rows = weighted.reshape(-1, stress.shape[2], stress.shape[3]).transpose(2, 0, 1)
-        columns = strain.reshape(-1, *strain.shape[2:])
-        return np.asarray(rows.reshape(stress.shape[3], -1) @ columns.reshape(-1, strain.shape[3]))
+        return np.asarray(
+            weighted.reshape(-1, stress.shape[3]).T @ strain.reshape(-1, strain.shape[3])
+        )
 
     def _of_cells(self, W: Array) -> Array:
         """Nodal values cell by cell, (c, k, 3 m)."""

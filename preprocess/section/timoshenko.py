@@ -39,6 +39,7 @@ class SectionStiffness:
     T: Array  # (4, 2) change of the classical strains per shear force, e' = T [F2, F3]
     V0: Array  # (n_dof, 4) warping per unit classical strain
     V1: Array  # (n_dof, 2) warping per unit shear force
+    solvability: float  # relative work of the warping's loads on rigid motions, 0 but for round-off
 
 
 def classical_stiffness(space: SectionSpace, state: ClassicalState) -> Array:
@@ -106,7 +107,7 @@ def stiffness(
     scale = 1.0 / np.sqrt(np.abs(np.diag(K)))
     if not np.linalg.eigvalsh(K * np.outer(scale, scale))[0] > 0.0:
         raise SectionError("the stiffness of the section is not positive definite")
-    return SectionStiffness(K, A, B, T, state.V0, V1)
+    return SectionStiffness(K, A, B, T, state.V0, V1, solver.solvability)
 
 
 def shear_centre(K: Array) -> Array:

@@ -21,11 +21,13 @@ def unit_stress(recovery: SectionRecovery) -> Array:
 def cell_means(section: SectionFile, values: Array) -> Array:
     """Mean over each cell of values at the integration points, (p, ...) to (c, ...)."""
     recovery, n_cell = section.recovery, len(section.mesh.cell_types)
-    weights = np.zeros(n_cell)
-    np.add.at(weights, recovery.cell, recovery.weights)
+    sums, weights = np.zeros((n_cell, values[0].size)), np.zeros(n_cell)
     flat = values.reshape(len(values), -1) * recovery.weights[:, None]
-    sums = np.zeros((n_cell, flat.shape[1]))
-    np.add.at(sums, recovery.cell, flat)
+    # points may stand in any order: sorted by cell, each cell's are a run
+    order = np.argsort(recovery.cell, kind="stable")
+    cells, first = np.unique(recovery.cell[order], return_index=True)
+    sums[cells] = np.add.reduceat(flat[order], first)
+    weights[cells] = np.add.reduceat(recovery.weights[order], first)
     return (sums / weights[:, None]).reshape(n_cell, *values.shape[1:])
 
 

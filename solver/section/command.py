@@ -19,7 +19,8 @@ from .batch_list import entries_of, read_list
 from .make import Made, Request, make_sections, write_specs
 from .ply_peaks import ply_peaks
 from .results import read_results
-from .show import load_text, section_json, section_text
+from .show import section_json, section_text
+from .show_loads import load_text
 from .study import Entry
 from .summary import Row, summary_json, summary_text, write_summary
 

@@ -19,7 +19,7 @@ def probe() -> dict:
     """Versions and problems found: {"dolfinx": "0.9.0", "problems": {module: reason}}."""
     problems: dict = {}
     found = {"python": sys.executable, "problems": problems}
-    if sys.version_info < (3, 11):  # noqa: UP036  it may run on an old one
+    if sys.version_info < (3, 11):
         problems["python"] = f"{sys.version_info[0]}.{sys.version_info[1]} is older than 3.11"
         return found
     loaded = {}

@@ -11,10 +11,11 @@ from ..errors import InputError
 from ..input import read_toml
 from ..package.container import temporary_sibling
 from ..package.shares import by_mesh, mesh_key
+from .changes import changed
 from .crew import outcomes
 from .expand import section_spec
 from .interpreter import find_interpreter
-from .study import Entry, changed
+from .study import Entry
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,7 @@ def _spec(entry: Entry, folder: Path) -> dict[str, Any]:
     if not entry.changes:
         return section_spec(table, entry.file, folder)
     try:
-        spec = section_spec(changed(table, entry), entry.file, folder)
+        spec = section_spec(changed(table, entry.changes, entry.file), entry.file, folder)
     except InputError as error:
         found = str(error).splitlines()
         raise InputError("\n".join(f"{entry.name}: {line}" for line in found)) from error

@@ -11,6 +11,9 @@ Values = dict[str, Any]
 Plies = dict[str, list[float]]
 
 STEP_DEG = 10.0  # angle of an element of a tube
+# Length of an element of an open tube over sqrt(thickness x radius): a thin curved wall bends
+# within that length at its ends.
+BENDING = 0.4
 
 
 def rectangle(values: Values, plies: Plies) -> dict[str, Any]:
@@ -112,7 +115,8 @@ def tube(values: Values, plies: Plies) -> dict[str, Any]:
         }
     else:
         first = math.degrees(wall / (4.0 * density * radius))
-        columns = arc(span, min(step, span / 6.0), first)
+        bending = math.degrees(BENDING * math.sqrt(wall / radius)) / density
+        columns = arc(span, min(step, bending, span / 6.0), first)
     # thick walls need rows for the curvature, laminates for the plies
     least = max(2, math.ceil(8.0 * wall / radius))
     return {

@@ -1,19 +1,17 @@
 """The numbers of a section as text for the screen and as plain data for programs."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ..package.schema import Array
+from ..package.section import RESULTANTS
 from .conventions import convert
-from .ply_peaks import PlyPeak, Reserve
 from .results import SectionResults
 
 # Entries below this share of sqrt(K_ii K_jj) are round-off: shown as 0.
 ROUND_OFF = 1e-10
-_STRESSES = ("s11", "s22", "s33", "s23", "s13", "s12")
 
 
 @dataclass(frozen=True)
@@ -26,7 +24,7 @@ class Order:
 
 
 _BEAM_FIRST = Order(
-    ("F1", "F2", "F3", "M1", "M2", "M3"),
+    RESULTANTS,
     ("extension", "shear 2", "shear 3", "twist", "bending 2", "bending 3"),
     ("extension", "shear2", "shear3", "twist", "bend2", "bend3"),
 )
@@ -148,57 +146,3 @@ def _effort(results: SectionResults) -> list[str]:
             for step in steps
         ]
     return lines
-
-
-def load_text(peaks: Sequence[PlyPeak], F: Sequence[float]) -> str:
-    """Return the highest stress of every ply under resultants F, and its smallest margins."""
-    loads = ", ".join(
-        f"{name} = {value:g} {'N' if name[0] == 'F' else 'N m'}"
-        for name, value in zip(_BEAM_FIRST.resultants, F, strict=True)
-    )
-    width = max([len("region"), *(len(_ply(peak)) for peak in peaks)])
-    head = f"{'ply':{width}}{'angle':>7}" + "".join(f"{name:>10}" for name in _STRESSES)
-    lines = [
-        "Stresses of largest size in each ply [MPa], in its axes, under",
-        loads,
-        head,
-        *(
-            f"{_ply(peak):{width}}{peak.ply.angle_deg:7.4g}"
-            + "".join(f"{value:10.4g}" for value in peak.stress_M / 1e6)
-            for peak in peaks
-        ),
-    ]
-    return "\n".join([*lines, "", *_margins(peaks, width)])
-
-
-def _ply(peak: PlyPeak) -> str:
-    return f"{peak.ply.region} {peak.ply.index + 1} {peak.ply.material}"
-
-
-def _margins(peaks: Sequence[PlyPeak], width: int) -> list[str]:
-    without = sorted({peak.ply.material for peak in peaks if not peak.reserves})
-    lines = [f"No margins for {', '.join(without)}: no strengths are given"] if without else []
-    names = list(dict.fromkeys(name for peak in peaks for name in peak.reserves))
-    if not names:
-        return lines
-    lines += [
-        "Margins of safety: how much all loads may grow until failure, less one",
-        f"{'ply':{width}}{'angle':>7}" + "".join(f"{name:>14}" for name in names),
-    ]
-    for peak in peaks:
-        if peak.reserves:
-            cells = "".join(f"{_margin(peak.reserves.get(name)):>14}" for name in names)
-            lines.append(f"{_ply(peak):{width}}{peak.ply.angle_deg:7.4g}{cells}")
-    for name in names:
-        worst = min((p for p in peaks if name in p.reserves), key=lambda p: p.reserves[name].ratio)
-        reserve = worst.reserves[name]
-        x2, x3 = reserve.point
-        lines.append(
-            f"least by {name}: {reserve.ratio - 1.0:.3g} in {_ply(worst)} "
-            f"({reserve.mode}) at x2 = {x2:.4g} m, x3 = {x3:.4g} m"
-        )
-    return lines
-
-
-def _margin(reserve: Reserve | None) -> str:
-    return "-" if reserve is None else f"{reserve.ratio - 1.0:.3g}"

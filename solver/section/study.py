@@ -16,19 +16,19 @@ csv = "angles.csv"                        # rows of numbers, or "name, 1, 2" and
 
 import csv
 import itertools
-import tomllib
+import re
 from collections import Counter
 from collections.abc import Sequence
-from copy import deepcopy
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError, model_validator
 
-from ..errors import InputError, nearest
+from ..errors import InputError
 from ..input import Table, lines
 
+FileName = Annotated[str, Field(pattern=r"^[\w.+-]+$")]  # it becomes part of a folder's name
 Variants = list[tuple[str, dict[str, Any]]]  # end of the name, dotted keys with their values
 
 
@@ -38,7 +38,7 @@ class Sweep(Table):
     key: str = Field(min_length=1, description="dotted key, as in a description")
     values: list[Any] | None = Field(default=None, min_length=1, description="its values")
     csv: str | None = Field(default=None, description="file with a value in each row")
-    names: list[str] | None = Field(default=None, description="a short name for each value")
+    names: list[FileName] | None = Field(default=None, description="a short name for each value")
 
     @model_validator(mode="after")
     def _one_source(self) -> "Sweep":
@@ -139,6 +139,10 @@ def _column(path: Path, index: int, sweep: Sweep) -> list[tuple[str, Any]]:
             continue  # names of the columns
         if bad is not None or not cells:
             raise InputError(f"{file}: row {number}: expected numbers, found {bad or 'none'!r}")
+        if name and not re.fullmatch(r"[\w.+-]+", name):
+            raise InputError(
+                f"{file}: row {number}: {name!r}: expected a name of letters, digits and _.+-"
+            )
         column.append((name, [float(cell) for cell in cells]))
     if not column:
         raise InputError(f"{file}: there is no row of numbers")
@@ -151,42 +155,3 @@ def _is_number(text: str) -> bool:
     except ValueError:
         return False
     return True
-
-
-def changed(table: dict[str, Any], entry: Entry) -> dict[str, Any]:
-    """Return the table of a description with the changes of an entry.
-
-    Raises
-    ------
-    InputError : a key that leads nowhere.
-    """
-    table = deepcopy(table)
-    for key, value in entry.changes.items():
-        try:
-            path = _parts(tomllib.loads(f"{key} = 0"))
-        except tomllib.TOMLDecodeError as error:
-            raise InputError(f'sweep.key = "{key}": no dotted key of TOML: {error}') from error
-        place: Any = table
-        for i, part in enumerate(path[:-1]):
-            at = int(part) if isinstance(place, list) and part.isdecimal() else part
-            try:
-                place = place[at]
-            except (KeyError, IndexError, TypeError):
-                known = place if isinstance(place, dict) else map(str, range(len(place)))
-                where = ".".join(path[: i + 1])
-                raise InputError(
-                    f'{entry.file}: {where}: no such table, needed for the sweep of "{key}"'
-                    f"{nearest(part, known)}"
-                ) from None
-        last = path[-1]
-        place[int(last) if isinstance(place, list) and last.isdecimal() else last] = value
-    return table
-
-
-def _parts(nested: dict[str, Any]) -> list[str]:
-    parts: list[str] = []
-    inner: Any = nested
-    while isinstance(inner, dict):
-        ((part, inner),) = inner.items()
-        parts.append(part)
-    return parts

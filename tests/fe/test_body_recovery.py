@@ -175,7 +175,9 @@ def test_package_and_section_give_the_same_ply_stress(
     stress_B = np.einsum("pij,pj->pi", bond(alone.A_BM), stress)
     back = resultants(alone, stress_B)
     assert np.abs(back - root).max() < 1e-6 * np.abs(root).max()
-    record(f"ply stress at the root, {section['name']}", expected / np.abs(expected).max())
+    # single points at re-entrant corners carry round-off of 1e-8: their mean square does not
+    mean_square = alone.weights @ expected**2 / alone.weights.sum()
+    record(f"mean square ply stress at the root, {section['name']}", mean_square)
 
 
 def test_tension_of_a_wide_strip_is_that_of_laminate_theory() -> None:

@@ -1,5 +1,6 @@
 """The derivation behind the 6x6 stiffness: equilibrium, energy, pins, the paper's misprints."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -7,7 +8,8 @@ import pytest
 
 from plymotion.preprocess.fenicsx import FactorisationError
 from plymotion.preprocess.materials import Orthotropic, isotropic, ply_rotation, rotated
-from plymotion.preprocess.section import SectionError, warping
+from plymotion.preprocess.section import SectionError, analyse, warping
+from plymotion.preprocess.section.guards import solvability_warnings
 from plymotion.preprocess.section.mesh import section_mesh
 from plymotion.preprocess.section.problem import SectionProblem
 from plymotion.preprocess.section.timoshenko import SectionStiffness, stiffness
@@ -73,6 +75,41 @@ def test_load_on_a_rigid_motion_is_refused(off_axis: Solved) -> None:
     load = space.load(space.at_points(space.displacements((1, 0, 0))))
     with pytest.raises(SectionError, match="on a rigid motion"):
         solver.solve(load, float(np.linalg.norm(load)))
+
+
+def test_a_little_work_on_a_rigid_motion_is_told(off_axis: Solved) -> None:
+    """Between round-off and a wrong equation lies a warning."""
+    problem, C, result = off_axis
+    assert result.solvability < 1e-12
+    assert solvability_warnings(result) == []
+    space, solver = problem.space, WarpingSolver(problem.space)
+    solver.factorise(problem.operators.E(C))
+    fields = space.displacements((1, 0, 0), (space.x2, 0, 0))
+    push, balanced = space.load(space.at_points(fields)).T[:, :, None]
+    size = float(np.linalg.norm(balanced))
+    solver.solve(balanced + 1e-8 * size / np.linalg.norm(push) * push, size)
+    (warning,) = solvability_warnings(replace(result, solvability=solver.solvability))
+    assert warning["code"] == "few-digits"
+
+
+def test_thin_open_arc() -> None:
+    """An arc of radius 400 times its wall: the exact stiffness of a strip rolled up."""
+    arc = {"outer_radius": 0.4005, "wall": 0.001, "start_deg": 30.0, "span_deg": 120.0}
+    spec = {
+        "mesh": expand("tube", arc),
+        "materials": {"m": {"kind": "isotropic", "E": 70e9, "nu": 0.3, "rho": 2700.0}},
+        "regions": {
+            "wall": {"plies": [{"material": "m"}], "direction": {"circle": [0.0, 0.0]}},
+        },
+    }
+    section = analyse(spec, estimate=False)
+    area = np.radians(120.0) * 0.4 * 0.001
+    assert section.K[0, 0] == pytest.approx(70e9 * area, rel=1e-6)
+    # J = length wall^3 / 3, less the ends
+    assert 1.0 / np.linalg.inv(section.K)[3, 3] == pytest.approx(
+        70e9 / 2.6 * area * 0.001**2 / 3.0, rel=1e-3
+    )
+    assert section.warnings == ()
 
 
 def test_printed_eq_44_gives_two_thirds_of_the_axial_stiffness() -> None:

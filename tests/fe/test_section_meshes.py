@@ -122,12 +122,13 @@ def test_refinement(name: str) -> None:
 def test_refined_arcs_stay_on_their_circle() -> None:
     nodes = nodes_of(library("tube", refine=2), "wall").reshape(-1, 2)
     radius = np.hypot(*nodes.T)
-    # two rows by default, eight after two refinements; middle nodes inside cells may lie off
-    faces = np.linspace(0.09, 0.1, 9)
-    on_face = np.abs(radius[:, None] - faces).min(axis=1) < 1e-12
-    assert np.count_nonzero(on_face) > 0.6 * radius.size
-    assert radius.min() == pytest.approx(0.09, abs=1e-12)
-    assert radius.max() == pytest.approx(0.1, abs=1e-12)
+    # two rows by default: their faces are curves of the script; new rows lie between
+    for face in (0.09, 0.095, 0.1):
+        near = np.abs(radius - face) < 1e-5
+        assert np.count_nonzero(near) > 100
+        assert np.abs(radius[near] - face).max() < 1e-13
+    rows = np.linspace(0.09, 0.1, 17)
+    assert np.abs(radius[:, None] - rows).min(axis=1).max() < 1e-6
 
 
 def test_thin_curved_rows_do_not_fold_when_refined(tmp_path: Path) -> None:
@@ -167,6 +168,32 @@ def stiffness(mesh: dict[str, Any], name: str, refine: int = 0) -> np.ndarray[An
         "regions": regions,
     }
     return np.asarray(analyse(spec, estimate=False).K)
+
+
+THIN_LAMINATES: dict[str, dict[str, Any]] = {
+    "tube": {"outer_radius": 0.05, "wall": 0.0005, "span_deg": 180.0},
+    "channel": {"height": 0.1, "top_width": 0.05, "wall": 0.0005},
+    "i": {"height": 0.1, "top_width": 0.05, "wall": 0.0005},
+    "box": {"width": 0.05, "height": 0.02, "wall": 0.0005},
+}
+
+
+@pytest.mark.parametrize("name", THIN_LAMINATES)
+def test_thin_unsymmetric_walls_bend(name: str) -> None:
+    """Elements of 10 degrees would make K33 of this half tube 20 % too small."""
+    angles = [45.0, -45.0, 0.0, 90.0]
+    plies = [{"material": "c", "angle_deg": angle} for angle in angles]
+    regions = {
+        wall.region: {"plies": plies, "direction": dict(wall.direction)}
+        for wall in walls(name, THIN_LAMINATES[name])
+    }
+    mesh = expand(name, THIN_LAMINATES[name], {region: [1.0] * 4 for region in regions})
+    spec = {"name": name, "materials": {"c": CFRP}, "regions": regions}
+    coarse, fine = (
+        analyse({**spec, "mesh": {**mesh, "degree": degree}}, estimate=False).K for degree in (2, 3)
+    )
+    size = np.sqrt(np.diag(fine))
+    assert (np.abs(coarse - fine) / np.outer(size, size)).max() < 5e-4
 
 
 @pytest.mark.parametrize("name", ["box", "two-cell", "i", "channel", "rectangle", "tube"])
@@ -248,7 +275,7 @@ def test_blunt_trailing_edge_is_kept() -> None:
     blunt = library("airfoil", contour=outline.tolist())
     assert 0.27 < nodes_of(sharp, "skin-rear")[..., 0].max() < 0.295
     assert nodes_of(blunt, "skin-rear")[..., 0].max() == pytest.approx(0.3, abs=1e-4)
-    assert np.ptp(blunt.curves["outer"][..., 0]) == pytest.approx(0.3, abs=1e-4)
+    assert np.ptp(blunt.curves["outer"][..., 0]) == pytest.approx(0.3, abs=3e-4)
 
 
 @pytest.mark.parametrize(
@@ -256,7 +283,8 @@ def test_blunt_trailing_edge_is_kept() -> None:
     [
         ({"skin": 0.025}, "skin_rear = 0.025: leaves no hollow"),
         ({"webs": [0.3, 0.98]}, "webs: the last one lies behind"),
-        ({"skin": 0.012, "webs": [0.05, 0.5], "skin_rear": 0.001}, "too thick for the nose"),
+        ({"skin": 0.012, "webs": [0.03, 0.5], "skin_rear": 0.001}, "webs: .* no room"),
+        ({"skin": 0.012, "skin_rear": 0.001}, "skin_front = 0.012: too thick for the nose"),
     ],
 )
 def test_airfoils_that_cannot_be(change: dict[str, Any], message: str) -> None:
@@ -266,7 +294,7 @@ def test_airfoils_that_cannot_be(change: dict[str, Any], message: str) -> None:
 
 # A quarter of a ring, inner radius 1, outer 2: two regions, the outer arc named.
 RING = """
-DefineConstant[ n = {4}, Name "Parameters/n"} ];
+DefineConstant[ n = {4, Name "Parameters/n"} ];
 Mesh.ElementOrder = ORDER;
 Mesh.SecondOrderIncomplete = INCOMPLETE;
 Point(1) = {0, 0, 0};
@@ -425,6 +453,6 @@ def test_arrays(tmp_path: Path) -> None:
 def test_equal_requests_share_a_mesh_until_the_file_changes(tmp_path: Path) -> None:
     script = ring(tmp_path, "quad")
     first = section_mesh({"file": str(script)}, "x")
-    assert section_mesh({"file": str(script)}, "x") is first
+    assert section_mesh({"file": str(script)}, "another section") is first
     script.write_text(ring_text("quad9"))
     assert fenicsx.geometry(section_mesh({"file": str(script)}, "x").labelled.mesh)[2] == 2

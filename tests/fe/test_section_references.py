@@ -11,89 +11,18 @@ from typing import Any
 
 import numpy as np
 import pytest
+from section_cases import section as described
 
 from plymotion.preprocess.section import analyse
 from plymotion.preprocess.section.estimate import scaled
-from plymotion.solver.section.shapes import expand, walls
 
 FOLDER = Path(__file__).resolve().parent.parent / "reference" / "sections"
 FILES = [path for path in sorted(FOLDER.glob("[0-9]*.toml")) if path.name[:3] != "30_"]
 BOXES = [path for path in FILES if path.name[:2] in ("20", "21", "22", "23")]
 
-# name of the shape, and its sizes from those of the reference's [geometry]
-SHAPES: dict[str, tuple[str, Callable[[dict[str, Any]], dict[str, Any]]]] = {
-    "rectangle": ("rectangle", lambda g: {"width": g["b"], "height": g["h"]}),
-    "circle": ("ellipse", lambda g: {"radius_2": g["radius"], "radius_3": g["radius"]}),
-    "ellipse": ("ellipse", lambda g: {"radius_2": g["a2"], "radius_3": g["a3"]}),
-    "tube": ("tube", lambda g: {k: g[k] for k in ("outer_radius", "wall")}),
-    "half tube": (
-        "tube",
-        lambda g: {
-            **{k: g[k] for k in ("outer_radius", "wall")},
-            "start_deg": g["span_deg"][0],
-            "span_deg": g["span_deg"][1] - g["span_deg"][0],
-        },
-    ),
-    "I": (
-        "i",
-        lambda g: {
-            "height": g["height"],
-            "top_width": g["flange_width"],
-            "wall": g["flange"],
-            "wall_web": g["web"],
-        },
-    ),
-    "channel, sharp corners, outer dimensions": (
-        "channel",
-        lambda g: {
-            "height": g["web_height"],
-            "top_width": g["top_flange"],
-            "bottom_width": g["bottom_flange"],
-            "wall": g["wall"],
-        },
-    ),
-    "rectangular box, mitred corners": (
-        "box",
-        lambda g: {"width": g["outer_b"], "height": g["outer_h"], "wall": g["wall"]},
-    ),
-}
-
 
 def read(path: Path) -> dict[str, Any]:
     return tomllib.loads(path.read_text(encoding="utf-8"))
-
-
-def material_of(table: dict[str, Any]) -> dict[str, Any]:
-    if "E" in table:
-        return {"kind": "isotropic", **{key: table[key] for key in ("E", "nu", "rho")}}
-    return {"kind": "orthotropic", **{k: v for k, v in table.items() if k != "name"}}
-
-
-def spec_of(reference: dict[str, Any]) -> dict[str, Any]:
-    """The specification of a reference file, as the light side makes it of a description."""
-    geometry, materials = reference["geometry"], reference["material"]
-    lay = reference.get("layup", {})
-    if isinstance(materials, list):  # left and right half
-        shape, sizes = "split-rectangle", {"width": geometry["b"], "height": geometry["h"]}
-        sizes["interface"] = geometry["interface_x2"]
-    else:
-        shape, of = SHAPES[geometry["type"]]
-        sizes = of(geometry)
-        materials = [materials]
-    regions, layers = {}, {}
-    for wall, material in zip(walls(shape, sizes), materials * 9, strict=False):
-        angles = lay.get(wall.region, [lay.get("theta3", 0.0)])
-        name = f"m{materials.index(material)}"
-        plies = [{"material": name, "angle_deg": float(angle)} for angle in angles]
-        regions[wall.region] = {"plies": plies, "direction": wall.direction}
-        layers[wall.region] = [1.0] * len(angles)
-    return {
-        "name": reference["id"],
-        "convention": "contour",
-        "mesh": expand(shape, sizes, layers),
-        "materials": {f"m{i}": material_of(m) for i, m in enumerate(materials)},
-        "regions": regions,
-    }
 
 
 def test_every_reference_is_there() -> None:
@@ -105,7 +34,7 @@ def test_every_reference_is_there() -> None:
 def test_stiffness_and_mass(path: Path, record: Callable[[str, Any], None]) -> None:
     reference = read(path)
     verified = reference["verified"]
-    section = analyse(spec_of(reference), estimate=False)
+    section = analyse(described(path.name[:3]), estimate=False)
     expected = np.array(verified["K"])
     error = scaled(section.K - expected, expected)
     # a reference is as exact as its last refinement changed it: two codes cannot agree better
@@ -132,7 +61,7 @@ def test_paper_boxes_on_default_and_fine_meshes(path: Path) -> None:
     """Default mesh within 5e-4; a fine one within 1e-4 of where refinement leads."""
     reference = read(path)
     expected = np.array(reference["verified"]["K"])
-    spec = spec_of(reference)
+    spec = described(path.name[:3])
     default = analyse(spec, estimate=False)
     assert default.provenance["dofs"] < 7000
     assert scaled(default.K - expected, expected).max() < 5e-4
@@ -144,13 +73,12 @@ def test_paper_boxes_on_default_and_fine_meshes(path: Path) -> None:
 
 def test_lay_up_2_with_30_deg_outermost() -> None:
     """Published diagonals of the box fit 0 deg outermost; the other order is another beam."""
-    reference = read(FOLDER / "21_box_layup2_30_0.toml")
     evidence = {"nabsa": [0.0, 30.0], "other": [30.0, 0.0]}
     pound, pound_inch_2 = 4.448222, 2.869815e-3
     units = np.array([pound, pound, pound_inch_2, pound_inch_2])
     found = {}
     for name, pair in evidence.items():
-        spec = spec_of(reference)
+        spec = described("21")
         for region in spec["regions"].values():
             for ply, angle in zip(region["plies"], pair * 3, strict=True):
                 ply["angle_deg"] = angle
@@ -170,7 +98,7 @@ def test_published_box_stiffnesses(path: Path) -> None:
     the sources give 10 and 3 % larger.
     """
     reference = read(path)
-    K = analyse(spec_of(reference), estimate=False).K
+    K = analyse(described(path.name[:3]), estimate=False).K
     names = ["EA", "GA2", "GA3", "GJ", "EI2", "EI3"]
     pound, inch = 4.448222, 0.0254
     unit = np.array([pound] * 3 + [pound * inch] * 3)
@@ -189,6 +117,6 @@ def test_published_box_stiffnesses(path: Path) -> None:
 def test_free_strip_is_classical_lamination() -> None:
     """The off-axis strip's compliance is that of laminate theory, an independent route."""
     reference = read(FOLDER / "15_composite_strip_30.toml")
-    S = np.linalg.inv(analyse(spec_of(reference), estimate=False).K)
+    S = np.linalg.inv(analyse(described("15"), estimate=False).K)
     assert 1 / S[0, 0] == pytest.approx(reference["analytic"]["EA_free_strip"], rel=1e-6)
     assert 1 / S[4, 4] == pytest.approx(reference["analytic"]["EI2_free_strip"], rel=1e-6)

@@ -2,7 +2,6 @@
 
 import dataclasses
 import os
-import shutil
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
@@ -11,6 +10,7 @@ import h5py
 import numpy as np
 import pytest
 from package_samples import cantilever, same
+from second_python import other_python
 
 from plymotion.solver.package import (
     ModalPackage,
@@ -90,17 +90,6 @@ def test_every_dataset_says_unit_frame_and_meaning(file: Path) -> None:
         assert len(datasets) > 30
         for dataset in datasets:
             assert {"unit", "frame", "description"} <= set(dataset.attrs)
-
-
-def other_python() -> Path | None:
-    """Find an interpreter with another HDF5, as the preprocessor's may be."""
-    for name in (os.environ.get("FENICSX_PYTHON", ""), "/usr/bin/python3"):
-        if name and shutil.which(name):
-            probe = [name, "-c", "import h5py; print(h5py.version.hdf5_version)"]
-            run = subprocess.run(probe, capture_output=True, text=True)
-            if run.returncode == 0 and run.stdout.strip() != h5py.version.hdf5_version:
-                return Path(name)
-    return None
 
 
 @pytest.mark.skipif(other_python() is None, reason="no second Python with another HDF5 here")

@@ -12,10 +12,11 @@ import pytest
 from plymotion.solver.errors import InputError
 from plymotion.solver.package.shares import by_mesh, mesh_key, shard, share
 from plymotion.solver.section.batch_list import entries_of, read_list
+from plymotion.solver.section.changes import changed
 from plymotion.solver.section.crew import Work
 from plymotion.solver.section.results import SectionResults
 from plymotion.solver.section.show import section_json, section_text
-from plymotion.solver.section.study import Entry, changed
+from plymotion.solver.section.study import Entry
 from plymotion.solver.section.summary import Row, summary_text, write_summary
 
 
@@ -206,6 +207,10 @@ def test_study_with_names_and_csv(tmp_path: Path) -> None:
             'the name "x" is there 2 times',
         ),
         ('sections = ["box.toml"]\n[[sweep]]\nkey = "a"\ncsv = "no.csv"', "no such table"),
+        (
+            'sections = ["box.toml"]\n[[sweep]]\nkey = "a"\nvalues = [1]\nnames = ["../x"]',
+            r"sweep.0.names.0 = ",
+        ),
         ('sections = ["box.toml"]\nmesh = 1', "this is a section description"),
     ],
 )
@@ -216,19 +221,28 @@ def test_wrong_studies(tmp_path: Path, text: str, message: str) -> None:
 
 def test_changes_reach_into_tables_and_lists() -> None:
     table = {"laminates": {"wall": {"plies": [{"angle_deg": 0}, {"angle_deg": 0}]}}}
-    entry = Entry("x", Path("box.toml"), {"laminates.wall.plies.1.angle_deg": 30, "title": "new"})
-    new = changed(table, entry)
+    changes = {"laminates.wall.plies.1.angle_deg": 30, "title": "new"}
+    new = changed(table, changes, Path("box.toml"))
     assert new["laminates"]["wall"]["plies"] == [{"angle_deg": 0}, {"angle_deg": 30}]
     assert new["title"] == "new"
     assert table["laminates"]["wall"]["plies"][1] == {"angle_deg": 0}
 
 
-def test_changes_that_lead_nowhere() -> None:
+@pytest.mark.parametrize(
+    ("key", "message"),
+    [
+        ("laminates.wal.angles_deg", r"box.toml: laminates.wal: .*did you mean 'wall'"),
+        ("laminates.wall.angles_deg.1", "laminates.wall.angles_deg: holds no 1"),
+        ("laminates.wall.angles_deg.0.x", "laminates.wall.angles_deg.0: holds no x"),
+        ("laminates.wall.angles_deg.0.x.y", "laminates.wall.angles_deg.0.x: no such table"),
+        ("a b", "no dotted key"),
+        ("a = 1\nb", "no dotted key"),
+    ],
+)
+def test_changes_that_lead_nowhere(key: str, message: str) -> None:
     table = {"laminates": {"wall": {"angles_deg": [0]}}}
-    with pytest.raises(InputError, match=r"box.toml: laminates.wal: .*did you mean 'wall'"):
-        changed(table, Entry("x", Path("box.toml"), {"laminates.wal.angles_deg": [1]}))
-    with pytest.raises(InputError, match="no dotted key"):
-        changed(table, Entry("x", Path("box.toml"), {"a b": 1}))
+    with pytest.raises(InputError, match=message):
+        changed(table, {key: 1}, Path("box.toml"))
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 7, 20])

@@ -3,7 +3,6 @@
 import dataclasses
 import os
 import re
-import shutil
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
@@ -15,6 +14,7 @@ import pyvista as pv
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from package_samples import cantilever, same
+from second_python import other_python
 from section_samples import rectangle
 
 from plymotion.solver.package import PackageError, read_package, validate, write_package
@@ -346,17 +346,6 @@ def test_a_view_that_shows_another_mesh_is_an_error(file: Path) -> None:
         h5["VTKHDF/Points"] = points
     (finding,) = validate(file)
     assert (finding.level, finding.dataset) == ("error", "/VTKHDF/Points")
-
-
-def other_python() -> Path | None:
-    """Find an interpreter with another HDF5, as the preprocessor's may be."""
-    for name in (os.environ.get("FENICSX_PYTHON", ""), "/usr/bin/python3"):
-        if name and shutil.which(name):
-            probe = [name, "-c", "import h5py; print(h5py.version.hdf5_version)"]
-            run = subprocess.run(probe, capture_output=True, text=True)
-            if run.returncode == 0 and run.stdout.strip() != h5py.version.hdf5_version:
-                return Path(name)
-    return None
 
 
 @pytest.mark.skipif(other_python() is None, reason="no second Python with another HDF5 here")

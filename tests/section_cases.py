@@ -7,7 +7,7 @@ from typing import Any
 
 from plymotion.solver.section.shapes import expand, walls
 
-FOLDER = Path(__file__).resolve().parent.parent / "tests" / "reference" / "sections"
+FOLDER = Path(__file__).resolve().parent / "reference" / "sections"
 
 
 @cache

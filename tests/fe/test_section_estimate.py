@@ -1,0 +1,66 @@
+"""The error estimate against true errors, and refinement to an accuracy."""
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from section_cases import section
+
+from plymotion.preprocess.section import analyse
+from plymotion.preprocess.section.estimate import scaled
+
+SMALL = 0.05  # errors below this share of the worst one mean nothing to the user
+
+
+@cache
+def converged(name: str) -> Any:
+    """K of degree 3 on a mesh three times as dense."""
+    return analyse(section(name, 3.0, degree=3), estimate=False).K
+
+
+def compared(name: str, density: float, degree: int) -> tuple[Any, Any]:
+    """Scaled errors and estimates of all entries."""
+    found = analyse(section(name, density, degree=degree))
+    exact = converged(name)
+    return scaled(found.K - exact, exact), scaled(np.asarray(found.error_estimate), exact)
+
+
+@pytest.mark.parametrize("name", ["02", "08", "11", "12", "15", "21", "22"])
+@pytest.mark.parametrize(("density", "degree"), [(0.5, 2), (1.0, 2), (0.5, 3)])
+def test_estimate_bounds_the_error(name: str, density: float, degree: int) -> None:
+    """The largest is above the largest error, by little; no entry that counts is far off."""
+    error, estimate = compared(name, density, degree)
+    assert 1.0 < estimate.max() / error.max() < 2.6
+    counts = error > SMALL * error.max()
+    ratio = estimate[counts] / error[counts]
+    assert ratio.min() > 0.65
+    assert ratio.max() < 2.6
+
+
+@pytest.mark.parametrize("name", ["07", "14"])
+def test_estimate_bounds_the_largest_error_of_curved_walls(name: str) -> None:
+    error, estimate = compared(name, 1.0, 2)
+    assert 1.0 < estimate.max() / error.max() < 2.6
+
+
+def test_refinement_meets_the_accuracy_and_says_what_it_cost() -> None:
+    loose = analyse(section("21", 0.5))
+    found = analyse(section("21", 0.5), accuracy=1e-4)
+    exact = converged("21")
+    assert scaled(np.asarray(found.error_estimate), exact).max() < 1e-4
+    assert scaled(found.K - exact, exact).max() < 1e-4
+    steps = found.provenance["refinements"]
+    assert [step["refine"] for step in steps] == list(range(len(steps)))
+    assert steps[0]["dofs"] == loose.provenance["dofs"] < steps[-1]["dofs"]
+    assert [step["error"] > 1e-4 for step in steps] == [True] * (len(steps) - 1) + [False]
+    assert found.warnings == ()
+
+
+def test_an_accuracy_out_of_reach_is_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
+    from plymotion.preprocess.section import analysis
+
+    monkeypatch.setattr(analysis, "MOST_DOFS", 5000)
+    found = analyse(section("02"), accuracy=1e-9)
+    assert [warning["code"] for warning in found.warnings] == ["accuracy-not-met"]
+    assert found.provenance["refinements"][-1]["error"] > 1e-9
