@@ -50,7 +50,7 @@ def through_virtual_bodies(
 ) -> VirtualBodies:
     """Return the tables with every joint end on a flexible body moved to a virtual body.
 
-    All joints of one interface share a virtual body. Paper: section 2.2.
+    All joints of one interface share a virtual body. After section 2.2 of the paper.
     """
     all_markers = list(markers)
     virtual: list[Body] = []
