@@ -8,12 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
-from plymotion.solver import recover, signals
+from plymotion.solver import recover
 from plymotion.solver.ahead import compile_ahead
 from plymotion.solver.initial import consistent_state
 from plymotion.solver.integrate import integrate
 from plymotion.solver.mechanism import build
 from plymotion.solver.run import make_integrator, output_times, read_run
+from plymotion.solver.signals import Recording, sensors
 
 RUN = Path("build/double-pendulum/runs/isotropic.json")
 T_END = 0.3
@@ -46,9 +47,8 @@ def main() -> None:
         integrator = make_integrator(built.model, y0, solver)
         solution = integrate(integrator, output_times(T_END, solver["output_step"]))
         cpu = time.process_time() - begin
-        hand = signals.evaluate(
-            built, "hand_mid", spec.mechanism["signals"]["hand_mid"], solution.y
-        )
+        sensor = sensors(built, spec.mechanism["signals"])["hand_mid"]
+        hand = sensor.values(Recording(built.model, solution.t, solution.y))
         largest = np.abs(hand).max()
         reference = largest if reference is None else reference
         gap = recover.history(built.model, solution.t, solution.y).position_violation.max()

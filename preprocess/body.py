@@ -4,8 +4,10 @@
      "x2_axis": [0, 1, 0],                       section's x2 in body axes
      "section": {...},                           see section/analysis.py
      "mass_form": "consistent",                  or "lumped": of modes and invariants
-     "reference": {"kind": "clamped", "at": "root"},
-     "modes": [{"kind": "bending-xy", "count": 4}],
+     "reference": {"kind": "clamped", "at": "root"},    or chord (two places), mean-axis (none)
+     "modes": [{"kind": "bending-xy", "count": 4},
+               {"kind": "attachment", "at": "mid", "directions": ["y"]},
+               {"kind": "static-axial"}],
      "interfaces": {"root": {"at": "start"}, "mid": {"at": 0.5}, "tip": {"at": "end"}},
      "damping_ratio": 0.0}
 
@@ -22,7 +24,7 @@ from .. import __version__
 from ..solver.package.recovery_data import thinned
 from ..solver.package.schema import ModalPackage, SectionData
 from ..solver.package.section import SectionFile
-from .beam.body import beam_model, beam_modes, beam_package, mesh_warnings
+from .beam.body import beam_model, beam_modes, beam_package, mode_warnings
 from .beam.spec import SpecError, read_spec
 from .fenicsx import eigenpairs, versions
 from .fingerprint import canonical, fingerprint
@@ -74,7 +76,7 @@ def build_body(spec: dict[str, Any]) -> ModalPackage:
         "ranks": 1,
         "dofs": {"section": result.provenance["dofs"], "body": 6 * model.line.n_node},
         "seconds": {"section": after_section - start, "modes": after_modes - after_section},
-        "warnings": [*result.warnings, *mesh_warnings(model, modes)],
+        "warnings": [*result.warnings, *mode_warnings(model, modes)],
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
     }
     recovery = thinned(result.recovery)

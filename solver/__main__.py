@@ -1,4 +1,4 @@
-"""Command line: check, compile, run, report, info, validate, section."""
+"""Command line: check, compile, run, report, info, validate, experimental, section."""
 
 import argparse
 import json
@@ -75,6 +75,13 @@ def _parser() -> argparse.ArgumentParser:
     validate = commands.add_parser("validate", help="check modal packages against docs/format.md")
     validate.add_argument("package", type=Path, nargs="+")
     validate.set_defaults(command=_validate)
+
+    experimental = commands.add_parser(
+        "experimental", help="make a modal package from measured modes (docs/modes.md)"
+    )
+    experimental.add_argument("file", type=Path, help="nodes, modes and places of a test, TOML")
+    experimental.add_argument("--out", type=Path, required=True, help="PACKAGE.vtkhdf")
+    experimental.set_defaults(command=_experimental)
 
     add_section_command(commands, _section)
     return parser
@@ -170,6 +177,18 @@ def _validate(options: argparse.Namespace) -> int:
         else:
             print(f"{path}: valid")
     return failed
+
+
+def _experimental(options: argparse.Namespace) -> int:
+    from .experimental import experimental_package, load_measurement
+    from .package import write_package
+
+    package = experimental_package(load_measurement(options.file))
+    write_package(options.out, package)
+    for warning in package.provenance["warnings"]:
+        print(f"warning [{warning['code']}] {warning['message']}", file=sys.stderr)
+    print(f"{options.out}: {package.body}, {package.n_mode} measured modes")
+    return 0
 
 
 def _section(options: argparse.Namespace) -> int:

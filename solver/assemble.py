@@ -164,9 +164,35 @@ def assemble_model(
         ),
         point_marker=np.array([k for k, _ in point_masses], dtype=np.int64),
         point_mass=np.array([mass for _, mass in point_masses], dtype=float),
+        inertia_scale=_inertia_scale(bodies, markers, point_masses),
+        redundant=0,
         alpha=float(alpha),
         beta=float(beta),
+        penalty=0.0,
+        multiplier_tolerance=0.0,
+        multiplier_iterations=0,
     )
+
+
+def _inertia_scale(
+    bodies: list[Body],
+    markers: list[MarkerTable],
+    point_masses: Sequence[tuple[int, float]],
+) -> Array:
+    """Return a typical inertia of each velocity coordinate, (n_vel,) [kg, kg m2, modal mass].
+
+    The mean of a body's three inertias serves all of its rotations: a thin rod has next to none
+    about its axis, which must not make that rotation count for more than the others.
+    """
+    scale = []
+    for i, body in enumerate(bodies):
+        carried = [(m, markers[k].x) for k, m in point_masses if markers[k].body == i]
+        mass = body.invariants.mass + sum(m for m, _ in carried)
+        trace = np.trace(body.invariants.J0_B) + 2.0 * np.trace(body.invariants.T00_B)
+        rotary = (trace + sum(2.0 * m * (x @ x) for m, x in carried)) / 3.0
+        # a mass point has no rotary inertia: its rotations are held by joints, or nothing is
+        scale += [mass] * 3 + [rotary or mass] * 3 + list(np.diag(body.mass))
+    return np.array(scale, dtype=float)
 
 
 def _numbered(tables: Sequence[JointTable] | Sequence[ForceTable], laws: list[Law]) -> np.ndarray:

@@ -12,6 +12,7 @@ Finding = dict[str, str]
 DRIFT_TOLERANCE = 1e-6  # [m]
 ENERGY_TOLERANCE = 1e-3  # relative
 ROTATION_TOLERANCE = 0.1  # [rad]
+MOMENTUM_TOLERANCE = 1e-6  # relative
 LAST_MODE_SHARE = 0.02  # of the peak strain energy
 
 
@@ -21,14 +22,15 @@ def finding(code: str, message: str) -> Finding:
 
 
 def of_checks(checks: dict[str, Any]) -> list[Finding]:
-    """Doubts from the numbers of the run: drift of constraints and of the energy balance."""
+    """Doubts from the numbers of the run: constraints, energy balance, freedom to move."""
     found = []
     if checks["constraint_position_max"] > DRIFT_TOLERANCE:
         found.append(
             finding(
                 "constraint-drift",
                 f"joined points are up to {checks['constraint_position_max']:.2g} m apart "
-                f"(expected below {DRIFT_TOLERANCE:g} m): tighten rtol and atol, raise alpha, beta",
+                f"(expected below {DRIFT_TOLERANCE:g} m): tighten rtol and atol, or take "
+                'constraints = "projection"',
             )
         )
     if checks["energy_drift_relative"] > ENERGY_TOLERANCE:
@@ -37,6 +39,23 @@ def of_checks(checks: dict[str, Any]) -> list[Finding]:
                 "energy-drift",
                 f"the energy balance is off by {checks['energy_drift_relative']:.2g} of the energy "
                 f"in play (expected below {ENERGY_TOLERANCE:g}): tighten rtol and atol",
+            )
+        )
+    if checks["degrees_of_freedom"] == 0:
+        found.append(
+            finding(
+                "mechanism-locked",
+                "joints leave no motion at the start: all bodies stand still whatever pushes them; "
+                "flexible bodies, or joints that leave more freedom, let it move",
+            )
+        )
+    if checks["momentum_balance"] > MOMENTUM_TOLERANCE:
+        found.append(
+            finding(
+                "momentum-balance",
+                "loads and reactions miss the change of momentum by "
+                f"{checks['momentum_balance']:.2g} of the largest force (expected below "
+                f"{MOMENTUM_TOLERANCE:g}): do not trust the reactions",
             )
         )
     return found

@@ -5,12 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from .bodies.marker import marker_motion
+from .constraints.minimum_norm import RANK_TOLERANCE
+from .constraints.scaling import scaled_jacobian
+from .coordinates import moved
 from .errors import InputError
 from .joints.table import KINDS, NAMES, ROWS
 from .model import Model
 from .package.schema import Array
-from .rotations import parameter_rate
-from .system import Equations, assemble, law_at
+from .system import Equations, accelerations, assemble, law_at
 
 _POSITION_TOLERANCE = 1e-12
 _VELOCITY_TOLERANCE = 1e-9
@@ -29,19 +31,37 @@ class Start:
     given: Array  # (n_vel,) bool: True where the velocity is given and must be kept
 
 
+@dataclass(frozen=True)
+class Redundancy:
+    """Constraint equations that follow from the others."""
+
+    count: int
+    joints: list[str]  # those that share them
+    singular_start: bool  # more equations than these lose their effect at the start
+
+    @property
+    def message(self) -> str:
+        """What a user should know of it."""
+        return (
+            f"{self.count} constraint equations follow from the others, among "
+            f"{', '.join(self.joints)}: the motion is not affected, but how these joints share "
+            "their forces is not determined; the share of least norm is reported. Joints that "
+            "leave more freedom (spherical, universal, cylindrical) remove the doubt"
+        )
+
+
 def consistent_state(model: Model, start: Start, joint_names: list[str], t: float = 0.0) -> Array:
     """Return the state y (n,) at time t that satisfies position and velocity constraints.
 
     Raises
     ------
     InputError
-        Mechanism that cannot be assembled, redundant constraints, or given
-        velocities that contradict joints and drives; names the joints.
+        Mechanism that cannot be assembled, or given velocities that contradict joints and
+        drives; names the joints.
     """
     y = np.concatenate([start.positions, np.zeros(model.n_vel + 1)])
     if model.n_constraint:
         y = _assembled(model, y, joint_names, t)
-        _check_rank(model, assemble(model, t, y), joint_names)
     y[model.n_pos : model.n_pos + model.n_vel] = _velocities(model, start, y, joint_names, t)
     return y
 
@@ -65,8 +85,8 @@ def _describe(model: Model, residual: Array, names: list[str], words: tuple[str,
     return "; ".join(text for _, text in sorted(parts, reverse=True))
 
 
-def _assembled(model: Model, y: Array, names: list[str], t: float) -> Array:
-    """Close the joints by the least change of frame positions and orientations."""
+def _closed(model: Model, y: Array, t: float) -> Array:
+    """Return y after Newton's steps of least change of frame positions and orientations."""
     elastic = np.zeros(model.n_vel, dtype=bool)
     for i in range(model.n_body):
         j = int(model.vel_start[i])
@@ -80,11 +100,13 @@ def _assembled(model: Model, y: Array, names: list[str], t: float) -> Array:
         step = np.zeros(model.n_vel)
         step[~elastic] = np.linalg.lstsq(J, -equations.Phi, rcond=1e-10)[0]
         step *= min(1.0, _MAX_STEP / max(np.max(np.abs(step)), 1e-300))
-        for i in range(model.n_body):
-            a, j = int(model.pos_start[i]), int(model.vel_start[i])
-            y[a : a + 3] += step[j : j + 3]
-            p = y[a + 3 : a + 7] + parameter_rate(y[a + 3 : a + 7], step[j + 3 : j + 6])
-            y[a + 3 : a + 7] = p / np.linalg.norm(p)
+        y[: model.n_pos] = moved(model, y[: model.n_pos], step)
+    return y
+
+
+def _assembled(model: Model, y: Array, names: list[str], t: float) -> Array:
+    """Close the joints; name those that stay open."""
+    y = _closed(model, y, t)
     equations = assemble(model, t, y)
     if np.max(np.abs(equations.Phi)) > 1e3 * _POSITION_TOLERANCE:
         apart = _describe(model, equations.Phi, names, ("m apart", "rad twisted"))
@@ -111,20 +133,67 @@ def _drive_cosine(model: Model, y: Array, joint: int, t: float) -> float:
     return float(wanted @ two.A[:, 0])
 
 
-def _check_rank(model: Model, equations: Equations, names: list[str]) -> None:
-    """Refuse redundant or contradictory constraints, naming the joints involved."""
-    U, s, _ = np.linalg.svd(equations.Phi_q)
-    rank = int(np.sum(s > 1e-10 * s[0])) if s.size else 0
-    n_c = model.n_constraint
-    if rank == n_c:
-        return
-    weight = np.abs(U[:, rank:]).max(axis=1)
-    involved = [name for k, name in enumerate(names) if weight[_rows(model, k)].max() > 1e-6]
-    raise InputError(
-        f"joints: {n_c} constraint equations of rank {rank} at the start: "
-        f"{n_c - rank} redundant among {', '.join(involved)}; expected independent joints "
-        "(replace one by a joint with fewer constraints)"
-    )
+def redundancy(model: Model, y: Array, names: list[str], t: float = 0.0) -> Redundancy:
+    """Count the constraint equations that follow from the others, at a consistent state y.
+
+    The rank is judged at the start and at a position near by: a mechanism that starts in a
+    singular position has less rank there than in general.
+
+    Raises
+    ------
+    InputError
+        Joints and drives that contradict each other; names them.
+    """
+    if model.n_constraint == 0:
+        return Redundancy(0, [], False)
+    equations = assemble(model, t, y)
+    here = _Rank(equations, model.inertia_scale, RANK_TOLERANCE)
+    general = here
+    if here.value < model.n_constraint and here.value < model.n_vel:
+        near = _nearby(model, y, here, t)
+        if near is not None:
+            # coarser: this state satisfies the joints less exactly than the start
+            found = _Rank(assemble(model, t, near), model.inertia_scale, 1e3 * RANK_TOLERANCE)
+            general = found if found.value > here.value else here
+    count = model.n_constraint - general.value
+    involved = _involved(model, general, names)
+    state = accelerations(model._replace(redundant=max(count, 1)), equations, y)[0]
+    residual = equations.Phi_q @ state - equations.gamma
+    size = max(1.0, float(np.max(np.abs(equations.gamma))))
+    if count and np.max(np.abs(residual)) > _VELOCITY_TOLERANCE * size:
+        off = _describe(model, residual, names, ("m/s2", "rad/s2"))
+        raise InputError(
+            f"joints and drives contradict each other in their accelerations: {off}; "
+            f"{count} of {model.n_constraint} constraint equations are redundant, among "
+            f"{', '.join(involved)}"
+        )
+    return Redundancy(count, involved, general.value > here.value)
+
+
+class _Rank:
+    """Rank of the scaled Jacobian, and the vectors behind it."""
+
+    def __init__(self, equations: Equations, inertia_scale: Array, tolerance: float) -> None:
+        C = scaled_jacobian(equations.Phi_q, inertia_scale)
+        U, s, Vt = np.linalg.svd(C)
+        self.value = int(np.sum(s > tolerance * s[0]))
+        self.left, self.null = U[:, self.value :], Vt[self.value :]
+
+
+def _involved(model: Model, rank: _Rank, names: list[str]) -> list[str]:
+    weight = np.abs(rank.left).max(axis=1, initial=0.0)
+    return [name for k, name in enumerate(names) if weight[_rows(model, k)].max() > 1e-6]
+
+
+def _nearby(model: Model, y: Array, rank: _Rank, t: float) -> Array | None:
+    """Return a state a hundredth of a radian from y that satisfies the joints, or None."""
+    mix = np.cos(np.arange(1.0, rank.null.shape[0] + 1.0))  # any direction will do
+    step = (mix @ rank.null) / np.sqrt(model.inertia_scale)
+    near = y.copy()
+    near[: model.n_pos] = moved(model, y[: model.n_pos], 0.01 * step / np.max(np.abs(step)))
+    near = _closed(model, near, t)
+    closed = np.max(np.abs(assemble(model, t, near).Phi)) < 1e3 * _POSITION_TOLERANCE
+    return near if closed else None
 
 
 def _velocities(model: Model, start: Start, y: Array, names: list[str], t: float) -> Array:

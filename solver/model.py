@@ -73,6 +73,11 @@ class Model(NamedTuple):
     # point masses (nm)
     point_marker: IntArray
     point_mass: Array
-    # Baumgarte's constants, Eq. (13)
-    alpha: float
-    beta: float
+    # constraint treatment (constraints/treatment.py)
+    inertia_scale: Array  # (n_vel,) inertia of each velocity coordinate, for scaling only
+    redundant: int  # constraint equations that follow from the others
+    alpha: float  # feedback of velocity violations, Eq. (13)   [1/s]
+    beta: float  # of position violations                      [1/s]
+    penalty: float  # of the augmented Lagrangian, times each row's mass; 0: none
+    multiplier_tolerance: float  # of its iteration, relative
+    multiplier_iterations: int  # at most

@@ -1,19 +1,24 @@
 """What a run leaves: histories, signals, checks and warnings from its solution."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from . import findings, ply_stress, recover, signals
+from . import findings, ply_stress, reactions, recover
+from .freedom import degrees_of_freedom
 from .integrate import Solution
 from .mechanism import BuiltMechanism
+from .model import Model
 from .monitor import SPIN_CODE, SpinMonitor
 from .package import ModalPackage
 from .package.schema import Array
 from .results import BodyGeometry, RunResult, Signal, signal_summary
+from .signals import Recording, Sensor
 
 VTK_LINE = 3
+BALANCED_TIMES = 101  # at most, at which reactions are held against momenta
 
 
 @dataclass(frozen=True)
@@ -29,21 +34,19 @@ class RunSpec:
 def collect(
     spec: RunSpec,
     built: BuiltMechanism,
+    sensors: dict[str, Sensor],
     monitor: SpinMonitor,
     solution: Solution,
     solve_s: float,
+    notes: Sequence[findings.Finding] = (),
 ) -> tuple[RunResult, dict[str, Any]]:
-    """Recover everything of interest from the solution."""
+    """Recover everything of interest from the solution; `notes` are what the run noticed."""
     model, t, y = built.model, solution.t, solution.y
     past = recover.history(model, t, y)
+    recording = Recording(model, t, y)
     found_signals = tuple(
-        Signal(
-            name,
-            signals.unit(table),
-            table["description"],
-            signals.evaluate(built, name, table, y),
-        )
-        for name, table in spec.mechanism["signals"].items()
+        Signal(name, sensor.unit, sensor.description, sensor.values(recording))
+        for name, sensor in sensors.items()
     )
     geometry, points = _geometry(built, y)
     result = RunResult(
@@ -69,13 +72,15 @@ def collect(
         "constraint_velocity_max": float(past.velocity_violation.max()),
         "energy_drift_relative": float(np.abs(result.relative_balance).max()),
         "drive_work": float(past.energies["drive_work"][-1]),
+        "momentum_balance": _momentum_balance(model, t, y),
+        "degrees_of_freedom": degrees_of_freedom(model, y[0]),
         "modes_used": {n: p.n_mode for n, p in spec.packages.items()},
     }
     completed = solution.status == "finished"
     warnings = [findings.finding(SPIN_CODE, m) for m in monitor.warnings.values()]
     if not completed and solution.code != SPIN_CODE:
         warnings.append(findings.finding(f"run-{solution.status}", solution.message))
-    warnings += findings.of_checks(checks) + findings.of_motion(built, y)
+    warnings += [*notes, *findings.of_checks(checks), *findings.of_motion(built, y)]
     for name, package in spec.packages.items():
         for item in package.provenance.get("warnings", []):
             warnings.append(findings.finding(item["code"], f"{name}: {item['message']}"))
@@ -111,6 +116,13 @@ def collect(
         "warnings": warnings,
     }
     return result, summary
+
+
+def _momentum_balance(model: Model, t: Array, y: Array) -> float:
+    """Return the relative error of loads and reactions against the change of momentum."""
+    some = np.unique(np.linspace(0, t.size - 1, BALANCED_TIMES).astype(int))
+    balance = reactions.momentum_balance(model, t[some], y[some])
+    return max(balance.linear, balance.angular)
 
 
 def _strength(built: BuiltMechanism, t: Array, y: Array) -> dict[str, ply_stress.BodyStrength]:

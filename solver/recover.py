@@ -5,19 +5,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .constraints.baumgarte import stabilised
 from .joints.table import NAMES, ROWS
 from .model import Model
 from .package.schema import Array
 from .rotations import rotation_matrix
-from .system import assemble, energies, solve
+from .system import accelerations, assemble, constraint_rates, energies
 
 
 @dataclass(frozen=True)
 class History:
     """Quantities along the run at the output times, k of them."""
 
-    multipliers: Array  # (k, n_c)
+    multipliers: Array  # (k, n_c); of redundant constraints: those of least norm
     energies: dict[str, Array]  # kinetic, strain, potential, drive_work [J], (k,) each
     position_violation: Array  # (k,) largest distance of joined points [m]
     rotation_violation: Array  # (k,) largest misalignment of joined axes [rad]
@@ -39,11 +38,9 @@ def history(model: Model, t: Array, y: Array) -> History:
     Phi_d = np.zeros((n, n_c))
     for k in range(n):
         equations = assemble(model, t[k], y[k])
-        v = y[k, model.n_pos : model.n_pos + model.n_vel]
         Phi[k] = equations.Phi
-        Phi_d[k] = equations.Phi_q @ v + equations.Phi_t
-        gamma = stabilised(equations.gamma, Phi[k], Phi_d[k], model.alpha, model.beta)
-        multipliers[k] = solve(equations, gamma)[1]
+        Phi_d[k] = constraint_rates(model, equations, y[k])
+        multipliers[k] = accelerations(model, equations, y[k])[1]
         energy[k] = energies(model, equations, y[k])
     distance = position_rows(model)
     return History(

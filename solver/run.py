@@ -2,25 +2,44 @@
 
 import json
 import time
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from tqdm import tqdm
 
+from .closures import constrained_system, projection, right_hand_side
+from .constraints.treatment import IMPLICIT, Treatment, treated, treatment_of
+from .energy_monitor import JUMP_CODE
+from .equilibrium import starting_state
 from .errors import InputError
-from .initial import consistent_state
-from .integrate import Integrator, Solution, StopRequest, integrate, new_integrator
-from .mechanism import build
+from .findings import Finding, finding
+from .initial import redundancy
+from .integrate import (
+    Integrator,
+    Solution,
+    StopRequest,
+    integrate,
+    new_constrained_integrator,
+    new_integrator,
+)
+from .mechanism import BuiltMechanism, build
 from .model import Model
 from .monitor import SPIN_CODE, SpinMonitor
 from .outcome import RunSpec, collect
 from .package import PackageError, read_package
 from .package.schema import Array
 from .results import RunResult, write_result, write_summary
-from .system import derivative
+from .signals import sensors
+from .singularity import SINGULAR_CODE, SingularityMonitor
 
 INCOMPLETE = 3  # exit code of a run that ended early with a result
+SINGULAR_START = (
+    "the mechanism starts in a singular position, where it could move in more directions than "
+    "elsewhere: give velocities that say which"
+)
 
 
 def read_run(file: Path) -> RunSpec:
@@ -73,8 +92,14 @@ def tolerances(model: Model, solver: dict[str, Any]) -> Array:
     return atol
 
 
-def make_integrator(model: Model, y0: Array, solver: dict[str, Any]) -> Integrator:
-    """Return the integrator that the case asks for, ready to step from t = 0."""
+def make_integrator(
+    model: Model, y0: Array, solver: dict[str, Any], treatment: Treatment | None = None
+) -> Integrator:
+    """Return the integrator that the case asks for, ready to step from t = 0.
+
+    `treatment` is the one that the model was prepared for (`treated`); of `solver` by default.
+    """
+    treatment = treatment or treatment_of(solver)
     options: dict[str, Any] = {
         "rtol": solver["rtol"],
         "atol": tolerances(model, solver),
@@ -82,23 +107,27 @@ def make_integrator(model: Model, y0: Array, solver: dict[str, Any]) -> Integrat
     }
     if solver["max_step"] is not None:
         options["max_step"] = solver["max_step"]
-    if solver["integrator"] == "gear":
+    name, t_end = solver["integrator"], solver["t_end"]
+    if treatment.name in IMPLICIT:
+        options |= {"formulation": treatment.name, "spectral_radius": treatment.spectral_radius}
+        return new_constrained_integrator(
+            name, constrained_system(model), 0.0, y0, t_end, **options
+        )
+    if name == "gear":
         options["max_order"] = solver["max_order"]
-    return new_integrator(
-        solver["integrator"],
-        lambda t, y: derivative(model, t, y),
-        0.0,
-        y0,
-        solver["t_end"],
-        **options,
-    )
+    if treatment.name == "projection" and model.n_constraint:
+        options["project"] = projection(model)
+    return new_integrator(name, right_hand_side(model), 0.0, y0, t_end, **options)
+
+
+Monitor = Callable[[Integrator], StopRequest | None]
 
 
 class _Progress:
-    """Show simulated time and pass each step on to the monitor."""
+    """Show simulated time and pass each step on to the monitors."""
 
-    def __init__(self, monitor: SpinMonitor, t_end: float, label: str, show: bool) -> None:
-        self.monitor = monitor
+    def __init__(self, monitors: list[Monitor], t_end: float, label: str, show: bool) -> None:
+        self.monitors = monitors
         self.bar = tqdm(
             total=t_end,
             desc=label,
@@ -111,7 +140,8 @@ class _Progress:
 
     def __call__(self, integrator: Integrator) -> StopRequest | None:
         self.bar.update(integrator.t - self.bar.n)
-        return self.monitor(integrator)
+        requests = [request for m in self.monitors if (request := m(integrator)) is not None]
+        return min(requests, key=lambda request: request.t_stop, default=None)
 
 
 def execute(spec: RunSpec, *, progress: bool = True) -> tuple[RunResult, dict[str, Any]]:
@@ -120,25 +150,73 @@ def execute(spec: RunSpec, *, progress: bool = True) -> tuple[RunResult, dict[st
     Raises
     ------
     InputError
-        A mechanism that cannot be assembled, redundant constraints.
+        A mechanism that cannot be assembled, contradictory constraints, an integrator that
+        does not go with the treatment of constraints.
     """
     begin = time.perf_counter()
     solver = spec.mechanism["solver"]
-    built = build(spec.mechanism, spec.packages)
+    treatment = treatment_of(solver)
+    built, y0, notes = _prepared(build(spec.mechanism, spec.packages), solver, treatment)
     model = built.model
-    y0 = consistent_state(model, built.start, built.joint_names)
-    monitor = SpinMonitor(model, built.body_names, stop=solver["on_invalid"] == "stop")
-    refused = monitor.at_start(0.0, y0)
+    measured = sensors(built, spec.mechanism["signals"])
+    spin = SpinMonitor(model, built.body_names, stop=solver["on_invalid"] == "stop")
+    passage = SingularityMonitor(
+        model,
+        built.joint_names,
+        treatment.name,
+        stop=solver.get("on_singular", "stop") == "stop",
+    )
+    refused = spin.at_start(0.0, y0)
+    passage.at_start(0.0, y0)
     if refused is not None:
         solution = Solution(np.zeros(1), y0[None, :], "stopped", refused, SPIN_CODE)
     else:
-        integrator = make_integrator(model, y0, solver)
-        follow = _Progress(monitor, solver["t_end"], spec.run, progress)
+        integrator = make_integrator(model, y0, solver, treatment)
+        follow = _Progress([spin, passage], solver["t_end"], spec.run, progress)
         times = output_times(solver["t_end"], solver["output_step"])
         solution = integrate(integrator, times, follow)
         follow.bar.close()
+    if solution.status == "failed":
+        cause = passage.explain(float(solution.t[-1]), solution.y[-1])
+        if cause:
+            message = f"{cause} ({solution.message})"
+            solution = replace(solution, message=message, code=SINGULAR_CODE)
     solve_s = time.perf_counter() - begin
-    return collect(spec, built, monitor, solution, solve_s)
+    return collect(spec, built, measured, spin, solution, solve_s, [*notes, *_of_passage(passage)])
+
+
+def _prepared(
+    built: BuiltMechanism, solver: dict[str, Any], treatment: Treatment
+) -> tuple[BuiltMechanism, Array, list[Finding]]:
+    """Return the mechanism ready for its treatment, its start, and what a user should know."""
+    y0 = starting_state(
+        built.model, built.start, solver["start"], built.joint_names, built.body_names
+    )
+    found = redundancy(built.model, y0, built.joint_names)
+    notes = [finding("redundant-constraints", found.message)] if found.count else []
+    if found.singular_start:
+        notes.append(finding("singular-start", SINGULAR_START))
+    model = treated(built.model, treatment)._replace(redundant=found.count)
+    return replace(built, model=model), y0, notes
+
+
+def _of_passage(passage: SingularityMonitor) -> list[Finding]:
+    """What the run met on its way: singular positions and jumps of energy."""
+    notes = [finding(code, message) for code, message in passage.warnings]
+    if passage.passes and not passage.warnings:
+        times = ", ".join(f"{t:.4g}" for t in passage.passes[:5])
+        more = " ..." if len(passage.passes) > 5 else ""
+        notes.append(
+            finding(
+                "singular-passed",
+                f"{len(passage.passes)} singular positions on the way, at t = {times}{more} s, "
+                "where the mechanism could leave in more than one direction; velocity and energy "
+                "were continued",
+            )
+        )
+    if passage.energy.message:
+        notes.append(finding(JUMP_CODE, passage.energy.message))
+    return notes
 
 
 def run_file(file: Path, out: Path, *, progress: bool = True) -> dict[str, Any]:

@@ -7,7 +7,11 @@ import numpy as np
 from .bodies.floating_frame import add_inertia
 from .bodies.marker import Marker, marker_motion, standing_marker
 from .compiled import jit
+from .constraints.augmented_lagrangian import augmented_lagrangian
 from .constraints.baumgarte import stabilised
+from .constraints.minimum_norm import minimum_norm
+from .constraints.saddle_point import saddle_point
+from .coordinates import position_rates
 from .forces.point_mass import add_point_mass
 from .forces.table import FIRST_LOAD, element_wrench
 from .joints.rows import Rows
@@ -15,7 +19,7 @@ from .joints.table import joint_rows
 from .laws import law_value
 from .model import Model
 from .package.schema import Array
-from .rotations import cross, parameter_rate, rotation_matrix
+from .rotations import cross, rotation_matrix
 from .small import add, mm, mv, tv
 
 
@@ -25,6 +29,7 @@ class Equations(NamedTuple):
     M: Array  # (n_vel, n_vel) mass matrix
     f: Array  # (n_vel,) loads, quadratic velocity terms, elastic and damping forces
     Phi_q: Array  # (n_c, n_vel) d Phidot / d velocities
+    C: Array  # (n_c, 12) the same by the velocities of each joint's two markers (joints/rows.py)
     Phi: Array  # (n_c,)
     Phi_t: Array  # (n_c,)
     gamma: Array  # (n_c,) gamma* of Eq. (11)
@@ -73,7 +78,7 @@ def assemble(model: Model, t: float, y: Array) -> Equations:
                 C = rows.C[a:b, 6 * side : 6 * side + 6]
                 add(Phi_q, a, j, mm(C[:, :3], marker.J_v), 1.0)
                 add(Phi_q, a, j, mm(C[:, 3:], marker.J_w), 1.0)
-    return Equations(M, f, Phi_q, rows.Phi, rows.Phi_t, rows.gamma, power, potential)
+    return Equations(M, f, Phi_q, rows.C, rows.Phi, rows.Phi_t, rows.gamma, power, potential)
 
 
 @jit
@@ -157,51 +162,61 @@ def _add_body(model: Model, i: int, y: Array, M: Array, f: Array, power: Array) 
 
 
 @jit
-def solve(equations: Equations, gamma: Array) -> tuple[Array, Array]:
-    """Return accelerations (n_vel,) and multipliers (n_c,). Paper: Eq. (12), Eq. (14), Eq. (16).
+def constraint_rates(model: Model, equations: Equations, y: Array) -> Array:
+    """Return Phidot (n_c,) in state y, of which `equations` are."""
+    velocities = y[model.n_pos : model.n_pos + model.n_vel]
+    return mv(equations.Phi_q, velocities) + equations.Phi_t
 
-    [M Phi_q'; Phi_q 0] [a; lambda] = [f; gamma]; a load Lambda w, not
-    Lambda u' (docs/errata.md), is part of f.
 
-    Raises
-    ------
-    numpy.linalg.LinAlgError
-        If the matrix is exactly singular (redundant constraints).
+@jit
+def respond(model: Model, equations: Equations, f: Array, gamma: Array) -> tuple[Array, Array]:
+    """Return what answers f (n_vel,) and gamma (n_c,): accelerations and multipliers.
+
+    M a + Phi_q' lambda = f and Phi_q a = gamma, in the way of the model's treatment. Impulses
+    and small motions answer in the same way as accelerations: projections come here as well.
     """
-    n = equations.f.shape[0]
-    n_c = gamma.shape[0]
-    A = np.zeros((n + n_c, n + n_c))
-    A[:n, :n] = equations.M
-    A[n:, :n] = equations.Phi_q
-    A[:n, n:] = equations.Phi_q.T
-    b = np.empty(n + n_c)
-    b[:n] = equations.f
-    b[n:] = gamma
-    x = np.linalg.solve(A, b)
-    return x[:n], x[n:]
+    if model.penalty > 0.0 and model.n_constraint > 0:
+        return augmented_lagrangian(
+            equations.M,
+            f,
+            equations.Phi_q,
+            gamma,
+            model.inertia_scale,
+            model.penalty,
+            model.multiplier_tolerance,
+            model.multiplier_iterations,
+        )
+    if model.redundant > 0:
+        return minimum_norm(
+            equations.M, f, equations.Phi_q, gamma, model.inertia_scale, model.redundant
+        )
+    return saddle_point(equations.M, f, equations.Phi_q, gamma)
+
+
+@jit
+def accelerations(model: Model, equations: Equations, y: Array) -> tuple[Array, Array]:
+    """Return accelerations (n_vel,) and multipliers (n_c,) in state y. Paper: Eq. (13), Eq. (14).
+
+    The multipliers of constraint i push with -Phi_q[i] lambda_i. Those of redundant
+    constraints are the ones of least norm.
+    """
+    Phi_d = constraint_rates(model, equations, y)
+    gamma = stabilised(equations.gamma, equations.Phi, Phi_d, model.alpha, model.beta)
+    return respond(model, equations, equations.f, gamma)
 
 
 @jit
 def derivative(model: Model, t: float, y: Array) -> Array:
-    """Return dy/dt, (n,): the index-1 system with Baumgarte's feedback. Paper: Eq. (14).
+    """Return dy/dt, (n,): the index-1 system. Paper: Eq. (14).
 
     The last entry is the power of drives and dampers, so that the energy
     balance is integrated as accurately as the motion.
     """
     n_pos, n_vel = model.n_pos, model.n_vel
     equations = assemble(model, t, y)
-    velocities = y[n_pos : n_pos + n_vel]
-    Phi_d = mv(equations.Phi_q, velocities) + equations.Phi_t
-    gamma = stabilised(equations.gamma, equations.Phi, Phi_d, model.alpha, model.beta)
-    acceleration, multipliers = solve(equations, gamma)
+    acceleration, multipliers = accelerations(model, equations, y)
     y_d = np.empty(y.shape[0])
-    for i in range(model.n_body):
-        a = model.pos_start[i]
-        j = n_pos + model.vel_start[i]
-        m = model.n_mode[i]
-        y_d[a : a + 3] = y[j : j + 3]
-        y_d[a + 3 : a + 7] = parameter_rate(y[a + 3 : a + 7], y[j + 3 : j + 6])
-        y_d[a + 7 : a + 7 + m] = y[j + 6 : j + 6 + m]
+    y_d[:n_pos] = position_rates(model, y[:n_pos], y[n_pos : n_pos + n_vel])
     y_d[n_pos : n_pos + n_vel] = acceleration
     y_d[n_pos + n_vel] = multipliers @ equations.Phi_t + equations.power[0]
     return y_d

@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 
 from ...solver.package.schema import Array, IntArray, Interface, ModalPackage, SectionData
-from ..modes import EigenSolver, Modes, constrained_modes
+from ..modes import EigenSolver, Modes, reduced_modes
 from .accuracy import coarse_mesh_warnings, frequency_error
 from .line import BeamLine, node_positions
-from .resultants import mode_resultants
+from .reduction import reference_condition, static_loads
+from .resultants import shape_resultants
 from .spec import BeamSpec, SpecError
 from .stations import mass_stations, nodal_mass
 from .theory import section_stiffness
@@ -24,7 +25,13 @@ class BeamModel:
     spec: BeamSpec
     line: BeamLine
     node_of: dict[str, int]  # interface name -> row of nodes_B
-    reference_node: int
+    reference_nodes: tuple[int, ...]  # that carry the frame
+
+    @property
+    def loaded_nodes(self) -> tuple[int, ...]:
+        """Nodes where reactions of the frame or loads of attachment modes act."""
+        attached = (self.node_of[at] for at, _ in self.spec.modes.attachments)
+        return tuple(sorted({*self.reference_nodes, *attached}))
 
 
 def beam_model(spec: BeamSpec, K: Array, mass: Array) -> BeamModel:
@@ -39,8 +46,7 @@ def beam_model(spec: BeamSpec, K: Array, mass: Array) -> BeamModel:
     ------
     SpecError : fewer elements than interfaces need.
     """
-    reference, fraction = spec.reference
-    places = {**spec.interfaces, reference: fraction}
+    places = {**spec.interfaces, **dict(spec.reference.places)}
     try:
         x_B = node_positions(spec.length, spec.elements, list(places.values()))
     except ValueError as error:
@@ -49,22 +55,23 @@ def beam_model(spec: BeamSpec, K: Array, mass: Array) -> BeamModel:
     node_of = {
         name: int(np.argmin(np.abs(x_B - place * spec.length))) for name, place in places.items()
     }
-    reference_node = node_of[reference]
-    return BeamModel(spec, line, {name: node_of[name] for name in spec.interfaces}, reference_node)
+    nodes = tuple(node_of[name] for name, _ in spec.reference.places)
+    return BeamModel(spec, line, {name: node_of[name] for name in spec.interfaces}, nodes)
 
 
 def beam_modes(model: BeamModel, solver: EigenSolver) -> Modes:
-    """Modes of the beam clamped at its reference node, with the mass form of its specification."""
-    line, reference = model.line, model.reference_node
-    mass_form = model.spec.mass_form
-    distance = np.abs(line.x_B - line.x_B[reference])
-    return constrained_modes(
-        line.stiffness(),
-        line.mass_matrix(mass_form),
-        6 * reference + np.arange(6),
-        model.spec.modes,
-        lambda columns_B: mass_stations(line, columns_B, mass_form).participation(),
-        np.argsort(-distance, kind="stable"),
+    """Modes of the beam in its reference condition, with the mass form of its specification.
+
+    Raises ModeError for modes or a mean axis that the beam does not have.
+    """
+    line, spec = model.line, model.spec
+    first = model.reference_nodes[0] if model.reference_nodes else 0
+    return reduced_modes(
+        reference_condition(line, spec.mass_form, spec.reference.kind, model.reference_nodes),
+        spec.modes.eigenmodes,
+        static_loads(line, spec.modes, model.node_of, first),
+        lambda columns_B: mass_stations(line, columns_B, spec.mass_form).participation(),
+        np.argsort(-np.abs(line.x_B - line.x_B[first]), kind="stable"),
         solver,
     )
 
@@ -93,7 +100,7 @@ def beam_package(
         offsets=np.arange(0, 2 * n - 1, 2, dtype=np.int64),
         cell_types=np.full(n - 1, VTK_LINE, dtype=np.int64),
         shapes_B=shapes_B,
-        mode_kinds=("fixed_normal",) * m,
+        mode_kinds=modes.kinds,
         frequencies=frequencies,
         mass=np.eye(m),
         stiffness=np.diag(modes.values),
@@ -105,20 +112,23 @@ def beam_package(
             _interface(name, row, line.nodes_B, node_ids, shapes_B)
             for name, row in model.node_of.items()
         ),
-        reference_condition="clamped",
+        reference_condition=spec.reference.kind,
         sections=(section,),
-        recovery=mode_resultants(
-            line, modes.columns_B, modes.values, spec.mass_form, (model.reference_node,)
+        recovery=shape_resultants(
+            line, modes.columns_B, modes.accelerations_B, spec.mass_form, model.loaded_nodes
         ),
         mode_labels=modes.labels,
         provenance=provenance,
     )
 
 
-def mesh_warnings(model: BeamModel, modes: Modes) -> list[dict[str, str]]:
-    """Warnings about a mesh too coarse for the modes that were kept."""
-    error = frequency_error(model.line, modes.values, modes.columns_B, model.spec.mass_form)
-    return coarse_mesh_warnings(modes.labels, error, model.spec.elements)
+def mode_warnings(model: BeamModel, modes: Modes) -> list[dict[str, str]]:
+    """Warnings about modes that were left out, and a mesh too coarse for those that were kept."""
+    n_eigen = modes.kinds.count("fixed_normal")
+    columns_B = modes.columns_B[:, :n_eigen]
+    error = frequency_error(model.line, modes.values[:n_eigen], columns_B, model.spec.mass_form)
+    coarse = coarse_mesh_warnings(modes.labels[:n_eigen], error, model.spec.elements)
+    return [*modes.warnings, *coarse]
 
 
 def _interface(

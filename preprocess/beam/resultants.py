@@ -1,13 +1,14 @@
 """Section resultants of the modes at the nodes of a beam.
 
-A mode of eigenvalue lambda is the deformation under the inertial load lambda m u. The forces on
+A shape d is the deformation under a distributed load M a and forces on nodes; a = lambda d for
+a mode of eigenvalue lambda, a = 0 for the static shape of forces on nodes. The forces on
 the ends of an element that hold it in equilibrium under that load,
 
-    f = (K_e - lambda M_e) d,     F6(0) = -f_1,     F6(L) = f_2,
+    f = K_e d - M_e a,     F6(0) = -f_1,     F6(L) = f_2,
 
 are the resultants there. Both elements of a node give the same, because that is what the
-eigenproblem says of the node: the resultants are continuous where nothing is attached. They are
-exact to round-off for static shapes (lambda = 0) under loads on nodes. For modes in consistent mass
+equilibrium of the node says: the resultants are continuous where nothing is attached. They are
+exact to round-off for static shapes under loads on nodes. For modes in consistent mass
 their error falls with the fourth power of the element length in slender bending, and with the
 second, from a small value, where rotary inertia, twist or extension matter; with the second in
 lumped mass. K e6 from the static shape functions inside the element would be off by
@@ -23,14 +24,26 @@ from .line import BeamLine
 def mode_resultants(
     line: BeamLine, columns_B: Array, values: Array, mass_form: str, breaks: tuple[int, ...] = ()
 ) -> BodyRecovery:
+    """Resultants of eigenmodes of `values` (m,) [rad2/s2]; see `shape_resultants`."""
+    return shape_resultants(line, columns_B, columns_B * values, mass_form, breaks)
+
+
+def shape_resultants(
+    line: BeamLine,
+    columns_B: Array,
+    accelerations_B: Array,
+    mass_form: str,
+    breaks: tuple[int, ...] = (),
+) -> BodyRecovery:
     """Resultants at the nodes per unit modal coordinate.
 
     Parameters
     ----------
     line : the beam
     columns_B : (6 n, m) shapes, body axes
-    values : (m,) eigenvalues [rad2/s2]; 0 for static shapes
-    mass_form : "consistent" or "lumped", that of the eigenproblem
+    accelerations_B : (6 n, m) a of the distributed load M a that belongs to each shape; 0 for
+        static shapes of forces on nodes [m/s2, rad/s2]
+    mass_form : "consistent" or "lumped", that of the loads
     breaks : nodes where the resultants jump, because they are held or loaded there: two stations
 
     Returns
@@ -38,13 +51,13 @@ def mode_resultants(
     Stations in order of x: the nodes, those of `breaks` twice, first as the end of the element
     before them, then as the start of the element after them.
     """
-    d = line.to_element(columns_B)
+    d, a = line.to_element(columns_B), line.to_element(accelerations_B)
     ends = np.zeros((line.n_node - 1, 2, 6, d.shape[2]))
     for element, numbers in line.spans:
         M = element.mass_matrix(line.mass, mass_form)
         inner = np.einsum("ij,ejm->eim", element.stiffness(), d[numbers])
-        inertial = np.einsum("ij,ejm,m->eim", M, d[numbers], values)
-        ends[numbers] = (inner - inertial).reshape(-1, 2, 6, d.shape[2])
+        inertial = np.einsum("ij,ejm->eim", M, a[numbers])
+        ends[numbers] = (inner - inertial).reshape(len(numbers), 2, 6, d.shape[2])
     ends[:, 0] *= -1.0
     last = line.n_node - 1
     inner_breaks = np.array(sorted({b for b in breaks if 0 < b < last}), dtype=np.int64)

@@ -99,7 +99,7 @@ def _consistent(line: BeamLine, columns_B: Array) -> Stations:
     for element, numbers in line.spans:
         x, w = gauss(element.length, MASS_POINTS)
         motion_E = np.einsum("gai,eim->egam", element.shape(x), nodal_E[numbers], optimize=True)
-        motion.append(motion_E.reshape(-1, 6, motion_E.shape[-1]))
+        motion.append(motion_E.reshape(x.size * len(numbers), 6, motion_E.shape[-1]))
         position.append((line.x_B[numbers][:, None] + x).ravel())
         mass.append(np.tile(w * line.section_mass.m, len(numbers)))
     x_B = np.zeros((sum(map(len, mass)), 3))

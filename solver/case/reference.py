@@ -6,6 +6,12 @@ from ..input.material import MATERIAL_TABLES
 from ..input.page import chapters, required
 from ..section.mesh_table import SHAPE_MESHES
 from . import schema
+from .forces import FORCE_TABLES
+from .joints import JOINT_TABLES
+from .laws import LAW_TABLES
+from .modes import MODE_TABLES
+from .signals import SIGNAL_TABLES
+from .solver import Solver
 
 _FIRST: tuple[type[BaseModel], ...] = (schema.CaseFile, schema.Mechanism, *MATERIAL_TABLES)
 _THEN: tuple[type[BaseModel], ...] = (
@@ -13,17 +19,16 @@ _THEN: tuple[type[BaseModel], ...] = (
     schema.BeamBody,
     schema.RigidBody,
     schema.PackageBody,
-    schema.Reference,
-    schema.ModeChoice,
+    *MODE_TABLES,
     schema.BeamInterface,
     schema.PointInterface,
     schema.GroundPoint,
-    schema.RevoluteJoint,
-    schema.FixedJoint,
-    schema.Drive,
+    *JOINT_TABLES,
+    *LAW_TABLES,
+    *FORCE_TABLES,
     schema.PointMass,
-    schema.Signal,
-    schema.Solver,
+    *SIGNAL_TABLES,
+    Solver,
     schema.Run,
     schema.Figure,
 )
@@ -34,7 +39,7 @@ def reference_page() -> str:
     out = [
         "# The case file",
         "",
-        "A case is `cases/<name>/case.toml`. This page is generated from solver/case/schema.py "
+        "A case is `cases/<name>/case.toml`. This page is generated from solver/case "
         "by `make docs`.",
         "",
         "A *run* is the case with some *variants* merged over it, in order: tables are merged, "

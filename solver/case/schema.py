@@ -5,11 +5,16 @@ docs/case-reference.md is generated from here (`python -m plymotion.solver check
 
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from ..input.material import Material
 from ..input.table import Name, Table, Vector, unit
 from ..section.mesh_table import ShapeMesh, shape_or
+from .forces import Force
+from .joints import Joint
+from .modes import Modes, Reference
+from .signals import Signal
+from .solver import Solver
 
 
 class DescribedSection(Table):
@@ -39,24 +44,6 @@ class PointInterface(Table):
     """`[bodies.NAME.interfaces.NAME]` of a rigid body."""
 
     position: Vector = Field(description="place in the body frame", json_schema_extra=unit("m"))
-
-
-class Reference(Table):
-    """`[bodies.NAME.reference]`: how the body frame is tied to the deformed body."""
-
-    kind: Literal["clamped"] = Field(
-        default="clamped", description="frame fixed to one node: its position and tangent"
-    )
-    at: Name = Field(default="root", description="interface that carries the frame")
-
-
-class ModeChoice(Table):
-    """One entry of `modes`: the lowest modes of a kind."""
-
-    kind: Literal["lowest", "bending-xy", "bending-xz", "torsion", "axial"] = Field(
-        description="told apart by their share of modal mass: xy bends in the body's x-y plane"
-    )
-    count: int = Field(ge=1, le=200, description="how many, lowest frequencies first")
 
 
 class Placed(Table):
@@ -118,12 +105,12 @@ class BeamBody(Placed):
         default="consistent", description="inertia from consistent mass, or lumped (the paper)"
     )
     reference: Reference = Field(default=Reference(), description="reference condition")
-    modes: list[ModeChoice] = Field(min_length=1, description="which modes the solver gets")
+    modes: list[Modes] = Field(min_length=1, description="which modes the solver gets")
     damping_ratio: float = Field(
         default=0.0, ge=0, lt=1, description="of every mode", json_schema_extra=unit("-")
     )
     interfaces: dict[Name, BeamInterface] = Field(
-        min_length=1, description="named places; one must carry the reference condition"
+        min_length=1, description="named places; some carry the reference condition"
     )
 
 
@@ -162,124 +149,11 @@ class GroundPoint(Table):
     position: Vector = Field(description="global", json_schema_extra=unit("m"))
 
 
-class Drive(Table):
-    """`[joints.NAME.drive]`: prescribed rotation about the joint axis; `speed` or `polynomial`."""
-
-    speed: float | None = Field(
-        default=None, description="constant angular velocity", json_schema_extra=unit("rad/s")
-    )
-    angle: float = Field(
-        default=0.0,
-        description="angle at t = 0 of a constant speed, from the starting position",
-        json_schema_extra=unit("rad"),
-    )
-    polynomial: list[float] | None = Field(
-        default=None,
-        min_length=1,
-        max_length=8,
-        description="c0, c1, ... of angle = c0 + c1 t + c2 t^2 + ..., from the starting position",
-        json_schema_extra=unit("rad, rad/s, ..."),
-    )
-
-    @model_validator(mode="after")
-    def _one_law(self) -> "Drive":
-        if (self.speed is None) == (self.polynomial is None):
-            raise ValueError("expected either `speed` or `polynomial`")
-        return self
-
-
-class RevoluteJoint(Table):
-    """`[joints.NAME]` with kind = "revolute": a hinge."""
-
-    kind: Literal["revolute"]
-    between: list[str] = Field(
-        min_length=2,
-        max_length=2,
-        description='two places: "BODY.INTERFACE" or "ground.POINT"; angles count from the first',
-    )
-    axis: Vector = Field(
-        default=[0.0, 0.0, 1.0],
-        description="hinge axis at the start, global",
-        json_schema_extra=unit("-"),
-    )
-    drive: Drive | None = Field(default=None, description="prescribed rotation")
-
-
-class FixedJoint(Table):
-    """`[joints.NAME]` with kind = "fixed": no relative motion."""
-
-    kind: Literal["fixed"]
-    between: list[str] = Field(min_length=2, max_length=2, description="two places")
-
-
-Joint = Annotated[RevoluteJoint | FixedJoint, Field(discriminator="kind")]
-
-
 class PointMass(Table):
     """`[masses.NAME]`: a mass point carried by a body."""
 
     mass: float = Field(gt=0, description="mass", json_schema_extra=unit("kg"))
     at: str = Field(description='"BODY.INTERFACE"')
-
-
-class Signal(Table):
-    """`[signals.NAME]`: one number along the run."""
-
-    kind: Literal["position", "velocity", "deflection", "rotation"] = Field(
-        description="position [m] and velocity [m/s] are global; deflection [m] and elastic "
-        "rotation [rad] are relative to the body frame, in its axes"
-    )
-    at: str = Field(description='"BODY.INTERFACE"')
-    component: Literal["x", "y", "z"] = Field(description="axis")
-    divide_by: float | None = Field(
-        default=None, gt=0, description="makes the signal dimensionless (m for a deflection)"
-    )
-    description: str = Field(default="", description="words for figures and tables")
-
-
-class Solver(Table):
-    """`[solver]`: time span, integrator, constraint treatment."""
-
-    t_end: float = Field(gt=0, description="end of the run", json_schema_extra=unit("s"))
-    output_step: float = Field(
-        gt=0, description="interval of the results", json_schema_extra=unit("s")
-    )
-    integrator: Literal["gear", "rk8", "rk5"] = Field(
-        default="gear",
-        description="gear: variable-order BDF (the paper); rk8, rk5: explicit Runge-Kutta",
-    )
-    rtol: float = Field(default=1e-6, gt=0, le=0.1, description="relative tolerance of a step")
-    atol_position: float = Field(
-        default=1e-8, gt=0, description="absolute tolerance of positions and modal coordinates"
-    )
-    atol_velocity: float = Field(
-        default=1e-6, gt=0, description="absolute tolerance of velocities and modal rates"
-    )
-    max_order: int = Field(
-        default=5,
-        ge=1,
-        le=5,
-        description="cap of the order of gear; 2 is stable on any oscillation",
-    )
-    max_step: float | None = Field(
-        default=None, gt=0, description="largest step", json_schema_extra=unit("s")
-    )
-    alpha: float = Field(
-        default=5.0,
-        ge=0,
-        description="Baumgarte's velocity feedback",
-        json_schema_extra=unit("1/s"),
-    )
-    beta: float = Field(
-        default=5.0,
-        ge=0,
-        description="Baumgarte's position feedback",
-        json_schema_extra=unit("1/s"),
-    )
-    on_invalid: Literal["stop", "warn"] = Field(
-        default="stop",
-        description="when a linear body stops being valid: end the run there, or go on",
-    )
 
 
 class Mechanism(Table):
@@ -295,6 +169,7 @@ class Mechanism(Table):
     bodies: dict[Name, Body] = Field(min_length=1, description="moving bodies")
     ground: dict[Name, GroundPoint] = Field(default={}, description="points of the ground")
     joints: dict[Name, Joint] = Field(default={}, description="constraints")
+    forces: dict[Name, Force] = Field(default={}, description="springs, bushings, loads")
     masses: dict[Name, PointMass] = Field(default={}, description="point masses")
     signals: dict[Name, Signal] = Field(default={}, description="what is measured")
     solver: Solver = Field(description="time integration")

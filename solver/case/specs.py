@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from ..package.container import temporary_sibling
+from .joints import drives
 from .load import Case
 from .schema import BeamBody, Mechanism, PackageBody
 from .sections import section_sources, section_spec
@@ -35,7 +36,7 @@ def body_spec(name: str, body: BeamBody, mechanism: Mechanism, folder: Path) -> 
         "section": section_spec(body, mechanism, folder),
         "theory": body.theory,
         "mass_form": body.mass_form,
-        "reference": body.reference.model_dump(),
+        "reference": body.reference.model_dump(exclude_none=True),
         "modes": [m.model_dump() for m in body.modes],
         "damping_ratio": body.damping_ratio,
         "interfaces": {k: v.model_dump() for k, v in body.interfaces.items()},
@@ -143,12 +144,30 @@ def _write_rules(
     for run, needed in run_packages.items():
         text.append(f"{base}/{run}/summary.json: {base}/runs/{run}.json {' '.join(needed)}")
     folder = case.file.parent
-    sources = {s for m in case.runs.values() for s in section_sources(m, folder)}
+    sources = {
+        source
+        for mechanism in case.runs.values()
+        for source in [*section_sources(mechanism, folder), *_law_sources(mechanism, folder)]
+    }
     for file in sorted(os.path.relpath(source) for source in sources):
         # Its own rule has no recipe: a file that is gone makes the rules anew.
         text += [f"{base}/case.mk: {file}", f"{file}:"]
     # The rules file is the target of `check`: always newer than the case file.
     write_atomic(out / "case.mk", "\n".join(text) + "\n")
+
+
+def _law_sources(mechanism: Mechanism, folder: Path) -> list[Path]:
+    """Return the files beside the case file that its laws of time come from."""
+    laws: list[Any] = []
+    for joint in mechanism.joints.values():
+        laws += drives(joint).values()
+    laws += [
+        getattr(element, key, None)
+        for element in mechanism.forces.values()
+        for key in ("law", "actuator")
+    ]
+    tables = [law.table for law in laws if law is not None and law.table is not None]
+    return [folder / table.file for table in tables if table.file is not None]
 
 
 def _drop_stale(folder: Path, keep: set[str], suffixes: tuple[str, ...]) -> None:

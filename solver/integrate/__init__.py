@@ -5,26 +5,48 @@ from typing import Any
 
 from ..errors import did_you_mean
 from .base import Counters, Derivative, Integrator
+from .constrained import ConstrainedSystem
 from .drive import Solution, StopRequest, integrate
 from .explicit import RungeKutta5, RungeKutta8
 from .gear import Gear
+from .generalized_alpha import GeneralizedAlpha
 from .norm import Array
 
 INTEGRATORS: dict[str, type[Integrator]] = {"gear": Gear, "rk8": RungeKutta8, "rk5": RungeKutta5}
+# These see mass, forces and constraints of a mechanism, not its derivative alone.
+CONSTRAINED: dict[str, type[GeneralizedAlpha]] = {"generalized-alpha": GeneralizedAlpha}
 
 
 def new_integrator(
     name: str, f: Derivative, t0: float, y0: Array, t_end: float, **options: Any
 ) -> Integrator:
-    """Make an integrator by name, ready to step.
+    """Make an integrator of y' = f(t, y) by name, ready to step.
 
     Raises
     ------
     ValueError : unknown name or option, with the nearest known one
     """
-    if name not in INTEGRATORS:
-        raise ValueError(f"integrator: {_unknown(name, list(INTEGRATORS))}")
-    kind = INTEGRATORS[name]
+    kind = _named(name, INTEGRATORS, options)
+    return kind(f, t0, y0, t_end, **options)
+
+
+def new_constrained_integrator(
+    name: str, system: ConstrainedSystem, t0: float, y0: Array, t_end: float, **options: Any
+) -> Integrator:
+    """Make an integrator of a constrained system by name, ready to step.
+
+    Raises
+    ------
+    ValueError : unknown name or option, with the nearest known one
+    """
+    kind = _named(name, CONSTRAINED, options)
+    return kind(system, t0, y0, t_end, **options)
+
+
+def _named(name: str, kinds: dict[str, Any], options: dict[str, Any]) -> Any:
+    if name not in kinds:
+        raise ValueError(f"integrator: {_unknown(name, list(kinds))}")
+    kind = kinds[name]
     known = [
         p.name
         for c in kind.__mro__
@@ -35,7 +57,7 @@ def new_integrator(
     for option in options:
         if option not in known:
             raise ValueError(f"integrator {name}, option: {_unknown(option, known)}")
-    return kind(f, t0, y0, t_end, **options)
+    return kind
 
 
 def _unknown(word: str, known: list[str]) -> str:
@@ -43,14 +65,18 @@ def _unknown(word: str, known: list[str]) -> str:
 
 
 __all__ = [
+    "CONSTRAINED",
     "INTEGRATORS",
+    "ConstrainedSystem",
     "Counters",
     "Gear",
+    "GeneralizedAlpha",
     "Integrator",
     "RungeKutta5",
     "RungeKutta8",
     "Solution",
     "StopRequest",
     "integrate",
+    "new_constrained_integrator",
     "new_integrator",
 ]

@@ -17,6 +17,7 @@ from .norm import Array, ErrorNorm
 Derivative = Callable[[float, Array], Array]
 Jacobian = Callable[[float, Array], Array]
 Dense = Callable[[Any], Array]
+Projection = Callable[[float, Array], "Array | None"]
 
 MAX_REFUSALS_NOT_FINITE = 25
 
@@ -55,6 +56,9 @@ class Integrator(ABC):
     block_starts : (b,) first index of each block of y; the error norm is the largest of
         the blocks' root mean squares. One block if None
     fixed_step : take this step [s] without error control (studies of stability and order)
+    project : (t, y) -> (n,) nearest state that satisfies the invariants of the problem, or None
+        if there is none near by; applied to every step before it is accepted, and to the
+        dense output
 
     Raises
     ------
@@ -78,6 +82,7 @@ class Integrator(ABC):
         jacobian: Jacobian | None = None,
         block_starts: Sequence[int] | None = None,
         fixed_step: float | None = None,
+        project: Projection | None = None,
     ) -> None:
         self.y: Array = np.array(y0, dtype=float)
         if self.y.ndim != 1 or self.y.size == 0 or not np.isfinite(self.y).all():
@@ -93,7 +98,7 @@ class Integrator(ABC):
             raise ValueError(
                 f"min_step: expected 0 <= min_step <= max_step = {max_step!r}, got {min_step!r}"
             )
-        self._f = f
+        self._f, self._project = f, project
         self.t0 = self.t_old = self.t = float(t0)
         self.t_end = float(t_end)
         self.n = self.y.size
@@ -164,7 +169,8 @@ class Integrator(ABC):
         if self.counters.steps == 0:
             raise RuntimeError("dense_output() before the first accepted step")
         if self._output is None:
-            self._output = self._dense()
+            inside = self._dense()
+            self._output = inside if self._project is None else self._projected(inside)
         return self._output
 
     def derivative(self, t: float, y: Array) -> Array:
@@ -175,6 +181,33 @@ class Integrator(ABC):
         except (np.linalg.LinAlgError, ArithmeticError) as error:
             self._raised = f"{type(error).__name__} in the derivative at t = {t:.9g} s: {error}"
             return self._nan
+
+    def project(self, t: float, y: Array) -> Array | None:
+        """State of a step on the invariants; None, with the reason kept, if none is near."""
+        if self._project is None:
+            return y
+        try:
+            nearest = self._project(t, y)
+        except (np.linalg.LinAlgError, ArithmeticError) as error:
+            self._trouble = f"{type(error).__name__} in the projection at t = {t:.9g} s: {error}"
+            return None
+        if nearest is None or not np.isfinite(nearest).all():
+            self._trouble = "the step cannot be projected onto the constraints"
+            return None
+        return nearest
+
+    def _projected(self, inside: Dense) -> Dense:
+        """Dense output on the invariants; left as it is where none are near."""
+
+        def on_invariants(t: Any) -> Array:
+            times = np.asarray(t, dtype=float)
+            values = inside(times).reshape(-1, self.n)
+            for k, t_k in enumerate(times.ravel()):
+                nearest = self.project(float(t_k), values[k])
+                values[k] = values[k] if nearest is None else nearest
+            return values.reshape((*times.shape, self.n))
+
+        return on_invariants
 
     @abstractmethod
     def _attempt(self, h: float, t_new: float) -> Array | None:

@@ -76,7 +76,12 @@ class ExplicitRungeKutta(Integrator):
             self._trouble = f"local error {err:.3g} times the tolerance"
             self._refuse(h, max(self.min_factor, SAFETY * err ** (-1 / self._exponent)))
             return None
-        if not self._first_same_as_last:
+        nearest = self.project(t_new, y_new)
+        if nearest is None:
+            self._refuse(h, 0.25)
+            return None
+        if not self._first_same_as_last or nearest is not y_new:
+            y_new = nearest
             K[s] = self.derivative(t_new, y_new)
             if not isfinite(K[s].dot(K[s])):
                 self._refuse_not_finite("the derivative")

@@ -120,6 +120,10 @@ class Gear(Integrator):
             if err > 1:
                 self._refuse_error(h, err)
                 return None
+        y_new = self.project(t_new, y_new)
+        if y_new is None:
+            self._h_next, self._since_change = 0.25 * h, 0
+            return None
         self._remember(t_new, h, y_new)
         self._failures = 0
         if self.fixed_step is None:

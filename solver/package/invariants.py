@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .schema import Array, Invariants
+from .schema import Array, Invariants, ModalPackage
 
 
 def from_stations(
@@ -40,3 +40,36 @@ def inertia_at_rest(invariants: Invariants) -> Array:
     """Inertia tensor of the undeformed body about the frame origin, (3, 3) [kg m2]."""
     T = invariants.T00_B
     return np.trace(T) * np.eye(3) - T + invariants.J0_B
+
+
+def free_body_mass(package: ModalPackage) -> Array:
+    """Mass matrix of the free body at rest, (6 + m, 6 + m): frame, rotation, modes.
+
+    Paper: Eq. (2)
+    """
+    inv, m = package.invariants, package.n_mode
+    M = np.zeros((6 + m, 6 + m))
+    x, y, z = inv.S0_B
+    M[:3, :3] = inv.mass * np.eye(3)
+    M[:3, 3:6] = -np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    M[:3, 6:] = inv.S_B
+    M[3:6, 3:6] = inertia_at_rest(inv)
+    T = inv.T01_B
+    moment = (T[1, 2] - T[2, 1], T[2, 0] - T[0, 2], T[0, 1] - T[1, 0])
+    M[3:6, 6:] = np.array(moment) + inv.J_psi_B
+    M[6:, 6:] = package.mass
+    lower = np.tril_indices(6 + m, -1)
+    M[lower] = M.T[lower]
+    return M
+
+
+def rigid_motions(nodes_B: Array) -> Array:
+    """Displacement and rotation of nodes (n, 3) when the body moves as a whole, (n, 6, 6).
+
+    The last axis counts unit translations along and small unit rotations about the body axes.
+    """
+    motions = np.zeros((len(nodes_B), 6, 6))
+    motions[:, :3, :3] = motions[:, 3:, 3:] = np.eye(3)
+    for k, axis in enumerate(np.eye(3)):
+        motions[:, :3, 3 + k] = np.cross(axis, nodes_B)
+    return motions

@@ -5,8 +5,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from .finding import Finding
-from .invariants import inertia_at_rest
+from .invariants import free_body_mass, inertia_at_rest
 from .recovery_checks import recovery_findings
+from .reference_checks import reference_findings
 from .schema import Array, Interface, ModalPackage
 
 TOTAL_MASS = 1e-6  # relative: nodal masses against the invariants
@@ -19,12 +20,11 @@ def plausibility_findings(package: ModalPackage) -> list[Finding]:
     findings: list[Finding] = []
     try:
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            for check in (_mass, _inertia, _free_body_mass, _modal_mass, _modes, _damping):
+            for check in CHECKS:
                 findings += check(package)
     except np.linalg.LinAlgError as cause:
         text = f"eigenvalues cannot be computed, numbers are out of any range ({cause})"
         findings.append(_finding("error", "modes", text))
-    findings += _reference(package)
     findings += recovery_findings(package)
     for interface in package.interfaces:
         findings += _interface(package, interface)
@@ -77,27 +77,6 @@ def _inertia(package: ModalPackage) -> Iterator[Finding]:
     if a + b < c * (1 - 1e-6):
         text = f"no body has this inertia, the two smaller must add up to the largest: {shown}"
         yield _finding("error", "invariants/T00_B", text)
-
-
-def free_body_mass(package: ModalPackage) -> Array:
-    """Mass matrix of the free body at rest, (6 + m, 6 + m): frame, rotation, modes.
-
-    Paper: Eq. (2)
-    """
-    inv, m = package.invariants, package.n_mode
-    M = np.zeros((6 + m, 6 + m))
-    x, y, z = inv.S0_B
-    M[:3, :3] = inv.mass * np.eye(3)
-    M[:3, 3:6] = -np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    M[:3, 6:] = inv.S_B
-    M[3:6, 3:6] = inertia_at_rest(inv)
-    T = inv.T01_B
-    moment = (T[1, 2] - T[2, 1], T[2, 0] - T[0, 2], T[0, 1] - T[1, 0])
-    M[3:6, 6:] = np.array(moment) + inv.J_psi_B
-    M[6:, 6:] = package.mass
-    lower = np.tril_indices(6 + m, -1)
-    M[lower] = M.T[lower]
-    return M
 
 
 def _free_body_mass(package: ModalPackage) -> Iterator[Finding]:
@@ -168,16 +147,6 @@ def _damping(package: ModalPackage) -> Iterator[Finding]:
         yield _finding("warning", "modes/damping", text)
 
 
-def _reference(package: ModalPackage) -> Iterator[Finding]:
-    if package.reference_condition != "clamped" or not package.n_mode:
-        return
-    largest = np.abs(package.shapes_B).max(axis=(1, 2), keepdims=True)
-    motion = np.abs(package.shapes_B / np.where(largest == 0, 1, largest)).max(axis=(0, 2))
-    if motion.min() > 1e-9:
-        text = f"reference condition is clamped, but every node moves (at least {motion.min():.3g})"
-        yield _finding("warning", "modes/shapes_B", text)
-
-
 def _interface(package: ModalPackage, interface: Interface) -> Iterator[Finding]:
     where = f"interfaces/{interface.name}"
     row_of = {int(i): row for row, i in enumerate(package.node_ids)}
@@ -199,3 +168,7 @@ def _interface(package: ModalPackage, interface: Interface) -> Iterator[Finding]
         if gap > CONSISTENCY * np.abs(part).max(initial=0.0):
             text = f"differs by {gap:.3g} from the mode shapes of its nodes"
             yield _finding("error", f"{where}/{name}", text)
+
+
+# In this order; the tests of one interface and of the recovery follow.
+CHECKS = (_mass, _inertia, _free_body_mass, _modal_mass, _modes, _damping, reference_findings)

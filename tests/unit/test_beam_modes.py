@@ -1,33 +1,30 @@
-"""Choice, naming and uniqueness of modes (with SciPy's dense eigensolver)."""
+"""Choice, naming and uniqueness of modes, static ones too (with SciPy's dense eigensolver)."""
+
+from typing import Any
 
 import numpy as np
 import pytest
-import scipy.linalg
 import scipy.sparse as sp
+from beam_samples import CHORD, CLAMPED, MEAN_AXIS, NAMES, REFERENCES, dense, reduced
 
 from plymotion.preprocess.beam.accuracy import coarse_mesh_warnings
 from plymotion.preprocess.beam.line import BeamLine, section_axes
+from plymotion.preprocess.beam.spec_modes import DIRECTIONS
 from plymotion.preprocess.beam.stations import mass_stations
 from plymotion.preprocess.modes import (
     KINDS,
     EigenSolver,
+    HeldDofs,
     ModeError,
     ModeRequest,
     Modes,
-    constrained_modes,
+    reduced_modes,
 )
 
 STIFFNESS = np.diag([7e7, 2e7, 2e7, 3e3, 6e3, 1.5e3])
 MASS = 2.7 * np.diag([1, 1, 1, 1.1e-4, 9e-5, 2e-5])
 SQUARE = np.diag([7e7, 2e7, 2e7, 3e3, 6e3, 6e3])
 SQUARE_MASS = 2.7 * np.diag([1, 1, 1, 1.8e-4, 9e-5, 9e-5])
-
-
-def dense(K: sp.csr_matrix, M: sp.csr_matrix, n_mode: int) -> tuple[np.ndarray, np.ndarray]:
-    # the inverse pencil gives the lowest frequencies to round-off
-    inverse, X = scipy.linalg.eigh(M.toarray(), K.toarray())
-    values = 1.0 / inverse[::-1][:n_mode]
-    return values, X[:, ::-1][:, :n_mode] * np.sqrt(values)
 
 
 def modes_of(
@@ -42,11 +39,10 @@ def modes_of(
 ) -> Modes:
     x = np.linspace(0, 1.0, elements + 1)
     line = BeamLine(x, K, mass, section_axes(np.array(x2)))
-    return constrained_modes(
-        line.stiffness(),
-        line.mass_matrix("consistent"),
-        6 * reference + np.arange(6),
+    return reduced_modes(
+        HeldDofs(line.stiffness(), line.mass_matrix("consistent"), 6 * reference + np.arange(6)),
         [ModeRequest(*r) for r in requests],
+        [],
         lambda columns: mass_stations(line, columns, "consistent").participation(),
         np.argsort(-np.abs(x - x[reference]), kind="stable"),
         solver,
@@ -157,3 +153,132 @@ def test_warning_names_the_modes_and_their_error() -> None:
     assert warning["code"] == "mesh-coarse-for-modes"
     assert "torsion 1 (3.4%)" in warning["message"]
     assert "bending" not in warning["message"]
+
+
+def attachments(*at: str, directions: str = "x y z rx ry rz") -> list[dict[str, Any]]:
+    return [{"kind": "attachment", "at": name, "directions": directions.split()} for name in at]
+
+
+THREE = [{"kind": "bending-xy", "count": 3}]
+
+
+@pytest.mark.parametrize("reference", REFERENCES, ids=NAMES)
+@pytest.mark.parametrize("mass_form", ["consistent", "lumped"])
+def test_static_modes_are_orthonormal_and_have_the_reduced_frequencies(
+    reference: dict[str, Any], mass_form: str
+) -> None:
+    asked = [*THREE, *attachments("mid", "tip"), {"kind": "static-axial"}]
+    beam = reduced(reference, asked, elements=8, mass_form=mass_form)
+    X, values, line = beam.modes.columns_B, beam.modes.values, beam.model.line
+    M, K = line.mass_matrix(mass_form), line.stiffness()
+    assert np.abs(X.T @ (M @ X) - np.eye(len(values))).max() < 1e-11
+    scale = np.sqrt(np.outer(values, values))
+    assert np.abs((X.T @ (K @ X) - np.diag(values)) / scale).max() < 1e-10
+    assert beam.package.mode_kinds == ("fixed_normal",) * 3 + ("attachment",) * (len(values) - 3)
+    assert (np.diff(values[:3]) > 0).all()
+    assert (np.diff(values[3:]) > 0).all()
+    # what a static mode is called is what moves it, in the positive direction
+    for label, column in zip(beam.modes.labels[3:], X[:, 3:].T, strict=True):
+        if label.startswith("attachment"):
+            _, at, direction = label.split()
+            row = DIRECTIONS.index(direction)
+            assert column[6 * beam.model.node_of[at] + row] > 0.0
+
+
+def test_static_modes_of_a_square_section_separate_the_planes() -> None:
+    beam = reduced(
+        CLAMPED,
+        [{"kind": "lowest", "count": 2}, *attachments("mid", directions="z y")],
+        K=SQUARE,
+        mass=SQUARE_MASS,
+    )
+    assert beam.modes.labels[2:] == ("attachment mid y", "attachment mid z")
+    assert beam.modes.values[2] == pytest.approx(beam.modes.values[3], rel=1e-9)
+    shapes = np.abs(beam.package.shapes_B).max(axis=1)
+    assert shapes[2, 2] < 1e-9 * shapes[2, 1]
+    assert shapes[3, 1] < 1e-9 * shapes[3, 2]
+
+
+def test_two_ends_of_a_free_beam_share_their_modes_in_order() -> None:
+    """Root and tip have equal claims on the even and the odd shape."""
+    ends = attachments("root", "tip", directions="y")
+    beam = reduced(MEAN_AXIS, ends, mass=MASS, K=STIFFNESS)
+    assert beam.modes.labels == ("attachment root y", "attachment tip y")
+    even, odd = (beam.package.shapes_B[:, [0, -1], 1][i] for i in range(2))
+    assert even == pytest.approx([even[0], even[0]], rel=1e-9)
+    assert odd == pytest.approx([-odd[1], odd[1]], rel=1e-9)
+    assert even[0] > 0
+    assert odd[1] > 0
+
+
+@pytest.mark.parametrize(
+    ("reference", "modes", "dropped"),
+    [
+        # a frame at the root carries what acts there
+        (CLAMPED, attachments("root", directions="y rz"), "attachment root y, attachment root rz"),
+        (CHORD, attachments("root", "tip", directions="z ry"), "attachment root z, attachment tip"),
+        # asked for twice
+        (CLAMPED, attachments("mid", "mid", directions="y"), "attachment mid y:"),
+        # all modes that there are leave nothing out
+        (MEAN_AXIS, [{"kind": "lowest", "count": 24}, *attachments("mid")], "attachment mid rz:"),
+        (CLAMPED, [{"kind": "lowest", "count": 24}, {"kind": "static-axial"}], "static-axial:"),
+    ],
+)
+def test_dependent_static_modes_are_left_out_with_a_warning(
+    reference: dict[str, Any], modes: list[dict[str, Any]], dropped: str
+) -> None:
+    beam = reduced(reference, modes)
+    (warning,) = beam.modes.warnings
+    assert warning["code"] == "static-modes-dependent"
+    assert dropped in warning["message"]
+    assert beam.package.n_mode <= 24
+
+
+def test_static_shapes_that_move_no_mass_are_left_out() -> None:
+    """A twist of a body without twist inertia; the others are there, very stiff ones too."""
+    thin = np.diag([1.0, 1.0, 1.0, 0.0, 1e-9, 1e-9])
+    beam = reduced(CLAMPED, [*THREE, *attachments("mid")], mass=thin, elements=32)
+    (warning,) = beam.modes.warnings
+    assert warning["message"].startswith("no mode for attachment mid rx:")
+    assert "moves no mass" in warning["message"]
+    assert beam.package.n_mode == 3 + 5
+    X, values = beam.modes.columns_B, beam.modes.values
+    assert values.max() / values.min() > 1e4
+    M = beam.model.line.mass_matrix("consistent")
+    assert np.abs(X.T @ (M @ X) - np.eye(8)).max() < 1e-11
+
+
+def test_independent_static_modes_are_all_there() -> None:
+    beam = reduced(MEAN_AXIS, [*THREE, *attachments("root", "mid", "tip")])
+    assert beam.modes.warnings == ()
+    assert beam.package.n_mode == 3 + 18
+    assert set(beam.modes.labels[3:]) == {
+        f"attachment {at} {d}" for at in ("root", "mid", "tip") for d in DIRECTIONS
+    }
+
+
+def test_body_without_modes() -> None:
+    for reference in REFERENCES:
+        beam = reduced(reference, [])
+        assert beam.package.n_mode == 0
+        assert beam.package.invariants.S_B.shape == (3, 0)
+
+
+def test_mean_axis_needs_inertia_about_every_axis() -> None:
+    thin = np.diag([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+    with pytest.raises(ModeError, match="mean-axis frame needs inertia about every axis"):
+        reduced(MEAN_AXIS, THREE, mass=thin)
+    assert reduced(CHORD, THREE, mass=thin).package.n_mode == 3
+
+
+def test_free_free_frequencies_of_a_slender_bar() -> None:
+    """Bending of a free bar: (k L)^2 = 22.3733, 61.6728; torsion pi c / L."""
+    E_I, m = 1.0, 1.0
+    K = np.diag([1e6, 1e6, 1e6, 2.0, 4.0 * E_I, E_I])
+    mass = m * np.diag([1.0, 1.0, 1.0, 2e-7, 1e-7, 1e-7])
+    asked = [{"kind": "bending-xy", "count": 2}, {"kind": "torsion", "count": 1}]
+    beam = reduced(MEAN_AXIS, asked, elements=24, K=K, mass=mass)
+    assert beam.modes.labels == ("bending-xy 1", "bending-xy 2", "torsion 1")
+    expected = [22.373285, 61.672823, np.pi * np.sqrt(2.0 / 2e-7)]
+    assert beam.package.frequencies == pytest.approx(expected, rel=1e-3)
+    assert beam.package.frequencies[:2] == pytest.approx(expected[:2], rel=5e-5)

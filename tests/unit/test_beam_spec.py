@@ -7,6 +7,7 @@ import pytest
 
 from plymotion.preprocess.beam.body import beam_model
 from plymotion.preprocess.beam.spec import SpecError, read_spec
+from plymotion.preprocess.beam.spec_modes import ModeSpec, Reference
 from plymotion.preprocess.fingerprint import fingerprint
 from plymotion.preprocess.modes import ModeRequest
 
@@ -27,14 +28,38 @@ def spec(**changes: Any) -> dict[str, Any]:
 def test_defaults() -> None:
     beam = read_spec(spec())
     assert beam.mass_form == "consistent"
-    assert beam.reference == ("start", 0.0)
-    assert beam.modes == (ModeRequest("bending-xy", 4),)
+    assert beam.reference == Reference("clamped", (("start", 0.0),))
+    assert beam.modes == ModeSpec((ModeRequest("bending-xy", 4),))
     assert np.array_equal(beam.A_BE, np.eye(3))
     assert beam.interfaces == {"root": 0.0, "tip": 1.0, "mid": 0.5}
 
 
 def test_one_request_may_stand_without_list_and_kind() -> None:
-    assert read_spec(spec(modes={"count": 4})).modes == (ModeRequest("lowest", 4),)
+    assert read_spec(spec(modes={"count": 4})).modes == ModeSpec((ModeRequest("lowest", 4),))
+
+
+def test_reference_conditions_and_static_modes() -> None:
+    chord = read_spec(spec(reference={"kind": "chord", "at": ["mid", "end"]})).reference
+    assert chord == Reference("chord", (("mid", 0.5), ("end", 1.0)))
+    assert read_spec(spec(reference={"kind": "mean-axis"})).reference == Reference("mean-axis", ())
+    modes = [
+        {"kind": "attachment", "at": "mid", "directions": ["y", "rz"]},
+        {"kind": "static-axial"},
+        {"kind": "attachment", "at": "tip"},
+    ]
+    found = read_spec(spec(modes=modes)).modes
+    six = tuple(("tip", direction) for direction in ("x", "y", "z", "rx", "ry", "rz"))
+    assert found == ModeSpec((), (("mid", "y"), ("mid", "rz"), *six), True)
+
+
+def test_frame_and_attachments_get_nodes() -> None:
+    asked = spec(
+        reference={"kind": "chord", "at": ["root", "tip"]},
+        modes=[{"kind": "attachment", "at": "mid", "directions": ["y"]}],
+    )
+    model = beam_model(read_spec(asked), np.eye(6), np.eye(6))
+    assert model.reference_nodes == (0, 16)
+    assert model.loaded_nodes == (0, 8, 16)
 
 
 @pytest.mark.parametrize(
@@ -62,7 +87,30 @@ def test_one_request_may_stand_without_list_and_kind() -> None:
         ({"interfaces": {"tip": {"at": 1.5}}}, "interfaces.tip.at: .* at most 1, found 1.5"),
         ({"interfaces": {"tip": {"at": "top"}}}, "interfaces.tip.at: expected 'start'"),
         ({"interfaces": {"tip": {"on": 1}}}, "interfaces.tip: expected"),
-        ({"reference": {"kind": "chord"}}, "reference.kind: expected one of clamped"),
+        (
+            {"reference": {"kind": "chrod"}},
+            "reference.kind: expected one of .*did you mean 'chord'",
+        ),
+        ({"reference": {"kind": "chord"}}, "reference.at: expected two places"),
+        ({"reference": {"kind": "chord", "at": ["root", "top"]}}, "reference.at: expected one of"),
+        (
+            {"reference": {"kind": "chord", "at": ["root", "start"]}},
+            "reference.at: expected two different places",
+        ),
+        ({"reference": {"kind": "mean-axis", "at": "root"}}, "reference.at: expected no such key"),
+        (
+            {"modes": [{"kind": "attachment", "at": "rot"}]},
+            r"modes\[0\].at: .*; did you mean 'root'",
+        ),
+        (
+            {"modes": [{"kind": "attachment", "at": "mid", "directions": ["u"]}]},
+            r"modes\[0\].directions: expected one of x, y, z, rx, ry, rz, found 'u'",
+        ),
+        (
+            {"modes": [{"kind": "attachment", "at": "mid", "directions": []}]},
+            r"modes\[0\].directions: expected a list",
+        ),
+        ({"modes": [{"kind": "static-axial", "count": 1}]}, r"modes\[0\].count: unknown key"),
         ({"reference": {"at": "rot"}}, "reference.at: .*; did you mean 'root'"),
     ],
 )

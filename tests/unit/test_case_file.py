@@ -55,7 +55,7 @@ BAD = {
         r'bodies\.arm\.kind = "baem": expected one of .*"beam"',
     ),
     "drive": ("speed = 20.0", "sped = 20.0", r"drive\.sped: unknown key; did you mean 'speed'"),
-    "two laws": ("speed = 20.0", "speed = 20.0, polynomial = [0, 1]", "either `speed` or"),
+    "two laws": ("speed = 20.0", "speed = 20.0, polynomial = [0, 1]", "found speed and polynomial"),
     "type": ("t_end = 1.0", 't_end = "long"', r'solver\.t_end = "long": .*number'),
     "no node": ("elements = 24", "elements = 1", r"arm\.elements = 1: expected at least 2"),
     "variant": ('["layup-1"]', '["layup-3"]', r'"layup-3": no such variant; did you mean'),

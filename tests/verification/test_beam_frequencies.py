@@ -20,7 +20,7 @@ from plymotion.preprocess.beam.accuracy import frequency_error
 from plymotion.preprocess.beam.element import Q, Z
 from plymotion.preprocess.beam.line import BeamLine
 from plymotion.preprocess.beam.stations import mass_stations
-from plymotion.preprocess.modes import KINDS, ModeRequest, Modes, constrained_modes
+from plymotion.preprocess.modes import KINDS, HeldDofs, ModeRequest, Modes, reduced_modes
 
 LENGTH = 0.5
 E, NU, RHO, WIDTH, HEIGHT = 7e10, 0.3, 2700.0, 0.02, 0.05  # along x2, x3
@@ -54,11 +54,10 @@ def cantilever_modes(
     def participation(columns: np.ndarray) -> np.ndarray:
         return mass_stations(line, columns, mass_form).participation()
 
-    modes = constrained_modes(
-        line.stiffness(),
-        line.mass_matrix(mass_form),
-        np.arange(6),
+    modes = reduced_modes(
+        HeldDofs(line.stiffness(), line.mass_matrix(mass_form), np.arange(6)),
         requests,
+        [],
         participation,
         np.arange(line.n_node)[::-1],
         dense,

@@ -1,0 +1,64 @@
+"""What the modes of a beam need to know of it: reference condition, static loads."""
+
+import numpy as np
+
+from ...solver.package.invariants import rigid_motions
+from ...solver.package.schema import Array
+from ..modes import Condition, HeldDofs, MeanAxis, StaticLoad
+from .line import BeamLine
+from .spec_modes import DIRECTIONS, ModeSpec
+
+# Dofs of the reference nodes that do not move in the frame: the clamped one has all six of a node;
+# the x axis of the chord runs through both its nodes, and there is no twist at the first.
+CLAMPED = (range(6),)
+CHORD = ((0, 1, 2, 3), (1, 2))
+
+
+def reference_condition(
+    line: BeamLine, mass_form: str, kind: str, nodes: tuple[int, ...]
+) -> Condition:
+    """Reference condition of a beam.
+
+    Parameters
+    ----------
+    line : the beam
+    mass_form : "consistent" or "lumped": of the eigenproblem and of the mean axis
+    kind : one of REFERENCE_CONDITIONS
+    nodes : that carry the frame: one if clamped, two of a chord, none of a mean axis
+
+    Raises
+    ------
+    ModeError : a mean axis of a body without inertia about some axis.
+    """
+    K, M = line.stiffness(), line.mass_matrix(mass_form)
+    if kind == "mean-axis":
+        return MeanAxis(K, M, rigid_motions(line.nodes_B).reshape(6 * line.n_node, 6))
+    dofs = CLAMPED if kind == "clamped" else CHORD
+    held = [6 * node + dof for node, own in zip(nodes, dofs, strict=True) for dof in own]
+    return HeldDofs(K, M, np.array(held))
+
+
+def static_loads(
+    line: BeamLine, spec: ModeSpec, node_of: dict[str, int], origin: int
+) -> list[StaticLoad]:
+    """Loads of the static modes that a specification asks for.
+
+    `node_of` has the nodes of the interfaces; `origin` is the node where the load that rises along
+    the beam is zero (a mean axis has it at the mass centre, whatever is given here).
+    """
+    zero = np.zeros(6 * line.n_node)
+    loads = []
+    for at, direction in spec.attachments:
+        force = zero.copy()
+        force[6 * node_of[at] + DIRECTIONS.index(direction)] = 1.0
+        loads.append(StaticLoad(f"attachment {at} {direction}", force, zero))
+    if spec.static_axial:
+        loads.append(StaticLoad("static-axial", zero, _rising(line, origin)))
+    return loads
+
+
+def _rising(line: BeamLine, origin: int) -> Array:
+    """Acceleration x - x_origin along x: that of a spin of 1 rad/s, outwards, (6 n,)."""
+    acceleration = np.zeros((line.n_node, 6))
+    acceleration[:, 0] = line.x_B - line.x_B[origin]
+    return acceleration.ravel()

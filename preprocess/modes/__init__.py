@@ -1,0 +1,22 @@
+"""Modes of a body: eigenmodes under a reference condition, and static shapes of loads."""
+
+from .eigenmodes import ModeRequest
+from .kinds import CHOICES, KINDS, Participation
+from .reduced import Modes, reduced_modes
+from .reference import Condition, EigenSolver, HeldDofs, MeanAxis, ModeError
+from .static import StaticLoad
+
+__all__ = [
+    "CHOICES",
+    "KINDS",
+    "Condition",
+    "EigenSolver",
+    "HeldDofs",
+    "MeanAxis",
+    "ModeError",
+    "ModeRequest",
+    "Modes",
+    "Participation",
+    "StaticLoad",
+    "reduced_modes",
+]

@@ -1,0 +1,103 @@
+"""Eigenmodes of a body under its reference condition: solve, name, choose."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...solver.package.schema import Array, IntArray
+from .kinds import KINDS, Participation, clusters, kind_of, separating_turn, shares_of, signs
+from .reference import Condition, EigenSolver, ModeError
+
+
+@dataclass(frozen=True)
+class ModeRequest:
+    """How many modes of which kind: one of CHOICES."""
+
+    kind: str
+    count: int
+
+
+@dataclass(frozen=True)
+class Eigenmodes:
+    """Chosen eigenmodes, rising in frequency; see `Modes` for the fields."""
+
+    values: Array
+    columns_B: Array
+    labels: tuple[str, ...]
+    shares: Array
+
+
+def eigenmodes(
+    condition: Condition,
+    requests: Sequence[ModeRequest],
+    participation: Participation,
+    far_to_near: IntArray,
+    solver: EigenSolver,
+) -> Eigenmodes:
+    """Eigenmodes chosen by kind.
+
+    Parameters
+    ----------
+    condition : what ties the frame to the body
+    requests : kinds and counts; each takes the lowest modes of its kind that
+        the requests before it have left
+    participation : splits modal mass over KINDS, see `Participation`
+    far_to_near : (n,) node numbers, from the farthest from the reference node
+    solver : e.g. `fenicsx.eigenpairs`
+
+    Raises
+    ------
+    ModeError : the model has fewer modes of a kind than asked for.
+    """
+    n_dof = condition.K.shape[0]
+    wanted = sum(request.count for request in requests)
+    if wanted == 0:
+        return Eigenmodes(np.zeros(0), np.zeros((n_dof, 0)), (), np.zeros((0, len(KINDS))))
+    n_mode = min(wanted + 4, condition.n_finite)
+    while True:
+        values, X = condition.lowest(n_mode, solver)
+        complete = n_mode == condition.n_finite
+        usable = n_mode if complete else clusters(values)[-1][0]
+        # A Krylov method may return one of two coinciding modes only: count them.
+        found = complete or (
+            usable > 0
+            and condition.count_below(0.5 * values[usable - 1 : usable + 1].sum()) == usable
+        )
+        P = participation(X[:, :usable])
+        turn = separating_turn(values[:usable], P)
+        values = np.einsum("ij,i,ij->j", turn, values[:usable], turn)
+        X = X[:, :usable] @ turn
+        shares = shares_of(np.einsum("ai,kab,bj->kij", turn, P, turn, optimize=True))
+        names = [kind_of(share) for share in shares]
+        chosen, missing = _choose(names, requests)
+        if found and missing is None:
+            break
+        if complete and missing is not None:
+            raise ModeError(_too_few(requests[missing], names, condition.n_free))
+        n_mode = min(2 * n_mode, condition.n_finite)
+    columns = X[:, chosen]
+    columns = columns * signs(columns, [names[i] for i in chosen], far_to_near)
+    labels = tuple(f"{names[i]} {names[: i + 1].count(names[i])}" for i in chosen)
+    return Eigenmodes(values[chosen], columns, labels, shares[chosen])
+
+
+def _choose(names: list[str], requests: Sequence[ModeRequest]) -> tuple[list[int], int | None]:
+    """Numbers of the chosen modes, ascending, and the first request that is not met."""
+    taken: set[int] = set()
+    for number, request in enumerate(requests):
+        fits = [
+            i for i, name in enumerate(names) if i not in taken and request.kind in ("lowest", name)
+        ]
+        taken.update(fits[: request.count])
+        if len(fits) < request.count:
+            return sorted(taken), number
+    return sorted(taken), None
+
+
+def _too_few(request: ModeRequest, names: list[str], n_free: int) -> str:
+    census = ", ".join(f"{names.count(kind)} {kind}" for kind in KINDS)
+    return (
+        f"modes: {request.count} of kind {request.kind!r} asked for; with {n_free} free dofs this "
+        f"mesh has {census}: ask for fewer or give `elements` a larger value"
+    )

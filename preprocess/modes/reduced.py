@@ -1,0 +1,96 @@
+"""All modes of a reduced body, orthonormal in mass and stiffness. Paper: Eq. (15)."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...solver.package.schema import Array, IntArray
+from .eigenmodes import ModeRequest, eigenmodes
+from .kinds import Participation, shares_of
+from .reference import Condition, EigenSolver, ModeError
+from .static import StaticLoad, static_modes
+
+RESIDUAL = 1e-8  # of X'MX = I and X'KX = Lambda, scaled
+STATIC_RESIDUAL = 1e-6  # of X'KX where static modes take part: small differences of whole shapes
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Modes of a body: eigenmodes rising in frequency, then static modes rising likewise.
+
+    Attributes
+    ----------
+    values : (m,) squared angular frequencies [rad2/s2]
+    columns_B : (n_dof, m) nodal displacements and rotations, mass-normalised,
+        seen from the frame [m, rad per unit modal coordinate]
+    accelerations_B : (n_dof, m) field a of each mode's distributed load M a: eigenvalue times
+        column of an eigenmode; nodal forces are not in it [m/s2, rad/s2]
+    kinds : m of "fixed_normal" (eigenmode) and "attachment" (static)
+    labels : m of e.g. "bending-xy 2" (the second of its kind by frequency), "attachment mid y"
+    shares : (m, 4) share of the modal mass that moves in each of KINDS
+    warnings : coded messages about modes that were asked for
+    """
+
+    values: Array
+    columns_B: Array
+    accelerations_B: Array
+    kinds: tuple[str, ...]
+    labels: tuple[str, ...]
+    shares: Array
+    warnings: tuple[dict[str, str], ...] = ()
+
+
+def reduced_modes(
+    condition: Condition,
+    requests: Sequence[ModeRequest],
+    loads: Sequence[StaticLoad],
+    participation: Participation,
+    far_to_near: IntArray,
+    solver: EigenSolver,
+) -> Modes:
+    """Eigenmodes chosen by kind, and static modes of loads.
+
+    Parameters
+    ----------
+    condition : what ties the frame to the body
+    requests, participation, far_to_near, solver : see `eigenmodes`
+    loads : each adds its static shape, see `static_modes`
+
+    Raises
+    ------
+    ModeError : the model has fewer modes of a kind than asked for, or the
+        modes are not orthonormal to RESIDUAL.
+    """
+    kept = eigenmodes(condition, requests, participation, far_to_near, solver)
+    added = static_modes(condition, kept, loads, participation)
+    n_eigen, n_static = len(kept.values), len(added.values)
+    modes = Modes(
+        np.concatenate([kept.values, added.values]),
+        np.hstack([kept.columns_B, added.columns_B]),
+        np.hstack([kept.columns_B * kept.values, added.accelerations_B]),
+        ("fixed_normal",) * n_eigen + ("attachment",) * n_static,
+        kept.labels + added.labels,
+        np.vstack([kept.shares, shares_of(participation(added.columns_B))]),
+        added.warnings,
+    )
+    _check(condition, modes)
+    return modes
+
+
+def _check(condition: Condition, modes: Modes) -> None:
+    """Compare X'MX with I and X'KX with Lambda, scaled by the frequencies."""
+    X, values = modes.columns_B, modes.values
+    if not len(values):
+        return
+    static = np.array([kind == "attachment" for kind in modes.kinds])
+    allowed = np.where(static[:, None] | static, STATIC_RESIDUAL, RESIDUAL)
+    scale = np.sqrt(np.outer(values, values))
+    mass = float(np.abs(X.T @ (condition.M @ X) - np.eye(len(values))).max())
+    stiffness = np.abs((X.T @ (condition.K @ X) - np.diag(values)) / scale)
+    if not (mass < RESIDUAL and (stiffness < allowed).all()):
+        raise ModeError(
+            f"modes are not orthonormal: X'MX - I is {mass:.2e}, X'KX - Lambda (scaled) "
+            f"{stiffness.max():.2e}, expected below {RESIDUAL:.0e} and {RESIDUAL:.0e} "
+            f"({STATIC_RESIDUAL:.0e} of static modes)"
+        )

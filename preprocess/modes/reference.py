@@ -1,0 +1,194 @@
+"""Reference conditions: six equations that tie the body frame to the deforming body.
+
+The displacements that a frame sees are those that fulfil its condition, and modes and static
+shapes are sought among them:
+
+- `HeldDofs`: six dofs that stop every rigid motion are at rest. All six of one node make the
+  clamped frame; the three displacements and the twist of one node and the two transverse
+  displacements of another make the chord frame, whose x axis runs through both.
+- `MeanAxis`: the body is free and its shapes have neither linear nor angular momentum,
+  R' M u = 0 with the rigid motions R. The paper (2.3) names it.
+
+The frame differs, the body does not: with all modes kept, each gives the same equations of motion
+in other coordinates.
+"""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+import scipy.linalg
+import scipy.sparse as sp
+import scipy.sparse.linalg as spla
+
+from ...solver.package.schema import Array, IntArray
+
+# K, M sparse and n: the n lowest values and vectors of K x = value M x, K positive definite
+EigenSolver = Callable[[Any, Any, int], tuple[Array, Array]]
+
+
+class ModeError(Exception):
+    """Modes that the model does not have, or that fail their checks."""
+
+
+class StaticShapes(NamedTuple):
+    """Shapes u under loads that the frame sees: K u = load but for the reactions of held dofs."""
+
+    columns: Array  # (n_dof, k) u
+    accelerations: Array  # (n_dof, k) a, of which M a is the distributed part of the load
+    loads: Array  # (n_dof, k) nodal forces + M a
+
+
+class Condition(Protocol):
+    """What modes need of a reference condition."""
+
+    K: sp.csr_matrix  # (n_dof, n_dof) stiffness of the free body, six dofs a node
+    M: sp.csr_matrix  # (n_dof, n_dof) mass
+    n_finite: int  # elastic modes of finite frequency
+    n_free: int  # dofs that move
+
+    def lowest(self, count: int, solver: EigenSolver) -> tuple[Array, Array]:
+        """Values (count,), rising, and M-orthonormal columns (n_dof, count)."""
+
+    def count_below(self, value: float) -> int:
+        """Number of elastic eigenvalues below a value."""
+
+    def static(self, forces: Array, accelerations: Array) -> StaticShapes:
+        """Shapes under nodal forces (n_dof, k) and loads M a, a = accelerations (n_dof, k)."""
+
+
+class HeldDofs:
+    """Frame tied to six dofs that do not move."""
+
+    def __init__(self, K: Any, M: Any, held: IntArray) -> None:
+        self.K, self.M = sp.csr_matrix(K), sp.csr_matrix(M)
+        self.free = np.setdiff1d(np.arange(self.K.shape[0]), held)
+        self._K_free, self._M_free = (A[self.free][:, self.free] for A in (self.K, self.M))
+        self.n_finite = _massive(self._M_free)
+        self.n_free = len(self.free)
+
+    def lowest(self, count: int, solver: EigenSolver) -> tuple[Array, Array]:
+        """See `Condition`."""
+        columns = self._expanded(solver(self._K_free, self._M_free, count)[1])
+        return rayleigh(self.K, self.M, columns), columns
+
+    def count_below(self, value: float) -> int:
+        """See `Condition`."""
+        return negative_pivots(self._K_free - value * self._M_free)
+
+    def static(self, forces: Array, accelerations: Array) -> StaticShapes:
+        """See `Condition`."""
+        loads = forces + self.M @ accelerations
+        columns = self._expanded(solve_definite(self._K_free, loads[self.free]))
+        return StaticShapes(columns, accelerations, loads)
+
+    def _expanded(self, X_free: Array) -> Array:
+        columns = np.zeros((self.K.shape[0], X_free.shape[1]))
+        columns[self.free] = X_free
+        return columns
+
+
+class MeanAxis:
+    """Frame at the mean position of a free body: no shape has a momentum.
+
+    Raises ModeError for a body without inertia about some axis, which has no mean position.
+    """
+
+    def __init__(self, K: Any, M: Any, rigid: Array) -> None:
+        """`rigid` (n_dof, 6): rigid motions R of the nodes."""
+        self.K, self.M, self.rigid = sp.csr_matrix(K), sp.csr_matrix(M), rigid
+        self._MR = self.M @ rigid
+        inertia = rigid.T @ self._MR
+        scale = np.sqrt(np.diag(inertia).clip(min=1e-300))
+        if not np.linalg.eigvalsh(inertia / np.outer(scale, scale))[0] > 1e-12:
+            raise ModeError(
+                "reference: a mean-axis frame needs inertia about every axis, and the body has "
+                "none about one (its section's mass): expected clamped or chord"
+            )
+        self._inertia = scipy.linalg.cho_factor(inertia)
+        # Any six dofs that stop all rigid motions do for loads in equilibrium: no reaction.
+        self._still = HeldDofs(K, M, np.arange(6))
+        self.n_finite = _massive(self.M) - 6
+        self.n_free = self.K.shape[0]
+
+    def lowest(self, count: int, solver: EigenSolver) -> tuple[Array, Array]:
+        """See `Condition`. The pencil is shifted to below zero, where K + shift M is definite."""
+        shift = self._soft_value()
+        X = self._without_momentum(solver(self.K + shift * self.M, self.M, count + 6)[1])
+        length = np.sqrt(np.einsum("ni,ni->i", X, self.M @ X))
+        elastic = length > 0.5  # of unit vectors, rigid motions have lost everything
+        if np.count_nonzero(elastic) != count:
+            raise ModeError(
+                f"modes: the free body has {np.count_nonzero(~elastic)} rigid motions among its "
+                f"lowest {count + 6} modes, expected 6: is its stiffness that of a free body?"
+            )
+        X = X[:, elastic] / length[elastic]
+        values = rayleigh(self.K, self.M, X)
+        order = np.argsort(values, kind="stable")
+        return values[order], X[:, order]
+
+    def count_below(self, value: float) -> int:
+        """See `Condition`."""
+        return negative_pivots(self.K - value * self.M) - 6
+
+    def static(self, forces: Array, accelerations: Array) -> StaticShapes:
+        """See `Condition`. The body flies: what a load accelerates takes its inertia with it."""
+        loads = forces + self.M @ accelerations
+        relief = scipy.linalg.cho_solve(self._inertia, self.rigid.T @ loads)
+        loads = loads - self._MR @ relief
+        shapes = self._still.static(loads, np.zeros_like(loads))
+        columns = self._without_momentum(shapes.columns)
+        return StaticShapes(columns, accelerations - self.rigid @ relief, loads)
+
+    def _without_momentum(self, X: Array) -> Array:
+        return X - self.rigid @ scipy.linalg.cho_solve(self._inertia, self._MR.T @ X)
+
+    def _soft_value(self) -> float:
+        """Value near the lowest elastic one: Rayleigh's of the static shape of a random load."""
+        load = np.random.default_rng(0).standard_normal((self.n_free, 1))
+        zero = np.zeros_like(load)
+        for _ in range(2):  # the second load is the inertia of the first shape
+            shape = self.static(load, zero).columns
+            load = self.M @ (shape / np.sqrt(np.sum(shape * (self.M @ shape))))
+        return float(rayleigh(self.K, self.M, shape)[0])
+
+
+def rayleigh(K: Any, M: Any, X: Array) -> Array:
+    """Rayleigh quotients of columns, (m,): to second order in their errors the eigenvalues."""
+    stiffness, mass = (np.einsum("ni,ni->i", X, A @ X) for A in (K, M))
+    return np.asarray(stiffness / mass)
+
+
+def _massive(M: Any) -> int:
+    """Dofs with mass: one without has no mode of its own."""
+    return int(np.count_nonzero(np.abs(M).sum(axis=1)))
+
+
+def solve_definite(A: Any, B: Array) -> Array:
+    """Solve A X = B, A sparse symmetric positive definite, one step of refinement included."""
+    scale = sp.diags(1.0 / np.sqrt(A.diagonal()))
+    factors = spla.splu(
+        (scale @ A @ scale).tocsc(),
+        permc_spec="MMD_AT_PLUS_A",
+        diag_pivot_thresh=0.0,
+        options={"SymmetricMode": True},
+    )
+    X = scale @ factors.solve(scale @ B)
+    return np.asarray(X + scale @ factors.solve(scale @ (B - A @ X)))
+
+
+def negative_pivots(A: Any) -> int:
+    """Number of negative eigenvalues of a sparse symmetric matrix (Sylvester's law of inertia)."""
+    try:
+        factors = spla.splu(
+            A.tocsc(),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+        if np.array_equal(factors.perm_r, factors.perm_c):
+            return int(np.count_nonzero(factors.U.diagonal() < 0.0))
+    except RuntimeError:
+        pass  # a pivot is exactly zero: rows would have to be exchanged
+    _, D, _ = scipy.linalg.ldl(A.toarray())
+    return int(np.count_nonzero(scipy.linalg.eigvalsh(D) < 0.0))

@@ -1,0 +1,184 @@
+"""Static modes: the shapes of loads that the kept eigenmodes cannot carry.
+
+A load at an interface bends the body in a shape K^-1 f; a few eigenmodes follow it slowly (a force
+like 1/k^3, a moment like 1/k in the number k of bending modes). The shape itself, added to the
+modes, is exact however few they are. Of each shape only what the eigenmodes miss is kept; those
+rests are turned into the natural modes of the space that they add. So all modes together stay
+orthonormal, modal mass and stiffness stay diagonal, and the frequencies are those of the reduced
+model: high ones, they say how stiff the rest is, and no vibration of the body belongs to them.
+
+Orthogonality is kept in energy: x' f with the load f = K x of a shape takes no differences of
+large numbers, which x' K x does.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+import scipy.optimize
+
+from ...solver.package.schema import Array, IntArray
+from .eigenmodes import Eigenmodes
+from .kinds import TIE, Participation, separating_turn
+from .reference import Condition
+
+DEPENDENT = 1e-6  # energy norm of what is new in a shape, against that of the whole shape
+GRADED = 1e-6  # inverse eigenvalues below this, against the largest, wait for the next round
+MASSLESS = 1e-14  # inverse eigenvalues below this, against the largest of all, are round-off
+
+
+@dataclass(frozen=True)
+class StaticLoad:
+    """A load whose static shape is asked for.
+
+    Attributes
+    ----------
+    label : e.g. "attachment mid y"
+    force_B : (n_dof,) forces and moments on the nodes, body axes [N, N m]
+    acceleration_B : (n_dof,) a of the distributed load M a [m/s2, rad/s2]
+    """
+
+    label: str
+    force_B: Array
+    acceleration_B: Array
+
+
+@dataclass(frozen=True)
+class StaticModes:
+    """Modes of the space that the static shapes add, rising in frequency; see `Modes`."""
+
+    values: Array
+    columns_B: Array
+    accelerations_B: Array
+    labels: tuple[str, ...]
+    warnings: tuple[dict[str, str], ...]
+
+
+@dataclass(frozen=True)
+class _Shapes:
+    """Columns x with what made them: accelerations a and loads K x; all (n_dof, k)."""
+
+    x: Array
+    a: Array
+    load: Array
+
+    def __matmul__(self, T: Array) -> "_Shapes":
+        return _Shapes(self.x @ T, self.a @ T, self.load @ T)
+
+    def __sub__(self, other: "_Shapes") -> "_Shapes":
+        return _Shapes(self.x - other.x, self.a - other.a, self.load - other.load)
+
+    def energy(self) -> Array:
+        """Twice the strain energy of each column, (k,)."""
+        return np.asarray(np.einsum("nk,nk->k", self.x, self.load))
+
+    @staticmethod
+    def joined(parts: Sequence["_Shapes"]) -> "_Shapes":
+        return _Shapes(*(np.hstack([getattr(p, n) for p in parts]) for n in ("x", "a", "load")))
+
+
+def static_modes(
+    condition: Condition,
+    kept: Eigenmodes,
+    loads: Sequence[StaticLoad],
+    participation: Participation,
+) -> StaticModes:
+    """Modes that the static shapes of `loads` add to the eigenmodes `kept`.
+
+    A load that the reference condition carries, a shape that is a combination of eigenmodes and
+    shapes before it, and one that moves no mass give no mode but a warning.
+    """
+    n_dof = condition.K.shape[0]
+    empty = np.zeros((n_dof, 0))
+    if not loads:
+        return StaticModes(np.zeros(0), empty, empty, (), ())
+    forces, accelerations = (
+        np.column_stack([getattr(load, name) for load in loads])
+        for name in ("force_B", "acceleration_B")
+    )
+    found = condition.static(forces, accelerations)
+    shapes = _Shapes(found.columns, found.accelerations, found.loads)
+    inertia = kept.columns_B * kept.values
+    eigen = _Shapes(kept.columns_B, inertia, condition.M @ inertia)
+    rests, independent = _independent(eigen @ np.diag(1.0 / np.sqrt(kept.values)), shapes)
+    values, modes = _diagonalised(condition.M, eigen, rests, participation)
+    applied = shapes.load[:, independent] / np.sqrt(shapes.energy()[independent])
+    work = applied.T @ (modes.x / np.sqrt(values))
+    owner = _owners(work)
+    sign = np.where(work[owner, np.arange(len(owner))] < 0.0, -1.0, 1.0)
+    named = [independent[i] for i in owner]
+    return StaticModes(
+        values,
+        modes.x * sign,
+        modes.a * sign,
+        tuple(loads[k].label for k in named),
+        _warnings([load.label for k, load in enumerate(loads) if k not in named]),
+    )
+
+
+def _independent(basis: _Shapes, shapes: _Shapes) -> tuple[_Shapes, list[int]]:
+    """What is new in each shape, of unit energy, energy-orthogonal to a basis of unit energy.
+
+    Also the numbers of the shapes that hold something new.
+    """
+    energy = shapes.energy()
+    kept: list[int] = []
+    for k in np.flatnonzero(energy > 0.0):
+        one = shapes @ (np.eye(len(energy))[:, [k]] / np.sqrt(energy[k]))
+        for _ in range(2):  # twice is enough: what round-off leaves the first time goes
+            one = one - basis @ (basis.load.T @ one.x)
+        rest = float(np.sqrt(one.energy()[0].clip(min=0.0)))
+        if rest > DEPENDENT:
+            basis = _Shapes.joined([basis, one @ np.array([[1.0 / rest]])])
+            kept.append(int(k))
+    first = basis.x.shape[1] - len(kept)
+    return basis @ np.eye(basis.x.shape[1])[:, first:], kept
+
+
+def _diagonalised(
+    M: Any, eigen: _Shapes, rests: _Shapes, participation: Participation
+) -> tuple[Array, _Shapes]:
+    """Natural modes of the space of `rests`, of unit modal mass, rising in frequency.
+
+    Eigenvalues far below the largest one are those of round-off: the softest modes are found
+    first, then those of what is left. Shapes that move no mass have no mode.
+    """
+    found, largest = [eigen], 0.0
+    while rests.x.shape[1]:
+        inverse, V = (part[..., ::-1] for part in scipy.linalg.eigh(rests.x.T @ (M @ rests.x)))
+        largest = max(largest, inverse[0])
+        if inverse[0] <= MASSLESS * largest:
+            break
+        count = np.count_nonzero(inverse > GRADED * inverse[0])
+        found.append(rests @ (V[:, :count] / np.sqrt(inverse[:count])))
+        rests = rests @ V[:, count:]
+    modes = _Shapes.joined(found)
+    # Gram-Schmidt in mass from soft to stiff: what a stiff mode loses of a soft one is no energy.
+    factor = np.linalg.cholesky(modes.x.T @ (M @ modes.x))
+    modes = modes @ np.linalg.inv(factor).T[:, eigen.x.shape[1] :]
+    modes = modes @ separating_turn(modes.energy(), participation(modes.x))
+    return modes.energy(), modes
+
+
+def _owners(work: Array) -> IntArray:
+    """Which load gives each mode its name and sign, (k,): those that do most work in their modes.
+
+    `work` (l, k): rows loads, columns modes. Where loads have equal claims (the two ends of a free
+    beam), they take their modes in the order of both.
+    """
+    order = np.outer(np.arange(work.shape[0]), np.arange(work.shape[1]))
+    claim = work**2 + TIE * order / max(order.size, 1)
+    load, mode = scipy.optimize.linear_sum_assignment(claim, maximize=True)
+    return np.asarray(load[np.argsort(mode)], dtype=np.int64)
+
+
+def _warnings(dropped: list[str]) -> tuple[dict[str, str], ...]:
+    if not dropped:
+        return ()
+    message = (
+        f"no mode for {', '.join(dropped)}: the reference condition carries such a load, or its "
+        "shape is a combination of the modes before it, or moves no mass"
+    )
+    return ({"code": "static-modes-dependent", "message": message},)

@@ -1,0 +1,40 @@
+"""A model as closures: what integrators that do not know a body are given."""
+
+from collections.abc import Callable
+
+from .coordinates import moved, position_rates
+from .integrate.base import Derivative
+from .integrate.constrained import ConstrainedSystem
+from .model import Model
+from .package.schema import Array
+from .projection import projected
+from .system import accelerations, assemble, derivative
+
+
+def right_hand_side(model: Model) -> Derivative:
+    """Return f(t, y) -> dy/dt of the index-1 system."""
+    return lambda t, y: derivative(model, t, y)
+
+
+def projection(model: Model) -> Callable[[float, Array], Array | None]:
+    """Return project(t, y) -> state on the constraints; None if none is near."""
+
+    def project(t: float, y: Array) -> Array | None:
+        nearest, reached = projected(model, t, y)
+        return nearest if reached else None
+
+    return project
+
+
+def constrained_system(model: Model) -> ConstrainedSystem:
+    """Return the equations with their constraints, for implicit integrators."""
+    return ConstrainedSystem(
+        n_pos=model.n_pos,
+        n_vel=model.n_vel,
+        inertia_scale=model.inertia_scale,
+        terms=lambda t, y: assemble(model, t, y),
+        accelerations=lambda t, y: accelerations(model, assemble(model, t, y), y),
+        derivative=right_hand_side(model),
+        rates=lambda q, v: position_rates(model, q, v),
+        move=lambda q, step: moved(model, q, step),
+    )

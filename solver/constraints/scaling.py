@@ -1,0 +1,32 @@
+"""Constraint equations free of units: what rank and penalties are judged by."""
+
+import numpy as np
+
+from ..compiled import jit
+from ..package.schema import Array
+
+
+@jit
+def row_masses(Phi_q: Array, inertia_scale: Array) -> Array:
+    """Return the mass that each constraint row has to move, (n_c,): 1 / sum_j Phi_ij^2 / scale_j.
+
+    [kg] for a distance, [kg m2] for an angle; zero for a row that nothing can move.
+    """
+    n_c = Phi_q.shape[0]
+    out = np.zeros(n_c)
+    for i in range(n_c):
+        mobility = np.sum(Phi_q[i] * Phi_q[i] / inertia_scale)
+        if mobility > 0.0:
+            out[i] = 1.0 / mobility
+    return out
+
+
+@jit
+def scaled_jacobian(Phi_q: Array, inertia_scale: Array) -> Array:
+    """Return C (n_c, n): rows of length one in the metric of the inertia.
+
+    C = D Phi_q S^-1/2 with D^2 = `row_masses` and S = diag(inertia_scale): the same whatever
+    the units of rows and coordinates, so that a singular value of 1e-8 means the same everywhere.
+    """
+    root = np.sqrt(row_masses(Phi_q, inertia_scale))
+    return root.reshape(-1, 1) * Phi_q / np.sqrt(inertia_scale)

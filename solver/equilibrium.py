@@ -1,0 +1,179 @@
+"""Static equilibrium: positions in which a mechanism stays at rest under its loads.
+
+Newton's method on the positions that the joints leave free: Z'(f - Phi_q' lambda) = 0 with the
+columns of Z spanning the null space of Phi_q, and the joints closed again after each step. Where
+the stiffness has a negative direction the step goes downhill all the same, so that it ends where
+the potential energy has a minimum and not in any equilibrium; following loads, which have no
+potential, are judged by the work that they do along the step.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from .constraints.minimum_norm import RANK_TOLERANCE
+from .constraints.scaling import row_masses, scaled_jacobian
+from .coordinates import moved
+from .errors import InputError
+from .initial import Start, consistent_state
+from .model import Model
+from .package.schema import Array
+from .system import Equations, assemble
+
+_TOLERANCE = 1e-10  # of the unbalanced accelerations, over the largest that the loads give
+_NEUTRAL = 1e-6  # [1/s2] stiffness over inertia that counts as none
+_MAX_STEP = 0.3  # [m, rad, modes]
+_MAX_ITERATIONS = 200
+_NUDGE = 0.05  # [m, rad, modes] away from an equilibrium that is not stable
+_CLOSED = 1e-12
+_DIFFERENCE = 1e-6  # [m, rad, modes] of the stiffness by differences
+
+
+def starting_state(
+    model: Model, start: Start, kind: str, joint_names: list[str], body_names: list[str]
+) -> Array:
+    """Return the state y (n,) that a run starts from; `kind` is solver.start of a case.
+
+    Raises
+    ------
+    InputError
+        As `consistent_state` and `equilibrium`.
+    """
+    y = consistent_state(model, start, joint_names)
+    if kind == "equilibrium":
+        found = equilibrium(model, replace(start, positions=y[: model.n_pos]), body_names)
+        y = consistent_state(model, found, joint_names)
+    return y
+
+
+def equilibrium(model: Model, start: Start, body_names: list[str], t: float = 0.0) -> Start:
+    """Return the start with positions of static equilibrium at time t; velocities stay as given.
+
+    Gravity, springs, bushings and loads act with the values that they have at t; drives hold the
+    positions that they have at t.
+
+    Raises
+    ------
+    InputError
+        No equilibrium found, or joints that do not close on the way; says which body is pushed.
+    """
+    positions = _closed(model, start.positions, t)
+    largest = 0.0
+    for _ in range(_MAX_ITERATIONS):
+        here = _Balance(model, positions, t)
+        largest = max(largest, float(np.max(np.abs(here.equations.f) / model.inertia_scale)))
+        K = here.stiffness(positions)
+        stiffness, directions = np.linalg.eigh(0.5 * (K + K.T))
+        if np.max(np.abs(here.push), initial=0.0) <= _TOLERANCE * max(largest, 1e-12):
+            if stiffness.size == 0 or stiffness[0] > -_NEUTRAL:
+                return replace(start, positions=positions)
+            step = here.Z @ directions[:, 0]
+            positions = _closed(model, moved(model, positions, _sized(step, _NUDGE)), t)
+            continue
+        if stiffness[0] > _NEUTRAL:
+            step = here.Z @ np.linalg.solve(K, here.unbalanced)
+        else:
+            along = directions.T @ here.unbalanced
+            step = here.Z @ (directions @ (along / np.maximum(np.abs(stiffness), _NEUTRAL)))
+        positions = _downhill(model, here, positions, _limited(step), t)
+    raise InputError(
+        f"solver.start: no static equilibrium within {_MAX_ITERATIONS} steps; "
+        f"{_pushed(model, here.push, body_names)}. Expected loads that joints, springs and "
+        "elasticity can hold"
+    )
+
+
+class _Balance:
+    """Unbalanced forces at rest in a position, and the directions that the joints leave free."""
+
+    def __init__(self, model: Model, positions: Array, t: float) -> None:
+        self.model, self.t = model, t
+        self.equations = _at_rest(model, positions, t)
+        Phi_q = self.equations.Phi_q
+        root = np.sqrt(model.inertia_scale)
+        self.Z = np.diag(1.0 / root)
+        self.multipliers: Array = np.zeros(0)
+        if len(Phi_q):
+            _, s, Vt = np.linalg.svd(scaled_jacobian(Phi_q, model.inertia_scale))
+            rank = int(np.sum(s > RANK_TOLERANCE * s[0]))
+            self.Z = Vt[rank:].T / root[:, None]
+            # least squares in the metric of the inertia
+            balance = (Phi_q / root).T, self.equations.f / root
+            found = np.linalg.lstsq(*balance, rcond=RANK_TOLERANCE)[0]
+            self.multipliers = np.asarray(found, dtype=float)
+        self.unbalanced = self.Z.T @ self.equations.f  # (n_free,)
+        self.push = self.Z @ self.unbalanced  # (n_vel,) as accelerations
+
+    def force(self, positions: Array) -> Array:
+        """Return f - Phi_q' lambda (n_vel,) in another position, at these multipliers."""
+        equations = _at_rest(self.model, positions, self.t)
+        return np.asarray(equations.f - equations.Phi_q.T @ self.multipliers)
+
+    def stiffness(self, positions: Array) -> Array:
+        """Return the stiffness over inertia (n_free, n_free) along Z [1/s2]."""
+        K = np.zeros((self.Z.shape[1], self.Z.shape[1]))
+        for k, z in enumerate(self.Z.T):
+            h = _DIFFERENCE / np.max(np.abs(z))
+            ahead = self.force(moved(self.model, positions, h * z))
+            behind = self.force(moved(self.model, positions, -h * z))
+            K[:, k] = self.Z.T @ (behind - ahead) / (2.0 * h)
+        return K
+
+
+def _at_rest(model: Model, positions: Array, t: float) -> Equations:
+    return assemble(model, t, np.concatenate([positions, np.zeros(model.n_vel + 1)]))
+
+
+def _downhill(model: Model, here: _Balance, positions: Array, step: Array, t: float) -> Array:
+    """Return the position after a step, shortened until the unbalanced forces do work along it."""
+    for _ in range(30):
+        there = _closed(model, moved(model, positions, step), t)
+        before = here.equations.f @ step
+        after = here.force(there) @ step
+        if before + after >= 0.0:
+            break
+        step = 0.5 * step
+    return there
+
+
+def _closed(model: Model, positions: Array, t: float) -> Array:
+    """Return positions with the joints closed by the least change, elastic motion included."""
+    root = np.sqrt(model.inertia_scale)
+    for _ in range(50):
+        equations = _at_rest(model, positions, t)
+        if np.max(np.abs(equations.Phi), initial=0.0) < _CLOSED:
+            return positions
+        scale = np.sqrt(row_masses(equations.Phi_q, model.inertia_scale))
+        C = scaled_jacobian(equations.Phi_q, model.inertia_scale)
+        step = np.linalg.lstsq(C, -scale * equations.Phi, rcond=RANK_TOLERANCE)[0] / root
+        positions = moved(model, positions, _limited(step))
+    raise InputError(
+        "solver.start: the joints do not close on the way to static equilibrium "
+        f"({np.max(np.abs(equations.Phi)):.2g} m or rad apart); give initial positions nearer to it"
+    )
+
+
+def _limited(step: Array) -> Array:
+    return step * min(1.0, _MAX_STEP / max(float(np.max(np.abs(step))), 1e-300))
+
+
+def _sized(step: Array, size: float) -> Array:
+    return step * (size / float(np.max(np.abs(step))))
+
+
+def _pushed(model: Model, push: Array, body_names: list[str]) -> str:
+    """Say which body has the largest unbalanced acceleration, and how it is pushed."""
+    largest, text = -1.0, ""
+    for i, name in enumerate(body_names):
+        j = int(model.vel_start[i])
+        parts = {
+            "m/s2": np.linalg.norm(push[j : j + 3]),
+            "rad/s2": np.linalg.norm(push[j + 3 : j + 6]),
+            "1/s2 in a mode": np.max(
+                np.abs(push[j + 6 : j + 6 + int(model.n_mode[i])]), initial=0.0
+            ),
+        }
+        for unit, size in parts.items():
+            if size > largest:
+                largest, text = float(size), f"body {name} is still pushed with {size:.3g} {unit}"
+    return text

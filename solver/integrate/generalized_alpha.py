@@ -1,0 +1,330 @@
+"""Generalized-alpha on a Lie group: constraints are solved together with the step."""
+
+from dataclasses import dataclass
+from math import isfinite
+from typing import Any
+
+import numpy as np
+
+from .base import Dense, Integrator
+from .constrained import ConstrainedSystem, Terms
+from .jacobian import ROOT_EPSILON
+from .norm import Array
+from .saddle_lu import SaddleFactors
+
+FORMULATIONS = ("ggl", "index3")
+SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 2.0
+HYSTERESIS = 1.2  # a change of step disturbs index 3: not for less than this
+MAX_ITERATIONS = 8
+RENEW_AFTER = 3  # steps; younger stiffness is not what keeps Newton's iteration from converging
+TOLERANCE = 0.05  # of the local error allowed, left over by Newton's iteration
+
+
+@dataclass
+class _Point:
+    """Velocity, accelerations and multipliers at the end of a step."""
+
+    v: Array
+    v_d: Array  # the true acceleration
+    a: Array  # the algorithm's, which runs behind it by (alpha_f - alpha_m) h
+    multipliers: Array
+    power: float
+
+
+class GeneralizedAlpha(Integrator):
+    """Generalized-alpha of Arnold and Bruls for M a + Phi_q' lambda = f, Phi = 0.
+
+    Second order; q moves by the group's exponential (`system.move`), so that Euler parameters
+    need no constraint of their own. With spectral radius rho at infinity,
+
+        alpha_m = (2 rho - 1) / (rho + 1), alpha_f = rho / (rho + 1),
+        gamma = 1/2 + alpha_f - alpha_m, beta = (gamma + 1/2)^2 / 4,
+        (1 - alpha_m) a_1 + alpha_m a_0 = (1 - alpha_f) vdot_1 + alpha_f vdot_0,
+        z = h v_0 + h^2 ((1/2 - beta) a_0 + beta a_1),  v_1 = v_0 + h ((1 - gamma) a_0 + gamma a_1).
+
+    Formulations:
+      index3  q_1 = q_0 exp(z); Phi(q_1) = 0. Velocities satisfy the constraints to h^2 only, and
+              multipliers swing after a change of step.
+      ggl     q_1 = q_0 exp(z + p) with p = -J^-1 Phi_q' eta (the position multiplier of Gear,
+              Leimkuhler and Gupta); Phi(q_1) = 0 and Phidot(q_1, v_1) = 0. Default.
+
+    Newton's unknowns are z and h^2 lambda: scaled so, the matrix stays well conditioned as h
+    tends to zero. Mass and constraint Jacobian come fresh with the first evaluation of each
+    step; stiffness and damping, by differences, are kept until the iteration slows down.
+
+    rho = 1 keeps the energy of what it does not resolve, rho = 0 destroys it in one step.
+
+    Parameters
+    ----------
+    system : the mechanism as closures
+    formulation : "ggl" or "index3"
+    spectral_radius : rho, 0 to 1
+    others : see Integrator. With fixed_step only Newton's iteration uses the tolerances.
+    """
+
+    order = 2
+
+    def __init__(
+        self,
+        system: ConstrainedSystem,
+        t0: float,
+        y0: Array,
+        t_end: float,
+        *,
+        formulation: str = "ggl",
+        spectral_radius: float = 0.8,
+        **options: Any,
+    ) -> None:
+        if formulation not in FORMULATIONS:
+            raise ValueError(
+                f"formulation: expected one of {', '.join(FORMULATIONS)}, got {formulation!r}"
+            )
+        if not 0.0 <= spectral_radius <= 1.0:
+            raise ValueError(f"spectral_radius: expected 0 to 1, got {spectral_radius!r}")
+        self._system = system
+        self._velocity = slice(system.n_pos, system.n_pos + system.n_vel)
+        self._stabilised = formulation == "ggl"
+        rho = spectral_radius
+        self._alpha_m, self._alpha_f = (2 * rho - 1) / (rho + 1), rho / (rho + 1)
+        lag = self._alpha_m - self._alpha_f
+        self._gamma = 0.5 - lag
+        self._beta = 0.25 * (self._gamma + 0.5) ** 2
+        # z enters v_1 and vdot_1 times these over h and h^2
+        self._to_v = self._gamma / self._beta
+        self._to_a = (1 - self._alpha_m) / (self._beta * (1 - self._alpha_f))
+        self._error_q = abs(self._beta + 0.5 * lag - 1 / 6)
+        self._error_v = abs(1 / 12 - 0.5 * lag * lag)
+        super().__init__(system.derivative, t0, y0, t_end, **options)
+        self._K: Array | None = None  # stiffness, damping: none yet
+        self._C = np.zeros((system.n_vel, system.n_vel))
+        self._excess = 0  # iterations beyond the third since then
+        self._renewed_at = 0  # count of steps
+        self._h_last = 0.0
+        self._v_dd: Array | None = None  # rate of the acceleration over the last step
+        if self.status == "running":
+            v_d, multipliers = system.accelerations(self.t, self.y)
+            self.counters.evaluations += 1
+            power = float(self._f_start[-1])
+            self._now = _Point(self.y[self._velocity].copy(), v_d, v_d, multipliers, power)
+
+    def _attempt(self, h: float, t_new: float) -> Array | None:
+        start = self._predicted(h)
+        found = self._newton(h, t_new, *start)
+        if found is None:
+            self._h_next = (0.1 if self._not_finite else 0.25) * h
+            return None
+        y_new, point, factors, terms = found
+        v_dd = (point.v_d - self._now.v_d) / h
+        if self.fixed_step is None:
+            err = self._error(h, y_new, v_dd, factors, terms)
+            if not isfinite(err):
+                self._refuse_not_finite("the error")
+                self._h_next = 0.1 * h
+                return None
+            factor = SAFETY * max(err, 1e-6) ** (-1 / 3)
+            self._h_next = h * max(MIN_FACTOR, min(MAX_FACTOR, factor))
+            if err > 1:
+                self._not_finite = 0
+                self._trouble = f"local error {err:.3g} times the tolerance"
+                return None
+            if factor >= 1 and self._h_next < HYSTERESIS * h:
+                self._h_next = h
+        y_new[-1] = self.y[-1] + 0.5 * h * (self._now.power + point.power)
+        nearest = self.project(t_new, y_new)
+        if nearest is None:
+            self._h_next = 0.25 * h
+            return None
+        self._ends = (self.y, self._now, nearest, point)
+        self._now, self._h_last, self._v_dd = point, h, v_dd
+        return nearest
+
+    def _predicted(self, h: float) -> tuple[Array, _Point]:
+        """Step z and the point at its end that Newton's iteration begins with."""
+        now = self._now
+        a_0 = now.a
+        if self._h_last > 0:  # its lag grows and shrinks with the step
+            a_0 = now.v_d + (now.a - now.v_d) * (h / self._h_last)
+        v_d = now.v_d if self._v_dd is None else now.v_d + h * self._v_dd
+        a = ((1 - self._alpha_f) * v_d + self._alpha_f * now.v_d - self._alpha_m * a_0) / (
+            1 - self._alpha_m
+        )
+        z = h * now.v + h * h * ((0.5 - self._beta) * a_0 + self._beta * a)
+        v = now.v + h * ((1 - self._gamma) * a_0 + self._gamma * a)
+        return z, _Point(v, v_d, a, now.multipliers.copy(), now.power)
+
+    def _newton(
+        self, h: float, t: float, z: Array, start: _Point
+    ) -> tuple[Array, _Point, SaddleFactors, Terms] | None:
+        """State, point, factors and equations at the step's end; None with `_trouble` set."""
+        worn = self._K is None or self._excess > 2 * z.size
+        found = self._iterate(h, t, z.copy(), start, renew=worn)
+        old = self.counters.steps - self._renewed_at >= RENEW_AFTER
+        if found is None and old and not worn and not self._not_finite:
+            found = self._iterate(h, t, z.copy(), start, renew=True)
+        return found
+
+    def _iterate(
+        self, h: float, t: float, z: Array, start: _Point, *, renew: bool
+    ) -> tuple[Array, _Point, SaddleFactors, Terms] | None:
+        system, n_pos = self._system, self._system.n_pos
+        v, v_d, a, multipliers = (
+            x.copy() for x in (start.v, start.v_d, start.a, start.multipliers)
+        )
+        shift = np.zeros_like(z)  # p, by the position multiplier
+        y = np.empty(self.n)
+        factors: SaddleFactors | None = None
+        weight = np.empty(0)
+        last = 0.0
+        for i in range(1, MAX_ITERATIONS + 1):
+            y[:n_pos] = system.move(self.y[:n_pos], z + shift)
+            y[self._velocity] = v
+            y[-1] = self.y[-1]
+            terms = self._terms(t, y)
+            if terms is None:
+                return None
+            if factors is None:
+                weight = self.norm.weight(self.y, y)
+                if renew:
+                    self._renew(h, t, y, terms, v_d, multipliers)
+                factors = self._factorise(h, terms)
+            unbalanced = h * h * (terms.M @ v_d + terms.Phi_q.T @ multipliers - terms.f)
+            opening = h * (terms.Phi_q @ v + terms.Phi_t) / self._to_v
+            d_z, d_multipliers = factors.solve(
+                -unbalanced, -opening if self._stabilised else -terms.Phi
+            )
+            moved = d_z
+            if self._stabilised:
+                d_shift, _ = factors.solve(0 * z, -(terms.Phi + terms.Phi_q @ d_z))
+                shift += d_shift
+                moved = d_z + d_shift
+            z += d_z
+            v += (self._to_v / h) * d_z
+            v_d += (self._to_a / (h * h)) * d_z
+            a += d_z / (self._beta * h * h)
+            multipliers += d_multipliers / (h * h)
+            size = self._size(y[:n_pos], moved, (self._to_v / h) * d_z, weight)
+            if not isfinite(size):
+                self._refuse_not_finite("Newton's iteration")
+                return None
+            rate = size / last if i > 1 and last > 0 else 0.0
+            # the second correction may exceed the first: a prediction can be too good for its J
+            if i > 2 and rate >= 1 and size > TOLERANCE:
+                break
+            if size == 0 or (i > 1 and size * rate / max(1 - rate, 0.1) < TOLERANCE):
+                self._excess += max(0, i - 3)
+                y[:n_pos] = system.move(self.y[:n_pos], z + shift)
+                y[self._velocity] = v
+                power = float(multipliers @ terms.Phi_t + terms.power[0])
+                return y, _Point(v, v_d, a, multipliers, power), factors, terms
+            last = size
+        self._not_finite = 0
+        self._trouble = "the Newton iteration does not converge"
+        return None
+
+    def _terms(self, t: float, y: Array) -> Terms | None:
+        """Equations at (t, y), counted; None with the reason kept where they cannot be had."""
+        self.counters.evaluations += 1
+        try:
+            terms = self._system.terms(t, y)
+        except (np.linalg.LinAlgError, ArithmeticError) as error:
+            self._raised = f"{type(error).__name__} in the equations at t = {t:.9g} s: {error}"
+            self._refuse_not_finite("the equations")
+            return None
+        if not (np.isfinite(terms.f).all() and np.isfinite(terms.M).all()):
+            self._refuse_not_finite("the equations")
+            return None
+        return terms
+
+    def _renew(
+        self, h: float, t: float, y: Array, terms: Terms, v_d: Array, multipliers: Array
+    ) -> None:
+        """Stiffness and damping (n, n) of M a + Phi_q' lambda - f by forward differences."""
+        system, n_pos, n = self._system, self._system.n_pos, self._system.n_vel
+        self._K, self._C = np.zeros((n, n)), np.zeros((n, n))
+        here = terms.M @ v_d + terms.Phi_q.T @ multipliers - terms.f
+        floor = np.where(np.isfinite(self.norm.atol), self.norm.atol, 0.0)[self._velocity]
+        speed = np.maximum(np.abs(y[self._velocity]), floor / self.norm.rtol)
+        speed[speed == 0] = 1.0
+        for matrix, sizes, of_velocity in (
+            (self._K, np.maximum(h * speed, 1e-3), False),
+            (self._C, speed, True),
+        ):
+            for j in range(n):
+                step = np.zeros(n)
+                step[j] = ROOT_EPSILON * sizes[j]
+                near = y.copy()
+                if of_velocity:
+                    near[self._velocity] += step
+                else:
+                    near[:n_pos] = system.move(y[:n_pos], step)
+                there = self._terms(t, near)
+                if there is None:
+                    return
+                change = there.M @ v_d + there.Phi_q.T @ multipliers - there.f - here
+                matrix[:, j] = change / step[j]
+        self.counters.jacobians += 1
+        self._excess, self._renewed_at = 0, self.counters.steps
+
+    def _factorise(self, h: float, terms: Terms) -> SaddleFactors:
+        self.counters.factorisations += 1
+        K = 0.0 if self._K is None else self._K
+        J = self._to_a * terms.M + (h * self._to_v) * self._C + (h * h) * K
+        return SaddleFactors(J, terms.Phi_q, self._system.inertia_scale)
+
+    def _size(self, q: Array, step: Array, change: Array, weight: Array) -> float:
+        """Size of a small step (n_vel,) and change of velocity (n_vel,) in units of tolerance."""
+        both = np.zeros(self.n)
+        both[: q.size] = self._system.rates(q, step)
+        both[self._velocity] = change
+        return self.norm(both * weight)
+
+    def _error(
+        self, h: float, y: Array, v_dd: Array, factors: SaddleFactors, terms: Terms
+    ) -> float:
+        """Local error of positions and velocities.
+
+        h^3 (beta + (alpha_m - alpha_f) / 2 - 1/6) vddot and, from the second step on,
+        h^3 (1/12 - (alpha_m - alpha_f)^2 / 2) vdddot; both pass the step's own matrix, which
+        takes out what is stiff or against the constraints and damped there anyway.
+        """
+        no_force = np.zeros(terms.Phi.size)
+        mass = self._to_a * terms.M
+        shift, _ = factors.solve(mass @ (h**3 * self._error_q * v_dd), no_force)
+        change = np.zeros_like(shift)
+        if self._v_dd is not None:
+            v_ddd = 2 * (v_dd - self._v_dd) / (h + self._h_last)
+            change, _ = factors.solve(mass @ (h**3 * self._error_v * v_ddd), no_force)
+        weight = self.norm.weight(self.y, y)
+        return self._size(y[: self._system.n_pos], shift, change, weight)
+
+    def _dense(self) -> Dense:
+        y_0, now, y_1, end = self._ends
+        return _Hermite(self.t_old, self.h, y_0, self._slope(y_0, now), y_1, self._slope(y_1, end))
+
+    def _slope(self, y: Array, point: _Point) -> Array:
+        slope = np.empty(self.n)
+        slope[: self._system.n_pos] = self._system.rates(y[: self._system.n_pos], point.v)
+        slope[self._velocity] = point.v_d
+        slope[-1] = point.power
+        return slope
+
+
+class _Hermite:
+    """The cubic through values and slopes at both ends of a step."""
+
+    def __init__(
+        self, t_old: float, h: float, y_0: Array, f_0: Array, y_1: Array, f_1: Array
+    ) -> None:
+        self.t_old, self.h, self.y_0, self.f_0, self.y_1, self.f_1 = t_old, h, y_0, f_0, y_1, f_1
+
+    def __call__(self, t: Any) -> Array:
+        x = ((np.asarray(t, dtype=float) - self.t_old) / self.h)[..., None]
+        rise = x * x * (3 - 2 * x)
+        bent = x * (1 - x) * self.h
+        answer: Array = (
+            (1 - rise) * self.y_0
+            + rise * self.y_1
+            + bent * (1 - x) * self.f_0
+            - bent * x * self.f_1
+        )
+        return answer

@@ -1,0 +1,109 @@
+"""Build the model of a mechanism, keep its names, and say where it starts."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..assemble import Body, assemble_model, flexible_body, rigid_body
+from ..initial import Start
+from ..model import Model
+from ..package import Interface, ModalPackage
+from ..rotations import matrix_to_parameters
+from ..virtual import VirtualBodies, through_virtual_bodies
+from .forces import force_tables
+from .joints import BuiltJoint, joint_tables
+from .places import Places
+
+
+@dataclass(frozen=True)
+class BuiltMechanism:
+    """A model ready to run, and the names that its numbers lost."""
+
+    model: Model
+    start: Start
+    body_names: list[str]  # of the case; virtual bodies stand behind them
+    joint_names: list[str]  # one per joint row block, drives included
+    packages: dict[str, ModalPackage]  # flexible bodies only
+    places: dict[str, tuple[int, Interface]]  # "BODY.INTERFACE" -> body index, interface
+    joints: dict[str, BuiltJoint]  # joints of the case
+    signal_marker: dict[str, int]  # signal of a place -> marker index
+
+
+def build(mechanism: dict[str, Any], packages: dict[str, ModalPackage]) -> BuiltMechanism:
+    """Build the model of a checked mechanism (case/schema.py, as plain data).
+
+    Raises
+    ------
+    InputError
+        A place that a package does not have, a distance of no length.
+    """
+    places = Places(mechanism, packages)
+    bodies = _bodies(mechanism, packages)
+    joints, built_joints = joint_tables(mechanism, places)
+    forces = force_tables(mechanism, places)
+    masses = [
+        (places.marker(f"masses.{name}.at", mass["at"], np.eye(3)), float(mass["mass"]))
+        for name, mass in mechanism["masses"].items()
+    ]
+    signal_marker = {
+        name: places.marker(f"signals.{name}.at", signal["at"], np.eye(3))
+        for name, signal in mechanism["signals"].items()
+        if "at" in signal
+    }
+    virtual = VirtualBodies([], places.markers, joints)
+    if mechanism["solver"]["attachment"] == "virtual":
+        virtual = through_virtual_bodies(bodies, places.markers, joints)
+    model = assemble_model(
+        bodies + virtual.bodies,
+        virtual.markers,
+        virtual.joints,
+        masses,
+        mechanism["gravity"],
+        forces=forces,
+    )
+    return BuiltMechanism(
+        model=virtual.scaled(model),
+        start=_start(mechanism, places, virtual, model),
+        body_names=list(mechanism["bodies"]),
+        joint_names=[joint.name for joint in virtual.joints],
+        packages=packages,
+        places=places.known,
+        joints=built_joints,
+        signal_marker=signal_marker,
+    )
+
+
+def _bodies(mechanism: dict[str, Any], packages: dict[str, ModalPackage]) -> list[Body]:
+    return [
+        flexible_body(name, packages[name])
+        if name in packages
+        else rigid_body(name, t["mass"], np.array(t["centre"]), np.array(t["inertia"]))
+        for name, t in mechanism["bodies"].items()
+    ]
+
+
+def _start(
+    mechanism: dict[str, Any], places: Places, virtual: VirtualBodies, model: Model
+) -> Start:
+    """Return the given start; what is not given is free to follow from joints and drives."""
+    positions = np.zeros(model.n_pos)
+    velocities = np.zeros(model.n_vel)
+    given = np.zeros(model.n_vel, dtype=bool)
+    still = mechanism["solver"]["modes_at_start"] == "still"
+    frames = list(zip(places.r_start, places.A_start, strict=True))
+    for i, (r, A) in enumerate([*frames, *virtual.frames(places.r_start, places.A_start)]):
+        a = int(model.pos_start[i])
+        positions[a : a + 3] = r
+        positions[a + 3 : a + 7] = matrix_to_parameters(A)
+    for i, body in enumerate(mechanism["bodies"].values()):
+        j = int(model.vel_start[i])
+        given[j : j + 6] = True
+        given[j + 6 : j + 6 + int(model.n_mode[i])] = still
+        for key, offset in (("velocity", 0), ("angular_velocity", 3)):
+            part = slice(j + offset, j + offset + 3)
+            if body[key] is None:
+                given[part] = False
+            else:
+                velocities[part] = body[key]
+    return Start(positions, velocities, given)

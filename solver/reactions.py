@@ -1,0 +1,128 @@
+"""Forces in the joints, and whether they balance the change of momentum."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .bodies.marker import marker_motion
+from .forces.table import FIRST_LOAD, element_wrench
+from .model import GROUND, Model
+from .package.schema import Array
+from .rotations import rotation_matrix
+from .system import accelerations, assemble, derivative, law_at
+
+DIFFERENCE = ((-2, 1 / 12), (-1, -8 / 12), (1, 8 / 12), (2, -1 / 12))  # fourth order
+
+
+def joint_reactions(model: Model, t: float, y: Array, multipliers: Array) -> Array:
+    """Return force [N] and moment [N m] that each joint puts on its two sides, (nj, 2, 6).
+
+    Global components; the moment is about the origin of that side's marker. They are the
+    multipliers through the coefficients of the joint's rows, -C' lambda: what does the same
+    virtual work. Of redundant joints it is the share of least norm.
+    """
+    C = assemble(model, t, y).C
+    found = np.zeros((model.joint_kind.size, 2, 6))
+    for k in range(model.joint_kind.size):
+        rows = slice(int(model.joint_row[k]), int(model.joint_row[k + 1]))
+        found[k] = -(C[rows].T @ multipliers[rows]).reshape(2, 6)
+    return found
+
+
+def momenta(model: Model, t: float, y: Array) -> Array:
+    """Return linear momentum and angular momentum about the global origin, (nb, 6).
+
+    From the mass matrix alone; point masses belong to the bodies that carry them.
+    """
+    p = assemble(model, t, y).M @ y[model.n_pos : model.n_pos + model.n_vel]
+    found = np.zeros((model.n_body, 6))
+    for i in range(model.n_body):
+        a, j = int(model.pos_start[i]), int(model.vel_start[i])
+        A = rotation_matrix(y[a + 3 : a + 7])
+        found[i, :3] = p[j : j + 3]
+        found[i, 3:] = np.cross(y[a : a + 3], p[j : j + 3]) + A @ p[j + 3 : j + 6]
+    return found
+
+
+def momentum_rates(model: Model, t: float, y: Array) -> Array:
+    """Return the rates of `momenta` along the flow, (nb, 6), by differences.
+
+    Independent of forces and multipliers, but for the accelerations of the flow itself. Positions
+    are moved straight along their rates: a body turns by some thousandths of a radian, which
+    balances the error of the formula against rounding.
+    """
+    rate = derivative(model, t, y)
+    turning = 0.0
+    for i in range(model.n_body):
+        a = int(model.pos_start[i]) + 3
+        turning = max(turning, float(np.linalg.norm(rate[a : a + 4])))
+    h = 2e-3 / max(turning, 1.0)
+    return np.asarray(
+        sum(weight * momenta(model, t, y + s * h * rate) for s, weight in DIFFERENCE) / h
+    )
+
+
+def _add(total: Array, scale: Array, body: int, x: Array, force: Array, moment: Array) -> None:
+    """Add a force at x and a moment to a body, about the global origin."""
+    if body != GROUND:
+        wrench = np.concatenate([force, np.cross(x, force) + moment])
+        total[body] += wrench
+        scale[body] += np.abs(wrench)
+
+
+def acting(model: Model, t: float, y: Array, multipliers: Array) -> tuple[Array, Array]:
+    """Return resultants about the global origin of all that acts on each body, (nb, 6).
+
+    And the sum of their absolute values (nb, 6), by which an error is to be judged: weight,
+    force elements, loads and reactions.
+    """
+    total, scale = np.zeros((model.n_body, 6)), np.zeros((model.n_body, 6))
+    nothing = np.zeros(3)
+    for i in range(model.n_body):
+        a, m = int(model.pos_start[i]), int(model.n_mode[i])
+        one = int(model.mode_start[i])
+        S = model.S[3 * one : 3 * (one + m)].reshape(3, m)
+        first = model.S0[i] + S @ y[a + 7 : a + 7 + m]
+        arm = model.mass[i] * y[a : a + 3] + rotation_matrix(y[a + 3 : a + 7]) @ first
+        weight = model.mass[i] * model.gravity_G
+        _add(total, scale, i, nothing, weight, np.cross(arm, model.gravity_G))
+    for k, mass in zip(model.point_marker, model.point_mass, strict=True):
+        x = marker_motion(model, k, y).x
+        _add(total, scale, int(model.marker_body[k]), x, mass * model.gravity_G, nothing)
+    for k in range(model.force_kind.size):
+        sides = model.force_marker[k]
+        one_side, two_side = marker_motion(model, sides[0], y), marker_motion(model, sides[1], y)
+        size, _, _ = law_at(model, model.force_law[k], t)
+        wrench = element_wrench(
+            model.force_kind[k], one_side, two_side, model.force_parameters[k], size
+        )
+        bodies = model.marker_body[sides]
+        _add(total, scale, bodies[1], two_side.x, wrench.force, wrench.moment)
+        if model.force_kind[k] < FIRST_LOAD:
+            _add(total, scale, bodies[0], two_side.x, -wrench.force, -wrench.moment)
+    for k, reactions in enumerate(joint_reactions(model, t, y, multipliers)):
+        for marker, reaction in zip(model.joint_marker[k], reactions, strict=True):
+            x = marker_motion(model, marker, y).x
+            _add(total, scale, model.marker_body[marker], x, reaction[:3], reaction[3:])
+    return total, scale
+
+
+@dataclass(frozen=True)
+class MomentumBalance:
+    """Error of d(momentum)/dt = sum of loads and reactions, over the largest term in the run."""
+
+    linear: float
+    angular: float
+
+
+def momentum_balance(model: Model, t: Array, y: Array) -> MomentumBalance:
+    """Compare, body by body at states y (k, n), what acts with the change of momentum."""
+    errors, scales = np.zeros((t.size, 2)), np.zeros((t.size, 2))
+    for k in range(t.size):
+        _, multipliers = accelerations(model, assemble(model, t[k], y[k]), y[k])
+        total, scale = acting(model, t[k], y[k], multipliers)
+        error = np.abs(momentum_rates(model, t[k], y[k]) - total)
+        errors[k] = error[:, :3].max(), error[:, 3:].max()
+        scales[k] = scale[:, :3].max(), scale[:, 3:].max()
+    relative = errors.max(axis=0) / np.maximum(scales.max(axis=0), 1e-300)
+    return MomentumBalance(float(relative[0]), float(relative[1]))

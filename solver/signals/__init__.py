@@ -1,0 +1,6 @@
+"""Signals: what the user asked to measure, from states at the output times."""
+
+from .recording import Recording
+from .sensors import Sensor, sensors
+
+__all__ = ["Recording", "Sensor", "sensors"]

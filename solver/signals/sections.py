@@ -1,0 +1,97 @@
+"""Resultants and ply stresses at a place along a flexible body."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ..errors import InputError, nearest
+from ..package import ModalPackage
+from ..package.schema import Array, BodyRecovery, IntArray
+from ..package.section import RESULTANTS, STRESSES, SectionRecovery
+from ..ply_stress import unit_stress_M
+from .recording import Recording
+
+Values = Callable[[Recording], Array]
+
+
+def resultant_values(key: str, body: int, package: ModalPackage, table: dict[str, Any]) -> Values:
+    """Return what gives a resultant (k,) [N or N m].
+
+    Raises
+    ------
+    InputError
+        A package without resultants, a place beyond its stations; `key` is that of the case.
+    """
+    _, at = _at(key, package, table["x"])
+    row = at[RESULTANTS.index(table["component"])]
+    return lambda recording: recording.modes(body) @ row
+
+
+def ply_stress_values(key: str, body: int, package: ModalPackage, table: dict[str, Any]) -> Values:
+    """Return what gives a stress (k,) in ply axes [Pa].
+
+    Raises
+    ------
+    InputError
+        As in `resultant_values`; a section without stresses, no such region or ply.
+    """
+    section, at = _at(key, package, table["x"])
+    recovery = package.sections[section].recovery
+    if recovery is None:
+        name = package.sections[section].name
+        raise InputError(f"{key}: section {name} of {package.body} has no recovery of stresses")
+    points = _points(key, recovery, table)
+    component = STRESSES.index(table["component"])
+    rows = unit_stress_M(recovery)[points, component] @ at  # (p, m)
+
+    def values(recording: Recording) -> Array:
+        stress = recording.modes(body) @ rows.T
+        return stress[:, int(np.argmax(np.abs(stress).max(axis=0)))]
+
+    return values
+
+
+def _at(key: str, package: ModalPackage, x: float) -> tuple[int, Array]:
+    """Return the section at x and the resultants (6, m) there per unit mode.
+
+    Between stations they are linear; where two stations stand at one place, those of the far
+    side are taken.
+    """
+    recovery: BodyRecovery | None = package.recovery
+    if recovery is None:
+        raise InputError(f"{key}: the package of {package.body} has no recovery of resultants")
+    stations = recovery.station_x
+    if not stations[0] - 1e-9 <= x <= stations[-1] + 1e-9:
+        raise InputError(
+            f"{key}.x = {x:g}: expected {stations[0]:g} to {stations[-1]:g} m, the stations of "
+            f"{package.body}"
+        )
+    last = int(np.searchsorted(stations, x + 1e-9, side="right")) - 1
+    last = min(max(last, 0), len(stations) - 2)
+    gap = stations[last + 1] - stations[last]
+    share = min(max((x - stations[last]) / gap, 0.0), 1.0) if gap > 0.0 else 1.0
+    F = recovery.resultants_E
+    return int(recovery.section[last]), (1.0 - share) * F[last] + share * F[last + 1]
+
+
+def _points(key: str, recovery: SectionRecovery, table: dict[str, Any]) -> IntArray:
+    """Return the rows of the points of a ply: all, or the one nearest to `point`."""
+    regions = list(dict.fromkeys(ply.region for ply in recovery.plies))
+    region = table["region"]
+    if region is None:
+        if len(regions) > 1:
+            raise InputError(f"{key}.region: missing; expected one of {', '.join(regions)}")
+        region = regions[0]
+    if region not in regions:
+        raise InputError(f'{key}.region = "{region}": no such region{nearest(region, regions)}')
+    numbers = {p.index: k for k, p in enumerate(recovery.plies) if p.region == region}
+    if table["ply"] not in numbers:
+        raise InputError(
+            f"{key}.ply = {table['ply']}: expected 0 to {max(numbers)}, the plies of {region}"
+        )
+    points = np.flatnonzero(recovery.ply == numbers[table["ply"]])
+    if table["point"] is not None:
+        away = np.linalg.norm(recovery.points[points] - np.array(table["point"]), axis=1)
+        points = points[[int(np.argmin(away))]]
+    return points

@@ -1,0 +1,268 @@
+"""Watch a run for singular positions: where constraints lose rank, and what a run does there.
+
+In such a position (all links of a four-bar linkage on one line, say) the mechanism gains
+freedom for an instant and could leave in several directions. The motion that goes on without a
+jump of velocity is the right one. A treatment that divides by the vanishing singular value
+follows its own rounding instead, often with the energy kept: nothing else would tell.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .constraints.scaling import scaled_jacobian
+from .constraints.treatment import PASSES_SINGULAR
+from .energy_monitor import EnergyMonitor
+from .integrate import Integrator, StopRequest
+from .integrate.base import Dense
+from .model import Model
+from .package.schema import Array
+from .system import assemble
+
+SINGULAR_CODE = "singular-position"
+BRANCH_CODE = "branch-change"
+NEAR, SINGULAR = 0.05, 1e-3  # smallest singular value, over the largest that it had in the run
+SMALL_CHANGE = 0.5  # of the scaled Jacobian: singular vectors are still recognised
+TURN = 0.2  # change of velocity within the neighbourhood of a singular position, relative
+LOSS = 1e-3  # of the energy in play, there
+GOLDEN = 0.5 * (5.0**0.5 - 1.0)
+
+
+@dataclass
+class _Spectrum:
+    """Scaled Jacobian C (n_c, n) at a time, and the singular values that count."""
+
+    t: float
+    C: Array
+    U: Array
+    s: Array
+    Vt: Array
+
+    @property
+    def smallest(self) -> float:
+        """The one that vanishes in a singular position."""
+        return float(self.s[-1])
+
+
+@dataclass
+class _State:
+    """What is kept of an accepted step."""
+
+    t: float
+    C: Array  # (n_c, n) scaled Jacobian
+    velocity: Array  # (n_vel,) scaled by the roots of the inertia
+    balance: float  # energy less the work done on the system [J]
+
+
+@dataclass
+class SingularityMonitor:
+    """Find singular positions as a run goes through them, and judge how it came out.
+
+    The smallest singular value sigma that counts is followed from step to step. It cannot
+    change by more than the Jacobian C does (Weyl), so that most steps need no decomposition.
+    Between two positions it has passed through zero if some u' C v changed its sign, u and v
+    being singular vectors of a small sigma; steps in which C changes much are divided for that.
+    """
+
+    model: Model
+    joint_names: list[str]
+    treatment: str
+    stop: bool = True
+    warnings: list[tuple[str, str]] = field(default_factory=list)  # code, message
+    passes: list[float] = field(default_factory=list)  # times of singular positions [s]
+
+    def __post_init__(self) -> None:
+        self._rank = min(self.model.n_constraint - self.model.redundant, self.model.n_vel)
+        self.energy = EnergyMonitor(self.model)
+        self._last: _State | None = None
+        self._spectrum: _Spectrum | None = None  # the last that was needed
+        self._path = 0.0  # change of C since then
+        self._typical = 0.0  # largest of the smallest singular values so far
+        self._before: _State | None = None  # last state before the neighbourhood, if inside it
+        self._first_inside: _State | None = None
+        self._lowest, self._t_lowest = np.inf, 0.0
+        self._hardest = 0.0  # acceleration elsewhere, in the metric of _State.velocity
+
+    def at_start(self, t: float, y: Array) -> None:
+        """Take the state that the run starts from."""
+        self._last = self._state(t, y)
+        if self._rank:
+            self._spectrum = self._decompose(t, self._last.C)
+
+    def __call__(self, integrator: Integrator) -> StopRequest | None:
+        """Judge the step just taken; called by `integrate`."""
+        assert self._last is not None, "at_start comes first"
+        last, now = self._last, self._state(integrator.t, integrator.y)
+        self._last = now
+        if self._spectrum is None:
+            return None
+        self._path += _size(now.C - last.C)
+        if self._before is None and self._path < 0.5 * self._spectrum.smallest:
+            self._regular(last, now)
+            return None
+        before = self._spectrum
+        if before.t < last.t:
+            before = self._decompose(last.t, last.C)
+        self._spectrum, self._path = self._decompose(now.t, now.C), 0.0
+        interval = self._crossing(before, self._spectrum, integrator)
+        sigma = self._spectrum.smallest
+        near = sigma < NEAR * self._typical
+        if not (near or interval or self._before is not None):
+            self._regular(last, now)
+            return None
+        if self._before is None:
+            self._before = last
+        elif self._first_inside is None:
+            self._first_inside = last
+        if interval is not None:
+            self._locate(*interval, integrator.dense_output())
+        elif sigma < self._lowest:
+            self._lowest, self._t_lowest = sigma, now.t
+        request = None
+        if self._lowest < SINGULAR * self._typical and self.treatment not in PASSES_SINGULAR:
+            request = self._cannot_pass(integrator)
+        if not near:
+            request = request or self._came_out(integrator, last, now)
+            self._before = self._first_inside = None
+            self._lowest = np.inf
+        return request
+
+    def explain(self, t: float, y: Array) -> str:
+        """Words on a run that failed at (t, y), if it is a singular position that stopped it."""
+        if self._spectrum is None:
+            return ""
+        sigma, names = self._smallest(t, y)
+        if sigma > NEAR * self._typical:
+            return ""
+        return f"{self._where(t, names)}. {self._advice()}"
+
+    def _state(self, t: float, y: Array) -> _State:
+        model = self.model
+        equations = assemble(model, t, y)
+        velocity = y[model.n_pos : model.n_pos + model.n_vel] * np.sqrt(model.inertia_scale)
+        C = scaled_jacobian(equations.Phi_q, model.inertia_scale)
+        return _State(t, C, velocity, self.energy.take(t, equations, y))
+
+    def _regular(self, last: _State, now: _State) -> None:
+        change = float(np.linalg.norm(now.velocity - last.velocity))
+        self._hardest = max(self._hardest, change / (now.t - last.t))
+
+    def _decompose(self, t: float, C: Array) -> _Spectrum:
+        U, s, Vt = np.linalg.svd(C, full_matrices=False)
+        r = self._rank
+        self._typical = max(self._typical, float(s[r - 1]))
+        return _Spectrum(t, C, U[:, :r], s[:r], Vt[:r])
+
+    def _crossing(
+        self, a: _Spectrum, b: _Spectrum, integrator: Integrator
+    ) -> tuple[float, float] | None:
+        """Return times between which a singular value goes through zero; None if none does."""
+        change = _size(b.C - a.C)
+        if a.smallest + b.smallest > change:
+            return None
+        if change < SMALL_CHANGE or b.t - a.t < 0.02 * integrator.h:
+            small = a.s < 2.0 * change
+            there = np.einsum("ik,ij,kj->k", a.U[:, small], b.C, a.Vt[small])
+            return (a.t, b.t) if np.any(there < 0.0) else None
+        t = 0.5 * (a.t + b.t)
+        equations = assemble(self.model, t, integrator.dense_output()(t))
+        middle = self._decompose(t, scaled_jacobian(equations.Phi_q, self.model.inertia_scale))
+        return self._crossing(a, middle, integrator) or self._crossing(middle, b, integrator)
+
+    def _smallest(self, t: float, y: Array) -> tuple[float, list[str]]:
+        """Smallest singular value that counts, and the joints whose rows make it."""
+        C = scaled_jacobian(assemble(self.model, t, y).Phi_q, self.model.inertia_scale)
+        U, s, _ = np.linalg.svd(C, full_matrices=False)
+        small = np.flatnonzero(s[: self._rank] < max(NEAR * self._typical, s[self._rank - 1]))
+        share = np.abs(U[:, [*small, self._rank - 1]]).max(axis=1)
+        row = self.model.joint_row
+        names = [
+            name
+            for k, name in enumerate(self.joint_names)
+            if share[row[k] : row[k + 1]].max() > 0.1 * share.max()
+        ]
+        return float(s[self._rank - 1]), names
+
+    def _locate(self, a: float, b: float, dense: Dense) -> None:
+        """Find the smallest singular value between times a and b, by golden section."""
+        c, d = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
+        at_c, at_d = (self._smallest(x, dense(x))[0] for x in (c, d))
+        accuracy = 1e-7 * (b - a) + 4 * np.spacing(b)
+        while b - a > accuracy:
+            if at_c < at_d:
+                b, d, at_d = d, c, at_c
+                c = b - GOLDEN * (b - a)
+                at_c = self._smallest(c, dense(c))[0]
+            else:
+                a, c, at_c = c, d, at_d
+                d = a + GOLDEN * (b - a)
+                at_d = self._smallest(d, dense(d))[0]
+        if min(at_c, at_d) < self._lowest:
+            self._lowest, self._t_lowest = min((at_c, c), (at_d, d))
+
+    def _where(self, t: float, names: list[str]) -> str:
+        return f"the constraint Jacobian loses rank at t = {t:.6g} s, in joints {', '.join(names)}"
+
+    def _advice(self) -> str:
+        if self.treatment == "augmented-lagrangian":
+            return 'Raise `frequency`, or take constraints = "projection"'
+        if self.treatment in PASSES_SINGULAR:
+            return "Tighten rtol and atol"
+        return (
+            f'Constraints = "{self.treatment}" cannot pass a singular position: take '
+            '"projection", or "ggl" with integrator = "generalized-alpha"'
+        )
+
+    def _cannot_pass(self, integrator: Integrator) -> StopRequest | None:
+        if self.passes and not self.stop:
+            return None
+        t = float(np.clip(self._t_lowest, integrator.t_old, integrator.t))
+        _, names = self._smallest(t, integrator.dense_output()(t))
+        message = f"{self._where(t, names)}: a singular position. {self._advice()}"
+        self.passes.append(t)
+        if self.stop:
+            return StopRequest(t, message, SINGULAR_CODE)
+        self.warnings.append((SINGULAR_CODE, message))
+        return None
+
+    def _came_out(self, integrator: Integrator, last: _State, now: _State) -> StopRequest | None:
+        """Judge a passage that is complete: energy kept, velocity continued."""
+        before = self._before
+        assert before is not None
+        if self._lowest >= SINGULAR * self._typical:
+            return None
+        if self.treatment in PASSES_SINGULAR:
+            self.passes.append(self._t_lowest)
+        loss = abs(now.balance - before.balance) / max(self.energy.in_play, 1e-300)
+        turn = self._turn(last)
+        if loss < LOSS and turn < TURN:
+            return None
+        message = (
+            f"the run came out of the singular position at t = {self._t_lowest:.6g} s on another "
+            f"branch, or with an impact: velocity turned by {turn:.2g}, energy balance changed by "
+            f"{loss:.2g} of the energy in play. What follows is not the motion of the mechanism. "
+            f"{self._advice()}"
+        )
+        if self.stop:
+            return StopRequest(integrator.t, message, BRANCH_CODE)
+        self.warnings.append((BRANCH_CODE, message))
+        return None
+
+    def _turn(self, last: _State) -> float:
+        """Change of velocity from the first to the last state inside, relative.
+
+        Zero where the time spent there explains it: a slow passage may well change its velocity.
+        """
+        first = self._first_inside
+        if first is None:
+            return 0.0
+        change = float(np.linalg.norm(last.velocity - first.velocity))
+        if change <= 10.0 * self._hardest * (last.t - first.t):
+            return 0.0
+        return change / max(float(np.linalg.norm(first.velocity)), 1e-300)
+
+
+def _size(C: Array) -> float:
+    """Return a bound of the largest singular value, without finding it."""
+    absolute = np.abs(C)
+    return float(np.sqrt(absolute.sum(axis=0).max() * absolute.sum(axis=1).max()))

@@ -1,0 +1,87 @@
+"""Virtual bodies: a massless rigid body between a flexible body's interface and its joints.
+
+The paper (section 2.2) writes joints between rigid bodies only: a virtual body is fixed to the
+interface by six constraints, and the joint stands on the virtual body. A marker has the same six
+equations substituted (bodies/marker.py), so that both give the same motion; this one has twelve
+more unknowns for every interface: six coordinates and six multipliers.
+
+The mass matrix is singular then, the saddle-point matrix is not: what a virtual body does follows
+from its flexible body through the six constraints, and M is positive definite on all motions that
+the constraints allow.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from .assemble import Body, JointTable, MarkerTable, rigid_body
+from .model import GROUND, Model
+from .package.schema import Array
+
+
+@dataclass(frozen=True)
+class VirtualBodies:
+    """A mechanism's tables with virtual bodies behind its own."""
+
+    bodies: list[Body]  # the virtual ones
+    markers: list[MarkerTable]  # all; those of the mechanism keep their numbers
+    joints: list[JointTable]  # all; those of the mechanism keep their numbers
+    carriers: list[tuple[int, Array]] = field(default_factory=list)  # body, place (3,) in it [m]
+
+    def frames(self, r: Array, A: Array) -> list[tuple[Array, Array]]:
+        """Return where the virtual bodies are, for frames r (nb, 3), A (nb, 3, 3) at rest."""
+        return [(r[body] + A[body] @ x, A[body]) for body, x in self.carriers]
+
+    def scaled(self, model: Model) -> Model:
+        """Return the model with the inertia of the carriers as scale of the virtual bodies."""
+        if not self.carriers:
+            return model
+        scale = model.inertia_scale.copy()
+        first = model.n_body - len(self.carriers)
+        for k, (body, _) in enumerate(self.carriers):
+            i, j = int(model.vel_start[body]), int(model.vel_start[first + k])
+            scale[j : j + 6] = scale[i : i + 6]
+        return model._replace(inertia_scale=scale)
+
+
+def through_virtual_bodies(
+    bodies: Sequence[Body], markers: Sequence[MarkerTable], joints: Sequence[JointTable]
+) -> VirtualBodies:
+    """Return the tables with every joint end on a flexible body moved to a virtual body.
+
+    All joints of one interface share a virtual body. After section 2.2 of the paper.
+    """
+    all_markers = list(markers)
+    virtual: list[Body] = []
+    carriers: list[tuple[int, Array]] = []
+    ties: list[JointTable] = []
+    number: dict[tuple[int, bytes, bytes], int] = {}  # interface -> its virtual body
+    moved: dict[int, int] = {}  # marker on a flexible body -> marker on its virtual body
+
+    def on_virtual_body(k: int) -> int:
+        marker = markers[k]
+        if marker.body == GROUND or not bodies[marker.body].mass.size:
+            return k
+        if k not in moved:
+            interface = (marker.body, marker.x.tobytes(), marker.phi.tobytes())
+            if interface not in number:
+                number[interface] = len(bodies) + len(virtual)
+                name = f"{bodies[marker.body].name} (virtual {len(virtual) + 1})"
+                virtual.append(rigid_body(name, 0.0, np.zeros(3), np.zeros((3, 3))))
+                carriers.append((marker.body, marker.x))
+                all_markers.append(
+                    MarkerTable(marker.body, marker.x, np.eye(3), marker.phi, marker.psi)
+                )
+                all_markers.append(MarkerTable(number[interface], np.zeros(3)))
+                last = len(all_markers) - 1
+                ties.append(JointTable(name, "fixed", last - 1, last))
+            all_markers.append(MarkerTable(number[interface], np.zeros(3), marker.A))
+            moved[k] = len(all_markers) - 1
+        return moved[k]
+
+    own = [
+        replace(j, marker_1=on_virtual_body(j.marker_1), marker_2=on_virtual_body(j.marker_2))
+        for j in joints
+    ]
+    return VirtualBodies(virtual, all_markers, own + ties, carriers)

@@ -1,0 +1,59 @@
+"""Case files of rigid bodies in a few lines, run to their signals."""
+
+from pathlib import Path
+
+import numpy as np
+
+from plymotion.solver.case import load_case
+from plymotion.solver.case.specs import write_case
+from plymotion.solver.run import execute, read_run
+
+HEAD = 'format = 1\ntitle = "sample"\n'
+SOLVER = """
+[solver]
+t_end = {t_end}
+output_step = {step}
+integrator = "rk8"
+rtol = 1e-10
+atol_position = 1e-12
+atol_velocity = 1e-12
+{more}
+[runs.base]
+"""
+
+
+def rigid(name: str, mass: float, inertia, interfaces: dict, **keys) -> str:
+    """A rigid body with a diagonal inertia and named points."""
+    J = np.diag(np.broadcast_to(np.array(inertia, dtype=float), 3)).tolist()
+    points = ", ".join(
+        f"{point} = {{ position = {[float(x) for x in at]} }}" for point, at in interfaces.items()
+    )
+    more = "\n".join(f"{key} = {list(map(float, value))}" for key, value in keys.items())
+    return (
+        f'[bodies.{name}]\nkind = "rigid"\nmass = {mass}\ninertia = {J}\n'
+        f"interfaces = {{ {points} }}\n{more}\n"
+    )
+
+
+def run_text(folder: Path, text: str, *, t_end: float, step: float, more: str = "", packages=None):
+    """Times, signals by name and summary of the only run of a case, written as text."""
+    file = folder / "case.toml"
+    file.write_text(HEAD + text + SOLVER.format(t_end=t_end, step=step, more=more))
+    write_case(load_case(file), folder / "build", packages)
+    result, summary = execute(read_run(folder / "build/runs/base.json"), progress=False)
+    return result.t, {s.name: s.values for s in result.signals}, summary
+
+
+def case_runs(repository: Path, name: str, folder: Path, *, coarse: bool = False) -> Path:
+    """Check a case of the repository into a folder, with its shipped packages; its run files."""
+    case = load_case(repository / "cases" / name / "case.toml", coarse=coarse)
+    write_case(case, folder, repository / "tests/packages" / name)
+    return folder / "runs"
+
+
+def run_case(file: Path, **solver):
+    """Times, signals by name and summary of a run, with some keys of its solver changed."""
+    spec = read_run(file)
+    spec.mechanism["solver"] |= solver
+    result, summary = execute(spec, progress=False)
+    return result.t, {s.name: s.values for s in result.signals}, summary

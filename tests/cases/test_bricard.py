@@ -1,0 +1,25 @@
+"""Bricard's mechanism, with its redundant equation and without."""
+
+import tomllib
+
+import numpy as np
+import pytest
+from case_samples import case_runs, run_case
+
+
+@pytest.fixture(scope="module")
+def reference(repository):
+    return tomllib.loads((repository / "tests/reference/dynamics/a04_bricard.toml").read_text())
+
+
+@pytest.mark.parametrize("name", ["hinges", "independent"])
+def test_motion_for_ten_seconds(name, repository, tmp_path, reference):
+    runs = case_runs(repository, "bricard", tmp_path)
+    t, s, summary = run_case(runs / f"{name}.json")
+    assert summary["completed"]
+    for point in reference["positions"]:
+        k = int(np.searchsorted(t, point["t"] - 1e-9))
+        error = np.linalg.norm([s[c][k] - x for c, x in zip("xyz", point["x"], strict=True)])
+        assert error < reference["tolerance"], point
+    assert summary["checks"]["degrees_of_freedom"] == 1
+    assert summary["checks"]["energy_drift_relative"] < 1e-6

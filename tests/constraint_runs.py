@@ -1,0 +1,97 @@
+"""Runs of the sample mechanisms under every treatment of constraints, for tests and benchmarks."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from mechanism_samples import Sample
+
+from plymotion.solver.closures import constrained_system, projection, right_hand_side
+from plymotion.solver.constraints.treatment import IMPLICIT, Treatment, treated
+from plymotion.solver.initial import consistent_state, redundancy
+from plymotion.solver.integrate import (
+    Integrator,
+    Solution,
+    integrate,
+    new_constrained_integrator,
+    new_integrator,
+)
+from plymotion.solver.model import Model
+from plymotion.solver.singularity import SingularityMonitor
+from plymotion.solver.system import assemble, constraint_rates, energies
+
+
+@dataclass
+class Run:
+    """A run and what was seen at the end of each of its steps."""
+
+    model: Model
+    solution: Solution
+    monitor: SingularityMonitor
+    t: np.ndarray  # (k,) ends of steps, the start included
+    position: np.ndarray  # (k,) largest |Phi|
+    velocity: np.ndarray  # (k,) largest |Phidot|
+    energy: np.ndarray  # (k,)
+
+
+def prepared(sample: Sample, treatment: Treatment) -> tuple[Model, np.ndarray]:
+    """The model ready for a treatment, and its consistent start."""
+    y0 = consistent_state(sample.model, sample.start, sample.names)
+    count = redundancy(sample.model, y0, sample.names).count
+    return treated(sample.model, treatment)._replace(redundant=count), y0
+
+
+def new_run(
+    model: Model, y0: np.ndarray, treatment: Treatment, integrator: str, t_end: float, **options
+) -> Integrator:
+    """An integrator as run.py makes it, without a case."""
+    starts = [0, model.n_pos, model.n_pos + model.n_vel]
+    options = {"block_starts": starts} | options
+    if treatment.name in IMPLICIT:
+        return new_constrained_integrator(
+            "generalized-alpha",
+            constrained_system(model),
+            0.0,
+            y0,
+            t_end,
+            formulation=treatment.name,
+            spectral_radius=treatment.spectral_radius,
+            **options,
+        )
+    if treatment.name == "projection":
+        options["project"] = projection(model)
+    return new_integrator(integrator, right_hand_side(model), 0.0, y0, t_end, **options)
+
+
+def run(
+    sample: Sample,
+    treatment: Treatment | str,
+    times,
+    integrator: str = "rk8",
+    rtol: float = 1e-8,
+    stop: bool = True,
+    **options,
+) -> Run:
+    """Run a sample to the last of `times`, with absolute tolerances of rtol / 100."""
+    treatment = Treatment(treatment) if isinstance(treatment, str) else treatment
+    model, y0 = prepared(sample, treatment)
+    times = np.asarray(times, dtype=float)
+    options = {"rtol": rtol, "atol": 1e-2 * rtol} | options
+    made = new_run(model, y0, treatment, integrator, float(times[-1]), **options)
+    monitor = SingularityMonitor(model, sample.names, treatment.name, stop=stop)
+    monitor.at_start(0.0, y0)
+    rows = [_seen(model, 0.0, y0)]
+
+    def follow(i: Integrator):
+        rows.append(_seen(model, i.t, i.y))
+        return monitor(i)
+
+    solution = integrate(made, times, follow)
+    t, position, velocity, energy = np.array(rows).T
+    return Run(model, solution, monitor, t, position, velocity, energy)
+
+
+def _seen(model: Model, t: float, y: np.ndarray) -> tuple[float, float, float, float]:
+    equations = assemble(model, t, y)
+    rates = constraint_rates(model, equations, y)
+    balance = energies(model, equations, y).sum() - y[-1]
+    return t, np.abs(equations.Phi).max(), np.abs(rates).max(), balance

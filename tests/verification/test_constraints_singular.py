@@ -1,0 +1,156 @@
+"""Singular positions: passed by the exact branch, or ended with words that name the cause."""
+
+import tomllib
+
+import numpy as np
+import pytest
+from constraint_runs import prepared, run
+from mechanism_samples import bricard, chain, four_bars
+
+from plymotion.solver.constraints.treatment import Treatment
+from plymotion.solver.integrate import integrate, new_integrator
+from plymotion.solver.singularity import BRANCH_CODE, SINGULAR_CODE, SingularityMonitor
+from plymotion.solver.system import derivative
+
+ALL_JOINTS = ["foot 0", "foot 1", "left 0", "right 0"]
+
+
+@pytest.fixture(scope="module")
+def reference(repository):
+    file = repository / "tests/reference/dynamics/a02_n_four_bar.toml"
+    return tomllib.loads(file.read_text())
+
+
+def _passes(n, t_end):
+    """Times at which parallel uprights of N = n are horizontal, from their own equation."""
+    from scipy.integrate import solve_ivp
+
+    pull = 9.81 * (3 * (n + 1) + 6 * n) / (2 * (n + 1) + 6 * n)
+    flat = [lambda t, z: np.cos(z[0])]
+    flat[0].terminal = False
+    motion = solve_ivp(
+        lambda t, z: [z[1], -pull * np.cos(z[0])],
+        (0.0, t_end),
+        [np.pi / 2, -1.0],
+        events=[lambda t, z: np.cos(z[0] - np.pi / 2)],
+        rtol=1e-12,
+        atol=1e-12,
+    )
+    return motion.t_events[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "integrator", "rtol"),
+    [
+        ("projection", "rk8", 1e-6),
+        ("projection", "rk8", 1e-8),
+        ("projection", "gear", 1e-7),
+        ("augmented-lagrangian", "rk8", 1e-5),
+    ],
+)
+def test_ten_singular_passes(name, integrator, rtol, reference):
+    """A02 with N = 2: all ten are seen, and the motion stays on its branch."""
+    sample = four_bars(2)
+    done = run(sample, name, [0.0, 4.0, 10.0], integrator, rtol)
+    assert done.solution.status == "finished", done.solution.message
+    place = sample.place(done.solution.y)[:, :2]
+    goal = reference["n-2"]
+    assert np.linalg.norm(place[1] - goal["at_4"]) < reference["tolerance"]
+    assert np.linalg.norm(place[2] - goal["exact"]) < reference["tolerance"]
+    assert np.ptp(done.energy) < reference["energy_tolerance"]
+    assert not done.monitor.warnings
+    assert len(done.monitor.passes) == 10
+    np.testing.assert_allclose(done.monitor.passes, _passes(2, 10.0), atol=1e-3)
+    assert abs(done.monitor.passes[0] - goal["first_pass"]) < 1e-4
+
+
+@pytest.mark.parametrize("name", ["ggl", "index3"])
+def test_generalized_alpha_stays_on_the_branch(name, reference):
+    """Second order: the phase at 10 s is off, the branch and the number of passes are not."""
+    done = run(four_bars(1), name, [0.0, 10.0], rtol=1e-5)
+    assert done.solution.status == "finished"
+    assert not done.monitor.warnings
+    exact = _passes(1, 10.0)
+    assert len(done.monitor.passes) == exact.size
+    np.testing.assert_allclose(done.monitor.passes, exact, atol=0.03)
+
+
+@pytest.mark.parametrize(("name", "integrator"), [("index1", "rk8"), ("baumgarte", "gear")])
+def test_treatments_that_divide_by_zero_end_with_the_cause(name, integrator):
+    done = run(four_bars(1), name, [0.0, 10.0], integrator, rtol=1e-7)
+    assert (done.solution.status, done.solution.code) == ("stopped", SINGULAR_CODE)
+    assert done.solution.t[-1] == pytest.approx(_passes(1, 1.0)[0], abs=1e-4)
+    message = done.solution.message
+    assert "loses rank at t = 0.70" in message
+    assert all(joint in message for joint in ALL_JOINTS)
+    assert '"projection"' in message
+
+
+def test_a_run_that_goes_on_regardless_is_seen_on_another_branch():
+    """Told to warn only, index 1 turns off its branch with its energy kept: found by velocity."""
+    sample = four_bars(1)
+    done = run(sample, "index1", [0.0, 2.5], "rk8", rtol=1e-9, stop=False)
+    codes = [code for code, _ in done.monitor.warnings]
+    assert SINGULAR_CODE in codes
+    assert BRANCH_CODE in codes
+    assert np.ptp(done.energy) < 1e-2, "the energy alone would not tell"
+
+
+def test_landing_on_another_branch_ends_a_run_of_any_treatment():
+    """Projection with a solution that divides by the vanishing singular value."""
+    sample = four_bars(2)
+    treatment = Treatment("projection")
+    model, y0 = prepared(sample, treatment)
+    from constraint_runs import new_run
+
+    made = new_run(
+        model._replace(penalty=0.0), y0, treatment, "rk8", 2.0, rtol=1e-8, atol=1e-10
+    )
+    monitor = SingularityMonitor(model, sample.names, "projection")
+    monitor.at_start(0.0, y0)
+    solution = integrate(made, [0.0, 2.0], monitor)
+    assert (solution.status, solution.code) == ("stopped", BRANCH_CODE)
+    assert "another branch" in solution.message
+    assert "t = 0.714" in solution.message
+
+
+def test_a_failure_in_a_singular_position_is_explained():
+    sample = four_bars(1)
+    model, y0 = prepared(sample, Treatment("index1"))
+    monitor = SingularityMonitor(model, sample.names, "index1")
+    monitor.at_start(0.0, y0)
+    assert monitor.explain(0.0, y0) == ""
+
+    def until_nearly_flat(t, y):
+        if t > 0.708:
+            raise np.linalg.LinAlgError("singular matrix")
+        return derivative(model, t, y)
+
+    broken = new_integrator("rk8", until_nearly_flat, 0.0, y0, 1.0, rtol=1e-6, atol=1e-8)
+    solution = integrate(broken, [0.0, 1.0])
+    assert solution.status == "failed"
+    words = monitor.explain(float(solution.t[-1]), solution.y[-1])
+    assert "loses rank at t = 0.70" in words
+    assert "left 0" in words
+
+
+@pytest.mark.parametrize("make", [bricard, lambda: chain(3), lambda: chain(4, "spherical")])
+@pytest.mark.parametrize("name", ["baumgarte", "projection"])
+def test_no_alarm_where_nothing_is_singular(make, name):
+    done = run(make(), name, [0.0, 2.0], rtol=1e-6)
+    assert done.solution.status == "finished"
+    assert not done.monitor.passes
+    assert not done.monitor.warnings
+
+
+def test_forty_loops_pass_their_first_singular_position(reference):
+    """Forty singular values vanish at once; 120 of 605 equations are redundant."""
+    sample = four_bars(40)
+    done = run(sample, "projection", [0.0, 0.75], "rk8", rtol=1e-5)
+    assert done.solution.status == "finished", done.solution.message
+    assert done.model.redundant == 120
+    assert done.monitor.passes == [pytest.approx(reference["n-40"]["first_pass"], abs=1e-5)]
+    feet = np.arange(41.0)
+    y = done.solution.y[-1]
+    middles = np.array([y[7 * i : 7 * i + 3] for i in range(41)]) - feet[:, None] * [1, 0, 0]
+    assert np.ptp(middles, axis=0).max() < 1e-9, "uprights are no longer parallel"

@@ -1,0 +1,80 @@
+"""Joints at flexible bodies by markers and by virtual bodies: the same motion and forces."""
+
+from copy import deepcopy
+
+import numpy as np
+import pytest
+
+from plymotion.solver.case import load_case
+from plymotion.solver.case.specs import write_case
+from plymotion.solver.initial import consistent_state
+from plymotion.solver.mechanism import build
+from plymotion.solver.run import execute, read_run
+from plymotion.solver.system import assemble
+
+REACTIONS = {
+    f"{joint}_{component}": {
+        "kind": "reaction",
+        "joint": joint,
+        "quantity": "force",
+        "component": component,
+        "side": 1,
+        "axes": "joint",
+        "divide_by": None,
+        "description": "",
+    }
+    for joint in ("shoulder", "elbow")
+    for component in "xyz"
+}
+
+
+@pytest.fixture(scope="module")
+def spec(repository, tmp_path_factory):
+    """The double pendulum from its shipped packages, 20 ms of it."""
+    folder = tmp_path_factory.mktemp("build")
+    case = load_case(repository / "cases/double-pendulum/case.toml")
+    write_case(case, folder, repository / "tests/packages/double-pendulum")
+    spec = read_run(folder / "runs/isotropic.json")
+    spec.mechanism["solver"] |= {
+        "t_end": 0.02,
+        "rtol": 1e-9,
+        "atol_position": 1e-12,
+        "atol_velocity": 1e-10,
+    }
+    spec.mechanism["signals"] |= REACTIONS
+    return spec
+
+
+def _attached(spec, how):
+    changed = deepcopy(spec)
+    changed.mechanism["solver"]["attachment"] = how
+    return changed
+
+
+def test_same_motion_and_reactions(spec):
+    found = {}
+    for how in ("marker", "virtual"):
+        result, summary = execute(_attached(spec, how), progress=False)
+        assert summary["completed"]
+        found[how] = {s.name: s.values for s in result.signals}
+        assert summary["checks"]["energy_drift_relative"] < 1e-9
+    for name, values in found["marker"].items():
+        size = max(1.0, np.abs(values).max())
+        np.testing.assert_allclose(found["virtual"][name], values, atol=1e-8 * size, err_msg=name)
+
+
+def test_saddle_point_stays_regular_without_mass(spec):
+    """The mass matrix loses six ranks for each virtual body; the whole matrix is regular."""
+    how = _attached(spec, "virtual")
+    built = build(how.mechanism, how.packages)
+    model = built.model
+    assert model.n_body == 2 + 3  # arm root, arm tip, hand root
+    y = consistent_state(model, built.start, built.joint_names)
+    equations = assemble(model, 0.0, y)
+    assert np.linalg.matrix_rank(equations.M) == model.n_vel - 6 * 3
+    n, n_c = model.n_vel, model.n_constraint
+    A = np.zeros((n + n_c, n + n_c))
+    A[:n, :n], A[n:, :n], A[:n, n:] = equations.M, equations.Phi_q, equations.Phi_q.T
+    scale = 1.0 / np.sqrt(np.abs(A).max(axis=1))  # of units, not of the problem
+    assert np.linalg.cond(scale[:, None] * A * scale) < 1e9
+    np.testing.assert_allclose(y[model.pos_start[2:]], [0.0, 0.545, 0.545], atol=1e-12)
