@@ -45,7 +45,7 @@ def test_feedback_bounds_the_drift(name, integrator):
     after_2, after_10 = held.position[held.t < 2].max(), held.position[held.t > 8].max()
     assert after_10 < 2 * after_2
     assert after_10 < 0.1 * free.position.max()
-    assert 1e-14 < after_10, "bounded, not gone"
+    assert after_10 > 1e-14, "bounded, not gone"
 
 
 @pytest.mark.parametrize("integrator", ["rk5", "rk8", "gear"])

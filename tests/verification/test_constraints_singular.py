@@ -103,9 +103,7 @@ def test_landing_on_another_branch_ends_a_run_of_any_treatment():
     model, y0 = prepared(sample, treatment)
     from constraint_runs import new_run
 
-    made = new_run(
-        model._replace(penalty=0.0), y0, treatment, "rk8", 2.0, rtol=1e-8, atol=1e-10
-    )
+    made = new_run(model._replace(penalty=0.0), y0, treatment, "rk8", 2.0, rtol=1e-8, atol=1e-10)
     monitor = SingularityMonitor(model, sample.names, "projection")
     monitor.at_start(0.0, y0)
     solution = integrate(made, [0.0, 2.0], monitor)
