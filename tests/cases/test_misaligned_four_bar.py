@@ -32,10 +32,13 @@ def test_flexible_bars_turn(runs):
     """The crank turns, hinge C leaves the plane, and closes again after a whole turn."""
     t, s, summary = run_case(runs / "flexible.json")
     assert summary["completed"]
-    np.testing.assert_allclose(s["crank_angle"], -0.6 * t, atol=1e-6)
-    assert np.abs(s["C_z"]).max() > 1e-3
+    at_speed = t >= 1.0
+    np.testing.assert_allclose(s["crank_angle"][at_speed], -0.6 * (t[at_speed] - 0.5), atol=1e-6)
+    assert 4e-3 < np.abs(s["C_z"]).max() < 5e-3
     turn = 2 * np.pi / 0.6
-    for name in ("C_x", "C_y", "C_z"):
+    again = at_speed & (t + turn <= t[-1])
+    assert again.sum() > 50
+    for name in ("C_x", "C_y", "C_z", "torque", "moment"):
+        later = np.interp(t[again] + turn, t, s[name])
         size = np.ptp(s[name])
-        later = np.interp(t[t + turn <= 12.0] + turn, t, s[name])
-        np.testing.assert_allclose(later, s[name][: len(later)], atol=0.01 * size, err_msg=name)
+        np.testing.assert_allclose(later, s[name][again], atol=0.01 * size, err_msg=name)
