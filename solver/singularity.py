@@ -22,26 +22,19 @@ from .system import assemble
 SINGULAR_CODE = "singular-position"
 BRANCH_CODE = "branch-change"
 NEAR, SINGULAR = 0.05, 1e-3  # smallest singular value, over the largest that it had in the run
-SMALL_CHANGE = 0.5  # of the scaled Jacobian: singular vectors are still recognised
+SMALL_CHANGE = 0.5  # of the scaled Jacobian: one valley at most
 TURN = 0.2  # change of velocity within the neighbourhood of a singular position, relative
 LOSS = 1e-3  # of the energy in play, there
 GOLDEN = 0.5 * (5.0**0.5 - 1.0)
 
 
 @dataclass
-class _Spectrum:
-    """Scaled Jacobian C (n_c, n) at a time, and the singular values that count."""
+class _Rank:
+    """Scaled Jacobian C (n_c, n) at a time, and the smallest singular value that counts."""
 
     t: float
     C: Array
-    U: Array
-    s: Array
-    Vt: Array
-
-    @property
-    def smallest(self) -> float:
-        """The one that vanishes in a singular position."""
-        return float(self.s[-1])
+    sigma: float
 
 
 @dataclass
@@ -59,9 +52,9 @@ class SingularityMonitor:
     """Find singular positions as a run goes through them, and judge how it came out.
 
     The smallest singular value sigma that counts is followed from step to step. It cannot
-    change by more than the Jacobian C does (Weyl), so that most steps need no decomposition.
-    Between two positions it has passed through zero if some u' C v changed its sign, u and v
-    being singular vectors of a small sigma; steps in which C changes much are divided for that.
+    change by more than the Jacobian C does (Weyl), so that most steps need no decomposition. It
+    has passed through zero where it falls at the beginning of a step and rises at its end,
+    steeply enough; steps in which C changes much are divided for that.
     """
 
     model: Model
@@ -75,7 +68,7 @@ class SingularityMonitor:
         self._rank = min(self.model.n_constraint - self.model.redundant, self.model.n_vel)
         self.energy = EnergyMonitor(self.model)
         self._last: _State | None = None
-        self._spectrum: _Spectrum | None = None  # the last that was needed
+        self._known: _Rank | None = None  # the last that was needed
         self._path = 0.0  # change of C since then
         self._typical = 0.0  # largest of the smallest singular values so far
         self._before: _State | None = None  # last state before the neighbourhood, if inside it
@@ -87,25 +80,25 @@ class SingularityMonitor:
         """Take the state that the run starts from."""
         self._last = self._state(t, y)
         if self._rank:
-            self._spectrum = self._decompose(t, self._last.C)
+            self._known = self._decompose(t, self._last.C)
 
     def __call__(self, integrator: Integrator) -> StopRequest | None:
         """Judge the step just taken; called by `integrate`."""
         assert self._last is not None, "at_start comes first"
         last, now = self._last, self._state(integrator.t, integrator.y)
         self._last = now
-        if self._spectrum is None:
+        if self._known is None:
             return None
         self._path += _size(now.C - last.C)
-        if self._before is None and self._path < 0.5 * self._spectrum.smallest:
+        if self._before is None and self._path < 0.5 * self._known.sigma:
             self._regular(last, now)
             return None
-        before = self._spectrum
+        before = self._known
         if before.t < last.t:
             before = self._decompose(last.t, last.C)
-        self._spectrum, self._path = self._decompose(now.t, now.C), 0.0
-        interval = self._crossing(before, self._spectrum, integrator)
-        sigma = self._spectrum.smallest
+        self._known, self._path = self._decompose(now.t, now.C), 0.0
+        interval = self._valley(before, self._known, integrator)
+        sigma = self._known.sigma
         near = sigma < NEAR * self._typical
         if not (near or interval or self._before is not None):
             self._regular(last, now)
@@ -129,7 +122,7 @@ class SingularityMonitor:
 
     def explain(self, t: float, y: Array) -> str:
         """Words on a run that failed at (t, y), if it is a singular position that stopped it."""
-        if self._spectrum is None:
+        if self._known is None:
             return ""
         sigma, names = self._smallest(t, y)
         if sigma > NEAR * self._typical:
@@ -147,27 +140,32 @@ class SingularityMonitor:
         change = float(np.linalg.norm(now.velocity - last.velocity))
         self._hardest = max(self._hardest, change / (now.t - last.t))
 
-    def _decompose(self, t: float, C: Array) -> _Spectrum:
-        U, s, Vt = np.linalg.svd(C, full_matrices=False)
-        r = self._rank
-        self._typical = max(self._typical, float(s[r - 1]))
-        return _Spectrum(t, C, U[:, :r], s[:r], Vt[:r])
+    def _decompose(self, t: float, C: Array) -> _Rank:
+        sigma = float(np.linalg.svd(C, compute_uv=False)[self._rank - 1])
+        self._typical = max(self._typical, sigma)
+        return _Rank(t, C, sigma)
 
-    def _crossing(
-        self, a: _Spectrum, b: _Spectrum, integrator: Integrator
-    ) -> tuple[float, float] | None:
-        """Return times between which a singular value goes through zero; None if none does."""
+    def _at(self, t: float, dense: Dense) -> _Rank:
+        Phi_q = assemble(self.model, t, dense(t)).Phi_q
+        return self._decompose(t, scaled_jacobian(Phi_q, self.model.inertia_scale))
+
+    def _valley(self, a: _Rank, b: _Rank, integrator: Integrator) -> tuple[float, float] | None:
+        """Return times between which sigma may go through zero; None if it does not."""
         change = _size(b.C - a.C)
-        if a.smallest + b.smallest > change:
+        if a.sigma + b.sigma > change:
             return None
-        if change < SMALL_CHANGE or b.t - a.t < 0.02 * integrator.h:
-            small = a.s < 2.0 * change
-            there = np.einsum("ik,ij,kj->k", a.U[:, small], b.C, a.Vt[small])
-            return (a.t, b.t) if np.any(there < 0.0) else None
-        t = 0.5 * (a.t + b.t)
-        equations = assemble(self.model, t, integrator.dense_output()(t))
-        middle = self._decompose(t, scaled_jacobian(equations.Phi_q, self.model.inertia_scale))
-        return self._crossing(a, middle, integrator) or self._crossing(middle, b, integrator)
+        dense = integrator.dense_output()
+        if change > SMALL_CHANGE and b.t - a.t > 0.02 * integrator.h:
+            middle = self._at(0.5 * (a.t + b.t), dense)
+            return self._valley(a, middle, integrator) or self._valley(middle, b, integrator)
+        ahead = 1e-6 * (b.t - a.t)
+        fall = (a.sigma - self._at(a.t + ahead, dense).sigma) / ahead
+        rise = (b.sigma - self._at(b.t - ahead, dense).sigma) / ahead
+        if fall <= 0.0 or rise <= 0.0:
+            return None
+        # where the tangents at both ends meet
+        bottom = (rise * a.sigma + fall * b.sigma - fall * rise * (b.t - a.t)) / (fall + rise)
+        return (a.t, b.t) if bottom < NEAR * self._typical else None
 
     def _smallest(self, t: float, y: Array) -> tuple[float, list[str]]:
         """Smallest singular value that counts, and the joints whose rows make it."""
@@ -186,17 +184,17 @@ class SingularityMonitor:
     def _locate(self, a: float, b: float, dense: Dense) -> None:
         """Find the smallest singular value between times a and b, by golden section."""
         c, d = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
-        at_c, at_d = (self._smallest(x, dense(x))[0] for x in (c, d))
+        at_c, at_d = self._at(c, dense).sigma, self._at(d, dense).sigma
         accuracy = 1e-7 * (b - a) + 4 * np.spacing(b)
         while b - a > accuracy:
             if at_c < at_d:
                 b, d, at_d = d, c, at_c
                 c = b - GOLDEN * (b - a)
-                at_c = self._smallest(c, dense(c))[0]
+                at_c = self._at(c, dense).sigma
             else:
                 a, c, at_c = c, d, at_d
                 d = a + GOLDEN * (b - a)
-                at_d = self._smallest(d, dense(d))[0]
+                at_d = self._at(d, dense).sigma
         if min(at_c, at_d) < self._lowest:
             self._lowest, self._t_lowest = min((at_c, c), (at_d, d))
 
@@ -207,7 +205,7 @@ class SingularityMonitor:
         if self.treatment == "augmented-lagrangian":
             return 'Raise `frequency`, or take constraints = "projection"'
         if self.treatment in PASSES_SINGULAR:
-            return "Tighten rtol and atol"
+            return "Tighten rtol and atol; lengths that do not quite fit act so as well"
         return (
             f'Constraints = "{self.treatment}" cannot pass a singular position: take '
             '"projection", or "ggl" with integrator = "generalized-alpha"'

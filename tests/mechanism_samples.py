@@ -63,8 +63,8 @@ class Rods:
         k = self.marker(one, point, axis)
         self.joints.append(JointTable(name, kind, k, self.marker(two, point, axis)))
 
-    def sample(self, probe: tuple[int, tuple], velocities=None, **options) -> Sample:
-        """`velocities`: body -> (velocity of its middle, angular velocity); others follow."""
+    def sample(self, probe: tuple[int, tuple], spins=None, **options) -> Sample:
+        """`spins`: body -> angular velocity at the start; all other velocities follow."""
         at = self.marker(*probe)
         model = assemble_model(self.bodies, self.markers, self.joints, **options)
         positions, velocity = np.zeros(model.n_pos), np.zeros(model.n_vel)
@@ -72,30 +72,32 @@ class Rods:
         for i, centre in enumerate(self.centres):
             positions[7 * i : 7 * i + 3] = centre
             positions[7 * i + 3] = 1.0
-        for i, value in (velocities or {}).items():
-            velocity[6 * i : 6 * i + 6] = np.concatenate(value)
-            given[6 * i : 6 * i + 6] = True
+        for i, spin in (spins or {}).items():
+            velocity[6 * i + 3 : 6 * i + 6] = spin
+            given[6 * i + 3 : 6 * i + 6] = True
         return Sample(model, Start(positions, velocity, given), [j.name for j in self.joints], at)
 
 
 GRAVITY = (0.0, -9.81, 0.0)
 
 
-def four_bars(n: int) -> Sample:
+def four_bars(n: int, misfit: float = 0.0) -> Sample:
     """A02, the N-four-bar mechanism: n + 1 uprights, n couplers, singular when horizontal.
 
-    All joints are hinges about z, so each loop also has three redundant equations.
+    All joints are hinges about z, so each loop also has three redundant equations. With a misfit
+    [m] the last foot stands too far away: the branches no longer meet, they turn into each other.
     """
     rods = Rods()
     uprights = [rods.rod((i, 0, 0), (i, 1, 0)) for i in range(n + 1)]
     couplers = [rods.rod((i, 1, 0), (i + 1, 1, 0)) for i in range(n)]
     for i, upright in enumerate(uprights):
-        rods.joint(f"foot {i}", "revolute", GROUND, upright, (i, 0, 0))
+        away = misfit if i == n else 0.0
+        k = rods.marker(GROUND, (i + away, 0, 0))
+        rods.joints.append(JointTable(f"foot {i}", "revolute", k, rods.marker(upright, (i, 0, 0))))
     for i, coupler in enumerate(couplers):
         rods.joint(f"left {i}", "revolute", uprights[i], coupler, (i, 1, 0))
         rods.joint(f"right {i}", "revolute", uprights[i + 1], coupler, (i + 1, 1, 0))
-    velocity = {uprights[0]: ((0.5, 0, 0), (0, 0, -1.0))}
-    return rods.sample((uprights[0], (0, 1, 0)), velocity, gravity_G=GRAVITY)
+    return rods.sample((uprights[0], (0, 1, 0)), {uprights[0]: (0, 0, -1.0)}, gravity_G=GRAVITY)
 
 
 def bricard() -> Sample:

@@ -1,0 +1,44 @@
+"""Choosing a treatment: defaults, combinations, messages."""
+
+import pytest
+from mechanism_samples import pendulum
+
+from plymotion.solver.constraints.treatment import TREATMENTS, Treatment, treated, treatment_of
+from plymotion.solver.errors import InputError
+
+
+def test_an_old_solver_table_is_as_before():
+    treatment = treatment_of({"integrator": "gear", "alpha": 4.0, "beta": 3.0})
+    assert (treatment.name, treatment.alpha, treatment.beta) == ("baumgarte", 4.0, 3.0)
+
+
+def test_parameters_are_read():
+    keys = {"constraints": "augmented-lagrangian", "penalty": 1e5, "frequency": 20.0, "ratio": 0.7}
+    treatment = treatment_of({"integrator": "rk8", "t_end": 1.0, **keys})
+    model = treated(pendulum().model, treatment)
+    assert (model.penalty, model.alpha, model.beta) == (1e5, 14.0, 20.0)
+
+
+def test_only_its_own_parameters_reach_the_step_loop():
+    given = {name: treated(pendulum().model, Treatment(name)) for name in TREATMENTS}
+    for name in ("index1", "projection", "ggl", "index3"):
+        assert (given[name].alpha, given[name].beta) == (0.0, 0.0)
+    assert (given["baumgarte"].alpha, given["baumgarte"].beta) == (5.0, 5.0)
+    assert [name for name, m in given.items() if m.penalty > 0] == [
+        "augmented-lagrangian",
+        "projection",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("solver", "words"),
+    [
+        ({"constraints": "baumgart", "integrator": "rk8"}, "did you mean 'baumgarte'"),
+        ({"constraints": "ggl", "integrator": "rk8"}, 'expected integrator = "generalized-alpha"'),
+        ({"constraints": "projection", "integrator": "generalized-alpha"}, "gear, rk8 or rk5"),
+    ],
+)
+def test_what_does_not_go_together_is_refused(solver, words):
+    with pytest.raises(InputError, match=words) as error:
+        treatment_of(solver)
+    assert "solver.constraints" in str(error.value)

@@ -1,0 +1,97 @@
+"""Reactions: by hand at rest, and against the change of momentum along the motion."""
+
+import numpy as np
+import pytest
+from constraint_runs import prepared, run
+from flexible_samples import body_of, random_marker, random_points, random_state
+from mechanism_samples import bricard, chain, four_bars, pendulum
+
+from plymotion.solver import laws
+from plymotion.solver.assemble import (
+    ForceTable,
+    JointTable,
+    MarkerTable,
+    assemble_model,
+    rigid_body,
+)
+from plymotion.solver.constraints.treatment import TREATMENTS, Treatment
+from plymotion.solver.reactions import acting, joint_reactions, momentum_balance, momentum_rates
+from plymotion.solver.system import accelerations, assemble
+
+KINDS = ("revolute", "fixed", "spherical", "universal", "cylindrical", "prismatic", "planar")
+
+
+def test_clamped_bar_by_hand():
+    """A bar of 2 kg, its centre 0.5 m from the wall: force and moment of the clamp."""
+    body = rigid_body("bar", 2.0, np.array([0.5, 0.0, 0.0]), np.eye(3))
+    markers = [MarkerTable(-1, np.zeros(3)), MarkerTable(0, np.zeros(3))]
+    joints = [JointTable("clamp", "fixed", 0, 1)]
+    model = assemble_model([body], markers, joints, gravity_G=(0.0, -9.81, 0.0))
+    y = np.zeros(14)
+    y[3] = 1.0
+    _, multipliers = accelerations(model, assemble(model, 0.0, y), y)
+    wall, bar = joint_reactions(model, 0.0, y, multipliers)[0]
+    np.testing.assert_allclose(bar, [0, 19.62, 0, 0, 0, 9.81], atol=1e-12)
+    np.testing.assert_allclose(wall, -bar, atol=1e-12)
+
+
+def test_swinging_pendulum_by_hand():
+    """At the bottom the rod carries weight and centripetal force: 3 m g from the horizontal."""
+    sample = pendulum()
+    model, _ = prepared(sample, Treatment("baumgarte"))
+    y = np.zeros(14)
+    y[1], y[3], y[7] = -1.0, 1.0, np.sqrt(2 * 9.81)
+    _, multipliers = accelerations(model, assemble(model, 0.0, y), y)
+    rod = joint_reactions(model, 0.0, y, multipliers)[0]
+    np.testing.assert_allclose(rod[1], [0, 3 * 9.81, 0, 0, 0, 0], atol=1e-12)
+
+
+@pytest.mark.parametrize("name", TREATMENTS)
+@pytest.mark.parametrize("make", [bricard, lambda: four_bars(2), lambda: chain(3, "spherical")])
+def test_momentum_balance_along_the_motion(make, name):
+    """Loads and reactions against differences of momentum, body by body, at output times."""
+    times = np.linspace(0.0, 0.5, 6)
+    done = run(make(), name, times, rtol=1e-5)
+    balance = momentum_balance(done.model, done.solution.t, done.solution.y)
+    assert balance.linear < 1e-8
+    assert balance.angular < 1e-8
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_momentum_balance_of_flexible_bodies_with_everything_on_them(kind):
+    """Joints of every kind, springs, loads and point masses, at random states."""
+    rng = np.random.default_rng(12)
+    bodies = [body_of(random_points(rng, m)) for m in (3, 2)]
+    markers = [
+        MarkerTable(-1, rng.normal(size=3)),
+        random_marker(rng, 0, 3),
+        random_marker(rng, 0, 3),
+        random_marker(rng, 1, 2),
+    ]
+    law = laws.polynomial([0.4, 1.0])
+    joints = [JointTable("a", "revolute", 0, 1), JointTable("b", kind, 2, 3)]
+    forces = [
+        ForceTable("spring", "spring", 0, 3, (40.0, 2.0, 0.7), law),
+        ForceTable("bushing", "bushing", 1, 3, (40.0, 30.0, 20.0, 3.0, 2.0, 1.0, *[0.1] * 6)),
+        ForceTable("hinge spring", "rotary_spring", 2, 3, (3.0, 0.4, 0.2), law),
+        ForceTable("force", "force", 0, 3, (1.0, -2.0, 0.5), law),
+        ForceTable("torque", "torque", 3, 2, (1.0, -2.0, 0.5), law),
+    ]
+    model = assemble_model(
+        bodies, markers, joints, [(3, 0.7), (2, 0.3)], (0.3, -9.81, 0.2), forces=forces
+    )
+    y = np.array([random_state(rng, model, 0.1) for _ in range(4)])
+    balance = momentum_balance(model, np.linspace(0.1, 1.0, 4), y)
+    assert balance.linear < 1e-8
+    assert balance.angular < 1e-8
+
+
+def test_a_wrong_multiplier_is_noticed():
+    sample = chain(2)
+    model, y = prepared(sample, Treatment("baumgarte"))
+    _, multipliers = accelerations(model, assemble(model, 0.0, y), y)
+    rates = momentum_rates(model, 0.0, y)
+    right, _ = acting(model, 0.0, y, multipliers)
+    wrong, _ = acting(model, 0.0, y, multipliers * (1 + 1e-6))
+    assert np.abs(rates - right).max() < 1e-10
+    assert np.abs(rates - wrong).max() > 1e-7
