@@ -30,8 +30,10 @@ SOLVER_SOURCES := $(shell find solver -name '*.py')
 PACKAGE_SOURCES := $(filter solver/package/% solver/rotations.py,$(SOLVER_SOURCES))
 HOT_SOURCES := $(shell grep -lE '@jit|NamedTuple' -r solver --include='*.py')
 REPORT_SOURCES := $(filter solver/report% solver/results%,$(SOLVER_SOURCES))
-SECTION_SOURCES := $(filter solver/section% solver/input% solver/strength%,$(SOLVER_SOURCES))
-RUN_SOURCES := $(filter-out solver/report% solver/case% solver/input% solver/section%,$(SOLVER_SOURCES))
+SECTION_SOURCES := $(filter solver/section% solver/fenicsx_side% solver/input% solver/strength%, \
+    $(SOLVER_SOURCES))
+RUN_SOURCES := $(filter-out solver/report% solver/case% solver/input% solver/section% \
+    solver/shell% solver/fenicsx_side%,$(SOLVER_SOURCES))
 
 ##@ Set-up
 
@@ -63,7 +65,7 @@ ifneq ($(filter fenicsx,$(MAKECMDGOALS)),)
 $(FENICSX): FORCE
 endif
 FENICSX_TOOLS := $(addprefix tools/,find_fenicsx.py fenicsx_sources.py interpreters.py) \
-    $(addprefix solver/section/,interpreter.py fenicsx_probe.py)
+    $(addprefix solver/fenicsx_side/,interpreter.py fenicsx_probe.py)
 $(FENICSX): $(FENICSX_TOOLS) | $(LIGHT)
 	@$(PY) tools/find_fenicsx.py $@
 
@@ -231,12 +233,14 @@ $(CHART): $(CHART_NUMBERS) benchmarks/section_chart.py
 	$(PY) benchmarks/section_chart.py $< $@
 
 .PHONY: docs
-docs: $(LIGHT) ## Regenerate docs/equations.md, case-reference.md, section-description.md
+docs: $(LIGHT) ## Regenerate docs/equations.md, case-reference.md, *-description.md
 	$(PY) tools/equations.py docs/equations.md
 	$(PY) -m plymotion.solver check --reference > docs/case-reference.md.part
 	mv docs/case-reference.md.part docs/case-reference.md
 	$(PY) -m plymotion.solver.section.reference > docs/section-description.md.part
 	mv docs/section-description.md.part docs/section-description.md
+	$(PY) -m plymotion.solver.shell.reference > docs/shell-description.md.part
+	mv docs/shell-description.md.part docs/shell-description.md
 
 .PHONY: clean
 clean: ## Remove everything that was built, not the environments

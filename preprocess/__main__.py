@@ -26,6 +26,17 @@ the names from standard input and answers each at once.
 exit code: 0 all files are there; 2 a section could not be analysed (the others
 were); 130 interrupted.
 """
+SHELL_EPILOG = """\
+Each SPEC.json becomes SPEC.vtkhdf, a shell file: displacements, resultants and
+reactions of its load cases, natural modes. A file whose stored inputs
+(specification, preprocessor sources, format version) are the same is left
+alone. SPEC `-` alone reads the names from standard input and answers each at
+once. `mpirun -n N python -m plymotion.preprocess shell ...` works on one shell
+after the other with all ranks; rank 0 writes and prints.
+
+exit code: 0 all files are there; 2 a shell could not be analysed (the others
+were); 130 interrupted.
+"""
 TOGETHER = """\
 `mpirun -n N python -m plymotion.preprocess section ...` works on one section
 after the other with all ranks; rank 0 writes and prints."""
@@ -87,7 +98,27 @@ def _parser() -> argparse.ArgumentParser:
         _add_specs(section, "specification of one section, as `plymotion section` writes it")
         _add_section_options(section)
         section.set_defaults(run=_section if name == "section" else _section_batch)
+    _add_shell(commands)
     return parser
+
+
+def _add_shell(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    shell = commands.add_parser(
+        "shell",
+        help="analyse laminated plates and shells",
+        description="Analyse laminated plates and shells: load cases and natural modes.",
+        epilog=SHELL_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        fromfile_prefix_chars="@",
+    )
+    _add_specs(shell, "specification of one shell, as `plymotion shell` writes it")
+    place = shell.add_mutually_exclusive_group()
+    place.add_argument("--out", type=Path, metavar="FILE", help="name of the file, for one SPEC")
+    place.add_argument(
+        "--out-dir", type=Path, metavar="DIR", help="folder of the files (default: beside SPEC)"
+    )
+    shell.add_argument("--json", action="store_true", help="tell of each shell as one line of JSON")
+    shell.set_defaults(run=_shell)
 
 
 def _add_specs(parser: argparse.ArgumentParser, text: str) -> None:
@@ -134,6 +165,15 @@ def _section(options: argparse.Namespace) -> int:
     from .section.run import run_sections
 
     return run_sections(options, pool=False)
+
+
+def _shell(options: argparse.Namespace) -> int:
+    from .shell.run import run_shells
+
+    if options.out and (len(options.specs) > 1 or options.specs == [Path("-")]):
+        print("error: --out: expected one SPEC.json; several need --out-dir", file=sys.stderr)
+        return 2
+    return run_shells(options)
 
 
 def _section_batch(options: argparse.Namespace) -> int:

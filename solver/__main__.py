@@ -1,4 +1,4 @@
-"""Command line: check, compile, run, report, info, validate, experimental, section."""
+"""Command line: check, compile, run, report, info, validate, experimental, section, shell."""
 
 import argparse
 import json
@@ -12,6 +12,7 @@ from plymotion import __version__
 from .errors import InputError
 from .package import PackageError
 from .section.options import add_section_command
+from .shell.options import add_shell_command
 
 INTERRUPTED = 130  # what a shell reports of a program ended by Ctrl-C
 
@@ -84,6 +85,7 @@ def _parser() -> argparse.ArgumentParser:
     experimental.set_defaults(command=_experimental)
 
     add_section_command(commands, _section)
+    add_shell_command(commands, _shell)
     return parser
 
 
@@ -195,6 +197,12 @@ def _section(options: argparse.Namespace) -> int:
     from .section.command import run_section
 
     return run_section(options)
+
+
+def _shell(options: argparse.Namespace) -> int:
+    from .shell.command import run_shell
+
+    return run_shell(options)
 
 
 if __name__ == "__main__":

@@ -8,8 +8,9 @@ from .cholesky import Cholesky, FactorisationError, cholesky
 from .eigen import EigenError, eigenpairs
 from .gmsh_model import MeshError, plain_from_model
 from .gmsh_script import gmsh_session, open_mesh, run_script
+from .inertia import InertiaError, negative_pivots
 from .meshing import LabelledMesh, labelled_mesh, mesh_from_geo, mesh_from_model
-from .plain import EDGES, NODES, PlainMesh, split, used_nodes, with_centre_nodes
+from .plain import EDGES, NODES, NamedNodes, PlainMesh, split, used_nodes, with_centre_nodes
 from .spaces import (
     assemble,
     basis,
@@ -20,6 +21,8 @@ from .spaces import (
     dof_coordinates,
     function,
     geometry,
+    original_cells,
+    original_corners,
     quadrature,
     reference_nodes,
     set_cell_values,
@@ -37,9 +40,11 @@ __all__ = [
     "Cholesky",
     "EigenError",
     "FactorisationError",
+    "InertiaError",
     "LabelledMesh",
     "MeshError",
     "MissingFenicsx",
+    "NamedNodes",
     "PlainMesh",
     "Team",
     "assemble",
@@ -58,7 +63,10 @@ __all__ = [
     "labelled_mesh",
     "mesh_from_geo",
     "mesh_from_model",
+    "negative_pivots",
     "open_mesh",
+    "original_cells",
+    "original_corners",
     "plain_from_model",
     "quadrature",
     "reference_nodes",

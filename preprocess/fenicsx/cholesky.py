@@ -5,15 +5,9 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from .petsc import PETSC_ERRORS, reason, sorted_csr
+from .petsc import PETSC_ERRORS, reason, sorted_csr, use_mumps
 from .stack import HAS_MUMPS, Array, PETSc
 from .team import ALONE, Team
-
-# Approximate minimum degree orders these matrices in half of the time of nested dissection and
-# fills in no more; large ones are left to MUMPS's own choice.
-MINIMUM_DEGREE = 0
-LARGE = 100_000
-PREFIX = "plymotion_cholesky_"
 
 
 class FactorisationError(Exception):
@@ -46,14 +40,9 @@ class Cholesky:
         self._mat.setOption(PETSc.Mat.Option.SPD, True)  # MUMPS with SYM=1, half an LU
         self._pc = PETSc.PC().create(comm=team.comm)
         self._pc.setOperators(self._mat)
-        if HAS_MUMPS and A.shape[0] < LARGE:
-            # through the options: PETSc 3.18 forgets what is set on the factor
-            PETSc.Options()[f"{PREFIX}mat_mumps_icntl_7"] = MINIMUM_DEGREE
-            self._pc.setOptionsPrefix(PREFIX)
         self._pc.setType("cholesky")
-        if HAS_MUMPS:
-            self._pc.setFactorSolverType("mumps")
-        else:
+        use_mumps(self._pc, A.shape[0])
+        if not HAS_MUMPS:
             self._pc.setFactorOrdering(ord_type="nd")
         self._factorise()
 

@@ -6,8 +6,9 @@ import numpy as np
 import scipy.linalg
 import scipy.sparse as sp
 
-from .petsc import PETSC_ERRORS, petsc_matrix, reason, sorted_csr
-from .stack import HAS_MUMPS, MPI, Array, PETSc, SLEPc
+from .petsc import PETSC_ERRORS, petsc_matrix, reason, sorted_csr, use_mumps
+from .stack import HAS_MUMPS, Array, PETSc, SLEPc
+from .team import ALONE, Team
 
 
 class EigenError(Exception):
@@ -15,7 +16,13 @@ class EigenError(Exception):
 
 
 def eigenpairs(
-    K: Any, M: Any, n_mode: int, *, target: float = 0.0, tolerance: float = 1e-12
+    K: Any,
+    M: Any,
+    n_mode: int,
+    *,
+    target: float = 0.0,
+    tolerance: float = 1e-12,
+    team: Team = ALONE,
 ) -> tuple[Array, Array]:
     """Eigenpairs of K x = lambda M x nearest to `target`, ascending and M-orthonormal.
 
@@ -28,6 +35,7 @@ def eigenpairs(
     n_mode : number of pairs, up to the number of finite eigenvalues
     target : shift of the shift-and-invert transformation, in the unit of lambda
     tolerance : relative tolerance of the Krylov-Schur iteration
+    team : processes that hold K and M whole and share the work; each gets all pairs
 
     Returns
     -------
@@ -46,25 +54,42 @@ def eigenpairs(
             f"{n_mode} modes asked for: the problem of {n_dof} unknowns has {n_finite} of finite "
             "frequency"
         )
-    n_krylov = max(2 * n_mode + 10, n_mode + 20)
-    if n_krylov < n_finite:
-        X = _krylov_schur(K, M, n_mode, n_krylov, target, tolerance)
-    else:  # the Krylov space would be the whole space
-        X = _dense(K, M, n_mode, target)
+    n_krylov = max(2 * n_mode, n_mode + 15)
+    if n_krylov + 5 >= n_finite:  # the Krylov space would be the whole space
+        return _checked(K, M, _dense(K, M, n_mode, target))
+    # SLEPc can solve once more for every vector, which takes out what a singular M lets grow
+    purify = n_finite < n_dof
+    X = _krylov_schur(K, M, n_mode, n_krylov, target, tolerance, team, purify)
+    try:
+        return _checked(K, M, X)
+    except EigenError:
+        if purify:
+            raise
+    X = _krylov_schur(K, M, n_mode, n_krylov, target, tolerance, team, True)
     return _checked(K, M, X)
 
 
 def _krylov_schur(
-    K: sp.csr_matrix, M: sp.csr_matrix, n_mode: int, n_krylov: int, target: float, tolerance: float
+    K: sp.csr_matrix,
+    M: sp.csr_matrix,
+    n_mode: int,
+    n_krylov: int,
+    target: float,
+    tolerance: float,
+    team: Team,
+    purify: bool,
 ) -> Array:
-    eps = SLEPc.EPS().create(comm=MPI.COMM_SELF)
-    eps.setOperators(petsc_matrix(K, spd=target == 0.0), petsc_matrix(M, spd=False))
+    eps = SLEPc.EPS().create(comm=team.comm)
+    eps.setOperators(
+        petsc_matrix(K, spd=target == 0.0, team=team), petsc_matrix(M, spd=False, team=team)
+    )
     eps.setProblemType(SLEPc.EPS.ProblemType.GHEP)
     eps.setType(SLEPc.EPS.Type.KRYLOVSCHUR)
     eps.setWhichEigenpairs(SLEPc.EPS.Which.TARGET_MAGNITUDE)
     eps.setTarget(target)
     eps.setDimensions(nev=n_mode, ncv=n_krylov)
     eps.setTolerances(tol=tolerance, max_it=500)
+    eps.setPurify(purify)
     transformation = eps.getST()
     transformation.setType(SLEPc.ST.Type.SINVERT)
     transformation.setShift(target)
@@ -73,10 +98,12 @@ def _krylov_schur(
     pc = ksp.getPC()
     # PETSc's own Cholesky does not pivot: an indefinite matrix gets an LU there
     pc.setType("cholesky" if HAS_MUMPS or target <= 0.0 else "lu")
-    if HAS_MUMPS:
-        pc.setFactorSolverType("mumps")
-    start = PETSc.Vec().createSeq(K.shape[0], comm=MPI.COMM_SELF)
-    start.setArray(np.random.default_rng(0).standard_normal(K.shape[0]))  # runs must reproduce
+    use_mumps(pc, K.shape[0])
+    rows = team.share(K.shape[0])
+    start = PETSc.Vec().createMPI((rows.stop - rows.start, K.shape[0]), comm=team.comm)
+    start.setArray(
+        np.random.default_rng(0).standard_normal(K.shape[0])[rows]
+    )  # runs must reproduce
     eps.setInitialSpace([start])
     try:
         eps.solve()
@@ -92,11 +119,11 @@ def _krylov_schur(
             f"(tolerance {tolerance:g})"
         )
     vector = start.duplicate()
-    X = np.empty((K.shape[0], n_mode))
+    X = np.empty((rows.stop - rows.start, n_mode))
     for i in range(n_mode):
         eps.getEigenvector(i, vector)
         X[:, i] = vector.getArray()
-    return X
+    return team.stacked(X)
 
 
 def _dense(K: sp.csr_matrix, M: sp.csr_matrix, n_mode: int, target: float) -> Array:

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from .plain import IntArray, PlainMesh, used_nodes, with_centre_nodes
+from .plain import IntArray, NamedNodes, PlainMesh, used_nodes, with_centre_nodes
 from .stack import Array, gmsh
 
 CELLS = {
@@ -44,13 +44,17 @@ def plain_from_model(where: str, gdim: int = 2) -> PlainMesh:
         parts.append(nodes.reshape(-1, n_node))
         rows.append(np.full(len(parts[-1]), row))
     cells = np.searchsorted(tags, np.concatenate(parts).astype(np.int64))
+    used = np.unique(cells)
     points, cells = used_nodes(every, cells)
     if gdim == 2:
         points = _in_plane(points, where)
     if n_node == 8:
         points, cells = with_centre_nodes(points, cells)
     curves = _curves(tags, every, gdim)
-    return PlainMesh(points, cells, shape, degree, np.concatenate(rows), tuple(groups), curves)
+    named = _named_nodes(tags, used)
+    return PlainMesh(
+        points, cells, shape, degree, np.concatenate(rows), tuple(groups), curves, named
+    )
 
 
 def _check_kinds(where: str) -> None:
@@ -152,6 +156,12 @@ def _curves(tags: IntArray, points: Array, gdim: int) -> dict[str, Array]:
 
 def _lines(entities: Sequence[int], tags: IntArray, points: Array, gdim: int) -> Array:
     """Line elements of some curves; none where their degrees are mixed."""
+    rows = np.searchsorted(tags, _line_tags(entities))
+    return np.asarray(points[rows, :gdim])
+
+
+def _line_tags(entities: Sequence[int]) -> IntArray:
+    """Node numbers of the line elements of some curves, (s, 2 or 3)."""
     pieces = []
     for entity in entities:
         kinds, _, nodes = gmsh.model.mesh.getElements(1, entity)
@@ -159,6 +169,21 @@ def _lines(entities: Sequence[int], tags: IntArray, points: Array, gdim: int) ->
             if kind in LINES:
                 pieces.append(np.reshape(table, (-1, LINES[kind])))
     if len({piece.shape[1] for piece in pieces}) != 1:
-        return np.zeros((0, 2, gdim))
-    rows = np.searchsorted(tags, np.concatenate(pieces).astype(np.int64))
-    return np.asarray(points[rows, :gdim])
+        return np.zeros((0, 2), dtype=np.int64)
+    return np.concatenate(pieces).astype(np.int64)
+
+
+def _named_nodes(tags: IntArray, used: IntArray) -> NamedNodes:
+    """Nodes of physical curves and points, as rows of the nodes that cells use."""
+    row = np.full(len(tags), -1)
+    row[used] = np.arange(len(used))
+    curves, points = {}, {}
+    for _, tag in gmsh.model.getPhysicalGroups(1):
+        entities = gmsh.model.getEntitiesForPhysicalGroup(1, tag)
+        name = gmsh.model.getPhysicalName(1, tag) or str(tag)
+        curves[name] = row[np.searchsorted(tags, _line_tags(entities))]
+    for _, tag in gmsh.model.getPhysicalGroups(0):
+        name = gmsh.model.getPhysicalName(0, tag) or str(tag)
+        nodes = gmsh.model.mesh.getNodesForPhysicalGroup(0, tag)[0].astype(np.int64)
+        points[name] = row[np.searchsorted(tags, nodes)]
+    return NamedNodes(tags[used], curves, points)

@@ -1,6 +1,7 @@
 """A mesh as plain arrays: what gmsh or a file gave, before it becomes DOLFINx's."""
 
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,14 @@ NODES = {
 }
 
 
+class NamedNodes(NamedTuple):
+    """Nodes by their number in gmsh and by physical curve and point; -1 is a node of no cell."""
+
+    tags: IntArray  # (n,) number of each point in gmsh
+    curves: dict[str, IntArray]  # (s, 2 or 3) rows of points: ends, then the middle
+    points: dict[str, IntArray]  # (k,) rows of points
+
+
 @dataclass(frozen=True)
 class PlainMesh:
     """Cells of one kind, each in one region; `n` counts nodes, `c` cells, `k` nodes of a cell.
@@ -40,6 +49,7 @@ class PlainMesh:
     regions: tuple[str, ...]
     # physical curve -> (s, 2 or 3, 2 or 3) line elements: end points, then the middle node [m]
     curves: dict[str, Array] = field(default_factory=dict)
+    named: NamedNodes | None = None  # of a mesh as gmsh has it, before any split
 
     @property
     def corners(self) -> IntArray:
@@ -105,6 +115,7 @@ def split(plain: PlainMesh) -> PlainMesh:
         cells=cells,
         region=np.repeat(plain.region, len(children)),
         curves={name: _halved(lines) for name, lines in plain.curves.items()},
+        named=None,
     )
 
 

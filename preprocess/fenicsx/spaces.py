@@ -125,3 +125,17 @@ def geometry(mesh: Any) -> tuple[Array, NDArray[np.int32], int]:
         cells = np.asarray(cells.array).reshape(len(cells.offsets) - 1, -1)
     degree = (maps[0] if maps is not None else mesh.geometry.cmap).degree
     return np.array(mesh.geometry.x), np.array(cells, dtype=np.int32), int(degree)
+
+
+def original_cells(mesh: Any) -> NDArray[np.int64]:
+    """Row of each cell in the arrays that the mesh was made from, (n_cell,)."""
+    return np.array(mesh.topology.original_cell_index, dtype=np.int64)
+
+
+def original_corners(mesh: Any) -> NDArray[np.int64]:
+    """Rows of the nodes of each cell in the arrays that the mesh was made from, (n_cell, k).
+
+    In the order of the dofs of a Lagrange space of the geometry's degree.
+    """
+    _, cells, _ = geometry(mesh)
+    return np.array(mesh.geometry.input_global_indices, dtype=np.int64)[cells]

@@ -84,7 +84,7 @@ class SectionFiles:
 
     def unchanged(self, target: Path, spec: dict[str, Any]) -> bool:
         """True if the target was made from these very inputs; the same on all ranks."""
-        same = self.ranks.rank == 0 and _stored_fingerprint(target) == self.fingerprint(spec)
+        same = self.ranks.rank == 0 and stored_fingerprint(target) == self.fingerprint(spec)
         return bool(self.ranks.agreed(same))
 
     def make(self, spec: dict[str, Any], target: Path) -> tuple[str, Sequence[dict[str, str]]]:
@@ -113,8 +113,8 @@ def _summary(provenance: dict[str, Any]) -> str:
     return f"{provenance['dofs']} dofs"
 
 
-def _stored_fingerprint(target: Path) -> str | None:
-    """What a section file says that it was made from; None if it is no such file.
+def stored_fingerprint(target: Path) -> str | None:
+    """What one of our files says that it was made from; None if it is no such file.
 
     Only the header is read: the file took its name when it was complete.
     """

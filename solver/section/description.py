@@ -4,23 +4,21 @@ docs/section-description.md is generated from here (`make docs`).
 """
 
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 from pydantic import Field, ValidationError, model_validator
 
 from ..errors import InputError
 from ..input import lines, read_toml
+from ..input.lay_up import Angle, LayUp, LayUpPly
 from ..input.material import Material
 from ..input.table import Name, Pair, Table, unit
 from .mesh_table import Mesh
 
-Angle = Annotated[float, Field(ge=-90, le=90)]
 
-
-class Ply(Table):
+class Ply(LayUpPly):
     """One entry of `plies`."""
 
-    material: Name = Field(description="name of a material")
     angle_deg: Angle = Field(
         default=0.0,
         description="fibre direction from x1 towards the layer direction; "
@@ -33,10 +31,9 @@ class Ply(Table):
         description="given for all plies of a laminate, or for none: equal shares of the wall",
         json_schema_extra=unit("m"),
     )
-    repeat: int = Field(default=1, ge=1, le=1000, description="how many of this ply in a row")
 
 
-class Laminate(Table):
+class Laminate(LayUp):
     """`[laminates.NAME]`: plies, outermost first.
 
     Either `plies`, or the short form of one material: `material` and `angles_deg`, with
@@ -47,7 +44,6 @@ class Laminate(Table):
     plies: list[Ply] | None = Field(
         default=None, min_length=1, description="the plies, outermost first"
     )
-    material: Name | None = Field(default=None, description="short form: material of all plies")
     angles_deg: list[Angle] | None = Field(
         default=None,
         min_length=1,
@@ -60,36 +56,9 @@ class Laminate(Table):
         description="short form: thickness of each ply; absent: equal shares of the wall",
         json_schema_extra=unit("m"),
     )
-    repeat: int = Field(default=1, ge=1, le=1000, description="how many times the plies follow")
     symmetric: bool = Field(
         default=False, description="true: then the same plies in reverse order, innermost last"
     )
-
-    @model_validator(mode="after")
-    def _one_form(self) -> "Laminate":
-        short = (self.material, self.angles_deg, self.ply_thickness)
-        if self.plies is not None and short != (None, None, None):
-            raise ValueError("expected either `plies` or the short form, found keys of both")
-        if self.plies is None and (self.material is None or self.angles_deg is None):
-            raise ValueError("expected `plies`, or `material` with `angles_deg`")
-        if len({ply.thickness is None for ply in self.plies or ()}) > 1:
-            raise ValueError("expected `thickness` in all plies or in none")
-        return self
-
-    def stack(self) -> list[dict[str, Any]]:
-        """Return every single ply, outermost first, as the FE side reads it."""
-        plies = [
-            {"material": p.material, "angle_deg": p.angle_deg, "thickness": p.thickness}
-            for p in self.plies or ()
-            for _ in range(p.repeat)
-        ] or [
-            {"material": self.material, "angle_deg": angle, "thickness": self.ply_thickness}
-            for angle in self.angles_deg or ()
-        ]
-        plies *= self.repeat
-        if self.symmetric:
-            plies += plies[::-1]
-        return [{key: v for key, v in ply.items() if v is not None} for ply in plies]
 
 
 class Direction(Table):

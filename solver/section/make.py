@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
+from ..fenicsx_side.crew import outcomes
+from ..fenicsx_side.interpreter import find_interpreter
 from ..input import read_toml
 from ..package.container import temporary_sibling
 from ..package.shares import by_mesh, mesh_key
 from .changes import changed
-from .crew import outcomes
 from .expand import section_spec
-from .interpreter import find_interpreter
 from .study import Entry
 
 
@@ -93,7 +93,8 @@ def make_sections(
     by_spec = {str(request.spec): request.entry for request in requests}
     groups = by_mesh((request.spec, request.mesh) for request in requests)
     python = find_interpreter()
-    with closing(outcomes(groups, python, options, jobs=jobs, progress=progress)) as found:
+    lines = outcomes(groups, python, "section", options, jobs=jobs, progress=progress)
+    with closing(lines) as found:
         for line in found:
             entry = by_spec[line["spec"]]
             error = f"{entry.where}: {line['error']}" if line["error"] else ""

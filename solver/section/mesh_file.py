@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, nearest
+from ..input.gmsh_file import content_sha256, is_gmsh_mesh, physical_names
 from .description import Region, SectionDescription
 from .foreign import read_foreign
-from .gmsh_file import content_sha256, is_gmsh_mesh, physical_names
 from .mesh_arrays import assign_regions, write_arrays
 from .mesh_table import FileMesh
 from .shape_mesh import ALL, Stacks

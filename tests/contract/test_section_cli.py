@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 
 from plymotion.solver.errors import InputError
+from plymotion.solver.fenicsx_side import interpreter
+from plymotion.solver.fenicsx_side.interpreter import find_interpreter
 from plymotion.solver.package.section_io import read_section
-from plymotion.solver.section import interpreter
-from plymotion.solver.section.interpreter import find_interpreter
 
 BAR = """
 format = 1

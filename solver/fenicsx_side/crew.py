@@ -1,4 +1,4 @@
-"""Several workers share the sections of a batch, those of one mesh on one worker if possible."""
+"""Several workers share the specifications of a batch, each mesh on one worker if possible."""
 
 import queue
 from collections import deque
@@ -21,7 +21,7 @@ class Work:
         self._taken: dict[Worker, deque[Path]] = {}
 
     def next(self, worker: Worker) -> Path | None:
-        """The next section for a worker: of its own group, of a new one, or half of another's."""
+        """The next file for a worker: of its own group, of a new one, or half of another's."""
         if not self._taken.get(worker):
             if self._free:
                 self._taken[worker] = self._free.popleft()
@@ -44,20 +44,21 @@ class Work:
 def outcomes(
     groups: Sequence[Sequence[Path]],
     python: str,
+    command: str,
     options: Sequence[str],
     *,
     jobs: int = 1,
     progress: Callable[[str], None],
 ) -> Generator[Line, None, None]:
-    """Have the section file of every specification made; yield an outcome of each as it comes.
+    """Have the file of every specification made; yield an outcome of each as it comes.
 
-    A worker that crashes takes only the section with it that it was at.
+    A worker that crashes takes only the file with it that it was at.
 
     Parameters
     ----------
     groups : specification files, those of equal mesh together
     python : interpreter with FEniCSx
-    options : of the preprocessor's command `section`
+    command, options : of the preprocessor
     jobs : number of workers
     progress : told what a worker begins
 
@@ -83,7 +84,7 @@ def outcomes(
     with importable() as folder:
 
         def start() -> None:
-            crew.append(Worker(python, folder, options, lambda *said: heard.put(said)))
+            crew.append(Worker(python, folder, command, options, lambda *said: heard.put(said)))
             hand(crew[-1])
 
         try:

@@ -55,13 +55,14 @@ def environment(folder: Path) -> dict[str, str]:
 
 
 class Worker:
-    """A preprocessor that makes one section after the other.
+    """A preprocessor that makes one file after the other.
 
     Parameters
     ----------
     python : the interpreter
     folder : where it finds `plymotion`
-    options : of `section`
+    command : of the preprocessor that reads names from standard input: section, shell
+    options : of the command
     hear : called with (worker, line) from a thread of its own; line None: the process has ended
     """
 
@@ -69,6 +70,7 @@ class Worker:
         self,
         python: str,
         folder: Path,
+        command: str,
         options: Sequence[str],
         hear: "Callable[[Worker, Line | None], None]",
     ) -> None:
@@ -76,7 +78,7 @@ class Worker:
         # -P: modules of the current folder must not shadow what is installed. A session of its
         # own: Ctrl-C reaches this process only, which then ends the other.
         self._process = subprocess.Popen(
-            [python, "-P", "-m", "plymotion.preprocess", "section", "-", "--json", *options],
+            [python, "-P", "-m", "plymotion.preprocess", command, "-", "--json", *options],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=self._errors,
@@ -90,7 +92,7 @@ class Worker:
         self._thread.start()
 
     def give(self, spec: Path) -> None:
-        """Ask for one section."""
+        """Ask for one file."""
         assert self._process.stdin is not None
         with contextlib.suppress(BrokenPipeError):  # it has ended: the thread tells
             self._process.stdin.write(f"{spec}\n")

@@ -1,0 +1,38 @@
+"""How many eigenvalues of a large sparse symmetric matrix are negative."""
+
+from typing import Any
+
+from .petsc import PETSC_ERRORS, petsc_matrix, reason, sorted_csr, use_mumps
+from .stack import HAS_MUMPS, PETSc
+from .team import ALONE, Team
+
+
+class InertiaError(Exception):
+    """A matrix whose signs of eigenvalues cannot be counted: it is singular to round-off."""
+
+
+def negative_pivots(A: Any, team: Team = ALONE) -> int:
+    """Number of negative eigenvalues of a sparse symmetric matrix (Sylvester's law of inertia).
+
+    With A = K - s M this counts the eigenvalues of K x = lambda M x below s: what an iteration
+    has missed, it finds. Raises InertiaError if A cannot be factorised.
+    """
+    mat = petsc_matrix(sorted_csr(A), spd=False, team=team)
+    pc = PETSc.PC().create(comm=team.comm)
+    pc.setOperators(mat)
+    pc.setType("cholesky")
+    use_mumps(pc, mat.getSize()[0])
+    try:
+        pc.setUp()
+        factor = pc.getFactorMatrix()
+        if not HAS_MUMPS:
+            return int(factor.getInertia()[0])
+        status = int(factor.getMumpsInfog(1))  # PETSc raises for some of its errors only
+        if status < 0:
+            raise InertiaError(f"the matrix cannot be factorised (MUMPS status {status})")
+        return int(factor.getMumpsInfog(12))
+    except PETSC_ERRORS as error:
+        raise InertiaError(f"the matrix cannot be factorised: {reason(error)}") from error
+    finally:
+        pc.destroy()
+        mat.destroy()

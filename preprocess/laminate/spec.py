@@ -1,0 +1,97 @@
+"""A laminate from the plain data of a specification.
+
+{"plies": [{"material": "cfrp", "angle_deg": 45.0, "thickness": 1.25e-4}, ...],  bottom to top
+ "offset": "mid" | "top" | "bottom" | z of the mid-plane [m],
+ "shear_correction": "energy-1d" | "5/6" | "energy-2x2" | [k1, k2]}
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from ...solver.errors import did_you_mean
+from ..materials import Orthotropic
+from .shear import ShearCorrection, shear_factors
+from .stack import Lamina, Laminate, LaminateError
+
+KEYS = ("plies", "offset", "shear_correction")
+PLY = ("material", "angle_deg", "thickness")
+PLACES = {"mid": 0.0, "bottom": 0.5, "top": -0.5}  # offset as a share of the thickness
+
+
+class LaminateSpec(NamedTuple):
+    """A laminate with what a user wants of it."""
+
+    laminate: Laminate
+    shear: ShearCorrection
+    materials: tuple[str, ...]  # name of each ply's material
+
+
+def laminate_from_dict(
+    table: Mapping[str, Any], materials: Mapping[str, Orthotropic], where: str
+) -> LaminateSpec:
+    """Read a laminate; `where` is file and key of the table, for messages.
+
+    Raises
+    ------
+    LaminateError : unknown key, unknown material, no number, impossible value.
+    """
+    _keys(table, KEYS, where)
+    listed = table.get("plies")
+    if not isinstance(listed, list) or not listed:
+        raise LaminateError(f"{where}.plies = {listed!r}: expected a list of plies")
+    plies = tuple(
+        _lamina(ply, materials, f"{where}.plies[{row}]") for row, ply in enumerate(listed)
+    )
+    offset = _offset(table.get("offset", "mid"), plies, where)
+    laminate = Laminate(plies, offset)
+    shear = table.get("shear_correction", "energy-1d")
+    try:
+        shear_factors(laminate, shear)
+    except LaminateError as error:
+        raise LaminateError(f"{where}.{error}") from error
+    return LaminateSpec(laminate, shear, tuple(str(ply["material"]) for ply in listed))
+
+
+def _lamina(ply: Any, materials: Mapping[str, Orthotropic], where: str) -> Lamina:
+    _keys(ply, PLY, where)
+    name = ply.get("material")
+    if name not in materials:
+        raise LaminateError(
+            f"{where}.material = {name!r}: no such material; expected one of "
+            + ", ".join(materials)
+            + did_you_mean(str(name), materials)
+        )
+    thickness = _number(ply.get("thickness"), f"{where}.thickness", "m")
+    if not thickness > 0.0:
+        raise LaminateError(f"{where}.thickness = {thickness:g} m: expected a number above 0")
+    angle_deg = _number(ply.get("angle_deg", 0.0), f"{where}.angle_deg", "deg")
+    return Lamina(materials[name], angle_deg, thickness)
+
+
+def _offset(value: Any, plies: tuple[Lamina, ...], where: str) -> float:
+    if isinstance(value, str):
+        if value not in PLACES:
+            raise LaminateError(
+                f'{where}.offset = "{value}": expected {", ".join(PLACES)} or a length [m]'
+                + did_you_mean(value, PLACES)
+            )
+        return PLACES[value] * sum(ply.thickness for ply in plies)
+    return _number(value, f"{where}.offset", "m")
+
+
+def _number(value: Any, where: str, unit: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise LaminateError(f"{where} = {value!r}: expected a number [{unit}]")
+    return float(value)
+
+
+def _keys(table: Any, known: tuple[str, ...], where: str) -> None:
+    if not isinstance(table, Mapping):
+        raise LaminateError(f"{where} = {table!r}: expected a table")
+    for key in table:
+        if key not in known:
+            raise LaminateError(
+                f"{where}.{key}: unknown key, expected {', '.join(known)}"
+                + did_you_mean(str(key), known)
+            )

@@ -1,0 +1,217 @@
+"""From the specification of a shell to its results: load cases, modes, all that a file holds."""
+
+import dataclasses
+import time
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from ...solver.package.schema import Array
+from ...solver.package.shell_file import (
+    ShellCases,
+    ShellFile,
+    ShellLaminate,
+    ShellMeshData,
+    ShellModes,
+    ShellPlaces,
+    ShellPly,
+    ShellProbes,
+)
+from .. import fenicsx
+from ..laminate import report, stress_operators
+from .freedom import Freedom
+from .frequencies import natural_modes
+from .guards import check_supported, drilling_warning, zero_energy_warnings
+from .loads import resultant
+from .mesh import ShellMesh
+from .probes import probe_values, read_probes
+from .problem import ShellProblem
+from .spec import mode_count
+from .statics import solve_cases
+
+Progress = Callable[[str], None]
+Warnings = list[dict[str, str]]
+
+
+def analyse(
+    spec: Mapping[str, Any],
+    where: str | None = None,
+    *,
+    mesh: ShellMesh | None = None,
+    team: fenicsx.Team = fenicsx.ALONE,
+    progress: Progress | None = None,
+) -> ShellFile:
+    """Displacements, resultants, reactions and natural modes of a shell.
+
+    Parameters
+    ----------
+    spec : plain data, see spec.py
+    where : file and key of the specification for messages, the shell's name by default
+    mesh : instead of the one that the specification names
+    team : processes that all call this with the same arguments and share the work; each gets
+        the whole result
+    progress : told what begins, one line each
+
+    Raises
+    ------
+    ShellError, LaminateError, MaterialError : a wrong description (key, value, expectation), or
+        a shell that cannot be solved.
+    """
+    start = time.perf_counter()
+    where = where or f"shell {spec.get('name', '')}".strip()
+    tell = progress or (lambda _line: None)
+    tell("mesh")
+    problem = ShellProblem(spec, where, team, mesh)
+    laminates, warnings = _laminates(problem)
+    warnings = [*problem.warnings, *warnings]
+    cases, probes = _cases(problem, warnings, tell)
+    modes = _modes(problem, warnings, tell) if "frequencies" in spec else None
+    return ShellFile(
+        name=str(spec.get("name", "shell")),
+        mesh=_mesh_data(problem, [laminate.name for laminate in laminates]),
+        laminates=tuple(laminates),
+        materials={name: dict(table) for name, table in spec["materials"].items()},
+        supports=ShellPlaces(
+            tuple(support.name for support in problem.supports),
+            np.array([support.point_G for support in problem.supports]).reshape(-1, 3),
+        ),
+        links=ShellPlaces(
+            tuple(link.name for link in problem.links),
+            np.array([link.point_G for link in problem.links]).reshape(-1, 3),
+            tuple(link.kind for link in problem.links),
+        ),
+        cases=cases,
+        probes=probes,
+        modes=modes,
+        warnings=tuple(warnings),
+        provenance={
+            "spec": dict(spec),
+            "elements": {**problem.choice._asdict(), "mass_form": problem.mass_form},
+            "dofs": problem.freedom.n_dof,
+            "ranks": team.size,
+            "seconds": time.perf_counter() - start,
+            "versions": fenicsx.versions(),
+        },
+    )
+
+
+def _cases(
+    problem: ShellProblem, warnings: Warnings, tell: Progress
+) -> tuple[ShellCases, ShellProbes]:
+    spec, freedom, mesh = problem.spec, problem.freedom, problem.mesh
+    probes = read_probes(problem)
+    names = tuple(spec.get("loads", {}))
+    forces = np.zeros((freedom.n_dof, len(names)))
+    for column, name in enumerate(names):
+        forces[:, column] = problem.loads.case(spec["loads"][name], f"{problem.where}.loads.{name}")
+    u, energy, residual = np.zeros_like(forces), np.zeros(len(names)), np.zeros(len(names))
+    reactions = np.zeros((len(names), len(problem.supports), 6))
+    if names:
+        check_supported(freedom, *problem.loose(freedom))
+        tell(f"load cases, {freedom.n_free} unknowns")
+        solved = solve_cases(problem.K, freedom, forces, names, problem.team)
+        u, energy, residual = solved.displacements, solved.energy, solved.residual
+        warnings += solved.warnings
+        taken = np.zeros(freedom.n_dof, dtype=bool)
+        for row, support in enumerate(problem.supports):
+            own = np.zeros_like(forces)
+            dofs = support.dofs[~taken[support.dofs]]  # one that two hold is told with the first
+            own[dofs] = solved.reactions[dofs]
+            taken[dofs] = True
+            reactions[:, row] = resultant(mesh, freedom, own, support.point_G).T
+    resultants = problem.resultants(u)
+    cases = ShellCases(
+        names=names,
+        displacements_G=_of_file(mesh, u),
+        resultants_E=resultants[:, mesh.file_cells],
+        link_motions_G=np.moveaxis(u.reshape(len(u) // 6, 6, len(names))[mesh.n_node :], 2, 0),
+        loads_G=resultant(mesh, freedom, forces, np.zeros(3)).T,
+        reactions_G=reactions,
+        energy=energy,
+        residual=residual,
+    )
+    told = ShellProbes(
+        tuple(probe.name for probe in probes),
+        tuple(probe.quantity for probe in probes),
+        probe_values(probes, u, resultants),
+    )
+    return cases, told
+
+
+def _modes(problem: ShellProblem, warnings: Warnings, tell: Progress) -> ShellModes:
+    table = problem.spec["frequencies"]
+    count = mode_count(table, f"{problem.where}.frequencies")
+    mesh, freedom = problem.mesh, problem.freedom
+    if table.get("free", False):
+        freedom = Freedom(mesh, problem.links)
+    rigid, drilling = problem.loose(freedom)
+    if drilling:
+        warnings.append(drilling_warning(len(drilling)))
+    loose = np.array([*rigid, *drilling]).reshape(-1, freedom.n_dof).T
+    tell(f"{count} modes, {freedom.n_free} unknowns")
+    found = natural_modes(problem.K, problem.M, freedom, count, loose, problem.team)
+    warnings += zero_energy_warnings(found.n_zero, len(rigid))
+    values = np.where(np.arange(len(found.values)) < found.n_zero, 0.0, found.values)
+    return ShellModes(
+        np.sqrt(values),
+        _of_file(mesh, found.shapes),
+        problem.resultants(found.shapes)[:, mesh.file_cells],
+        found.n_zero,
+    )
+
+
+def _of_file(mesh: ShellMesh, u: Array) -> Array:
+    """Displacements (n_dof, m) of the nodes in the order of the mesh file, (m, n, 6)."""
+    return np.moveaxis(u.reshape(len(u) // 6, 6, u.shape[1])[mesh.file_nodes], 2, 0)
+
+
+def _laminates(problem: ShellProblem) -> tuple[list[ShellLaminate], Warnings]:
+    """Each laminate that a region uses, once, and what there is to say of it."""
+    found: dict[str, ShellLaminate] = {}
+    warnings: Warnings = []
+    for region in problem.regions:
+        name = region.laminate_name
+        if name in found:
+            continue
+        laminate, stiffness = region.laminate.laminate, region.stiffness
+        known = report(laminate, name)
+        warnings += known.findings
+        faces = laminate.faces
+        table = dataclasses.asdict(known)
+        del table["findings"]
+        found[name] = ShellLaminate(
+            name,
+            tuple(
+                ShellPly(material, ply.angle_deg, float(faces[k]), float(faces[k + 1]))
+                for k, (material, ply) in enumerate(
+                    zip(region.laminate.materials, laminate.plies, strict=True)
+                )
+            ),
+            stiffness.ABD,
+            stiffness.Ds,
+            stiffness.mass,
+            stress_operators(laminate),
+            {**table, "offset": laminate.offset},
+        )
+    return list(found.values()), warnings
+
+
+def _mesh_data(problem: ShellProblem, laminates: list[str]) -> ShellMeshData:
+    mesh = problem.mesh
+    row_in_file = np.empty(mesh.n_node, dtype=np.int64)
+    row_in_file[mesh.file_nodes] = np.arange(mesh.n_node)
+    A_GE, area = np.empty((len(mesh.cells), 3, 3)), np.empty(len(mesh.cells))
+    for region in problem.regions:
+        A_GE[region.cells] = region.triangles.A_GE
+        area[region.cells] = region.triangles.area
+    return ShellMeshData(
+        nodes_G=mesh.points_G[mesh.file_nodes],
+        node_ids=mesh.node_tags[mesh.file_nodes],
+        cells=row_in_file[mesh.cells[mesh.file_cells]],
+        region=mesh.region[mesh.file_cells],
+        regions=mesh.regions,
+        laminate=np.array([laminates.index(region.laminate_name) for region in problem.regions]),
+        A_GE=A_GE[mesh.file_cells],
+        area=area[mesh.file_cells],
+    )

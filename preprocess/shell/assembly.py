@@ -1,0 +1,71 @@
+"""Sparse matrices of the shell from those of its cells; the pattern is made once.
+
+Six unknowns a node, in the node numbering of DOLFINx's dofmap. Element matrices are cut into
+blocks of two nodes; which blocks fall on each other is one sparse matrix of zeros and ones.
+"""
+
+import numpy as np
+import scipy.sparse as sp
+
+from ...solver.package.schema import Array, IntArray
+
+DOFS = 6  # of a node: ux uy uz rx ry rz
+
+
+class Assembly:
+    """The sparsity pattern of a mesh.
+
+    Parameters
+    ----------
+    cells : (c, 3) nodes of the cells, in the order in which element matrices will come
+    n_node : number of nodes; one without cells gets a zero block on the diagonal
+    extra : nodes appended for the reference points of links, which have zero blocks too
+    """
+
+    def __init__(self, cells: IntArray, n_node: int, extra: int = 0) -> None:
+        n = n_node + extra
+        pair = (cells[:, :, None] * n + cells[:, None, :]).ravel()
+        alone = np.arange(n) * (n + 1)
+        key, number = np.unique(np.concatenate([pair, alone]), return_inverse=True)
+        number = number.ravel()[: len(pair)]
+        self.n_dof = DOFS * n
+        self._rows, self._columns = np.divmod(key, n)
+        starts = np.concatenate([[0], np.cumsum(np.bincount(self._rows, minlength=n))])
+        ones = np.ones(len(pair))
+        self._sum = sp.csr_matrix(
+            (ones, (number, np.arange(len(pair)))), shape=(len(key), len(pair))
+        )
+        # from the blocks, (b, 6, 6), to the entries of compressed rows: block row by block row
+        count = np.diff(starts)
+        self.indptr = np.concatenate([[0], np.cumsum(np.repeat(DOFS * count, DOFS))])
+        self._order, self.indices = self._entries(starts, count)
+        if len(self.indices) < np.iinfo(np.int32).max:  # what PETSc takes without a copy
+            self.indptr = self.indptr.astype(np.int32)
+            self.indices = self.indices.astype(np.int32)
+
+    def matrix(self, element: Array) -> sp.csr_matrix:
+        """Sum of element matrices (c, 18, 18), as compressed rows with ascending columns."""
+        c = len(element)
+        pairs = element.reshape(c, 3, DOFS, 3, DOFS).transpose(0, 1, 3, 2, 4)
+        blocks = self._sum @ pairs.reshape(9 * c, DOFS * DOFS)
+        data = blocks.ravel()[self._order]
+        return sp.csr_matrix((data, self.indices, self.indptr), shape=(self.n_dof, self.n_dof))
+
+    def _entries(self, starts: IntArray, count: IntArray) -> tuple[IntArray, IntArray]:
+        """For each entry of the compressed rows its place in the blocks, and its column."""
+        block = np.arange(len(self._columns))
+        within = np.arange(DOFS)
+        # entry (i, j) of block b of block row r lies in row 6 r + i at 6 (b - starts[r]) + j
+        row = self._rows
+        place = (
+            self.indptr[DOFS * row][:, None, None]
+            + (DOFS * count[row])[:, None, None] * within[:, None]
+            + DOFS * (block - starts[row])[:, None, None]
+            + within
+        )
+        order = np.empty(place.size, dtype=np.int64)
+        order[place.ravel()] = np.arange(place.size)
+        columns = np.empty(place.size, dtype=np.int64)
+        wide = np.broadcast_to((DOFS * self._columns)[:, None, None] + within, place.shape)
+        columns[place.ravel()] = wide.ravel()
+        return order, columns

@@ -1,0 +1,64 @@
+"""Which elements a shell is made of."""
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from ...solver.errors import did_you_mean
+from .drilling import DRILLINGS
+from .errors import ShellError
+from .membranes import MEMBRANES, WITH_ROTATIONS
+from .plates import PLATES
+
+
+class Choice(NamedTuple):
+    """Names of a plate, a membrane and a drilling stiffness, with their parameters.
+
+    Attributes
+    ----------
+    plate : "dkmt", "dst", "dkt" or "mitc3"
+    membrane : "opt", "allman" or "cst"
+    beta0 : factor of the higher-order stiffness of "opt", or "felippa": from the membrane
+        stiffness of the laminate
+    drilling : "none", "fictitious", "tie", or "auto": "tie" for a membrane without rotations
+        of its own, otherwise "none"
+    drilling_factor : factor of the drilling stiffness, to the laminate's A66
+    """
+
+    plate: str = "dkmt"
+    membrane: str = "opt"
+    beta0: float | str = 0.5
+    drilling: str = "auto"
+    drilling_factor: float = 1e-2
+
+    def drilling_form(self) -> str:
+        """Name of the drilling stiffness with "auto" decided."""
+        if self.drilling != "auto":
+            return self.drilling
+        return "none" if self.membrane in WITH_ROTATIONS else "tie"
+
+    def checked(self) -> "Choice":
+        """Itself, or `ShellError` that names key, value and expectation."""
+        for key, known in (
+            ("plate", PLATES),
+            ("membrane", MEMBRANES),
+            ("drilling", ("auto", "none", *DRILLINGS)),
+        ):
+            _known(key, getattr(self, key), known)
+        if isinstance(self.beta0, str):
+            if self.beta0 != "felippa":
+                raise ShellError(f'beta0 {self.beta0!r}: expected a number above 0 or "felippa"')
+        elif not self.beta0 > 0.0:
+            raise ShellError(f"beta0 {self.beta0!r}: expected a number above 0")
+        if not self.drilling_factor > 0.0:
+            raise ShellError(
+                f'drilling_factor {self.drilling_factor!r}: expected above 0; drilling = "none" '
+                "switches it off"
+            )
+        return self
+
+
+def _known(key: str, name: str, known: Iterable[str]) -> None:
+    names = list(known)
+    if name not in names:
+        listed = ", ".join(names)
+        raise ShellError(f"{key} {name!r}: expected one of {listed}{did_you_mean(name, names)}")

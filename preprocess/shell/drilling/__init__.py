@@ -1,0 +1,19 @@
+"""Stiffness against the rotation about the normal: one file a form, all with the same contract.
+
+    f(t: Triangles, A (c|1, 3, 3) [N/m], factor) -> (c, 9, 9)
+
+in the membrane's degrees of freedom (u, v, tz) of corners 1, 2, 3.
+"""
+
+from collections.abc import Callable
+
+from ....solver.package.schema import Array
+from ..triangles import Triangles
+from .fictitious import fictitious
+from .tie import tie
+
+Drilling = Callable[[Triangles, Array, float], Array]
+
+DRILLINGS: dict[str, Drilling] = {"fictitious": fictitious, "tie": tie}
+
+__all__ = ["DRILLINGS", "Drilling"]

@@ -1,0 +1,24 @@
+"""A fictitious stiffness between the drilling rotations of a triangle."""
+
+import numpy as np
+
+from ....solver.package.schema import Array
+from ..triangles import Triangles
+
+DIFFERENCES = 1.5 * np.eye(3) - 0.5  # [1 -1/2 -1/2; ..]
+
+
+def fictitious(t: Triangles, A: Array, factor: float) -> Array:
+    """Stiffness factor A66 area [1 -1/2 -1/2; -1/2 1 -1/2; -1/2 -1/2 1] of (tz1, tz2, tz3).
+
+    It removes the singularity of nodes whose triangles lie in one plane. Three equal tz have no
+    energy whatever the triangle does: a flat shell keeps one mode of no frequency, and a turn of
+    the triangle about its normal is not held together with tz. No factor suits warped shells.
+
+    Returns
+    -------
+    (c, 9, 9)
+    """
+    K = np.zeros((len(t), 9, 9))
+    K[:, 2::3, 2::3] = (factor * A[..., 2, 2] * t.area)[:, None, None] * DIFFERENCES
+    return K

@@ -1,0 +1,216 @@
+"""What may move: supports and links eliminated, u = T q, and rigid motions that are left over.
+
+All degrees of freedom are those of the nodes, then six of each link's reference point. A rigid
+link makes those of its group depend on its reference point, an average link the other way round.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
+
+from ...solver.package.schema import Array, IntArray
+from .assembly import DOFS
+from .errors import ShellError
+from .links import KINDS, Link, averaged, carried
+from .mesh import ShellMesh
+from .supports import COMPONENTS, Support
+
+FREE = 1e-9  # singular value of the supports' rows of a rigid motion that is not stopped
+
+
+class Freedom:
+    """The independent degrees of freedom of a shell, and those of them that are free."""
+
+    def __init__(
+        self, mesh: ShellMesh, links: Sequence[Link] = (), supports: Sequence[Support] = ()
+    ) -> None:
+        self.mesh, self.links, self.supports = mesh, tuple(links), tuple(supports)
+        self.n_dof = DOFS * (mesh.n_node + len(links))
+        self.fixed = np.unique(np.concatenate([np.zeros(0, int), *(s.dofs for s in supports)]))
+        self._follow = _followed(mesh, self.links, self.n_dof) if links else None
+        independent = np.ones(self.n_dof, dtype=bool)
+        if self._follow is not None:
+            independent[self._follow.dependent] = False
+        self._check_fixed(independent)
+        free = independent.copy()
+        free[self.fixed] = False
+        self.free = np.flatnonzero(free)
+        self._number = np.full(self.n_dof, -1)
+        self._number[self.free] = np.arange(len(self.free))
+        self._kept: tuple[IntArray, IntArray, IntArray] | None = None
+
+    @property
+    def n_free(self) -> int:
+        """Number of unknowns."""
+        return len(self.free)
+
+    def reduced(self, A: sp.csr_matrix) -> sp.csr_matrix:
+        """T' A T without zeros, (n_free, n_free); matrices of one pattern share the work."""
+        if self._follow is not None:
+            T = self._follow.T[:, self.free]
+            out = sp.csr_matrix(T.T @ (A @ T))
+            out.eliminate_zeros()
+            return out
+        if self._kept is None:
+            row = np.repeat(np.arange(self.n_dof), np.diff(A.indptr))
+            keep = np.flatnonzero((self._number[row] >= 0) & (self._number[A.indices] >= 0))
+            count = np.bincount(self._number[row[keep]], minlength=self.n_free)
+            starts = np.concatenate([[0], np.cumsum(count)]).astype(A.indptr.dtype)
+            self._kept = (keep, self._number[A.indices[keep]].astype(A.indices.dtype), starts)
+        keep, columns, starts = self._kept
+        # a part in a coordinate plane leaves half of its blocks: two problems of half the size
+        data = A.data[keep]
+        there = data != 0.0
+        passed = np.concatenate([[0], np.cumsum(there)]).astype(starts.dtype)
+        shape = (self.n_free, self.n_free)
+        return sp.csr_matrix((data[there], columns[there], passed[starts]), shape=shape)
+
+    def gathered(self, forces: Array) -> Array:
+        """T' f of forces on all degrees of freedom, (n_free, k)."""
+        if self._follow is not None:
+            forces = self._follow.T.T @ forces
+        return np.asarray(forces[self.free])
+
+    def expanded(self, q: Array) -> Array:
+        """Displacements of all degrees of freedom, (n_dof, k), from those that are free."""
+        u = np.zeros((self.n_dof, q.shape[1]))
+        u[self.free] = q
+        return u if self._follow is None else np.asarray(self._follow.T @ u)
+
+    def on_supports(self, forces: Array) -> Array:
+        """Forces that nodes hand to the fixed degrees of freedom, (n_dof, k), zero elsewhere."""
+        if self._follow is not None:
+            forces = self._follow.T.T @ forces
+        out = np.zeros_like(forces)
+        out[self.fixed] = forces[self.fixed]
+        return out
+
+    def rigid_motions(self) -> Array:
+        """Three translations and three rotations about the mesh's centre, (n_dof, 6) [m, rad]."""
+        mesh = self.mesh
+        ends = [link.point_G[None] for link in self.links]
+        points = np.concatenate([mesh.points_G, *ends])
+        return carried(points - mesh.points_G.mean(axis=0)).reshape(self.n_dof, 6)
+
+    def parts(self) -> IntArray:
+        """Part of each node and reference point: what cells and links connect, (n,)."""
+        mesh, n = self.mesh, self.n_dof // DOFS
+        pairs = [mesh.cells[:, [0, 1]], mesh.cells[:, [1, 2]]]
+        for row, link in enumerate(self.links):
+            nodes = link.group.nodes
+            pairs.append(np.stack([nodes, np.full(len(nodes), mesh.n_node + row)], axis=1))
+        ends = np.concatenate(pairs)
+        graph = sp.csr_matrix((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(n, n))
+        return np.asarray(connected_components(graph, directed=False)[1])
+
+    def loose_motions(self) -> list[Array]:
+        """Rigid motions of each part that no support stops, as (n_dof,) columns of size 1."""
+        rigid, parts = self.rigid_motions(), np.repeat(self.parts(), DOFS)
+        size = max(self.mesh.size, 1e-300)
+        scale = np.array([1.0, 1.0, 1.0, 1.0 / size, 1.0 / size, 1.0 / size])
+        weight = np.tile([1.0, 1.0, 1.0, size, size, size], self.n_dof // DOFS)
+        loose = []
+        for part in range(parts.max() + 1):
+            motions = np.where((parts == part)[:, None], rigid, 0.0) * scale
+            held = (motions * weight[:, None])[self.fixed[parts[self.fixed] == part]]
+            _, value, axes = np.linalg.svd(
+                np.concatenate([held, np.zeros((6, 6))]), full_matrices=False
+            )
+            free = _plain_basis(axes[value <= FREE * max(1.0, value[0])])
+            loose += [motions @ axis for axis in free]
+        return loose
+
+    def describe(self, motion: Array) -> str:
+        """A rigid motion in words: along or about which axis."""
+        rows = motion.reshape(-1, 6)
+        row = int(np.argmax(np.abs(rows).max(axis=1)))
+        displacement, turn = rows[row, :3], rows[row, 3:]
+        if np.linalg.norm(turn) * self.mesh.size <= 1e-6 * np.linalg.norm(displacement):
+            return f"translation along {_axis(displacement)}"
+        points = self.mesh.points_G
+        place = points[row] if row < len(points) else self.links[row - len(points)].point_G
+        centre = place + np.cross(turn, displacement) / (turn @ turn)
+        at = "({:.4g}, {:.4g}, {:.4g})".format(*np.where(abs(centre) < 1e-9, 0.0, centre))
+        return f"rotation about {_axis(turn)} through {at}"
+
+    def _check_fixed(self, independent: Array) -> None:
+        wrong = self.fixed[~independent[self.fixed]]
+        if not wrong.size:
+            return
+        support = next(s for s in self.supports if np.isin(wrong[0], s.dofs))
+        raise ShellError(
+            f"supports.{support.name}: fixes {COMPONENTS[wrong[0] % DOFS]} of a node that a rigid "
+            "link carries; support the link instead (at = its name)"
+        )
+
+
+def _plain_basis(rows: Array) -> Array:
+    """The same space with a 1 in a column of its own for each row: motions that have names."""
+    rows = rows.copy()
+    done = 0
+    for column in range(rows.shape[1] if len(rows) else 0):
+        best = done + int(np.argmax(np.abs(rows[done:, column])))
+        if abs(rows[best, column]) < 1e-6:
+            continue
+        rows[[done, best]] = rows[[best, done]]
+        rows[done] /= rows[done, column]
+        others = np.arange(len(rows)) != done
+        rows[others] -= np.outer(rows[others, column], rows[done])
+        done += 1
+        if done == len(rows):
+            break
+    rows[np.abs(rows) < 1e-9] = 0.0
+    return rows
+
+
+class _Follow(NamedTuple):
+    """All degrees of freedom from the independent ones: T has zero columns for the others."""
+
+    T: sp.csr_matrix  # (n_dof, n_dof)
+    dependent: IntArray
+
+
+def _followed(mesh: ShellMesh, links: Sequence[Link], n_dof: int) -> _Follow:
+    T = sp.identity(n_dof, format="csr")
+    dependent = [np.zeros(0, dtype=np.int64)]
+    # rigid links first: an average may be taken over nodes that one of them carries
+    for kind in KINDS:
+        rows, columns, values = [], [], []
+        for number, link in enumerate(links):
+            if link.kind != kind:
+                continue
+            nodes = DOFS * link.group.nodes[:, None] + np.arange(DOFS)  # (k, 6)
+            reference = DOFS * (mesh.n_node + number) + np.arange(DOFS)
+            arms = mesh.points_G[link.group.nodes] - link.point_G
+            if kind == "rigid":
+                block = carried(arms)  # (k, 6, 6)
+                row = np.broadcast_to(nodes[:, :, None], block.shape)
+                column = np.broadcast_to(reference, block.shape)
+                dependent.append(nodes.ravel())
+            else:
+                block = averaged(arms, link.group.weights)  # (6, k, 6)
+                row = np.broadcast_to(reference[:, None, None], block.shape)
+                column = np.broadcast_to(nodes, block.shape)
+                dependent.append(reference)
+            rows.append(row.ravel())
+            columns.append(column.ravel())
+            values.append(block.ravel())
+        if rows:
+            keep = np.ones(n_dof)
+            keep[np.concatenate(rows)] = 0.0
+            entries = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
+            step = sp.diags(keep) + sp.csr_matrix(entries, shape=(n_dof, n_dof))
+            T = step @ T
+    return _Follow(sp.csr_matrix(T), np.concatenate(dependent))
+
+
+def _axis(direction: Array) -> str:
+    unit = direction / np.linalg.norm(direction)
+    unit = unit * np.sign(unit[np.argmax(np.abs(unit))])
+    for name, row in zip("xyz", np.eye(3), strict=True):
+        if np.allclose(unit, row, atol=1e-6):
+            return name
+    return "({:.3g}, {:.3g}, {:.3g})".format(*np.where(np.abs(unit) < 1e-6, 0.0, unit))

@@ -1,0 +1,134 @@
+"""Natural frequencies and shapes of a shell, supported or free.
+
+Shift and invert about zero where the supports stop every motion; a shell that can move gets a
+shift below zero, of the size of its lowest elastic value. A Krylov iteration may return one of
+two coinciding modes only: the number of negative pivots of K - s M, s above the last mode that
+is kept, says how many there are.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy.linalg
+import scipy.sparse as sp
+
+from ...solver.package.schema import Array
+from .. import fenicsx
+from .errors import ShellError
+from .freedom import Freedom
+
+EXTRA = 1  # modes beyond those that are asked for, to find a gap
+TOLERANCE = 1e-10  # of the iteration: values are better by far, their errors are its square
+GAP = 1e-4  # relative distance of two values between which the modes are counted
+ZERO = 1e-6  # of the lowest elastic value: a mode below it is no vibration
+
+
+class Frequencies(NamedTuple):
+    """The lowest `m` modes, unit modal mass."""
+
+    values: Array  # (m,) squared circular frequencies      [rad2/s2]
+    shapes: Array  # (n_dof, m)                             [m, rad per sqrt(kg) m]
+    n_zero: int  # modes without strain energy among them, the first ones
+    n_loose: int  # of those, how many the supports leave: rigid motions and known mechanisms
+    warnings: tuple[dict[str, str], ...]
+
+
+def natural_modes(
+    K: sp.csr_matrix,
+    M: sp.csr_matrix,
+    freedom: Freedom,
+    count: int,
+    loose: Array,
+    team: fenicsx.Team = fenicsx.ALONE,
+    check: bool = True,
+) -> Frequencies:
+    """The lowest elastic modes, preceded by those without strain energy.
+
+    Parameters
+    ----------
+    K, M : stiffness and mass of all degrees of freedom
+    count : elastic modes that are asked for
+    loose : (n_dof, k) motions without strain energy that the supports leave
+    check : count the modes by the signs of pivots, which costs one factorisation
+
+    Raises
+    ------
+    ShellError : fewer modes than asked for, or modes that do not converge.
+    """
+    K_free, M_free = freedom.reduced(K), freedom.reduced(M)
+    n_loose = loose.shape[1]
+    target = 0.0
+    if n_loose:
+        target = -soft_value(K_free, M_free, loose[freedom.free], team)
+    wanted = count + n_loose
+    try:
+        n_mode = min(wanted + EXTRA, _massive(M_free))
+        while True:
+            values, X = fenicsx.eigenpairs(
+                K_free, M_free, n_mode, target=target, tolerance=TOLERANCE, team=team
+            )
+            if not check or n_mode == _massive(M_free):
+                break
+            level, below = _gap(values, wanted)
+            found = fenicsx.negative_pivots(K_free - level * M_free, team)
+            if found <= below:
+                break
+            n_mode = min(found + EXTRA, _massive(M_free))
+    except (fenicsx.EigenError, fenicsx.InertiaError) as error:
+        raise ShellError(f"frequencies: {error}") from error
+    # soft_value is near the first elastic value
+    lowest = values[n_loose] if n_loose < len(values) else values[-1]
+    n_zero = int(np.count_nonzero(np.abs(values) < ZERO * abs(lowest))) if n_loose else 0
+    values, X = values[:wanted], X[:, :wanted]
+    shapes = freedom.expanded(X)
+    return Frequencies(values, shapes * _signs(shapes, freedom), n_zero, n_loose, ())
+
+
+def soft_value(
+    K: sp.csr_matrix, M: sp.csr_matrix, loose: Array, team: fenicsx.Team = fenicsx.ALONE
+) -> float:
+    """About the lowest elastic eigenvalue of a structure that can move in the ways `loose`.
+
+    Rayleigh's quotient of its shape under a random load, as many degrees of freedom held as there
+    are motions; the second load is the inertia of the first shape.
+    """
+    _, _, pivots = scipy.linalg.qr(loose.T, mode="economic", pivoting=True)
+    held = pivots[: loose.shape[1]]
+    rest = np.setdiff1d(np.arange(K.shape[0]), held)
+    load = M @ np.random.default_rng(0).standard_normal(K.shape[0])
+    shape = np.zeros(K.shape[0])
+    try:
+        factor = fenicsx.Cholesky(K[rest][:, rest], team)
+        for _ in range(2):
+            shape[rest] = factor.solve(load[rest])
+            load = M @ shape
+            load /= np.abs(load).max()
+    except fenicsx.FactorisationError as error:
+        raise ShellError(f"frequencies: {error}") from error
+    return float(shape @ (K @ shape) / (shape @ (M @ shape)))
+
+
+def _gap(values: Array, wanted: int) -> tuple[float, int]:
+    """A level between two distinct values behind those that are wanted, and how many lie below.
+
+    Where the last ones coincide, the level is above all of them.
+    """
+    for n in range(wanted, len(values)):
+        if values[n] - values[n - 1] > GAP * abs(values[n]):
+            return 0.5 * float(values[n] + values[n - 1]), n
+    return float(values[-1]) * (1.0 + GAP), len(values)
+
+
+def _massive(M: sp.csr_matrix) -> int:
+    return int(np.count_nonzero(np.diff(M.indptr)))
+
+
+def _signs(shapes: Array, freedom: Freedom) -> Array:
+    """+1 or -1 for each mode: the largest displacement is positive, the first in the file's order
+    among those that are as large."""
+    nodes = shapes.reshape(-1, 6, shapes.shape[1])[freedom.mesh.file_nodes, :3]
+    table = nodes.reshape(-1, shapes.shape[1])
+    size = np.abs(table)
+    first = np.argmax(size >= (1.0 - 1e-3) * size.max(axis=0), axis=0)
+    sign = np.sign(table[first, np.arange(table.shape[1])])
+    return np.where(sign == 0.0, 1.0, sign)

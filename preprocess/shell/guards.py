@@ -1,0 +1,247 @@
+"""Doubts about a shell that the analysis itself would not show: coded warnings, and refusals."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from ...solver.package.schema import Array
+from .assembly import DOFS
+from .choice import Choice
+from .errors import ShellError
+from .freedom import Freedom
+from .links import Link
+from .mesh import ShellMesh
+from .plates import SHEAR_RATIO_LIMIT, shear_ratio
+from .regions import Region
+
+Warnings = list[dict[str, str]]
+
+SLIVER = 0.05  # 4 sqrt(3) area over the sum of squared sides; 1 is equilateral
+COINCIDENT = 1e-7  # of the mesh's size: two nodes at the same place
+FLAT = 1e-6  # sine of the angle between normals of a flat part
+KINK = 0.9  # cosine between neighbouring normals below which a wall ends
+ACROSS = 4  # cells across a wall from which constant-strain triangles bend in its plane
+
+
+def _warning(code: str, message: str) -> dict[str, str]:
+    return {"code": code, "message": message}
+
+
+def _at(place: Array) -> str:
+    return "({:.4g}, {:.4g}, {:.4g})".format(*place)
+
+
+def model_warnings(
+    mesh: ShellMesh, regions: Sequence[Region], links: Sequence[Link], choice: Choice
+) -> Warnings:
+    """All doubts about mesh and elements."""
+    sides = Sides(mesh, regions)
+    found = [*_slivers(mesh), *_unmerged(mesh, links), *_turned(mesh, sides)]
+    if choice.membrane == "cst":
+        found += _narrow_walls(mesh, sides)
+    if choice.plate == "dst":
+        found += _thick_for_dst(mesh, regions)
+    return found
+
+
+class Sides:
+    """Sides that exactly two cells share: `cells` (s, 2), their `ends` (s, 2), and whether both
+    cells run along it in the same direction, which neighbours of one orientation never do."""
+
+    def __init__(self, mesh: ShellMesh, regions: Sequence[Region]) -> None:
+        reversed_ = np.zeros(len(mesh.cells), dtype=bool)
+        self.normals_G = np.empty((len(mesh.cells), 3))
+        area = mesh.area_vectors_G
+        for region in regions:
+            e3 = region.triangles.A_GE[:, :, 2]
+            self.normals_G[region.cells] = e3
+            reversed_[region.cells] = np.einsum("ci,ci->c", e3, area[region.cells]) < 0.0
+        ends = mesh.cells[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+        forward = (ends[:, 0] < ends[:, 1]) ^ np.repeat(reversed_, 3)
+        key = ends.min(axis=1) * mesh.n_node + ends.max(axis=1)
+        order = np.argsort(key, kind="stable")
+        first = np.flatnonzero(np.concatenate([[True], np.diff(key[order]) > 0]))
+        count = np.diff(np.concatenate([first, [len(key)]]))
+        pair = first[count == 2]
+        a, b = order[pair], order[pair + 1]
+        self.cells = np.stack([a // 3, b // 3], axis=1)
+        self.ends = ends[a]
+        self.same = forward[a] == forward[b]
+        self.boundary = ends[order[first[count != 2]]]  # of one cell, or of three and more
+
+
+def _slivers(mesh: ShellMesh) -> Warnings:
+    corners = mesh.points_G[mesh.cells]
+    sides = corners - np.roll(corners, 1, axis=1)
+    area = np.linalg.norm(mesh.area_vectors_G, axis=1)
+    quality = 4.0 * np.sqrt(3.0) * area / np.einsum("cij,cij->c", sides, sides)
+    bad = np.flatnonzero(quality < SLIVER)
+    if not bad.size:
+        return []
+    worst = bad[np.argmin(quality[bad])]
+    text = (
+        f"{bad.size} of {len(area)} triangles are slivers, the worst at "
+        f"{_at(corners[worst].mean(axis=0))} has a shape of {quality[worst]:.2g} (equilateral: 1): "
+        "results near them are poor; mesh more evenly there"
+    )
+    return [_warning("sliver", text)]
+
+
+def _unmerged(mesh: ShellMesh, links: Sequence[Link]) -> Warnings:
+    pairs = cKDTree(mesh.points_G).query_pairs(COINCIDENT * mesh.size, output_type="ndarray")
+    if len(pairs):
+        text = (
+            f"{len(pairs)} pairs of nodes lie at the same place, one at "
+            f"{_at(mesh.points_G[pairs[0, 0]])}: parts that touch there are not joined. In gmsh, "
+            "use BooleanFragments, or Coherence"
+        )
+        return [_warning("nodes-not-merged", text)]
+    n_part = Freedom(mesh, links).parts().max() + 1
+    if n_part > 1:
+        text = f"the shell is in {n_part} parts that nothing joins"
+        return [_warning("several-parts", text)]
+    return []
+
+
+def _turned(mesh: ShellMesh, sides: Sides) -> Warnings:
+    wrong = np.flatnonzero(sides.same)
+    if not wrong.size:
+        return []
+    place = mesh.points_G[sides.ends[wrong[0]]].mean(axis=0)
+    text = (
+        f"the normals e3 of neighbours disagree along {wrong.size} sides, one at {_at(place)}: "
+        "bottom and top of the lay-up, and the direction of pressures, change sides there. Turn "
+        "the surface in gmsh, or set flip = true for its region"
+    )
+    return [_warning("normals-disagree", text)]
+
+
+def _narrow_walls(mesh: ShellMesh, sides: Sides) -> Warnings:
+    """Walls between kinks or free edges that few constant-strain triangles span."""
+    n_cell = len(mesh.cells)
+    a, b = sides.cells.T
+    smooth = np.abs(np.einsum("si,si->s", sides.normals_G[a], sides.normals_G[b])) > KINK
+    graph = sp.csr_matrix((np.ones(smooth.sum()), (a[smooth], b[smooth])), shape=(n_cell, n_cell))
+    n_wall, wall = connected_components(graph, directed=False)
+    edge = np.zeros(mesh.n_node, dtype=bool)
+    edge[sides.boundary] = True
+    edge[sides.ends[~smooth]] = True
+    # one cell across: all its corners on the rim; then a node more for every two cells
+    depth = np.where(edge, 0, np.iinfo(np.int64).max)
+    for layer in range(ACROSS // 2):
+        near = (depth[mesh.cells] == layer).any(axis=1)
+        nodes = mesh.cells[near].ravel()
+        depth[nodes] = np.minimum(depth[nodes], layer + 1)
+    deepest = np.zeros(n_wall, dtype=np.int64)
+    np.maximum.at(deepest, wall, depth[mesh.cells].max(axis=1))
+    narrow = np.flatnonzero(deepest < ACROSS // 2)
+    if not narrow.size:
+        return []
+    cell = int(np.flatnonzero(wall == narrow[0])[0])
+    text = (
+        f"membrane = cst with fewer than {ACROSS} cells across {narrow.size} walls, one at "
+        f"{_at(mesh.points_G[mesh.cells[cell]].mean(axis=0))}: constant-strain triangles are far "
+        "too stiff in bending of a wall in its own plane (4.5 times and more at one cell); use "
+        "membrane = opt"
+    )
+    return [_warning("cst-in-plane-bending", text)]
+
+
+def _thick_for_dst(mesh: ShellMesh, regions: Sequence[Region]) -> Warnings:
+    worst, place = 0.0, ""
+    for region in regions:
+        ratio = shear_ratio(region.triangles, region.stiffness.D[None], region.stiffness.Ds[None])
+        cell = int(np.argmax(ratio.max(axis=1)))
+        if ratio[cell].max() > worst:
+            worst = float(ratio[cell].max())
+            place = _at(mesh.points_G[mesh.cells[region.cells[cell]]].mean(axis=0))
+    if worst <= SHEAR_RATIO_LIMIT:
+        return []
+    text = (
+        f"plate = dst with sides short for the thickness (12 D / (Ds L^2) = {worst:.2g} at "
+        f"{place}, at most {SHEAR_RATIO_LIMIT:g} is safe): it does not converge there, and "
+        "refinement makes it worse; use plate = dkmt"
+    )
+    return [_warning("dst-thick", text)]
+
+
+def drilling_motions(freedom: Freedom, regions: Sequence[Region], choice: Choice) -> list[Array]:
+    """Motions (n_dof,) that the drilling stiffness of the paper leaves free: in a flat part, all
+    nodes turn about the normal by the same angle and nothing moves.
+
+    Raises ShellError where nodes of a flat surface have no drilling stiffness at all.
+    """
+    form = choice.drilling_form()
+    if choice.membrane != "cst" or form == "tie":
+        return []
+    mesh = freedom.mesh
+    normals = Sides(mesh, regions).normals_G
+    parts = freedom.parts()
+    of_cell = parts[mesh.cells[:, 0]]
+    found = []
+    for part in np.unique(of_cell):
+        inside = of_cell == part
+        normal = normals[inside][0]
+        flat = bool(np.linalg.norm(np.cross(normals[inside], normal), axis=1).max() < FLAT)
+        if form == "none" and (flat or _flat_nodes(mesh, normals).any()):
+            raise ShellError(
+                'elements.drilling = "none": with membrane = "cst" nothing stops nodes from '
+                'turning about the normal; expected "tie" or "auto"'
+            )
+        nodes = np.flatnonzero(parts == part)
+        held = freedom.fixed[np.isin(freedom.fixed // DOFS, nodes)]
+        turned = held[held % DOFS >= 3]
+        stopped = bool(np.any(np.abs(normal[turned % DOFS - 3]) > FLAT))
+        linked = any(
+            link.kind == "rigid" and parts[link.group.nodes[0]] == part for link in freedom.links
+        )
+        if flat and not stopped and not linked:
+            motion = np.zeros((freedom.n_dof // DOFS, DOFS))
+            motion[nodes, 3:] = normal
+            found.append(motion.ravel())
+    return found
+
+
+def _flat_nodes(mesh: ShellMesh, normals: Array) -> Array:
+    """Nodes whose cells all lie in one plane, (n,) bool."""
+    table = np.zeros((mesh.n_node, 3, 3))
+    np.add.at(table, mesh.cells, (normals[:, :, None] * normals[:, None, :])[:, None])
+    value = np.linalg.eigvalsh(table)
+    return np.asarray(value[:, 1] < FLAT**2 * value[:, 2])
+
+
+def drilling_warning(count: int) -> dict[str, str]:
+    """What to say of motions that `drilling_motions` found."""
+    return _warning(
+        "drilling-fictitious-flat",
+        f"{count} flat part{'s keep' if count > 1 else ' keeps'} a motion without energy, all "
+        'nodes turning about the normal, with drilling = "fictitious": a spurious frequency of 0 '
+        'Hz. Use "tie", membrane = "opt", or fix the rotation at one node',
+    )
+
+
+def check_supported(freedom: Freedom, loose: Sequence[Array], drilling: Sequence[Array]) -> None:
+    """Raise ShellError for load cases of a shell that can still move; it says how."""
+    if loose:
+        listed = "; ".join(freedom.describe(motion) for motion in loose[:6])
+        part = " of its parts" if freedom.parts().max() > 0 else ""
+        raise ShellError(
+            f"supports: {len(loose)} rigid motions{part} are free: {listed}. Load cases need "
+            "supports that stop them all"
+        )
+    if drilling:
+        raise ShellError(f"supports: {drilling_warning(len(drilling))['message']}")
+
+
+def zero_energy_warnings(n_zero: int, n_rigid: int) -> Warnings:
+    """Warnings where modes without strain energy are not the rigid motions that are free."""
+    if n_zero == n_rigid:
+        return []
+    text = (
+        f"{n_zero} modes have no strain energy, {n_rigid} rigid motions are free: the others are "
+        "mechanisms of the elements, not vibrations"
+    )
+    return [_warning("zero-energy-modes", text)]

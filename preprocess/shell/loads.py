@@ -1,0 +1,178 @@
+"""Load cases: nodal forces that do the same work as the loads described.
+
+[loads.CASE.NAME]
+at = "tip"                     physical point, curve or surface, or a link
+force = [x, y, z]              total [N], shared by length, area, or equally over points
+moment = [x, y, z]             total [N m], shared in the same way
+force_per_length = [x, y, z]   on a curve [N/m]
+force_per_area = [x, y, z]     on a surface, or everywhere without `at` [N/m2]
+pressure = p                   along +e3 of each cell [N/m2]
+sine = [a, b, c]               factor sin(pi x/a) sin(pi y/b) sin(pi z/c) of the last two; a
+                               length of 0 leaves its factor out
+gravity = [x, y, z]            acceleration of the whole shell [m/s2], without `at`
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ...solver.errors import did_you_mean
+from ...solver.package.schema import Array, IntArray
+from .assembly import DOFS
+from .axes import vector
+from .errors import ShellError
+from .freedom import Freedom
+from .groups import group
+from .mesh import ShellMesh
+from .regions import Region
+from .triangles import POINTS
+
+KINDS = ("force", "moment", "force_per_length", "force_per_area", "pressure", "gravity")
+KEYS = ("at", *KINDS, "sine")
+ON_CELLS = ("force_per_area", "pressure")
+BOW = {"opt": 1.5, "allman": 1.0, "cst": 0.0}  # a of each membrane
+
+
+class Loads:
+    """Turns descriptions of loads into nodal forces of a shell.
+
+    Parameters
+    ----------
+    regions : all of the mesh, for areas and normals
+    mass : called for the mass matrix when there is gravity
+    membrane : of the elements, whose sides may bow
+    """
+
+    def __init__(
+        self,
+        freedom: Freedom,
+        regions: Sequence[Region],
+        mass: Callable[[], Any],
+        membrane: str = "cst",
+    ) -> None:
+        self.freedom, self.mesh = freedom, freedom.mesh
+        self.regions, self._mass, self._bow = regions, mass, BOW[membrane]
+
+    def case(self, table: Mapping[str, Any], where: str) -> Array:
+        """Forces and moments on all degrees of freedom, (n_dof,) [N, N m].
+
+        Raises ShellError for a load that is no load, a group that does not fit it, no number.
+        """
+        forces = np.zeros((self.freedom.n_dof // DOFS, DOFS))
+        for name, entry in table.items():
+            self._add(forces, entry, f"{where}.{name}")
+        return forces.ravel()
+
+    def _add(self, forces: Array, entry: Mapping[str, Any], where: str) -> None:
+        given = [key for key in KINDS if entry.get(key) is not None]
+        if not given:
+            raise ShellError(f"{where}: no load; expected one of {', '.join(KINDS)}")
+        if entry.get("sine") is not None and not set(given) & set(ON_CELLS):
+            raise ShellError(f"{where}.sine: expected together with {' or '.join(ON_CELLS)}")
+        at = entry.get("at")
+        for key in given:
+            place = f"{where}.{key}"
+            if key == "gravity":
+                if at is not None:
+                    raise ShellError(f"{where}.at = {at!r}: gravity acts on the whole shell")
+                forces += self._gravity(vector(entry[key], place))
+            elif key in ON_CELLS:
+                forces[: self.mesh.n_node, :3] += self._on_cells(key, entry, where)
+            else:
+                nodes, share, measure = self._shares(at, key, where)
+                value = vector(entry[key], place) * (measure if key == "force_per_length" else 1.0)
+                columns = slice(3, 6) if key == "moment" else slice(0, 3)
+                forces[nodes, columns] += share[:, None] * value
+                if key != "moment" and str(at) in self.mesh.curves and measure > 0.0:
+                    forces[: self.mesh.n_node, 3:] += self._bowing(str(at), value / measure)
+
+    def _bowing(self, curve: str, per_length: Array) -> Array:
+        """Moments of a uniform force per length on the rotations of its nodes, (n, 3) [N m]."""
+        mesh, out = self.mesh, np.zeros((self.mesh.n_node, 3))
+        if not self._bow:
+            return out
+        sides = np.sort(mesh.curves[curve], axis=1)
+        key = sides[:, 0] * mesh.n_node + sides[:, 1]
+        found, weight = [], np.zeros(len(key))
+        for region in self.regions:
+            cells = mesh.cells[region.cells]
+            for corner in range(3):
+                ends = np.sort(cells[:, [corner, (corner + 1) % 3]], axis=1)
+                own = ends[:, 0] * mesh.n_node + ends[:, 1]
+                cell = np.flatnonzero(np.isin(own, key))
+                row = np.searchsorted(key, own[cell], sorter=np.argsort(key))
+                row = np.argsort(key)[row]
+                found.append((row, region.triangles.A_GE[cell, :, 2]))
+                np.add.at(weight, row, 1.0)
+        for row, e3 in found:  # a side of several cells is shared equally
+            i, j = sides[row].T
+            along = mesh.points_G[j] - mesh.points_G[i]
+            size = np.linalg.norm(along, axis=1)
+            across = np.cross(along, e3) @ per_length  # L p . n
+            moment = (self._bow / 12.0 * size * across / weight[row])[:, None] * e3
+            np.add.at(out, j, moment)
+            np.add.at(out, i, -moment)
+        return out
+
+    def _shares(self, at: Any, key: str, where: str) -> tuple[IntArray, Array, float]:
+        """Nodes, the share of each, and the length or area of the group; 0 of a link."""
+        if at is None:
+            raise ShellError(f"{where}.at: missing, {key} needs a group or a link")
+        for row, link in enumerate(self.freedom.links):
+            if link.name == at and key != "force_per_length":
+                return np.array([self.mesh.n_node + row]), np.ones(1), 0.0
+        of = group(self.mesh, str(at), f"{where}.at")
+        if key == "force_per_length" and of.kind != "curve":
+            raise ShellError(f"{where}.at = {at!r}: a {of.kind}, {key} needs a physical curve")
+        total = float(of.weights.sum())
+        return of.nodes, of.weights / total, total
+
+    def _gravity(self, acceleration: Array) -> Array:
+        motion = np.zeros((self.freedom.n_dof // DOFS, DOFS))
+        motion[: self.mesh.n_node, :3] = acceleration
+        return np.asarray((self._mass() @ motion.ravel()).reshape(motion.shape))
+
+    def _on_cells(self, key: str, entry: Mapping[str, Any], where: str) -> Array:
+        at = entry.get("at")
+        chosen = [region for region in self.regions if at in (None, region.name)]
+        if not chosen:
+            known = self.mesh.regions
+            raise ShellError(
+                f"{where}.at = {at!r}: {key} needs a physical surface; the mesh has "
+                + ", ".join(known)
+                + did_you_mean(str(at), known)
+            )
+        out = np.zeros((self.mesh.n_node, 3))
+        for region in chosen:
+            cells, t = self.mesh.cells[region.cells], region.triangles
+            intensity = self._intensity(entry, region, where)  # (c, 3 points)
+            if key == "pressure":
+                value = entry[key]
+                if isinstance(value, bool) or not isinstance(value, int | float):
+                    raise ShellError(f"{where}.{key} = {value!r}: expected a number [N/m2]")
+                direction = float(value) * t.A_GE[:, :, 2]
+            else:
+                direction = np.tile(vector(entry[key], f"{where}.{key}"), (len(cells), 1))
+            # linear displacements, three points of integration
+            corner = (t.area[:, None] / 3.0) * (intensity @ POINTS)
+            np.add.at(out, cells, corner[:, :, None] * direction[:, None, :])
+        return out
+
+    def _intensity(self, entry: Mapping[str, Any], region: Region, where: str) -> Array:
+        corners = self.mesh.points_G[self.mesh.cells[region.cells]]
+        if entry.get("sine") is None:
+            return np.ones((len(corners), 3))
+        length = vector(entry["sine"], f"{where}.sine")
+        waves = np.divide(np.pi, length, out=np.zeros(3), where=length != 0.0)
+        factors = np.where(length != 0.0, np.sin((POINTS @ corners) * waves), 1.0)
+        return np.asarray(factors.prod(axis=2))
+
+
+def resultant(mesh: ShellMesh, freedom: Freedom, forces: Array, about_G: Array) -> Array:
+    """Force and moment about a point of nodal forces (n_dof, k), (6, k) [N, N m]."""
+    ends = [link.point_G[None] for link in freedom.links]
+    arms = np.concatenate([mesh.points_G, *ends]) - about_G
+    rows = forces.reshape(len(arms), DOFS, forces.shape[1])
+    moment = rows[:, 3:].sum(axis=0) + np.cross(arms[:, :, None], rows[:, :3], axis=1).sum(axis=0)
+    return np.concatenate([rows[:, :3].sum(axis=0), moment])

@@ -1,0 +1,70 @@
+"""Mass of shell triangles: displacements and rotations linear, the laminate's own moments.
+
+A point z above the reference surface moves by (20)-(22) of the paper: u + z bx, v + z by, w. With
+m0, m1, m2 the moments of the density over the thickness, the kinetic energy per area is
+
+    m0/2 (u'^2 + v'^2 + w'^2) + m1 (u' bx' + v' by') + m2/2 (bx'^2 + by'^2).
+
+The drilling rotation moves no mass of its own. Consistent: m2 goes with its excess over the turn of
+the triangle, so that every rigid motion has its exact energy. Lumped: m2 goes with it as with the
+other rotations, so that without m1 the matrix is diagonal in all axes.
+"""
+
+import numpy as np
+
+from ...solver.package.schema import Array
+from .drilling.excess import excess_rotation
+from .drilling.tie import LINEAR
+from .errors import ShellError
+from .stiffness import AT_A_TIME, MEMBRANE, to_G
+from .triangles import Triangles
+
+FORMS = ("consistent", "lumped")
+THIRDS = np.eye(3) / 3.0
+
+
+def element_mass(t: Triangles, mass: Array, form: str = "consistent") -> Array:
+    """Mass of shell triangles in G, (c, 18, 18) [kg, kg m, kg m2].
+
+    Paper: Eq. (20), Eq. (21), Eq. (22), Eq. (31).
+
+    Parameters
+    ----------
+    t : c triangles
+    mass : (3,) or (c, 3) m0 [kg/m2], m1 [kg/m], m2 [kg] of the laminate
+    form : "consistent", or "lumped": a third of the triangle at each corner, so that corners
+        are not coupled
+
+    Raises
+    ------
+    ShellError
+        for another form
+    """
+    if form not in FORMS:
+        raise ShellError(f"mass form {form!r}: expected one of {', '.join(FORMS)}")
+    m = np.asarray(mass, dtype=float).reshape(-1, 3)
+    M_G = np.empty((len(t), 18, 18))
+    for first in range(0, len(t), AT_A_TIME):
+        some = slice(first, first + AT_A_TIME)
+        M_G[some] = _mass(t[some], m[some] if len(m) > 1 else m, form)
+    return M_G
+
+
+def _mass(t: Triangles, mass: Array, form: str) -> Array:
+    consistent = form == "consistent"
+    spread = LINEAR if consistent else THIRDS
+    m0, m1, m2 = (t.area[:, None, None] * m[:, None, None] * spread for m in mass.T)
+    M = np.zeros((len(t), 3, 6, 3, 6))
+    for i in range(3):
+        M[:, :, i, :, i] = m0
+    for i in (3, 4) if consistent else (3, 4, 5):
+        M[:, :, i, :, i] = m2
+    for i, j, moment in ((0, 4, m1), (1, 3, -m1)):  # bx = ry, by = -rx
+        M[:, :, i, :, j] = M[:, :, j, :, i] = moment
+    if consistent:
+        T = excess_rotation(t)
+        drilling = (np.swapaxes(T, 1, 2) @ m2 @ T).reshape(-1, 3, 3, 3, 3)
+        for i, row in enumerate(MEMBRANE):
+            for j, column in enumerate(MEMBRANE):
+                M[:, :, row, :, column] += drilling[:, :, i, :, j]
+    return to_G(t.A_GE, M.reshape(-1, 18, 18))

@@ -1,0 +1,14 @@
+"""CST: the triangle of constant strain."""
+
+from ....solver.package.schema import Array
+from ..triangles import Triangles
+from .strains import MembraneStrains, linear_strain
+
+
+def cst(t: Triangles, A: Array, beta0: float | str) -> MembraneStrains:
+    """Strains of the linear triangle, (exx, eyy, gxy) = sum_i (gx u, gy v, gy u + gx v)_i.
+
+    It does not know tz. Bending in its plane meets a parasitic shear that makes it several
+    times too stiff: a wall needs many of them over its height.
+    """
+    return MembraneStrains(linear_strain(t)[:, None], None)

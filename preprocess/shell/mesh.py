@@ -1,0 +1,183 @@
+"""Shell meshes: from a gmsh file or script to a DOLFINx surface mesh of three-node triangles.
+
+DOLFINx owns the numbering of nodes and cells: the model is assembled through the dofmap of its
+P1 space of six components (ux uy uz rx ry rz). Results are written in the order of the mesh
+file, which is the same with every version of DOLFINx.
+"""
+
+import hashlib
+import importlib.util
+import inspect
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from ...solver.package.schema import Array, IntArray
+from .. import fenicsx
+from ..fenicsx import PlainMesh
+from .errors import ShellError
+
+KEPT = 8  # meshes that a process keeps
+KEYS = ("file", "parameters", "scale", "sha256")
+
+
+@dataclass(frozen=True, eq=False)  # the same only if it is the very same
+class ShellMesh:
+    """A surface mesh of `n` nodes and `c` triangles, in DOLFINx's numbering.
+
+    The corners of a cell run in the order that the mesh file gave them, so that its normal
+    points where the file's does.
+    """
+
+    space: Any  # DOLFINx's P1 space of six components
+    points_G: Array  # (n, 3)                               [m]
+    cells: IntArray  # (c, 3)
+    region: IntArray  # (c,) row of regions
+    regions: tuple[str, ...]
+    curves: dict[str, IntArray]  # physical curve -> (s, 2) nodes
+    marks: dict[str, IntArray]  # physical point -> (k,) nodes
+    node_tags: IntArray  # (n,) number of each node in gmsh
+    file_nodes: IntArray  # (n,) node of each row of the file
+    file_cells: IntArray  # (c,) cell of each row of the file
+
+    @property
+    def n_node(self) -> int:
+        """Number of nodes."""
+        return len(self.points_G)
+
+    @property
+    def size(self) -> float:
+        """Diagonal of the box around the mesh [m]."""
+        return float(np.linalg.norm(np.ptp(self.points_G, axis=0)))
+
+    @property
+    def area_vectors_G(self) -> Array:
+        """Area of each cell times its normal, (c, 3) [m2]."""
+        a, b, c = np.moveaxis(self.points_G[self.cells], 1, 0)
+        return np.asarray(0.5 * np.cross(b - a, c - a))
+
+
+def shell_mesh(spec_mesh: Mapping[str, Any], where: str) -> ShellMesh:
+    """Make the mesh of a shell; equal requests share one mesh.
+
+    Parameters
+    ----------
+    spec_mesh : {"file": "part.msh" | "part.geo" | "part.py", "parameters": {...}, "scale": 1.0}.
+        A .geo has DefineConstant entries "Parameters/<key>"; a .py has build(gmsh, parameters)
+        that fills the current model and may leave the meshing to us.
+    where : file and key of the description, for messages
+
+    Raises
+    ------
+    ShellError : no such file, quadrilaterals, curved or solid cells, surfaces in no physical
+        group, nodes of a physical group in no cell.
+    """
+    path = Path(str(spec_mesh.get("file", "")))
+    if not path.is_file():
+        raise ShellError(f"{where}.file = {str(path)!r}: no such file")
+    scale = spec_mesh.get("scale", 1.0)
+    if isinstance(scale, bool) or not isinstance(scale, int | float) or not scale > 0.0:
+        raise ShellError(f"{where}.scale = {scale!r}: expected a number above 0")
+    content = hashlib.sha256(path.read_bytes()).hexdigest()
+    table = json.dumps(spec_mesh, sort_keys=True, separators=(",", ":"))
+    try:
+        return _made(table, str(path), content)
+    except (fenicsx.MeshError, ShellError) as error:
+        raise ShellError(f"{where}: {error}") from error
+
+
+@lru_cache(maxsize=KEPT)
+def _made(table: str, file: str, content: str) -> ShellMesh:
+    del content  # it makes another entry when the file has changed
+    spec, path = json.loads(table), Path(file)
+    plain = _read(path, spec.get("parameters", {}))
+    scale = float(spec.get("scale", 1.0))
+    return mesh_of(replace(plain, points=scale * plain.points), str(path))
+
+
+def mesh_of(plain: PlainMesh, where: str = "mesh") -> ShellMesh:
+    """Hand plain triangles in space to DOLFINx. Raises ShellError for any other cells."""
+    if plain.cell != "triangle" or plain.degree != 1:
+        raise ShellError(
+            f"{where}: has {plain.cell}s of degree {plain.degree}, expected three-node triangles. "
+            "In gmsh, take away every `Recombine` and let Mesh.ElementOrder = 1"
+        )
+    labelled = fenicsx.labelled_mesh(plain)
+    space = fenicsx.vector_space(labelled.mesh, 1, 6)
+    file_cells = np.argsort(fenicsx.original_cells(labelled.mesh))
+    # nodes of the space by row of the file, through the cells, which have both
+    dofs = fenicsx.cell_dofs(space).astype(np.int64)
+    corners = fenicsx.original_corners(labelled.mesh)
+    file_nodes = np.full(len(plain.points), -1)
+    file_nodes[corners] = dofs
+    cells = file_nodes[plain.cells]
+    own = np.empty_like(cells)
+    own[file_cells] = cells  # corners in the file's order, cells in DOLFINx's
+    tags = np.empty(len(file_nodes), dtype=np.int64)
+    named = plain.named
+    tags[file_nodes] = np.arange(1, len(tags) + 1) if named is None else named.tags
+    region = np.empty(len(cells), dtype=np.int64)
+    region[file_cells] = plain.region
+    points = np.empty((len(tags), 3))
+    points[file_nodes] = plain.points
+    curves = {} if named is None else named.curves
+    marks = {} if named is None else named.points
+    return ShellMesh(
+        space=space,
+        points_G=points,
+        cells=own,
+        region=region,
+        regions=plain.regions,
+        curves={name: _rows(file_nodes, rows, name, where) for name, rows in curves.items()},
+        marks={name: _rows(file_nodes, rows, name, where) for name, rows in marks.items()},
+        node_tags=tags,
+        file_nodes=file_nodes,
+        file_cells=file_cells,
+    )
+
+
+def _rows(file_nodes: IntArray, rows: IntArray, name: str, where: str) -> IntArray:
+    if np.any(rows < 0):
+        raise ShellError(
+            f"{where}: {np.count_nonzero(rows < 0)} nodes of physical group {name!r} lie in no "
+            "cell: free nodes, that nothing holds. In gmsh, let the surface contain the entity "
+            "(`Point{..} In Surface{..}`, BooleanFragments), or take it out of the group"
+        )
+    return file_nodes[rows]
+
+
+def _read(path: Path, parameters: Mapping[str, Any]) -> PlainMesh:
+    if path.suffix == ".geo":
+        return fenicsx.run_script(path, parameters, gdim=3)
+    if path.suffix != ".py":
+        return fenicsx.open_mesh(path, gdim=3)
+    with fenicsx.gmsh_session() as gmsh:
+        gmsh.clear()
+        build = getattr(_module(path), "build", None)
+        if build is None or len(inspect.signature(build).parameters) < 2:
+            raise ShellError(f"{path}: expected a function build(gmsh, parameters)")
+        try:
+            build(gmsh, dict(parameters))
+        except ValueError as error:
+            raise ShellError(f"{path.name}: {error}") from error
+        if not len(gmsh.model.mesh.getElementTypes(2)):
+            gmsh.model.mesh.generate(2)
+        plain = fenicsx.plain_from_model(str(path), 3)
+        gmsh.clear()
+        return plain
+
+
+def _module(path: Path) -> ModuleType:
+    """A Python script of the user's; it gets gmsh from here."""
+    spec = importlib.util.spec_from_file_location(f"plymotion_shell_mesh_{path.stem}", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module

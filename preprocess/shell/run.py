@@ -1,0 +1,25 @@
+"""The command `shell` of the preprocessor."""
+
+import argparse
+from pathlib import Path
+
+from ..batch import build_all
+from ..section.batch import launched_ranks
+from ..telling import answer, teller
+from .batch import ShellFiles
+
+
+def run_shells(options: argparse.Namespace) -> int:
+    """Make the shell files that the options ask for; returns the exit code."""
+    ranks = launched_ranks()
+    out: Path | None = options.out
+    with teller(options.json, ranks.rank == 0) as (tell, progress):
+        product = ShellFiles(ranks, progress)
+
+        def target_of(spec: Path) -> Path:
+            folder: Path = options.out_dir or spec.parent
+            return out or folder / f"{spec.stem}.vtkhdf"
+
+        if options.specs == [Path("-")]:
+            return answer(product, target_of, force=options.force, tell=tell)
+        return build_all(product, options.specs, target_of, force=options.force, tell=tell)

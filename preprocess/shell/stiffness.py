@@ -1,0 +1,143 @@
+"""Stiffness of shell triangles: a membrane, a plate and their coupling, turned to the axes of G.
+
+In E the degrees of freedom are (u, v, tz) of the membrane and (w, bx, by) of the plate, 9 and 9.
+"""
+
+from typing import Protocol
+
+import numpy as np
+
+from ...solver.package.schema import Array
+from .choice import Choice
+from .drilling import DRILLINGS
+from .membranes import MEMBRANES, MembraneStrains
+from .plates import PLATES, PlateStrains
+from .triangles import Triangles
+
+AT_A_TIME = 256  # triangles, so that what lies between two products stays in the cache
+
+# Places in the six degrees of freedom (u, v, w, rx, ry, rz) of a corner: by = -rx, bx = ry.
+MEMBRANE, PLATE = (0, 1, 5), (2, 4, 3)
+SIGN = (1.0, 1.0, -1.0)  # of the plate's degrees of freedom
+
+
+class Stiffness(Protocol):
+    """What an element asks of a laminate, in E; the first axis c or 1 may be left out."""
+
+    @property
+    def A(self) -> Array:
+        """Stretching, (3, 3) [N/m]."""
+
+    @property
+    def B(self) -> Array:
+        """Coupling, (3, 3) [N]."""
+
+    @property
+    def D(self) -> Array:
+        """Bending, (3, 3) [N m]."""
+
+    @property
+    def Ds(self) -> Array:
+        """Transverse shear, corrected, (2, 2) [N/m]."""
+
+
+def element_stiffness(t: Triangles, laminate: Stiffness, choice: Choice) -> Array:
+    """Stiffness of shell triangles in G, (c, 18, 18) [N/m, N, N m].
+
+    Paper: Eq. (25), Eq. (26).
+
+    Parameters
+    ----------
+    t : c triangles
+    laminate : A, B, D, Ds in E, one for all or one for each triangle
+    choice : plate, membrane, drilling
+
+    Raises
+    ------
+    ShellError
+        for a choice that does not exist
+    """
+    choice.checked()
+    given = cell_stiffness(laminate)
+    K_G = np.empty((len(t), 18, 18))
+    for first in range(0, len(t), AT_A_TIME):
+        some = slice(first, first + AT_A_TIME)
+        A, B, D, Ds = (a[some] if len(a) > 1 else a for a in given)
+        K_G[some] = _stiffness(t[some], A, B, D, Ds, choice)
+    return K_G
+
+
+def cell_stiffness(laminate: Stiffness) -> tuple[Array, Array, Array, Array]:
+    """A, B, D (c|1, 3, 3) and Ds (c|1, 2, 2), from one laminate for all or one for each."""
+    A, B, D = (
+        np.asarray(a, dtype=float).reshape(-1, 3, 3) for a in (laminate.A, laminate.B, laminate.D)
+    )
+    return A, B, D, np.asarray(laminate.Ds, dtype=float).reshape(-1, 2, 2)
+
+
+def _stiffness(t: Triangles, A: Array, B: Array, D: Array, Ds: Array, choice: Choice) -> Array:
+    membrane = MEMBRANES[choice.membrane](t, A, choice.beta0)
+    plate = PLATES[choice.plate](t, D, Ds)
+    K_m = membrane_stiffness(t, A, membrane)
+    form = choice.drilling_form()
+    if form != "none":
+        K_m += DRILLINGS[form](t, A, choice.drilling_factor)
+    K_b = plate_stiffness(t, D, Ds, plate)
+    K_mb = coupling_stiffness(t, B, membrane, plate) if B.any() else None
+    return to_G(t.A_GE, together(K_m, K_b, K_mb))
+
+
+def membrane_stiffness(t: Triangles, A: Array, membrane: MembraneStrains) -> Array:
+    """area mean(Bm' A Bm) + extra in the membrane's degrees of freedom, (c, 9, 9)."""
+    K = weighted_squares(t, A, membrane.strain)
+    return K if membrane.extra is None else K + membrane.extra
+
+
+def plate_stiffness(t: Triangles, D: Array, Ds: Array, plate: PlateStrains) -> Array:
+    """area mean(Bb' D Bb + Bs' Ds Bs) in the plate's degrees of freedom, (c, 9, 9)."""
+    K = weighted_squares(t, D, plate.curvature)
+    if plate.shear.shape[1]:
+        K += weighted_squares(t, Ds, plate.shear)
+    return K
+
+
+def coupling_stiffness(
+    t: Triangles, B: Array, membrane: MembraneStrains, plate: PlateStrains
+) -> Array:
+    """area mean(Bm)' B mean(Bb), rows of the membrane, columns of the plate, (c, 9, 9)."""
+    stress = B @ plate.curvature.mean(axis=1)
+    return np.asarray(np.swapaxes(membrane.mean_strain, 1, 2) @ (t.area[:, None, None] * stress))
+
+
+def weighted_squares(t: Triangles, C: Array, strain: Array) -> Array:
+    """area mean(strain' C strain) over the q points of strain (c, q, n, 9): (c, 9, 9)."""
+    c, q, n, _ = strain.shape
+    stress = ((t.area / q)[:, None, None] * C)[:, None] @ strain
+    return np.asarray(np.swapaxes(strain.reshape(c, q * n, 9), 1, 2) @ stress.reshape(c, q * n, 9))
+
+
+def together(K_m: Array, K_b: Array, K_mb: Array | None) -> Array:
+    """Matrix of all degrees of freedom (u, v, w, rx, ry, rz) of the corners in E, (c, 18, 18)."""
+    K = np.zeros((len(K_m), 3, 6, 3, 6))
+    m, b = K_m.reshape(-1, 3, 3, 3, 3), K_b.reshape(-1, 3, 3, 3, 3)
+    mb = None if K_mb is None else K_mb.reshape(-1, 3, 3, 3, 3)
+    for i in range(3):
+        for j in range(3):
+            K[:, :, MEMBRANE[i], :, MEMBRANE[j]] = m[:, :, i, :, j]
+            sign = SIGN[i] * SIGN[j]
+            K[:, :, PLATE[i], :, PLATE[j]] = sign * b[:, :, i, :, j]
+            if mb is not None:
+                K[:, :, MEMBRANE[i], :, PLATE[j]] = SIGN[j] * mb[:, :, i, :, j]
+                K[:, :, PLATE[j], :, MEMBRANE[i]] = SIGN[j] * mb[:, :, i, :, j].swapaxes(1, 2)
+    return K.reshape(-1, 18, 18)
+
+
+def to_G(A_GE: Array, K_E: Array) -> Array:
+    """Turn a symmetric matrix from E to G: R K R', R six times A_GE on its diagonal, (c, 18, 18).
+
+    Paper: Eq. (23).
+    """
+    A_EG = np.swapaxes(A_GE, 1, 2)
+    right = (K_E.reshape(-1, 108, 3) @ A_EG).reshape(-1, 18, 18)
+    left = np.ascontiguousarray(np.swapaxes(right, 1, 2))  # K is symmetric: R K
+    return np.asarray((left.reshape(-1, 108, 3) @ A_EG).reshape(-1, 18, 18))

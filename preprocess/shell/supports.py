@@ -1,0 +1,80 @@
+"""Supports: degrees of freedom of groups that do not move."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...solver.errors import did_you_mean
+from ...solver.package.schema import Array, IntArray
+from .assembly import DOFS
+from .errors import ShellError
+from .groups import group
+from .links import Link
+from .mesh import ShellMesh
+
+COMPONENTS = ("ux", "uy", "uz", "rx", "ry", "rz")
+# A mirror plane normal to an axis lets nothing through it and turns nothing out of it.
+WORDS = {
+    "all": COMPONENTS,
+    "symmetry-x": ("ux", "ry", "rz"),
+    "symmetry-y": ("uy", "rx", "rz"),
+    "symmetry-z": ("uz", "rx", "ry"),
+}
+
+
+class Support(NamedTuple):
+    """Fixed degrees of freedom of one group."""
+
+    name: str
+    dofs: IntArray  # (k,) of all, ascending
+    point_G: Array  # (3,) about which its reaction moment is told [m]
+
+
+def read_supports(
+    table: Mapping[str, Any], mesh: ShellMesh, links: Sequence[Link], where: str
+) -> list[Support]:
+    """The supports of a specification: {name: {at, fixed}}; `at` is a group or a link.
+
+    Raises ShellError for an unknown group or component, and for a support on the reference point
+    of an average link.
+    """
+    rows = {link.name: i for i, link in enumerate(links)}
+    supports = []
+    for name, entry in table.items():
+        place = f"{where}.{name}"
+        components = fixed_components(entry.get("fixed"), f"{place}.fixed")
+        at = str(entry.get("at"))
+        if at in rows:
+            link = links[rows[at]]
+            if link.kind != "rigid":
+                raise ShellError(
+                    f"{place}.at = {at!r}: an average link follows its group and cannot hold it; "
+                    "expected a rigid link, or the group itself"
+                )
+            nodes, point = np.array([mesh.n_node + rows[at]]), link.point_G
+        else:
+            of = group(mesh, at, f"{place}.at")
+            nodes, point = of.nodes, of.centre_G
+        dofs = np.sort((DOFS * nodes[:, None] + components).ravel())
+        supports.append(Support(name, dofs, point))
+    return supports
+
+
+def fixed_components(value: Any, where: str) -> IntArray:
+    """Numbers 0 ... 5 of "all", a symmetry, or a list of components. Raises ShellError."""
+    names = WORDS.get(value) if isinstance(value, str) else value
+    known = (*COMPONENTS, *WORDS)
+    if not isinstance(names, Sequence) or isinstance(names, str) or not names:
+        raise ShellError(
+            f"{where} = {value!r}: expected {', '.join(WORDS)}, or a list of "
+            + ", ".join(COMPONENTS)
+            + did_you_mean(str(value), known)
+        )
+    for name in names:
+        if name not in COMPONENTS:
+            raise ShellError(
+                f"{where} = {list(names)!r}: {name!r} is none of {', '.join(COMPONENTS)}"
+                + did_you_mean(str(name), COMPONENTS)
+            )
+    return np.unique([COMPONENTS.index(name) for name in names])

@@ -1,0 +1,105 @@
+"""Geometry of flat triangles in their own axes, which are those of the laminate.
+
+Sides run 1-2, 2-3, 3-1, always from corner START[k] to corner END[k]. No formula of the elements
+depends on the sense of the corners about e3, so a region may reverse its normals.
+"""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from ...solver.package.schema import Array, IntArray
+from .errors import ShellError
+
+START, END = (0, 1, 2), (1, 2, 0)  # corners of the three sides
+# Integration points in area coordinates, weight area / 3 each: exact up to degree 2.
+POINTS = np.full((3, 3), 1.0 / 6.0) + 0.5 * np.eye(3)
+
+FLAT = 1e-10  # of the longest side squared: a smaller area is none
+STEEP = 1e-6  # sine of the smallest angle between a reference direction and a normal
+NAMED = 5  # cells named in a message
+
+
+@dataclass(frozen=True)
+class Triangles:
+    """Some triangles, c of them.
+
+    Attributes
+    ----------
+    xy_E : (c, 3, 2) corners from the centroid [m]
+    A_GE : (c, 3, 3) rotation, v_G = A_GE v_E
+    area : (c,) [m2]
+    length : (c, 3) of the sides [m]
+    tangent : (c, 3, 2) unit vectors along the sides, in E
+    grad : (c, 3, 2) gradients of the area coordinates, in E [1/m]
+    """
+
+    xy_E: Array
+    A_GE: Array
+    area: Array
+    length: Array
+    tangent: Array
+    grad: Array
+
+    def __len__(self) -> int:
+        return len(self.area)
+
+    def __getitem__(self, some: slice) -> "Triangles":
+        """Some of the triangles."""
+        return Triangles(*(getattr(self, field.name)[some] for field in fields(self)))
+
+
+def triangles(
+    points_G: Array, cells: IntArray, direction_G: Array, flip: Array | bool = False
+) -> Triangles:
+    """Geometry of triangles given by their corners.
+
+    Parameters
+    ----------
+    points_G : (n, 3) nodes [m]
+    cells : (c, 3) nodes of each triangle; their order gives the normal, right-handed
+    direction_G : (3,) or (c, 3) reference direction, whose projection on a triangle is e1
+    flip : bool or (c,), True where the normal e3 is reversed
+
+    Raises
+    ------
+    ShellError
+        for a triangle without area, or whose normal is the reference direction
+    """
+    corners = np.asarray(points_G, dtype=float)[np.asarray(cells)]
+    edge = corners[:, END] - corners[:, START]
+    length = np.linalg.norm(edge, axis=2)
+    normal = np.cross(edge[:, 0], edge[:, 1])
+    twice_area = np.linalg.norm(normal, axis=1)
+    longest = length.max(axis=1, initial=0.0)
+    # "not greater" catches NaN as well
+    refuse(~(twice_area > FLAT * longest**2), "has no area", cells)
+    e3 = normal / twice_area[:, None]
+    e3 = np.where(np.asarray(flip)[..., None], -e3, e3)
+    e1 = np.broadcast_to(np.asarray(direction_G, dtype=float), e3.shape)
+    whole = np.linalg.norm(e1, axis=1)
+    e1 = e1 - np.einsum("ci,ci->c", e1, e3)[:, None] * e3
+    projected = np.linalg.norm(e1, axis=1)
+    refuse(~(projected > STEEP * whole), "is normal to its reference direction", cells)
+    e1 = e1 / projected[:, None]
+    A_GE = np.stack([e1, np.cross(e3, e1), e3], axis=2)
+    xy_E = (corners - corners.mean(axis=1, keepdims=True)) @ A_GE[:, :, :2]
+    edge_E = xy_E[:, END] - xy_E[:, START]
+    # Corner i lies opposite to the side that starts at the next corner; turned by 90 degrees and
+    # divided by twice the area, signed by the sense of the corners, the side is its gradient.
+    opposite = edge_E[:, END]
+    signed = edge_E[:, 0, 0] * edge_E[:, 1, 1] - edge_E[:, 0, 1] * edge_E[:, 1, 0]
+    grad = np.stack([-opposite[..., 1], opposite[..., 0]], axis=2) / signed[:, None, None]
+    return Triangles(
+        xy_E, A_GE, 0.5 * twice_area, length, edge_E / length[..., None], np.ascontiguousarray(grad)
+    )
+
+
+def refuse(wrong: Array, fault: str, cells: IntArray) -> None:
+    """Raise `ShellError` that names the first of the cells that are wrong, if any."""
+    if not wrong.any():
+        return
+    found = np.flatnonzero(wrong)
+    listed = ", ".join(f"{i} (nodes {', '.join(map(str, cells[i]))})" for i in found[:NAMED])
+    more = f" and {len(found) - NAMED} more" if len(found) > NAMED else ""
+    raise ShellError(f"each of these triangles {fault}: {listed}{more}")

@@ -1,0 +1,62 @@
+"""Tables of plies: what cross-sections and shells have in common.
+
+Each says in its own tables from which side the plies are listed and where a thickness may lack.
+"""
+
+from typing import Annotated, Any, Self
+
+from pydantic import Field, model_validator
+
+from .table import Name, Table, unit
+
+Angle = Annotated[float, Field(ge=-90, le=90)]
+
+
+class LayUpPly(Table):
+    """One entry of `plies`."""
+
+    material: Name = Field(description="name of a material")
+    angle_deg: Angle = Field(
+        default=0.0, description="fibre direction", json_schema_extra=unit("deg")
+    )
+    thickness: float | None = Field(
+        default=None, gt=0, description="of the ply", json_schema_extra=unit("m")
+    )
+    repeat: int = Field(default=1, ge=1, le=1000, description="how many of this ply in a row")
+
+
+class LayUp(Table):
+    """`[laminates.NAME]`: either `plies`, or the short form of one material."""
+
+    plies: list[Any] | None = None
+    material: Name | None = Field(default=None, description="short form: material of all plies")
+    angles_deg: list[Angle] | None = None
+    ply_thickness: float | None = None
+    repeat: int = Field(default=1, ge=1, le=1000, description="how many times the plies follow")
+    symmetric: bool = False
+
+    @model_validator(mode="after")
+    def _one_form(self) -> Self:
+        short = (self.material, self.angles_deg, self.ply_thickness)
+        if self.plies is not None and short != (None, None, None):
+            raise ValueError("expected either `plies` or the short form, found keys of both")
+        if self.plies is None and (self.material is None or self.angles_deg is None):
+            raise ValueError("expected `plies`, or `material` with `angles_deg`")
+        if len({ply.thickness is None for ply in self.plies or ()}) > 1:
+            raise ValueError("expected `thickness` in all plies or in none")
+        return self
+
+    def stack(self) -> list[dict[str, Any]]:
+        """Return every single ply in the order of the list, as the FE side reads it."""
+        plies = [
+            {"material": p.material, "angle_deg": p.angle_deg, "thickness": p.thickness}
+            for p in self.plies or ()
+            for _ in range(p.repeat)
+        ] or [
+            {"material": self.material, "angle_deg": angle, "thickness": self.ply_thickness}
+            for angle in self.angles_deg or ()
+        ]
+        plies *= self.repeat
+        if self.symmetric:
+            plies += plies[::-1]
+        return [{key: v for key, v in ply.items() if v is not None} for ply in plies]

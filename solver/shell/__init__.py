@@ -1,0 +1,1 @@
+"""Laminated shells: description, load cases, results on the screen and as figures."""

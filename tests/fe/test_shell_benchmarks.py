@@ -1,0 +1,47 @@
+"""Plates and shells of tests/reference/shells against published and independent numbers.
+
+Every entry of the file with the default elements (dkmt, opt), on the mesh that its tolerance
+names.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from shell_benchmarks import ENTRIES, expected, mesh_of, numbers, tolerances
+
+Record = Callable[[str, Any], None]
+
+
+def bounds(name: str) -> np.ndarray:
+    """Relative tolerance of each number of an entry."""
+    given, count = tolerances(name), len(expected(name))
+    if name.startswith("ccx_box"):
+        # frequencies and deflections of [0] or of [15], then torsion
+        return np.array([given[0 if name.endswith("_0") else 1]] * (count - 1) + [given[2]])
+    if name.startswith("mindlin"):
+        return np.array([given[1]])  # at 32 x 32
+    if name == "r0031_1":
+        return np.full(2, given[0])  # w and the stress; no tolerance is stated for tau
+    return np.full(count, given[0])
+
+
+def test_file_is_complete() -> None:
+    assert len(ENTRIES) == 72
+    assert sum("ccx" in name for name in ENTRIES) == 7
+
+
+@pytest.mark.parametrize("name", ENTRIES)
+def test_entry(name: str, record: Record) -> None:
+    found = numbers(name, mesh_of(name))
+    reference = expected(name)[: len(found)]
+    tolerance = bounds(name)
+    error = np.abs(found / reference - 1.0)
+    assert np.all(error < tolerance), f"{found} instead of {reference}: {error} over {tolerance}"
+    record(f"shell/{name}", found)
+
+
+@pytest.mark.parametrize("name", [name for name in ENTRIES if name.startswith("mindlin")])
+def test_plates_on_the_coarse_mesh(name: str) -> None:
+    assert numbers(name, 16) == pytest.approx(expected(name), rel=tolerances(name)[0])

@@ -1,0 +1,186 @@
+"""What a shell analysis refuses or warns of: mechanisms, meshes, elements that do not fit."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from shell_specs import HARD, METAL, box, mesh_from, plate
+
+from plymotion.preprocess.__main__ import main
+from plymotion.preprocess.shell.analysis import analyse
+from plymotion.preprocess.shell.errors import ShellError
+from plymotion.preprocess.shell.problem import ShellProblem
+
+Record = Callable[[str, Any], None]
+PRESS = {"press": {"all": {"pressure": 1.0}}}
+CLAMPED = {"root": {"at": "left", "fixed": "all"}}
+
+
+def codes(problem: Any) -> list[str]:
+    return [warning["code"] for warning in problem.warnings]
+
+
+def metal(mesh: Any, h: float = 0.01, **tables: Any) -> ShellProblem:
+    """An isotropic shell on a mesh of arrays."""
+    spec = {
+        "mesh": {"file": "arrays"},
+        "materials": {"metal": METAL},
+        "regions": {"all": {"material": "metal", "thickness": h}},
+        **tables,
+    }
+    return ShellProblem(spec, mesh=mesh)
+
+
+@pytest.mark.parametrize(
+    ("fixed", "words"),
+    [
+        (
+            ["uz"],
+            ["4 rigid motions", "translation along x; translation along y", "about y", "about z"],
+        ),
+        (["ux", "uy", "uz", "rx", "rz"], ["1 rigid motions", "rotation about y through (0, "]),
+    ],
+)
+def test_loose_shells_say_how_they_move(fixed: list[str], words: list[str]) -> None:
+    held = {"held": {"at": "left", "fixed": fixed}}
+    with pytest.raises(ShellError) as caught:
+        analyse(plate(3, 0.01, supports=held, loads=PRESS))
+    for word in words:
+        assert word in str(caught.value)
+
+
+def test_no_supports_at_all() -> None:
+    with pytest.raises(ShellError, match="6 rigid motions are free"):
+        analyse(plate(3, 0.01, loads=PRESS))
+
+
+def test_fictitious_drilling_on_a_flat_plate(record: Record) -> None:
+    """The paper's matrix has the null vector (1, 1, 1): a seventh mode of 0 Hz."""
+    paper = {"membrane": "cst", "drilling": "fictitious"}
+    free = {"count": 3, "free": True}
+    found = analyse(plate(6, 0.01, elements=paper, frequencies=free))
+    assert found.modes is not None
+    assert found.modes.n_zero == 7
+    assert {"drilling-fictitious-flat", "zero-energy-modes"} <= set(codes(found))
+    record("shell fictitious modes", found.modes.frequencies[7:])
+    tied = analyse(plate(6, 0.01, elements={"membrane": "cst"}, frequencies=free))
+    assert tied.modes is not None
+    assert tied.modes.n_zero == 6
+    assert not {"drilling-fictitious-flat", "zero-energy-modes"} & set(codes(tied))
+    hard = {
+        name: {**support, "fixed": [f for f in support["fixed"] if f != "rz"]}
+        for name, support in HARD.items()
+    }
+    with pytest.raises(ShellError, match="turning about the normal"):
+        analyse(plate(4, 0.01, elements=paper, supports=hard, loads=PRESS))
+    hard["corner"] = {"at": "corner-00", "fixed": ["rz"]}
+    assert analyse(plate(4, 0.01, elements=paper, supports=hard, loads=PRESS)).cases.energy[0] > 0
+    # walls that meet at kinks hold each other
+    folded = analyse(box(elements=paper, loads=PRESS, frequencies=free))
+    assert folded.modes is not None
+    assert folded.modes.n_zero == 6
+
+
+def test_no_drilling_stiffness_is_refused() -> None:
+    with pytest.raises(ShellError, match='expected "tie" or "auto"'):
+        analyse(plate(3, 0.01, elements={"membrane": "cst", "drilling": "none"}, loads=PRESS))
+
+
+def test_slivers() -> None:
+    mesh = mesh_from([[0, 0, 0], [1, 0, 0], [0.5, 0.01, 0], [0.5, 1, 0]], [[0, 1, 2], [2, 1, 3]])
+    problem = metal(mesh)
+    assert codes(problem) == ["sliver"]
+    assert "1 of 2 triangles" in problem.warnings[0]["message"]
+    assert codes(ShellProblem(plate(4, 0.01))) == []
+
+
+def test_reversed_normals_and_t_junctions() -> None:
+    points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [0.5, 0.5, 1]]
+    good = mesh_from(points[:4], [[0, 1, 2], [1, 3, 2]], [0, 1])
+    bad = mesh_from(points[:4], [[0, 1, 2], [1, 2, 3]], [0, 1])
+    junction = mesh_from(points, [[0, 1, 2], [1, 2, 3], [1, 2, 4]], [0, 1, 1])
+    assert codes(metal(good)) == []
+    assert codes(metal(bad)) == ["normals-disagree"]
+    assert codes(metal(junction)) == []
+    regions = {"all": {"material": "metal", "thickness": 0.01}}
+    flipped = {**regions, "s2": {**regions["all"], "flip": True}}
+    assert codes(metal(bad, regions=flipped)) == []
+    assert codes(metal(good, regions=flipped)) == ["normals-disagree"]
+
+
+def test_parts_that_touch_without_common_nodes() -> None:
+    points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+    assert codes(metal(mesh_from(points, [[0, 1, 2], [3, 4, 5]]))) == ["nodes-not-merged"]
+    apart = [*points[:3], *([x + 1, y, z] for x, y, z in points[3:])]
+    ends = {"a": [[0, 1]], "b": [[3, 4]]}
+    mesh = mesh_from(apart, [[0, 1, 2], [3, 4, 5]], **ends)
+    assert codes(metal(mesh)) == ["several-parts"]
+
+
+def test_regions_without_laminate() -> None:
+    spec = box()
+    del spec["regions"]["left"]
+    with pytest.raises(ShellError, match="surface 'left' of the mesh has no laminate"):
+        ShellProblem(spec)
+    spec["regions"]["lfet"] = spec["regions"]["top"]
+    with pytest.raises(ShellError, match="did you mean 'left'"):
+        ShellProblem(spec)
+
+
+def test_nodes_of_no_cell(tmp_path: Path) -> None:
+    script = tmp_path / "stray.py"
+    script.write_text(
+        "def build(gmsh, parameters):\n"
+        "    surface = gmsh.model.occ.addRectangle(0, 0, 0, 1, 1)\n"
+        "    stray = gmsh.model.occ.addPoint(3, 0, 0)\n"
+        "    gmsh.model.occ.synchronize()\n"
+        "    gmsh.model.addPhysicalGroup(2, [surface])\n"
+        "    group = gmsh.model.addPhysicalGroup(0, [stray])\n"
+        "    gmsh.model.setPhysicalName(0, group, 'stray')\n"
+    )
+    with pytest.raises(ShellError, match="1 nodes of physical group 'stray' lie in no cell"):
+        ShellProblem(plate(1, 0.1, mesh={"file": str(script)}))
+
+
+def test_elements_that_lock_or_do_not_converge() -> None:
+    paper = {"membrane": "cst", "plate": "dst"}
+    assert codes(ShellProblem(box((40, 1, 1), elements=paper))) == ["cst-in-plane-bending"]
+    assert codes(ShellProblem(box((40, 4, 4), elements={"membrane": "cst"}))) == []
+    assert codes(ShellProblem(box((40, 1, 1)))) == []
+    assert codes(ShellProblem(plate(8, 0.1, elements={"plate": "dst"}))) == ["dst-thick"]
+    assert codes(ShellProblem(plate(8, 1e-3, elements={"plate": "dst"}))) == []
+    assert codes(ShellProblem(plate(8, 0.1))) == []
+
+
+def test_laminate_findings_are_passed_on() -> None:
+    assert "laminate-unsymmetric" in codes(analyse(box((4, 1, 1), frequencies={"count": 1})))
+
+
+def test_supports_on_links() -> None:
+    links = {"tip": {"at": "tip", "kind": "rigid"}}
+    with pytest.raises(ShellError, match="fixes ux of a node that a rigid link carries"):
+        ShellProblem(box(links=links, supports={"s": {"at": "tip-top", "fixed": ["ux"]}}))
+    average = {"tip": {"at": "tip", "kind": "average"}}
+    with pytest.raises(ShellError, match="average link follows its group"):
+        ShellProblem(box(links=average, supports={"s": {"at": "tip", "fixed": "all"}}))
+    with pytest.raises(ShellError, match="shares a node with the rigid link 'tip'"):
+        ShellProblem(box(links={**links, "b": {"at": "tip-top", "kind": "rigid"}}))
+    held = analyse(box(links=links, supports={"s": {"at": "tip", "fixed": "all"}}, loads=PRESS))
+    assert np.abs(held.cases.link_motions_G).max() == 0.0
+    assert held.cases.reactions_G[0, 0, :3] == pytest.approx(np.zeros(3), abs=1e-9)
+
+
+def test_command_line(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    good, bad = tmp_path / "good.json", tmp_path / "bad.json"
+    good.write_text(json.dumps(plate(3, 0.01, supports=CLAMPED, loads=PRESS)))
+    bad.write_text(json.dumps(plate(3, 0.01, loads=PRESS)))
+    assert main(["shell", str(good), str(bad)]) == 2
+    out, err = capfd.readouterr()
+    assert out == "[1/2] good: 96 dofs\n"
+    assert "bad.json: supports: 6 rigid motions are free" in err
+    assert main(["shell", str(good)]) == 0
+    assert capfd.readouterr().out == "[1/1] good: unchanged\n"
+    assert main(["shell", str(good), str(bad), "--out", "x.vtkhdf"]) == 2
