@@ -17,6 +17,7 @@ FORMULATIONS = ("ggl", "index3")
 SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 2.0
 HYSTERESIS = 1.2  # a change of step disturbs index 3: not for less than this
 MAX_ITERATIONS = 8
+FORGET, STALLED = 0.998, 100.0  # failures of Newton's iteration: one in five of five hundred
 RENEW_AFTER = 3  # steps; younger stiffness is not what keeps Newton's iteration from converging
 TOLERANCE = 0.05  # of the local error allowed, left over by Newton's iteration
 
@@ -100,6 +101,7 @@ class GeneralizedAlpha(Integrator):
         self._opening = self.norm.rtol + float(tightest)  # of constraints after a correction
         self._K: Array | None = None  # stiffness, damping: none yet
         self._C = np.zeros((system.n_vel, system.n_vel))
+        self._failures = 0.0
         self._excess = 0  # iterations beyond the third since then
         self._renewed_at = 0  # count of steps
         self._h_last, self._power_last = 0.0, 0.0
@@ -113,7 +115,14 @@ class GeneralizedAlpha(Integrator):
     def _attempt(self, h: float, t_new: float) -> Array | None:
         start = self._predicted(h)
         found = self._newton(h, t_new, *start)
+        self._failures *= FORGET
         if found is None:
+            self._failures += 1
+            if self._failures > STALLED and self.fixed_step is None:
+                self._stalled = (
+                    "Newton's iteration fails in one step of five, however short (a smaller "
+                    'rtol may help, constraints = "projection" with integrator = "rk8" will),'
+                )
             self._h_next = (0.1 if self._not_finite else 0.25) * h
             return None
         y_new, point, factors, terms = found
@@ -242,9 +251,7 @@ class GeneralizedAlpha(Integrator):
                 return y, _Point(v, v_d, a, multipliers, power), factors, terms
             last = size
         self._not_finite = 0
-        self._trouble = (
-            "the Newton iteration does not converge, or constraints contradict each other"
-        )
+        self._trouble = "the Newton iteration does not converge (or constraints contradict)"
         return None
 
     def _terms(self, t: float, y: Array) -> Terms | None:
