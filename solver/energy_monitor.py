@@ -22,7 +22,7 @@ class EnergyMonitor:
 
     model: Model
     in_play: float = 0.0  # largest energy, change of potential or work so far [J]
-    largest_jump: float = 0.0  # of the balance in one step, over the energy in play then
+    largest_jump: float = 0.0  # of the balance in one step [J]
     t_jump: float = 0.0
     _start: Array = field(default_factory=lambda: np.zeros(0))
     _balance: float = 0.0
@@ -37,7 +37,7 @@ class EnergyMonitor:
         self.in_play = max(
             self.in_play, energy[0], energy[1], abs(energy[2] - self._start[2]), abs(y[-1])
         )
-        jump = abs(balance - self._balance) / max(self.in_play, 1e-300)
+        jump = abs(balance - self._balance)
         if not first and jump > self.largest_jump:
             self.largest_jump, self.t_jump = jump, t
         self._balance = balance
@@ -45,11 +45,12 @@ class EnergyMonitor:
 
     @property
     def message(self) -> str:
-        """Words on the largest jump; nothing if it is none to speak of."""
-        if self.largest_jump < JUMP:
+        """Words on the largest jump of the run so far; nothing if it is none to speak of."""
+        share = self.largest_jump / max(self.in_play, 1e-300)
+        if share < JUMP:
             return ""
         return (
             f"one step, to t = {self.t_jump:.6g} s, changed the energy balance by "
-            f"{self.largest_jump:.2g} of the energy in play (expected below {JUMP:g}): look for an "
+            f"{share:.2g} of the energy in play (expected below {JUMP:g}): look for an "
             "impact or a jump of force there; tighten rtol and atol"
         )

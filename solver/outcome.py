@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from . import findings, ply_stress, reactions, recover
+from .energy_monitor import JUMP_CODE
 from .freedom import degrees_of_freedom
 from .integrate import Solution
 from .mechanism import BuiltMechanism
@@ -80,6 +81,8 @@ def collect(
     warnings = [findings.finding(SPIN_CODE, m) for m in monitor.warnings.values()]
     if not completed and solution.code != SPIN_CODE:
         warnings.append(findings.finding(f"run-{solution.status}", solution.message))
+    if checks["degrees_of_freedom"] == 0:
+        notes = [note for note in notes if note["code"] != JUMP_CODE]
     warnings += [*notes, *findings.of_checks(checks), *findings.of_motion(built, y)]
     for name, package in spec.packages.items():
         for item in package.provenance.get("warnings", []):

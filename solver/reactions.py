@@ -11,7 +11,8 @@ from .package.schema import Array
 from .rotations import rotation_matrix
 from .system import accelerations, assemble, derivative, law_at
 
-DIFFERENCE = ((-2, 1 / 12), (-1, -8 / 12), (1, 8 / 12), (2, -1 / 12))  # fourth order
+# Central, exact for polynomials to the sixth degree.
+DIFFERENCE = ((-3, -1 / 60), (-2, 3 / 20), (-1, -3 / 4), (1, 3 / 4), (2, -3 / 20), (3, 1 / 60))
 
 
 def joint_reactions(model: Model, t: float, y: Array, multipliers: Array) -> Array:
@@ -47,9 +48,9 @@ def momenta(model: Model, t: float, y: Array) -> Array:
 def momentum_rates(model: Model, t: float, y: Array) -> Array:
     """Return the rates of `momenta` along the flow, (nb, 6), by differences.
 
-    Independent of forces and multipliers, but for the accelerations of the flow itself. Positions
-    are moved straight along their rates: a body turns by some thousandths of a radian, which
-    balances the error of the formula against rounding.
+    Independent of forces and multipliers, but for the accelerations of the flow itself. All
+    coordinates are moved straight along their rates: momenta are polynomials in them of low
+    degree, but for the norm of the Euler parameters, and a body turns by thousandths of a radian.
     """
     rate = derivative(model, t, y)
     turning = 0.0

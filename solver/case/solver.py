@@ -55,7 +55,7 @@ class Solver(Table):
     constraints: Literal[
         "index1", "baumgarte", "augmented-lagrangian", "projection", "ggl", "index3"
     ] = Field(
-        default="baumgarte",
+        default="projection",
         description="treatment of the joints' equations, see constraints.md",
     )
     alpha: float = Field(

@@ -17,7 +17,7 @@ PASSES_SINGULAR = ("augmented-lagrangian", "projection", *IMPLICIT)
 class Treatment:
     """Name and parameters; those of other treatments are of no effect."""
 
-    name: str = "baumgarte"
+    name: str = "projection"
     alpha: float = 5.0  # Baumgarte                            [1/s]
     beta: float = 5.0  # Baumgarte                             [1/s]
     penalty: float = 1e7  # augmented Lagrangian, over the mass that a row moves [-]

@@ -111,6 +111,7 @@ class Integrator(ABC):
         self.hints: list[str] = []
         self.counters = Counters()
         self._trouble = ""  # why the last attempt was refused
+        self._stalled = ""  # why a method gives up
         self._raised = ""  # error raised inside f in this attempt
         self._not_finite = 0  # attempts in a row refused because of inf or nan
         self._nan = np.full(self.n, np.nan)
@@ -158,6 +159,8 @@ class Integrator(ABC):
                 self.counters.rejected += 1
                 if self.fixed_step is not None:
                     self._fail(f"The fixed step of {h:.3g} s fails at t = {self.t:.9g} s")
+                elif self._stalled:
+                    self._fail(f"{self._stalled} at t = {self.t:.9g} s")
                 elif self._not_finite > MAX_REFUSALS_NOT_FINITE:
                     self._fail(f"No step however small succeeds at t = {self.t:.9g} s")
 

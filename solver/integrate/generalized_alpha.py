@@ -8,6 +8,7 @@ import numpy as np
 
 from .base import Dense, Integrator
 from .constrained import ConstrainedSystem, Terms
+from .hermite import Hermite
 from .jacobian import ROOT_EPSILON
 from .norm import Array
 from .saddle_lu import SaddleFactors
@@ -16,6 +17,7 @@ FORMULATIONS = ("ggl", "index3")
 SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 2.0
 HYSTERESIS = 1.2  # a change of step disturbs index 3: not for less than this
 MAX_ITERATIONS = 8
+FORGET, STALLED = 0.998, 100.0  # failures of Newton's iteration: one in five of five hundred
 RENEW_AFTER = 3  # steps; younger stiffness is not what keeps Newton's iteration from converging
 TOLERANCE = 0.05  # of the local error allowed, left over by Newton's iteration
 
@@ -95,11 +97,14 @@ class GeneralizedAlpha(Integrator):
         self._error_q = abs(self._beta + 0.5 * lag - 1 / 6)
         self._error_v = abs(1 / 12 - 0.5 * lag * lag)
         super().__init__(system.derivative, t0, y0, t_end, **options)
+        tightest = np.min(self.norm.atol, initial=np.inf, where=np.isfinite(self.norm.atol))
+        self._opening = self.norm.rtol + float(tightest)  # of constraints after a correction
         self._K: Array | None = None  # stiffness, damping: none yet
         self._C = np.zeros((system.n_vel, system.n_vel))
+        self._failures = 0.0
         self._excess = 0  # iterations beyond the third since then
         self._renewed_at = 0  # count of steps
-        self._h_last = 0.0
+        self._h_last, self._power_last = 0.0, 0.0
         self._v_dd: Array | None = None  # rate of the acceleration over the last step
         if self.status == "running":
             v_d, multipliers = system.accelerations(self.t, self.y)
@@ -110,7 +115,14 @@ class GeneralizedAlpha(Integrator):
     def _attempt(self, h: float, t_new: float) -> Array | None:
         start = self._predicted(h)
         found = self._newton(h, t_new, *start)
+        self._failures *= FORGET
         if found is None:
+            self._failures += 1
+            if self._failures > STALLED and self.fixed_step is None:
+                self._stalled = (
+                    "Newton's iteration fails in one step of five, however short (a smaller "
+                    'rtol may help, constraints = "projection" with integrator = "rk8" will),'
+                )
             self._h_next = (0.1 if self._not_finite else 0.25) * h
             return None
         y_new, point, factors, terms = found
@@ -129,14 +141,32 @@ class GeneralizedAlpha(Integrator):
                 return None
             if factor >= 1 and self._h_next < HYSTERESIS * h:
                 self._h_next = h
-        y_new[-1] = self.y[-1] + 0.5 * h * (self._now.power + point.power)
+        y_new[-1] = self.y[-1] + self._work(h, point.power)
         nearest = self.project(t_new, y_new)
         if nearest is None:
             self._h_next = 0.25 * h
             return None
         self._ends = (self.y, self._now, nearest, point)
+        self._power_last = self._now.power
         self._now, self._h_last, self._v_dd = point, h, v_dd
         return nearest
+
+    def _work(self, h: float, power: float) -> float:
+        """Work over a step [J]: a parabola through this step's and the last one's powers."""
+        now = self._now.power
+        work = 0.5 * h * (now + power)
+        if self._h_last > 0:
+            slope, slope_last = (power - now) / h, (now - self._power_last) / self._h_last
+            work -= h**3 / 6 * (slope - slope_last) / (h + self._h_last)
+        return work
+
+    def _power(self, t: float, y: Array, terms: Terms) -> float:
+        """Power of drives and forces [W]; the step's own multipliers lag behind by h^2."""
+        power = float(terms.power[0])
+        if np.any(terms.Phi_t):
+            self.counters.evaluations += 1
+            power += float(self._system.accelerations(t, y)[1] @ terms.Phi_t)
+        return power
 
     def _predicted(self, h: float) -> tuple[Array, _Point]:
         """Step z and the point at its end that Newton's iteration begins with."""
@@ -211,14 +241,17 @@ class GeneralizedAlpha(Integrator):
             if i > 2 and rate >= 1 and size > TOLERANCE:
                 break
             if size == 0 or (i > 1 and size * rate / max(1 - rate, 0.1) < TOLERANCE):
+                open_rows = np.abs(terms.Phi + terms.Phi_q @ moved)
+                if open_rows.max(initial=0.0) > self._opening:
+                    break  # no correction closes them: the least-norm solution hides it
                 self._excess += max(0, i - 3)
                 y[:n_pos] = system.move(self.y[:n_pos], z + shift)
                 y[self._velocity] = v
-                power = float(multipliers @ terms.Phi_t + terms.power[0])
+                power = self._power(t, y, terms)
                 return y, _Point(v, v_d, a, multipliers, power), factors, terms
             last = size
         self._not_finite = 0
-        self._trouble = "the Newton iteration does not converge"
+        self._trouble = "the Newton iteration does not converge (or constraints contradict)"
         return None
 
     def _terms(self, t: float, y: Array) -> Terms | None:
@@ -285,7 +318,9 @@ class GeneralizedAlpha(Integrator):
 
         h^3 (beta + (alpha_m - alpha_f) / 2 - 1/6) vddot and, from the second step on,
         h^3 (1/12 - (alpha_m - alpha_f)^2 / 2) vdddot; both pass the step's own matrix, which
-        takes out what is stiff or against the constraints and damped there anyway.
+        takes out what is stiff or against the constraints and damped there anyway. What the
+        constraints prescribe is exact at the end of the step, but a cubic within it, off by
+        h^4 vdddot / 384.
         """
         no_force = np.zeros(terms.Phi.size)
         mass = self._to_a * terms.M
@@ -294,12 +329,14 @@ class GeneralizedAlpha(Integrator):
         if self._v_dd is not None:
             v_ddd = 2 * (v_dd - self._v_dd) / (h + self._h_last)
             change, _ = factors.solve(mass @ (h**3 * self._error_v * v_ddd), no_force)
+            prescribed, _ = factors.solve(0 * v_ddd, terms.Phi_q @ v_ddd)
+            shift = np.abs(shift) + np.abs(prescribed) * (h**4 / 384)
         weight = self.norm.weight(self.y, y)
         return self._size(y[: self._system.n_pos], shift, change, weight)
 
     def _dense(self) -> Dense:
         y_0, now, y_1, end = self._ends
-        return _Hermite(self.t_old, self.h, y_0, self._slope(y_0, now), y_1, self._slope(y_1, end))
+        return Hermite(self.t_old, self.h, y_0, self._slope(y_0, now), y_1, self._slope(y_1, end))
 
     def _slope(self, y: Array, point: _Point) -> Array:
         slope = np.empty(self.n)
@@ -307,24 +344,3 @@ class GeneralizedAlpha(Integrator):
         slope[self._velocity] = point.v_d
         slope[-1] = point.power
         return slope
-
-
-class _Hermite:
-    """The cubic through values and slopes at both ends of a step."""
-
-    def __init__(
-        self, t_old: float, h: float, y_0: Array, f_0: Array, y_1: Array, f_1: Array
-    ) -> None:
-        self.t_old, self.h, self.y_0, self.f_0, self.y_1, self.f_1 = t_old, h, y_0, f_0, y_1, f_1
-
-    def __call__(self, t: Any) -> Array:
-        x = ((np.asarray(t, dtype=float) - self.t_old) / self.h)[..., None]
-        rise = x * x * (3 - 2 * x)
-        bent = x * (1 - x) * self.h
-        answer: Array = (
-            (1 - rise) * self.y_0
-            + rise * self.y_1
-            + bent * (1 - x) * self.f_0
-            - bent * x * self.f_1
-        )
-        return answer

@@ -7,9 +7,10 @@ from plymotion.solver.constraints.treatment import TREATMENTS, Treatment, treate
 from plymotion.solver.errors import InputError
 
 
-def test_an_old_solver_table_is_as_before():
-    treatment = treatment_of({"integrator": "gear", "alpha": 4.0, "beta": 3.0})
-    assert (treatment.name, treatment.alpha, treatment.beta) == ("baumgarte", 4.0, 3.0)
+def test_default_and_explicit_choice():
+    assert treatment_of({"integrator": "gear"}).name == "projection"
+    treatment = treatment_of({"integrator": "gear", "constraints": "baumgarte", "alpha": 4.0})
+    assert (treatment.name, treatment.alpha, treatment.beta) == ("baumgarte", 4.0, 5.0)
 
 
 def test_parameters_are_read():
