@@ -174,6 +174,43 @@ $(SECTION_FOLDER)/%.txt: cases/sections/%.toml $(SECTION_INPUTS) $(FENICSX) $(LI
 	$(SECTION) $< > $@.part
 	@mv $@.part $@
 
+##@ Shells
+
+# make shells           all of cases/shells, with figures: build/shells/<name>/
+# make shell-<name>     one of them, its numbers on the screen
+SHELLS := $(patsubst cases/shells/%.toml,%,$(wildcard cases/shells/*.toml))
+SHELL_FOLDER := build/shells
+SHELL_FILES := $(foreach name,$(SHELLS),$(SHELL_FOLDER)/$(name)/$(name).vtkhdf)
+SHELL_SOURCES := $(filter solver/shell% solver/fenicsx_side% solver/input% solver/strength%, \
+    $(SOLVER_SOURCES))
+SHELL_INPUTS := $(wildcard cases/shells/*) $(PREPROCESS_SOURCES) $(PACKAGE_SOURCES) $(SHELL_SOURCES)
+SHELL_COMMAND := $(PY) -m plymotion.solver shell --out $(SHELL_FOLDER)
+
+.PHONY: shells $(addprefix shell-,$(SHELLS))
+shells: $(SHELL_FOLDER)/shells.txt ## Analyse every plate and shell of cases/shells
+	@echo "shells: $<"
+
+# What is up to date by content is left alone; a file that is gone is made again.
+ifneq ($(filter-out $(wildcard $(SHELL_FILES)),$(SHELL_FILES)),)
+$(SHELL_FOLDER)/shells.txt: FORCE
+endif
+$(SHELL_FOLDER)/shells.txt: $(SHELL_INPUTS) $(FENICSX) $(LIGHT)
+	@mkdir -p $(@D)
+	$(SHELL_COMMAND) $(SHELLS:%=cases/shells/%.toml) > $@.part
+	@mv $@.part $@
+
+$(addprefix shell-,$(SHELLS)): shell-%: $(FENICSX) $(LIGHT)
+	$(SHELL_COMMAND) cases/shells/$*.toml
+
+BENCHMARK = . ./$(FENICSX) && PYTHONPATH=.:tests "$$FENICSX_PYTHON"
+
+.PHONY: shell-calculix shell-speed
+shell-calculix: $(FENICSX) ## The paper's box beam: our elements beside CalculiX, run where it is
+	$(BENCHMARK) benchmarks/shell_box_beam.py --write docs/shells-accuracy.md
+
+shell-speed: $(FENICSX) ## Shells of 10 k triangles: analysis over bare eigenvalue problem
+	$(BENCHMARK) benchmarks/shell_speed.py
+
 ##@ Tests
 
 .PHONY: test
@@ -206,10 +243,10 @@ test-fe: $(LIGHT) ## FE tests on the distribution's DOLFINx and on the wheel, nu
 	$(PY) tools/fe_tests.py
 
 .PHONY: test-cases
-test-cases: ## Every case in its coarse version, and every cross-section
-	$(if $(CASES),$(MAKE) COARSE=1 $(CASES) sections,@echo "there is no case in cases/"; exit 1)
+test-cases: ## Every case in its coarse version, every cross-section and every shell
+	$(if $(CASES),$(MAKE) COARSE=1 $(CASES) sections shells,@echo "there is no case in cases/"; exit 1)
 	@# Asked again, make must find nothing to do.
-	! $(MAKE) COARSE=1 $(CASES) sections | grep 'plymotion\.[a-z]* '
+	! $(MAKE) COARSE=1 $(CASES) sections shells | grep 'plymotion\.[a-z]* '
 
 .PHONY: ship
 ship: ## Copy the packages of every case to tests/packages, for use without FEniCSx
@@ -223,14 +260,23 @@ ship: ## Copy the packages of every case to tests/packages, for use without FEni
 CHART := docs/pictures/section-error-time.png
 CHART_NUMBERS := build/charts/section-error-time.json
 
+SHELL_CHARTS := docs/pictures/shell-course.png docs/pictures/shell-error-time.png
+
 .PHONY: charts
-charts: $(CHART) ## Measure the sections' error against time anew and draw it
+charts: $(CHART) $(SHELL_CHARTS) ## Measure error against time of sections and shells, draw it
 
 $(CHART_NUMBERS): $(PREPROCESS_SOURCES) benchmarks/section_convergence.py | $(FENICSX)
 	. ./$(FENICSX) && PYTHONPATH=.:tests "$$FENICSX_PYTHON" benchmarks/section_convergence.py $@
 
 $(CHART): $(CHART_NUMBERS) benchmarks/section_chart.py
 	$(PY) benchmarks/section_chart.py $< $@
+
+build/charts/shell-%.json: $(PREPROCESS_SOURCES) benchmarks/shell_course.py \
+    benchmarks/shell_error_time.py benchmarks/shell_calculix.py | $(FENICSX)
+	$(BENCHMARK) benchmarks/shell_$(subst -,_,$*).py $@
+
+docs/pictures/shell-%.png: build/charts/shell-%.json benchmarks/shell_chart.py
+	$(PY) benchmarks/shell_chart.py $* $< $@
 
 .PHONY: docs
 docs: $(LIGHT) ## Regenerate docs/equations.md, case-reference.md, *-description.md
@@ -265,6 +311,9 @@ help: ## This list
 	@echo
 	@echo "Cross-sections: $(or $(SECTIONS),none yet)"
 	@echo "  make section-<name>          numbers and figures of one, in build/sections/<name>"
+	@echo
+	@echo "Shells: $(or $(SHELLS),none yet)"
+	@echo "  make shell-<name>            numbers and figures of one, in build/shells/<name>"
 
 .PHONY: FORCE
 FORCE:

@@ -1,6 +1,6 @@
 """Draw the shells' charts from the numbers of shell_course.py and shell_error_time.py.
 
-.venv/bin/python benchmarks/shell_chart.py course|time JSON PNG
+.venv/bin/python benchmarks/shell_chart.py course|error-time JSON PNG
 """
 
 import json
@@ -90,7 +90,7 @@ def against_time(found: dict[str, Any], picture: Path) -> None:
 def main(kind: str, numbers: Path, picture: Path) -> None:
     found = json.loads(numbers.read_text(encoding="utf-8"))
     with house_style():
-        {"course": course, "time": against_time}[kind](found, picture)
+        {"course": course, "error-time": against_time}[kind](found, picture)
 
 
 if __name__ == "__main__":

@@ -49,7 +49,9 @@ def bare(K: Any, M: Any) -> float:
     eps.solve()
     if eps.getConverged() < N_MODE:
         raise RuntimeError("SLEPc found fewer modes than asked for")
-    return float(eps.getEigenvalue(0).real)
+    lowest = float(eps.getEigenvalue(0).real)
+    eps.destroy()
+    return lowest
 
 
 def timed(work: Callable[[], Any]) -> float:

@@ -1,5 +1,7 @@
 """Build the modal package of one body from its specification.
 
+A shell, `"kind": "shell"`, is described in shell/body_spec.py; a beam is
+
     {"body": "arm", "kind": "beam", "length": 0.545, "elements": 16,
      "x2_axis": [0, 1, 0],                       section's x2 in body axes
      "section": {...},                           see section/analysis.py
@@ -35,7 +37,27 @@ RECOVERY_DEGREE = 3
 
 
 def build_body(spec: dict[str, Any]) -> ModalPackage:
-    """Analyse the section, solve the modes and collect the package of one body.
+    """Build the package of a beam or a shell.
+
+    Parameters
+    ----------
+    spec : plain JSON as in the text at the top of this file
+
+    Raises
+    ------
+    SpecError : the specification has an unknown, missing or impossible entry
+    ModeError : fewer modes of a kind than asked for
+    Errors of the analysis (material, mesh) pass through.
+    """
+    if isinstance(spec, dict) and spec.get("kind") == "shell":
+        from .shell.body import build_shell_body  # here: a beam needs nothing of it
+
+        return build_shell_body(spec)
+    return _build_beam(spec)
+
+
+def _build_beam(spec: dict[str, Any]) -> ModalPackage:
+    """Analyse the section, solve the modes and collect the package of one beam.
 
     The eigenproblem and the inertia invariants use the same mass: the
     `mass_form` of the specification, consistent by default.

@@ -38,7 +38,9 @@ def _summary(package: ModalPackage, total: float) -> str:
     seconds, dofs = package.provenance["seconds"], package.provenance["dofs"]
     hertz = package.frequencies / (2.0 * math.pi)
     span = f", {hertz[0]:.4g} to {hertz[-1]:.4g} Hz" if len(hertz) else ""
+    first = next(iter(seconds))  # "section" of a beam, "shell"
     return (
-        f"section {seconds['section']:.2f} s, modes {seconds['modes']:.2f} s, "
-        f"{dofs['section']} dofs ({total:.2f} s in all; {package.n_mode} modes{span})"
+        f"{first} {seconds[first]:.2f} s, modes {seconds['modes']:.2f} s, "
+        f"{dofs.get('section', dofs['body'])} dofs ({total:.2f} s in all; {package.n_mode} "
+        f"modes{span})"
     )

@@ -9,14 +9,15 @@ change of bending is not, and vanishes on the faces. A correction is a name or t
                   E = Q_ii and z_n the neutral plane. 5/6 for any one material, and for [a/-a].
     "energy-2x2"  shear energy of the stress that the equilibrium of the plies gives, both
                   directions at once (Batoz and Lardeur 1989): a full matrix, with the off-diagonal
-                  term that [45/-45]s has. The moment gradients that do no work on T are 0.
+                  term that [45/-45]s has. The moment gradients that do no work on T are 0:
+                  half of T goes to each of the two terms that it sums.
     "5/6"         the factor of a homogeneous plate; far too stiff for a sandwich.
     [k1, k2]      factors of your own for gxz and gyz.
 
 With factors, Ds_ij = sqrt(k_i k_j) sum G_ij H_1.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -84,25 +85,36 @@ def energy_1d(laminate: Laminate) -> Array:
 def energy_2x2(laminate: Laminate) -> Array:
     """Inverse of the compliance that the equilibrium shear stress has, (2, 2) [N/m]."""
     dz = np.diff(laminate.faces)[:, None] * _SHARES
-    tau = equilibrium_shear(laminate, _HEIGHTS)
+    tau = equilibrium_shear(laminate, _HEIGHTS, _shared)
     energy = np.swapaxes(tau, -1, -2) @ np.linalg.inv(laminate.across)[:, None] @ tau
     Ds = np.linalg.inv(np.einsum("kq,kqij->ij", dz, energy))
     return np.asarray(0.5 * (Ds + Ds.T))
 
 
-def equilibrium_shear(laminate: Laminate, height: Array) -> Array:
+def _cylindrical(S: Array) -> Array:
+    """The part of the stress per unit moment (..., 3, 3) that T drives where T = (Mx,x ; My,y)."""
+    first = [S[..., 0, 0], S[..., 2, 1]]
+    second = [S[..., 2, 0], S[..., 1, 1]]
+    return np.stack([np.stack(first, axis=-1), np.stack(second, axis=-1)], axis=-2)
+
+
+def equilibrium_shear(
+    laminate: Laminate, height: Array, driven: Callable[[Array], Array] = _cylindrical
+) -> Array:
     """Shear stress (xz, yz) per unit T that balances the change of bending, (k, q, 2, 2) [1/m].
 
     tau = -int (sigma_x,x + sigma_xy,y ; sigma_xy,x + sigma_y,y) dz with sigma = S(z) M at N = 0.
-    Of the gradients of M only T = (Mx,x + Mxy,y ; Mxy,x + My,y) is known: half of each sum goes
-    to each of its two terms. Zero on both faces, continuous between plies, its integral is T.
+    Of the gradients of M only T = (Mx,x + Mxy,y ; Mxy,x + My,y) is known. Cylindrical bending,
+    the default, gives all of T to Mx,x and My,y. Zero on both faces, continuous between plies,
+    its integral is T.
 
     Parameters
     ----------
     height : (q,) places in every ply, from 0 at its bottom to 1 at its top [-]
+    driven : how T shares itself among the gradients of M
     """
     b, d = _bending_compliance(laminate)
-    constant, linear = _driven(laminate.plane @ b), _driven(laminate.plane @ d)
+    constant, linear = driven(laminate.plane @ b), driven(laminate.plane @ d)
     return -_from_bottom(laminate, constant, linear, height)
 
 
@@ -114,8 +126,8 @@ def _bending_compliance(laminate: Laminate) -> tuple[Array, Array]:
     return -np.linalg.solve(A, B) @ d, d
 
 
-def _driven(S: Array) -> Array:
-    """The part of the stress per unit moment (..., 3, 3) that T drives, (..., 2, 2)."""
+def _shared(S: Array) -> Array:
+    """As `_cylindrical`, with half of each sum in T going to each of its two terms."""
     first = [S[..., 0, 0] + S[..., 2, 2], S[..., 0, 2] + S[..., 2, 1]]
     second = [S[..., 2, 0] + S[..., 1, 2], S[..., 2, 2] + S[..., 1, 1]]
     return 0.5 * np.stack([np.stack(first, axis=-1), np.stack(second, axis=-1)], axis=-2)

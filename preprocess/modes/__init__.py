@@ -3,12 +3,13 @@
 from .eigenmodes import ModeRequest
 from .kinds import CHOICES, KINDS, Participation
 from .reduced import Modes, reduced_modes
-from .reference import Condition, EigenSolver, HeldDofs, MeanAxis, ModeError
+from .reference import Algebra, Condition, EigenSolver, HeldDofs, MeanAxis, ModeError
 from .static import StaticLoad
 
 __all__ = [
     "CHOICES",
     "KINDS",
+    "Algebra",
     "Condition",
     "EigenSolver",
     "HeldDofs",

@@ -10,6 +10,9 @@ from .kinds import KINDS, Participation, clusters, kind_of, separating_turn, sha
 from .reference import Condition, EigenSolver, ModeError
 
 
+SPARE = 4
+
+
 @dataclass(frozen=True)
 class ModeRequest:
     """How many modes of which kind: one of CHOICES."""
@@ -34,6 +37,7 @@ def eigenmodes(
     participation: Participation,
     far_to_near: IntArray,
     solver: EigenSolver,
+    spare: int = SPARE,
 ) -> Eigenmodes:
     """Eigenmodes chosen by kind.
 
@@ -45,6 +49,8 @@ def eigenmodes(
     participation : splits modal mass over KINDS, see `Participation`
     far_to_near : (n,) node numbers, from the farthest from the reference node
     solver : e.g. `fenicsx.eigenpairs`
+    spare : modes beyond those asked for that the first attempt computes, for other kinds between
+        them
 
     Raises
     ------
@@ -54,7 +60,7 @@ def eigenmodes(
     wanted = sum(request.count for request in requests)
     if wanted == 0:
         return Eigenmodes(np.zeros(0), np.zeros((n_dof, 0)), (), np.zeros((0, len(KINDS))))
-    n_mode = min(wanted + 4, condition.n_finite)
+    n_mode = min(wanted + spare, condition.n_finite)
     while True:
         values, X = condition.lowest(n_mode, solver)
         complete = n_mode == condition.n_finite

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...solver.package.schema import Array, IntArray
-from .eigenmodes import ModeRequest, eigenmodes
+from .eigenmodes import SPARE, ModeRequest, eigenmodes
 from .kinds import Participation, shares_of
 from .reference import Condition, EigenSolver, ModeError
 from .static import StaticLoad, static_modes
@@ -48,13 +48,14 @@ def reduced_modes(
     participation: Participation,
     far_to_near: IntArray,
     solver: EigenSolver,
+    spare: int = SPARE,
 ) -> Modes:
     """Eigenmodes chosen by kind, and static modes of loads.
 
     Parameters
     ----------
     condition : what ties the frame to the body
-    requests, participation, far_to_near, solver : see `eigenmodes`
+    requests, participation, far_to_near, solver, spare : see `eigenmodes`
     loads : each adds its static shape, see `static_modes`
 
     Raises
@@ -62,7 +63,7 @@ def reduced_modes(
     ModeError : the model has fewer modes of a kind than asked for, or the
         modes are not orthonormal to RESIDUAL.
     """
-    kept = eigenmodes(condition, requests, participation, far_to_near, solver)
+    kept = eigenmodes(condition, requests, participation, far_to_near, solver, spare)
     added = static_modes(condition, kept, loads, participation)
     n_eigen, n_static = len(kept.values), len(added.values)
     modes = Modes(

@@ -31,6 +31,13 @@ class ModeError(Exception):
     """Modes that the model does not have, or that fail their checks."""
 
 
+class Algebra(NamedTuple):
+    """Direct methods for sparse symmetric matrices: those of SciPy, or faster ones."""
+
+    solve: Callable[[Any, Array], Array]  # A X = B of a positive definite A
+    negative_pivots: Callable[[Any], int]  # number of negative eigenvalues
+
+
 class StaticShapes(NamedTuple):
     """Shapes u under loads that the frame sees: K u = load but for the reactions of held dofs."""
 
@@ -60,10 +67,11 @@ class Condition(Protocol):
 class HeldDofs:
     """Frame tied to six dofs that do not move."""
 
-    def __init__(self, K: Any, M: Any, held: IntArray) -> None:
+    def __init__(self, K: Any, M: Any, held: IntArray, algebra: "Algebra | None" = None) -> None:
         self.K, self.M = sp.csr_matrix(K), sp.csr_matrix(M)
+        self._algebra = algebra or SCIPY
         self.free = np.setdiff1d(np.arange(self.K.shape[0]), held)
-        self._K_free, self._M_free = (A[self.free][:, self.free] for A in (self.K, self.M))
+        self._K_free, self._M_free = (_principal(A, self.free) for A in (self.K, self.M))
         self.n_finite = _massive(self._M_free)
         self.n_free = len(self.free)
 
@@ -74,12 +82,12 @@ class HeldDofs:
 
     def count_below(self, value: float) -> int:
         """See `Condition`."""
-        return negative_pivots(self._K_free - value * self._M_free)
+        return self._algebra.negative_pivots(self._K_free - value * self._M_free)
 
     def static(self, forces: Array, accelerations: Array) -> StaticShapes:
         """See `Condition`."""
         loads = forces + self.M @ accelerations
-        columns = self._expanded(solve_definite(self._K_free, loads[self.free]))
+        columns = self._expanded(self._algebra.solve(self._K_free, loads[self.free]))
         return StaticShapes(columns, accelerations, loads)
 
     def _expanded(self, X_free: Array) -> Array:
@@ -94,8 +102,9 @@ class MeanAxis:
     Raises ModeError for a body without inertia about some axis, which has no mean position.
     """
 
-    def __init__(self, K: Any, M: Any, rigid: Array) -> None:
+    def __init__(self, K: Any, M: Any, rigid: Array, algebra: "Algebra | None" = None) -> None:
         """`rigid` (n_dof, 6): rigid motions R of the nodes."""
+        self._algebra = algebra or SCIPY
         self.K, self.M, self.rigid = sp.csr_matrix(K), sp.csr_matrix(M), rigid
         self._MR = self.M @ rigid
         inertia = rigid.T @ self._MR
@@ -107,7 +116,7 @@ class MeanAxis:
             )
         self._inertia = scipy.linalg.cho_factor(inertia)
         # Any six dofs that stop all rigid motions do for loads in equilibrium: no reaction.
-        self._still = HeldDofs(K, M, np.arange(6))
+        self._still = HeldDofs(K, M, np.arange(6), algebra)
         self.n_finite = _massive(self.M) - 6
         self.n_free = self.K.shape[0]
 
@@ -129,7 +138,7 @@ class MeanAxis:
 
     def count_below(self, value: float) -> int:
         """See `Condition`."""
-        return negative_pivots(self.K - value * self.M) - 6
+        return self._algebra.negative_pivots(self.K - value * self.M) - 6
 
     def static(self, forces: Array, accelerations: Array) -> StaticShapes:
         """See `Condition`. The body flies: what a load accelerates takes its inertia with it."""
@@ -157,6 +166,19 @@ def rayleigh(K: Any, M: Any, X: Array) -> Array:
     """Rayleigh quotients of columns, (m,): to second order in their errors the eigenvalues."""
     stiffness, mass = (np.einsum("ni,ni->i", X, A @ X) for A in (K, M))
     return np.asarray(stiffness / mass)
+
+
+def _principal(A: sp.csr_matrix, kept: IntArray) -> sp.csr_matrix:
+    """Rows and columns `kept` of a matrix, without its zeros."""
+    number = np.full(A.shape[0], -1, dtype=A.indices.dtype)
+    number[kept] = np.arange(len(kept))
+    row = np.repeat(number, np.diff(A.indptr))
+    column = number[A.indices]
+    there = np.flatnonzero((row >= 0) & (column >= 0) & (A.data != 0.0))
+    count = np.bincount(row[there], minlength=len(kept))
+    starts = np.concatenate([[0], np.cumsum(count)]).astype(A.indptr.dtype)
+    entries = (A.data[there], column[there], starts)
+    return sp.csr_matrix(entries, shape=(len(kept), len(kept)))
 
 
 def _massive(M: Any) -> int:
@@ -192,3 +214,6 @@ def negative_pivots(A: Any) -> int:
         pass  # a pivot is exactly zero: rows would have to be exchanged
     _, D, _ = scipy.linalg.ldl(A.toarray())
     return int(np.count_nonzero(scipy.linalg.eigvalsh(D) < 0.0))
+
+
+SCIPY = Algebra(solve_definite, negative_pivots)

@@ -144,7 +144,7 @@ def _modes(problem: ShellProblem, warnings: Warnings, tell: Progress) -> ShellMo
     count = mode_count(table, f"{problem.where}.frequencies")
     mesh, freedom = problem.mesh, problem.freedom
     if table.get("free", False):
-        freedom = Freedom(mesh, problem.links)
+        freedom = Freedom(mesh, problem.links, flat=problem.flat)
     rigid, drilling = problem.loose(freedom)
     if drilling:
         warnings.append(drilling_warning(len(drilling)))

@@ -10,6 +10,8 @@ import scipy.sparse as sp
 from ...solver.package.schema import Array, IntArray
 
 DOFS = 6  # of a node: ux uy uz rx ry rz
+NO_LINES = np.zeros((0, 2), dtype=np.int64)
+NO_MATRICES = np.zeros((0, 12, 12))
 
 
 class Assembly:
@@ -20,11 +22,15 @@ class Assembly:
     cells : (c, 3) nodes of the cells, in the order in which element matrices will come
     n_node : number of nodes; one without cells gets a zero block on the diagonal
     extra : nodes appended for the reference points of links, which have zero blocks too
+    lines : (l, 2) nodes of the beams that stiffen it
     """
 
-    def __init__(self, cells: IntArray, n_node: int, extra: int = 0) -> None:
+    def __init__(
+        self, cells: IntArray, n_node: int, extra: int = 0, lines: IntArray = NO_LINES
+    ) -> None:
         n = n_node + extra
-        pair = (cells[:, :, None] * n + cells[:, None, :]).ravel()
+        pairs = [(c[:, :, None] * n + c[:, None, :]).ravel() for c in (cells, lines)]
+        pair = np.concatenate(pairs)
         alone = np.arange(n) * (n + 1)
         key, number = np.unique(np.concatenate([pair, alone]), return_inverse=True)
         number = number.ravel()[: len(pair)]
@@ -43,11 +49,14 @@ class Assembly:
             self.indptr = self.indptr.astype(np.int32)
             self.indices = self.indices.astype(np.int32)
 
-    def matrix(self, element: Array) -> sp.csr_matrix:
-        """Sum of element matrices (c, 18, 18), as compressed rows with ascending columns."""
-        c = len(element)
-        pairs = element.reshape(c, 3, DOFS, 3, DOFS).transpose(0, 1, 3, 2, 4)
-        blocks = self._sum @ pairs.reshape(9 * c, DOFS * DOFS)
+    def matrix(self, element: Array, line: Array = NO_MATRICES) -> sp.csr_matrix:
+        """Sum of element matrices (c, 18, 18) of cells and (l, 12, 12) of lines, as compressed
+        rows with ascending columns. Paper: Eq. (24).
+        """
+        pairs = _pairs(element, 3)
+        if len(line):
+            pairs = np.concatenate([pairs, _pairs(line, 2)])
+        blocks = self._sum @ pairs
         data = blocks.ravel()[self._order]
         return sp.csr_matrix((data, self.indices, self.indptr), shape=(self.n_dof, self.n_dof))
 
@@ -69,3 +78,10 @@ class Assembly:
         wide = np.broadcast_to((DOFS * self._columns)[:, None, None] + within, place.shape)
         columns[place.ravel()] = wide.ravel()
         return order, columns
+
+
+def _pairs(element: Array, k: int) -> Array:
+    """Element matrices (c, 6 k, 6 k) as blocks of two nodes, (c k k, 36)."""
+    c = len(element)
+    pairs = element.reshape(c, k, DOFS, k, DOFS).transpose(0, 1, 3, 2, 4)
+    return np.ascontiguousarray(pairs).reshape(k * k * c, DOFS * DOFS)

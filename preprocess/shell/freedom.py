@@ -2,6 +2,7 @@
 
 All degrees of freedom are those of the nodes, then six of each link's reference point. A rigid
 link makes those of its group depend on its reference point, an average link the other way round.
+Flat nodes of five degrees of freedom have one rotation that follows from the others.
 """
 
 from collections.abc import Sequence
@@ -14,6 +15,7 @@ from scipy.sparse.csgraph import connected_components
 from ...solver.package.schema import Array, IntArray
 from .assembly import DOFS
 from .errors import ShellError
+from .flat_nodes import FlatNodes, turning
 from .links import KINDS, Link, averaged, carried
 from .mesh import ShellMesh
 from .supports import COMPONENTS, Support
@@ -25,12 +27,20 @@ class Freedom:
     """The independent degrees of freedom of a shell, and those of them that are free."""
 
     def __init__(
-        self, mesh: ShellMesh, links: Sequence[Link] = (), supports: Sequence[Support] = ()
+        self,
+        mesh: ShellMesh,
+        links: Sequence[Link] = (),
+        supports: Sequence[Support] = (),
+        flat: FlatNodes | None = None,
     ) -> None:
         self.mesh, self.links, self.supports = mesh, tuple(links), tuple(supports)
         self.n_dof = DOFS * (mesh.n_node + len(links))
         self.fixed = np.unique(np.concatenate([np.zeros(0, int), *(s.dofs for s in supports)]))
-        self._follow = _followed(mesh, self.links, self.n_dof) if links else None
+        self._follow = None
+        if links or flat is not None:
+            held = np.zeros(self.n_dof, dtype=bool)
+            held[self.fixed] = True
+            self._follow = _followed(mesh, self.links, self.n_dof, flat, held)
         independent = np.ones(self.n_dof, dtype=bool)
         if self._follow is not None:
             independent[self._follow.dependent] = False
@@ -48,12 +58,22 @@ class Freedom:
         return len(self.free)
 
     def reduced(self, A: sp.csr_matrix) -> sp.csr_matrix:
-        """T' A T without zeros, (n_free, n_free); matrices of one pattern share the work."""
-        if self._follow is not None:
-            T = self._follow.T[:, self.free]
-            out = sp.csr_matrix(T.T @ (A @ T))
-            out.eliminate_zeros()
-            return out
+        """T' A T of a symmetric A without zeros, (n_free, n_free); matrices of one pattern share
+        the work."""
+        own = self._own(A)
+        if self._follow is None:
+            return own
+        # few depend on others: all but their rows of T are those of the unit matrix
+        dependent = self._follow.dependent
+        C = self._follow.T[dependent][:, self.free]
+        rows = A[dependent]
+        across = C.T @ rows[:, self.free]
+        out = sp.csr_matrix(own + across + across.T + C.T @ (rows[:, dependent] @ C))
+        out.eliminate_zeros()
+        return out
+
+    def _own(self, A: sp.csr_matrix) -> sp.csr_matrix:
+        """Rows and columns of A that are free."""
         if self._kept is None:
             row = np.repeat(np.arange(self.n_dof), np.diff(A.indptr))
             keep = np.flatnonzero((self._number[row] >= 0) & (self._number[A.indices] >= 0))
@@ -173,9 +193,20 @@ class _Follow(NamedTuple):
     dependent: IntArray
 
 
-def _followed(mesh: ShellMesh, links: Sequence[Link], n_dof: int) -> _Follow:
+def _followed(
+    mesh: ShellMesh, links: Sequence[Link], n_dof: int, flat: FlatNodes | None, held: Array
+) -> _Follow:
     T = sp.identity(n_dof, format="csr")
     dependent = [np.zeros(0, dtype=np.int64)]
+    if flat is not None:
+        carried_nodes = [link.group.nodes for link in links if link.kind == "rigid"]
+        own = ~np.isin(flat.nodes, np.concatenate([np.zeros(0, int), *carried_nodes]))
+        last, others, factors = turning(FlatNodes(flat.nodes[own], flat.normals_G[own]), held)
+        keep = np.ones(n_dof)
+        keep[last] = 0.0
+        entries = (factors.ravel(), (np.repeat(last, 2), others.ravel()))
+        T = sp.csr_matrix(sp.diags(keep) + sp.csr_matrix(entries, shape=(n_dof, n_dof)))
+        dependent.append(last)
     # rigid links first: an average may be taken over nodes that one of them carries
     for kind in KINDS:
         rows, columns, values = [], [], []

@@ -73,7 +73,8 @@ def natural_modes(
             found = fenicsx.negative_pivots(K_free - level * M_free, team)
             if found <= below:
                 break
-            n_mode = min(found + EXTRA, _massive(M_free))
+            # the same number of modes would miss the same one again
+            n_mode = min(max(n_mode, found) + EXTRA, _massive(M_free))
     except (fenicsx.EigenError, fenicsx.InertiaError) as error:
         raise ShellError(f"frequencies: {error}") from error
     # soft_value is near the first elastic value

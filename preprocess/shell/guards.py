@@ -171,11 +171,8 @@ def _thick_for_dst(mesh: ShellMesh, regions: Sequence[Region]) -> Warnings:
 def drilling_motions(freedom: Freedom, regions: Sequence[Region], choice: Choice) -> list[Array]:
     """Motions (n_dof,) that the drilling stiffness of the paper leaves free: in a flat part, all
     nodes turn about the normal by the same angle and nothing moves.
-
-    Raises ShellError where nodes of a flat surface have no drilling stiffness at all.
     """
-    form = choice.drilling_form()
-    if choice.membrane != "cst" or form == "tie":
+    if choice.membrane != "cst" or choice.drilling_form() != "fictitious":
         return []
     mesh = freedom.mesh
     normals = Sides(mesh, regions).normals_G
@@ -186,11 +183,6 @@ def drilling_motions(freedom: Freedom, regions: Sequence[Region], choice: Choice
         inside = of_cell == part
         normal = normals[inside][0]
         flat = bool(np.linalg.norm(np.cross(normals[inside], normal), axis=1).max() < FLAT)
-        if form == "none" and (flat or _flat_nodes(mesh, normals).any()):
-            raise ShellError(
-                'elements.drilling = "none": with membrane = "cst" nothing stops nodes from '
-                'turning about the normal; expected "tie" or "auto"'
-            )
         nodes = np.flatnonzero(parts == part)
         held = freedom.fixed[np.isin(freedom.fixed // DOFS, nodes)]
         turned = held[held % DOFS >= 3]
@@ -203,14 +195,6 @@ def drilling_motions(freedom: Freedom, regions: Sequence[Region], choice: Choice
             motion[nodes, 3:] = normal
             found.append(motion.ravel())
     return found
-
-
-def _flat_nodes(mesh: ShellMesh, normals: Array) -> Array:
-    """Nodes whose cells all lie in one plane, (n,) bool."""
-    table = np.zeros((mesh.n_node, 3, 3))
-    np.add.at(table, mesh.cells, (normals[:, :, None] * normals[:, None, :])[:, None])
-    value = np.linalg.eigvalsh(table)
-    return np.asarray(value[:, 1] < FLAT**2 * value[:, 2])
 
 
 def drilling_warning(count: int) -> dict[str, str]:

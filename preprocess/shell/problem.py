@@ -1,6 +1,6 @@
 """A shell as a finite-element model: mesh, lay-ups, stiffness and mass, what holds it."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -9,7 +9,8 @@ import scipy.sparse as sp
 
 from ...solver.package.schema import Array
 from .. import fenicsx
-from .assembly import Assembly
+from .assembly import NO_LINES, NO_MATRICES, Assembly
+from .flat_nodes import flat_nodes
 from .freedom import Freedom
 from .guards import drilling_motions, model_warnings
 from .links import read_links
@@ -19,6 +20,7 @@ from .mesh import ShellMesh, shell_mesh
 from .regions import Region, read_regions
 from .resultants import element_resultants
 from .spec import check_spec, elements
+from .stiffeners import read_stiffeners
 from .stiffness import element_stiffness
 from .supports import read_supports
 from .triangles import Triangles
@@ -57,21 +59,28 @@ class ShellProblem:
         self.supports = read_supports(
             spec.get("supports", {}), self.mesh, self.links, f"{where}.supports"
         )
-        self.freedom = Freedom(self.mesh, self.links, self.supports)
+        self.stiffeners = read_stiffeners(
+            spec.get("stiffeners", {}), self.mesh, self.regions, f"{where}.stiffeners"
+        )
+        plain = self.choice.membrane == "cst" and self.choice.drilling_form() == "none"
+        self.flat = flat_nodes(self.mesh, self.regions, self.stiffeners) if plain else None
+        self.freedom = Freedom(self.mesh, self.links, self.supports, self.flat)
         self.warnings = model_warnings(self.mesh, self.regions, self.links, self.choice)
 
     @cached_property
     def K(self) -> sp.csr_matrix:
         """Stiffness of all degrees of freedom, (n_dof, n_dof) [N/m, N, N m]."""
         return self._assembled(
-            lambda region, t: element_stiffness(t, region.stiffness, self.choice)
+            lambda region, t: element_stiffness(t, region.stiffness, self.choice),
+            [stiffener.stiffness() for stiffener in self.stiffeners],
         )
 
     @cached_property
     def M(self) -> sp.csr_matrix:
         """Mass of all degrees of freedom, (n_dof, n_dof) [kg, kg m, kg m2]."""
         return self._assembled(
-            lambda region, t: element_mass(t, region.stiffness.mass, self.mass_form)
+            lambda region, t: element_mass(t, region.stiffness.mass, self.mass_form),
+            [stiffener.mass(self.mass_form) for stiffener in self.stiffeners],
         )
 
     @cached_property
@@ -104,9 +113,12 @@ class ShellProblem:
     @cached_property
     def _assembly(self) -> Assembly:
         cells = np.concatenate([self.mesh.cells[region.cells] for region in self.regions])
-        return Assembly(cells, self.mesh.n_node, len(self.links))
+        lines = np.concatenate([NO_LINES, *(s.ends for s in self.stiffeners)])
+        return Assembly(cells, self.mesh.n_node, len(self.links), lines)
 
-    def _assembled(self, element: Callable[[Region, Triangles], Array]) -> sp.csr_matrix:
+    def _assembled(
+        self, element: Callable[[Region, Triangles], Array], lines: Sequence[Array]
+    ) -> sp.csr_matrix:
         """Sum of the element matrices; each process of the team makes those of its cells.
 
         All then add them up in the same order: a thin shell would show a difference in the last
@@ -121,4 +133,6 @@ class ShellProblem:
                 parts.append(element(region, region.triangles[begin:end]))
             first += count
         whole = parts[1] if len(parts) == 2 else np.concatenate(parts)
-        return self._assembly.matrix(self.team.stacked(whole))
+        return self._assembly.matrix(
+            self.team.stacked(whole), np.concatenate([NO_MATRICES, *lines])
+        )

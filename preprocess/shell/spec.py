@@ -4,6 +4,7 @@
  "laminates": {"skin": {"plies": [{"material": "cfrp", "angle_deg": 45.0, "thickness": 1e-4}]}},
  "regions": {"all": {"laminate": "skin", "axis": [1.0, 0.0, 0.0]}},
  "elements": {"plate": "dkmt", "membrane": "opt", "mass_form": "consistent"},
+ "stiffeners": {"rib": {"at": "ridge", "section": {...}, "offset": [0.0, 0.01]}},
  "links": {"end": {"at": "tip", "kind": "rigid"}},
  "supports": {"root": {"at": "root", "fixed": "all"}},
  "loads": {"pull": {"tip": {"at": "end", "force": [1.0, 0.0, 0.0]}}},
@@ -22,9 +23,19 @@ from .errors import ShellError
 from .loads import KEYS as LOAD
 from .mass import FORMS
 from .mesh import KEYS as MESH
+from .stiffeners import KEYS as STIFFENER
 
 REQUIRED = ("mesh", "materials", "regions")
-TABLES = ("laminates", "elements", "links", "supports", "loads", "probes", "frequencies")
+TABLES = (
+    "laminates",
+    "elements",
+    "stiffeners",
+    "links",
+    "supports",
+    "loads",
+    "probes",
+    "frequencies",
+)
 OTHER = ("name", "title", "format")
 REGION = (
     *("laminate", "material", "thickness", "offset", "shear_correction"),
@@ -32,6 +43,7 @@ REGION = (
 )
 ENTRIES = {
     "regions": REGION,
+    "stiffeners": STIFFENER,
     "links": ("at", "kind", "point"),
     "supports": ("at", "fixed"),
     "probes": ("at", "near", "what"),

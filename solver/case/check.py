@@ -11,7 +11,7 @@ from .check_bodies import check_bodies, interfaces
 from .forces import Bushing, ForceLoad, TorqueLoad
 from .joints import UniversalJoint, drives
 from .laws import RotationDrive
-from .schema import BeamBody, Mechanism, RigidBody
+from .schema import BeamBody, Mechanism, RigidBody, ShellBody
 from .signals import JointSignal, PlyStressSignal, PointSignal, ReactionSignal, ResultantSignal
 
 # Coordinates that a kind of joint leaves free and a signal can measure.
@@ -164,6 +164,11 @@ def _signal(
     body = mechanism.bodies[signal.body]
     if isinstance(body, RigidBody):
         return [f'{key}.body = "{signal.body}": expected a flexible body, this one is rigid']
+    if isinstance(body, ShellBody):
+        return [
+            f'{key}.body = "{signal.body}": expected a beam, this one is a shell: summary.json '
+            "tells the strength of its plies"
+        ]
     if isinstance(body, BeamBody) and not 0.0 <= signal.x <= body.length:
         return [f"{key}.x = {signal.x:g}: expected 0 to {body.length:g} m, the length of the body"]
     return []

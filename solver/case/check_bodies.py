@@ -6,10 +6,11 @@ import numpy as np
 
 from ..errors import nearest
 from .modes import check_modes
-from .schema import BeamBody, Mechanism, PackageBody, RigidBody
+from .schema import BeamBody, Mechanism, PackageBody, RigidBody, ShellBody
 from .sections import check_section
+from .shells import check_shell
 
-Body = BeamBody | RigidBody | PackageBody
+Body = BeamBody | ShellBody | RigidBody | PackageBody
 
 
 def check_bodies(mechanism: Mechanism, folder: Path) -> list[str]:
@@ -18,6 +19,8 @@ def check_bodies(mechanism: Mechanism, folder: Path) -> list[str]:
     for name, body in mechanism.bodies.items():
         if isinstance(body, BeamBody):
             found += _check_beam(f"bodies.{name}", body, mechanism, folder)
+        elif isinstance(body, ShellBody):
+            found += check_shell(f"bodies.{name}", body, folder)
         elif isinstance(body, RigidBody):
             inertia = np.array(body.inertia)
             if not np.allclose(inertia, inertia.T) or np.linalg.eigvalsh(inertia)[0] <= 0:

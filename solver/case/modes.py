@@ -53,7 +53,8 @@ class ModeChoice(Table):
     """One entry of `modes`: the lowest vibration modes of a kind."""
 
     kind: Literal["lowest", "bending-xy", "bending-xz", "torsion", "axial"] = Field(
-        description="told apart by their share of modal mass: xy bends in the body's x-y plane"
+        description="told apart by their share of modal mass: xy bends in the body's x-y plane; "
+        "of a shell: what moves most along y, z, x, and no torsion"
     )
     count: int = Field(ge=1, le=200, description="how many, lowest frequencies first")
 
@@ -96,12 +97,12 @@ MODE_TABLES: tuple[type[Table], ...] = (
 def check_modes(
     key: str, reference: Reference, modes: list[Modes], fractions: dict[str, float]
 ) -> list[str]:
-    """Return what is wrong with the names of a beam's reference condition and modes.
+    """Return what is wrong with the names of a body's reference condition and modes.
 
     Parameters
     ----------
     key : of the body
-    fractions : of the length, by name of interface
+    fractions : place of each interface: of the length of a beam; any, but different, of a shell
     """
     asked = [(f"{key}.reference.at", place) for place in reference.places]
     asked += [

@@ -17,10 +17,12 @@ _FIRST: tuple[type[BaseModel], ...] = (schema.CaseFile, schema.Mechanism, *MATER
 _THEN: tuple[type[BaseModel], ...] = (
     schema.DescribedSection,
     schema.BeamBody,
+    schema.ShellBody,
     schema.RigidBody,
     schema.PackageBody,
     *MODE_TABLES,
     schema.BeamInterface,
+    schema.ShellInterface,
     schema.PointInterface,
     schema.GroundPoint,
     *JOINT_TABLES,

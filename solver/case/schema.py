@@ -114,6 +114,55 @@ class BeamBody(Placed):
     )
 
 
+class ShellInterface(Table):
+    """`[bodies.NAME.interfaces.NAME]` of a shell: a physical group of its mesh."""
+
+    at: str = Field(description="physical point, curve or surface of the mesh")
+    link: Literal["rigid", "average"] = Field(
+        default="rigid",
+        description="rigid: the group moves as one rigid piece; average: the interface follows "
+        "the mean motion of the group, and what loads it is spread over the group",
+    )
+    position: Vector | None = Field(
+        default=None,
+        description="reference point in the body frame; absent: centre of the group",
+        json_schema_extra=unit("m"),
+    )
+    rotation_deg: Vector = Field(
+        default=[0.0, 0.0, 0.0],
+        description="rotation vector from body to interface axes",
+        json_schema_extra=unit("deg"),
+    )
+
+
+class ShellBody(Placed):
+    """`[bodies.NAME]` with kind = "shell": a laminated shell, its axes those of the mesh.
+
+    Mesh, materials, laminates, regions, elements and stiffeners come from the description; its
+    links, supports, loads, probes and frequencies are left out.
+    """
+
+    kind: Literal["shell"]
+    shell: str = Field(
+        description="path of a shell description (docs/shell-description.md), relative to the "
+        "case file"
+    )
+    parameters: dict[str, bool | float | str | list[float]] = Field(
+        default={}, description="of the mesh's script, over those of the description"
+    )
+    mass_form: Literal["consistent", "lumped"] = Field(
+        default="consistent", description="inertia from consistent mass, or lumped (the paper)"
+    )
+    reference: Reference = Field(default=Reference(), description="reference condition")
+    modes: list[Modes] = Field(min_length=1, description="which modes the solver gets")
+    damping_ratio: float = Field(
+        default=0.0, ge=0, lt=1, description="of every mode", json_schema_extra=unit("-")
+    )
+    interfaces: dict[Name, ShellInterface] = Field(
+        min_length=1, description="named places; some carry the reference condition"
+    )
+
+
 class RigidBody(Placed):
     """`[bodies.NAME]` with kind = "rigid"."""
 
@@ -140,7 +189,7 @@ class PackageBody(Placed):
     package: str = Field(description="path of the .vtkhdf file, relative to the case file")
 
 
-Body = Annotated[BeamBody | RigidBody | PackageBody, Field(discriminator="kind")]
+Body = Annotated[BeamBody | ShellBody | RigidBody | PackageBody, Field(discriminator="kind")]
 
 
 class GroundPoint(Table):

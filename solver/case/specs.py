@@ -18,15 +18,20 @@ from typing import Any
 from ..package.container import temporary_sibling
 from .joints import drives
 from .load import Case
-from .schema import BeamBody, Mechanism, PackageBody
+from .schema import BeamBody, Mechanism, PackageBody, ShellBody
 from .sections import section_sources, section_spec
+from .shells import shell_body_spec, shell_sources
 
 
-def body_spec(name: str, body: BeamBody, mechanism: Mechanism, folder: Path) -> dict[str, Any]:
-    """Return what the preprocessor needs to build one beam body, plain JSON, SI and degrees.
+def body_spec(
+    name: str, body: BeamBody | ShellBody, mechanism: Mechanism, folder: Path
+) -> dict[str, Any]:
+    """Return what the preprocessor needs to build one flexible body, plain JSON, SI and degrees.
 
     `folder` is that of the case file.
     """
+    if isinstance(body, ShellBody):
+        return shell_body_spec(name, body, folder)
     return {
         "body": name,
         "kind": "beam",
@@ -50,9 +55,9 @@ def inputs_sha256(spec: dict[str, Any]) -> str:
     specification. Numbers count to twelve digits: the last ones of a cosine in the spacing of a
     mesh are the machine's.
     """
-    section = spec["section"]
-    mesh = {k: v for k, v in section["mesh"].items() if k not in ("file", "arrays")}
-    content = {**spec, "section": {**section, "mesh": mesh}}
+    part = "shell" if spec["kind"] == "shell" else "section"
+    mesh = {k: v for k, v in spec[part]["mesh"].items() if k not in ("file", "arrays")}
+    content = {**spec, part: {**spec[part], "mesh": mesh}}
     return hashlib.sha256(json.dumps(_rounded(content), sort_keys=True).encode()).hexdigest()
 
 
@@ -81,7 +86,7 @@ def write_case(case: Case, out: Path, packages: Path | None = None) -> None:
             if isinstance(body, PackageBody):
                 file = (case.file.parent / body.package).resolve()
                 table[name] = {"file": os.path.relpath(file, out)}
-            elif isinstance(body, BeamBody):
+            elif isinstance(body, BeamBody | ShellBody):
                 spec = body_spec(name, body, mechanism, case.file.parent)
                 digest = inputs_sha256(spec)
                 if digest not in specs:
@@ -147,7 +152,11 @@ def _write_rules(
     sources = {
         source
         for mechanism in case.runs.values()
-        for source in [*section_sources(mechanism, folder), *_law_sources(mechanism, folder)]
+        for source in (
+            *section_sources(mechanism, folder),
+            *shell_sources(mechanism, folder),
+            *_law_sources(mechanism, folder),
+        )
     }
     for file in sorted(os.path.relpath(source) for source in sources):
         # Its own rule has no recipe: a file that is gone makes the rules anew.

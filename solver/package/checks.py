@@ -13,6 +13,8 @@ from .array_checks import (
 )
 from .dataset import defined_sizes, misshaped, missing_or_mistyped
 from .finding import Finding
+from .laminate_checks import check_cells, check_laminate
+from .laminate_data import CELL_LAYOUT, CELL_SIZED_BY, LAMINATE_LAYOUT, LAMINATE_SIZED_BY
 from .layout import (
     BODY_LAYOUT,
     BODY_RECOVERY_LAYOUT,
@@ -38,14 +40,18 @@ def layout_findings(group: h5py.Group) -> list[Finding]:
     findings = missing_or_mistyped(group, BODY_LAYOUT)
     sizes = defined_sizes(group, SIZED_BY)
     findings += misshaped(group, BODY_LAYOUT, sizes)
-    for parent, specs in (("interfaces", INTERFACE_LAYOUT), ("sections", SECTION_LAYOUT)):
+    for parent, specs, count in (
+        ("interfaces", INTERFACE_LAYOUT, {"k": "node_ids"}),
+        ("sections", SECTION_LAYOUT, {}),
+        ("laminates", LAMINATE_LAYOUT, LAMINATE_SIZED_BY),
+    ):
         for name in group.get(parent, ()):
             sub = group[parent][name]
             if not isinstance(sub, h5py.Group):
                 findings.append(Finding("error", sub.name, "expected a group"))
                 continue
             findings += missing_or_mistyped(sub, specs)
-            findings += misshaped(sub, specs, sizes | defined_sizes(sub, {"k": "node_ids"}))
+            findings += misshaped(sub, specs, sizes | defined_sizes(sub, count))
             if parent == "sections" and "recovery" in sub:
                 findings += missing_or_mistyped(sub, RECOVERY_LAYOUT)
                 findings += misshaped(sub, RECOVERY_LAYOUT, defined_sizes(sub, RECOVERY_SIZED_BY))
@@ -53,6 +59,10 @@ def layout_findings(group: h5py.Group) -> list[Finding]:
         findings += missing_or_mistyped(group, BODY_RECOVERY_LAYOUT)
         stations = sizes | defined_sizes(group, {"s": "recovery/station_x"})
         findings += misshaped(group, BODY_RECOVERY_LAYOUT, stations)
+    if "cell_resultants" in group:
+        findings += missing_or_mistyped(group, CELL_LAYOUT)
+        cells = sizes | defined_sizes(group, CELL_SIZED_BY)
+        findings += misshaped(group, CELL_LAYOUT, cells)
     return findings
 
 
@@ -75,6 +85,11 @@ def content_findings(package: ModalPackage) -> list[Finding]:
             check_recovery(section.recovery, f"sections/{section.name}/", error)
     if package.recovery is not None:
         check_stations(package.recovery, len(package.sections), error)
+    for laminate in package.laminates:
+        check_laminate(laminate, f"laminates/{laminate.name}/", error)
+    if package.cell_resultants is not None:
+        n_laminate, n_cell = len(package.laminates), len(package.cell_types)
+        check_cells(package.cell_resultants, n_laminate, n_cell, error)
     if bad:
         return bad  # every other test would only repeat it
 

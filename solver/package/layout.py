@@ -2,8 +2,8 @@
 
 Shapes are symbols: `n` nodes, `c` cells, `i` connectivity entries, `m` modes, `s`
 stations of the resultants; `k` nodes of an interface; in a section `k` plies and
-`p` points of its recovery. `<interface>` and `<section>` stand for names that
-the package chooses. The modal coordinates are dimensionless, so that a mode
+`p` points of its recovery; in a laminate `k` plies; `e` cells of the resultants of
+a shell. `<interface>`, `<section>` and `<laminate>` stand for names that the package chooses. The modal coordinates are dimensionless, so that a mode
 shape is in metres and radians, and modal mass, damping and stiffness are in
 kg m2, N m s and N m: all units follow from that.
 """
@@ -14,6 +14,7 @@ import numpy as np
 
 from .dataset import DatasetSpec, F, I, T, spec
 from .identity import FileFormat
+from .laminate_data import CELL_LAYOUT, LAMINATE_LAYOUT
 from .recovery_data import RECOVERY_LAYOUT
 from .schema import FORMAT, FORMAT_VERSION, ModalPackage
 
@@ -88,13 +89,15 @@ BODY_RECOVERY_LAYOUT: tuple[DatasetSpec, ...] = (
 
 
 def documented_layout() -> tuple[DatasetSpec, ...]:
-    """Return every dataset of the format, names of interfaces and sections as <...>."""
+    """Return every dataset of the format, names of interfaces, sections, laminates as <...>."""
     groups = (
         ("", BODY_LAYOUT),
         ("interfaces/<interface>/", INTERFACE_LAYOUT),
         ("sections/<section>/", SECTION_LAYOUT),
         ("sections/<section>/", tuple(replace(row, optional=True) for row in RECOVERY_LAYOUT)),
         ("", tuple(replace(row, optional=True) for row in BODY_RECOVERY_LAYOUT)),
+        ("laminates/<laminate>/", tuple(replace(row, optional=True) for row in LAMINATE_LAYOUT)),
+        ("", tuple(replace(row, optional=True) for row in CELL_LAYOUT)),
     )
     return tuple(
         DatasetSpec(prefix + s.path, s.shape, s.type, s.unit, s.frame, s.description, s.optional)

@@ -6,6 +6,7 @@ import numpy as np
 
 from .finding import Finding
 from .invariants import free_body_mass, inertia_at_rest
+from .laminate_checks import laminate_findings
 from .recovery_checks import recovery_findings
 from .reference_checks import reference_findings
 from .schema import Array, Interface, ModalPackage
@@ -26,6 +27,7 @@ def plausibility_findings(package: ModalPackage) -> list[Finding]:
         text = f"eigenvalues cannot be computed, numbers are out of any range ({cause})"
         findings.append(_finding("error", "modes", text))
     findings += recovery_findings(package)
+    findings += laminate_findings(package)
     for interface in package.interfaces:
         findings += _interface(package, interface)
     return findings

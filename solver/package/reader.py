@@ -11,6 +11,13 @@ from .container import get_text, open_file
 from .dataset import read_dataset
 from .finding import raise_first
 from .identity import checksum_findings, identity_notes, json_table
+from .laminate_data import (
+    CELL_LAYOUT,
+    LAMINATE_LAYOUT,
+    CellResultants,
+    LaminateData,
+    laminate_from,
+)
 from .layout import (
     BODY_LAYOUT,
     BODY_RECOVERY_LAYOUT,
@@ -89,6 +96,8 @@ def load(file: h5py.File) -> ModalPackage:
         reference_condition=get_text(group, "reference_condition"),
         sections=tuple(_section(file, g) for g in _ordered(group, "sections")),
         recovery=_body_recovery(group),
+        laminates=tuple(_laminate(file, g) for g in _ordered(group, "laminates")),
+        cell_resultants=_cell_resultants(group),
         mode_labels=data.get("modes/labels", ()),
         provenance=json_table(
             f"{file.filename}: attribute provenance", get_text(file, "provenance", "{}")
@@ -113,6 +122,20 @@ def _body_recovery(group: h5py.Group) -> BodyRecovery | None:
         return None
     return BodyRecovery(
         **{s.path.split("/")[1]: read_dataset(group[s.path], s) for s in BODY_RECOVERY_LAYOUT}
+    )
+
+
+def _laminate(file: h5py.File, group: h5py.Group) -> LaminateData:
+    data = {s.path: read_dataset(group[s.path], s) for s in LAMINATE_LAYOUT}
+    name = group.name.rsplit("/", 1)[1]
+    return laminate_from(name, data, f"{file.filename}: {group.name}")
+
+
+def _cell_resultants(group: h5py.Group) -> CellResultants | None:
+    if "cell_resultants" not in group:
+        return None
+    return CellResultants(
+        **{s.path.split("/")[1]: read_dataset(group[s.path], s) for s in CELL_LAYOUT}
     )
 
 

@@ -73,11 +73,11 @@ def recovery_from(data: Mapping[str, Any], where: str) -> SectionRecovery:
 
 def thinned(recovery: SectionRecovery) -> SectionRecovery:
     """The same recovery with strains rounded to 5e-7 of each: it packs to half the size."""
-    return replace(recovery, strain_M=_rounded(recovery.strain_M))
+    return replace(recovery, strain_M=rounded(recovery.strain_M))
 
 
-def _rounded(values: Array) -> Array:
-    """Numbers whose last bits are zero."""
+def rounded(values: Array) -> Array:
+    """Numbers whose last bits are zero: a relative error below 5e-7."""
     mantissa, exponent = np.frexp(values)
     return np.asarray(np.ldexp(np.round(np.ldexp(mantissa, KEPT_BITS)), exponent - KEPT_BITS))
 

@@ -12,13 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
+    from .laminate_data import CellResultants, LaminateData
     from .section import SectionRecovery
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 FORMAT = "plymotion modal package"
-FORMAT_VERSION = (1, 1)
+FORMAT_VERSION = (1, 2)
 
 MODE_KINDS = ("rigid", "fixed_normal", "constraint", "attachment", "residual", "experimental")
 REFERENCE_CONDITIONS = ("clamped", "chord", "mean-axis")
@@ -116,6 +117,8 @@ class ModalPackage:
     reference_condition: str
     sections: tuple[SectionData, ...] = ()
     recovery: BodyRecovery | None = None
+    laminates: "tuple[LaminateData, ...]" = ()
+    cell_resultants: "CellResultants | None" = None
     mode_labels: tuple[str, ...] = ()  # e.g. "bending-xy 1"
     provenance: dict[str, Any] = field(default_factory=dict)
 

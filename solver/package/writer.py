@@ -10,6 +10,7 @@ from .container import new_file, set_text
 from .dataset import write_dataset
 from .finding import raise_first
 from .identity import json_text, write_checksum, write_identity
+from .laminate_data import CELL_LAYOUT, LAMINATE_LAYOUT, laminate_values
 from .layout import (
     BODY_LAYOUT,
     BODY_RECOVERY_LAYOUT,
@@ -78,6 +79,21 @@ def _write_body(path: Path, group: h5py.Group, package: ModalPackage) -> None:
         for spec in BODY_RECOVERY_LAYOUT:
             value = getattr(package.recovery, spec.path.split("/")[1])
             write_dataset(path, group, spec, value, stations, compressed=True)
+    _write_laminates(path, group, package)
+
+
+def _write_laminates(path: Path, group: h5py.Group, package: ModalPackage) -> None:
+    for index, laminate in enumerate(package.laminates):
+        sub = _named_group(path, group, "laminates", laminate.name, index)
+        values = laminate_values(laminate, f"{path}: {sub.name}")
+        for spec in LAMINATE_LAYOUT:
+            plies = {"k": len(laminate.plies)}
+            write_dataset(path, sub, spec, values[spec.path], plies, compressed=True)
+    if package.cell_resultants is not None:
+        sizes = {"e": len(package.cell_resultants.cell), "m": package.n_mode}
+        for spec in CELL_LAYOUT:
+            value = getattr(package.cell_resultants, spec.path.split("/")[1])
+            write_dataset(path, group, spec, value, sizes, compressed=True)
 
 
 def _write_view(file: h5py.File, group: h5py.Group) -> None:

@@ -12,10 +12,12 @@ from ..errors import InputError
 from ..input import lines, read_toml
 from ..input.lay_up import Angle, LayUp, LayUpPly
 from ..input.material import Material
-from ..input.table import Name, Table, Vector, unit
+from ..input.table import Name, Pair, Table, Vector, unit
 from .loading import Frequencies, Link, Load, Probe, Support
 
 Factor = Annotated[float, Field(gt=0)]
+Row = Annotated[list[float], Field(min_length=6, max_length=6)]
+Matrix = Annotated[list[Row], Field(min_length=6, max_length=6)]
 Offset = Literal["mid", "top", "bottom"] | float
 
 
@@ -178,12 +180,56 @@ class Elements(Table):
     drilling: Literal["auto", "none", "fictitious", "tie"] = Field(
         default="auto",
         description="stiffness of the rotation about the normal: the paper's fictitious one, a "
-        "tie to the rotation of the membrane; auto: tie for cst, none for the others",
+        "tie to the rotation of the membrane; auto: tie for cst, none for the others. none with cst: "
+        "nodes in a flat surface have five degrees of freedom",
     )
     drilling_factor: float = Field(default=1e-2, gt=0, description="of the drilling stiffness")
     mass_form: Literal["consistent", "lumped"] = Field(
         default="consistent", description="mass matrix"
     )
+
+
+class Stiffener(Table):
+    """`[stiffeners.NAME]`: a beam along edges of the mesh, sharing its nodes.
+
+    Section axes: x1 along the curve in the direction that gmsh gives it, x3 the normal e3 of the
+    shell, x2 = x3 x x1.
+    """
+
+    at: str = Field(description="physical curve")
+    section: str | None = Field(
+        default=None,
+        description="path of a section description, relative to this file",
+    )
+    stiffness: Matrix | None = Field(
+        default=None,
+        description="instead: the section's 6x6 stiffness, extension, shear 2, shear 3, twist, "
+        "bending 2, bending 3",
+        json_schema_extra=unit("N, N m, N m2"),
+    )
+    mass: Matrix | None = Field(
+        default=None,
+        description="with `stiffness`: 6x6 mass per length, same order",
+        json_schema_extra=unit("kg/m, kg, kg m"),
+    )
+    x2_axis: Vector | None = Field(
+        default=None,
+        description="instead of the normal: direction of x2, made normal to the curve",
+        json_schema_extra=unit("-"),
+    )
+    offset: Pair = Field(
+        default=[0.0, 0.0],
+        description="place of the section's reference point from the edge, along x2 and x3",
+        json_schema_extra=unit("m"),
+    )
+
+    @model_validator(mode="after")
+    def _one_section(self) -> Self:
+        if (self.section is None) == (self.stiffness is None):
+            raise ValueError("expected either `section` or `stiffness`")
+        if (self.stiffness is None) != (self.mass is None):
+            raise ValueError("expected `mass` with `stiffness`, and only there")
+        return self
 
 
 class ShellDescription(Table):
@@ -198,6 +244,9 @@ class ShellDescription(Table):
         min_length=1, description="what each physical surface is made of"
     )
     elements: Elements = Field(default=Elements(), description="which triangle")
+    stiffeners: dict[Name, Stiffener] = Field(
+        default={}, description="beams along edges of the mesh, by name"
+    )
     links: dict[Name, Link] = Field(
         default={}, description="reference points that move with a group, to hold or to load"
     )

@@ -6,7 +6,7 @@
      "laminates": {"skin": {"plies": [{"material": "cfrp", "angle_deg": 45.0, "thickness": 1e-4}],
                             "offset": "mid", "shear_correction": "energy-1d"}},
      "regions": {"all": {"laminate": "skin", "axis": [1.0, 0.0, 0.0], "flip": false}},
-     "elements": {...}, "links": {...},
+     "elements": {...}, "stiffeners": {...}, "links": {...},
      "supports": {"root": {"at": "root", "fixed": ["ux", "uy", "uz", "rx", "ry", "rz"]}},
      "loads": {"pull": {"tip": {"at": "tip", "force": [1.0, 0.0, 0.0]}}},
      "probes": {...}, "frequencies": {"count": 6, "free": false}}
@@ -24,6 +24,7 @@ from ..errors import InputError, nearest
 from ..input import read_toml
 from ..input.gmsh_file import content_sha256, is_gmsh_mesh, physical_groups
 from ..input.material import check_materials, plain
+from ..section.expand import load_section
 from .description import Mesh, Region, ShellDescription, checked
 
 ALL = "all"
@@ -62,6 +63,11 @@ def shell_spec(table: dict[str, Any], file: Path) -> dict[str, Any]:
         problems += str(error).splitlines()
     else:
         problems += _groups(description, file.parent / description.mesh.file)
+    stiffeners: dict[str, Any] = {}
+    try:
+        stiffeners = _stiffeners(description, file.parent)
+    except InputError as error:
+        problems += str(error).splitlines()
     if problems:
         raise InputError("\n".join(f"{file}: {problem}" for problem in dict.fromkeys(problems)))
     laminates, regions = _regions(description)
@@ -74,6 +80,7 @@ def shell_spec(table: dict[str, Any], file: Path) -> dict[str, Any]:
         "laminates": laminates,
         "regions": regions,
         "elements": description.elements.model_dump(),
+        **({"stiffeners": stiffeners} if stiffeners else {}),
         "links": _plain(description.links),
         "supports": {
             name: {"at": support.at, "fixed": support.freedoms}
@@ -89,6 +96,22 @@ def shell_spec(table: dict[str, Any], file: Path) -> dict[str, Any]:
 
 def _plain(tables: dict[str, Any]) -> dict[str, Any]:
     return {name: table.model_dump(exclude_none=True) for name, table in tables.items()}
+
+
+def _stiffeners(description: ShellDescription, folder: Path) -> dict[str, Any]:
+    """Stiffeners with the specifications of their sections."""
+    found = _plain(description.stiffeners)
+    for name, table in found.items():
+        if "section" not in table:
+            continue
+        try:
+            section = load_section(folder / table["section"])
+        except InputError as error:
+            lines = [f"stiffeners.{name}.section: {line}" for line in str(error).splitlines()]
+            raise InputError("\n".join(lines)) from error
+        del section["title"]
+        table["section"] = section
+    return found
 
 
 def _mesh(table: Mesh, folder: Path) -> dict[str, Any]:
@@ -221,6 +244,7 @@ def _groups(description: ShellDescription, file: Path) -> list[str]:
 def _places(description: ShellDescription) -> list[tuple[str, str]]:
     """Key and name of every group that is asked for."""
     tables: list[tuple[str, Any]] = [
+        *((f"stiffeners.{name}", rib) for name, rib in description.stiffeners.items()),
         *((f"links.{name}", link) for name, link in description.links.items()),
         *((f"supports.{name}", support) for name, support in description.supports.items()),
         *(

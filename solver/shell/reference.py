@@ -5,7 +5,16 @@ python -m plymotion.solver.shell.reference > docs/shell-description.md
 
 from ..input.material import MATERIAL_TABLES
 from ..input.page import chapters
-from .description import AxisAbout, Elements, Laminate, Mesh, Ply, Region, ShellDescription
+from .description import (
+    AxisAbout,
+    Elements,
+    Laminate,
+    Mesh,
+    Ply,
+    Region,
+    ShellDescription,
+    Stiffener,
+)
 from .loading import Frequencies, Link, Load, Probe, Support
 
 HEAD = """\
@@ -83,7 +92,7 @@ surfaces, as at a stiffener.
 
 def shell_page() -> str:
     """Return docs/shell-description.md."""
-    shell = (ShellDescription, Mesh, Laminate, Ply, Region, AxisAbout, Elements)
+    shell = (ShellDescription, Mesh, Laminate, Ply, Region, AxisAbout, Elements, Stiffener)
     loading = (Link, Support, Load, Probe, Frequencies)
     page = "\n".join([HEAD, *chapters((*shell, *loading, *MATERIAL_TABLES))])
     return page.rstrip("\n") + "\n"

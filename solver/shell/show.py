@@ -154,15 +154,15 @@ def _plies(laminate: str, plies: list[PlyExtreme]) -> list[str]:
     lines = [
         f"Plies of {laminate}: stress of largest size [MPa] in ply axes, least strength ratio R",
         f"{'ply':>5} {'material':{width}}{'angle':>8}"
-        + "".join(f"{name:>10}" for name in names)
-        + f"{'R':>10}",
+        + "".join(f"{name:>12}" for name in names)
+        + f"{'R':>12}",
     ]
     size = max(float(np.abs(ply.stress_M).max()) for ply in plies)
     for ply in plies:
         least = min((reserve.ratio for reserve in ply.reserves), default=None)
         shown = np.where(np.abs(ply.stress_M) < ROUND_OFF * size, 0.0, ply.stress_M) / 1e6
-        numbers = "".join(f"{shown[i]:10.4g}" for i in SHOWN_STRESSES)
-        ratio = f"{least:10.4g}" if least is not None else f"{'-':>10}"
+        numbers = "".join(f"{shown[i]:12.4g}" for i in SHOWN_STRESSES)
+        ratio = f"{least:12.4g}" if least is not None else f"{'-':>12}"
         angle = f"{ply.angle_deg:8.4g}"
         lines.append(f"{ply.ply + 1:>5} {ply.material:{width}}{angle}{numbers}{ratio}")
     return lines

@@ -23,7 +23,7 @@ def bounds(name: str) -> np.ndarray:
     if name.startswith("mindlin"):
         return np.array([given[1]])  # at 32 x 32
     if name == "r0031_1":
-        return np.full(2, given[0])  # w and the stress; no tolerance is stated for tau
+        return np.full(2, given[0])  # w, and the same for the stress; tau has a test of its own
     return np.full(count, given[0])
 
 
@@ -34,14 +34,20 @@ def test_file_is_complete() -> None:
 
 @pytest.mark.parametrize("name", ENTRIES)
 def test_entry(name: str, record: Record) -> None:
-    found = numbers(name, mesh_of(name))
-    reference = expected(name)[: len(found)]
     tolerance = bounds(name)
+    found = numbers(name, mesh_of(name))[: len(tolerance)]
+    reference = expected(name)[: len(tolerance)]
     error = np.abs(found / reference - 1.0)
     assert np.all(error < tolerance), f"{found} instead of {reference}: {error} over {tolerance}"
-    record(f"shell/{name}", found)
+    if name != "hemisphere18":  # so thin that two factorisations agree to 1.4e-9 only
+        record(f"shell/{name}", found)
 
 
 @pytest.mark.parametrize("name", [name for name in ENTRIES if name.startswith("mindlin")])
 def test_plates_on_the_coarse_mesh(name: str) -> None:
     assert numbers(name, 16) == pytest.approx(expected(name), rel=tolerances(name)[0])
+
+
+def test_interlaminar_shear_of_the_strip() -> None:
+    tau = numbers("r0031_1", (60, 40), elements={"plate": "mitc3"})[2]
+    assert tau == pytest.approx(expected("r0031_1")[2], rel=2e-2)

@@ -84,11 +84,6 @@ def test_fictitious_drilling_on_a_flat_plate(record: Record) -> None:
     assert folded.modes.n_zero == 6
 
 
-def test_no_drilling_stiffness_is_refused() -> None:
-    with pytest.raises(ShellError, match='expected "tie" or "auto"'):
-        analyse(plate(3, 0.01, elements={"membrane": "cst", "drilling": "none"}, loads=PRESS))
-
-
 def test_slivers() -> None:
     mesh = mesh_from([[0, 0, 0], [1, 0, 0], [0.5, 0.01, 0], [0.5, 1, 0]], [[0, 1, 2], [2, 1, 3]])
     problem = metal(mesh)

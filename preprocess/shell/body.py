@@ -1,0 +1,134 @@
+"""From a laminated shell to the modal package of a body."""
+
+import time
+from datetime import UTC, datetime
+from typing import Any
+
+import numpy as np
+
+from ... import __version__
+from ...solver.package.schema import ModalPackage
+from .. import fenicsx
+from ..fingerprint import fingerprint
+from ..modes import Modes, reduced_modes
+from .body_spec import ShellBodySpec, read_shell_body
+from .interfaces import interfaces, node_shapes, places
+from .problem import ShellProblem
+from .recovery import cell_resultants, laminates
+from .reduction import ShellModel, eigen_solver
+from .stations import mass_stations
+
+VTK_TRIANGLE = 5
+SPARE = 1  # modes beyond those asked for: a shell has others between those of one kind
+ALONG = {"bending-xy": "along y", "bending-xz": "along z", "axial": "along x"}
+
+
+def build_shell_body(spec: dict[str, Any]) -> ModalPackage:
+    """Assemble the shell, solve its modes and collect the package of one body.
+
+    Parameters
+    ----------
+    spec : plain JSON as in body_spec.py
+
+    Raises
+    ------
+    SpecError : the specification has an unknown, missing or impossible entry
+    ModeError : fewer modes of a kind than asked for
+    ShellError, LaminateError, MaterialError : what the description of the shell says wrongly
+    """
+    body = read_shell_body(spec)
+    start = time.perf_counter()
+    model = shell_model(body)
+    model.condition  # noqa: B018  matrices
+    assembled = time.perf_counter()
+    modes = shell_modes(model)
+    solved = time.perf_counter()
+    provenance = {
+        "plymotion": __version__,
+        "versions": fenicsx.versions(),
+        "command": "python -m plymotion.preprocess body",
+        "fingerprint": fingerprint(spec),
+        "inputs_sha256": spec.get("inputs_sha256"),
+        "case": spec.get("case"),
+        "spec": spec,
+        "ranks": 1,
+        "dofs": {"body": model.problem.freedom.n_dof},
+        "seconds": {"shell": assembled - start, "modes": solved - assembled},
+        "warnings": [*model.problem.warnings, *modes.warnings],
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+    }
+    return shell_package(model, modes, provenance)
+
+
+def shell_model(body: ShellBodySpec) -> ShellModel:
+    """Mesh, lay-ups and interfaces of a body."""
+    return ShellModel(body, ShellProblem(body.shell, "shell"))
+
+
+def shell_modes(model: ShellModel) -> Modes:
+    """Modes of the shell in its reference condition, in its independent degrees of freedom.
+
+    Raises ModeError for modes or a mean axis that the shell does not have.
+    """
+    modes = model.spec.modes
+    lowest = all(request.kind == "lowest" for request in modes.eigenmodes)
+    return reduced_modes(
+        model.condition,
+        modes.eigenmodes,
+        model.static_loads(),
+        model.participation,
+        model.far_to_near(),
+        eigen_solver,
+        SPARE if lowest else 4 * SPARE,
+    )
+
+
+def shell_package(model: ShellModel, modes: Modes, provenance: dict[str, Any]) -> ModalPackage:
+    """Put mesh, modes, inertia and laminates of a shell into the package of the solver.
+
+    The nodal masses describe the nodes and are always lumped; the invariants carry the mass form
+    of the specification, that of the eigenproblem.
+    """
+    problem, spec = model.problem, model.spec
+    mesh, links = problem.mesh, problem.links
+    u = problem.freedom.expanded(modes.columns_B)
+    m = u.shape[1]
+    found = places(mesh, links)
+    row_in_file = np.empty(mesh.n_node, dtype=np.int64)
+    row_in_file[mesh.file_nodes] = np.arange(mesh.n_node)
+    cells = row_in_file[mesh.cells[mesh.file_cells]]
+    nodes = u.reshape(len(u) // 6, 6, m)[: mesh.n_node]  # not -1: a rigid body has no modes
+    stations = mass_stations(mesh, problem.regions, problem.stiffeners, nodes, spec.mass_form)
+    node_mass, node_inertia = np.zeros(len(found.ids)), np.zeros((len(found.ids), 3, 3))
+    for whole, of_mesh in zip((node_mass, node_inertia), model.nodal_mass, strict=True):
+        whole[: mesh.n_node] = of_mesh[mesh.file_nodes]
+    frequencies = np.sqrt(modes.values)
+    return ModalPackage(
+        body=spec.body,
+        nodes_B=found.nodes_B,
+        node_ids=found.ids,
+        connectivity=cells.ravel(),
+        offsets=np.arange(0, 3 * len(cells) + 1, 3),
+        cell_types=np.full(len(cells), VTK_TRIANGLE, dtype=np.int64),
+        shapes_B=node_shapes(mesh, links, found, u),
+        mode_kinds=modes.kinds,
+        frequencies=frequencies,
+        mass=np.eye(m),
+        stiffness=np.diag(modes.values),
+        damping=np.diag(2.0 * spec.damping_ratio * frequencies),
+        node_mass=node_mass,
+        node_inertia_B=node_inertia,
+        invariants=stations.invariants(spec.mass_form),
+        interfaces=interfaces(spec.interfaces, mesh, links, found, u),
+        reference_condition=spec.reference.kind,
+        laminates=laminates(problem),
+        cell_resultants=cell_resultants(problem, u),
+        mode_labels=tuple(map(_label, modes.labels)),
+        provenance=provenance,
+    )
+
+
+def _label(label: str) -> str:
+    """What moves most along an axis is no bending of a beam: "bending-xz 2" is "along z 2"."""
+    kind, _, number = label.rpartition(" ")
+    return f"{ALONG[kind]} {number}" if kind in ALONG else label

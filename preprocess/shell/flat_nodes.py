@@ -1,0 +1,65 @@
+"""Nodes of five degrees of freedom: in a flat surface nothing resists turning about the normal.
+
+Membranes without rotations of their own leave that turn without stiffness where all triangles of
+a node lie in one plane. There it is no unknown: n . theta = 0. Nodes on a kink keep six, because
+bending of one side is drilling of the other. Paper: Eq. (23).
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ...solver.package.schema import Array, IntArray
+from .mesh import ShellMesh
+from .regions import Region
+from .stiffeners import Stiffener
+
+FLAT = np.sin(np.radians(1.0)) ** 2  # second moment of the normals across their mean, relative
+
+
+class FlatNodes(NamedTuple):
+    """Nodes (k,) with the normals (k, 3) about which they do not turn."""
+
+    nodes: IntArray
+    normals_G: Array
+
+
+def flat_nodes(
+    mesh: ShellMesh, regions: Sequence[Region], stiffeners: Sequence[Stiffener] = ()
+) -> FlatNodes:
+    """Nodes whose triangles lie in one plane to a degree, and which carry no stiffener."""
+    table = np.zeros((mesh.n_node, 3, 3))
+    for region in regions:
+        n = region.triangles.A_GE[:, :, 2]
+        np.add.at(table, mesh.cells[region.cells], (n[:, :, None] * n[:, None, :])[:, None])
+    value, axis = np.linalg.eigh(table)
+    flat = value[:, 1] < FLAT * value[:, 2]
+    for stiffener in stiffeners:
+        flat[stiffener.ends] = False
+    return FlatNodes(np.flatnonzero(flat), axis[flat, :, 2])
+
+
+def turning(flat: FlatNodes, fixed: Array) -> tuple[IntArray, IntArray, Array]:
+    """Which rotation of each flat node follows from its other two, and how.
+
+    Parameters
+    ----------
+    fixed : (n_dof,) bool, degrees of freedom that are held
+
+    Returns
+    -------
+    (k,) dependent degrees of freedom, (k, 2) those they follow, (k, 2) factors. Nodes whose
+    supports stop the turn are left out.
+    """
+    rotations = 6 * flat.nodes[:, None] + np.arange(3, 6)  # (k, 3)
+    share = np.where(fixed[rotations], 0.0, np.abs(flat.normals_G))
+    last = np.argmax(share, axis=1)
+    row = np.arange(len(last))
+    some = share[row, last] > 0.1
+    row, last = row[some], last[some]
+    others = (last[:, None] + np.array([1, 2])) % 3
+    n = flat.normals_G[row]
+    pick = np.arange(len(row))
+    factors = -np.take_along_axis(n, others, axis=1) / n[pick, last][:, None]
+    return rotations[row, last], np.take_along_axis(rotations[row], others, axis=1), factors

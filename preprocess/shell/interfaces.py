@@ -1,0 +1,86 @@
+"""Interfaces of a shell body: how the modes move them, and the nodes that stand for them.
+
+An interface at the centre of its group is the weighted mean of the group's nodes, whichever way
+it is linked: kind "average" of the package. One at a place of its own has a node of its own
+there, in no cell and without mass.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ...solver.package.schema import Array, IntArray, Interface
+from .body_spec import ShellInterface
+from .links import Link
+from .mesh import ShellMesh
+
+SAME_PLACE = 1e-9  # of the mesh's size
+
+
+class Places(NamedTuple):
+    """Nodes of the package: those of the mesh in its file's order, then those of interfaces."""
+
+    nodes_B: Array  # (n, 3)                                [m]
+    ids: IntArray  # (n,) unique
+    own: dict[str, int]  # row of the node of an interface that has its own
+
+
+def places(mesh: ShellMesh, links: Sequence[Link]) -> Places:
+    """The nodes of the package of a shell with these links."""
+    apart = [
+        link
+        for link in links
+        if np.linalg.norm(link.point_G - link.group.centre_G) > SAME_PLACE * mesh.size
+    ]
+    nodes = [mesh.points_G[mesh.file_nodes], *(link.point_G[None] for link in apart)]
+    tags = mesh.node_tags[mesh.file_nodes]
+    new = tags.max() + 1 + np.arange(len(apart))
+    own = {link.name: mesh.n_node + i for i, link in enumerate(apart)}
+    return Places(np.concatenate(nodes), np.concatenate([tags, new]), own)
+
+
+def node_shapes(mesh: ShellMesh, links: Sequence[Link], found: Places, u: Array) -> Array:
+    """Motion of the package's nodes, (m, n, 6), from that of all degrees of freedom (n_dof, m)."""
+    rows = u.reshape(len(u) // 6, 6, u.shape[1])
+    number = {link.name: mesh.n_node + i for i, link in enumerate(links)}
+    order = [*mesh.file_nodes, *(number[name] for name in found.own)]
+    return np.ascontiguousarray(np.moveaxis(rows[order], 2, 0))
+
+
+def interfaces(
+    asked: Sequence[ShellInterface],
+    mesh: ShellMesh,
+    links: Sequence[Link],
+    found: Places,
+    u: Array,
+) -> tuple[Interface, ...]:
+    """Interfaces of the package.
+
+    Parameters
+    ----------
+    asked, links : in the same order
+    u : (n_dof, m) motion of all degrees of freedom, those of the links last
+    """
+    rows = u.reshape(len(u) // 6, 6, u.shape[1])
+    result = []
+    for i, (interface, link) in enumerate(zip(asked, links, strict=True)):
+        motion = rows[mesh.n_node + i]
+        nodes = link.group.nodes
+        order = np.argsort(mesh.node_tags[nodes])
+        ids, weights = mesh.node_tags[nodes][order], link.group.weights[order]
+        if link.name in found.own:
+            ids, weights = found.ids[[found.own[link.name]]], np.ones(1)
+        result.append(
+            Interface(
+                name=link.name,
+                kind="node" if len(ids) == 1 else "average",
+                node_ids=ids,
+                weights=weights / weights.sum(),
+                position_B=link.point_G,
+                A_BI=interface.A_BI,
+                phi_B=motion[:3],
+                psi_B=motion[3:],
+            )
+        )
+    return tuple(result)

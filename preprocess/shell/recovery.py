@@ -1,0 +1,61 @@
+"""What a package needs to recover the stresses of a shell: resultants of the modes, laminates."""
+
+import numpy as np
+
+from ...solver.package.laminate_data import CellResultants, LaminateData
+from ...solver.package.recovery_data import rounded
+from ...solver.package.schema import Array
+from ...solver.package.shell_file import ShellPly
+from ..laminate import stress_operators
+from .problem import ShellProblem
+
+
+def cell_resultants(problem: ShellProblem, u: Array) -> CellResultants:
+    """Mean resultants of every cell per unit mode, in the order of the mesh file.
+
+    They are rounded like the recovery of sections, which packs them to half the size.
+
+    Parameters
+    ----------
+    u : (n_dof, m) motion of all degrees of freedom
+    """
+    mesh = problem.mesh
+    A_BE = np.empty((len(mesh.cells), 3, 3))
+    laminate = np.empty(len(mesh.cells), dtype=np.int64)
+    names = _laminate_names(problem)
+    for region in problem.regions:
+        A_BE[region.cells] = region.triangles.A_GE
+        laminate[region.cells] = names.index(region.laminate_name)
+    found = problem.resultants(u)[:, mesh.file_cells]
+    return CellResultants(
+        cell=np.arange(len(mesh.cells)),
+        laminate=laminate[mesh.file_cells],
+        A_BE=A_BE[mesh.file_cells],
+        resultants_E=rounded(np.ascontiguousarray(np.moveaxis(found, 0, 2))),
+    )
+
+
+def laminates(problem: ShellProblem) -> tuple[LaminateData, ...]:
+    """Every laminate that a region uses, once."""
+    found: dict[str, LaminateData] = {}
+    for region in problem.regions:
+        if region.laminate_name in found:
+            continue
+        laminate, faces = region.laminate.laminate, region.laminate.laminate.faces
+        names = region.laminate.materials
+        found[region.laminate_name] = LaminateData(
+            name=region.laminate_name,
+            plies=tuple(
+                ShellPly(material, ply.angle_deg, float(faces[k]), float(faces[k + 1]))
+                for k, (material, ply) in enumerate(zip(names, laminate.plies, strict=True))
+            ),
+            ABD=region.stiffness.ABD,
+            Ds=region.stiffness.Ds,
+            stress_M=stress_operators(laminate),
+            materials={name: dict(problem.spec["materials"][name]) for name in dict.fromkeys(names)},
+        )
+    return tuple(found.values())
+
+
+def _laminate_names(problem: ShellProblem) -> list[str]:
+    return list(dict.fromkeys(region.laminate_name for region in problem.regions))

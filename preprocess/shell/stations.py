@@ -1,0 +1,133 @@
+"""Mass stations of a shell body: where its mass sits and how the modes move it.
+
+The inertia invariants of a body are sums over stations (solver/package/invariants.py). A fibre of
+the wall along the normal n, with the moments m0, m1, m2 of its density about the mesh, is a rigid
+piece: mass m0, centre m1/m0 n off the mesh, rotary inertia about it (m2 - m1^2/m0) (1 - n n').
+With consistent mass the fibres stand on three points of each triangle, where linear motions are
+integrated exactly; with lumped mass on its corners, and m2 also resists the drilling rotation, as
+in mass.py. So the sums hold the mass matrix to round-off but for one thing: consistent mass resists
+the drilling rotation as far as it exceeds that of the triangle. Rigid motions have no such part and
+no momentum comes from it; it counts in the modal mass alone.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...solver.package.schema import Array
+from ..beam.element import MASS_POINTS, BeamElement, gauss
+from ..beam.section_mass import SectionMass
+from ..beam.spec_values import SpecError
+from ..beam.stations import Stations
+from .links import carried, cross_matrix
+from .mesh import ShellMesh
+from .regions import Region
+from .stiffeners import Stiffener
+from .triangles import POINTS
+
+
+def mass_stations(
+    mesh: ShellMesh,
+    regions: Sequence[Region],
+    stiffeners: Sequence[Stiffener],
+    u: Array,
+    form: str,
+) -> Stations:
+    """Mass stations of a shell and their motion. Paper: Eq. (31).
+
+    Parameters
+    ----------
+    u : (n, 6, m) displacements and rotations of the mesh's nodes in m modes, body axes [m, rad]
+    form : "consistent" or "lumped", that of the mass matrix
+
+    Raises
+    ------
+    SpecError : a stiffener whose mass is not that of rigid slices.
+    """
+    parts = [_of_region(mesh, region, u, form) for region in regions]
+    parts += [_of_stiffener(mesh, stiffener, u, form) for stiffener in stiffeners]
+    columns = ("m", "x_B", "phi_B", "psi_B", "J_B")
+    return Stations(*(np.concatenate([getattr(p, name) for p in parts]) for name in columns))
+
+
+def nodal_mass(
+    mesh: ShellMesh, regions: Sequence[Region], stiffeners: Sequence[Stiffener]
+) -> tuple[Array, Array]:
+    """Lumped mass of each node, (n,) [kg], and inertia about the node, (n, 3, 3) [kg m2]."""
+    mass, turning = np.zeros(mesh.n_node), np.zeros(mesh.n_node)
+    for region in regions:
+        m0, _, m2 = region.stiffness.mass
+        third = np.repeat(region.triangles.area / 3.0, 3)
+        nodes = mesh.cells[region.cells].ravel()
+        area = np.bincount(nodes, weights=third, minlength=mesh.n_node)
+        mass += m0 * area
+        turning += m2 * area
+    inertia = turning[:, None, None] * np.eye(3)
+    for stiffener in stiffeners:
+        M = stiffener.mass("lumped").reshape(-1, 2, 6, 2, 6)
+        for end in range(2):
+            np.add.at(mass, stiffener.ends[:, end], M[:, end, 0, end, 0])
+            np.add.at(inertia, stiffener.ends[:, end], M[:, end, 3:, end, 3:])
+    return mass, inertia
+
+
+def _of_region(mesh: ShellMesh, region: Region, u: Array, form: str) -> Stations:
+    m0, m1, m2 = region.stiffness.mass
+    N = POINTS if form == "consistent" else np.eye(3)
+    cells = mesh.cells[region.cells]
+    corners = u[cells]  # (c, 3, 6, m)
+    motion = (N @ corners.reshape(len(cells), 3, -1)).reshape(-1, *u.shape[1:])
+    normal = np.repeat(region.triangles.A_GE[:, :, 2], 3, axis=0)
+    weight = np.repeat(region.triangles.area / 3.0, 3)
+    across = np.eye(3) - normal[:, :, None] * normal[:, None, :]
+    inertia = (m2 - m1**2 / m0) * across
+    if form == "lumped":
+        inertia = m2 * np.eye(3) - m1**2 / m0 * across
+    arm = m1 / m0 * normal
+    phi, psi = motion[:, :3], motion[:, 3:]
+    if m1 != 0.0:
+        phi = phi - cross_matrix(arm) @ psi
+    return Stations(
+        m=m0 * weight,
+        x_B=(N @ mesh.points_G[cells]).reshape(-1, 3) + arm,
+        phi_B=phi,
+        psi_B=psi,
+        J_B=weight[:, None, None] * inertia,
+    )
+
+
+def _of_stiffener(mesh: ShellMesh, stiffener: Stiffener, u: Array, form: str) -> Stations:
+    try:
+        slice_ = SectionMass.from_matrix(stiffener.M)
+    except ValueError as error:
+        raise SpecError(f"shell.stiffeners.{stiffener.name}: {error}") from error
+    A, L = stiffener.A_GE, stiffener.length
+    offset = np.concatenate([[0.0], stiffener.offset])
+    # motion of the reference line at the ends, section axes, (l, 2, 6, m)
+    turn = np.zeros((len(L), 6, 6))
+    turn[:, :3, :3] = turn[:, 3:, 3:] = np.swapaxes(A, 1, 2)
+    ends = (carried(offset[None])[0] @ turn)[:, None] @ u[stiffener.ends]
+    nodal = ends.reshape(len(L), 12, -1)
+    parts = []
+    for row, length in enumerate(L):
+        if form == "consistent":
+            x, w = gauss(length, MASS_POINTS)
+            motion = BeamElement(length, stiffener.K).shape(x) @ nodal[row]
+        else:
+            x, w = np.array([0.0, length]), np.full(2, 0.5 * length)
+            motion = ends[row]
+        parts.append((x, w, motion))
+    count = len(parts[0][0])
+    x, w = (np.concatenate([part[i] for part in parts]) for i in (0, 1))
+    motion = np.concatenate([part[2] for part in parts])
+    A = np.repeat(A, count, axis=0)
+    start = np.repeat(mesh.points_G[stiffener.ends[:, 0]], count, axis=0)
+    line = np.stack([x, np.zeros_like(x), np.zeros_like(x)], axis=1) + offset + slice_.centre_E
+    phi = motion[:, :3] - cross_matrix(slice_.centre_E) @ motion[:, 3:]
+    return Stations(
+        m=w * slice_.m,
+        x_B=start + np.einsum("kab,kb->ka", A, line),
+        phi_B=A @ phi,
+        psi_B=A @ motion[:, 3:],
+        J_B=w[:, None, None] * (A @ slice_.J_E @ np.swapaxes(A, 1, 2)),
+    )
