@@ -23,11 +23,13 @@ PLACES = ("file", "arrays")
 PACKAGE_SOURCES = (
     "schema",
     "invariants",
+    "laminate_data",
     "materials",
     "recovery_data",
     "section",
     "section_layout",
     "section_stress",
+    "shell_file",
 )
 
 
@@ -57,7 +59,8 @@ def _sources_sha256() -> str:
     here = Path(__file__).resolve().parent
     files = {f"preprocess/{p.relative_to(here).as_posix()}": p for p in here.rglob("*.py")}
     for folder in (here.parent / "meshes", here.parent.parent / "meshes"):
-        files |= {f"meshes/{p.name}": p for p in folder.glob("*.*") if p.suffix in (".geo", ".py")}
+        scripts = [p for p in folder.rglob("*.*") if p.suffix in (".geo", ".py")]
+        files |= {f"meshes/{p.relative_to(folder).as_posix()}": p for p in scripts}
     package = here.parent / "solver" / "package"
     files |= {f"package/{name}.py": package / f"{name}.py" for name in PACKAGE_SOURCES}
     digest = hashlib.sha256()

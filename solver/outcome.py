@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from . import findings, ply_stress, reactions, recover
+from . import findings, ply_stress, reactions, recover, shell_stress
 from .energy_monitor import JUMP_CODE
 from .freedom import degrees_of_freedom
 from .integrate import Solution
@@ -137,6 +137,8 @@ def _strength(built: BuiltMechanism, t: Array, y: Array) -> dict[str, ply_stress
             continue
         _, _, q = recover.body_frames(built.model, i, y)
         strength = ply_stress.body_strength(package, t, q)
+        if strength is None:
+            strength = shell_stress.shell_strength(package, t, q)
         if strength is not None:
             found[name] = strength
     return found

@@ -30,17 +30,18 @@ class Failure:
     ratio: float  # strength ratio R; margin of safety R - 1          [-]
     index: float  # value of the criterion, 1 at failure              [-]
     x: float  # station along the beam                                [m]
-    point: Array  # (2,) x2, x3 in the section                        [m]
+    point: Array  # (2,) x2, x3 in the section; of a shell (3,) body axes [m]
     ply: Ply
     time: float  # [s]
     stress_M: Array  # (6,) in ply axes, order 11 22 33 23 13 12      [Pa]
+    place: str  # in words, within the station
 
 
 @dataclass(frozen=True)
 class BodyStrength:
-    """Exposures of a body over a run; `s` counts stations."""
+    """Exposures of a body over a run; `s` counts stations of a beam, strips of a shell."""
 
-    station_x: Array  # (s,)                                          [m]
+    station_x: Array  # (s,) along the body                           [m]
     exposure: dict[str, Array]  # (s,) highest 1 / R by criterion     [-]
     worst: dict[str, Failure]  # by criterion
 
@@ -135,13 +136,12 @@ def summary(found: BodyStrength) -> dict[str, Any]:
 
 def failure_text(body: str, failure: Failure) -> str:
     """Say in words that a ply fails."""
-    x2, x3 = failure.point
     return (
         f"{body}: {failure.criterion} gives a strength ratio of {failure.ratio:.3g} (expected "
         f"above 1; {failure.mode}) at x = {failure.x:.4g} m, t = {failure.time:.4g} s, in ply "
         f"{failure.ply.index} of {failure.ply.region} ({failure.ply.material}, "
-        f"{failure.ply.angle_deg:g} deg) at x2 = {x2:.4g} m, x3 = {x3:.4g} m: the linear material "
-        "ends there; a stronger lay-up or a lower load helps"
+        f"{failure.ply.angle_deg:g} deg) at {failure.place}: the linear material ends there; a "
+        "stronger lay-up or a lower load helps"
     )
 
 
@@ -186,6 +186,7 @@ def _failure(
     stress_M = search.peaks.stress_M[point] @ F
     verdict: Verdict = search.criterion.assess(stress_M, search.strength)
     row = int(search.points[point])
+    x2, x3 = search.recovery.points[row]
     return Failure(
         criterion=search.criterion.name,
         mode=verdict.modes[int(verdict.mode)],
@@ -196,6 +197,7 @@ def _failure(
         ply=search.recovery.plies[int(search.recovery.ply[row])],
         time=float(t[instant]),
         stress_M=stress_M,
+        place=f"x2 = {x2:.4g} m, x3 = {x3:.4g} m",
     )
 
 

@@ -126,14 +126,15 @@ class MeanAxis:
         X = self._without_momentum(solver(self.K + shift * self.M, self.M, count + 6)[1])
         length = np.sqrt(np.einsum("ni,ni->i", X, self.M @ X))
         elastic = length > 0.5  # of unit vectors, rigid motions have lost everything
-        if np.count_nonzero(elastic) != count:
+        # a Krylov method may miss one of the six, whose values coincide, and find one mode more
+        if np.count_nonzero(elastic) < count:
             raise ModeError(
                 f"modes: the free body has {np.count_nonzero(~elastic)} rigid motions among its "
                 f"lowest {count + 6} modes, expected 6: is its stiffness that of a free body?"
             )
         X = X[:, elastic] / length[elastic]
         values = rayleigh(self.K, self.M, X)
-        order = np.argsort(values, kind="stable")
+        order = np.argsort(values, kind="stable")[:count]
         return values[order], X[:, order]
 
     def count_below(self, value: float) -> int:

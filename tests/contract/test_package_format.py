@@ -8,6 +8,7 @@ import h5py
 import numpy as np
 import pytest
 from package_samples import cantilever, same
+from panel_sample import panel
 
 from plymotion.solver.package import (
     ModalPackage,
@@ -36,10 +37,22 @@ def documented() -> dict[str, tuple[str, ...]]:
     return {row[0]: tuple(cell.strip() for cell in row[1:]) for row in ROW.findall(table)}
 
 
+SIZES = {
+    "arm": {"n": 17, "c": 16, "c+1": 17, "i": 32, "m": 4, "s": 17},
+    "panel": {"n": 34, "c": 32, "c+1": 33, "i": 96, "m": 3, "e": 32},
+}
+
+
 @pytest.fixture
 def file(tmp_path: Path) -> Path:
     write_package(tmp_path / "arm.vtkhdf", cantilever())
     return tmp_path / "arm.vtkhdf"
+
+
+@pytest.fixture
+def shell_file(tmp_path: Path) -> Path:
+    write_package(tmp_path / "panel.vtkhdf", panel())
+    return tmp_path / "panel.vtkhdf"
 
 
 def written(file: Path) -> dict[str, h5py.Dataset]:
@@ -49,22 +62,32 @@ def written(file: Path) -> dict[str, h5py.Dataset]:
     def visit(path: str, item: h5py.HLObject) -> None:
         if isinstance(item, h5py.Dataset):
             path = re.sub(r"^interfaces/[^/]+", "interfaces/<interface>", path)
+            path = re.sub(r"^laminates/[^/]+", "laminates/<laminate>", path)
             found[re.sub(r"^sections/[^/]+", "sections/<section>", path)] = item
 
     h5py.File(file)["modal_package"].visititems(visit)
     return found
 
 
-def test_every_dataset_is_documented_and_every_documented_one_is_written(file: Path) -> None:
-    assert set(documented()) == set(written(file))
+def test_every_dataset_is_documented_and_every_documented_one_is_written(
+    file: Path, shell_file: Path
+) -> None:
+    assert set(documented()) == {*written(file), *written(shell_file)}
     assert len(documented()) > 25
 
 
-def test_documented_shape_type_unit_frame_and_meaning_are_those_of_the_file(file: Path) -> None:
-    body = {"n": 17, "c": 16, "c+1": 17, "i": 32, "m": 4, "s": 17}
-    for path, dataset in written(file).items():
-        # k and p are sizes of one interface or one section
-        sizes = body | ({"k": 3, "p": 12} if path.startswith("sections") else {"k": 1})
+@pytest.mark.parametrize("name", ["file", "shell_file"])
+def test_documented_shape_type_unit_frame_and_meaning_are_those_of_the_file(
+    name: str, request: pytest.FixtureRequest
+) -> None:
+    path_of_file: Path = request.getfixturevalue(name)
+    body = SIZES[path_of_file.stem]
+    nodes = 1 if name == "file" else 2
+    for path, dataset in written(path_of_file).items():
+        # k and p are sizes of one interface, one section or one laminate
+        sizes = body | {"k": nodes if path.startswith("interfaces") else 1}
+        if path.startswith("sections"):
+            sizes |= {"k": 3, "p": 12}
         shape, kind, unit, frame, meaning = documented()[path]
         axes = [] if shape == "scalar" else shape.strip("()").split(", ")
         expected = tuple(sizes[a] if a in sizes else int(a) for a in axes)

@@ -1,0 +1,50 @@
+"""A shell that flies freely keeps energy, momentum and angular momentum."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from flexible_samples import momenta, simulate, total_energy
+from shell_specs import CFRP, plate
+
+from plymotion.preprocess.body import build_body
+from plymotion.solver.assemble import assemble_model, flexible_body
+
+
+def panel(mass_form: str, reference: dict[str, Any]) -> dict[str, Any]:
+    """An unsymmetric laminate off its mesh, so that nothing decouples."""
+    shell = plate((10, 4), 1.0, 0.5, 0.2)
+    plies = [{"material": "cfrp", "angle_deg": a, "thickness": 5e-4} for a in (30.0, -15.0, 75.0)]
+    return {
+        "body": "panel",
+        "kind": "shell",
+        "shell": {
+            "mesh": shell["mesh"],
+            "materials": {"cfrp": CFRP},
+            "laminates": {"skin": {"plies": plies, "offset": "bottom"}},
+            "regions": {"all": {"laminate": "skin", "axis": [1.0, 0.0, 0.0]}},
+        },
+        "mass_form": mass_form,
+        "reference": reference,
+        "modes": [{"kind": "lowest", "count": 3}],
+        "interfaces": {"root": {"at": "left"}, "tip": {"at": "right", "link": "average"}},
+    }
+
+
+@pytest.mark.parametrize("mass_form", ["consistent", "lumped"])
+@pytest.mark.parametrize("reference", [{"kind": "clamped", "at": "root"}, {"kind": "mean-axis"}])
+def test_free_flight(mass_form: str, reference: dict[str, Any]) -> None:
+    package = build_body(panel(mass_form, reference))
+    model = assemble_model([flexible_body("panel", package)], [], [])
+    m = package.n_mode
+    y0 = np.zeros(model.n_pos + model.n_vel + 1)
+    y0[3] = 1.0
+    y0[7 : 7 + m] = [4e-3, -1e-3, 5e-4]
+    y0[7 + m : 13 + m] = [0.3, -0.2, 0.5, 2.0, 3.0, -4.0]
+    y = simulate(model, y0, np.linspace(0.0, 0.2, 5))
+    energy = np.array([total_energy(model, state) for state in y])
+    linear, angular = (np.array(part) for part in zip(*(momenta(model, s) for s in y), strict=True))
+    assert np.abs(energy / energy[0] - 1.0).max() < 1e-8
+    assert np.abs(linear - linear[0]).max() < 1e-8 * np.linalg.norm(linear[0])
+    assert np.abs(angular - angular[0]).max() < 1e-8 * np.linalg.norm(angular[0])
+    assert np.ptp(y[:, 7]) > 1e-3

@@ -1,0 +1,147 @@
+"""Laminates and resultants of a shell in the modal package: round trip, validation, damage."""
+
+import dataclasses
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+from package_samples import same
+from panel_sample import E, THICKNESS, WIDTH, panel
+from recovery_samples import STEEL_STRENGTH
+
+from plymotion.solver import ply_stress
+from plymotion.solver.package import PackageError, read_package, validate, write_package
+from plymotion.solver.package.laminate_data import CellResultants, LaminateData
+from plymotion.solver.shell_stress import shell_ply_stress, shell_resultants, shell_strength
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    write_package(tmp_path / "panel.vtkhdf", panel())
+    return tmp_path / "panel.vtkhdf"
+
+
+def test_a_shell_is_sound_and_reads_back(file: Path) -> None:
+    assert validate(file) == []
+    assert same(panel(), read_package(file))
+
+
+def test_an_older_reader_finds_a_body_without_stresses(file: Path) -> None:
+    """The new groups may be skipped: nothing else depends on them."""
+    with h5py.File(file, "a") as h5:
+        for name in ("laminates", "cell_resultants"):
+            del h5[f"modal_package/{name}"]
+        del h5.attrs["content_sha256"]
+    found = read_package(file)
+    assert (found.laminates, found.cell_resultants) == ((), None)
+    assert shell_strength(found, np.zeros(2), np.zeros((2, 3))) is None
+
+
+def _cells(**changes: Any) -> CellResultants:
+    found = panel().cell_resultants
+    assert found is not None
+    return dataclasses.replace(found, **changes)
+
+
+def _laminate(**changes: Any) -> LaminateData:
+    return dataclasses.replace(panel().laminates[0], **changes)
+
+
+@pytest.mark.parametrize(
+    ("changes", "named"),
+    [
+        ({"cell_resultants": _cells(cell=np.arange(1, 33))}, "cell_resultants/cell"),
+        ({"cell_resultants": _cells(laminate=np.ones(32, int))}, "cell_resultants/laminate"),
+        ({"cell_resultants": _cells(A_BE=np.ones((32, 3, 3)))}, "cell_resultants/A_BE"),
+        (
+            {"cell_resultants": _cells(resultants_E=np.full((32, 8, 3), np.nan))},
+            "cell_resultants/resultants_E",
+        ),
+        ({"cell_resultants": _cells(resultants_E=np.ones((32, 6, 3)))}, "resultants_E"),
+        ({"laminates": (_laminate(ABD=np.zeros((6, 6))),)}, "laminates/wall/ABD"),
+        ({"laminates": (_laminate(materials={"stele": {}}),)}, "laminates/wall/plies/material"),
+        ({"laminates": (_laminate(name="a/b"),)}, "a/b"),
+    ],
+)
+def test_what_cannot_be_used_is_not_written(
+    tmp_path: Path, changes: dict[str, Any], named: str
+) -> None:
+    with pytest.raises(PackageError, match=named):
+        write_package(tmp_path / "bad.vtkhdf", dataclasses.replace(panel(), **changes))
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("changes", "named", "words"),
+    [
+        (
+            {"laminates": (_laminate(stress_M=0.9 * panel().laminates[0].stress_M),)},
+            "laminates/wall/plies/stress_M",
+            "integrate to 0.9",
+        ),
+        (
+            {"cell_resultants": _cells(resultants_E=1e3 * _cells().resultants_E)},
+            "cell_resultants/resultants_E",
+            "strain energy",
+        ),
+        (
+            {"cell_resultants": _cells(A_BE=np.tile(np.eye(3)[[1, 2, 0]], (32, 1, 1)))},
+            "cell_resultants/A_BE",
+            "not normal to the cell",
+        ),
+    ],
+)
+def test_what_does_not_belong_to_the_body_is_a_warning(
+    tmp_path: Path, changes: dict[str, Any], named: str, words: str
+) -> None:
+    write_package(tmp_path / "odd.vtkhdf", dataclasses.replace(panel(), **changes))
+    (found,) = validate(tmp_path / "odd.vtkhdf")
+    assert (found.level, found.dataset) == ("warning", f"/modal_package/{named}")
+    assert words in found.message
+
+
+@pytest.mark.parametrize("part", ["cell_resultants/laminate", "laminates/wall/ABD"])
+def test_a_missing_part_is_named(file: Path, part: str) -> None:
+    with h5py.File(file, "a") as h5:
+        del h5[f"modal_package/{part}"]
+    with pytest.raises(PackageError, match=part):
+        read_package(file)
+
+
+def test_stresses_of_a_bent_strip_are_those_of_beam_theory() -> None:
+    """M11 = -D w'' per width: s11 = E z k at the faces, in the cell next to the root."""
+    package, q = panel(), np.array([[0.0, 0.0, 0.0], [0.02, -0.01, 0.003]])
+    assert package.cell_resultants is not None
+    F = shell_resultants(package, np.array([0]), q)
+    assert F.shape == (1, 8, 2)
+    stress = shell_ply_stress(package, 0, q)
+    curvature = F[0, 3] / (E * THICKNESS**3 / 12.0)
+    expected = np.outer(curvature, 0.5 * THICKNESS * E * np.array([-1.0, 0.0, 1.0]))
+    np.testing.assert_allclose(stress[:, 0, :, 0], expected, atol=1e-6 * abs(expected).max())
+
+
+def test_strength_is_the_worst_of_all_cells_plies_and_instants() -> None:
+    package = panel()
+    t = np.linspace(0.0, 1.0, 60)
+    q = 0.02 * np.sin(np.outer(t, [7.0, 31.0, 45.0]) + np.array([0.1, 0.7, 2.0]))
+    found = shell_strength(package, t, q)
+    assert found is not None
+    assert package.cell_resultants is not None
+    rows = range(len(package.cell_resultants.cell))
+    every = np.array([shell_ply_stress(package, row, q)[:, 0, :, 0] for row in rows])
+    worst = np.abs(every).max()  # of one stress alone, von Mises is its magnitude
+    governing = found.governing
+    assert governing.ratio == pytest.approx(STEEL_STRENGTH["yield_stress"] / worst, rel=1e-12)
+    row, instant, _ = np.unravel_index(np.argmax(np.abs(every)), every.shape)
+    assert governing.time == t[instant]
+    centre = package.nodes_B[package.connectivity.reshape(-1, 3)[row]].mean(axis=0)
+    np.testing.assert_allclose(governing.point, centre)
+    assert max(found.exposure["von-mises"]) == pytest.approx(1.0 / governing.ratio)
+    table = ply_stress.summary(found)
+    assert table["ply"] == {"region": "wall", "index": 0, "material": "steel", "angle_deg": 0.0}
+    assert len(table["along_beam"]["x"]) == len(found.station_x) <= 32
+    text = ply_stress.failure_text("panel", governing)
+    assert "at its bottom" in text or "at its top" in text
+    assert 0.0 < centre[1] < WIDTH
