@@ -42,8 +42,9 @@ def test_first_frequency(repository, reference):
     assert [_frequency(repository, f"layup-{k}") > 2.5 for k in (1, 2, 3)] == [True] * 3
 
 
-def test_tip_deflection_for_six_seconds(runs, reference):
-    t, s, summary = run_case(runs / "layup-1.json")
+def test_extremes_of_the_tip_deflection(runs, reference):
+    # both extremes lie before 4.6 s; the later ones are smaller (make actuated-beam: 6 s)
+    t, s, summary = run_case(runs / "layup-1.json", t_end=4.6)
     tip = s["tip_deflection"]
     assert summary["completed"]
     for pick, which in ((np.argmin, "min"), (np.argmax, "max")):
@@ -54,18 +55,18 @@ def test_tip_deflection_for_six_seconds(runs, reference):
 
 def test_middle_follows_the_crank(runs):
     """Rigid kinematics of crank and link: what the beam is like does not matter there."""
-    t, s, _ = run_case(runs / "layup-3.json", t_end=1.0)
+    t, s, _ = run_case(runs / "layup-3.json", t_end=0.6)
     x = 0.025 * (np.cos(3.14 * t) - 1.0)
     expected = 0.025 * np.sin(3.14 * t) + 0.25 - np.sqrt(0.0625 - x**2)
     np.testing.assert_allclose(s["mid_deflection"], expected, atol=1e-6)
     # bending-twist coupling: lay-up 3 twists while it bends, lay-up 1 does not
     assert np.abs(s["tip_twist"]).max() > 1e-3
-    _, uncoupled, _ = run_case(runs / "layup-1.json", t_end=1.0)
+    _, uncoupled, _ = run_case(runs / "layup-1.json", t_end=0.6)
     assert np.abs(uncoupled["tip_twist"]).max() < 1e-8
 
 
 def test_hinged_root_hardly_bends_statically(runs):
     """A hinge at the root takes away what the clamp held: the deflection is all dynamics."""
-    _, clamped, _ = run_case(runs / "layup-1.json", t_end=2.0)
-    _, hinged, _ = run_case(runs / "layup-1-root.json", t_end=2.0)
+    _, clamped, _ = run_case(runs / "layup-1.json", t_end=0.8)
+    _, hinged, _ = run_case(runs / "layup-1-root.json", t_end=0.8)
     assert np.abs(hinged["tip_deflection"]).max() < 0.25 * np.abs(clamped["tip_deflection"]).max()
