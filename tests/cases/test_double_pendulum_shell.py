@@ -50,8 +50,10 @@ def test_tip_moves_as_that_of_the_beam(runs: dict[str, Any]) -> None:
 
 
 def test_hand_bends_as_the_beam(runs: dict[str, Any]) -> None:
+    """The largest deflection; vibrations of frequencies that differ by 0.4 % drift in phase."""
     one, two = (runs[name][0]["hand_mid"] for name in ("shell", "beam"))
-    assert np.abs(one - two).max() < 0.02 * np.abs(two).max()
+    assert np.abs(one).max() == pytest.approx(np.abs(two).max(), rel=0.01)
+    assert np.abs(one - two).max() < 0.05 * np.abs(two).max()
 
 
 def test_nothing_to_warn_of(runs: dict[str, Any]) -> None:
@@ -63,7 +65,7 @@ def test_nothing_to_warn_of(runs: dict[str, Any]) -> None:
 
 
 def test_strength_of_the_shell_is_told(runs: dict[str, Any]) -> None:
-    """Largest stress of the hand against M / W of the beam's deflection: bending in its plane."""
+    """The hand bends in its plane: the outermost cells are the worst."""
     found = runs["shell"][1]["strength"]["hand"]
     assert found["criterion"] == "von-mises"
     assert found["ratio"] > 1.0
