@@ -5,12 +5,13 @@ its plies per unit resultant at bottom, middle and top of each. What is said in 
 modes and stresses holds here too; resultants are means of their cells, so that the highest stress
 of a coarse mesh is too low where it changes within a cell.
 
-Cells are looked at from the highest bound of their exposure down, until no bound is above the
-exposure found: nothing is missed (see strength/search.py).
+Exposures are bounded for every cell and block of instants (see strength/search.py) and evaluated
+from the highest bound down, until no bound is above the exposure found: nothing is missed.
 """
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,10 +22,11 @@ from .package.section import Ply
 from .package.shell_file import LEVELS
 from .ply_stress import BodyStrength, Failure
 from .strength import criteria_of
-from .strength.search import ROUND_OFF, PeakSearch
+from .strength.search import BLOCK, ROUND_OFF, PeakSearch
 
 STRIPS = 40  # across the body's x, of which each tells its highest exposure
-AT_ONCE = 2_000_000  # resultants in memory
+AT_ONCE = 2_000_000  # numbers in memory
+FIRST, MOST = 8, 512  # pairs of cell and block that are evaluated together
 
 
 def shell_resultants(package: ModalPackage, rows: IntArray, q: Array) -> Array:
@@ -70,29 +72,35 @@ def shell_strength(package: ModalPackage, t: Array, q: Array) -> BodyStrength | 
     ]
     if not searches:
         return None
-    largest = _largest(cells, q)
+    parts, starts = _blocks(cells, q)
     centre_B = _centres(package, cells)
     strip, middle = _strips(centre_B[:, 0])
     exposure: dict[str, Array] = {}
-    worst: dict[str, tuple[float, _Search, int, int, int]] = {}
+    worst: dict[str, tuple[float, _Place]] = {}
     for search in searches:
         name = search.peaks.criterion.name
         along = exposure.setdefault(name, np.zeros(len(middle)))
         own = np.flatnonzero(cells.laminate == search.laminate_row)
-        bound = (largest[own] @ search.peaks.bounds.T).max(axis=1) * (1.0 + ROUND_OFF)
-        for i in np.argsort(-bound, kind="stable"):
-            row = own[i]
-            floor = float(along[strip[row]])
-            if bound[i] <= floor:
-                continue
-            peak = search.peaks.peak(cells.resultants_E[row] @ q.T, floor=floor)
-            along[strip[row]] = max(floor, peak.exposure)
-            if name not in worst or peak.exposure > worst[name][0]:
-                worst[name] = (peak.exposure, search, int(row), peak.point, peak.instant)
-    found = {
-        name: _failure(cells, centre_B, t, q, *place) for name, (_, *place) in worst.items()
-    }
+        bound = search.bound(parts[own])  # (cells, blocks)
+        for number in np.unique(strip[own]):
+            inside = np.flatnonzero(strip[own] == number)
+            highest, place = search.peak(
+                cells.resultants_E[own[inside]], q, bound[inside], starts, float(along[number])
+            )
+            along[number] = max(along[number], highest)
+            if place is not None and (name not in worst or highest > worst[name][0]):
+                worst[name] = (highest, place._replace(row=int(own[inside[place.row]])))
+    found = {name: _failure(cells, centre_B, t, q, place) for name, (_, place) in worst.items()}
     return BodyStrength(middle, exposure, found) if found else None
+
+
+class _Place(NamedTuple):
+    """A point of a search in one cell at one instant."""
+
+    search: "_Search"
+    row: int
+    point: int
+    instant: int
 
 
 @dataclass(frozen=True)
@@ -103,6 +111,40 @@ class _Search:
     laminate: LaminateData
     points: IntArray  # (p, 2)
     peaks: PeakSearch
+
+    def bound(self, parts: Array) -> Array:
+        """No exposure of a cell is above it in a block of instants, (e, b), of parts (e, b, 16)."""
+        out = np.empty(parts.shape[:2])
+        step = max(1, AT_ONCE // (parts.shape[1] * len(self.points)))
+        for first in range(0, len(out), step):
+            some = parts[first : first + step]
+            flat = some.reshape(-1, 16) @ self.peaks.bounds.T
+            out[first : first + step] = flat.max(axis=1).reshape(some.shape[:2])
+        return out * (1.0 + ROUND_OFF)
+
+    def peak(
+        self, R: Array, q: Array, bound: Array, starts: IntArray, floor: float
+    ) -> tuple[float, _Place | None]:
+        """Highest exposure above `floor` of some cells, and its place; `row` counts these cells.
+
+        `R` (e, 8, m) are their resultants per unit mode, `bound` (e, b) as above.
+        """
+        best, place = floor, None
+        left = np.flatnonzero(bound.ravel() > best)
+        order = left[np.argsort(-bound.ravel()[left], kind="stable")]
+        first, count = 0, FIRST
+        while first < len(order) and bound.flat[order[first]] > best:
+            cell, block = np.divmod(order[first : first + count], bound.shape[1])
+            instant = np.minimum(starts[block][:, None] + np.arange(BLOCK), len(q) - 1)
+            F = np.einsum("kim,ktm->kti", R[cell], q[instant], optimize=True)
+            stress = np.einsum("pij,ktj->ktpi", self.peaks.stress_M, F, optimize=True)
+            found = self.peaks.criterion.assess(stress, self.peaks.strength).exposure
+            k, t, p = (int(n) for n in np.unravel_index(np.argmax(found), found.shape))
+            if found[k, t, p] > best:
+                best = float(found[k, t, p])
+                place = _Place(self, int(cell[k]), p, int(instant[k, t]))
+            first, count = first + count, min(2 * count, MOST)
+        return best, place
 
 
 def _searches(laminate: LaminateData) -> Iterator[tuple[IntArray, PeakSearch]]:
@@ -123,15 +165,18 @@ def _cells(package: ModalPackage) -> CellResultants:
     return package.cell_resultants
 
 
-def _largest(cells: CellResultants, q: Array) -> Array:
-    """Largest of each resultant of each cell over time, upwards and downwards, (e, 16)."""
-    out = np.empty((len(cells.cell), 16))
+def _blocks(cells: CellResultants, q: Array) -> tuple[Array, IntArray]:
+    """Largest of each resultant upwards and downwards in blocks of instants, (e, b, 16), and the
+    first instant of each block."""
+    starts = np.arange(0, len(q), BLOCK)
+    out = np.empty((len(cells.cell), len(starts), 16))
     step = max(1, AT_ONCE // (8 * len(q)))
     for first in range(0, len(out), step):
         some = slice(first, first + step)
         F = cells.resultants_E[some] @ q.T
-        out[some, :8], out[some, 8:] = F.max(axis=2), -F.min(axis=2)
-    return np.maximum(out, 0.0)
+        for part, sign in ((slice(0, 8), 1.0), (slice(8, 16), -1.0)):
+            out[some, :, part] = np.maximum.reduceat(sign * F, starts, axis=2).swapaxes(1, 2)
+    return np.maximum(out, 0.0), starts
 
 
 def _centres(package: ModalPackage, cells: CellResultants) -> Array:
@@ -148,21 +193,13 @@ def _strips(x: Array) -> tuple[IntArray, Array]:
     return strip, x.min() + (used + 0.5) * width / STRIPS
 
 
-def _failure(
-    cells: CellResultants,
-    centre_B: Array,
-    t: Array,
-    q: Array,
-    search: _Search,
-    row: int,
-    point: int,
-    instant: int,
-) -> Failure:
-    stress_M = search.peaks.stress_M[point] @ (cells.resultants_E[row] @ q[instant])
+def _failure(cells: CellResultants, centre_B: Array, t: Array, q: Array, at: _Place) -> Failure:
+    search = at.search
+    stress_M = search.peaks.stress_M[at.point] @ (cells.resultants_E[at.row] @ q[at.instant])
     verdict = search.peaks.criterion.assess(stress_M, search.peaks.strength)
-    number, level = search.points[point]
+    number, level = search.points[at.point]
     ply = search.laminate.plies[number]
-    place = centre_B[row]
+    place = centre_B[at.row]
     return Failure(
         criterion=search.peaks.criterion.name,
         mode=verdict.modes[int(verdict.mode)],
@@ -171,7 +208,7 @@ def _failure(
         x=float(place[0]),
         point=place,
         ply=Ply(search.laminate.name, int(number), ply.material, ply.angle_deg),
-        time=float(t[instant]),
+        time=float(t[at.instant]),
         stress_M=stress_M,
         place=f"y = {place[1]:.4g} m, z = {place[2]:.4g} m, at its {LEVELS[level]}",
     )

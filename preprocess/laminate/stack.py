@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -55,7 +56,7 @@ class Laminate:
         """Sum of all plies [m]."""
         return float(sum(ply.thickness for ply in self.plies))
 
-    @property
+    @cached_property
     def faces(self) -> Array:
         """Height z of the faces of the plies from the bottom up, (k + 1,) [m]."""
         thickness = [ply.thickness for ply in self.plies]
@@ -63,7 +64,7 @@ class Laminate:
         up, down = np.cumsum([0.0, *thickness]), np.cumsum([0.0, *thickness[::-1]])[::-1]
         return 0.5 * (up - down) + self.offset
 
-    @property
+    @cached_property
     def stiffness(self) -> Array:
         """Stiffness of each ply in laminate axes, (k, 6, 6) [Pa]."""
         known: dict[tuple[Orthotropic, float], Array] = {}
@@ -72,7 +73,7 @@ class Laminate:
                 known[material, angle] = rotated(material.stiffness_M, ply_rotation(angle))
         return np.array([known[ply.material, ply.angle_deg] for ply in self.plies])
 
-    @property
+    @cached_property
     def plane(self) -> Array:
         """Stiffness of each ply in plane stress, (k, 3, 3) [Pa].
 
@@ -85,7 +86,7 @@ class Laminate:
             normal[:, :, None] * normal[:, None, :] / C[:, 2, 2, None, None]
         )
 
-    @property
+    @cached_property
     def across(self) -> Array:
         """Transverse shear stiffness of each ply for (gxz, gyz), (k, 2, 2) [Pa]."""
         return self.stiffness[:, ACROSS[:, None], ACROSS]

@@ -9,7 +9,6 @@ from ...solver.package.schema import Array, IntArray
 from .kinds import KINDS, Participation, clusters, kind_of, separating_turn, shares_of, signs
 from .reference import Condition, EigenSolver, ModeError
 
-
 SPARE = 4
 
 

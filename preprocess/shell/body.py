@@ -93,7 +93,7 @@ def shell_package(model: ShellModel, modes: Modes, provenance: dict[str, Any]) -
     mesh, links = problem.mesh, problem.links
     u = problem.freedom.expanded(modes.columns_B)
     m = u.shape[1]
-    found = places(mesh, links)
+    found = places(mesh, links, model.carriers if spec.reference.kind == "chord" else ())
     row_in_file = np.empty(mesh.n_node, dtype=np.int64)
     row_in_file[mesh.file_nodes] = np.arange(mesh.n_node)
     cells = row_in_file[mesh.cells[mesh.file_cells]]

@@ -2,7 +2,7 @@
 
 An interface at the centre of its group is the weighted mean of the group's nodes, whichever way
 it is linked: kind "average" of the package. One at a place of its own has a node of its own
-there, in no cell and without mass.
+there, in no cell and without mass; so have the two ends of a chord.
 """
 
 from collections.abc import Sequence
@@ -26,12 +26,13 @@ class Places(NamedTuple):
     own: dict[str, int]  # row of the node of an interface that has its own
 
 
-def places(mesh: ShellMesh, links: Sequence[Link]) -> Places:
-    """The nodes of the package of a shell with these links."""
+def places(mesh: ShellMesh, links: Sequence[Link], shown: Sequence[int] = ()) -> Places:
+    """The nodes of the package of a shell with these links; those of `shown` have their own."""
     apart = [
         link
-        for link in links
+        for number, link in enumerate(links)
         if np.linalg.norm(link.point_G - link.group.centre_G) > SAME_PLACE * mesh.size
+        or (number in shown and len(link.group.nodes) > 1)
     ]
     nodes = [mesh.points_G[mesh.file_nodes], *(link.point_G[None] for link in apart)]
     tags = mesh.node_tags[mesh.file_nodes]

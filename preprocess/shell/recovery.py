@@ -52,7 +52,9 @@ def laminates(problem: ShellProblem) -> tuple[LaminateData, ...]:
             ABD=region.stiffness.ABD,
             Ds=region.stiffness.Ds,
             stress_M=stress_operators(laminate),
-            materials={name: dict(problem.spec["materials"][name]) for name in dict.fromkeys(names)},
+            materials={
+                name: dict(problem.spec["materials"][name]) for name in dict.fromkeys(names)
+            },
         )
     return tuple(found.values())
 

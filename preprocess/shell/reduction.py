@@ -48,7 +48,7 @@ class ShellModel:
             raise SpecError("shell: it is in parts that nothing joins; expected one body")
         if drilling:
             raise SpecError(
-                'shell.elements.drilling: nodes of a flat part can turn about its normal; expected '
+                "shell.elements.drilling: nodes of a flat part can turn about its normal; expected "
                 '"tie" or "auto"'
             )
 

@@ -76,7 +76,8 @@ def _of_region(mesh: ShellMesh, region: Region, u: Array, form: str) -> Stations
     N = POINTS if form == "consistent" else np.eye(3)
     cells = mesh.cells[region.cells]
     corners = u[cells]  # (c, 3, 6, m)
-    motion = (N @ corners.reshape(len(cells), 3, -1)).reshape(-1, *u.shape[1:])
+    flat = corners.reshape(len(cells), 3, 6 * u.shape[2])
+    motion = (N @ flat).reshape(3 * len(cells), *u.shape[1:])
     normal = np.repeat(region.triangles.A_GE[:, :, 2], 3, axis=0)
     weight = np.repeat(region.triangles.area / 3.0, 3)
     across = np.eye(3) - normal[:, :, None] * normal[:, None, :]
@@ -107,7 +108,7 @@ def _of_stiffener(mesh: ShellMesh, stiffener: Stiffener, u: Array, form: str) ->
     turn = np.zeros((len(L), 6, 6))
     turn[:, :3, :3] = turn[:, 3:, 3:] = np.swapaxes(A, 1, 2)
     ends = (carried(offset[None])[0] @ turn)[:, None] @ u[stiffener.ends]
-    nodal = ends.reshape(len(L), 12, -1)
+    nodal = ends.reshape(len(L), 12, u.shape[2])
     parts = []
     for row, length in enumerate(L):
         if form == "consistent":

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -82,7 +82,14 @@ def rounded(values: Array) -> Array:
     return np.asarray(np.ldexp(np.round(np.ldexp(mantissa, KEPT_BITS)), exponent - KEPT_BITS))
 
 
-def strengths(recovery: SectionRecovery) -> dict[str, PlyStrength | YieldStrength]:
+class OfMaterials(Protocol):
+    """Whatever has constants and strengths of materials by name."""
+
+    @property
+    def materials(self) -> dict[str, dict[str, Any]]: ...
+
+
+def strengths(recovery: OfMaterials) -> dict[str, PlyStrength | YieldStrength]:
     """Strengths of those materials that have some, by name. Raises MaterialError."""
     found = {}
     for name, material in recovery.materials.items():

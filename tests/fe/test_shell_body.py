@@ -84,10 +84,21 @@ def test_package_is_sound(tmp_path: Path, mass_form: str, reference: dict[str, A
     assert package.invariants.mass == pytest.approx(total, rel=1e-12)
     assert package.node_mass.sum() == pytest.approx(total, rel=1e-12)
     kinds = {i.name: (i.kind, len(i.node_ids)) for i in package.interfaces}
-    assert kinds == {"root": ("average", 5), "tip": ("average", 5)} | {
-        "mid": ("node", 1),
-        "edge": ("node", 1),
-    }
+    end = ("node", 1) if reference["kind"] == "chord" else ("average", 5)
+    assert kinds == {"root": end, "tip": end, "mid": ("node", 1), "edge": ("node", 1)}
+
+
+def test_chord_of_a_hollow_body(tmp_path: Path) -> None:
+    """Its ends are centres of rims, where the mesh has no node."""
+    spec = body(box(), reference={"kind": "chord", "at": ["root", "tip"]})
+    write_package(tmp_path / "box.vtkhdf", build_body(spec))
+    assert [f for f in validate(tmp_path / "box.vtkhdf") if f.level != "note"] == []
+
+
+def test_body_without_modes_is_rigid() -> None:
+    package = build_body(hand((4, 2), modes=[]))
+    assert package.n_mode == 0
+    assert package.invariants.mass == pytest.approx(LENGTH * WIDTH * THICKNESS * METAL["rho"])
 
 
 def stiffened(**changes: Any) -> dict[str, Any]:

@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 import pytest
 from package_samples import same
-from panel_sample import E, THICKNESS, WIDTH, panel
+from panel_sample import THICKNESS, WIDTH, E, panel
 from recovery_samples import STEEL_STRENGTH
 
 from plymotion.solver import ply_stress
