@@ -86,7 +86,8 @@ class OfMaterials(Protocol):
     """Whatever has constants and strengths of materials by name."""
 
     @property
-    def materials(self) -> dict[str, dict[str, Any]]: ...
+    def materials(self) -> dict[str, dict[str, Any]]:
+        """Tables of materials by name."""
 
 
 def strengths(recovery: OfMaterials) -> dict[str, PlyStrength | YieldStrength]:

@@ -180,8 +180,8 @@ class Elements(Table):
     drilling: Literal["auto", "none", "fictitious", "tie"] = Field(
         default="auto",
         description="stiffness of the rotation about the normal: the paper's fictitious one, a "
-        "tie to the rotation of the membrane; auto: tie for cst, none for the others. none with cst: "
-        "nodes in a flat surface have five degrees of freedom",
+        "tie to the rotation of the membrane; auto: tie for cst, none for the others. "
+        "none with cst: nodes in a flat surface have five degrees of freedom",
     )
     drilling_factor: float = Field(default=1e-2, gt=0, description="of the drilling stiffness")
     mass_form: Literal["consistent", "lumped"] = Field(
