@@ -24,7 +24,7 @@ from .ply_stress import BodyStrength, Failure
 from .strength import criteria_of
 from .strength.search import BLOCK, ROUND_OFF, PeakSearch
 
-STRIPS = 40  # across the body's x, of which each tells its highest exposure
+STRIPS = 20  # across the body's x, of which each tells its highest exposure
 AT_ONCE = 2_000_000  # numbers in memory
 FIRST, MOST = 8, 512  # pairs of cell and block that are evaluated together
 

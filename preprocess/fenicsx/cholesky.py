@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from .petsc import PETSC_ERRORS, reason, sorted_csr, use_mumps
+from .petsc import PETSC_ERRORS, destroy, reason, sorted_csr, use_mumps
 from .stack import HAS_MUMPS, Array, PETSc
 from .team import ALONE, Team
 
@@ -84,6 +84,10 @@ class Cholesky:
     def check(self) -> None:
         """Check the factorisation now."""
         self.solve(np.empty((self.A.shape[0], 0)))
+
+    def close(self) -> None:
+        """Give back the memory of the factors; nothing can be solved afterwards."""
+        destroy(self._factor, self._pc, self._mat)
 
     def _factorise(self) -> None:
         try:

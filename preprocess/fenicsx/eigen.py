@@ -6,7 +6,7 @@ import numpy as np
 import scipy.linalg
 import scipy.sparse as sp
 
-from .petsc import PETSC_ERRORS, petsc_matrix, reason, sorted_csr, use_mumps
+from .petsc import PETSC_ERRORS, destroy, petsc_matrix, reason, sorted_csr, use_mumps
 from .stack import HAS_MUMPS, Array, PETSc, SLEPc
 from .team import ALONE, Team
 
@@ -80,9 +80,28 @@ def _krylov_schur(
     purify: bool,
 ) -> Array:
     eps = SLEPc.EPS().create(comm=team.comm)
-    eps.setOperators(
-        petsc_matrix(K, spd=target == 0.0, team=team), petsc_matrix(M, spd=False, team=team)
+    operators = (
+        petsc_matrix(K, spd=target == 0.0, team=team),
+        petsc_matrix(M, spd=False, team=team),
     )
+    try:
+        return _solved(eps, operators, n_mode, n_krylov, target, tolerance, team, purify)
+    finally:
+        destroy(eps, *operators)
+
+
+def _solved(
+    eps: Any,
+    operators: tuple[Any, Any],
+    n_mode: int,
+    n_krylov: int,
+    target: float,
+    tolerance: float,
+    team: Team,
+    purify: bool,
+) -> Array:
+    n_dof = operators[0].getSize()[0]
+    eps.setOperators(*operators)
     eps.setProblemType(SLEPc.EPS.ProblemType.GHEP)
     eps.setType(SLEPc.EPS.Type.KRYLOVSCHUR)
     eps.setWhichEigenpairs(SLEPc.EPS.Which.TARGET_MAGNITUDE)
@@ -98,32 +117,33 @@ def _krylov_schur(
     pc = ksp.getPC()
     # PETSc's own Cholesky does not pivot: an indefinite matrix gets an LU there
     pc.setType("cholesky" if HAS_MUMPS or target <= 0.0 else "lu")
-    use_mumps(pc, K.shape[0])
-    rows = team.share(K.shape[0])
-    start = PETSc.Vec().createMPI((rows.stop - rows.start, K.shape[0]), comm=team.comm)
-    start.setArray(
-        np.random.default_rng(0).standard_normal(K.shape[0])[rows]
-    )  # runs must reproduce
+    use_mumps(pc, n_dof)
+    rows = team.share(n_dof)
+    start = PETSc.Vec().createMPI((rows.stop - rows.start, n_dof), comm=team.comm)
+    start.setArray(np.random.default_rng(0).standard_normal(n_dof)[rows])  # runs must reproduce
     eps.setInitialSpace([start])
     try:
         eps.solve()
+        n_converged = eps.getConverged()
+        if n_converged < n_mode:
+            raise EigenError(
+                f"{n_converged} of {n_mode} modes converged in {eps.getIterationNumber()} "
+                f"iterations (tolerance {tolerance:g})"
+            )
+        vector = start.duplicate()
+        X = np.empty((rows.stop - rows.start, n_mode))
+        for i in range(n_mode):
+            eps.getEigenvector(i, vector)
+            X[:, i] = vector.getArray()
+        vector.destroy()
+        return team.stacked(X)
     except PETSC_ERRORS as error:
         raise EigenError(
             f"K - {target:g} M cannot be factorised ({reason(error)}): is the body free to move? "
             "A negative target is needed then"
         ) from error
-    n_converged = eps.getConverged()
-    if n_converged < n_mode:
-        raise EigenError(
-            f"{n_converged} of {n_mode} modes converged in {eps.getIterationNumber()} iterations "
-            f"(tolerance {tolerance:g})"
-        )
-    vector = start.duplicate()
-    X = np.empty((rows.stop - rows.start, n_mode))
-    for i in range(n_mode):
-        eps.getEigenvector(i, vector)
-        X[:, i] = vector.getArray()
-    return team.stacked(X)
+    finally:
+        destroy(start, pc, ksp, transformation)
 
 
 def _dense(K: sp.csr_matrix, M: sp.csr_matrix, n_mode: int, target: float) -> Array:

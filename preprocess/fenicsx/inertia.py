@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from .petsc import PETSC_ERRORS, petsc_matrix, reason, sorted_csr, use_mumps
+from .petsc import PETSC_ERRORS, destroy, petsc_matrix, reason, sorted_csr, use_mumps
 from .stack import HAS_MUMPS, PETSc
 from .team import ALONE, Team
 
@@ -22,9 +22,11 @@ def negative_pivots(A: Any, team: Team = ALONE) -> int:
     pc.setOperators(mat)
     pc.setType("cholesky")
     use_mumps(pc, mat.getSize()[0])
+    held = [pc, mat]
     try:
         pc.setUp()
         factor = pc.getFactorMatrix()
+        held.append(factor)
         if not HAS_MUMPS:
             return int(factor.getInertia()[0])
         status = int(factor.getMumpsInfog(1))  # PETSc raises for some of its errors only
@@ -34,5 +36,4 @@ def negative_pivots(A: Any, team: Team = ALONE) -> int:
     except PETSC_ERRORS as error:
         raise InertiaError(f"the matrix cannot be factorised: {reason(error)}") from error
     finally:
-        pc.destroy()
-        mat.destroy()
+        destroy(*held)

@@ -37,6 +37,16 @@ def petsc_matrix(A: sp.csr_matrix, *, spd: bool, team: Team = ALONE) -> Any:
     return mat
 
 
+def destroy(*objects: Any) -> None:
+    """Give up what Python holds of objects of PETSc.
+
+    Some versions keep an object, and the factors in it, whose last name in Python has merely gone
+    out of scope; a getter of a part makes a name of its own.
+    """
+    for one in objects:
+        one.destroy()
+
+
 def sorted_csr(A: Any) -> sp.csr_matrix:
     """A in compressed rows with ascending columns, as the comparison of patterns needs it."""
     A = sp.csr_matrix(A, dtype=np.float64)

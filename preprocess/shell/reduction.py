@@ -28,7 +28,11 @@ ALONG = 1e-6  # sine of the angle between a chord and the x axis
 
 
 def _solve(A: object, B: Array) -> Array:
-    return fenicsx.Cholesky(A).solve(B)
+    factor = fenicsx.Cholesky(A)
+    try:
+        return factor.solve(B)
+    finally:
+        factor.close()
 
 
 MUMPS = Algebra(_solve, fenicsx.negative_pivots)

@@ -95,3 +95,20 @@ def test_shipped_packages_are_those_of_the_case(build: Path) -> None:
     """Their inputs are the case's: `make ship` after a change of the bodies."""
     for run in (build / "runs").glob("*.json"):
         assert set(read_run(run).packages) == {"arm", "hand"}
+
+
+def test_coarse_form_has_the_same_hand(repository: Path) -> None:
+    case = load_case(repository / CASE, coarse=True)
+    assert case.runs["shell"].solver.t_end == T_END
+    assert (
+        case.runs["shell"].bodies["hand"]
+        == load_case(repository / CASE).runs["shell"].bodies["hand"]
+    )
+
+
+def test_shipped_hand_opens_in_pyvista(repository: Path) -> None:
+    pyvista = pytest.importorskip("pyvista")
+    file = repository / SHIPPED / "hand.shell.vtkhdf"
+    grid, package = pyvista.read(file), read_package(file)
+    assert (grid.n_points, grid.n_cells) == (len(package.nodes_B), len(package.cell_types))
+    assert np.array_equal(grid.point_data["mode_002_shape"], package.shapes_B[1, :, :3])
