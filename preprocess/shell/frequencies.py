@@ -104,6 +104,7 @@ def soft_value(
             shape[rest] = factor.solve(load[rest])
             load = M @ shape
             load /= np.abs(load).max()
+        factor.close()
     except fenicsx.FactorisationError as error:
         raise ShellError(f"frequencies: {error}") from error
     return float(shape @ (K @ shape) / (shape @ (M @ shape)))

@@ -45,6 +45,7 @@ def solve_cases(
     try:
         factor = fenicsx.Cholesky(reduced, team)
         q = _refined(factor, reduced, loads)
+        factor.close()
     except fenicsx.FactorisationError as error:
         raise ShellError(f"statics: {error}") from error
     u = freedom.expanded(q)
