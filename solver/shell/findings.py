@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..package.materials import MaterialError
+from ..package.recovery_data import strengths
 from ..package.schema import Array
 from ..package.shell_file import ShellFile, ShellLaminate
-from ..package.strength import PlyStrength, YieldStrength, read_strength
+from ..package.strength import PlyStrength, YieldStrength
 from .ply_extremes import PlyExtreme, Reserve, ply_extremes
 
 
@@ -85,18 +85,6 @@ def imbalance(shell: ShellFile, load: Array, reactions: Array) -> float:
     largest = max(np.abs(load * scale).max(), np.abs(reactions * scale).max())
     rest = np.abs((load + reactions) * scale).max()
     return float(rest / largest) if largest > 0.0 else 0.0
-
-
-def strengths(shell: ShellFile) -> dict[str, PlyStrength | YieldStrength]:
-    """Strengths of those materials that have some, by name. Raises MaterialError."""
-    found = {}
-    for name, material in shell.materials.items():
-        if not isinstance(material, Mapping):
-            raise MaterialError(f"{name}: expected a table of constants, got {material!r}")
-        table = material.get("strength")
-        if table is not None:
-            found[name] = read_strength(table, str(material.get("kind")), f"{name}.strength")
-    return found
 
 
 def stacking(laminate: ShellLaminate) -> str:
