@@ -107,7 +107,7 @@ class SpinMonitor:
         name = self.body_names[body]
         message = (
             f"{name}: at t = {t:.4f} s the spin of {np.linalg.norm(w):.4g} rad/s reaches the first "
-            f"frequency of the clamped body with the masses it carries "
+            f"frequency of the body held in its frame, with the masses it carries "
             f"({self.critical_spin(body, w):.4g} rad/s): a linear body has no stiffness left there "
             "and its motion from then on is worthless. What helps: a stiffer or shorter body "
             '(split it into several), a lower speed; on_invalid = "warn" goes on regardless'
