@@ -38,7 +38,7 @@ def test_first_frequency(repository, reference):
     assert found == pytest.approx(reference["frequency"], rel=reference["frequency_tolerance"])
     # shear deformation, and modes that lack the static shape
     assert _frequency(repository, "layup-1-shear") == pytest.approx(0.970 * found, rel=5e-3)
-    assert _frequency(repository, "layup-1-four-modes") > _frequency(repository, "layup-1")
+    assert 1.008 * found < _frequency(repository, "layup-1-four-modes") < 1.02 * found
     assert [_frequency(repository, f"layup-{k}") > 2.5 for k in (1, 2, 3)] == [True] * 3
 
 
