@@ -4,12 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..errors import did_you_mean
 from .array_checks import finite, positive_definite, rotations, rows_of, symmetric
 from .finding import Finding, Reporter
 from .laminate_data import CellResultants, LaminateData
-from .materials import MaterialError
-from .recovery_data import strengths
+from .recovery_checks import check_plies
 from .schema import Array, ModalPackage
 
 ENERGY = 2.0  # factor: strain energy of the mean resultants, which hold less than all of it
@@ -32,15 +30,7 @@ def check_laminate(laminate: LaminateData, where: str, error: Reporter) -> None:
     if np.any(faces[:, 1] <= faces[:, 0]):
         row = int(np.argmax(faces[:, 1] <= faces[:, 0]))
         error(f"{where}plies/top", f"row {row}: expected a height above that of plies/bottom")
-    for row, ply in enumerate(laminate.plies):
-        if ply.material not in laminate.materials:
-            hint = did_you_mean(ply.material, tuple(laminate.materials))
-            text = f"row {row}: {ply.material!r} is no material of the laminate{hint}"
-            error(f"{where}plies/material", text)
-    try:
-        strengths(laminate)
-    except MaterialError as cause:
-        error(f"{where}materials", str(cause))
+    check_plies(laminate, "laminate", where, error)
 
 
 def check_cells(found: CellResultants, n_laminate: int, n_cell: int, error: Reporter) -> None:

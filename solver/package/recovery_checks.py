@@ -1,6 +1,7 @@
 """Can the recovery of a package be used, and does it belong to the body?"""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -8,7 +9,7 @@ from ..errors import did_you_mean
 from .array_checks import finite, positive_definite, rotations, rows_of, symmetric
 from .finding import Finding, Reporter
 from .materials import MaterialError
-from .recovery_data import POINT_DATA, strengths
+from .recovery_data import POINT_DATA, OfMaterials, strengths
 from .schema import BodyRecovery, ModalPackage, SectionData
 from .section import RESULTANTS, SectionRecovery
 from .section_stress import resultants, unit_stress
@@ -33,13 +34,26 @@ def check_recovery(recovery: SectionRecovery, where: str, error: Reporter) -> No
     if not np.sum(recovery.weights) > 0.0:
         text = f"expected an area above 0, found {np.sum(recovery.weights):g} m2"
         error(f"{where}recovery/weights", text)
-    for row, ply in enumerate(recovery.plies):
-        if ply.material not in recovery.materials:
-            hint = did_you_mean(ply.material, tuple(recovery.materials))
-            text = f"row {row}: {ply.material!r} is no material of the section{hint}"
+    check_plies(recovery, "section", where, error)
+
+
+class OfPlies(OfMaterials, Protocol):
+    """Whatever has plies, and their materials by name."""
+
+    @property
+    def plies(self) -> Sequence[Any]:
+        """Each with the name of its `material`."""
+
+
+def check_plies(owner: OfPlies, kind: str, where: str, error: Reporter) -> None:
+    """Report plies of unknown materials, and strengths that cannot be used; `kind` is for words."""
+    for row, ply in enumerate(owner.plies):
+        if ply.material not in owner.materials:
+            hint = did_you_mean(ply.material, tuple(owner.materials))
+            text = f"row {row}: {ply.material!r} is no material of the {kind}{hint}"
             error(f"{where}plies/material", text)
     try:
-        strengths(recovery)
+        strengths(owner)
     except MaterialError as cause:
         error(f"{where}materials", str(cause))
 
