@@ -25,8 +25,9 @@ class Plan(NamedTuple):
     structured: int  # 1: every body has a positive definite mass matrix of its own
     marker_used: IntArray  # markers on bodies that joints and force elements stand on
     size: IntArray  # (nb,) coordinates of each body
-    row_start: IntArray  # (nb + 1,) first entry of each body in body_place
-    body_place: IntArray  # place, in the order of elimination, of every row at a body
+    row_start: IntArray  # (nb + 1,) first entry of each body in body_row
+    body_row: IntArray  # every constraint row at a body
+    body_place: IntArray  # its place in the order of elimination
     side_row: IntArray  # (nj, 2) first row of a joint's side among the rows at its body; -1: ground
     place: IntArray  # (n_c,) place of each constraint row in the order of elimination
     first: IntArray  # (n_c,) first column of each place in the profile
@@ -54,11 +55,12 @@ def make_plan(
             if bodies[k, side] >= 0:
                 rows = at_body[bodies[k, side]]
                 side_row[k, side] = len(rows)
-                rows.extend(place[joint_row[k] : joint_row[k + 1]].tolist())
+                rows.extend(range(joint_row[k], joint_row[k + 1]))
     first = np.arange(n_c, dtype=np.int64)
     for rows in at_body:
         if rows:
-            first[rows] = np.minimum(first[rows], min(rows))
+            places = place[rows]
+            first[places] = np.minimum(first[places], places.min())
     widths = np.arange(n_c) - first + 1
     counts = [len(rows) for rows in at_body]
     return Plan(
@@ -69,7 +71,8 @@ def make_plan(
         marker_used=used[marker_body[used] >= 0] if used.size else used,
         size=6 + n_mode,
         row_start=_starts(counts),
-        body_place=np.array([row for rows in at_body for row in rows], dtype=np.int64),
+        body_row=(body_row := np.array([row for rows in at_body for row in rows], dtype=np.int64)),
+        body_place=place[body_row],
         side_row=side_row,
         place=place,
         first=first,

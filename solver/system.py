@@ -260,21 +260,24 @@ def prepare(model: Model, work: Work) -> None:
     work.softness[:] = 0.0
     _factorise_mass(model, work)
     if model.penalty > 0.0 and work.factors.regular[0] < REGULAR:
-        plan = model.plan
-        for k in range(model.joint_kind.shape[0]):
-            begin = model.joint_row[k]
-            for side in range(2):
-                body = model.marker_body[model.joint_marker[k, side]]
-                if body >= 0:
-                    first, v = plan.side_row[k, side], model.vel_start[body]
-                    for p in range(model.joint_row[k + 1] - begin):
-                        for j in range(plan.size[body]):
-                            c = work.J[body, j, first + p]
-                            work.softness[begin + p] += c * c / model.inertia_scale[v + j]
-        for k in range(model.n_constraint):
-            mobility = work.softness[k]
-            work.softness[k] = (mobility if mobility > 0.0 else 1.0) / model.penalty
+        soften(model, work.J, work.softness)
         _factorise_mass(model, work)
+
+
+@jit
+def soften(model: Model, J: Array, softness: Array) -> None:
+    """Fill softness (n_c,): 1 / penalty, over the mass that each row of J (nb, n, r) moves."""
+    plan = model.plan
+    softness[:] = 0.0
+    for i in range(model.n_body):
+        v, first = model.vel_start[i], plan.row_start[i]
+        for p in range(plan.row_start[i + 1] - first):
+            mobility = 0.0
+            for k in range(plan.size[i]):
+                mobility += J[i, k, p] ** 2 / model.inertia_scale[v + k]
+            softness[plan.body_row[first + p]] += mobility
+    for k in range(softness.shape[0]):
+        softness[k] = (softness[k] if softness[k] > 0.0 else 1.0) / model.penalty
 
 
 @inlined

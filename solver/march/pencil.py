@@ -1,14 +1,15 @@
-"""Newton's matrix of an implicit step, s I - df/dy, with the structure of a mechanism.
+"""Newton's matrix of an implicit step, with the structure of a mechanism.
 
-Of df/dy only what can be stiff is kept: modal stiffness K and damping D, through the response to
-forces R = [M Phi_q'; Phi_q 0]^-1. A change y = (G x + rest, v) of positions and velocities with
-right-hand side (r_q, r_v) then follows from one system of the same structure as the mass matrix:
+Of the derivatives of the equations only what can be stiff is kept: modal stiffness K and damping
+D. With a rate of s per change (s = gamma / h, real or complex), a change x of positions along
+the velocity coordinates, delta v of velocities and mu of multipliers answers residuals
 
-    rho = G^+ r_q,   (s^2 M + s D + K) x + Phi_q' mu = M (r_v + s rho) + D rho,
-    Phi_q x = Phi_q (r_v + s rho) / s^2,
-    delta v = s x - rho,   delta q = G x + (r_q - G rho) / s,
+    R = f - M vdot - Phi_q' lambda,   c = gamma - Phi_q vdot,   rho = G^+ (G v - qdot)
 
-where qdot = G v. The same code serves real and complex s.
+by one system of the same structure as that of the mass matrix:
+
+    (s^2 M + s D + K) x + Phi_q' mu = R + s M rho + D rho,
+    Phi_q x = (c + s Phi_q rho) / s^2,   delta v = s x - rho,   delta q = G x + (r_q - G rho) / s.
 """
 
 from typing import NamedTuple
@@ -19,22 +20,25 @@ from ..compiled import inlined, jit
 from ..elimination import factorise, solve
 from ..model import Model
 from ..package.schema import Array
+from ..system import REGULAR, soften
 from ..workspace import Factors, Work, new_factors
 
 
 class Pencil(NamedTuple):
-    """Factors for one s, and the memory of a solution."""
+    """Factors for one s, and a right-hand side with its answer."""
 
     factors: Factors
-    load: Array  # (nb, n)
+    load: Array  # (nb, n) R
+    gamma: Array  # (n_c,) c
+    r: Array  # (n,) r_q
     rho: Array  # (nb, n)
     x: Array  # (nb, n)
-    gamma: Array  # (n_c,)
+    delta: Array  # (n,) answer in the coordinates of y
     mu: Array  # (n_c,)
 
 
 class Frozen(NamedTuple):
-    """Mass matrix, Jacobian and Euler parameters at the beginning of a step."""
+    """Mass matrix, Jacobian and Euler parameters at one place of a step."""
 
     M: Array  # (nb, n, n) lower triangles
     J: Array  # (nb, n, r)
@@ -46,12 +50,15 @@ class Frozen(NamedTuple):
 def new_pencil(model: Model, one: float) -> Pencil:
     """Return memory of the type of `one`."""
     nb, n, n_c = model.n_body, model.plan.widest, model.n_constraint
+    n_y = model.n_pos + model.n_vel + 1
     return Pencil(
         new_factors(model, one),
         np.zeros((nb, n)) * one,
-        np.zeros((nb, n)) * one,
-        np.zeros((nb, n)) * one,
         np.zeros(n_c) * one,
+        np.zeros(n_y) * one,
+        np.zeros((nb, n)) * one,
+        np.zeros((nb, n)) * one,
+        np.zeros(n_y) * one,
         np.zeros(n_c) * one,
     )
 
@@ -64,75 +71,97 @@ def new_frozen(model: Model) -> Frozen:
     return Frozen(np.zeros((nb, n, n)), np.zeros((nb, n, r)), np.zeros(n_c), np.zeros((nb, 4)))
 
 
-@jit
+@inlined
 def freeze(model: Model, work: Work, y: Array, frozen: Frozen) -> None:
-    """Keep what the last evaluation, in state y, has filled and `prepare` found."""
-    frozen.M[:] = work.M
-    frozen.J[:] = work.J
-    frozen.softness[:] = work.softness
-    for i in range(model.n_body):
+    """Keep what the last evaluation, in state y, has filled."""
+    plan, row_start = model.plan, model.plan.row_start
+    frozen.softness[:] = 0.0
+    for i in range(plan.size.shape[0]):
+        n, r = plan.size[i], row_start[i + 1] - row_start[i]
+        M, J, M_0, J_0 = work.M[i], work.J[i], frozen.M[i], frozen.J[i]
+        for a in range(n):
+            for b in range(a + 1):
+                M_0[a, b] = M[a, b]
+            for p in range(r):
+                J_0[a, p] = J[a, p]
         for k in range(4):
             frozen.p[i, k] = y[model.pos_start[i] + 3 + k]
 
 
 @jit
 def factorise_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> None:
-    """Factorise for s [1/s]."""
-    L = pencil.factors.L
-    for i in range(model.n_body):
-        n, m, two = model.plan.size[i], model.n_mode[i], model.square_start[i]
+    """Factorise for s [1/s].
+
+    Rows that depend on each other are softened as in `prepare` (system.py).
+    """
+    _factorise(model, frozen, pencil, s)
+    if model.penalty > 0.0 and pencil.factors.regular[0] < REGULAR:
+        soften(model, frozen.J, frozen.softness)
+        _factorise(model, frozen, pencil, s)
+
+
+@inlined
+def _factorise(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> None:
+    plan, ss = model.plan, s * s
+    for i in range(plan.size.shape[0]):
+        n, m, two = plan.size[i], model.n_mode[i], model.square_start[i]
+        L, M = pencil.factors.L[i], frozen.M[i]
         for a in range(n):
             for b in range(a + 1):
-                L[i, a, b] = s * s * frozen.M[i, a, b]
+                L[a, b] = ss * M[a, b]
         for a in range(m):
             for b in range(a + 1):
                 k = two + a * m + b
-                L[i, 6 + a, 6 + b] += model.K_qq[k] + s * model.D_qq[k]
+                L[6 + a, 6 + b] += model.K_qq[k] + s * model.D_qq[k]
     # the rows' mass is s^2 times that of the mass matrix
-    pencil.gamma[:] = frozen.softness / (s * s)
-    factorise(model.plan, pencil.factors, frozen.J, pencil.gamma)
+    for k in range(frozen.softness.shape[0]):
+        pencil.mu[k] = frozen.softness[k] / ss
+    factorise(plan, pencil.factors, frozen.J, pencil.mu)
 
 
 @jit
-def solve_pencil(
-    model: Model, frozen: Frozen, pencil: Pencil, s: complex, r: Array, delta: Array
-) -> None:
-    """Fill delta (n,) with the answer to r (n,), both in the coordinates of y."""
-    load, rho, x, gamma = pencil.load, pencil.rho, pencil.x, pencil.gamma
-    n_pos = model.n_pos
-    plan = model.plan
-    for i in range(model.n_body):
+def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> None:
+    """Fill pencil.delta (n,) and mu (n_c,) with the answer to load, gamma and r."""
+    load, rho, x, gamma, r, delta = (
+        pencil.load,
+        pencil.rho,
+        pencil.x,
+        pencil.gamma,
+        pencil.r,
+        pencil.delta,
+    )
+    n_pos, plan = model.n_pos, model.plan
+    row_start, body_row = plan.row_start, plan.body_row
+    for i in range(plan.size.shape[0]):
         n, m, two = plan.size[i], model.n_mode[i], model.square_start[i]
-        a, j = model.pos_start[i], n_pos + model.vel_start[i]
+        a = model.pos_start[i]
         _spin_of(frozen.p[i], r, a + 3, rho[i])
         for k in range(3):
             rho[i, k] = r[a + k]
         for k in range(m):
             rho[i, 6 + k] = r[a + 7 + k]
+        M, J, first = frozen.M[i], frozen.J[i], row_start[i]
+        count = row_start[i + 1] - first
         for k in range(n):
-            x[i, k] = r[j + k] + s * rho[i, k]
-            load[i, k] = 0.0
-        for k in range(n):
+            z = s * rho[i, k]
+            w = load[i, k] + M[k, k] * z
             for b in range(k):
-                c = frozen.M[i, k, b]
-                load[i, k] += c * x[i, b]
-                load[i, b] += c * x[i, k]
-            load[i, k] += frozen.M[i, k, k] * x[i, k]
+                w += M[k, b] * s * rho[i, b]
+                load[i, b] += M[k, b] * z
+            load[i, k] = w
+            for p in range(count):
+                gamma[body_row[first + p]] += J[k, p] * z
         for k in range(m):
+            w = load[i, 6 + k]
             for b in range(m):
-                load[i, 6 + k] += model.D_qq[two + k * m + b] * rho[i, 6 + b]
-    gamma[:] = 0.0
-    for k in range(model.joint_kind.shape[0]):
-        begin = model.joint_row[k]
-        for side in range(2):
-            body = model.marker_body[model.joint_marker[k, side]]
-            if body >= 0:
-                first = plan.side_row[k, side]
-                for p in range(model.joint_row[k + 1] - begin):
-                    for b in range(plan.size[body]):
-                        gamma[begin + p] += frozen.J[body, b, first + p] * x[body, b] / (s * s)
+                w += model.D_qq[two + k * m + b] * rho[i, 6 + b]
+            load[i, 6 + k] = w
+    c = 1.0 / (s * s)
+    for k in range(gamma.shape[0]):
+        gamma[k] *= c
     solve(plan, pencil.factors, load, gamma, x, pencil.mu)
-    for i in range(model.n_body):
+    c = 1.0 / s
+    for i in range(plan.size.shape[0]):
         m = model.n_mode[i]
         a, j = model.pos_start[i], n_pos + model.vel_start[i]
         for k in range(plan.size[i]):
@@ -142,11 +171,10 @@ def solve_pencil(
         for k in range(m):
             delta[a + 7 + k] = x[i, 6 + k]
         for k in range(3):
-            x[i, 3 + k] -= rho[i, 3 + k] / s
+            x[i, 3 + k] -= rho[i, 3 + k] * c
         _parameters_of(frozen.p[i], x[i], delta, a + 3)
         for k in range(4):
-            delta[a + 3 + k] += r[a + 3 + k] / s
-    delta[n_pos + model.n_vel] = r[n_pos + model.n_vel] / s
+            delta[a + 3 + k] += r[a + 3 + k] * c
 
 
 @inlined

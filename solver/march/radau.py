@@ -10,6 +10,7 @@ from ..package.schema import Array, IntArray
 from ..projection import project
 from ..system import derivative_into
 from ..workspace import Work, new_work
+from .closing import close
 from .pencil import (
     Frozen,
     Pencil,
@@ -19,7 +20,8 @@ from .pencil import (
     new_pencil,
     solve_pencil,
 )
-from .tableau import ERROR, MU, NU, POWERS, T_INVERSE, C, T
+from .residual import leave, rest
+from .tableau import A_INVERSE, ERROR, MU, NU, POWERS, T_INVERSE, A, C, T
 
 MAX_ITERATIONS = 10
 SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 8.0
@@ -28,7 +30,7 @@ KEEP = 1.2  # a change of step below this is not worth new factors
 # What a call comes back with.
 ARRIVED, PAUSED, TOO_SMALL, NOT_FINITE, REFUSED = 0, 1, 2, 3, 4
 # Entries of `clock`.
-TIME, NEXT, TAKEN, ERROR_LAST, TAKEN_LAST = 0, 1, 2, 3, 4
+TIME, NEXT, TAKEN, ERROR_LAST, RATE = 0, 1, 2, 3, 4
 # Entries of `counts`.
 STEPS, REJECTED, EVALUATIONS, JACOBIANS, FACTORISATIONS, BAD, TROUBLE = 0, 1, 2, 3, 4, 5, 6
 # Entries of TROUBLE: why the last attempt was refused.
@@ -56,18 +58,19 @@ class Course(NamedTuple):
     real: Pencil
     pair: Pencil
     y: Array  # (n,) state
-    f: Array  # (n,) its derivative
+    f: Array  # (n,) its rate
     y_old: Array  # (n,) state at the beginning of the last step
     Q: Array  # (3, n) polynomial of the last step
     Z: Array  # (3, n) changes at the stages
-    W: Array  # (3, n) the same, transformed
-    F: Array  # (3, n) derivatives at the stages
+    multipliers: Array  # (3, n_c) at the stages
+    multipliers_old: Array  # (3, n_c) at those of the last step
+    power: Array  # (3,) at the stages [W]
+    load: Array  # (3, nb, n) what the stages leave: forces,
+    gamma: Array  # (3, n_c) constraints
+    r: Array  # (3, n) and kinematics
     stage: Array  # (n,)
+    rate: Array  # (n,) at a stage
     weight: Array  # (n,)
-    r: Array  # (n,) right-hand sides and answers
-    d: Array  # (n,)
-    r_pair: Array  # (n,) complex
-    d_pair: Array  # (n,) complex
     clock: Array  # (5,)
     counts: IntArray  # (7,)
 
@@ -75,7 +78,7 @@ class Course(NamedTuple):
 @jit
 def new_course(model: Model, t: float, y: Array, first_step: float) -> Course:
     """Return memory for a run from state y (n,) at time t [s]."""
-    n = y.shape[0]
+    n, n_c, nb, widest = y.shape[0], model.n_constraint, model.n_body, model.plan.widest
     course = Course(
         new_work(model),
         new_frozen(model),
@@ -86,20 +89,23 @@ def new_course(model: Model, t: float, y: Array, first_step: float) -> Course:
         y.copy(),
         np.zeros((3, n)),
         np.zeros((3, n)),
+        np.zeros((3, n_c)),
+        np.zeros((3, n_c)),
+        np.zeros(3),
+        np.zeros((3, nb, widest)),
+        np.zeros((3, n_c)),
         np.zeros((3, n)),
-        np.zeros((3, n)),
         np.zeros(n),
         np.zeros(n),
         np.zeros(n),
-        np.zeros(n),
-        np.zeros(n) * 1.0j,
-        np.zeros(n) * 1.0j,
         np.zeros(5),
         np.zeros(7, dtype=np.int64),
     )
     course.clock[TIME], course.clock[NEXT], course.clock[ERROR_LAST] = t, first_step, 1.0
+    course.clock[RATE] = 1.0
     derivative_into(model, course.work, t, y, course.f)
-    freeze(model, course.work, y, course.frozen)
+    for k in range(3):
+        course.multipliers_old[k] = course.work.multipliers
     course.counts[EVALUATIONS] = 1
     return course
 
@@ -178,36 +184,22 @@ def _attempt(
 ) -> bool:
     """Try one step of h from t; tell whether it was accepted, and leave the next size."""
     clock, counts, n = course.clock, course.counts, course.y.shape[0]
-    real, pair = MU / h, NU / h
-    factorise_pencil(model, course.frozen, course.real, real)
-    factorise_pencil(model, course.frozen, course.pair, pair)
-    counts[FACTORISATIONS] += 1
-    _predict(course, h)
+    y, Z, stage, weight = course.y, course.Z, course.stage, course.weight
     for i in range(n):
-        course.weight[i] = 1.0 / (options.atol[i] + options.rtol * abs(course.y[i]))
-    iterations, rate = _newton(model, options, course, t, h, real, pair)
+        weight[i] = 1.0 / (options.atol[i] + options.rtol * abs(y[i]))
+    _predict(course, h)
+    iterations = _newton(model, options, course, t, h)
     if iterations == 0:
         clock[NEXT] = (0.1 if counts[TROUBLE] == ILL else 0.5) * h
         return False
-    y, Z, stage = course.y, course.Z, course.stage
-    # error of the embedded formula of order 3, with what is stiff divided out
+    last = n - 1  # work of drives and dampers: a sum, no unknown
+    for k in range(3):
+        power = course.power
+        Z[k, last] = h * (A[k, 0] * power[0] + A[k, 1] * power[1] + A[k, 2] * power[2])
     for i in range(n):
-        course.r[i] = course.f[i] + _tilt(Z, i) / h
         stage[i] = y[i] + Z[2, i]
-        scale = max(abs(y[i]), abs(stage[i]))
-        course.weight[i] = 1.0 / (options.atol[i] + options.rtol * scale)
-    solve_pencil(model, course.frozen, course.real, real, course.r, course.d)
-    error = _norm(options, course.d, course.weight)
-    if error > 1.0 and options.fixed_step == 0.0:
-        # filtered once more: the first error of a stiff transient is too pessimistic
-        for i in range(n):
-            course.d[i] += y[i]
-        derivative_into(model, course.work, t, course.d, course.r)
-        counts[EVALUATIONS] += 1
-        for i in range(n):
-            course.r[i] += _tilt(Z, i) / h
-        solve_pencil(model, course.frozen, course.real, real, course.r, course.d)
-        error = _norm(options, course.d, course.weight)
+        weight[i] = 1.0 / (options.atol[i] + options.rtol * max(abs(y[i]), abs(stage[i])))
+    error = _error(model, options, course, t, h)
     if not error < 1e300:
         return _ill(course, h)
     error = max(error, 1e-10)
@@ -218,30 +210,26 @@ def _attempt(
         clock[NEXT] = h * max(MIN_FACTOR, min(1.0, factor))
         return False
     if options.projects:
-        counts[EVALUATIONS] += 1
-        if not project(model, course.work, t_new, stage):
+        count = close(model, course.work, course.frozen, course.real, MU / h, t_new, stage)
+        counts[EVALUATIONS] += abs(count)
+        if count < 0:
             counts[TROUBLE] = OFF
             clock[NEXT] = 0.25 * h
             return False
-    derivative_into(model, course.work, t_new, stage, course.r)
-    counts[EVALUATIONS] += 1
-    if not _finite(course.r):
+    if not _finite(stage):
         return _ill(course, h)
+    course.multipliers_old[:] = course.multipliers
+    AI, Q = A_INVERSE, course.Q
     for i in range(n):
-        course.y_old[i] = y[i]
-        y[i] = stage[i]
-        course.f[i] = course.r[i]
+        course.y_old[i], y[i] = y[i], stage[i]
+        z0, z1, z2 = Z[0, i], Z[1, i], Z[2, i]
+        course.f[i] = (AI[2, 0] * z0 + AI[2, 1] * z1 + AI[2, 2] * z2) / h
         for k in range(3):
-            q = POWERS[k, 0] * Z[0, i] + POWERS[k, 1] * Z[1, i] + POWERS[k, 2] * Z[2, i]
-            course.Q[k, i] = q
-    freeze(model, course.work, y, course.frozen)
+            Q[k, i] = POWERS[k, 0] * z0 + POWERS[k, 1] * z1 + POWERS[k, 2] * z2
     if clock[TAKEN] > 0.0:  # Gustafsson: errors that grow ask for more care
         growing = h / clock[TAKEN] * (clock[ERROR_LAST] / error) ** 0.25
         factor *= min(1.0, growing)
-    factor = max(MIN_FACTOR, min(MAX_FACTOR, factor))
-    if 1.0 <= factor < KEEP and rate < 0.1:
-        factor = 1.0
-    clock[NEXT] = h * factor
+    clock[NEXT] = h * max(MIN_FACTOR, min(MAX_FACTOR, factor))
     clock[TAKEN], clock[ERROR_LAST] = h, error
     counts[TROUBLE] = NONE
     return True
@@ -257,81 +245,161 @@ def _ill(course: Course, h: float) -> bool:
 
 
 @inlined
-def _tilt(Z: Array, i: int) -> float:
-    return ERROR[0] * Z[0, i] + ERROR[1] * Z[1, i] + ERROR[2] * Z[2, i]
+def _error(model: Model, options: Options, course: Course, t: float, h: float) -> float:
+    """Error of the embedded formula of order 3, with what is stiff divided out."""
+    counts, real, n = course.counts, course.real, course.y.shape[0]
+    for i in range(n):
+        course.r[0, i] = course.f[i]
+    for again in range(2):
+        if again == 1:
+            # filtered once more: the first error of a stiff transient is too pessimistic
+            for i in range(n):
+                course.rate[i] = course.y[i] + real.delta[i]
+            derivative_into(model, course.work, t, course.rate, course.r[0])
+            counts[EVALUATIONS] += 1
+        _tilt(model, course, h)
+        solve_pencil(model, course.frozen, real, MU / h)
+        real.delta[n - 1] = 0.0
+        error = _norm(options, real.delta, course.weight)
+        if not error > 1.0 or options.fixed_step > 0.0:
+            break
+    return error
+
+
+@inlined
+def _tilt(model: Model, course: Course, h: float) -> None:
+    """Right-hand side f + ERROR Z / h of the error, with velocities as forces."""
+    r, Z, real, frozen = course.r[0], course.Z, course.real, course.frozen
+    for i in range(r.shape[0]):
+        # rests are what is left of zero: their sign
+        r[i] += (ERROR[0] * Z[0, i] + ERROR[1] * Z[1, i] + ERROR[2] * Z[2, i]) / h
+        real.r[i] = r[i]
+        r[i] = -r[i]
+    course.gamma[0, :] = 0.0
+    course.load[0, :, :] = 0.0
+    real.gamma[:] = 0.0
+    rest(model, frozen.M, frozen.J, r, course.gamma[0], course.load[0], real.load, real.gamma)
 
 
 @inlined
 def _predict(course: Course, h: float) -> None:
-    """Begin with the polynomial of the last step, continued; W follows from Z."""
-    Z, W, Q, last = course.Z, course.W, course.Q, course.clock[TAKEN]
-    for i in range(course.y.shape[0]):
-        whole = Q[0, i] + Q[1, i] + Q[2, i]
-        for k in range(3):
-            Z[k, i] = 0.0
-            if last > 0.0:
-                x = 1.0 + C[k] * h / last
-                Z[k, i] = x * (Q[0, i] + x * (Q[1, i] + x * Q[2, i])) - whole
-        for k in range(3):
-            TI = T_INVERSE
-            W[k, i] = TI[k, 0] * Z[0, i] + TI[k, 1] * Z[1, i] + TI[k, 2] * Z[2, i]
+    """Begin with the polynomials of the last step, continued."""
+    Z, Q, last = course.Z, course.Q, course.clock[TAKEN]
+    L, L_old = course.multipliers, course.multipliers_old
+    for k in range(3):
+        x = 1.0 + C[k] * h / last if last > 0.0 else 1.0
+        for i in range(course.y.shape[0]):
+            whole = Q[0, i] + Q[1, i] + Q[2, i]
+            Z[k, i] = x * (Q[0, i] + x * (Q[1, i] + x * Q[2, i])) - whole
+        # what extends a parabola through the last stages
+        w = 0.0 if last > 0.0 else 1.0
+        w0 = w + (1.0 - w) * (x - C[1]) * (x - C[2]) / ((C[0] - C[1]) * (C[0] - C[2]))
+        w1 = (1.0 - w) * (x - C[0]) * (x - C[2]) / ((C[1] - C[0]) * (C[1] - C[2]))
+        w2 = (1.0 - w) * (x - C[0]) * (x - C[1]) / ((C[2] - C[0]) * (C[2] - C[1]))
+        for i in range(L.shape[1]):
+            L[k, i] = w0 * L_old[0, i] + w1 * L_old[1, i] + w2 * L_old[2, i]
 
 
 @inlined
-def _newton(
-    model: Model,
-    options: Options,
-    course: Course,
-    t: float,
-    h: float,
-    real: float,
-    pair: complex,
-) -> tuple[int, float]:
-    """Solve for the stages; return iterations (0: failed) and their rate of convergence."""
-    n, counts = course.y.shape[0], course.counts
-    Z, W, F, TI = course.Z, course.W, course.F, T_INVERSE
+def _newton(model: Model, options: Options, course: Course, t: float, h: float) -> int:
+    """Solve for the stages; return the number of iterations, 0 if they failed."""
+    counts, clock = course.counts, course.clock
+    fixed = options.fixed_step > 0.0
+    most = 2 * MAX_ITERATIONS if fixed else MAX_ITERATIONS
     tolerance = max(2e-15 / options.rtol, min(0.01, options.rtol**0.5))
-    size_last, rate = 0.0, 1.0
-    for iteration in range(1, MAX_ITERATIONS + 1):
-        for k in range(3):
-            for i in range(n):
-                course.stage[i] = course.y[i] + Z[k, i]
-            derivative_into(model, course.work, t + C[k] * h, course.stage, F[k])
+    size_last = 0.0
+    # a rate of convergence known from the last step lets one iteration do
+    rate = max(clock[RATE], 1e-15) ** 0.8
+    for iteration in range(1, most + 1):
+        _evaluate_stages(model, course, t, h, iteration == 1)
+        if iteration == 1:
+            factorise_pencil(model, course.frozen, course.real, MU / h)
+            factorise_pencil(model, course.frozen, course.pair, NU / h)
+            counts[FACTORISATIONS] += 1
         counts[EVALUATIONS] += 3
-        for i in range(n):
-            course.r[i] = (
-                TI[0, 0] * F[0, i] + TI[0, 1] * F[1, i] + TI[0, 2] * F[2, i] - real * W[0, i]
-            )
-            one = TI[1, 0] * F[0, i] + TI[1, 1] * F[1, i] + TI[1, 2] * F[2, i]
-            two = TI[2, 0] * F[0, i] + TI[2, 1] * F[1, i] + TI[2, 2] * F[2, i]
-            course.r_pair[i] = one + 1j * two - pair * (W[1, i] + 1j * W[2, i])
-        solve_pencil(model, course.frozen, course.real, real, course.r, course.d)
-        solve_pencil(model, course.frozen, course.pair, pair, course.r_pair, course.d_pair)
-        size = 0.0
-        for k in range(3):
-            for i in range(n):
-                d, c = course.d[i], course.d_pair[i]
-                course.stage[i] = T[k, 0] * d + T[k, 1] * c.real + T[k, 2] * c.imag
-                Z[k, i] += course.stage[i]
-            size = max(size, _norm(options, course.stage, course.weight))
-        for i in range(n):
-            W[0, i] += course.d[i]
-            W[1, i] += course.d_pair[i].real
-            W[2, i] += course.d_pair[i].imag
+        size = _correct(model, options, course, h)
         if not size < 1e300:
             counts[TROUBLE] = ILL
             counts[BAD] += 1
-            return 0, 1.0
+            return 0
         if iteration > 1 and size_last > 0.0:
             rate = size / size_last
-            left = MAX_ITERATIONS - iteration
-            if rate >= 1.0 or rate**left / (1.0 - rate) * size > tolerance:
+            left = most - iteration
+            far = rate >= 1.0 or rate**left / (1.0 - rate) * size > tolerance
+            if far and not fixed:
                 break
-        if size == 0.0 or (iteration > 1 and rate / (1.0 - rate) * size < tolerance):
-            return iteration, rate
+        clock[RATE] = rate
+        if size == 0.0 or (rate < 1.0 and rate / (1.0 - rate) * size < tolerance):
+            return iteration
         size_last = size
     counts[TROUBLE] = NEWTON
-    return 0, rate
+    clock[RATE] = 1.0
+    return 0
+
+
+@inlined
+def _evaluate_stages(model: Model, course: Course, t: float, h: float, first: bool) -> None:
+    """Fill what the three stages leave; the matrices of the second one are kept, if `first`."""
+    Z, AI, rate, stage = course.Z, A_INVERSE, course.rate, course.stage
+    for k in range(3):
+        for i in range(stage.shape[0]):
+            stage[i] = course.y[i] + Z[k, i]
+            rate[i] = (AI[k, 0] * Z[0, i] + AI[k, 1] * Z[1, i] + AI[k, 2] * Z[2, i]) / h
+        course.power[k] = leave(
+            model,
+            course.work,
+            t + C[k] * h,
+            stage,
+            rate,
+            course.multipliers[k],
+            course.load[k],
+            course.gamma[k],
+            course.r[k],
+        )
+        if first and k == 1:
+            freeze(model, course.work, stage, course.frozen)
+
+
+@inlined
+def _correct(model: Model, options: Options, course: Course, h: float) -> float:
+    """One correction of stages and multipliers; return its size in units of tolerance."""
+    real, pair, Z, L = course.real, course.pair, course.Z, course.multipliers
+    n = course.y.shape[0] - 1
+    load, gamma, r = course.load, course.gamma, course.r
+    for i in range(load.shape[1]):
+        for k in range(load.shape[2]):
+            one, two = _transformed(load[0, i, k], load[1, i, k], load[2, i, k])
+            real.load[i, k], pair.load[i, k] = one, two
+    for i in range(gamma.shape[1]):
+        real.gamma[i], pair.gamma[i] = _transformed(gamma[0, i], gamma[1, i], gamma[2, i])
+    for i in range(model.n_pos):
+        real.r[i], pair.r[i] = _transformed(r[0, i], r[1, i], r[2, i])
+    solve_pencil(model, course.frozen, real, MU / h)
+    solve_pencil(model, course.frozen, pair, NU / h)
+    size = 0.0
+    for k in range(3):
+        t0, t1, t2 = T[k, 0], T[k, 1], T[k, 2]
+        for i in range(n):
+            c = pair.delta[i]
+            change = t0 * real.delta[i] + t1 * c.real + t2 * c.imag
+            course.stage[i] = change
+            Z[k, i] += change
+        for i in range(L.shape[1]):
+            c = pair.mu[i]
+            L[k, i] += t0 * real.mu[i] + t1 * c.real + t2 * c.imag
+        course.stage[n] = 0.0
+        size = max(size, _norm(options, course.stage, course.weight))
+    return size
+
+
+@inlined
+def _transformed(a: float, b: float, c: float) -> tuple[float, complex]:
+    """T^-1 (a, b, c): the real part and the pair of the stages' equations."""
+    TI = T_INVERSE
+    one = TI[0, 0] * a + TI[0, 1] * b + TI[0, 2] * c
+    two = TI[1, 0] * a + TI[1, 1] * b + TI[1, 2] * c
+    three = TI[2, 0] * a + TI[2, 1] * b + TI[2, 2] * c
+    return one, complex(two, three)
 
 
 @inlined

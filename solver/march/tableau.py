@@ -8,6 +8,7 @@ C = np.array([(4.0 - ROOT) / 10.0, (4.0 + ROOT) / 10.0, 1.0])  # stages [h]
 POWERS = np.linalg.inv(np.column_stack([C, C**2, C**3]))
 # Stage equations z = h A f: A integrates the polynomial through f at C.
 A = np.column_stack([C, C**2 / 2.0, C**3 / 3.0]) @ np.linalg.inv(np.vander(C, 3, increasing=True))
+A_INVERSE = np.linalg.inv(A)
 
 
 def _real_form() -> tuple[float, complex, np.ndarray, np.ndarray]:
