@@ -10,7 +10,6 @@ import numpy as np
 from .compiled import inlined, jit
 from .model import Model
 from .package.schema import Array
-from .rotations import parameter_rate
 
 
 @inlined
@@ -46,17 +45,27 @@ def moved(model: Model, positions: Array, step: Array) -> Array:
     the exponential map. Euler parameters come out with length one.
     """
     out = positions.copy()
+    move(model, out, step)
+    return out
+
+
+@jit
+def move(model: Model, y: Array, step: Array) -> None:
+    """Move the positions in y (n_pos or more) in place; see `moved`."""
     for i in range(model.n_body):
         a, j, m = model.pos_start[i], model.vel_start[i], model.n_mode[i]
         for k in range(3):
-            out[a + k] += step[j + k]
+            y[a + k] += step[j + k]
         for k in range(m):
-            out[a + 7 + k] += step[j + 6 + k]
-        theta = step[j + 3 : j + 6]
-        half = 0.5 * np.sqrt(theta[0] ** 2 + theta[1] ** 2 + theta[2] ** 2)
-        ratio = np.sin(half) / half if half > 1e-8 else 1.0
-        p = positions[a + 3 : a + 7]
-        turned = np.cos(half) * p + ratio * parameter_rate(p, theta)
-        length = np.sqrt(turned[0] ** 2 + turned[1] ** 2 + turned[2] ** 2 + turned[3] ** 2)
-        out[a + 3 : a + 7] = turned / length
-    return out
+            y[a + 7 + k] += step[j + 6 + k]
+        w0, w1, w2 = step[j + 3], step[j + 4], step[j + 5]
+        half = 0.5 * np.sqrt(w0 * w0 + w1 * w1 + w2 * w2)
+        ratio = 0.5 * np.sin(half) / half if half > 1e-8 else 0.5
+        w0, w1, w2 = ratio * w0, ratio * w1, ratio * w2
+        c, e0, e1, e2, e3 = np.cos(half), y[a + 3], y[a + 4], y[a + 5], y[a + 6]
+        p0 = c * e0 - e1 * w0 - e2 * w1 - e3 * w2
+        p1 = c * e1 + e0 * w0 - e3 * w1 + e2 * w2
+        p2 = c * e2 + e3 * w0 + e0 * w1 - e1 * w2
+        p3 = c * e3 - e2 * w0 + e1 * w1 + e0 * w2
+        scale = 1.0 / np.sqrt(p0 * p0 + p1 * p1 + p2 * p2 + p3 * p3)
+        y[a + 3], y[a + 4], y[a + 5], y[a + 6] = p0 * scale, p1 * scale, p2 * scale, p3 * scale

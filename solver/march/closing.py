@@ -9,7 +9,7 @@ and the same for velocities with Phi_q dv = -Phidot.
 """
 
 from ..compiled import inlined, jit
-from ..coordinates import moved
+from ..coordinates import move
 from ..elimination import solve
 from ..joints.rows import PHI
 from ..model import Model
@@ -38,11 +38,11 @@ def close(
     if not violation <= CLOSED:
         for _ in range(MAX_ITERATIONS):
             freeze(model, work, y, frozen)
-            factorise_pencil(model, frozen, real, s)
+            factorise_pencil(model, frozen, real, s * s, s, 1.0)
             for k in range(model.n_constraint):
                 real.gamma[k] = -work.rows[k, PHI]
             largest = _answered(model, real)
-            y[:n_pos] = moved(model, y[:n_pos], real.delta[:n_vel])
+            move(model, y, real.delta)
             violation = min(violation, largest * largest)
             if largest < SMALL:
                 break
@@ -53,7 +53,7 @@ def close(
                 break
     if largest == 0.0:
         freeze(model, work, y, frozen)
-        factorise_pencil(model, frozen, real, s)
+        factorise_pencil(model, frozen, real, s * s, s, 1.0)
     evaluate_rates(model, work, y)
     for k in range(model.n_constraint):
         real.gamma[k] = -work.left[k]

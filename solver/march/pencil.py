@@ -89,33 +89,36 @@ def freeze(model: Model, work: Work, y: Array, frozen: Frozen) -> None:
 
 
 @jit
-def factorise_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> None:
-    """Factorise for s [1/s].
+def factorise_pencil(
+    model: Model, frozen: Frozen, pencil: Pencil, mass: complex, damping: complex, stiffness: float
+) -> None:
+    """Factorise mass M + damping D + stiffness K with the constraints.
 
     Rows that depend on each other are softened as in `prepare` (system.py).
     """
-    _factorise(model, frozen, pencil, s)
+    _factorise(model, frozen, pencil, mass, damping, stiffness)
     if model.penalty > 0.0 and pencil.factors.regular[0] < REGULAR:
         soften(model, frozen.J, frozen.softness)
-        _factorise(model, frozen, pencil, s)
+        _factorise(model, frozen, pencil, mass, damping, stiffness)
 
 
 @inlined
-def _factorise(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> None:
-    plan, ss = model.plan, s * s
+def _factorise(
+    model: Model, frozen: Frozen, pencil: Pencil, mass: complex, damping: complex, stiffness: float
+) -> None:
+    plan = model.plan
     for i in range(plan.size.shape[0]):
         n, m, two = plan.size[i], model.n_mode[i], model.square_start[i]
         L, M = pencil.factors.L[i], frozen.M[i]
         for a in range(n):
             for b in range(a + 1):
-                L[a, b] = ss * M[a, b]
+                L[a, b] = mass * M[a, b]
         for a in range(m):
             for b in range(a + 1):
                 k = two + a * m + b
-                L[6 + a, 6 + b] += model.K_qq[k] + s * model.D_qq[k]
-    # the rows' mass is s^2 times that of the mass matrix
+                L[6 + a, 6 + b] += stiffness * model.K_qq[k] + damping * model.D_qq[k]
     for k in range(frozen.softness.shape[0]):
-        pencil.mu[k] = frozen.softness[k] / ss
+        pencil.mu[k] = frozen.softness[k] / mass
     factorise(plan, pencil.factors, frozen.J, pencil.mu)
 
 

@@ -123,8 +123,8 @@ def advance(
                 if iteration == 1 and k == 1:
                     freeze(model, work, stage, frozen)
             if iteration == 1:
-                factorise_pencil(model, frozen, real, MU / h)
-                factorise_pencil(model, frozen, pair, NU / h)
+                factorise_pencil(model, frozen, real, (MU / h) ** 2, MU / h, 1.0)
+                factorise_pencil(model, frozen, pair, (NU / h) * (NU / h), NU / h, 1.0)
                 counts[FACTORISATIONS] += 1
             counts[EVALUATIONS] += 3
             collect(model, course)

@@ -1,0 +1,356 @@
+"""Generalized-alpha on a Lie group: the step loop for mechanisms, compiled whole.
+
+The method and its letters are those of integrate/generalized_alpha.py, which takes any closures
+and differences for its stiffness. Here modal stiffness and damping are the ones of the bodies
+(pencil.py), and the cost of a step is linear in their number.
+"""
+
+import numpy as np
+
+from ..compiled import inlined, jit
+from ..coordinates import move, rates_into
+from ..elimination import solve
+from ..joints.rows import PHI, PHI_T
+from ..model import Model
+from ..package.schema import Array
+from ..system import accelerate, evaluate, evaluate_rates, row_products
+from .alpha_course import NEXT, POWER, POWER_LAST, TAKEN, TIME, AlphaCourse, Scheme
+from .course import (
+    ARRIVED,
+    BAD,
+    EVALUATIONS,
+    FACTORISATIONS,
+    ILL,
+    NEWTON,
+    NONE,
+    NOT_FINITE,
+    OFF,
+    PAUSED,
+    REFUSED,
+    REJECTED,
+    STEPS,
+    TOO_ROUGH,
+    TOO_SMALL,
+    TROUBLE,
+    Options,
+)
+from .pencil import factorise_pencil, freeze
+from .residual import rest
+from .stages import finite, norm
+
+SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 2.0
+HYSTERESIS = 1.2  # a change of step disturbs index 3: not for less than this
+MAX_ITERATIONS, MAX_NOT_FINITE = 8, 25
+TOLERANCE = 0.05  # of the local error allowed, left over by Newton's iteration
+
+
+@jit
+def advance_alpha(
+    model: Model,
+    options: Options,
+    scheme: Scheme,
+    course: AlphaCourse,
+    most_steps: int,
+    times: Array,
+    rows: Array,
+    filled: int,
+) -> tuple[int, int]:
+    """Take steps until t_end or `most_steps` accepted ones; see `advance` (radau.py)."""
+    clock, counts, work, stage = course.clock, course.counts, course.work, course.stage
+    frozen, real, plan = course.frozen, course.real, model.plan
+    n_pos, n_vel, n_c = model.n_pos, model.n_vel, model.n_constraint
+    fixed = options.fixed_step > 0.0
+    tightest = np.inf
+    for i in range(options.atol.shape[0]):
+        tightest = min(tightest, options.atol[i])
+    opening = options.rtol + tightest  # of constraints after a correction
+    driven = False
+    taken = 0
+    while clock[TIME] < options.t_end:
+        if taken == most_steps:
+            return PAUSED, filled
+        t = clock[TIME]
+        left, stretch = options.t_end - t, 1.01
+        h = clock[NEXT]
+        if fixed:
+            h, stretch = options.fixed_step, 1.0 + 1e-6
+        h = min(h, options.max_step)
+        t_new = t + h
+        if h * stretch >= left:
+            h, t_new = left, options.t_end
+        if h < max(options.min_step, 2e-15 * abs(t), 1e-300) and t_new < options.t_end:
+            return TOO_SMALL, filled
+
+        _predict(model, scheme, course, h)
+        counts[TROUBLE] = NEWTON
+        size_last = 0.0
+        for iteration in range(1, MAX_ITERATIONS + 1):
+            for i in range(n_vel):
+                course.step[i] = course.z[i] + course.shift[i]
+            for i in range(n_pos):
+                stage[i] = course.y[i]
+            move(model, stage, course.step)
+            evaluate(model, work, t_new, stage)
+            counts[EVALUATIONS] += 1
+            if iteration == 1:
+                freeze(model, work, stage, frozen)
+                to_d = h * scheme.to_v
+                factorise_pencil(model, frozen, real, scheme.to_a, to_d, h * h)
+                counts[FACTORISATIONS] += 1
+                for i in range(stage.shape[0]):
+                    larger = max(abs(course.y[i]), abs(stage[i]))
+                    course.weight[i] = 1.0 / (options.atol[i] + options.rtol * larger)
+            # forces and constraints left over
+            real.gamma[:] = 0.0
+            rest(
+                model,
+                work.M,
+                work.J,
+                course.stage_rate,
+                course.stage_multipliers,
+                work.f,
+                real.load,
+                real.gamma,
+            )
+            for i in range(real.load.shape[0]):
+                for k in range(real.load.shape[1]):
+                    real.load[i, k] *= h * h
+            if scheme.stabilised:
+                evaluate_rates(model, work, stage)
+            for k in range(n_c):
+                if scheme.stabilised:
+                    real.gamma[k] = -h / scheme.to_v * work.left[k]
+                else:
+                    real.gamma[k] = -work.rows[k, PHI]
+            solve(plan, real.factors, real.load, real.gamma, real.x, real.mu)
+            _flatten(model, real.x, course.change)
+            for i in range(n_vel):
+                d_z = course.change[i]
+                course.step[i] = d_z
+                course.z[i] += d_z
+                stage[n_pos + i] += scheme.to_v / h * d_z
+                course.stage_rate[n_pos + i] += scheme.to_a / (h * h) * d_z
+                course.stage_a[i] += d_z / (scheme.beta * h * h)
+            for k in range(n_c):
+                course.stage_multipliers[k] += real.mu[k] / (h * h)
+            if scheme.stabilised:
+                row_products(model, work.J, real.x, work.left)
+                for k in range(n_c):
+                    real.gamma[k] = -(work.rows[k, PHI] + work.left[k])
+                solve(plan, real.factors, course.zero, real.gamma, real.x, real.mu)
+                _flatten(model, real.x, course.both)
+                for i in range(n_vel):
+                    course.shift[i] += course.both[i]
+                    course.step[i] += course.both[i]
+            for i in range(n_vel):
+                course.change[i] *= scheme.to_v / h
+            size = _size(model, options, course)
+            if not size < 1e300:
+                counts[TROUBLE] = ILL
+                break
+            rate = size / size_last if iteration > 1 and size_last > 0.0 else 0.0
+            # the second correction may exceed the first: a prediction can be too good for its J
+            if iteration > 2 and rate >= 1.0 and size > TOLERANCE:
+                break
+            if size == 0.0 or (iteration > 1 and size * rate / max(1.0 - rate, 0.1) < TOLERANCE):
+                # rows that no correction closes contradict each other
+                for k in range(n_c):
+                    real.gamma[k] = 0.0
+                _inflate(model, course.step, real.x)
+                row_products(model, work.J, real.x, work.left)
+                largest = 0.0
+                for k in range(n_c):
+                    largest = max(largest, abs(work.rows[k, PHI] + work.left[k]))
+                if not largest > opening:
+                    counts[TROUBLE] = NONE
+                break
+            size_last = size
+
+        factor = 1.0
+        if counts[TROUBLE] == NONE:
+            for i in range(n_vel):
+                course.step[i] = course.z[i] + course.shift[i]
+            for i in range(n_pos):
+                stage[i] = course.y[i]
+            move(model, stage, course.step)
+            if not fixed:
+                error = _error(model, options, scheme, course, h)
+                if not error < 1e300:
+                    counts[TROUBLE] = ILL
+                else:
+                    factor = SAFETY * max(error, 1e-6) ** (-1.0 / 3.0)
+                    if error > 1.0:
+                        counts[TROUBLE] = TOO_ROUGH
+            if not finite(stage):
+                counts[TROUBLE] = ILL
+
+        if counts[TROUBLE] != NONE:
+            counts[REJECTED] += 1
+            if fixed:
+                return REFUSED, filled
+            if counts[TROUBLE] == ILL:
+                counts[BAD] += 1
+                if counts[BAD] > MAX_NOT_FINITE:
+                    return NOT_FINITE, filled
+                factor = 0.1
+            elif counts[TROUBLE] == TOO_ROUGH:
+                factor = max(MIN_FACTOR, min(MAX_FACTOR, factor))
+            else:
+                factor = 0.25
+            clock[NEXT] = h * factor
+            continue
+
+        # power of drives and forces; the step's own multipliers lag behind by h^2
+        power, driven = work.power[0], False
+        for k in range(n_c):
+            driven = driven or work.rows[k, PHI_T] != 0.0
+        if driven:
+            evaluate(model, work, t_new, stage)
+            accelerate(model, work, stage)
+            counts[EVALUATIONS] += 1
+            power = work.power[0]
+            for k in range(n_c):
+                power += work.multipliers[k] * work.rows[k, PHI_T]
+        _accept(model, course, h, power)
+        factor = max(MIN_FACTOR, min(MAX_FACTOR, factor))
+        clock[NEXT] = h if 1.0 <= factor < HYSTERESIS else h * factor
+        clock[TAKEN], clock[TIME] = h, t_new
+        taken += 1
+        counts[STEPS] += 1
+        counts[BAD] = 0
+        while filled < times.shape[0] and times[filled] <= t_new:
+            _interpolate(course, h, (times[filled] - t) / h, rows[filled])
+            if times[filled] == t_new:
+                rows[filled][:] = course.y
+            filled += 1
+    return ARRIVED, filled
+
+
+@inlined
+def _predict(model: Model, scheme: Scheme, course: AlphaCourse, h: float) -> None:
+    """Begin Newton's iteration: accelerations go on as over the last step."""
+    n_pos, last = model.n_pos, course.clock[TAKEN]
+    alpha_m, alpha_f, gamma, beta = scheme.alpha_m, scheme.alpha_f, scheme.gamma, scheme.beta
+    for i in range(model.n_vel):
+        v, v_d = course.y[n_pos + i], course.rate[n_pos + i]
+        a_0 = course.a[i]
+        if last > 0.0:  # its lag grows and shrinks with the step
+            a_0 = v_d + (a_0 - v_d) * (h / last)
+        v_d1 = v_d + h * course.v_dd[i]
+        a_1 = ((1.0 - alpha_f) * v_d1 + alpha_f * v_d - alpha_m * a_0) / (1.0 - alpha_m)
+        course.z[i] = h * v + h * h * ((0.5 - beta) * a_0 + beta * a_1)
+        course.shift[i] = 0.0
+        course.stage[n_pos + i] = v + h * ((1.0 - gamma) * a_0 + gamma * a_1)
+        course.stage_rate[n_pos + i] = v_d1
+        course.stage_a[i] = a_1
+    course.stage[n_pos + model.n_vel] = course.y[n_pos + model.n_vel]
+    for k in range(model.n_constraint):
+        course.stage_multipliers[k] = course.multipliers[k]
+
+
+@inlined
+def _flatten(model: Model, x: Array, out: Array) -> None:
+    """out[:n_vel] = x (nb, n)."""
+    for i in range(model.n_body):
+        j = model.vel_start[i]
+        for k in range(model.plan.size[i]):
+            out[j + k] = x[i, k]
+
+
+@inlined
+def _inflate(model: Model, step: Array, x: Array) -> None:
+    """x (nb, n) = step (n_vel,)."""
+    for i in range(model.n_body):
+        j = model.vel_start[i]
+        for k in range(model.plan.size[i]):
+            x[i, k] = step[j + k]
+
+
+@inlined
+def _size(model: Model, options: Options, course: AlphaCourse) -> float:
+    """Size of `step` of positions and `change` of velocities in units of tolerance."""
+    n_pos, stage, both = model.n_pos, course.stage, course.both
+    # rates_into takes the velocities of a state for the step
+    for i in range(model.n_vel):
+        both[n_pos + i] = stage[n_pos + i]
+        stage[n_pos + i] = course.step[i]
+    rates_into(model, stage, both)
+    for i in range(model.n_vel):
+        stage[n_pos + i] = both[n_pos + i]
+        both[n_pos + i] = course.change[i]
+    both[n_pos + model.n_vel] = 0.0
+    return norm(options, both, course.weight)
+
+
+@inlined
+def _error(
+    model: Model, options: Options, scheme: Scheme, course: AlphaCourse, h: float
+) -> float:
+    """Local error of positions and velocities; see integrate/generalized_alpha.py."""
+    n_pos, n_vel, last, real = model.n_pos, model.n_vel, course.clock[TAKEN], course.real
+    frozen, factors, plan = course.frozen, course.real.factors, model.plan
+    both = course.both
+    for i in range(n_vel):
+        v_dd = (course.stage_rate[n_pos + i] - course.rate[n_pos + i]) / h
+        both[n_pos + i] = -scheme.to_a * h**3 * scheme.error_q * v_dd
+        course.change[i] = 2.0 * (v_dd - course.v_dd[i]) / (h + last)
+    real.gamma[:] = 0.0
+    rest(model, frozen.M, frozen.J, both, course.no_load, course.zero, real.load, real.gamma)
+    real.gamma[:] = 0.0
+    solve(plan, factors, real.load, real.gamma, real.x, real.mu)
+    _flatten(model, real.x, course.step)
+    if last > 0.0:
+        for i in range(n_vel):
+            both[n_pos + i] = -scheme.to_a * h**3 * scheme.error_v * course.change[i]
+        rest(model, frozen.M, frozen.J, both, course.no_load, course.zero, real.load, real.gamma)
+        # what the constraints prescribe is exact at the end, but a cubic within the step
+        _inflate(model, course.change, real.x)
+        real.gamma[:] = 0.0
+        solve(plan, factors, real.load, real.gamma, real.rho, real.mu)
+        row_products(model, frozen.J, real.x, real.gamma)
+        _flatten(model, real.rho, course.change)
+        solve(plan, factors, course.zero, real.gamma, real.x, real.mu)
+        for i in range(model.n_body):
+            j = model.vel_start[i]
+            for k in range(plan.size[i]):
+                prescribed = abs(real.x[i, k]) * h**4 / 384.0
+                course.step[j + k] = abs(course.step[j + k]) + prescribed
+    else:
+        course.change[:] = 0.0
+    for i in range(both.shape[0]):
+        larger = max(abs(course.y[i]), abs(course.stage[i]))
+        course.weight[i] = 1.0 / (options.atol[i] + options.rtol * larger)
+    return _size(model, options, course)
+
+
+@inlined
+def _accept(model: Model, course: AlphaCourse, h: float, power: float) -> None:
+    """Make the end of the step the state."""
+    clock, n_pos, last = course.clock, model.n_pos, course.clock[TAKEN]
+    n = course.y.shape[0] - 1
+    work = 0.5 * h * (clock[POWER] + power)
+    if last > 0.0:  # a parabola through this step's and the last one's powers
+        slope = (power - clock[POWER]) / h - (clock[POWER] - clock[POWER_LAST]) / last
+        work -= h**3 / 6.0 * slope / (h + last)
+    clock[POWER_LAST], clock[POWER] = clock[POWER], power
+    course.stage[n] = course.y[n] + work
+    rates_into(model, course.stage, course.stage_rate)
+    course.stage_rate[n] = power
+    for i in range(model.n_vel):
+        j = n_pos + i
+        course.v_dd[i] = (course.stage_rate[j] - course.rate[j]) / h
+        course.a[i] = course.stage_a[i]
+    for i in range(n + 1):
+        course.y_old[i], course.y[i] = course.y[i], course.stage[i]
+        course.rate_old[i], course.rate[i] = course.rate[i], course.stage_rate[i]
+    for k in range(model.n_constraint):
+        course.multipliers[k] = course.stage_multipliers[k]
+
+
+@inlined
+def _interpolate(course: AlphaCourse, h: float, x: float, out: Array) -> None:
+    """Fill out (n,) with the cubic through both ends of the last step at its part x, 0 to 1."""
+    rise, bent = x * x * (3.0 - 2.0 * x), x * (1.0 - x) * h
+    for i in range(out.shape[0]):
+        out[i] = (1.0 - rise) * course.y_old[i] + rise * course.y[i]
+        out[i] += bent * ((1.0 - x) * course.rate_old[i] - x * course.rate[i])
