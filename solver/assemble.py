@@ -10,7 +10,7 @@ from .forces.table import N_PARAMETER
 from .joints.table import KINDS, NAMES, ROWS
 from .laws import N_COEFFICIENT, Law
 from .model import GROUND, Model
-from .package.schema import Array, Invariants, ModalPackage
+from .package.schema import Array, Invariants, ModalPackage, SecondOrder
 
 
 @dataclass(frozen=True)
@@ -22,6 +22,7 @@ class Body:
     mass: Array  # (m, m) modal mass
     stiffness: Array  # (m, m)
     damping: Array  # (m, m)
+    second_order: SecondOrder | None = None  # geometric stiffening; None: a linear body
 
 
 def rigid_body(name: str, mass: float, centre_B: Array, inertia_B: Array) -> Body:
@@ -42,9 +43,13 @@ def rigid_body(name: str, mass: float, centre_B: Array, inertia_B: Array) -> Bod
     return Body(name, invariants, empty, empty, empty)
 
 
-def flexible_body(name: str, package: ModalPackage) -> Body:
-    """Return the body that a modal package describes."""
-    return Body(name, package.invariants, package.mass, package.stiffness, package.damping)
+def flexible_body(name: str, package: ModalPackage, *, stiffening: bool = False) -> Body:
+    """Return the body that a modal package describes, of second order with `stiffening`.
+
+    A package without second-order data gives a linear body all the same.
+    """
+    second = package.second_order if stiffening else None
+    return Body(name, package.invariants, package.mass, package.stiffness, package.damping, second)
 
 
 @dataclass(frozen=True)
@@ -56,6 +61,8 @@ class MarkerTable:
     A: Array = field(default_factory=lambda: np.eye(3))
     phi: Array = field(default_factory=lambda: np.zeros((3, 0)))
     psi: Array = field(default_factory=lambda: np.zeros((3, 0)))
+    H: Array | None = None  # (3, m, m) second-order translation, of a stiffened body
+    H_psi: Array | None = None  # (3, m, m) second-order rotation vector
 
 
 @dataclass(frozen=True)
@@ -114,6 +121,10 @@ def assemble_model(
     laws: list[Law] = []
     joint_law, force_law = _numbered(joints, laws), _numbered(forces, laws)
     inv = [b.invariants for b in bodies]
+    second = [b.second_order for b in bodies]
+    stiffened = np.array([n if s else 0 for n, s in zip(n_mode, second, strict=True)], dtype=int)
+    marker_H = [_marker_second_order(bodies, marker) for marker in markers]
+    marker_second = _starts(np.array([H.size for H in marker_H], dtype=np.int64))[:-1]
     marker_size = [m.phi.size for m in markers]
     joint_row = _starts(np.array([len(ROWS[NAMES[k]]) for k in kinds], dtype=np.int64))
     return Model(
@@ -171,7 +182,25 @@ def assemble_model(
         penalty=0.0,
         multiplier_tolerance=0.0,
         multiplier_iterations=0,
+        second_start=_starts(stiffened**2),
+        third_start=_starts(stiffened**3),
+        fourth_start=_starts(stiffened**4),
+        Z=_flat([part for s in second if s for part in (s.Z0_B, s.Z1_B)]),
+        G3=_flat([s.G3 for s in second if s]),
+        G4=_flat([s.G4.transpose(0, 2, 3, 1) for s in second if s]),
+        marker_second=np.where([H.size > 0 for H in marker_H], marker_second, -1).astype(np.int64),
+        marker_H=_flat(marker_H),
     )
+
+
+def _marker_second_order(bodies: list[Body], marker: MarkerTable) -> Array:
+    """Second-order tables of a marker, (6, m, m); of a linear body none."""
+    if marker.body == GROUND or bodies[marker.body].second_order is None:
+        return np.zeros((0, 0, 0))
+    if marker.H is None or marker.H_psi is None:
+        name = bodies[marker.body].name
+        raise ValueError(f"a marker on {name} has no H, H_psi: a stiffened body needs them")
+    return np.concatenate([marker.H, marker.H_psi])
 
 
 def _inertia_scale(

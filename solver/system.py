@@ -6,6 +6,7 @@ import numpy as np
 
 from .bodies.floating_frame import add_inertia
 from .bodies.marker import Marker, marker_motion, standing_marker
+from .bodies.second_order import add_second_order, second_order_first_moment, second_order_of
 from .compiled import jit
 from .constraints.augmented_lagrangian import augmented_lagrangian
 from .constraints.baumgarte import stabilised
@@ -154,6 +155,12 @@ def _add_body(model: Model, i: int, y: Array, M: Array, f: Array, power: Array) 
         model.J_psi[3 * one : 3 * (one + m)].reshape(3, m),
         model.M_qq[two : two + m * m].reshape(m, m),
     )
+    if model.second_start[i + 1] > model.second_start[i]:
+        Z, G3, G4 = second_order_of(model, i)
+        add_second_order(
+            M[j:e, j:e], f[j:e], rotation_matrix(y[a + 3 : a + 7]), y[c + 3 : c + 6], q, q_d,
+            model.gravity_G, Z, G3, G4,
+        )  # fmt: skip
     damping = mv(model.D_qq[two : two + m * m].reshape(m, m), q_d)
     spring = mv(model.K_qq[two : two + m * m].reshape(m, m), q)
     for k in range(m):
@@ -242,6 +249,8 @@ def energies(model: Model, equations: Equations, y: Array) -> Array:
         q = y[a + 7 : a + 7 + m]
         out[1] += 0.5 * q @ (model.K_qq[two : two + m * m].reshape(m, m) @ q)
         first = model.S0[i] + model.S[3 * one : 3 * (one + m)].reshape(3, m) @ q
+        if model.second_start[i + 1] > model.second_start[i]:
+            first += second_order_first_moment(second_order_of(model, i)[0], q)
         centre = model.mass[i] * y[a : a + 3] + rotation_matrix(y[a + 3 : a + 7]) @ first
         out[2] -= model.gravity_G @ centre
     for k in range(model.point_mass.shape[0]):

@@ -21,6 +21,7 @@ from ..rotations import (
     vector_to_matrix,
 )
 from ..small import mm, mv
+from .second_order import bend_marker
 
 
 class Marker(NamedTuple):
@@ -48,9 +49,9 @@ def standing_marker(x: Array, A: Array) -> Marker:
 def marker_motion(model: Model, k: int, y: Array) -> Marker:
     """Return the motion of marker k in state y (model.py).
 
-    Translation x = r + A (x_k + phi q) is linear in the modes. The rotation
-    psi q is taken as a finite rotation vector, so that a marker's axes stay
-    orthonormal and its angular velocity is the exact rate of them.
+    Translation x = r + A (x_k + phi q) is linear in the modes, or of second order on a
+    stiffened body (second_order.py). The rotation psi q is taken as a finite rotation vector,
+    so that a marker's axes stay orthonormal and its angular velocity is the exact rate of them.
     """
     body = model.marker_body[k]
     if body < 0:
@@ -72,6 +73,12 @@ def marker_motion(model: Model, k: int, y: Array) -> Marker:
     b_d = mv(phi, q_d)
     theta = mv(psi, q)
     theta_d = mv(psi, q_d)
+    b_dd = np.zeros(3)
+    theta_dd = np.zeros(3)
+    h = model.marker_second[k]
+    if h >= 0:
+        H = model.marker_H[h : h + 6 * m * m].reshape(6 * m, m)
+        phi, psi = bend_marker(H, q, q_d, phi, psi, b, b_d, b_dd, theta, theta_d, theta_dd)
     T = tangent_map(theta)
     spin = mv(T, theta_d)  # relative angular velocity, body components
 
@@ -92,6 +99,6 @@ def marker_motion(model: Model, k: int, y: Array) -> Marker:
         mv(A, w + spin),
         J_v,
         J_w,
-        mv(A, cross(w, cross(w, b)) + 2.0 * cross(w, b_d)),
-        mv(A, cross(w, spin) + tangent_rate(theta, theta_d)),
+        mv(A, cross(w, cross(w, b)) + 2.0 * cross(w, b_d) + b_dd),
+        mv(A, cross(w, spin) + tangent_rate(theta, theta_d) + mv(T, theta_dd)),
     )
