@@ -64,8 +64,20 @@ def body_frames(model: Model, body: int, y: Array) -> tuple[Array, Array, Array]
     return y[:, a : a + 3], A, y[:, a + 7 : a + 7 + m]
 
 
+def stiffened(model: Model, body: int) -> bool:
+    """Tell whether a body moves with second-order displacements (geometric stiffening)."""
+    return bool(model.second_start[body + 1] > model.second_start[body])
+
+
+def second_order_motion(q: Array, shapes: Array, H: Array) -> Array:
+    """Return a motion (k, 3) in the body, shapes q + 1/2 q' H q, at modal coordinates q (k, m)."""
+    return np.asarray(q @ shapes.T + 0.5 * np.einsum("aij,ki,kj->ka", H, q, q, optimize=True))
+
+
 def node_positions(model: Model, body: int, y: Array, nodes_B: Array, shapes_B: Array) -> Array:
     """Return global positions (k, n, 3) of nodes. Paper: Eq. (15).
+
+    Of first order in the modes, of a stiffened body too: for pictures.
 
     nodes_B : (n, 3) rest positions; shapes_B : (m, n, 3) translations per unit mode
     """

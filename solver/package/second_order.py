@@ -131,18 +131,19 @@ def _exchange(G4: Array, error: Reporter) -> None:
 def _definite(package: ModalPackage, error: Reporter) -> None:
     """Report a modal mass that is not positive definite in a bent body.
 
-    Every mode alone and all together, to the size at which an interface turns by a tenth of a
-    radian (or q = 1 where none turns).
+    Every mode alone and some mixtures, at the size at which an interface turns by a tenth of a
+    radian or moves by a tenth of the body's size.
     """
     m = package.n_mode
-    directions = [*np.eye(m), *np.random.default_rng(0).normal(size=(4, m))]
-    for direction in directions:
-        turn = max(
-            (float(np.linalg.norm(i.psi_B @ direction)) for i in package.interfaces), default=0.0
-        )
-        q = direction * (0.1 / turn if turn > 0.0 else 1.0)
-        seen = _Count(error)
-        for sign in (1.0, -1.0):
-            positive_definite("second_order/G4", modal_mass_at(package, sign * q), seen)
+    size = float(np.ptp(package.nodes_B, axis=0).max(initial=0.0)) or 1.0
+    for direction in (*np.eye(m), *np.random.default_rng(0).normal(size=(4, m))):
+        motion = [np.linalg.norm(i.phi_B @ direction) / size for i in package.interfaces]
+        motion += [np.linalg.norm(i.psi_B @ direction) for i in package.interfaces]
+        largest = float(max(motion, default=0.0))
+        if largest == 0.0:
+            continue
+        for q in (0.1 / largest * direction, -0.1 / largest * direction):
+            seen = _Count(error)
+            positive_definite("second_order/G4", modal_mass_at(package, q), seen)
             if seen.count:
                 return

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..mechanism import BuiltMechanism
 from ..package.schema import Array
+from ..recover import second_order_motion, stiffened
 from ..rotations import matrix_to_vector
 from .recording import Recording
 
@@ -29,7 +30,10 @@ def point_values(
     if kind in ("deflection", "rotation"):
         body, interface = built.places[table["at"]]
         shapes = interface.phi_B if kind == "deflection" else interface.psi_B
-        return lambda recording: recording.modes(body) @ shapes.T
+        H = interface.H_B if kind == "deflection" else interface.H_psi_B
+        if H is None or not stiffened(built.model, body):
+            return lambda recording: recording.modes(body) @ shapes.T
+        return lambda recording: second_order_motion(recording.modes(body), shapes, H)
     marker = built.signal_marker[name]
     if kind == "position":
         return lambda recording: np.array([m.x for m in recording.motions(marker)])
