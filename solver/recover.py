@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from .joints.table import NAMES, ROWS
 from .model import Model
-from .package.schema import Array
+from .package.schema import Array, Interface
 from .rotations import rotation_matrix
 from .system import accelerations, assemble, constraint_rates, energies
 
@@ -69,9 +69,16 @@ def stiffened(model: Model, body: int) -> bool:
     return bool(model.second_start[body + 1] > model.second_start[body])
 
 
-def second_order_motion(q: Array, shapes: Array, H: Array) -> Array:
-    """Return a motion (k, 3) in the body, shapes q + 1/2 q' H q, at modal coordinates q (k, m)."""
-    return np.asarray(q @ shapes.T + 0.5 * np.einsum("aij,ki,kj->ka", H, q, q, optimize=True))
+def elastic_motion(place: Interface, q: Array, second_order: bool) -> tuple[Array, Array]:
+    """Return translation (k, 3) [m] and rotation vector (k, 3) [rad] of an interface in its body.
+
+    phi q and psi q, and with `second_order` 1/2 q' H q of both. q : (k, m) modal coordinates.
+    """
+    u, theta = q @ place.phi_B.T, q @ place.psi_B.T
+    if second_order and place.H_B is not None and place.H_psi_B is not None:
+        u = u + 0.5 * np.einsum("aij,ki,kj->ka", place.H_B, q, q, optimize=True)
+        theta = theta + 0.5 * np.einsum("aij,ki,kj->ka", place.H_psi_B, q, q, optimize=True)
+    return u, theta
 
 
 def node_positions(model: Model, body: int, y: Array, nodes_B: Array, shapes_B: Array) -> Array:

@@ -58,7 +58,6 @@ def add_second_order(
     along_q_d = mv(E_rows, q_d)
     G3_q = mv(G3.reshape(m * m, m), q)
 
-
     first = 0.5 * by_q[0:3]
     bias = mv(A_GB, cross(w, cross(w, first)) + 2.0 * cross(w, by_mixed[0:3]) + by_q_d[0:3])
     g_B = tv(A_GB, gravity_G)
@@ -121,9 +120,7 @@ def second_order_first_moment(Z: Array, q: Array) -> Array:
 
 
 @jit
-def stiffening_matrix(
-    w: Array, w_d: Array, a_B: Array, q_dd: Array, Z: Array, G3: Array
-) -> Array:
+def stiffening_matrix(w: Array, w_d: Array, a_B: Array, q_dd: Array, Z: Array, G3: Array) -> Array:
     """Return the geometric stiffness of a body's own inertia loads, (m, m) [N m].
 
     What the elastic forces gain with q while all accelerations are held: positive where the

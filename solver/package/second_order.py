@@ -5,8 +5,6 @@ is drawn in, which the linear shapes leave out. Turned about: under any load f t
 geometric stiffness of the stresses of f, sum f_k h_ij,k = -X_i' K_geo(f) X_j (docs/stiffening.md).
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from .array_checks import finite, positive_definite
