@@ -91,7 +91,7 @@ def beam_package(
     shapes_B = np.ascontiguousarray(np.moveaxis(modes.columns_B.reshape(n, 6, m), 2, 0))
     stations = mass_stations(line, modes.columns_B, spec.mass_form)
     fields = None
-    if m <= MOST_MODES:
+    if 0 < m <= MOST_MODES:
         held = held_dofs(spec.reference.kind, model.reference_nodes)
         fields = second_order_fields(line, modes.columns_B, stations, spec.mass_form, held)
     node_mass, node_inertia_B = nodal_mass(line)
@@ -125,8 +125,9 @@ def beam_package(
         ),
         mode_labels=modes.labels,
         provenance=provenance,
-        second_order=fields
-        and second_order_from_stations(stations.m, stations.x_B, stations.phi_B, fields.h_B),
+        second_order=None
+        if fields is None
+        else second_order_from_stations(stations.m, stations.x_B, stations.phi_B, fields.h_B),
     )
 
 
@@ -156,6 +157,6 @@ def _interface(
         A_BI=np.eye(3),
         phi_B=shapes_B[:, row, :3].T,
         psi_B=shapes_B[:, row, 3:].T,
-        H_B=fields and fields.node_u_B[row],
-        H_psi_B=fields and fields.node_f_B[row],
+        H_B=None if fields is None else fields.node_u_B[row],
+        H_psi_B=None if fields is None else fields.node_f_B[row],
     )

@@ -101,7 +101,6 @@ def content_findings(package: ModalPackage) -> list[Finding]:
     if package.cell_resultants is not None:
         n_laminate, n_cell = len(package.laminates), len(package.cell_types)
         check_cells(package.cell_resultants, n_laminate, n_cell, error)
-    check_second_order(package, error)
     if bad:
         return bad  # every other test would only repeat it
 
@@ -128,4 +127,5 @@ def content_findings(package: ModalPackage) -> list[Finding]:
         if unknown:
             error(f"{where}/node_ids", f"no node has the identifier {unknown[0]}")
         rotations(f"{where}/A_BI", interface.A_BI, error)
+    check_second_order(package, error)
     return bad
