@@ -24,6 +24,7 @@ from .rotations import cross, rotation_matrix
 from .system import accelerations, assemble, law_at
 
 BUCKLING_CODE = "buckling-by-motion"
+INDEFINITE_CODE = "stiffened-mass-indefinite"
 MATTERS_CODE = "stiffening-matters"
 MISSING_CODE = "stiffening-without-data"
 MATTERS = 0.05  # largest eigenvalue of K^-1 Kg that a linear body may neglect
@@ -71,19 +72,32 @@ def _without_data(name: str) -> Finding:
 def _of_stiffened(
     built: BuiltMechanism, tables: Model, spin: SpinMonitor, i: int, t: Array, y: Array
 ) -> list[Finding]:
-    name, found = built.body_names[i], []
+    name = built.body_names[i]
+    found: dict[str, str] = {}
+    j, m = int(built.model.vel_start[i]), int(built.model.n_mode[i])
     for k in range(t.size):
+        equations = assemble(built.model, t[k], y[k])
+        if INDEFINITE_CODE not in found and not _definite(equations.M[j : j + 6 + m, j : j + 6 + m]):
+            found[INDEFINITE_CODE] = (
+                f"{name}: at t = {t[k]:.4g} s the mass matrix of the body alone is not positive: it "
+                "has moved too far from its frame for second-order displacements. A chord or "
+                "mean-axis frame, or splitting the body, helps"
+            )
         K, lost = spin.matrices(i, y[k])
         Kg = geometric_stiffness(built.model, tables, i, t[k], y[k])
-        if np.linalg.eigvalsh(K - lost + Kg)[0] <= 0.0:
-            text = (
+        if BUCKLING_CODE not in found and np.linalg.eigvalsh(K - lost + Kg)[0] <= 0.0:
+            found[BUCKLING_CODE] = (
                 f"{name}: at t = {t[k]:.4g} s the loads of the motion and of the joints press the "
                 "body so much that it has no stiffness left in one of its modes: it buckles, and "
                 "second-order displacements do not follow it far. Split the body or stiffen it"
             )
-            found.append(finding(BUCKLING_CODE, text))
-            break
-    return found
+    return [finding(code, text) for code, text in found.items()]
+
+
+def _definite(M: Array) -> bool:
+    """Tell whether a mass matrix, scaled to a unit diagonal, has no eigenvalue below round-off."""
+    scale = 1.0 / np.sqrt(np.abs(np.diag(M)))
+    return bool(np.linalg.eigvalsh(M * np.outer(scale, scale))[0] > -1e-12)
 
 
 def _of_linear(built: BuiltMechanism, tables: Model, i: int, t: Array, y: Array) -> list[Finding]:
