@@ -77,7 +77,9 @@ def _of_stiffened(
     j, m = int(built.model.vel_start[i]), int(built.model.n_mode[i])
     for k in range(t.size):
         equations = assemble(built.model, t[k], y[k])
-        if INDEFINITE_CODE not in found and not _definite(equations.M[j : j + 6 + m, j : j + 6 + m]):
+        if INDEFINITE_CODE not in found and not _definite(
+            equations.M[j : j + 6 + m, j : j + 6 + m]
+        ):
             found[INDEFINITE_CODE] = (
                 f"{name}: at t = {t[k]:.4g} s the mass matrix of the body alone is not positive: it "
                 "has moved too far from its frame for second-order displacements. A chord or "

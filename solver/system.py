@@ -157,10 +157,10 @@ def _add_body(model: Model, i: int, y: Array, M: Array, f: Array, power: Array) 
     )
     if model.second_start[i + 1] > model.second_start[i]:
         Z, G3, G4 = second_order_of(model, i)
-        add_second_order(
-            M[j:e, j:e], f[j:e], rotation_matrix(y[a + 3 : a + 7]), y[c + 3 : c + 6], q, q_d,
-            model.gravity_G, Z, G3, G4,
-        )  # fmt: skip
+        work = np.empty(12 * m + 36)
+        A_GB, w = rotation_matrix(y[a + 3 : a + 7]), y[c + 3 : c + 6]
+        M_i, f_i = M[j:e, j:e], f[j:e]
+        add_second_order(M_i, f_i, A_GB, w, q, q_d, model.gravity_G, Z, G3, G4, work)
     damping = mv(model.D_qq[two : two + m * m].reshape(m, m), q_d)
     spring = mv(model.K_qq[two : two + m * m].reshape(m, m), q)
     for k in range(m):

@@ -21,7 +21,7 @@ from ..rotations import (
     vector_to_matrix,
 )
 from ..small import mm, mv
-from .second_order import bend_marker
+from .contractions import contract
 
 
 class Marker(NamedTuple):
@@ -76,9 +76,19 @@ def marker_motion(model: Model, k: int, y: Array) -> Marker:
     b_dd = np.zeros(3)
     theta_dd = np.zeros(3)
     h = model.marker_second[k]
-    if h >= 0:
-        H = model.marker_H[h : h + 6 * m * m].reshape(6 * m, m)
-        phi, psi = bend_marker(H, q, q_d, phi, psi, b, b_d, b_dd, theta, theta_d, theta_dd)
+    if h >= 0:  # second order: x + phi q + 1/2 q H q, and the rotation vector likewise
+        bend = np.empty((6, m))
+        parts = np.empty((3, 6))
+        contract(model.marker_H[h : h + 6 * m * m].reshape(6 * m, m), q, q_d, bend, parts)
+        phi = phi + bend[0:3]
+        psi = psi + bend[3:6]
+        for a in range(3):
+            b[a] += 0.5 * parts[0, a]
+            b_d[a] += parts[1, a]
+            b_dd[a] = parts[2, a]
+            theta[a] += 0.5 * parts[0, 3 + a]
+            theta_d[a] += parts[1, 3 + a]
+            theta_dd[a] = parts[2, 3 + a]
     T = tangent_map(theta)
     spin = mv(T, theta_d)  # relative angular velocity, body components
 

@@ -17,8 +17,9 @@ squares over the stations, which keeps the mass matrix positive definite (docs/s
 from ..compiled import jit
 from ..model import Model
 from ..package.schema import Array
-from ..rotations import cross, dot, skew
-from ..small import add, add_transposed, mm, mv, tv
+from ..rotations import dot
+from ..small import mv, tv
+from .contractions import add_elastic, contract
 
 
 @jit
@@ -33,6 +34,7 @@ def add_second_order(
     Z: Array,
     G3: Array,
     G4: Array,
+    work: Array,
 ) -> None:
     """Add to M and f of one body what its second-order displacements change.
 
@@ -45,59 +47,68 @@ def add_second_order(
     Z : (12 m, m) rows Z0 (3, m), then Z1 (3, 3, m); G3 : (m, m m); G4 : (m m m, m), rows i, j, l
         of G4_ij,kl and columns k
         Second-order invariants (package/schema.py).
+    work : (12 m + 36,) overwritten
     """
     m = q.shape[0]
-    Zq = mv(Z, q).reshape(12, m)
-    Zq_d = mv(Z, q_d).reshape(12, m)
-    by_q = mv(Zq, q)  # q Z q
-    by_mixed = mv(Zq, q_d)  # q Z q_d
-    by_q_d = mv(Zq_d, q_d)  # q_d Z q_d
-    E = G3 + mv(G4, q).reshape(m, m * m)  # E_i,jl = sum m (db/dq_i) . h_jl
-    E_rows = E.reshape(m * m, m)
-    along_q = mv(E_rows, q)
-    along_q_d = mv(E_rows, q_d)
-    G3_q = mv(G3.reshape(m * m, m), q)
+    Zq = work[: 12 * m].reshape(12, m)
+    parts = work[12 * m : 12 * m + 36].reshape(3, 12)
+    contract(Z, q, q_d, Zq, parts)
+    by_q, mixed, by_q_d = parts[0], parts[1], parts[2]
 
-    first = 0.5 * by_q[0:3]
-    bias = mv(A_GB, cross(w, cross(w, first)) + 2.0 * cross(w, by_mixed[0:3]) + by_q_d[0:3])
-    g_B = tv(A_GB, gravity_G)
-    weight = cross(first, g_B)
-    C_G = mm(A_GB, Zq[0:3])
-    arm_G = mm(A_GB, skew(first))
-    add(M, 0, 3, arm_G, -1.0)
-    add_transposed(M, 3, 0, arm_G, -1.0)
+    # first moment of mass x, y, z; its bias acceleration; weight per mass in body axes
+    x, y, z = 0.5 * by_q[0], 0.5 * by_q[1], 0.5 * by_q[2]
+    ww = w[0] * w[0] + w[1] * w[1] + w[2] * w[2]
+    along = w[0] * x + w[1] * y + w[2] * z
+    bias_x = w[0] * along - ww * x + 2.0 * (w[1] * mixed[2] - w[2] * mixed[1]) + by_q_d[0]
+    bias_y = w[1] * along - ww * y + 2.0 * (w[2] * mixed[0] - w[0] * mixed[2]) + by_q_d[1]
+    bias_z = w[2] * along - ww * z + 2.0 * (w[0] * mixed[1] - w[1] * mixed[0]) + by_q_d[2]
+    g_x = A_GB[0, 0] * gravity_G[0] + A_GB[1, 0] * gravity_G[1] + A_GB[2, 0] * gravity_G[2]
+    g_y = A_GB[0, 1] * gravity_G[0] + A_GB[1, 1] * gravity_G[1] + A_GB[2, 1] * gravity_G[2]
+    g_z = A_GB[0, 2] * gravity_G[0] + A_GB[1, 2] * gravity_G[1] + A_GB[2, 2] * gravity_G[2]
+    f[3] += y * g_z - z * g_y
+    f[4] += z * g_x - x * g_z
+    f[5] += x * g_y - y * g_x
     trace = by_q[3] + by_q[7] + by_q[11]  # of sum m b b
-    trace_P = by_mixed[3] + by_mixed[7] + by_mixed[11]
-    ww = dot(w, w)
+    trace_P = mixed[3] + mixed[7] + mixed[11]
     for a in range(3):
-        f[a] -= bias[a]
+        f[a] -= A_GB[a, 0] * bias_x + A_GB[a, 1] * bias_y + A_GB[a, 2] * bias_z
+        arm_x = A_GB[a, 2] * y - A_GB[a, 1] * z  # row of - A first~
+        arm_y = A_GB[a, 0] * z - A_GB[a, 2] * x
+        arm_z = A_GB[a, 1] * x - A_GB[a, 0] * y
+        M[a, 3] += arm_x
+        M[a, 4] += arm_y
+        M[a, 5] += arm_z
+        M[3, a] += arm_x
+        M[4, a] += arm_y
+        M[5, a] += arm_z
         b, c = (a + 1) % 3, (a + 2) % 3
+        spin = 0.0  # (J w)_a, to be crossed with w
+        coriolis = -trace_P * w[a]
         for d in range(3):
             J_ad = -0.5 * (by_q[3 + 3 * a + d] + by_q[3 + 3 * d + a])
             if a == d:
                 J_ad += trace
             M[3 + a, 3 + d] += J_ad
-            f[3 + b] -= w[c] * J_ad * w[d]
-            f[3 + c] += w[b] * J_ad * w[d]
-            f[3 + a] += 2.0 * by_mixed[3 + 3 * d + a] * w[d]
-        f[3 + a] += weight[a] - 2.0 * trace_P * w[a]
-        f[3 + a] -= by_q_d[3 + 3 * b + c] - by_q_d[3 + 3 * c + b]
+            spin += J_ad * w[d]
+            coriolis += mixed[3 + 3 * d + a] * w[d]
+        f[3 + b] -= w[c] * spin
+        f[3 + c] += w[b] * spin
+        f[3 + a] += 2.0 * coriolis - by_q_d[3 + 3 * b + c] + by_q_d[3 + 3 * c + b]
         for k in range(m):
-            M[a, 6 + k] += C_G[a, k]
-            M[6 + k, a] += C_G[a, k]
+            force = A_GB[a, 0] * Zq[0, k] + A_GB[a, 1] * Zq[1, k] + A_GB[a, 2] * Zq[2, k]
+            M[a, 6 + k] += force
+            M[6 + k, a] += force
             moment = Zq[3 + 3 * b + c, k] - Zq[3 + 3 * c + b, k]
             M[3 + a, 6 + k] += moment
             M[6 + k, 3 + a] += moment
-    for i in range(m):
-        f_i = Zq[0, i] * g_B[0] + Zq[1, i] * g_B[1] + Zq[2, i] * g_B[2]
+    for k in range(m):
+        f_k = Zq[0, k] * g_x + Zq[1, k] * g_y + Zq[2, k] * g_z
         for a in range(3):
-            f_i += ww * Zq[3 + 4 * a, i]
+            f_k += ww * Zq[3 + 4 * a, k]
             for b in range(3):
-                f_i -= w[a] * w[b] * Zq[3 + 3 * a + b, i]
-        for j in range(m):
-            f_i -= along_q_d[i * m + j] * q_d[j]
-            M[6 + i, 6 + j] += along_q[i * m + j] + G3_q[j * m + i]
-        f[6 + i] += f_i
+                f_k -= w[a] * w[b] * Zq[3 + 3 * a + b, k]
+        f[6 + k] += f_k
+    add_elastic(M, f, q, q_d, G3, G4)
 
 
 @jit
@@ -148,41 +159,3 @@ def stiffening_matrix(w: Array, w_d: Array, a_B: Array, q_dd: Array, Z: Array, G
                     s += w[a] * w[d] * Z4[3 + 3 * a + d, i, j]
             out[i, j] += s
     return out
-
-
-@jit
-def bend_marker(
-    H: Array,
-    q: Array,
-    q_d: Array,
-    phi: Array,
-    psi: Array,
-    b: Array,
-    b_d: Array,
-    b_dd: Array,
-    theta: Array,
-    theta_d: Array,
-    theta_dd: Array,
-) -> tuple[Array, Array]:
-    """Take a marker's motion in its body from first to second order.
-
-    Position b, rotation vector theta, their rates and their accelerations at q_dd = 0 (all (3,))
-    are added to in place. Returns the slopes phi + H q and psi + H_psi q, (3, m) each.
-
-    Parameters
-    ----------
-    H : (6 m, m) rows H (3, m), H_psi (3, m)
-    phi, psi : (3, m) shapes of the marker
-    """
-    m = q.shape[0]
-    Hq = mv(H, q).reshape(6, m)
-    by_q, by_mixed = mv(Hq, q), mv(Hq, q_d)
-    by_q_d = mv(mv(H, q_d).reshape(6, m), q_d)
-    for a in range(3):
-        b[a] += 0.5 * by_q[a]
-        b_d[a] += by_mixed[a]
-        b_dd[a] += by_q_d[a]
-        theta[a] += 0.5 * by_q[3 + a]
-        theta_d[a] += by_mixed[3 + a]
-        theta_dd[a] += by_q_d[3 + a]
-    return phi + Hq[0:3], psi + Hq[3:6]

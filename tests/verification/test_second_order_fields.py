@@ -109,7 +109,7 @@ def test_slender_bending_is_drawn_in_by_half_the_square_of_its_slope():
     mass = SectionMass(1.0, np.zeros(3), 1e-9 * np.eye(3)).matrix()
     modes = [{"kind": f"bending-x{axis}", "count": 2} for axis in "yz"]
     beam = reduced(CLAMPED, modes, K=K, mass=mass, elements=12)
-    (element, numbers), *_ = beam.model.line.spans
+    (element, _), *_ = beam.model.line.spans
     x, weights = gauss(element.length, 4)
     nodal = beam.model.line.to_element(beam.modes.columns_B)
     slope = (element.strain(x) + Z @ element.shape(x)) @ nodal[:, None]

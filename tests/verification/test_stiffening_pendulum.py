@@ -1,4 +1,4 @@
-"""The soft double pendulum in the clamped frame, its virtual bodies, and its geometric stiffness."""
+"""The soft double pendulum in clamped frames, and the geometric stiffness of its bodies."""
 
 import tomllib
 

@@ -1,4 +1,4 @@
-"""Frequencies of rotating beams: the solver's own accelerations, linearised about the steady spin."""
+"""Frequencies of rotating beams: the solver's accelerations, linearised about steady spin."""
 
 import tomllib
 
