@@ -1,7 +1,7 @@
 """Compile readable tables of bodies, markers and joints into a frozen `Model`."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -10,7 +10,13 @@ from .forces.table import N_PARAMETER
 from .joints.table import KINDS, NAMES, ROWS
 from .laws import N_COEFFICIENT, Law
 from .model import GROUND, Model
+from .package.invariants import inertia_at_rest
 from .package.schema import Array, Invariants, ModalPackage, SecondOrder
+from .plan import make_plan, positive_inertia
+
+# Second-order tables below this share of the others are rounding: bending in a plane moves no
+# station out of it.
+NOTHING = 1e-12
 
 
 @dataclass(frozen=True)
@@ -120,11 +126,18 @@ def assemble_model(
         parameters[k, : len(element.parameters)] = element.parameters
     laws: list[Law] = []
     joint_law, force_law = _numbered(joints, laws), _numbered(forces, laws)
-    inv = [b.invariants for b in bodies]
-    second = [b.second_order for b in bodies]
+    carrying = [_with_points(i, body, markers, point_masses) for i, body in enumerate(bodies)]
+    inv = [b.invariants for b in carrying]
+    second = [b.second_order for b in carrying]
     stiffened = np.array([n if s else 0 for n, s in zip(n_mode, second, strict=True)], dtype=int)
+    Z = [np.concatenate([s.Z0_B, *s.Z1_B]) if s else np.zeros((12, 0, 0)) for s in second]
     marker_H = [_marker_second_order(bodies, marker) for marker in markers]
+    used = [_of_motion(H, m) for H, m in zip(marker_H, markers, strict=True)]
+    carried = [_carried(i, markers, used, point_masses) for i in range(len(bodies))]
     marker_second = _starts(np.array([H.size for H in marker_H], dtype=np.int64))[:-1]
+    joint_marker = _pairs([(j.marker_1, j.marker_2) for j in joints])
+    force_marker = _pairs([(e.marker_1, e.marker_2) for e in forces])
+    marker_body = np.array([m.body for m in markers], dtype=np.int64)
     marker_size = [m.phi.size for m in markers]
     joint_row = _starts(np.array([len(ROWS[NAMES[k]]) for k in kinds], dtype=np.int64))
     return Model(
@@ -145,27 +158,23 @@ def assemble_model(
         T01=_flat([i.T01_B for i in inv]),
         T11=_flat([i.T11_B.transpose(0, 1, 3, 2) for i in inv]),
         J_psi=_flat([i.J_psi_B for i in inv]),
-        M_qq=_flat([b.mass for b in bodies]),
+        M_qq=_flat([b.mass for b in carrying]),
         K_qq=_flat([b.stiffness for b in bodies]),
         D_qq=_flat([b.damping for b in bodies]),
         gravity_G=np.asarray(gravity_G, dtype=float),
-        marker_body=np.array([m.body for m in markers], dtype=np.int64),
+        marker_body=marker_body,
         marker_x=_stack([m.x for m in markers], (3,)),
         marker_A=_stack([m.A for m in markers], (3, 3)),
         marker_start=_starts(np.array(marker_size, dtype=np.int64))[:-1],
         marker_phi=_flat([m.phi for m in markers]),
         marker_psi=_flat([m.psi for m in markers]),
         joint_kind=kinds,
-        joint_marker=np.array([(j.marker_1, j.marker_2) for j in joints], dtype=np.int64).reshape(
-            -1, 2
-        ),
+        joint_marker=joint_marker,
         joint_row=joint_row,
         joint_law=joint_law,
         joint_length=np.array([j.length for j in joints], dtype=float),
         force_kind=np.array([FORCE_KINDS[e.kind] for e in forces], dtype=np.int64),
-        force_marker=np.array([(e.marker_1, e.marker_2) for e in forces], dtype=np.int64).reshape(
-            -1, 2
-        ),
+        force_marker=force_marker,
         force_law=force_law,
         force_parameters=parameters,
         law_start=_starts(np.array([len(law.times) for law in laws], dtype=np.int64)),
@@ -182,25 +191,130 @@ def assemble_model(
         penalty=0.0,
         multiplier_tolerance=0.0,
         multiplier_iterations=0,
+        pair_used=np.array([_pairs_used(i) for i in inv], dtype=np.int8).reshape(-1, 9),
+        plan=make_plan(
+            n_mode,
+            marker_body,
+            joint_marker,
+            joint_row,
+            force_marker,
+            structured=all(_positive(b) for b in carrying),
+        ),
         second_start=_starts(stiffened**2),
         third_start=_starts(stiffened**3),
         fourth_start=_starts(stiffened**4),
-        Z=_flat([part for s in second if s for part in (s.Z0_B, s.Z1_B)]),
+        Z=_flat(Z),
+        Z_used=np.array([_of_moments(T) for T in Z], dtype=np.int8).reshape(-1, 12),
         G3=_flat([s.G3 for s in second if s]),
         G4=_flat([s.G4.transpose(0, 2, 3, 1) for s in second if s]),
         marker_second=np.where([H.size > 0 for H in marker_H], marker_second, -1).astype(np.int64),
         marker_H=_flat(marker_H),
+        marker_H_used=np.array(used, dtype=np.int8).reshape(-1, 6),
+        carried_start=_starts(np.array([len(c) for c in carried], dtype=np.int64)),
+        carried_marker=np.array([k for c in carried for k, _ in c], dtype=np.int64),
+        carried_mass=np.array([mass for c in carried for _, mass in c], dtype=float),
     )
+
+
+def _with_points(
+    index: int,
+    body: Body,
+    markers: list[MarkerTable],
+    point_masses: Sequence[tuple[int, float]],
+) -> Body:
+    """Return a body with the point masses that its markers carry among its mass stations.
+
+    A mass point moves with its marker, x + phi q, and 1/2 q' H q on a stiffened body: one station
+    more in the sums of package/invariants.py and package/second_order.py, no cost at run time.
+    """
+    for k, m in point_masses:
+        if markers[k].body != index:
+            continue
+        inv, x, phi = body.invariants, markers[k].x, markers[k].phi
+        body = replace(
+            body,
+            mass=body.mass + m * phi.T @ phi,
+            invariants=replace(
+                inv,
+                mass=inv.mass + m,
+                S0_B=inv.S0_B + m * x,
+                S_B=inv.S_B + m * phi,
+                T00_B=inv.T00_B + m * np.outer(x, x),
+                T01_B=inv.T01_B + m * np.einsum("a,bi->abi", x, phi),
+                T11_B=inv.T11_B + m * np.einsum("ai,bj->abij", phi, phi),
+            ),
+            second_order=_with_point(body.second_order, markers[k], m),
+        )
+    return body
+
+
+def _with_point(second: SecondOrder | None, marker: MarkerTable, m: float) -> SecondOrder | None:
+    if second is None or marker.H is None:
+        return second
+    H, phi = marker.H, marker.phi
+    return replace(
+        second,
+        Z0_B=second.Z0_B + m * H,
+        Z1_B=second.Z1_B + m * np.einsum("a,bij->abij", marker.x, H),
+        G3=second.G3 + m * np.einsum("ai,ajk->ijk", phi, H),
+        G4=second.G4 + m * np.einsum("aij,akl->ijkl", H, H),
+    )
+
+
+def _carried(
+    index: int,
+    markers: list[MarkerTable],
+    used: list[list[bool]],
+    point_masses: Sequence[tuple[int, float]],
+) -> list[tuple[int, float]]:
+    """Return the point masses of a body, marker and mass, that move in second order."""
+    return [(k, m) for k, m in point_masses if markers[k].body == index and any(used[k][:3])]
 
 
 def _marker_second_order(bodies: list[Body], marker: MarkerTable) -> Array:
     """Second-order tables of a marker, (6, m, m); of a linear body none."""
     if marker.body == GROUND or bodies[marker.body].second_order is None:
-        return np.zeros((0, 0, 0))
+        return np.zeros((6, 0, 0))
     if marker.H is None or marker.H_psi is None:
         name = bodies[marker.body].name
         raise ValueError(f"a marker on {name} has no H, H_psi: a stiffened body needs them")
     return np.concatenate([marker.H, marker.H_psi])
+
+
+def _of_moments(Z: Array) -> list[bool]:
+    """Tell which tables of Z0, Z1 (12, m, m) are more than rounding errors of the others."""
+    return [*_used(Z[:3], 0.0), *_used(Z[3:], 0.0)]
+
+
+def _of_motion(H: Array, marker: MarkerTable) -> list[bool]:
+    """Tell the same of a marker's tables (6, m, m); of rotations beside the square of the first."""
+    turn = float(np.abs(marker.psi).max(initial=0.0))
+    return [*_used(H[:3], 0.0), *_used(H[3:], turn**2)]
+
+
+def _used(T: Array, scale: float) -> list[bool]:
+    """Tell which tables of T (r, m, m) have an entry above rounding."""
+    largest = np.abs(T).max(axis=(1, 2), initial=0.0)
+    return [bool(x > NOTHING * max(scale, largest.max())) for x in largest]
+
+
+def _pairs_used(invariants: Invariants) -> list[bool]:
+    """Tell for each pair 3 a + b of axes whether T01 or T11 has an entry there."""
+    T01, T11 = invariants.T01_B, invariants.T11_B.transpose(0, 1, 3, 2)
+    used = np.abs(T01).max(axis=2, initial=0.0) + np.abs(T11).max(axis=(2, 3), initial=0.0)
+    return [bool(u) for u in (used > 0.0).ravel()]
+
+
+def _positive(body: Body) -> bool:
+    inv = body.invariants
+    T = inv.T01_B
+    coupling = np.array([T[1, 2] - T[2, 1], T[2, 0] - T[0, 2], T[0, 1] - T[1, 0]]) + inv.J_psi_B
+    J = inertia_at_rest(inv)
+    return positive_inertia(inv.mass, J, coupling, inv.S0_B, inv.S_B, body.mass)
+
+
+def _pairs(markers: list[tuple[int, int]]) -> np.ndarray:
+    return np.array(markers, dtype=np.int64).reshape(-1, 2)
 
 
 def _inertia_scale(

@@ -11,16 +11,17 @@ from typing import Any
 
 import numpy as np
 
-from .bodies.marker import marker_motion
-from .bodies.second_order import second_order_of, stiffening_matrix
+from .bodies.marker import single_motion
+from .bodies.motion import place
+from .bodies.second_order import stiffening_matrix
 from .findings import Finding, finding
 from .forces.table import FIRST_LOAD, element_wrench
 from .mechanism import BuiltMechanism, build
-from .model import GROUND, Model
+from .model import Model
 from .monitor import SpinMonitor
 from .package.schema import Array
 from .recover import stiffened
-from .rotations import cross, rotation_matrix
+from .rotations import rotation_matrix
 from .system import accelerations, assemble, law_at
 
 BUCKLING_CODE = "buckling-by-motion"
@@ -139,10 +140,9 @@ def geometric_stiffness(model: Model, tables: Model, i: int, t: float, y: Array)
     v_d, multipliers = accelerations(model, equations, y)
     A = rotation_matrix(y[a + 3 : a + 7])
     w = y[model.n_pos + j + 3 : model.n_pos + j + 6]
-    Z, G3, _ = second_order_of(tables, i)
     pull = A.T @ (v_d[j : j + 3] - model.gravity_G)
-    Kg = stiffening_matrix(w, v_d[j + 3 : j + 6], pull, v_d[j + 6 : j + 6 + m], Z, G3)
-    for marker, force, moment in _marker_loads(model, t, y, equations.C, multipliers, v_d):
+    Kg = stiffening_matrix(tables, i, w, v_d[j + 3 : j + 6], pull, v_d[j + 6 : j + 6 + m])
+    for marker, force, moment in _marker_loads(model, t, y, equations.C, multipliers):
         start = int(tables.marker_second[marker])
         if model.marker_body[marker] == i and start >= 0:
             H = tables.marker_H[start : start + 6 * m * m].reshape(6, m, m)
@@ -152,26 +152,20 @@ def geometric_stiffness(model: Model, tables: Model, i: int, t: float, y: Array)
 
 
 def _marker_loads(
-    model: Model, t: float, y: Array, C: Array, multipliers: Array, v_d: Array
+    model: Model, t: float, y: Array, C: Array, multipliers: Array
 ) -> Iterator[tuple[int, Array, Array]]:
-    """Marker, force (3,) and moment (3,) on its body, global, of joints, masses and elements."""
+    """Marker, force (3,) and moment (3,) on its body, global, of joints and force elements."""
     for k in range(model.joint_kind.size):
         rows = slice(int(model.joint_row[k]), int(model.joint_row[k + 1]))
         both = -(C[rows].T @ multipliers[rows]).reshape(2, 6)
         for marker, load in zip(model.joint_marker[k], both, strict=True):
             yield int(marker), load[:3], load[3:]
-    for marker, mass in zip(model.point_marker, model.point_mass, strict=True):
-        body = int(model.marker_body[marker])
-        if body != GROUND:
-            motion = marker_motion(model, marker, y)
-            j = int(model.vel_start[body])
-            a = motion.a + motion.J_v @ v_d[j : j + motion.J_v.shape[1]]
-            yield int(marker), mass * (model.gravity_G - a), np.zeros(3)
     for k in range(model.force_kind.size):
-        one, two = (marker_motion(model, marker, y) for marker in model.force_marker[k])
+        one, two = (single_motion(model, marker, y)[0] for marker in model.force_marker[k])
         size = law_at(model, model.force_law[k], t)[0]
         wrench = element_wrench(model.force_kind[k], one, two, model.force_parameters[k], size)
-        yield int(model.force_marker[k, 1]), wrench.force, wrench.moment
+        force, moment = np.array(wrench.force), np.array(wrench.moment)
+        yield int(model.force_marker[k, 1]), force, moment
         if model.force_kind[k] < FIRST_LOAD:
-            moment = -wrench.moment - cross(two.x - one.x, wrench.force)
-            yield int(model.force_marker[k, 0]), -wrench.force, moment
+            arm = np.subtract(place(two), place(one))
+            yield int(model.force_marker[k, 0]), -force, -moment - np.cross(arm, force)
