@@ -1,11 +1,11 @@
 """Second-order tables times modal coordinates and rates."""
 
-from ..compiled import COMPILED, jit
+from ..compiled import COMPILED, lean
 from ..package.schema import Array
 from ..triple import Triple
 
 
-@jit
+@lean
 def contract(T: Array, start: int, q: Array, q_d: Array, slope: Array) -> Triple:
     """Contract a table symmetric in two modes: return q T q, q T q_d, q_d T q_d.
 
@@ -30,7 +30,7 @@ def contract(T: Array, start: int, q: Array, q_d: Array, slope: Array) -> Triple
     return by_q, mixed, by_q_d
 
 
-@jit
+@lean
 def _looped_add_elastic(
     M: Array, f: Array, q: Array, q_d: Array, G3: Array, three: int, G4: Array, four: int
 ) -> None:

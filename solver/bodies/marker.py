@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..compiled import inlined, jit
+from ..compiled import inlined, jit, lean
 from ..model import Model
 from ..package.schema import Array
 from ..rotations import rotation_into, tangent_coefficients
@@ -81,7 +81,7 @@ def single_motion(model: Model, k: int, y: Array) -> tuple[Array, Array]:
     return motion, J_m
 
 
-@jit
+@lean
 def _move(model: Model, k: int, y: Array, A: Array, motion: Array, J_m: Array) -> None:
     """Fill motion (24,) and Jacobian J_m (6, n) of marker k on a body with rotation matrix A.
 
