@@ -9,11 +9,18 @@ from beam_samples import CHORD, CLAMPED, MEAN_AXIS, NAMES, REFERENCES, coupled_s
 from flexible_samples import momenta, total_energy
 from stiffening_samples import on_interface
 
-from plymotion.solver.assemble import assemble_model, flexible_body
+from plymotion.solver.assemble import (
+    JointTable,
+    MarkerTable,
+    assemble_model,
+    flexible_body,
+    rigid_body,
+)
+from plymotion.solver.bodies.marker import marker_motion
 from plymotion.solver.bodies.second_order import stiffening_matrix
 from plymotion.solver.reactions import momentum_balance
-from plymotion.solver.rotations import rotation_matrix
-from plymotion.solver.system import accelerations, assemble, derivative
+from plymotion.solver.rotations import matrix_to_parameters, rotation_matrix
+from plymotion.solver.system import accelerations, assemble, constraint_rates, derivative, energies
 
 GRAVITY = (0.3, -9.81, 2.0)
 
@@ -160,3 +167,44 @@ def test_momentum_balance_with_weight_and_a_carried_mass():
     y[7:12] = 0.01 * np.random.default_rng(6).normal(size=5)
     balance = momentum_balance(model, np.zeros(1), y[None])
     assert max(balance.linear, balance.angular) < 1e-9
+
+
+@pytest.mark.parametrize("reference", REFERENCES, ids=NAMES)
+def test_point_mass_equals_a_rigid_body_fixed_to_the_interface(reference):
+    """Of terms of all orders: the same accelerations, energies and momenta of a much bent body."""
+    beam, merged, y = flying(reference, carried=True, gravity=GRAVITY)
+    y[7:12] = 0.02 * np.random.default_rng(7).normal(size=5)
+    body = flexible_body("beam", beam.package, stiffening=True)
+    mass = rigid_body("mass", 0.5, np.zeros(3), np.zeros((3, 3)))
+    markers = [on_interface(0, beam, "tip"), MarkerTable(1, np.zeros(3))]
+    joints = [JointTable("fixed", "fixed", 0, 1)]
+    apart = assemble_model([body, mass], markers, joints, [], GRAVITY, alpha=0.0, beta=0.0)
+    tip = marker_motion(merged, 0, y)
+    turning = tip.A.T @ tip.w
+    state = np.zeros(apart.n_pos + apart.n_vel + 1)
+    state[:12], state[12:15], state[15:19] = y[:12], tip.x, matrix_to_parameters(tip.A)
+    state[19:30], state[30:33], state[33:36] = y[12:23], tip.v, turning
+    together = assemble(apart, 0.0, state)
+    assert np.abs(together.Phi).max() < 1e-13
+    assert np.abs(constraint_rates(apart, together, state)).max() < 1e-13
+
+    expected = derivative(merged, 0.0, y)[12:23]
+    found = derivative(apart, 0.0, state)[19:30]
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-9 * np.abs(expected).max())
+    np.testing.assert_allclose(
+        energies(apart, together, state), energies(merged, assemble(merged, 0.0, y), y), rtol=1e-12
+    )
+    for whole, parts in zip(momenta(merged, y), momenta(apart, state), strict=True):
+        np.testing.assert_allclose(parts, whole, rtol=0.0, atol=1e-12 * np.linalg.norm(whole))
+
+
+def test_a_mass_heavier_than_the_body_leaves_its_mass_matrix_positive():
+    beam, _, y = flying(CHORD)
+    body = flexible_body("beam", beam.package, stiffening=True)
+    marker = on_interface(0, beam, "tip")
+    model = assemble_model([body], [marker], [], [(0, 20.0 * body.invariants.mass)])
+    for direction in np.random.default_rng(8).normal(size=(40, 5)):
+        q = direction / np.sqrt(np.diag(beam.package.stiffness))
+        turn = np.einsum("mna,m->na", beam.package.shapes_B[..., 3:], q)
+        y[7:12] = 0.2 / np.linalg.norm(turn, axis=1).max() * q
+        assert np.linalg.eigvalsh(assemble(model, 0.0, y).M)[0] > 0.0
