@@ -82,8 +82,8 @@ def _of_stiffened(
             equations.M[j : j + 6 + m, j : j + 6 + m]
         ):
             found[INDEFINITE_CODE] = (
-                f"{name}: at t = {t[k]:.4g} s the mass matrix of the body alone is not positive: it "
-                "has moved too far from its frame for second-order displacements. A chord or "
+                f"{name}: at t = {t[k]:.4g} s the mass matrix of the body alone is not positive: "
+                "it has moved too far from its frame for second-order displacements. A chord or "
                 "mean-axis frame, or splitting the body, helps"
             )
         K, lost = spin.matrices(i, y[k])
