@@ -11,8 +11,12 @@ from .joints.table import KINDS, NAMES, ROWS
 from .laws import N_COEFFICIENT, Law
 from .model import GROUND, Model
 from .package.invariants import inertia_at_rest
-from .package.schema import Array, Invariants, ModalPackage
+from .package.schema import Array, Invariants, ModalPackage, SecondOrder
 from .plan import make_plan, positive_inertia
+
+# Second-order tables below this share of the others are rounding: bending in a plane moves no
+# station out of it.
+NOTHING = 1e-12
 
 
 @dataclass(frozen=True)
@@ -24,6 +28,7 @@ class Body:
     mass: Array  # (m, m) modal mass
     stiffness: Array  # (m, m)
     damping: Array  # (m, m)
+    second_order: SecondOrder | None = None  # geometric stiffening; None: a linear body
 
 
 def rigid_body(name: str, mass: float, centre_B: Array, inertia_B: Array) -> Body:
@@ -44,9 +49,13 @@ def rigid_body(name: str, mass: float, centre_B: Array, inertia_B: Array) -> Bod
     return Body(name, invariants, empty, empty, empty)
 
 
-def flexible_body(name: str, package: ModalPackage) -> Body:
-    """Return the body that a modal package describes."""
-    return Body(name, package.invariants, package.mass, package.stiffness, package.damping)
+def flexible_body(name: str, package: ModalPackage, *, stiffening: bool = False) -> Body:
+    """Return the body that a modal package describes, of second order with `stiffening`.
+
+    A package without second-order data gives a linear body all the same.
+    """
+    second = package.second_order if stiffening else None
+    return Body(name, package.invariants, package.mass, package.stiffness, package.damping, second)
 
 
 @dataclass(frozen=True)
@@ -58,6 +67,8 @@ class MarkerTable:
     A: Array = field(default_factory=lambda: np.eye(3))
     phi: Array = field(default_factory=lambda: np.zeros((3, 0)))
     psi: Array = field(default_factory=lambda: np.zeros((3, 0)))
+    H: Array | None = None  # (3, m, m) second-order translation, of a stiffened body
+    H_psi: Array | None = None  # (3, m, m) second-order rotation vector
 
 
 @dataclass(frozen=True)
@@ -117,6 +128,13 @@ def assemble_model(
     joint_law, force_law = _numbered(joints, laws), _numbered(forces, laws)
     carrying = [_with_points(i, body, markers, point_masses) for i, body in enumerate(bodies)]
     inv = [b.invariants for b in carrying]
+    second = [b.second_order for b in carrying]
+    stiffened = np.array([n if s else 0 for n, s in zip(n_mode, second, strict=True)], dtype=int)
+    Z = [np.concatenate([s.Z0_B, *s.Z1_B]) if s else np.zeros((12, 0, 0)) for s in second]
+    marker_H = [_marker_second_order(bodies, marker) for marker in markers]
+    used = [_of_motion(H, m) for H, m in zip(marker_H, markers, strict=True)]
+    carried = [_carried(i, markers, used, point_masses) for i in range(len(bodies))]
+    marker_second = _starts(np.array([H.size for H in marker_H], dtype=np.int64))[:-1]
     joint_marker = _pairs([(j.marker_1, j.marker_2) for j in joints])
     force_marker = _pairs([(e.marker_1, e.marker_2) for e in forces])
     marker_body = np.array([m.body for m in markers], dtype=np.int64)
@@ -182,6 +200,19 @@ def assemble_model(
             force_marker,
             structured=all(_positive(b) for b in carrying),
         ),
+        second_start=_starts(stiffened**2),
+        third_start=_starts(stiffened**3),
+        fourth_start=_starts(stiffened**4),
+        Z=_flat(Z),
+        Z_used=np.array([_of_moments(T) for T in Z], dtype=np.int8).reshape(-1, 12),
+        G3=_flat([s.G3 for s in second if s]),
+        G4=_flat([s.G4.transpose(0, 2, 3, 1) for s in second if s]),
+        marker_second=np.where([H.size > 0 for H in marker_H], marker_second, -1).astype(np.int64),
+        marker_H=_flat(marker_H),
+        marker_H_used=np.array(used, dtype=np.int8).reshape(-1, 6),
+        carried_start=_starts(np.array([len(c) for c in carried], dtype=np.int64)),
+        carried_marker=np.array([k for c in carried for k, _ in c], dtype=np.int64),
+        carried_mass=np.array([mass for c in carried for _, mass in c], dtype=float),
     )
 
 
@@ -193,8 +224,8 @@ def _with_points(
 ) -> Body:
     """Return a body with the point masses that its markers carry among its mass stations.
 
-    A mass point moves with its marker, x + phi q: one station more in the sums of
-    package/invariants.py, and no cost at run time.
+    A mass point moves with its marker, x + phi q, and 1/2 q' H q on a stiffened body: one station
+    more in the sums of package/invariants.py and package/second_order.py, no cost at run time.
     """
     for k, m in point_masses:
         if markers[k].body != index:
@@ -212,8 +243,59 @@ def _with_points(
                 T01_B=inv.T01_B + m * np.einsum("a,bi->abi", x, phi),
                 T11_B=inv.T11_B + m * np.einsum("ai,bj->abij", phi, phi),
             ),
+            second_order=_with_point(body.second_order, markers[k], m),
         )
     return body
+
+
+def _with_point(second: SecondOrder | None, marker: MarkerTable, m: float) -> SecondOrder | None:
+    if second is None or marker.H is None:
+        return second
+    H, phi = marker.H, marker.phi
+    return replace(
+        second,
+        Z0_B=second.Z0_B + m * H,
+        Z1_B=second.Z1_B + m * np.einsum("a,bij->abij", marker.x, H),
+        G3=second.G3 + m * np.einsum("ai,ajk->ijk", phi, H),
+        G4=second.G4 + m * np.einsum("aij,akl->ijkl", H, H),
+    )
+
+
+def _carried(
+    index: int,
+    markers: list[MarkerTable],
+    used: list[list[bool]],
+    point_masses: Sequence[tuple[int, float]],
+) -> list[tuple[int, float]]:
+    """Return the point masses of a body, marker and mass, that move in second order."""
+    return [(k, m) for k, m in point_masses if markers[k].body == index and any(used[k][:3])]
+
+
+def _marker_second_order(bodies: list[Body], marker: MarkerTable) -> Array:
+    """Second-order tables of a marker, (6, m, m); of a linear body none."""
+    if marker.body == GROUND or bodies[marker.body].second_order is None:
+        return np.zeros((6, 0, 0))
+    if marker.H is None or marker.H_psi is None:
+        name = bodies[marker.body].name
+        raise ValueError(f"a marker on {name} has no H, H_psi: a stiffened body needs them")
+    return np.concatenate([marker.H, marker.H_psi])
+
+
+def _of_moments(Z: Array) -> list[bool]:
+    """Tell which tables of Z0, Z1 (12, m, m) are more than rounding errors of the others."""
+    return [*_used(Z[:3], 0.0), *_used(Z[3:], 0.0)]
+
+
+def _of_motion(H: Array, marker: MarkerTable) -> list[bool]:
+    """Tell the same of a marker's tables (6, m, m); of rotations beside the square of the first."""
+    turn = float(np.abs(marker.psi).max(initial=0.0))
+    return [*_used(H[:3], 0.0), *_used(H[3:], turn**2)]
+
+
+def _used(T: Array, scale: float) -> list[bool]:
+    """Tell which tables of T (r, m, m) have an entry above rounding."""
+    largest = np.abs(T).max(axis=(1, 2), initial=0.0)
+    return [bool(x > NOTHING * max(scale, largest.max())) for x in largest]
 
 
 def _pairs_used(invariants: Invariants) -> list[bool]:

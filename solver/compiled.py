@@ -29,7 +29,7 @@ def _cache_directory() -> Path:
     digest = hashlib.sha256()
     for source in sorted(here.rglob("*.py")):
         text = source.read_bytes()
-        if b"@jit" in text or b"@inlined" in text or b"NamedTuple" in text:
+        if any(word in text for word in (b"@jit", b"@lean", b"@inlined", b"NamedTuple")):
             digest.update(source.relative_to(here).as_posix().encode())
             digest.update(text)
     base = Path(os.environ.get("PLYMOTION_CACHE", Path.home() / ".cache" / "plymotion"))
@@ -71,16 +71,27 @@ COMPILED: bool = _numba is not None
 
 def jit(function: Function) -> Function:
     """Compile `function` (a pure function of arrays) where Numba is available."""
-    return _compiled(function)
+    # Said outright: a function would take over what its first caller is.
+    return _compiled(function, _nrt=True)
+
+
+def lean(function: Function) -> Function:
+    """As `jit`, for a function that makes no arrays and returns none.
+
+    Numba counts the references to an array, by one atomic addition for every row that a loop
+    looks at: half of the time of an evaluation. Where no memory is needed nothing is counted;
+    Numba refuses to compile where some is, also to copy arrays that might overlap.
+    """
+    return _compiled(function, _nrt=False)
 
 
 def inlined(function: Function) -> Function:
-    """As `jit`, for a part of one larger function: it becomes code of its caller.
+    """As `lean`, for a part of one larger function: it becomes code of its caller.
 
     A call hands over every array of a model and its memory one by one, hundreds of words. What
     is called from one or two places only is spared that.
     """
-    return _compiled(function, forceinline=True)
+    return _compiled(function, forceinline=True, _nrt=False)
 
 
 def _compiled(function: Function, **options: bool) -> Function:

@@ -77,14 +77,8 @@ def of_motion(built: BuiltMechanism, y: Array) -> list[Finding]:
             for interface in built.packages[name].interfaces
         )
         if rotation > ROTATION_TOLERANCE:
-            found.append(
-                finding(
-                    "elastic-rotation-large",
-                    f"{name}: an interface turns by {rotation:.2f} rad relative to the body frame "
-                    f"(linear bodies: below {ROTATION_TOLERANCE:g} rad): split the body or "
-                    "stiffen it",
-                )
-            )
+            second_order = built.model.second_start[i + 1] > built.model.second_start[i]
+            found.append(_of_rotation(name, rotation, second_order=bool(second_order)))
         package = built.packages[name]
         # A static shape carries what it carries: only a series of vibration modes can be too short.
         vibration = [k for k, kind in enumerate(package.mode_kinds) if kind in VIBRATION]
@@ -101,3 +95,17 @@ def of_motion(built: BuiltMechanism, y: Array) -> list[Finding]:
                 )
             )
     return found
+
+
+def _of_rotation(name: str, rotation: float, *, second_order: bool) -> Finding:
+    turn = f"{name}: an interface turns by {rotation:.2f} rad relative to the body frame "
+    if second_order:
+        text = (
+            f"{turn}(second-order body: below {ROTATION_TOLERANCE:g} rad; expect an error of about "
+            "2 % at 0.25 rad): use a chord or mean-axis frame, or split the body"
+        )
+    else:
+        text = (
+            f"{turn}(linear bodies: below {ROTATION_TOLERANCE:g} rad): split the body or stiffen it"
+        )
+    return finding("elastic-rotation-large", text)

@@ -84,3 +84,17 @@ class Model(NamedTuple):
     multiplier_iterations: int  # at most
     pair_used: NDArray[np.int8]  # (nb, 9) which pairs 3 a + b of T01 and T11 do not vanish
     plan: Plan  # structure of the linear algebra
+    # geometric stiffening (bodies/second_order.py): nothing for linear bodies
+    second_start: IntArray  # (nb + 1,) running sum of n_mode squared of stiffened bodies
+    third_start: IntArray  # (nb + 1,) the same cubed
+    fourth_start: IntArray  # (nb + 1,) to the fourth
+    Z: Array  # flat (12 m, m) per body: Z0 (3, m), Z1 (3, 3, m)   [kg m, kg m2]
+    Z_used: NDArray[np.int8]  # (nb, 12) which tables (m, m) of them do not vanish
+    G3: Array  # flat (m, m m) per body        [kg m2]
+    G4: Array  # flat (m m m, m) per body, rows i, j, l and columns k of G4_ij,kl -> ik,jl [kg m2]
+    marker_second: IntArray  # (nk,) start of its tables in marker_H; -1: a linear marker
+    marker_H: Array  # flat (6 m, m) per marker: translation (3, m), rotation (3, m)
+    marker_H_used: NDArray[np.int8]  # (nk, 6) which tables (m, m) of them do not vanish
+    carried_start: IntArray  # (nb + 1,) point masses that bending draws in, body by body
+    carried_marker: IntArray
+    carried_mass: Array  # [kg]

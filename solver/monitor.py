@@ -47,7 +47,7 @@ class SpinMonitor:
 
     Criterion, for every flexible body: the smallest eigenvalue of
     K_ij - w_a w_b sum m (delta_ab phi_i.phi_j - phi_ia phi_jb), masses carried
-    at its interfaces included once, is positive.
+    at its interfaces included once, is positive. Bodies with geometric stiffening are left out.
     """
 
     model: Model
@@ -57,7 +57,11 @@ class SpinMonitor:
 
     def __post_init__(self) -> None:
         self._carried = carried_masses(self.model)
-        self._flexible = [i for i in range(self.model.n_body) if self.model.n_mode[i] > 0]
+        # A stiffened body does not lose its stiffness by spinning: see stiffening.py.
+        stiffened = np.diff(self.model.second_start) > 0
+        self._flexible = [
+            i for i in range(self.model.n_body) if self.model.n_mode[i] > 0 and not stiffened[i]
+        ]
         self._safe_spin = {i: self._spin_without_doubt(i) for i in self._flexible}
 
     def _spin_without_doubt(self, body: int) -> float:
@@ -85,6 +89,10 @@ class SpinMonitor:
         """Angular velocity (3,) of the body's frame, body components [rad/s]."""
         j = self.model.n_pos + int(self.model.vel_start[body])
         return y[j + 3 : j + 6]
+
+    def matrices(self, body: int, y: Array) -> tuple[Array, Array]:
+        """Modal stiffness and what spinning takes from it in state y, (m, m) each [1/s2]."""
+        return self._matrices(body, self.spin(body, y))
 
     def margin(self, body: int, y: Array) -> float:
         """Smallest eigenvalue of the softened modal stiffness [1/s2]."""

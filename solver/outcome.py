@@ -17,6 +17,7 @@ from .package import ModalPackage
 from .package.schema import Array
 from .results import BodyGeometry, RunResult, Signal, signal_summary
 from .signals import Recording, Sensor
+from .stiffening import stiffening_findings
 
 VTK_LINE = 3
 BALANCED_TIMES = 101  # at most, at which reactions are held against momenta
@@ -84,6 +85,7 @@ def collect(
     if checks["degrees_of_freedom"] == 0:
         notes = [note for note in notes if note["code"] != JUMP_CODE]
     warnings += [*notes, *findings.of_checks(checks), *findings.of_motion(built, y)]
+    warnings += stiffening_findings(built, spec.mechanism, t, y)
     for name, package in spec.packages.items():
         for item in package.provenance.get("warnings", []):
             warnings.append(findings.finding(item["code"], f"{name}: {item['message']}"))

@@ -6,6 +6,7 @@ import numpy as np
 
 from .bodies.marker import marker_motion, single_motion
 from .bodies.motion import place
+from .bodies.second_order import second_order_first_moment
 from .forces.table import FIRST_LOAD, element_wrench
 from .model import GROUND, Model
 from .package.schema import Array
@@ -84,7 +85,10 @@ def acting(model: Model, t: float, y: Array, multipliers: Array) -> tuple[Array,
         a, m = int(model.pos_start[i]), int(model.n_mode[i])
         one = int(model.mode_start[i])
         S = model.S[3 * one : 3 * (one + m)].reshape(3, m)
-        first = model.S0[i] + S @ y[a + 7 : a + 7 + m]
+        q = y[a + 7 : a + 7 + m]
+        first = model.S0[i] + S @ q
+        if model.second_start[i + 1] > model.second_start[i]:
+            first = first + second_order_first_moment(model, i, q)
         arm = model.mass[i] * y[a : a + 3] + rotation_matrix(y[a + 3 : a + 7]) @ first
         weight = model.mass[i] * model.gravity_G
         _add(total, scale, i, nothing, weight, np.cross(arm, model.gravity_G))

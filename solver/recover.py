@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from .joints.table import NAMES, ROWS
 from .model import Model
-from .package.schema import Array
+from .package.schema import Array, Interface
 from .rotations import rotation_matrix
 from .system import accelerations, assemble, constraint_rates, energies
 
@@ -64,8 +64,27 @@ def body_frames(model: Model, body: int, y: Array) -> tuple[Array, Array, Array]
     return y[:, a : a + 3], A, y[:, a + 7 : a + 7 + m]
 
 
+def stiffened(model: Model, body: int) -> bool:
+    """Tell whether a body moves with second-order displacements (geometric stiffening)."""
+    return bool(model.second_start[body + 1] > model.second_start[body])
+
+
+def elastic_motion(place: Interface, q: Array, second_order: bool) -> tuple[Array, Array]:
+    """Return translation (k, 3) [m] and rotation vector (k, 3) [rad] of an interface in its body.
+
+    phi q and psi q, and with `second_order` 1/2 q' H q of both. q : (k, m) modal coordinates.
+    """
+    u, theta = q @ place.phi_B.T, q @ place.psi_B.T
+    if second_order and place.H_B is not None and place.H_psi_B is not None:
+        u = u + 0.5 * np.einsum("aij,ki,kj->ka", place.H_B, q, q, optimize=True)
+        theta = theta + 0.5 * np.einsum("aij,ki,kj->ka", place.H_psi_B, q, q, optimize=True)
+    return u, theta
+
+
 def node_positions(model: Model, body: int, y: Array, nodes_B: Array, shapes_B: Array) -> Array:
     """Return global positions (k, n, 3) of nodes. Paper: Eq. (15).
+
+    Of first order in the modes, of a stiffened body too: for pictures.
 
     nodes_B : (n, 3) rest positions; shapes_B : (m, n, 3) translations per unit mode
     """

@@ -7,7 +7,8 @@ import numpy as np
 from .bodies.floating_frame import evaluate_bodies
 from .bodies.marker import evaluate_markers
 from .bodies.motion import place
-from .compiled import inlined, jit
+from .bodies.second_order import second_order_first_moment
+from .compiled import inlined, jit, lean
 from .constraints.augmented_lagrangian import augmented_lagrangian
 from .constraints.baumgarte import stabilised
 from .constraints.minimum_norm import minimum_norm
@@ -43,7 +44,7 @@ class Equations(NamedTuple):
     potential: Array  # (1,) energy stored in force elements [J]
 
 
-@jit
+@lean
 def evaluate(model: Model, work: Work, t: float, y: Array) -> None:
     """Fill mass matrices, forces and constraints at time t and state y; nothing is allocated.
 
@@ -302,20 +303,20 @@ def answer(model: Model, work: Work) -> None:
     solve(model.plan, work.factors, work.load, work.gamma, a, work.multipliers)
     if model.n_constraint == 0 or not work.softness[0] > 0.0:
         return
-    nothing = np.zeros(work.load.shape)
-    change, multipliers = np.zeros(a.shape), np.zeros(left.shape[0])
+    change, multipliers = work.change, work.change_multipliers
+    work.load[:] = 0.0
     for _ in range(model.multiplier_iterations):
         row_products(model, work.J, a, left)
         for k in range(left.shape[0]):
             left[k] = work.gamma[k] - left[k]
-        solve(model.plan, work.factors, nothing, left, change, multipliers)
-        a += change
+        solve(model.plan, work.factors, work.load, left, change, multipliers)
         for k in range(left.shape[0]):
             work.multipliers[k] += multipliers[k]
         size, whole = 0.0, 0.0
         for i in range(model.n_body):
             v = model.vel_start[i]
             for k in range(model.plan.size[i]):
+                a[i, k] += change[i, k]
                 size += model.inertia_scale[v + k] * change[i, k] ** 2
                 whole += model.inertia_scale[v + k] * a[i, k] ** 2
         if size <= model.multiplier_tolerance**2 * whole:
@@ -342,11 +343,13 @@ def accelerate(model: Model, work: Work, y: Array) -> None:
             - model.beta * model.beta * work.rows[k, PHI]
         )
     prepare(model, work)
-    work.load[:] = work.f
+    for i in range(model.n_body):
+        for k in range(model.plan.size[i]):
+            work.load[i, k] = work.f[i, k]
     answer(model, work)
 
 
-@jit
+@lean
 def derivative_into(model: Model, work: Work, t: float, y: Array, out: Array) -> None:
     """Fill out (n,) with dy/dt: the index-1 system. Paper: Eq. (14).
 
@@ -404,6 +407,8 @@ def energies(model: Model, equations: Equations, y: Array) -> Array:
         q = y[a + 7 : a + 7 + m]
         out[1] += 0.5 * q @ (model.K_qq[two : two + m * m].reshape(m, m) @ q)
         first = model.S0[i] + model.S[3 * one : 3 * (one + m)].reshape(3, m) @ q
+        if model.second_start[i + 1] > model.second_start[i]:
+            first += second_order_first_moment(model, i, q)
         centre = model.mass[i] * y[a : a + 3] + rotation_matrix(y[a + 3 : a + 7]) @ first
         out[2] -= model.gravity_G @ centre
     return out

@@ -5,55 +5,55 @@ Arrays of three numbers cost an allocation each; tuples stay in registers where 
 
 from typing import Any
 
-from .compiled import jit
+from .compiled import lean
 from .package.schema import Array
 
 Triple = tuple[float, float, float]
 
 
-@jit
+@lean
 def triple(a: Any) -> Triple:
     """Return the three numbers of an array (3,)."""
     return a[0], a[1], a[2]
 
 
-@jit
+@lean
 def column(A: Array, j: int) -> Triple:
     """Return column j of A (3, n)."""
     return A[0, j], A[1, j], A[2, j]
 
 
-@jit
+@lean
 def cross3(a: Triple, b: Triple) -> Triple:
     """Return a x b."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-@jit
+@lean
 def dot3(a: Triple, b: Triple) -> float:
     """Return a . b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@jit
+@lean
 def sum3(a: Triple, b: Triple) -> Triple:
     """Return a + b."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
-@jit
+@lean
 def minus3(a: Triple, b: Triple) -> Triple:
     """Return a - b."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-@jit
+@lean
 def times3(s: float, a: Triple) -> Triple:
     """Return s a."""
     return s * a[0], s * a[1], s * a[2]
 
 
-@jit
+@lean
 def turned(A: Array, a: Triple) -> Triple:
     """Return A a of a matrix (3, 3)."""
     return (
@@ -63,7 +63,7 @@ def turned(A: Array, a: Triple) -> Triple:
     )
 
 
-@jit
+@lean
 def turned_back(A: Array, a: Triple) -> Triple:
     """Return A' a of a matrix (3, 3)."""
     return (
@@ -73,7 +73,7 @@ def turned_back(A: Array, a: Triple) -> Triple:
     )
 
 
-@jit
+@lean
 def about(v: Triple, c0: float, c1: float, c2: float, x: Triple) -> Triple:
     """Return c0 x + c1 v x x + c2 v (v . x): rotations and tangent maps of a vector v."""
     c, along = cross3(v, x), c2 * dot3(v, x)
@@ -84,7 +84,7 @@ def about(v: Triple, c0: float, c1: float, c2: float, x: Triple) -> Triple:
     )
 
 
-@jit
+@lean
 def put_column(out: Array, i: int, j: int, a: Triple) -> None:
     """Write a into column j of an array, from row i on."""
     out[i, j], out[i + 1, j], out[i + 2, j] = a[0], a[1], a[2]

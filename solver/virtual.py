@@ -70,9 +70,7 @@ def through_virtual_bodies(
                 name = f"{bodies[marker.body].name} (virtual {len(virtual) + 1})"
                 virtual.append(rigid_body(name, 0.0, np.zeros(3), np.zeros((3, 3))))
                 carriers.append((marker.body, marker.x))
-                all_markers.append(
-                    MarkerTable(marker.body, marker.x, np.eye(3), marker.phi, marker.psi)
-                )
+                all_markers.append(replace(marker, A=np.eye(3)))
                 all_markers.append(MarkerTable(number[interface], np.zeros(3)))
                 last = len(all_markers) - 1
                 ties.append(JointTable(name, "fixed", last - 1, last))

@@ -49,6 +49,12 @@ class Work(NamedTuple):
     multipliers: Array  # (n_c,)
     left: Array  # (n_c,) what a solution leaves of gamma
     softness: Array  # (n_c,) reciprocals of the penalties in use
+    change: Array  # (nb, n) of accelerations and multipliers, where these are iterated
+    change_multipliers: Array  # (n_c,)
+    # of one body at a time
+    C: Array  # (3, m) slope of the first moment of mass by the modes
+    first: Array  # (3, 3) first moment of mass, its rate, its second rate at steady modal rates
+    twist: Array  # (3,) rate of the moment of momentum in the body at steady modal rates
 
 
 @jit
@@ -95,6 +101,11 @@ def new_work(model: Model) -> Work:
         np.zeros(n_c),
         np.zeros(n_c),
         np.zeros(n_c),
+        np.zeros((nb, n)),
+        np.zeros(n_c),
+        np.zeros((3, m)),
+        np.zeros((3, 3)),
+        np.zeros(3),
     )
     for k in range(nk):
         if model.marker_body[k] < 0:

@@ -7,6 +7,7 @@ from recovery_samples import PLY, PLY_STRENGTH, plies_of, rectangle_recovery
 
 from plymotion.solver.package import Interface, ModalPackage, SectionData, from_stations
 from plymotion.solver.package.schema import BodyRecovery
+from plymotion.solver.package.second_order import second_order_from_stations
 
 EI = 5.6e4
 
@@ -39,6 +40,13 @@ def cantilever(n: int = 17, m: int = 4, length: float = 1.5) -> ModalPackage:
     values, vectors = np.linalg.eigh(L_inv @ K @ L_inv.T)
     X = L_inv.T @ vectors
     shapes = np.einsum("ij,ikd->jkd", X, shapes)
+    h = np.zeros((n, 3, m, m))  # drawn in by bending: - integral of v_i' v_j'
+    for i in range(m):
+        for j in range(m):
+            a, b = i + 2, j + 2
+            h[:, 0, i, j] = -a * b * s ** (a + b - 1) / (a + b - 1) / length
+    h = np.einsum("kapq,pi,qj->kaij", h, X, X)
+    h = 0.5 * (h + h.swapaxes(2, 3))
     plies = plies_of(("cfrp", 0.0), ("cfrp", 45.0), ("cfrp", 0.0))
     materials = {"cfrp": {**PLY, "strength": PLY_STRENGTH}}
     phi, psi = (np.moveaxis(part, 0, 2) for part in (shapes[..., :3], shapes[..., 3:]))
@@ -70,6 +78,8 @@ def cantilever(n: int = 17, m: int = 4, length: float = 1.5) -> ModalPackage:
                 A_BI=np.eye(3),
                 phi_B=phi[k],
                 psi_B=psi[k],
+                H_B=h[k],
+                H_psi_B=np.zeros((3, m, m)),
             )
             for name, k in ends
         ),
@@ -85,6 +95,7 @@ def cantilever(n: int = 17, m: int = 4, length: float = 1.5) -> ModalPackage:
         ),
         recovery=BodyRecovery(x, np.zeros(n, dtype=np.int64), resultants @ X, np.eye(3)),
         mode_labels=tuple(f"bending-xy {i + 1}" for i in range(m)),
+        second_order=second_order_from_stations(node_mass, nodes, phi, h),
         provenance={"tools": {"numpy": np.__version__}, "ranks": 1},
     )
 

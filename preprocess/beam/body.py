@@ -6,11 +6,13 @@ from typing import Any
 import numpy as np
 
 from ...solver.package.schema import Array, IntArray, Interface, ModalPackage, SectionData
+from ...solver.package.second_order import MOST_MODES, second_order_from_stations
 from ..modes import EigenSolver, Modes, reduced_modes
 from .accuracy import coarse_mesh_warnings, frequency_error
 from .line import BeamLine, node_positions
-from .reduction import reference_condition, static_loads
+from .reduction import held_dofs, reference_condition, static_loads
 from .resultants import shape_resultants
+from .second_order import SecondOrderFields, second_order_fields
 from .spec import BeamSpec, SpecError
 from .stations import mass_stations, nodal_mass
 from .theory import section_stiffness
@@ -88,6 +90,10 @@ def beam_package(
     n, m = line.n_node, len(modes.values)
     shapes_B = np.ascontiguousarray(np.moveaxis(modes.columns_B.reshape(n, 6, m), 2, 0))
     stations = mass_stations(line, modes.columns_B, spec.mass_form)
+    fields = None
+    if 0 < m <= MOST_MODES:
+        held = held_dofs(spec.reference.kind, model.reference_nodes)
+        fields = second_order_fields(line, modes.columns_B, stations, spec.mass_form, held)
     node_mass, node_inertia_B = nodal_mass(line)
     frequencies = np.sqrt(modes.values)
     first = np.arange(n - 1, dtype=np.int64)
@@ -109,7 +115,7 @@ def beam_package(
         node_inertia_B=node_inertia_B,
         invariants=stations.invariants(spec.mass_form),
         interfaces=tuple(
-            _interface(name, row, line.nodes_B, node_ids, shapes_B)
+            _interface(name, row, line.nodes_B, node_ids, shapes_B, fields)
             for name, row in model.node_of.items()
         ),
         reference_condition=spec.reference.kind,
@@ -119,6 +125,9 @@ def beam_package(
         ),
         mode_labels=modes.labels,
         provenance=provenance,
+        second_order=None
+        if fields is None
+        else second_order_from_stations(stations.m, stations.x_B, stations.phi_B, fields.h_B),
     )
 
 
@@ -132,7 +141,12 @@ def mode_warnings(model: BeamModel, modes: Modes) -> list[dict[str, str]]:
 
 
 def _interface(
-    name: str, row: int, nodes_B: Array, node_ids: IntArray, shapes_B: Array
+    name: str,
+    row: int,
+    nodes_B: Array,
+    node_ids: IntArray,
+    shapes_B: Array,
+    fields: SecondOrderFields | None,
 ) -> Interface:
     return Interface(
         name=name,
@@ -143,4 +157,6 @@ def _interface(
         A_BI=np.eye(3),
         phi_B=shapes_B[:, row, :3].T,
         psi_B=shapes_B[:, row, 3:].T,
+        H_B=None if fields is None else fields.node_u_B[row],
+        H_psi_B=None if fields is None else fields.node_f_B[row],
     )

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...solver.package.invariants import rigid_motions
-from ...solver.package.schema import Array
+from ...solver.package.schema import Array, IntArray
 from ..modes import Condition, HeldDofs, MeanAxis, StaticLoad
 from .line import BeamLine
 from .spec_modes import DIRECTIONS, ModeSpec
@@ -31,11 +31,18 @@ def reference_condition(
     ModeError : a mean axis of a body without inertia about some axis.
     """
     K, M = line.stiffness(), line.mass_matrix(mass_form)
-    if kind == "mean-axis":
+    held = held_dofs(kind, nodes)
+    if held is None:
         return MeanAxis(K, M, rigid_motions(line.nodes_B).reshape(6 * line.n_node, 6))
+    return HeldDofs(K, M, held)
+
+
+def held_dofs(kind: str, nodes: tuple[int, ...]) -> IntArray | None:
+    """Dofs (6,) that do not move in the frame of `reference_condition`; None of a mean axis."""
+    if kind == "mean-axis":
+        return None
     dofs = CLAMPED if kind == "clamped" else CHORD
-    held = [6 * node + dof for node, own in zip(nodes, dofs, strict=True) for dof in own]
-    return HeldDofs(K, M, np.array(held))
+    return np.array([6 * n + dof for n, own in zip(nodes, dofs, strict=True) for dof in own])
 
 
 def static_loads(

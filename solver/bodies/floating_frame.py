@@ -11,8 +11,9 @@ from ..compiled import inlined, jit
 from ..model import Model
 from ..package.schema import Array
 from ..rotations import rotation_into
-from ..triple import Triple, cross3, dot3, triple, turned, turned_back
+from ..triple import Triple, column, cross3, dot3, sum3, times3, triple, turned, turned_back
 from ..workspace import Work
+from .second_order import add_carried, add_modal_inertia, add_moments
 
 
 @inlined
@@ -32,8 +33,14 @@ def evaluate_bodies(model: Model, work: Work, y: Array) -> None:
         A, M, f = work.A[i], work.M[i], work.f[i]
         rotation_into(y[p + 3 : p + 7], A)
         q, q_d = y[p + 7 : p + 7 + m], y[c + 6 : c + 6 + m]
+        stiffened = model.second_start[i + 1] > model.second_start[i]
         _moments(model, work, i, q, q_d)
-        _inertia(model, work, i, A, q, q_d, triple(y[c + 3 : c + 6]), M, f)
+        if stiffened:
+            add_moments(model, work, i, q, q_d)
+            add_carried(model, work, i, q, q_d)
+        _inertia(model, work, i, A, q_d, triple(y[c + 3 : c + 6]), M, f)
+        if stiffened:
+            add_modal_inertia(model, work, i, q, q_d)
         two = model.square_start[i]
         for k in range(m):
             spring, damping = 0.0, 0.0
@@ -46,9 +53,14 @@ def evaluate_bodies(model: Model, work: Work, y: Array) -> None:
 
 @inlined
 def _moments(model: Model, work: Work, i: int, q: Array, q_d: Array) -> None:
-    """Fill D = sum m b_a phi_bk and R = sum m bdot_a phi_bk, rows 3 a + b, of body i."""
+    """Fill the moments of mass of body i, moved linearly, that `_inertia` is made of.
+
+    D = sum m b_a phi_bk and R = sum m bdot_a phi_bk, rows 3 a + b; B = sum m b b',
+    P = sum m b bdot'; the first moment, sum m b, its rates, and its slope C = sum m phi.
+    """
     m = model.n_mode[i]
     one, two = 9 * model.mode_start[i], 9 * model.square_start[i]
+    D, S, first = work.D, 3 * model.mode_start[i], work.first
     for ab in range(9):
         for k in range(m):
             d, r = 0.0, 0.0
@@ -58,8 +70,23 @@ def _moments(model: Model, work: Work, i: int, q: Array, q_d: Array) -> None:
                 for j in range(m):
                     d += model.T11[row + j] * q[j]
                     r += model.T11[row + j] * q_d[j]
-            work.D[ab, k] = d
+            D[ab, k] = d
             work.R[ab, k] = r
+    for a in range(3):
+        moment, rate = model.S0[i, a], 0.0
+        for k in range(m):
+            c = model.S[S + a * m + k]
+            work.C[a, k] = c
+            moment += c * q[k]
+            rate += c * q_d[k]
+        first[0, a], first[1, a], first[2, a] = moment, rate, 0.0
+        work.twist[a] = 0.0
+        for b in range(3):
+            s, r = model.T00[i, a, b], 0.0
+            for k in range(m):
+                s += model.T01[one + (3 * b + a) * m + k] * q[k] + D[3 * a + b, k] * q[k]
+                r += D[3 * a + b, k] * q_d[k]
+            work.B[a, b], work.P[a, b] = s, r
 
 
 @jit
@@ -74,7 +101,6 @@ def _inertia(
     work: Work,
     i: int,
     A: Array,
-    q: Array,
     q_d: Array,
     w: Triple,
     M: Array,
@@ -82,32 +108,15 @@ def _inertia(
 ) -> None:
     """Fill the lower triangle of M (6 + m, 6 + m) and f (6 + m,), stiffness left out."""
     m = model.n_mode[i]
-    one, two = model.mode_start[i], model.square_start[i]
-    D, R, S, B = work.D, work.R, 3 * model.mode_start[i], work.B
+    two, S = model.square_start[i], 3 * model.mode_start[i]
+    D, R, C, B, P = work.D, work.R, work.C, work.B, work.P
     mass, J_psi = model.mass[i], model.J_psi
-    # B = sum m b b', P = sum m b bdot', first = sum m b
-    b0, b1, b2 = triple(model.S0[i])
-    d0, d1, d2 = 0.0, 0.0, 0.0
+    first, first_d, first_dd = triple(work.first[0]), triple(work.first[1]), triple(work.first[2])
     e0, e1, e2 = 0.0, 0.0, 0.0  # J_psi qdot
     for k in range(m):
-        b0 += model.S[S + k] * q[k]
-        b1 += model.S[S + m + k] * q[k]
-        b2 += model.S[S + 2 * m + k] * q[k]
-        d0 += model.S[S + k] * q_d[k]
-        d1 += model.S[S + m + k] * q_d[k]
-        d2 += model.S[S + 2 * m + k] * q_d[k]
         e0 += J_psi[S + k] * q_d[k]
         e1 += J_psi[S + m + k] * q_d[k]
         e2 += J_psi[S + 2 * m + k] * q_d[k]
-    first, first_d = (b0, b1, b2), (d0, d1, d2)
-    P = work.P
-    for a in range(3):
-        for b in range(3):
-            s, r = model.T00[i, a, b], 0.0
-            for k in range(m):
-                s += model.T01[9 * one + (3 * b + a) * m + k] * q[k] + D[3 * a + b, k] * q[k]
-                r += D[3 * a + b, k] * q_d[k]
-            B[a, b], P[a, b] = s, r
     trace = B[0, 0] + B[1, 1] + B[2, 2]
     trace_P = P[0, 0] + P[1, 1] + P[2, 2]
     for a in range(3):
@@ -123,15 +132,15 @@ def _inertia(
     g_B = turned_back(A, triple(model.gravity_G))
     ww = dot3(w, w)
     for k in range(m):
-        S_k = (model.S[S + k], model.S[S + m + k], model.S[S + 2 * m + k])
-        M[6 + k, 0], M[6 + k, 1], M[6 + k, 2] = turned(A, S_k)
+        C_k = column(C, k)
+        M[6 + k, 0], M[6 + k, 1], M[6 + k, 2] = turned(A, C_k)
         c = _axial(D, k)
         M[6 + k, 3] = c[0] + J_psi[S + k]
         M[6 + k, 4] = c[1] + J_psi[S + m + k]
         M[6 + k, 5] = c[2] + J_psi[S + 2 * m + k]
         for j in range(k + 1):
             M[6 + k, 6 + j] = model.M_qq[two + k * m + j]
-        f_k = dot3(S_k, g_B) - 2.0 * dot3(w, _axial(R, k))
+        f_k = dot3(C_k, g_B) - 2.0 * dot3(w, _axial(R, k))
         for a in range(3):
             f_k += ww * D[4 * a, k]
             for b in range(3):
@@ -145,10 +154,11 @@ def _inertia(
     spin = cross3(w, (h0, h1, h2))
     coriolis = turned_back(P, w)
     u, v = cross3(w, cross3(w, first)), cross3(w, first_d)
-    s_r = turned(A, (u[0] + 2.0 * v[0], u[1] + 2.0 * v[1], u[2] + 2.0 * v[2]))
+    s_r = sum3(u, sum3(times3(2.0, v), first_dd))
+    s_r = turned(A, s_r)
     for a in range(3):
         f[a] = mass * model.gravity_G[a] - s_r[a]
-        f[3 + a] = arm[a] - spin[a] + 2.0 * (coriolis[a] - trace_P * w[a])
+        f[3 + a] = arm[a] - spin[a] + 2.0 * (coriolis[a] - trace_P * w[a]) - work.twist[a]
 
 
 @jit

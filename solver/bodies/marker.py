@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..compiled import inlined, jit
+from ..compiled import inlined, jit, lean
 from ..model import Model
 from ..package.schema import Array
 from ..rotations import rotation_into, tangent_coefficients
@@ -26,6 +26,7 @@ from .motion import (
     put,
     stand,
 )
+from .second_order import bend_marker
 
 
 class Marker(NamedTuple):
@@ -80,13 +81,13 @@ def single_motion(model: Model, k: int, y: Array) -> tuple[Array, Array]:
     return motion, J_m
 
 
-@jit
+@lean
 def _move(model: Model, k: int, y: Array, A: Array, motion: Array, J_m: Array) -> None:
     """Fill motion (24,) and Jacobian J_m (6, n) of marker k on a body with rotation matrix A.
 
-    Translation x = r + A (x_k + phi q) is linear in the modes. The rotation
-    psi q is taken as a finite rotation vector, so that a marker's axes stay
-    orthonormal and its angular velocity is the exact rate of them.
+    Translation x = r + A (x_k + phi q) is linear in the modes, or of second order on a
+    stiffened body (second_order.py). The rotation psi q is taken as a finite rotation vector,
+    so that a marker's axes stay orthonormal and its angular velocity is the exact rate of them.
     """
     body = model.marker_body[k]
     m = model.n_mode[body]
@@ -98,6 +99,14 @@ def _move(model: Model, k: int, y: Array, A: Array, motion: Array, J_m: Array) -
     d0, d1, d2 = 0.0, 0.0, 0.0
     t0, t1, t2 = 0.0, 0.0, 0.0
     u0, u1, u2 = 0.0, 0.0, 0.0
+    b_dd = theta_dd = (0.0, 0.0, 0.0)  # of second order, at steady modal rates
+    bends = model.marker_second[k] >= 0
+    if bends:
+        modes, rates = y[i + 7 : i + 7 + m], y[j + 6 : j + 6 + m]
+        h, h_d, b_dd = bend_marker(model, k, 0, modes, rates, J_m)
+        b0, b1, b2 = sum3((b0, b1, b2), h)
+        d0, d1, d2 = h_d
+        (t0, t1, t2), (u0, u1, u2), theta_dd = bend_marker(model, k, 3, modes, rates, J_m)
     for n in range(m):
         q, q_d = y[i + 7 + n], y[j + 6 + n]
         p0 = model.marker_phi[s + n]
@@ -109,7 +118,10 @@ def _move(model: Model, k: int, y: Array, A: Array, motion: Array, J_m: Array) -
         d0 += p0 * q_d
         d1 += p1 * q_d
         d2 += p2 * q_d
-        put_column(J_m, 0, 6 + n, turned(A, (p0, p1, p2)))
+        slope = (p0, p1, p2)
+        if bends:
+            slope = sum3(slope, column(J_m, 6 + n))
+        put_column(J_m, 0, 6 + n, turned(A, slope))
         p0 = model.marker_psi[s + n]
         p1 = model.marker_psi[s + m + n]
         p2 = model.marker_psi[s + 2 * m + n]
@@ -129,6 +141,8 @@ def _move(model: Model, k: int, y: Array, A: Array, motion: Array, J_m: Array) -
     c = cross3(theta, theta_d)
     c_2, c_3 = cross3(theta, c), cross3(theta_d, c)
     rate = cross3(w, spin)
+    if bends:
+        rate = sum3(rate, about(theta, 1.0 - square * cb, ca, cb, theta_dd))
     rate = (
         rate[0] + square_d * (da * c[0] + db * c_2[0]) + cb * c_3[0],
         rate[1] + square_d * (da * c[1] + db * c_2[1]) + cb * c_3[1],
@@ -147,13 +161,20 @@ def _move(model: Model, k: int, y: Array, A: Array, motion: Array, J_m: Array) -
         p0 = model.marker_psi[s + n]
         p1 = model.marker_psi[s + m + n]
         p2 = model.marker_psi[s + 2 * m + n]
-        turn = about(theta, 1.0 - square * cb, ca, cb, (p0, p1, p2))
+        slope = (p0, p1, p2)
+        if bends:
+            slope = sum3(slope, (J_m[3, 6 + n], J_m[4, 6 + n], J_m[5, 6 + n]))
+        turn = about(theta, 1.0 - square * cb, ca, cb, slope)
         put_column(J_m, 3, 6 + n, turned(A, turn))
     put(motion, PLACE, sum3(triple(y[i : i + 3]), turned(A, b)))
     wb = cross3(w, b)
     put(motion, VELOCITY, sum3(triple(y[j : j + 3]), turned(A, sum3(wb, b_d))))
     put(motion, SPIN, turned(A, sum3(w, spin)))
     z, x = cross3(w, wb), cross3(w, b_d)
-    inward = (z[0] + 2.0 * x[0], z[1] + 2.0 * x[1], z[2] + 2.0 * x[2])
+    inward = (
+        z[0] + 2.0 * x[0] + b_dd[0],
+        z[1] + 2.0 * x[1] + b_dd[1],
+        z[2] + 2.0 * x[2] + b_dd[2],
+    )
     put(motion, ACCELERATION, turned(A, inward))
     put(motion, SPIN_RATE, turned(A, rate))

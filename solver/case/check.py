@@ -143,7 +143,10 @@ def _signal(
     mechanism: Mechanism,
 ) -> list[str]:
     if isinstance(signal, PointSignal):
-        return check_place(f"{key}.at", signal.at, mechanism, ground=False)
+        found = check_place(f"{key}.at", signal.at, mechanism, ground=False)
+        if signal.seen_from is not None:
+            found += check_place(f"{key}.seen_from", signal.seen_from, mechanism, ground=False)
+        return found
     if isinstance(signal, JointSignal | ReactionSignal):
         if signal.joint not in mechanism.joints:
             hint = nearest(signal.joint, mechanism.joints)

@@ -72,6 +72,10 @@ class Ramp(Table):
     duration: float = Field(
         gt=0, description="time until it is reached", json_schema_extra=unit("s")
     )
+    shape: Literal["polynomial", "sine"] = Field(
+        default="polynomial",
+        description="of the speed: smooth step of degree 5, or t/T - sin(2 pi t/T)/(2 pi)",
+    )
 
 
 class SmoothStep(Table):

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from ..input.table import Name, Pair, Table, unit
 
@@ -34,7 +34,25 @@ class PointSignal(_Measured):
         "to the body frame, in its axes"
     )
     at: str = Field(description='"BODY.INTERFACE"')
+    seen_from: str | None = Field(
+        default=None,
+        description="of a deflection: another interface of the body, with whose axes (those of "
+        "the body at rest) it is seen; absent: the body frame. Frames that stand elsewhere on a "
+        "body give another deflection, this one is the same in all",
+    )
     component: Component = Field(description="axis")
+
+    @model_validator(mode="after")
+    def _same_body(self) -> "PointSignal":
+        if self.seen_from is None:
+            return self
+        if self.kind != "deflection":
+            raise ValueError(f"expected `seen_from` with kind deflection only, found {self.kind}")
+        if self.seen_from.split(".")[0] != self.at.split(".")[0]:
+            raise ValueError(
+                f'seen_from = "{self.seen_from}": expected an interface of the body of {self.at}'
+            )
+        return self
 
 
 class JointSignal(_Measured):

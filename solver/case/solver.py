@@ -98,3 +98,8 @@ class Solver(Table):
         default="stop",
         description="when a linear body stops being valid: end the run there, or go on",
     )
+    geometric_stiffening: bool = Field(
+        default=False,
+        description="second-order displacements of flexible bodies, for bodies that spin fast or "
+        "bend far: stiffening.md; a body whose package has none stays linear, with a warning",
+    )

@@ -75,8 +75,9 @@ def build(mechanism: dict[str, Any], packages: dict[str, ModalPackage]) -> Built
 
 
 def _bodies(mechanism: dict[str, Any], packages: dict[str, ModalPackage]) -> list[Body]:
+    stiffening = bool(mechanism["solver"].get("geometric_stiffening", False))
     return [
-        flexible_body(name, packages[name])
+        flexible_body(name, packages[name], stiffening=stiffening)
         if name in packages
         else rigid_body(name, t["mass"], np.array(t["centre"]), np.array(t["inertia"]))
         for name, t in mechanism["bodies"].items()

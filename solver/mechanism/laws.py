@@ -18,7 +18,9 @@ def law_of(table: dict[str, Any]) -> Law:
     if "polynomial" in given:
         return laws.polynomial(given["polynomial"])
     if "ramp" in given:
-        return laws.ramp(given["ramp"]["speed"], given["ramp"]["duration"], offset)
+        rise = given["ramp"]
+        sine = rise.get("shape") == "sine"
+        return laws.ramp(rise["speed"], rise["duration"], offset, sine=sine)
     if "smooth_step" in given:
         step = given["smooth_step"]
         return laws.smooth_step(step["value"], step["duration"], step["start"])

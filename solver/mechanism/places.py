@@ -55,7 +55,9 @@ class Places:
             raise InputError(f'{key} = "{place}": no such interface{hint}')
         body, at = self.known[place]
         A_BM = self.A_start[body].T @ A_GM
-        return self._add(MarkerTable(body, at.position_B, A_BM, at.phi_B, at.psi_B))
+        return self._add(
+            MarkerTable(body, at.position_B, A_BM, at.phi_B, at.psi_B, at.H_B, at.H_psi_B)
+        )
 
     def ground_axes(self) -> int:
         """Add a marker with the global axes, for loads of fixed direction."""

@@ -25,6 +25,11 @@ from .layout import (
 from .recovery_checks import check_recovery, check_stations
 from .recovery_data import RECOVERY_LAYOUT, RECOVERY_SIZED_BY
 from .schema import MASS_FORMS, MODE_KINDS, REFERENCE_CONDITIONS, ModalPackage
+from .second_order import (
+    INTERFACE_SECOND_ORDER_LAYOUT,
+    SECOND_ORDER_LAYOUT,
+    check_second_order,
+)
 
 INTERFACE_KINDS = ("node", "average")
 SIZED_BY = {
@@ -52,9 +57,15 @@ def layout_findings(group: h5py.Group) -> list[Finding]:
                 continue
             findings += missing_or_mistyped(sub, specs)
             findings += misshaped(sub, specs, sizes | defined_sizes(sub, count))
+            if parent == "interfaces" and "second_order" in group:
+                findings += missing_or_mistyped(sub, INTERFACE_SECOND_ORDER_LAYOUT)
+                findings += misshaped(sub, INTERFACE_SECOND_ORDER_LAYOUT, sizes)
             if parent == "sections" and "recovery" in sub:
                 findings += missing_or_mistyped(sub, RECOVERY_LAYOUT)
                 findings += misshaped(sub, RECOVERY_LAYOUT, defined_sizes(sub, RECOVERY_SIZED_BY))
+    if "second_order" in group:
+        findings += missing_or_mistyped(group, SECOND_ORDER_LAYOUT)
+        findings += misshaped(group, SECOND_ORDER_LAYOUT, sizes)
     if "recovery" in group:
         findings += missing_or_mistyped(group, BODY_RECOVERY_LAYOUT)
         stations = sizes | defined_sizes(group, {"s": "recovery/station_x"})
@@ -116,4 +127,5 @@ def content_findings(package: ModalPackage) -> list[Finding]:
         if unknown:
             error(f"{where}/node_ids", f"no node has the identifier {unknown[0]}")
         rotations(f"{where}/A_BI", interface.A_BI, error)
+    check_second_order(package, error)
     return bad

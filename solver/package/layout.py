@@ -18,6 +18,7 @@ from .identity import FileFormat
 from .laminate_data import CELL_LAYOUT, LAMINATE_LAYOUT
 from .recovery_data import RECOVERY_LAYOUT
 from .schema import FORMAT, FORMAT_VERSION, ModalPackage
+from .second_order import INTERFACE_SECOND_ORDER_LAYOUT, SECOND_ORDER_LAYOUT
 
 GROUP = "modal_package"
 MODAL_PACKAGE = FileFormat(FORMAT, FORMAT_VERSION, GROUP, "body")
@@ -93,7 +94,12 @@ def documented_layout() -> tuple[DatasetSpec, ...]:
     """Return every dataset of the format, names of interfaces, sections, laminates as <...>."""
     groups = (
         ("", BODY_LAYOUT),
+        ("", tuple(replace(row, optional=True) for row in SECOND_ORDER_LAYOUT)),
         ("interfaces/<interface>/", INTERFACE_LAYOUT),
+        (
+            "interfaces/<interface>/",
+            tuple(replace(row, optional=True) for row in INTERFACE_SECOND_ORDER_LAYOUT),
+        ),
         ("sections/<section>/", SECTION_LAYOUT),
         ("sections/<section>/", tuple(replace(row, optional=True) for row in RECOVERY_LAYOUT)),
         ("", tuple(replace(row, optional=True) for row in BODY_RECOVERY_LAYOUT)),

@@ -33,8 +33,10 @@ from .schema import (
     Invariants,
     ModalPackage,
     PackageError,
+    SecondOrder,
     SectionData,
 )
+from .second_order import INTERFACE_SECOND_ORDER_LAYOUT, SECOND_ORDER_LAYOUT
 
 
 def read_package(path: str | Path) -> ModalPackage:
@@ -90,6 +92,11 @@ def load(file: h5py.File) -> ModalPackage:
                 name=g.name.rsplit("/", 1)[1],
                 kind=get_text(g, "kind", "node"),
                 **{s.path: read_dataset(g[s.path], s) for s in INTERFACE_LAYOUT},
+                **{
+                    s.path: read_dataset(g[s.path], s)
+                    for s in INTERFACE_SECOND_ORDER_LAYOUT
+                    if s.path in g
+                },
             )
             for g in _ordered(group, "interfaces")
         ),
@@ -99,9 +106,18 @@ def load(file: h5py.File) -> ModalPackage:
         laminates=tuple(_laminate(file, g) for g in _ordered(group, "laminates")),
         cell_resultants=_cell_resultants(group),
         mode_labels=data.get("modes/labels", ()),
+        second_order=_second_order(group),
         provenance=json_table(
             f"{file.filename}: attribute provenance", get_text(file, "provenance", "{}")
         ),
+    )
+
+
+def _second_order(group: h5py.Group) -> SecondOrder | None:
+    if "second_order" not in group:
+        return None
+    return SecondOrder(
+        **{s.path.split("/")[1]: read_dataset(group[s.path], s) for s in SECOND_ORDER_LAYOUT}
     )
 
 

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 FORMAT = "plymotion modal package"
-FORMAT_VERSION = (1, 2)
+FORMAT_VERSION = (1, 3)
 
 MODE_KINDS = ("rigid", "fixed_normal", "constraint", "attachment", "residual", "experimental")
 REFERENCE_CONDITIONS = ("clamped", "chord", "mean-axis")
@@ -53,6 +53,19 @@ class Invariants:
 
 
 @dataclass(frozen=True)
+class SecondOrder:
+    """Sums over the mass stations of `Invariants` with their second-order translation h_k.
+
+    A station moves to x + phi q + 1/2 q' h q, h (3, m, m) symmetric in the modes.
+    """
+
+    Z0_B: Array  # (3, m, m)    sum m h_a,ij                [kg m]
+    Z1_B: Array  # (3, 3, m, m) sum m x_a h_b,ij            [kg m2]
+    G3: Array  # (m, m, m)      sum m phi_i . h_jk          [kg m2]
+    G4: Array  # (m, m, m, m)   sum m h_ij . h_kl           [kg m2]
+
+
+@dataclass(frozen=True)
 class Interface:
     """A named place where joints, loads and masses attach."""
 
@@ -64,6 +77,9 @@ class Interface:
     A_BI: Array  # (3, 3) interface axes to body axes       [-]
     phi_B: Array  # (3, m) translation per unit mode        [m]
     psi_B: Array  # (3, m) rotation per unit mode           [rad]
+    # With second-order data only: translation phi q + 1/2 q' H q, rotation vector likewise.
+    H_B: Array | None = None  # (3, m, m)                   [m]
+    H_psi_B: Array | None = None  # (3, m, m)               [rad]
 
 
 @dataclass(frozen=True)
@@ -120,6 +136,7 @@ class ModalPackage:
     laminates: "tuple[LaminateData, ...]" = ()
     cell_resultants: "CellResultants | None" = None
     mode_labels: tuple[str, ...] = ()  # e.g. "bending-xy 1"
+    second_order: SecondOrder | None = None
     provenance: dict[str, Any] = field(default_factory=dict)
 
     @property

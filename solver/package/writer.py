@@ -23,6 +23,11 @@ from .layout import (
 )
 from .recovery_data import RECOVERY_LAYOUT, recovery_sizes, recovery_values
 from .schema import ModalPackage, PackageError
+from .second_order import (
+    INTERFACE_SECOND_ORDER_LAYOUT,
+    SECOND_ORDER_LAYOUT,
+    second_order_values,
+)
 from .vtk_view import create_grid, describe, part_view
 
 
@@ -65,6 +70,12 @@ def _write_body(path: Path, group: h5py.Group, package: ModalPackage) -> None:
         for spec in INTERFACE_LAYOUT:
             k = {"k": len(interface.node_ids)}
             write_dataset(path, sub, spec, getattr(interface, spec.path), sizes | k)
+        for spec in INTERFACE_SECOND_ORDER_LAYOUT if package.second_order else ():
+            write_dataset(path, sub, spec, getattr(interface, spec.path), sizes)
+    if package.second_order is not None:
+        second = second_order_values(package.second_order)
+        for spec in SECOND_ORDER_LAYOUT:
+            write_dataset(path, group, spec, second[spec.path], sizes, compressed=True)
     for index, section in enumerate(package.sections):
         sub = _named_group(path, group, "sections", section.name, index)
         for spec in SECTION_LAYOUT:

@@ -7,7 +7,8 @@ import numpy as np
 
 from ..mechanism import BuiltMechanism
 from ..package.schema import Array
-from ..rotations import matrix_to_vector
+from ..recover import elastic_motion, stiffened
+from ..rotations import matrix_to_vector, vector_to_matrix
 from .recording import Recording
 
 POINT_UNITS = {
@@ -27,9 +28,7 @@ def point_values(
     """Return what gives the vectors (k, 3) of a signal of a place."""
     kind = table["kind"]
     if kind in ("deflection", "rotation"):
-        body, interface = built.places[table["at"]]
-        shapes = interface.phi_B if kind == "deflection" else interface.psi_B
-        return lambda recording: recording.modes(body) @ shapes.T
+        return _elastic(built, table)
     marker = built.signal_marker[name]
     if kind == "position":
         return lambda recording: np.array([m.x for m in recording.motions(marker)])
@@ -40,6 +39,27 @@ def point_values(
     if kind == "acceleration":
         return lambda recording: recording.acceleration(marker)
     return lambda recording: rotation_vectors([m.A for m in recording.motions(marker)])
+
+
+def _elastic(built: BuiltMechanism, table: dict[str, Any]) -> Callable[[Recording], Array]:
+    """Return what gives the deflection or elastic rotation (k, 3) of an interface."""
+    body, at = built.places[table["at"]]
+    second_order = stiffened(built.model, body)
+    if table["kind"] == "rotation":
+        return lambda recording: elastic_motion(at, recording.modes(body), second_order)[1]
+    if table.get("seen_from") is None:
+        return lambda recording: elastic_motion(at, recording.modes(body), second_order)[0]
+    _, eye = built.places[table["seen_from"]]
+    arm = at.position_B - eye.position_B
+
+    def seen(recording: Recording) -> Array:
+        q = recording.modes(body)
+        u, _ = elastic_motion(at, q, second_order)
+        u_eye, turn = elastic_motion(eye, q, second_order)
+        turned = np.array([vector_to_matrix(theta) for theta in turn])
+        return np.asarray(np.einsum("kba,kb->ka", turned, arm + u - u_eye) - arm)
+
+    return seen
 
 
 def rotation_vectors(matrices: list[Array]) -> Array:

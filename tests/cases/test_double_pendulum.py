@@ -227,3 +227,22 @@ def test_output_that_cannot_be_written_is_an_error_with_words(build, capsys):
     run = str(build / "runs/isotropic-soft-free.json")
     assert main(["run", run, "--out", str(build / "out"), "--quiet"]) == 2
     assert "out: File exists" in capsys.readouterr().err
+
+
+def test_stiffened_soft_pendulum_completes_against_geometrically_exact_beams(build, reference):
+    """The run that no linear body survives: chord frames, two static and two vibration modes."""
+    expected = reference["isotropic-soft-free"]
+    spec = read_run(build / "runs/isotropic-soft-free-stiffened.json")
+    result, summary = execute(spec, progress=False)
+    assert summary["completed"]
+    assert summary["checks"]["modes_used"] == {"arm": 4, "hand": 4}
+    signals = {s.name: s.values for s in result.signals}
+    tip = np.array([signals["tip_x"][-1], signals["tip_y"][-1]])
+    assert np.linalg.norm(tip - expected["tip"]) < expected["stiffened_chord_tip_tolerance"]
+    middle = 0.2725 * np.abs(signals["arm_mid"]).max()  # the signal is over half the length
+    assert abs(middle / expected["arm_mid"] - 1.0) < expected["arm_mid_tolerance"]
+    assert summary["checks"]["energy_drift_relative"] < 1e-7
+    assert summary["checks"]["momentum_balance"] < 1e-9
+    codes = [warning["code"] for warning in summary["warnings"]]
+    assert "elastic-rotation-large" in codes
+    assert not {SPIN_CODE, "buckling-by-motion", "stiffening-matters"} & set(codes)

@@ -1,0 +1,104 @@
+"""Geometric stiffening: what an evaluation costs, and what the soft double pendulum gains.
+
+    python benchmarks/stiffening.py [--cost]
+
+Prints the time of one evaluation of the equations of the double pendulum (two bodies) with linear
+and with stiffened bodies, medians of interleaved batches in compiled code, and the errors of the
+variant `soft-free` against geometrically exact beams for several frames and modes. `--cost` leaves
+the errors out, which take some minutes.
+"""
+
+import argparse
+import sys
+import time
+import tomllib
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "tests"))
+
+from flexible_samples import simulate  # noqa: E402
+from stiffening_samples import CHORD, CLAMPED, soft_modes, soft_pendulum  # noqa: E402
+
+from plymotion.solver.compiled import COMPILED, jit  # noqa: E402
+from plymotion.solver.model import Model  # noqa: E402
+from plymotion.solver.package.schema import Array  # noqa: E402
+from plymotion.solver.system import derivative_into  # noqa: E402
+from plymotion.solver.workspace import Work, new_work  # noqa: E402
+
+BATCHES = 41
+CASES = (
+    ("chord, 2 static + 2 vibrations", CHORD, soft_modes(2), 1),
+    ("the same + static axial", CHORD, soft_modes(2, axial=True), 1),
+    ("clamped, 2 vibrations", CLAMPED, soft_modes(2, static=False), 1),
+    ("clamped, 3 vibrations", CLAMPED, soft_modes(3, static=False), 1),
+    ("arm in two, 2 static + static axial each", CHORD, soft_modes(0, axial=True), 2),
+)
+
+
+@jit
+def _many(model: Model, work: Work, y: Array, out: Array, count: int) -> None:
+    for k in range(count):
+        derivative_into(model, work, 1e-6 * k, y, out)
+
+
+def cost(n_mode: int) -> tuple[float, float]:
+    """Median time of one evaluation with n modes a body, linear and stiffened [us]."""
+    pendulum = soft_pendulum(CHORD, soft_modes(n_mode - 2), elements=16)
+    stiffened = pendulum.model
+    linear = stiffened._replace(
+        second_start=np.zeros_like(stiffened.second_start),
+        marker_second=np.full_like(stiffened.marker_second, -1),
+    )
+    count = 2000 if COMPILED else 20
+    times: dict[int, list[float]] = {0: [], 1: []}
+    y, out = pendulum.y0, np.empty_like(pendulum.y0)
+    y[linear.n_pos :] += 0.1 * np.random.default_rng(0).normal(size=y.size - linear.n_pos)
+    works = [new_work(linear), new_work(stiffened)]
+    for _ in range(BATCHES):
+        for k, model in enumerate((linear, stiffened)):
+            begin = time.process_time()
+            _many(model, works[k], y, out, count)
+            times[k].append(1e6 * (time.process_time() - begin) / count)
+    return float(np.median(times[0][1:])), float(np.median(times[1][1:]))
+
+
+def errors() -> None:
+    """Tip at 1 s and the largest deflection of the arm's middle, frame by frame."""
+    file = ROOT / "tests/reference/dynamics/double_pendulum.toml"
+    known = tomllib.loads(file.read_text())["isotropic-soft-free"]
+    times = np.linspace(0.0, 1.0, 1001)
+    turn = 20.0 * times
+    print(f"\n{'soft-free':<44}{'tip error [mm]':>16}{'arm mid [%]':>13}{'CPU [s]':>9}")
+    for name, reference, modes, arms in CASES:
+        pendulum = soft_pendulum(reference, modes, arms=arms)
+        begin = time.process_time()
+        states = simulate(pendulum.model, pendulum.y0, times, rtol=1e-6)
+        spent = time.process_time() - begin
+        tip = pendulum.place(pendulum.tip, states[-1])[:2]
+        middle = np.array([pendulum.place(pendulum.middle, y) for y in states])
+        across = np.cos(turn) * middle[:, 1] - np.sin(turn) * middle[:, 0]
+        error = 1e3 * np.linalg.norm(tip - known["tip"])
+        share = 100.0 * (np.abs(across).max() / known["arm_mid"] - 1.0)
+        print(f"{name:<44}{error:>16.2f}{share:>13.2f}{spent:>9.1f}", flush=True)
+
+
+def main() -> None:
+    """Print both tables."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--cost", action="store_true", help="only the cost of an evaluation")
+    only_cost = parser.parse_args().cost
+    print(f"compiled: {COMPILED}; one evaluation of the double pendulum, us")
+    print(f"{'modes':>5}{'linear':>10}{'stiffened':>11}{'added':>8}")
+    for n_mode in (2, 4, 6, 8):
+        linear, stiffened = cost(n_mode)
+        added = 100.0 * (stiffened / linear - 1.0)
+        print(f"{n_mode:>5}{linear:>10.2f}{stiffened:>11.2f}{added:>7.0f}%", flush=True)
+    if not only_cost:
+        errors()
+
+
+if __name__ == "__main__":
+    main()

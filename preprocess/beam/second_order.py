@@ -1,0 +1,167 @@
+"""Second-order displacements of a beam's modes, by quadrature of its own interpolation.
+
+A section that is displaced by u and turned by the rotation vector f, R = exp(f~), has the exact
+strains R'(e1 + u') - e1 and axial(R'R'). To second order in u and f they are those of the linear
+element plus
+
+    - f x u' + 1/2 f x (f x e1)       and       - 1/2 f x f'.
+
+The modes give the strains to first order. The second-order displacement u2, f2 is what keeps the
+strains at that: the section laws then hold in the turned axes of each section, and the strain
+energy stays 1/2 q' K q:
+
+    f2' = 1/2 f x f',       u2' = f2 x e1 + f x u' - 1/2 f x (f x e1).
+
+In slender bending u2_1' = -1/2 (v'^2 + w'^2), the beam is drawn in; bending with twist and bending
+in two planes turn the section and move the line sideways. All is a quadrature along the line
+whatever the stiffness is, because a straight beam held by six dofs is statically determinate;
+u and f are polynomials in an element, and the quadrature is exact.
+
+Written as q' (.) q / 2, a field is a table symmetric in two modes. Frames see the displacement that
+fulfils their condition to second order too: a rigid motion is taken off.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...solver.package.invariants import rigid_motions
+from ...solver.package.schema import Array, IntArray
+from .element import MASS_POINTS, Z, gauss
+from .line import BeamLine
+from .stations import Stations
+
+POINTS = 5  # the slopes of u2 and f2 have degree 4 in x: that of the polynomial through 5 points
+E1 = np.array([1.0, 0.0, 0.0])
+
+
+@dataclass(frozen=True)
+class SecondOrderFields:
+    """Second-order fields of a beam, symmetric in their last two indices, the modes; body axes.
+
+    Attributes
+    ----------
+    h_B : (k, 3, m, m) translation of the mass stations' centres [m]
+    node_u_B, node_f_B : (n, 3, m, m) translation and rotation vector of the nodes [m, rad]
+    """
+
+    h_B: Array
+    node_u_B: Array
+    node_f_B: Array
+
+
+def second_order_fields(
+    line: BeamLine, columns_B: Array, stations: Stations, mass_form: str, held: IntArray | None
+) -> SecondOrderFields:
+    """Second-order fields of modes seen from their frame.
+
+    Parameters
+    ----------
+    line : the beam
+    columns_B : (6 n, m) nodal displacements and rotations of the modes, body axes [m, rad]
+    stations : mass stations of these modes
+    mass_form : that of the stations
+    held : (6,) dofs that the frame stands on; None of a mean axis
+    """
+    nodes_E, points_E = _from_first_node(line, columns_B, mass_form)
+    centre_E = line.section_mass.centre_E
+    u, f, first = points_E
+    h_E = u + _cross(f, centre_E, 1) + 0.5 * _both(first, _cross(first, centre_E, 1))
+    h_B, node_u_B, node_f_B, turn_B = (
+        np.einsum("ab,kbij->kaij", line.A_BE, part) for part in (h_E, *nodes_E, f)
+    )
+    nodal = np.concatenate([node_u_B, node_f_B], axis=1)
+    rigid = rigid_motions(line.nodes_B)
+    if held is None:
+        motion = _mean_motion(stations, h_B, turn_B)
+    else:
+        flat = nodal.reshape(6 * line.n_node, -1)
+        motion = np.linalg.solve(rigid.reshape(-1, 6)[held], flat[held])
+        motion = motion.reshape(6, *nodal.shape[2:])
+    nodal = nodal - np.einsum("kab,bij->kaij", rigid, motion)
+    h_B = h_B - np.einsum("kab,bij->kaij", rigid_motions(stations.x_B)[:, :3], motion)
+    return SecondOrderFields(h_B, nodal[:, :3], nodal[:, 3:])
+
+
+def _from_first_node(
+    line: BeamLine, columns_B: Array, mass_form: str
+) -> tuple[tuple[Array, Array], tuple[Array, Array, Array]]:
+    """Fields that vanish at the first node, section axes.
+
+    Returns u2, f2 (n, 3, m, m) at the nodes, and u2, f2 and the rotation f (k, 3, m) of the modes
+    at the mass stations.
+    """
+    nodal_E = line.to_element(columns_B)
+    m = columns_B.shape[1]
+    n_element = line.n_node - 1
+    ends = np.zeros((n_element, 2, 3, m, m))  # what an element adds to u2 and f2
+    inner = []
+    for element, numbers in line.spans:
+        x, w = gauss(element.length, POINTS)
+        d = np.einsum("gai,eim->egam", element.shape(x), nodal_E[numbers], optimize=True)
+        strain = np.einsum("gai,eim->egam", element.strain(x), nodal_E[numbers], optimize=True)
+        slope = strain + np.einsum("ab,egbm->egam", Z, d)
+        f, u_slope, f_slope = d[:, :, 3:], slope[:, :, :3], slope[:, :, 3:]
+        f2_slope = 0.5 * _both(f, f_slope)
+        at = gauss(element.length, MASS_POINTS)[0]
+        to_points, to_stations = _integration(x, x), _integration(x, at)
+        f2 = np.einsum("gh,ehaij->egaij", to_points, f2_slope)
+        u2_slope = _cross(f2, E1, 2) + _both(f, u_slope - 0.5 * _cross(f, E1, 2))
+        ends[numbers, 0] = np.einsum("g,egaij->eaij", w, u2_slope)
+        ends[numbers, 1] = np.einsum("g,egaij->eaij", w, f2_slope)
+        if mass_form == "consistent":
+            shape = element.shape(at)[:, 3:]
+            inner.append(
+                (
+                    numbers,
+                    at,
+                    np.einsum("gh,ehaij->egaij", to_stations, u2_slope),
+                    np.einsum("gh,ehaij->egaij", to_stations, f2_slope),
+                    np.einsum("gai,eim->egam", shape, nodal_E[numbers], optimize=True),
+                )
+            )
+    node_f = np.concatenate([np.zeros((1, 3, m, m)), np.cumsum(ends[:, 1], axis=0)])
+    swept = np.diff(line.x_B)[:, None, None, None] * _cross(node_f[:-1], E1, 1)
+    node_u = np.concatenate([np.zeros((1, 3, m, m)), np.cumsum(ends[:, 0] + swept, axis=0)])
+    if mass_form == "lumped":
+        turn = np.einsum("ae,kam->kem", line.A_BE, columns_B.reshape(line.n_node, 6, m)[:, 3:])
+        return (node_u, node_f), (node_u, node_f, turn)
+    u_all, f_all, turn_all = [], [], []
+    for numbers, at, u, f, turn in inner:
+        start = _cross(node_f[numbers], E1, 1)[:, None] * at[:, None, None, None]
+        u_all.append((u + start + node_u[numbers][:, None]).reshape(-1, 3, m, m))
+        f_all.append((f + node_f[numbers][:, None]).reshape(-1, 3, m, m))
+        turn_all.append(turn.reshape(-1, 3, m))
+    stations = np.concatenate(u_all), np.concatenate(f_all), np.concatenate(turn_all)
+    return (node_u, node_f), stations
+
+
+def _mean_motion(stations: Stations, h_B: Array, turn_B: Array) -> Array:
+    """Rigid motion (6, m, m) that carries all momentum of the fields at the stations."""
+    rigid = rigid_motions(stations.x_B)
+    R, Q = rigid[:, :3], rigid[:, 3:]
+    inertia = np.einsum("k,kab,kac->bc", stations.m, R, R, optimize=True)
+    inertia += np.einsum("kab,kad,kdc->bc", Q, stations.J_B, Q, optimize=True)
+    moment = np.einsum("k,kab,kaij->bij", stations.m, R, h_B, optimize=True)
+    moment += np.einsum("kab,kad,kdij->bij", Q, stations.J_B, turn_B, optimize=True)
+    return np.linalg.solve(inertia, moment.reshape(6, -1)).reshape(moment.shape)
+
+
+def _integration(x: Array, at: Array) -> Array:
+    """Integral from 0 to each of `at` of the polynomial through values at x, (t, k)."""
+    scale = x[-1]
+    powers = np.arange(len(x))
+    values = (x[:, None] / scale) ** powers
+    integrals = scale * (at[:, None] / scale) ** (powers + 1) / (powers + 1)
+    return np.asarray(np.linalg.solve(values.T, integrals.T).T)
+
+
+def _cross(a: Array, b: Array, axis: int) -> Array:
+    """a x b of an array a whose `axis` counts components and a vector b (3,)."""
+    return np.moveaxis(np.cross(np.moveaxis(a, axis, -1), b), -1, axis)
+
+
+def _both(a: Array, b: Array) -> Array:
+    """a_i x b_j + a_j x b_i of (..., 3, m) and (..., 3, m), (..., 3, m, m)."""
+    one = np.cross(a[..., :, None], b[..., None, :], axisa=-3, axisb=-3, axisc=-3)
+    return one + np.swapaxes(one, -1, -2)

@@ -1,0 +1,78 @@
+"""The spin-up manoeuvre from the shipped packages: no FEniCSx needed."""
+
+import tomllib
+from dataclasses import replace as _replace
+
+import numpy as np
+import pytest
+
+from plymotion.solver.case import load_case
+from plymotion.solver.case.specs import write_case
+from plymotion.solver.monitor import SPIN_CODE
+from plymotion.solver.run import execute, read_run
+from plymotion.solver.stiffening import BUCKLING_CODE, MATTERS_CODE, MISSING_CODE
+
+
+@pytest.fixture(scope="module")
+def reference(repository):
+    file = repository / "tests/reference/dynamics/spin_up.toml"
+    return tomllib.loads(file.read_text())
+
+
+@pytest.fixture
+def build(repository, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    case = load_case(repository / "cases/spin-up/case.toml")
+    write_case(case, tmp_path, repository / "tests/packages/spin-up")
+    return tmp_path
+
+
+def ran(build, run, **solver):
+    spec = read_run(build / f"runs/{run}.json")
+    spec.mechanism["solver"].update(solver)
+    result, summary = execute(spec, progress=False)
+    codes = [warning["code"] for warning in summary["warnings"]]
+    return result.t, {s.name: s.values for s in result.signals}, summary, codes
+
+
+@pytest.mark.parametrize("run", ["stiffened", "stiffened-chord"])
+def test_stiffened_beam_follows_geometrically_exact_beams(build, reference, run):
+    expected = reference["stiffened"]
+    t, signals, summary, codes = ran(build, run)
+    assert summary["completed"]
+    across, along = signals["tip_y"], signals["tip_x"]
+    lowest = int(np.argmin(across))
+    assert abs(across[lowest] - expected["tip_min"]) < expected["tip_min_tolerance"]
+    assert abs(t[lowest] - expected["tip_min_time"]) < expected["tip_min_time_tolerance"]
+    steady = t > 15.0
+    assert abs(along[steady].mean() - expected["extension"]) < expected["extension_tolerance"]
+    residual = np.abs(across[steady]).max()
+    assert abs(residual / expected["residual"] - 1.0) < expected["residual_tolerance"]
+    assert summary["checks"]["energy_drift_relative"] < 1e-6
+    assert not {SPIN_CODE, BUCKLING_CODE, MATTERS_CODE, MISSING_CODE} & set(codes)
+
+
+def test_linear_beam_diverges_and_is_warned_of_before(build, reference):
+    expected = reference["linear"]
+    t, signals, summary, codes = ran(build, "linear")
+    assert {SPIN_CODE, MATTERS_CODE} <= set(codes)
+    (message,) = (w["message"] for w in summary["warnings"] if w["code"] == SPIN_CODE)
+    instant = float(message.partition("t = ")[2].split()[0])
+    assert abs(instant - expected["unstable_from"]) < expected["unstable_tolerance"]
+    tip = np.abs(signals["tip_y"])
+    assert instant < t[np.argmax(tip > 5.0)]  # before it is nonsense
+    assert tip[np.searchsorted(t, 12.0)] > expected["growth"] * tip[np.searchsorted(t, 8.0)]
+
+
+def test_package_without_data_runs_linear_and_says_so(build):
+    spec = read_run(build / "runs/stiffened.json")
+    package = spec.packages["beam"]
+    places = [_replace(i, H_B=None, H_psi_B=None) for i in package.interfaces]
+    spec.packages["beam"] = _replace(package, second_order=None, interfaces=tuple(places))
+    spec.mechanism["solver"].update(t_end=0.2)
+    plain = read_run(build / "runs/linear.json")
+    plain.mechanism["solver"].update(t_end=0.2)
+    found, summary = execute(spec, progress=False)
+    expected, _ = execute(plain, progress=False)
+    assert MISSING_CODE in [w["code"] for w in summary["warnings"]]
+    np.testing.assert_array_equal(found.q, expected.q)

@@ -1,0 +1,177 @@
+"""Second-order displacements of beams against exact kinematics and geometric stiffness."""
+
+import numpy as np
+import pytest
+from beam_samples import CHORD, CLAMPED, MEAN_AXIS, NAMES, REFERENCES, coupled_stiffness, reduced
+
+from plymotion.preprocess.beam.element import Z, gauss
+from plymotion.preprocess.beam.reduction import held_dofs
+from plymotion.preprocess.beam.second_order import second_order_fields
+from plymotion.preprocess.beam.section_mass import SectionMass
+from plymotion.preprocess.beam.stations import mass_stations
+from plymotion.solver.package.invariants import rigid_motions
+from plymotion.solver.rotations import matrix_to_vector, vector_to_matrix
+
+SIX = [{"kind": "lowest", "count": 6}]
+
+
+def bent(reference, **changes):
+    return reduced(reference, SIX, K=coupled_stiffness(), **changes)
+
+
+def exact_tip(beam, q, steps=300):
+    """Place and rotation vector of the tip when the modes are strains of an exact beam."""
+    line = beam.model.line
+    (element, _), *_ = line.spans
+    nodal = line.to_element(beam.modes.columns_B @ q[:, None])[..., 0]
+    step = element.length / steps
+    strains = element.strain((np.arange(steps) + 0.5) * step)
+    r, R = np.zeros(3), np.eye(3)
+    for values in nodal:
+        for strain in strains @ values:
+            half = vector_to_matrix(0.5 * step * strain[3:])
+            r = r + step * R @ half @ (np.array([1.0, 0.0, 0.0]) + strain[:3])
+            R = R @ half @ half
+    return r, matrix_to_vector(R)
+
+
+def test_tip_follows_the_exact_beam_to_second_order():
+    """Bending in two planes, twist, shear and extension coupled: the error falls eightfold."""
+    beam = bent(CLAMPED, elements=4)
+    tip = beam.interface("tip")
+    direction = np.random.default_rng(1).normal(size=6)
+    errors, linear = [], []
+    for size in (4e-3, 2e-3):
+        q = size * direction
+        r, turn = exact_tip(beam, q)
+        one = np.concatenate([tip.position_B + tip.phi_B @ q, tip.psi_B @ q])
+        H = np.concatenate([tip.H_B, tip.H_psi_B])
+        two = one + 0.5 * np.einsum("aij,i,j->a", H, q, q)
+        exact = np.concatenate([r, turn])
+        linear.append(np.abs(exact - one).reshape(2, 3).max(axis=1))
+        errors.append(np.abs(exact - two).reshape(2, 3).max(axis=1))
+    assert (np.array(errors[0]) < 0.05 * np.array(linear[0])).all()
+    np.testing.assert_allclose(np.log2(np.array(errors[0]) / errors[1]), 3.0, atol=0.1)
+
+
+def geometric_stiffness(line, load_B, n_point=6):
+    """K_geo of a clamped beam under nodal loads (6 n,), assembled from its resultants.
+
+    int N_i' (F . strain_2) N_j with the second-order strains of an exact beam, integrated in each
+    element by a rule of its own.
+    """
+    K = line.stiffness().toarray()
+    free = np.arange(6, len(K))
+    u = np.zeros(len(K))
+    u[free] = np.linalg.solve(K[np.ix_(free, free)], load_B[free])
+    nodal = line.to_element(u[:, None])[..., 0]
+    G = np.zeros_like(K)
+    turn = np.kron(np.eye(4), line.A_BE)
+    for element, numbers in line.spans:
+        x, weights = gauss(element.length, n_point)
+        shape, strain = element.shape(x), element.strain(x)
+        slope = strain + Z @ shape
+        for number in numbers:
+            Ge = np.zeros((12, 12))
+            for N, N_x, B, weight in zip(shape, slope, strain, weights, strict=True):
+                F = line.K @ B @ nodal[number]
+                f, u_x, f_x = N[3:], N_x[:3], N_x[3:]
+                e1 = np.array([1.0, 0.0, 0.0])
+                for i in range(12):
+                    for j in range(12):
+                        part = -np.cross(f[:, i], u_x[:, j])
+                        part = part + 0.5 * np.cross(f[:, i], np.cross(f[:, j], e1))
+                        value = F[:3] @ part - 0.5 * F[3:] @ np.cross(f[:, i], f_x[:, j])
+                        Ge[i, j] += weight * value
+            Ge = turn @ (Ge + Ge.T) @ turn.T
+            dofs = 6 * number + np.arange(12)
+            G[np.ix_(dofs, dofs)] += Ge
+    return G
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_reciprocity_with_the_geometric_stiffness_of_random_loads(seed):
+    """sum f_k . h_ij,k = - X_i' K_geo(f) X_j: two routes to one number, moments included."""
+    beam = bent(CLAMPED, x2_axis=[0.0, 0.8, 0.6], elements=2)
+    line, X = beam.model.line, beam.modes.columns_B
+    stations = mass_stations(line, X, "consistent")
+    fields = second_order_fields(line, X, stations, "consistent", held_dofs("clamped", (0,)))
+    load = np.random.default_rng(seed).normal(size=6 * line.n_node)
+    load[:6] = 0.0
+    nodal = np.concatenate([fields.node_u_B, fields.node_f_B], axis=1).reshape(len(load), 6, 6)
+    work = np.einsum("n,nij->ij", load, nodal)
+    expected = -X.T @ geometric_stiffness(line, load) @ X
+    np.testing.assert_allclose(work, expected, atol=1e-11 * np.abs(expected).max())
+
+
+def test_slender_bending_is_drawn_in_by_half_the_square_of_its_slope():
+    K = np.diag([1e9, 1e9, 1e9, 20.0, 30.0, 25.0])
+    mass = SectionMass(1.0, np.zeros(3), 1e-9 * np.eye(3)).matrix()
+    modes = [{"kind": f"bending-x{axis}", "count": 2} for axis in "yz"]
+    beam = reduced(CLAMPED, modes, K=K, mass=mass, elements=12)
+    (element, _), *_ = beam.model.line.spans
+    x, weights = gauss(element.length, 4)
+    nodal = beam.model.line.to_element(beam.modes.columns_B)
+    slope = (element.strain(x) + Z @ element.shape(x)) @ nodal[:, None]
+    along = slope[:, :, 1:3]
+    expected = -np.einsum("g,egai,egaj->ij", weights, along, along)
+    np.testing.assert_allclose(beam.interface("tip").H_B[0], expected, rtol=1e-5, atol=1e-5)
+
+
+@pytest.mark.parametrize("mass_form", ["consistent", "lumped"])
+@pytest.mark.parametrize("reference", REFERENCES, ids=NAMES)
+def test_frames_see_fields_that_fulfil_their_condition(reference, mass_form):
+    beam = bent(reference, mass_form=mass_form)
+    second = beam.package.second_order
+    root, tip = beam.interface("root"), beam.interface("tip")
+    size = np.abs(tip.H_B).max() + np.abs(tip.H_psi_B).max()
+    if reference is CLAMPED:
+        assert np.abs(root.H_B).max() == np.abs(root.H_psi_B).max() == 0.0
+    elif reference is CHORD:
+        held = [*root.H_B, root.H_psi_B[0], *tip.H_B[1:]]
+        assert np.abs(held).max() < 1e-12 * size
+    else:
+        assert np.abs(second.Z0_B).max() < 1e-12 * size
+    for table in (second.Z0_B, second.Z1_B, second.G3, second.G4, tip.H_B, tip.H_psi_B):
+        np.testing.assert_allclose(table, np.swapaxes(table, -1, -2), atol=1e-12 * size)
+
+
+def test_frames_differ_by_a_rigid_motion_only():
+    """One shape in two frames: its second-order fields differ by a rigid motion of second order."""
+    clamped = bent(CLAMPED)
+    line = clamped.model.line
+    X = clamped.modes.columns_B
+    stations = mass_stations(line, X, "consistent")
+    fields = [
+        second_order_fields(line, X, stations, "consistent", held)
+        for held in (held_dofs("clamped", (0,)), held_dofs("chord", (0, line.n_node - 1)), None)
+    ]
+    rigid = rigid_motions(stations.x_B)[:, :3].reshape(-1, 6)
+    for other in fields[1:]:
+        gap = (other.h_B - fields[0].h_B).reshape(len(rigid), -1)
+        left = gap - rigid @ np.linalg.lstsq(rigid, gap, rcond=None)[0]
+        assert np.abs(left).max() < 1e-12 * np.abs(gap).max()
+
+
+def test_mass_centres_off_the_line_turn_with_their_sections():
+    """The station of a section stands at r + R c: here a twisted bar with c across."""
+    twist = [{"kind": "torsion", "count": 1}]
+    mass = SectionMass(1.0, np.array([0.0, 0.0, 0.02]), np.diag([0.03, 0.018, 0.012])).matrix()
+    beam = reduced(CLAMPED, twist, mass=mass, mass_form="lumped")
+    X, line = beam.modes.columns_B, beam.model.line
+    stations = mass_stations(line, X, "lumped")
+    fields = second_order_fields(line, X, stations, "lumped", held_dofs("clamped", (0,)))
+    nodal = X.reshape(line.n_node, 6, 1)
+    c = np.array([0.0, 0.0, 0.02])
+    for k in range(line.n_node):
+        f = nodal[k, 3:, 0]
+        expected = fields.node_u_B[k, :, 0, 0] + np.cross(fields.node_f_B[k, :, 0, 0], c)
+        expected = expected + np.cross(f, np.cross(f, c))
+        np.testing.assert_allclose(fields.h_B[k, :, 0, 0], expected, atol=1e-13)
+    assert np.abs(fields.h_B).max() > 1e-3
+
+
+def test_mean_axis_has_no_antisymmetric_moment_but_that_of_rotary_inertia():
+    slender = SectionMass(1.0, np.zeros(3), 1e-9 * np.eye(3)).matrix()
+    Z1 = reduced(MEAN_AXIS, SIX, mass=slender).package.second_order.Z1_B
+    assert np.abs(Z1 - Z1.swapaxes(0, 1)).max() < 1e-6 * np.abs(Z1).max()

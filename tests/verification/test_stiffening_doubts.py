@@ -1,0 +1,131 @@
+"""Words on stiffened bodies that buckle, and the two ways of computing them."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from beam_samples import CLAMPED, reduced
+from stiffening_samples import CHORD, rectangle, soft_modes, soft_pendulum
+
+from plymotion.solver.mechanism import build
+from plymotion.solver.monitor import SpinMonitor
+from plymotion.solver.stiffening import geometric_stiffness, stiffening_findings
+from plymotion.solver.system import assemble, derivative
+
+K, MASS = rectangle(70e9, 0.3, 2700.0, 0.004, 0.02)
+LENGTH = 0.5
+
+
+def column(force: float, **options):
+    """A clamped column with a force along its axis at the tip, as a mechanism of a case."""
+    modes = [{"kind": "bending-xy", "count": 3}]
+    tip_load = {"kind": "attachment", "at": "tip", "directions": ["x", "y"]}
+    package = reduced(CLAMPED, [*modes, tip_load], K=K, mass=MASS, length=LENGTH).package
+    body = {"position": [0.0] * 3, "rotation_deg": [0.0] * 3, "velocity": None}
+    body["angular_velocity"] = None
+    mechanism = {
+        "gravity": [0.0] * 3,
+        "bodies": {"column": body},
+        "ground": {"foot": {"position": [0.0] * 3}},
+        "joints": {"foot": {"kind": "fixed", "between": ["ground.foot", "column.root"]}},
+        "forces": {
+            "load": {
+                "kind": "force",
+                "at": "column.tip",
+                "direction": [1.0, 0.0, 0.0],
+                "frame": "fixed",
+                "law": {"constant": force},
+            }
+        },
+        "masses": {},
+        "signals": {},
+        "solver": {"attachment": "marker", "modes_at_start": "still", **options},
+    }
+    return package, mechanism
+
+
+def found_codes(force: float, **options):
+    package, mechanism = column(force, **options)
+    built = build(mechanism, {"column": package})
+    y = np.zeros((1, built.model.n_pos + built.model.n_vel + 1))
+    y[0, 3] = 1.0
+    tip = next(i for i in package.interfaces if i.name == "tip")
+    pressed = np.linalg.solve(package.stiffness, force * tip.phi_B[0])  # at rest under its load
+    y[0, 7 : 7 + package.n_mode] = pressed
+    found = stiffening_findings(built, mechanism, np.zeros(1), y)
+    return [f["code"] for f in found], built.model, y[0]
+
+
+EULER = np.pi**2 * K[5, 5] / (4.0 * LENGTH**2)
+
+
+@pytest.mark.parametrize("factor", [-3.0, 0.5, 0.99])
+def test_a_column_below_eulers_load_stands(factor):
+    codes, _, _ = found_codes(-factor * EULER, geometric_stiffening=True)
+    assert codes == []
+
+
+def test_a_column_above_eulers_load_buckles():
+    codes, _, _ = found_codes(-1.01 * EULER, geometric_stiffening=True)
+    assert codes == ["buckling-by-motion"]
+
+
+def test_eulers_load_in_numbers():
+    """Load at which the lowest eigenvalue vanishes, against pi^2 EI / 4 L^2 less shear."""
+    _, model, y = found_codes(-EULER, geometric_stiffening=True)
+    stiffness, _ = SpinMonitor(model, ["column"]).matrices(0, y)
+    Kg = geometric_stiffness(model, model, 0, 0.0, y)
+    largest = np.linalg.eigvals(np.linalg.solve(stiffness, -Kg)).real.max()
+    np.testing.assert_allclose(largest, 1.0, rtol=1e-3)
+
+
+@pytest.mark.parametrize(("factor", "expected"), [(0.04, []), (0.06, ["stiffening-matters"])])
+def test_a_linear_body_is_told_from_a_twentieth_on(factor, expected):
+    assert found_codes(factor * EULER)[0] == expected
+
+
+STATE = """
+import sys
+import numpy as np
+sys.path[:0] = {path!r}
+from stiffening_samples import CHORD, soft_modes, soft_pendulum
+from plymotion.solver.compiled import COMPILED
+from plymotion.solver.system import assemble, derivative, energies
+assert COMPILED == {compiled}
+pendulum = soft_pendulum(CHORD, soft_modes(2, axial=True), elements=8)
+y = pendulum.y0 + 0.01 * np.random.default_rng(0).normal(size=pendulum.y0.size)
+equations = assemble(pendulum.model, 0.1, y)
+parts = [derivative(pendulum.model, 0.1, y), equations.M.ravel(), equations.f, equations.gamma,
+         energies(pendulum.model, equations, y)]
+np.save(sys.argv[1], np.concatenate([part / np.abs(part).max() for part in parts]))
+"""
+
+
+def test_compiled_code_and_plain_numpy_agree_to_rounding(tmp_path, repository):
+    pytest.importorskip("numba")
+
+    found = []
+    for compiled in ("0", "1"):
+        code = STATE.format(path=[str(repository / "tests")], compiled=compiled == "1")
+        file = tmp_path / f"{compiled}.npy"
+        environment = {**os.environ, "PLYMOTION_COMPILED": compiled}
+        subprocess.run([sys.executable, "-c", code, str(file)], check=True, env=environment)
+        found.append(np.load(file))
+    np.testing.assert_allclose(found[0], found[1], rtol=0.0, atol=1e-12)
+
+
+def test_stiffened_pendulum_moves_otherwise_than_a_linear_one():
+    pendulum = soft_pendulum(CHORD, soft_modes(2), elements=8)
+    model = pendulum.model
+    y = pendulum.y0.copy()
+    a = model.pos_start[1] + 7
+    y[a] = 0.02
+    rate = derivative(model, 0.0, y)
+    linear = model._replace(
+        second_start=np.zeros_like(model.second_start),
+        marker_second=np.full_like(model.marker_second, -1),
+    )
+    assert np.abs(rate - derivative(linear, 0.0, y)).max() > 1.0
+    assert np.abs(assemble(model, 0.0, y).M - assemble(linear, 0.0, y).M).max() > 1e-6
