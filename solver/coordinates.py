@@ -7,7 +7,7 @@ through here, so that Euler parameters keep their length.
 
 import numpy as np
 
-from .compiled import inlined, jit
+from .compiled import inlined, jit, lean
 from .model import Model
 from .package.schema import Array
 
@@ -49,7 +49,7 @@ def moved(model: Model, positions: Array, step: Array) -> Array:
     return out
 
 
-@jit
+@lean
 def move(model: Model, y: Array, step: Array) -> None:
     """Move the positions in y (n_pos or more) in place; see `moved`."""
     for i in range(model.n_body):

@@ -10,13 +10,13 @@ There is no pivoting: the mass matrix of a body is positive definite, and so is 
 constraints are independent. The same code serves real and complex symmetric blocks.
 """
 
-from .compiled import inlined, jit
+from .compiled import inlined, lean
 from .package.schema import Array, IntArray
 from .plan import Plan
 from .workspace import Factors
 
 
-@jit
+@lean
 def factorise(plan: Plan, factors: Factors, J: Array, softness: Array) -> None:
     """Factorise: L holds the lower triangles of K on entry; J (nb, n, r) is Phi_q'.
 
@@ -110,7 +110,7 @@ def _factorise_profile(first: IntArray, profile: IntArray, S: Array, pivot: Arra
     return least
 
 
-@jit
+@lean
 def solve(
     plan: Plan, factors: Factors, f: Array, gamma: Array, a: Array, multipliers: Array
 ) -> None:

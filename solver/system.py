@@ -265,7 +265,7 @@ def prepare(model: Model, work: Work) -> None:
         _factorise_mass(model, work)
 
 
-@jit
+@lean
 def soften(model: Model, J: Array, softness: Array) -> None:
     """Fill softness (n_c,): 1 / penalty, over the mass that each row of J (nb, n, r) moves."""
     plan = model.plan

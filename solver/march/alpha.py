@@ -7,7 +7,7 @@ and differences for its stiffness. Here modal stiffness and damping are the ones
 
 import numpy as np
 
-from ..compiled import inlined, jit
+from ..compiled import inlined, lean
 from ..coordinates import move, rates_into
 from ..elimination import solve
 from ..joints.rows import PHI, PHI_T
@@ -44,7 +44,7 @@ MAX_ITERATIONS, MAX_NOT_FINITE = 8, 25
 TOLERANCE = 0.05  # of the local error allowed, left over by Newton's iteration
 
 
-@jit
+@lean
 def advance_alpha(
     model: Model,
     options: Options,
@@ -221,7 +221,8 @@ def advance_alpha(
         while filled < times.shape[0] and times[filled] <= t_new:
             _interpolate(course, h, (times[filled] - t) / h, rows[filled])
             if times[filled] == t_new:
-                rows[filled][:] = course.y
+                for i in range(course.y.shape[0]):
+                    rows[filled, i] = course.y[i]
             filled += 1
     return ARRIVED, filled
 

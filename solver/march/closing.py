@@ -8,7 +8,7 @@ The metric is that of the step, s^2 M + s D + K: a change in the metric of the m
 and the same for velocities with Phi_q dv = -Phidot.
 """
 
-from ..compiled import inlined, jit
+from ..compiled import inlined, lean
 from ..coordinates import move
 from ..elimination import solve
 from ..joints.rows import PHI
@@ -23,7 +23,7 @@ MAX_ITERATIONS = 4
 SMALL = 1e-7  # change of positions whose square is below rounding [m, rad]
 
 
-@jit
+@lean
 def close(
     model: Model, work: Work, frozen: Frozen, real: Pencil, s: float, t: float, y: Array
 ) -> int:

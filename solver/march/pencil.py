@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..compiled import inlined, jit
+from ..compiled import inlined, jit, lean
 from ..elimination import factorise, solve
 from ..model import Model
 from ..package.schema import Array
@@ -88,7 +88,7 @@ def freeze(model: Model, work: Work, y: Array, frozen: Frozen) -> None:
             frozen.p[i, k] = y[model.pos_start[i] + 3 + k]
 
 
-@jit
+@lean
 def factorise_pencil(
     model: Model, frozen: Frozen, pencil: Pencil, mass: complex, damping: complex, stiffness: float
 ) -> None:
@@ -122,7 +122,7 @@ def _factorise(
     factorise(plan, pencil.factors, frozen.J, pencil.mu)
 
 
-@jit
+@lean
 def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> None:
     """Fill pencil.delta (n,) and mu (n_c,) with the answer to load, gamma and r."""
     load, rho, x, gamma, r, delta = (

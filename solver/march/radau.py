@@ -6,7 +6,7 @@ Equations II, section IV.8, is the source of the transformation, the error estim
 control of steps.
 """
 
-from ..compiled import jit
+from ..compiled import lean
 from ..model import Model
 from ..package.schema import Array
 from .closing import close
@@ -57,7 +57,7 @@ MAX_NOT_FINITE = 25
 SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 8.0
 
 
-@jit
+@lean
 def advance(
     model: Model,
     options: Options,
@@ -222,11 +222,11 @@ def advance(
         counts[BAD] = 0
         while filled < times.shape[0] and times[filled] <= t_new:
             row = rows[filled]
+            interpolate(course, (times[filled] - t) / h, row)
             if times[filled] == t_new:
-                row[:] = course.y
-            else:
-                interpolate(course, (times[filled] - t) / h, row)
-                if options.closes:
-                    close(model, work, frozen, real, MU / h, times[filled], row)
+                for i in range(n):
+                    row[i] = course.y[i]
+            elif options.closes:
+                close(model, work, frozen, real, MU / h, times[filled], row)
             filled += 1
     return ARRIVED, filled

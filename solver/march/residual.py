@@ -4,7 +4,7 @@ Implicit steps need no accelerations: they ask how far M vdot + Phi_q' lambda = 
 Phi_q vdot = gamma are from being met. That spares a factorisation of the mass matrix.
 """
 
-from ..compiled import inlined, jit
+from ..compiled import inlined, lean
 from ..coordinates import rates_into
 from ..joints.rows import GAMMA, PHI, PHI_T
 from ..model import Model
@@ -13,7 +13,7 @@ from ..system import evaluate, evaluate_rates
 from ..workspace import Work
 
 
-@jit
+@lean
 def leave(
     model: Model,
     work: Work,
