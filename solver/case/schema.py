@@ -249,8 +249,7 @@ class CaseFile(Table):
         default={}, description="partial cases: tables that are merged over the case"
     )
     coarse: dict[str, Any] = Field(
-        default={},
-        description="a variant for quick checks (`make CASE COARSE=1`), sweeps included"
+        default={}, description="a variant for quick checks (`make CASE COARSE=1`), sweeps included"
     )
     runs: dict[Name, Run] = Field(min_length=1, description="what is computed")
     figures: dict[Name, Figure] = Field(default={}, description="pictures that compare runs")

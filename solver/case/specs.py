@@ -132,7 +132,9 @@ class _BodyFiles:
         self._known: dict[str, tuple[Path, Path]] = {}  # hash -> specification, package
         self._hashes: dict[str, tuple[str, dict[str, Any]]] = {}
 
-    def packages(self, mechanism: Mechanism, folder: str, run: str = "") -> dict[str, dict[str, str]]:
+    def packages(
+        self, mechanism: Mechanism, folder: str, run: str = ""
+    ) -> dict[str, dict[str, str]]:
         """Return the packages of the bodies of a mechanism: file from `out`, hash of its inputs.
 
         A body that is new gets a specification in `folder`, named after the run that has it

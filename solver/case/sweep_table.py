@@ -37,9 +37,7 @@ def sweep_content(
         "title": table.title or name,
         "run": table.run,
         "design": table.design,
-        "parameters": [
-            {"name": p.name, "keys": p.keys, "unit": p.unit} for p in sweep.parameters
-        ],
+        "parameters": [{"name": p.name, "keys": p.keys, "unit": p.unit} for p in sweep.parameters],
         "signals": table.signals or list(sweep.base.signals),
         "histories": table.histories,
         "packages": [dict(entry) for entry in numbers],

@@ -59,16 +59,22 @@ class Variation(Table):
         """Return its values in order."""
         if self.values is not None:
             return list(self.values)
-        assert self.low is not None and self.high is not None and self.count is not None
-        return [float(v) for v in np.linspace(self.low, self.high, self.count)]
+        low, high = self._span()
+        return [float(v) for v in np.linspace(low, high, self.count or 2)]
 
     def drawn(self, share: float) -> float:
         """Return the value at a share of the range (or list), 0 <= share < 1."""
         if self.values is not None or self.count is not None:
             values = self.listed()
             return values[int(share * len(values))]
-        assert self.low is not None and self.high is not None
-        return self.low + share * (self.high - self.low)
+        low, high = self._span()
+        return low + share * (high - low)
+
+    def _span(self) -> tuple[float, float]:
+        """Return both ends of the range; `_one_source` has seen to it that they are there."""
+        if self.low is None or self.high is None:
+            raise ValueError("expected `from` and `to`")
+        return self.low, self.high
 
 
 class Sweep(Table):
@@ -119,7 +125,9 @@ class Sweep(Table):
         variations = list(self.vary.values())
         if self.count is None:
             values = [variation.listed() for variation in variations]
-            rows = itertools.product(*values) if self.design == "grid" else zip(*values, strict=True)
+            rows = (
+                itertools.product(*values) if self.design == "grid" else zip(*values, strict=True)
+            )
             return np.array(list(rows), dtype=float)
         random = np.random.default_rng(self.seed)
         shares = random.random((self.count, len(variations)))
