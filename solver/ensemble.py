@@ -5,7 +5,7 @@ markers, laws and parameters are each member's own. The step loop runs over that
 """
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, get_type_hints
 
@@ -32,7 +32,7 @@ class Ensemble:
 def structure(model: Model) -> str:
     """Return what members of one ensemble have in common: whole numbers, and shapes of arrays."""
     parts: list[Any] = []
-    for name, value in zip(model._fields, model, strict=True):
+    for name, value in _items(model):
         if _is_own(name, value):
             parts.append([name, np.shape(value)])
         else:
@@ -50,32 +50,30 @@ def stack_models(models: Sequence[Model]) -> Ensemble:
     """
     first = models[0]
     for k, model in enumerate(models):
-        for name, one, other in zip(first._fields, first, model, strict=True):
+        for (name, one), (_, other) in zip(_items(first), _items(model), strict=True):
             same = np.shape(one) == np.shape(other)
             if same and not _is_own(name, one):
                 same = np.array_equal(one, other)
             if not same:
                 raise ValueError(f"member {k}: {name} differs in structure from that of member 0")
-    stacked = [
-        np.ascontiguousarray(np.stack([np.asarray(m[i], dtype=float) for m in models]))
-        if _is_own(name, first[i])
-        else first[i]
-        for i, name in enumerate(first._fields)
-    ]
-    return Ensemble(Model(*stacked), len(models))
+    stacked = []
+    for i, (name, value) in enumerate(_items(first)):
+        own = [np.asarray(model[i], dtype=float) for model in models]
+        stacked.append(np.stack(own) if _is_own(name, value) else value)
+    return Ensemble(Model._make(stacked), len(models))
 
 
 def member(ensemble: Ensemble, k: int) -> Model:
     """Return one member's model; its arrays are views of the ensemble's."""
     found = []
-    for name, value in zip(Model._fields, ensemble.model, strict=True):
+    for name, value in _items(ensemble.model):
         if FIELDS[name] is float:
             found.append(float(value[k]))
         elif isinstance(value, np.ndarray) and value.dtype.kind == "f":
             found.append(value[k])
         else:
             found.append(value)
-    return Model(*found)
+    return Model._make(found)
 
 
 def integrate_members(
@@ -104,6 +102,11 @@ def integrate_members(
         if found[-1].status == "interrupted":
             break
     return found
+
+
+def _items(model: Model) -> Iterator[tuple[str, Any]]:
+    """Yield names and values of all fields."""
+    yield from zip(model._fields, model, strict=True)
 
 
 def _is_own(name: str, value: Any) -> bool:

@@ -30,16 +30,16 @@ def sweep_content(
         }
         changes = dict(differences(base, member.model_dump()))
         members.append({"values": values.tolist(), "changes": changes, "packages": own})
-    table = sweep.table
+    said = sweep.table
     return {
         "case": case,
         "sweep": name,
-        "title": table.title or name,
-        "run": table.run,
-        "design": table.design,
+        "title": said.title or name,
+        "run": said.run,
+        "design": said.design,
         "parameters": [{"name": p.name, "keys": p.keys, "unit": p.unit} for p in sweep.parameters],
-        "signals": table.signals or list(sweep.base.signals),
-        "histories": table.histories,
+        "signals": said.signals or list(sweep.base.signals),
+        "histories": said.histories,
         "packages": [dict(entry) for entry in numbers],
         "mechanism": base,
         "members": members,

@@ -4,8 +4,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..package.schema import Array
 from ..report.style import GREY, INK, WARNING, Canvas, colour, house_style, unit_text
 from .file import SweepResult
 from .member import FAILED, STOPPED
@@ -115,7 +115,7 @@ def _points(result: SweepResult, name: str, varied: list[int]) -> Canvas:
     return canvas
 
 
-def _early(result: SweepResult) -> Array:
+def _early(result: SweepResult) -> NDArray[np.bool_]:
     """Return a mask (k,) of the members that ended early."""
     return np.array([row.status in (STOPPED, FAILED) for row in result.rows], dtype=bool)
 
