@@ -195,6 +195,8 @@ def unit_at(mechanism: BaseModel, key: str) -> str:
             unit = str(extra.get("unit", "")) if isinstance(extra, dict) else ""
             here = getattr(here, part)
         else:
+            if isinstance(here, list) and "," in unit:  # those of its places, told in words
+                unit = ""
             here = here[int(part)] if isinstance(here, list) else here[part]
     if here is not None and (isinstance(here, bool) or not isinstance(here, int | float)):
         what = {str: "text", bool: "true or false", list: "a list"}.get(type(here), "a table")

@@ -126,7 +126,8 @@ def _tell(result: SweepResult, kept: int, seconds: float, file: Path) -> None:
     for k, row in others[:TOLD]:
         values = zip(result.parameter_names, result.values[k], strict=True)
         where = ", ".join(f"{name} = {value:g}" for name, value in values)
-        print(f"  {row.status} [{row.code}] {where}: {row.message}")
+        code = f" [{row.code}]" if row.code else ""
+        print(f"  {row.status}{code} {where}: {row.message}")
     if len(others) > TOLD:
         print(f"  ... and {len(others) - TOLD} more, see {CSV}")
     doubts: dict[str, int] = {}
