@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from .. import findings, recover
-from ..constraints.treatment import treatment_of
 from ..ensemble import integrate_members, structure
 from ..errors import InputError
 from ..freedom import degrees_of_freedom
@@ -36,7 +35,7 @@ CHECKS = (
 )
 COST = ("solve_s", "steps", "rejected", "evaluations", "jacobians", "factorisations")
 JUDGED_TIMES = 101  # at most, at which constraints and energies are looked at
-BALANCED_TIMES = 11  # at most, at which reactions are held against momenta
+BALANCED_TIMES = 3  # at most, at which reactions are held against momenta
 
 
 @dataclass(frozen=True)
@@ -96,56 +95,71 @@ def compute(
     numbers, keys : of the members; keys go into the rows
     """
     rows = {number: Row(key) for number, key in zip(numbers, keys, strict=True)}
-    groups: dict[str, list[tuple[int, Prepared]]] = {}
+    groups: dict[str, list[_Ready]] = {}
     for number in numbers:
+        mechanism = plan.mechanism_of(number)
+        solver = mechanism["solver"]
         try:
-            prepared = prepare(
-                plan.mechanism_of(number), packages.of(number), {*plan.signals, *plan.histories}
-            )
+            kept = {*plan.signals, *plan.histories}
+            ready = _Ready(number, solver, prepare(mechanism, packages.of(number), kept))
         except Exception as error:
             rows[number] = _failed(rows[number], error)
             continue
-        if prepared.refused is not None:
-            rows[number] = _told(plan, number, rows[number], prepared, prepared.refused, 0.0)
+        if ready.prepared.refused is not None:
+            rows[number] = _told(plan, ready, rows[number], ready.prepared.refused, 0.0)
             continue
-        alike = structure(prepared.model) + repr(plan.mechanism_of(number)["solver"])
-        groups.setdefault(alike, []).append((number, prepared))
+        groups.setdefault(structure(ready.prepared.model) + repr(solver), []).append(ready)
     for group in groups.values():
         rows |= _group(plan, group, rows)
-        if any(not rows[number].done for number, _ in group):
+        if any(not rows[ready.number].done for ready in group):
             break
     return [rows[number] for number in numbers]
 
 
-def _group(plan: Plan, group: list[tuple[int, Prepared]], rows: dict[int, Row]) -> dict[int, Row]:
+@dataclass(frozen=True)
+class _Ready:
+    """A member that can be integrated."""
+
+    number: int
+    solver: dict[str, Any]  # its `[solver]`
+    prepared: Prepared
+
+    @property
+    def times(self) -> Array:
+        """Output times (n_t,) [s]."""
+        return output_times(self.solver["t_end"], self.solver["output_step"])
+
+
+def _group(plan: Plan, group: list[_Ready], rows: dict[int, Row]) -> dict[int, Row]:
     """Return the rows of members of one structure with the same settings."""
-    solver = plan.mechanism_of(group[0][0])["solver"]
+    first = group[0]
     begin = time.perf_counter()
     try:
         solutions = integrate_members(
-            [prepared.model for _, prepared in group],
-            [prepared.y0 for _, prepared in group],
-            solver,
-            output_times(solver["t_end"], solver["output_step"]),
-            [prepared.watch for _, prepared in group],
-            treatment_of(solver),
+            [ready.prepared.model for ready in group],
+            [ready.prepared.y0 for ready in group],
+            first.solver,
+            first.times,
+            [ready.prepared.watch for ready in group],
+            first.prepared.treatment,
         )
     except Exception as error:
         if len(group) == 1:
-            number = group[0][0]
-            return {number: _failed(rows[number], error)}
+            return {first.number: _failed(rows[first.number], error)}
         found: dict[int, Row] = {}
         for one in group:  # which of them is it?
             found |= _group(plan, [one], rows)
         return found
     each = (time.perf_counter() - begin) / len(group)
     found = {}
-    for (number, prepared), solution in zip(group, solutions, strict=False):
+    # shorter than the group where the user interrupted
+    for ready, solution in zip(group, solutions, strict=False):
         if solution.status != INTERRUPTED:
+            row = rows[ready.number]
             try:
-                found[number] = _told(plan, number, rows[number], prepared, solution, each)
+                found[ready.number] = _told(plan, ready, row, solution, each)
             except Exception as error:
-                found[number] = _failed(rows[number], error)
+                found[ready.number] = _failed(row, error)
     return found
 
 
@@ -161,10 +175,9 @@ def _failed(row: Row, error: Exception) -> Row:
     )
 
 
-def _told(
-    plan: Plan, number: int, row: Row, prepared: Prepared, solution: Solution, seconds: float
-) -> Row:
+def _told(plan: Plan, ready: _Ready, row: Row, solution: Solution, seconds: float) -> Row:
     """Return the row of a member from its solution."""
+    prepared = ready.prepared
     solution = prepared.explained(solution)
     model, t, y = prepared.model, solution.t, solution.y
     recording = Recording(model, t, y)
@@ -173,12 +186,11 @@ def _told(
         name: Signal(name, sensor.unit, sensor.description, sensor.values(recording))
         for name, sensor in ((name, prepared.measured[name]) for name in names)
     }
-    solver = plan.mechanism_of(number)["solver"]
-    times = output_times(solver["t_end"], solver["output_step"])
+    times = ready.times
+    kept = int(np.searchsorted(times, t[-1], side="right"))
     histories = {}
     for name in plan.histories:
         histories[name] = np.full(times.size, np.nan)
-        kept = min(times.size, int(np.searchsorted(times, t[-1], side="right")))
         histories[name][:kept] = series[name].values[:kept]
     checks = _checks(prepared, solution)
     doubts = [item["code"] for item in prepared.noticed()]
