@@ -149,8 +149,8 @@ $(foreach case,$(ASKED),$(eval $(call CASE_RULES,$(case),$(call out,$(case)))))
 
 # make <case>-sweep-<name>   the members of [sweeps.<name>]: build/<case>/sweeps/<name>/
 #                            PACKAGES=shipped and COARSE=1 as for cases
-SWEEPS := $(foreach case,$(CASES),$(addprefix $(case)-sweep-, \
-    $(shell sed -n 's/^\[sweeps\.\([A-Za-z0-9_-]*\)\].*/\1/p' cases/$(case)/case.toml)))
+SWEEPS := $(strip $(foreach case,$(CASES),$(addprefix $(case)-sweep-, \
+    $(shell sed -n 's/^\[sweeps\.\([A-Za-z0-9_-]*\)\].*/\1/p' cases/$(case)/case.toml))))
 
 .PHONY: sweeps $(SWEEPS)
 sweeps: $(SWEEPS) ## Make every sweep of every case (make <case>-sweep-<name>: one of them)
