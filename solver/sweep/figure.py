@@ -66,12 +66,15 @@ def _curves(result: SweepResult, name: str, along: int, few: int | None) -> Canv
         for i, value in enumerate(family):
             own = np.ones(len(x), dtype=bool) if few is None else result.values[:, few] == value
             order = np.flatnonzero(own)[np.argsort(x[own], kind="stable")]
-            label = None if few is None else f"{_text(result, few)[0]} = {value:g}"
-            axes.plot(x[order], y[order], "o-", markersize=3, color=colour(i), label=label)
-        axes.plot(x[early], y[early], "x", color=WARNING, markersize=7, zorder=4)
+            label = None if few is None else f"{value:g}"
+            line = np.where(early, np.nan, y)[order]  # no line to what ended at another time
+            axes.plot(x[order], line, "o-", markersize=3, color=colour(i), label=label)
+            gone = order[early[order]]
+            axes.plot(x[gone], y[gone], "x", color=colour(i), markersize=6)
         axes.set(title=words, xlabel=_label(result, along))
     if few is not None:
-        canvas.figure.legend(*panels[0].get_legend_handles_labels(), loc="outside right center")
+        handles = panels[0].get_legend_handles_labels()
+        canvas.figure.legend(*handles, loc="outside right center", title=_label(result, few))
     return canvas
 
 
