@@ -88,7 +88,8 @@ $(error PACKAGES=$(PACKAGES): expected PACKAGES=shipped, or nothing)
 endif
 
 out = build/$(1)$(if $(COARSE),-coarse)
-asked = $(or $(filter $(1) $(call out,$(1))/%,$(MAKECMDGOALS)),$(filter cases,$(MAKECMDGOALS)))
+asked = $(or $(filter $(1) $(1)-sweep-% $(call out,$(1))/%,$(MAKECMDGOALS)), \
+    $(filter cases sweeps,$(MAKECMDGOALS)))
 ASKED := $(foreach case,$(CASES),$(if $(call asked,$(case)),$(case)))
 OPTIONS := $(strip PACKAGES=$(PACKAGES) COARSE=$(COARSE))
 
@@ -143,6 +144,51 @@ $(2)/report.html: $(2)/case.mk $$(SUMMARIES_$(1)) $$(REPORT_SOURCES)
 	$$(PY) -m plymotion.solver report $(2)
 endef
 $(foreach case,$(ASKED),$(eval $(call CASE_RULES,$(case),$(call out,$(case)))))
+
+##@ Sweeps
+
+# make <case>-sweep-<name>   the members of [sweeps.<name>]: build/<case>/sweeps/<name>/
+#                            PACKAGES=shipped and COARSE=1 as for cases
+SWEEPS := $(strip $(foreach case,$(CASES),$(addprefix $(case)-sweep-, \
+    $(shell sed -n 's/^\[sweeps\.\([A-Za-z0-9_-]*\)\].*/\1/p' cases/$(case)/case.toml))))
+
+.PHONY: sweeps $(SWEEPS)
+sweeps: $(SWEEPS) ## Make every sweep of every case (make <case>-sweep-<name>: one of them)
+
+# $(1) case, $(2) its folder, $(3) sweep
+define SWEEP_RULES
+$(1)-sweep-$(3): $(2)/sweeps/$(3)/sweep.csv
+	@echo "$(1)-sweep-$(3): $(2)/sweeps/$(3)/sweep.h5"
+
+$(2)/sweeps/$(3).json: | $(2)/case.mk
+	@[ -e $$@ ] || $$(CHECK_$(1))
+
+# Distinct bodies of all members, those of runs among them, in one process for each folder. Exit
+# code 2: a body cannot be built, its members fail and the others are computed.
+OWN_$(1)_$(3) := $$(filter $(2)/sweeps/%,$$($(1)_$(3)_SPECS))
+SHARED_$(1)_$(3) := $$(filter-out $(2)/sweeps/%,$$($(1)_$(3)_SPECS))
+BUILT_$(1)_$(3) := $$(patsubst %.json,%.vtkhdf,$$($(1)_$(3)_SPECS))
+ifneq ($$(BUILT_$(1)_$(3)),)
+ifneq ($$(filter-out $$(wildcard $$(BUILT_$(1)_$(3))),$$(BUILT_$(1)_$(3))),)
+$(2)/sweeps/$(3).built: FORCE
+endif
+$(2)/sweeps/$(3).built: $$($(1)_$(3)_SPECS) $$(PREPROCESS_SOURCES) $$(PACKAGE_SOURCES) $$(FENICSX)
+	$$(if $$(SHARED_$(1)_$(3)),$$(FE_PYTHON) -m plymotion.preprocess body \
+	    $$(SHARED_$(1)_$(3)) --out-dir $(2)/bodies || [ $$$$? -eq 2 ])
+	$$(if $$(OWN_$(1)_$(3)),$$(FE_PYTHON) -m plymotion.preprocess body \
+	    $$(OWN_$(1)_$(3)) --out-dir $(2)/sweeps/bodies || [ $$$$? -eq 2 ])
+	@touch $$@
+$(2)/sweeps/$(3)/sweep.csv: $(2)/sweeps/$(3).built
+endif
+
+# Exit code 3: members stopped or failed; the table says why, the others are complete.
+$(2)/sweeps/$(3)/sweep.csv: $(2)/sweeps/$(3).json $$(RUN_SOURCES) $$(LIGHT) | $$(COMPILED)
+	$$(PY) -m plymotion.solver sweep $(2)/sweeps/$(3).json --out $(2)/sweeps/$(3) --jobs $$(JOBS) \
+	    || [ $$$$? -eq 3 ]
+endef
+JOBS ?= $(shell nproc)
+$(foreach case,$(ASKED),$(foreach sweep,$($(case)_SWEEPS), \
+    $(eval $(call SWEEP_RULES,$(case),$(call out,$(case)),$(sweep)))))
 
 ##@ Cross-sections
 
@@ -244,9 +290,9 @@ test-fe: $(LIGHT) ## FE tests on the distribution's DOLFINx and on the wheel, nu
 
 .PHONY: test-cases
 test-cases: ## Every case in its coarse version, every cross-section and every shell
-	$(if $(CASES),$(MAKE) COARSE=1 $(CASES) sections shells,@echo "there is no case in cases/"; exit 1)
+	$(if $(CASES),$(MAKE) COARSE=1 $(CASES) $(SWEEPS) sections shells,@echo "there is no case in cases/"; exit 1)
 	@# Asked again, make must find nothing to do.
-	! $(MAKE) COARSE=1 $(CASES) sections shells | grep 'plymotion\.[a-z]* '
+	! $(MAKE) COARSE=1 $(CASES) $(SWEEPS) sections shells | grep 'plymotion\.[a-z]* '
 
 .PHONY: ship
 ship: ## Copy the packages of every case to tests/packages, for use without FEniCSx
@@ -308,6 +354,9 @@ help: ## This list
 	@echo "  make <case> PACKAGES=shipped with the packages of the repository, without FEniCSx"
 	@echo "  make <case> COARSE=1         a small version, in build/<case>-coarse"
 	@echo "  make -j2 ...                 two steps at a time"
+	@echo
+	@echo "Sweeps: $(or $(SWEEPS),none yet)"
+	@echo "  make <case>-sweep-<name>     its members, in build/<case>/sweeps/<name>; JOBS=N processes"
 	@echo
 	@echo "Cross-sections: $(or $(SECTIONS),none yet)"
 	@echo "  make section-<name>          numbers and figures of one, in build/sections/<name>"
