@@ -11,8 +11,18 @@ from .explicit import RungeKutta5, RungeKutta8
 from .gear import Gear
 from .generalized_alpha import GeneralizedAlpha
 from .norm import Array
+from .scipy_peers import ScipyBdf, ScipyDop853, ScipyLsoda, ScipyRadau
 
-INTEGRATORS: dict[str, type[Integrator]] = {"gear": Gear, "rk8": RungeKutta8, "rk5": RungeKutta5}
+INTEGRATORS: dict[str, type[Integrator]] = {
+    "gear": Gear,
+    "rk8": RungeKutta8,
+    "rk5": RungeKutta5,
+    # codes of others, for comparison
+    "scipy-bdf": ScipyBdf,
+    "scipy-radau": ScipyRadau,
+    "scipy-lsoda": ScipyLsoda,
+    "scipy-dop853": ScipyDop853,
+}
 # These see mass, forces and constraints of a mechanism, not its derivative alone.
 CONSTRAINED: dict[str, type[GeneralizedAlpha]] = {"generalized-alpha": GeneralizedAlpha}
 

@@ -138,31 +138,39 @@ class Integrator(ABC):
         if self.status != "running":
             raise RuntimeError(f"step() on an integrator that is {self.status}: {self.message}")
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            while self.status == "running":
-                h, t_new = self._limited_step()
-                floor = max(self.min_step, 10 * np.spacing(abs(self.t)))
-                if h < floor and t_new < self.t_end:
-                    self._fail(
-                        f"The step at t = {self.t:.9g} s fell to {h:.3g} s, below {floor:.3g} s"
-                    )
-                    return
-                self._raised = ""
-                y_new = self._attempt(h, t_new)
-                if y_new is not None:
-                    self.t_old, self.t, self.y, self.h = self.t, t_new, y_new, h
-                    self._output = None
-                    self._not_finite = 0
-                    self.counters.steps += 1
-                    if t_new >= self.t_end:
-                        self.status, self.message = "finished", f"Reached t = {t_new:.9g} s"
-                    return
-                self.counters.rejected += 1
-                if self.fixed_step is not None:
-                    self._fail(f"The fixed step of {h:.3g} s fails at t = {self.t:.9g} s")
-                elif self._stalled:
-                    self._fail(f"{self._stalled} at t = {self.t:.9g} s")
-                elif self._not_finite > MAX_REFUSALS_NOT_FINITE:
-                    self._fail(f"No step however small succeeds at t = {self.t:.9g} s")
+            self._advance()
+
+    def _advance(self) -> None:
+        """Try steps until one is accepted, or fail."""
+        while self.status == "running":
+            h, t_new = self._limited_step()
+            floor = self._smallest_step()
+            if h < floor and t_new < self.t_end:
+                self._fail(f"The step at t = {self.t:.9g} s fell to {h:.3g} s, below {floor:.3g} s")
+                return
+            self._raised = ""
+            y_new = self._attempt(h, t_new)
+            if y_new is not None:
+                self._accept(t_new, y_new, h)
+                return
+            self.counters.rejected += 1
+            if self.fixed_step is not None:
+                self._fail(f"The fixed step of {h:.3g} s fails at t = {self.t:.9g} s")
+            elif self._stalled:
+                self._fail(f"{self._stalled} at t = {self.t:.9g} s")
+            elif self._not_finite > MAX_REFUSALS_NOT_FINITE:
+                self._fail(f"No step however small succeeds at t = {self.t:.9g} s")
+
+    def _smallest_step(self) -> float:
+        return float(max(self.min_step, 10 * np.spacing(abs(self.t))))
+
+    def _accept(self, t_new: float, y_new: Array, h: float) -> None:
+        self.t_old, self.t, self.y, self.h = self.t, t_new, y_new, h
+        self._output = None
+        self._not_finite = 0
+        self.counters.steps += 1
+        if t_new >= self.t_end:
+            self.status, self.message = "finished", f"Reached t = {t_new:.9g} s"
 
     def dense_output(self) -> Dense:
         """Solution over [t_old, t]: callable of a time () or times (k,) giving (n,) or (k, n).
@@ -212,9 +220,12 @@ class Integrator(ABC):
 
         return on_invariants
 
-    @abstractmethod
     def _attempt(self, h: float, t_new: float) -> Array | None:
-        """Try one step; y at t_new, or None with `_h_next` made smaller and `_trouble` set."""
+        """Try one step; y at t_new, or None with `_h_next` made smaller and `_trouble` set.
+
+        Every method has this, or an `_advance` of its own.
+        """
+        raise NotImplementedError
 
     @abstractmethod
     def _dense(self) -> Dense:
