@@ -12,6 +12,7 @@ from .gear import Gear
 from .generalized_alpha import GeneralizedAlpha
 from .norm import Array
 from .scipy_peers import ScipyBdf, ScipyDop853, ScipyLsoda, ScipyRadau
+from .sundials_ida import SundialsIda
 
 INTEGRATORS: dict[str, type[Integrator]] = {
     "gear": Gear,
@@ -24,7 +25,7 @@ INTEGRATORS: dict[str, type[Integrator]] = {
     "scipy-dop853": ScipyDop853,
 }
 # These see mass, forces and constraints of a mechanism, not its derivative alone.
-CONSTRAINED: dict[str, type[GeneralizedAlpha]] = {"generalized-alpha": GeneralizedAlpha}
+CONSTRAINED: dict[str, type[Any]] = {"generalized-alpha": GeneralizedAlpha, "ida": SundialsIda}
 
 
 def new_integrator(
