@@ -4,6 +4,7 @@ from inspect import signature
 from typing import Any
 
 from ..errors import did_you_mean
+from . import advice
 from .base import Counters, Derivative, Integrator
 from .constrained import ConstrainedSystem
 from .drive import Solution, StopRequest, integrate
@@ -51,7 +52,9 @@ def new_constrained_integrator(
     ValueError : unknown name or option, with the nearest known one
     """
     kind = _named(name, CONSTRAINED, options)
-    return kind(system, t0, y0, t_end, **options)
+    made: Integrator = kind(system, t0, y0, t_end, **options)
+    made.hints += advice.of_choice(options)
+    return made
 
 
 def _named(name: str, kinds: dict[str, Any], options: dict[str, Any]) -> Any:

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from . import advice
 from .norm import Array, ErrorNorm
 
 Derivative = Callable[[float, Array], Array]
@@ -20,6 +21,8 @@ Dense = Callable[[Any], Array]
 Projection = Callable[[float, Array], "Array | None"]
 
 MAX_REFUSALS_NOT_FINITE = 25
+# Of fixed steps, over the largest component in the first ones: no motion, the method.
+DIVERGED, FIRST_STEPS = 1e12, 10
 
 
 @dataclass
@@ -55,7 +58,8 @@ class Integrator(ABC):
     jacobian : df/dy (t, y) -> (n, n); only implicit methods use it
     block_starts : (b,) first index of each block of y; the error norm is the largest of
         the blocks' root mean squares. One block if None
-    fixed_step : take this step [s] without error control (studies of stability and order)
+    fixed_step : take this step [s] without error control (studies of stability and order); a
+        state that grows 1e12-fold ends the run as failed
     project : (t, y) -> (n,) nearest state that satisfies the invariants of the problem, or None
         if there is none near by; applied to every step before it is accepted, and to the
         dense output
@@ -115,6 +119,8 @@ class Integrator(ABC):
         self._raised = ""  # error raised inside f in this attempt
         self._not_finite = 0  # attempts in a row refused because of inf or nan
         self._nan = np.full(self.n, np.nan)
+        self._largest_first = float(np.abs(self.y).max())  # component, of a run of fixed steps
+        self._growth = 1.0
         self._output: Dense | None = None
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             self._f_start = np.array(self.derivative(self.t, self.y), dtype=float)
@@ -169,8 +175,20 @@ class Integrator(ABC):
         self._output = None
         self._not_finite = 0
         self.counters.steps += 1
-        if t_new >= self.t_end:
+        if self.fixed_step is not None:
+            self._watch_growth(y_new)
+        if self.status == "running" and t_new >= self.t_end:
             self.status, self.message = "finished", f"Reached t = {t_new:.9g} s"
+
+    def _watch_growth(self, y: Array) -> None:
+        """End a run of fixed steps whose state has grown beyond all measure."""
+        largest = float(np.abs(y).max())
+        if self.counters.steps <= FIRST_STEPS:
+            self._largest_first = max(self._largest_first, largest)
+        self._growth = largest / self._largest_first if self._largest_first > 0 else 0.0
+        if self._growth > DIVERGED:
+            self._trouble = f"the state has grown {self._growth:.2g}-fold since the start"
+            self._fail(f"The fixed step of {self.h:.3g} s diverges at t = {self.t:.9g} s")
 
     def dense_output(self) -> Dense:
         """Solution over [t_old, t]: callable of a time () or times (k,) giving (n,) or (k, n).
@@ -248,13 +266,28 @@ class Integrator(ABC):
 
     def _fail(self, where: str) -> None:
         self.status = "failed"
-        advice = (
-            "Look for a singular position, a division by zero or unstable motion just after it"
-            if self._not_finite
-            else "Look for a jump or a singularity in the forces just after it, loosen rtol "
-            "and atol, or use an implicit method if the problem is stiff"
-        )
-        self.message = f"{where}; last refusal: {self._trouble or 'none'}. {advice}."
+        grown = self.fixed_step is not None and self._growth > 1e3
+        words = advice.on_failure(type(self), not_finite=self._not_finite > 0, grown=grown)
+        self.message = f"{where}; last refusal: {self._trouble or 'none'}. {words}."
+
+    def final_hints(self) -> tuple[str, ...]:
+        """`hints`, and what a look back on a finished run adds (some evaluations of f)."""
+        if (
+            self.status == "failed"
+            or self.hints
+            or self.fixed_step is not None
+            or self.counters.steps < advice.STEPS_WORTH_A_LOOK
+        ):
+            return tuple(self.hints)
+        h_mean = (self.t - self.t0) / self.counters.steps
+        order = getattr(self, "max_order", self.order)
+
+        def fastest() -> float:
+            weight = self.norm.weight(self.y, self.y)
+            return advice.fastest_rate(self.derivative, self.t, self.y, weight)
+
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            return (*self.hints, *advice.of_run(type(self), order, h_mean, fastest))
 
     def _first_step(self, first_step: float | None) -> float:
         """Size of the first step from the sizes of y, f and the change of f along f."""
