@@ -21,6 +21,7 @@ from .integrate import (
     Integrator,
     Solution,
     StopRequest,
+    advice,
     integrate,
     new_constrained_integrator,
     new_integrator,
@@ -109,7 +110,9 @@ def make_integrator(
         options["max_step"] = solver["max_step"]
     name, t_end = solver["integrator"], solver["t_end"]
     if treatment.name in IMPLICIT:
-        options |= {"formulation": treatment.name, "spectral_radius": treatment.spectral_radius}
+        options["formulation"] = treatment.name
+        if name == "generalized-alpha":
+            options["spectral_radius"] = treatment.spectral_radius
         return new_constrained_integrator(
             name, constrained_system(model), 0.0, y0, t_end, **options
         )
@@ -118,6 +121,18 @@ def make_integrator(
     if treatment.name == "projection" and model.n_constraint:
         options["project"] = projection(model)
     return new_integrator(name, right_hand_side(model), 0.0, y0, t_end, **options)
+
+
+def feedback_hints(treatment: Treatment, solution: Solution, order: int) -> list[str]:
+    """Remarks on a run whose steps the feedback of its constraints has kept short."""
+    steps = solution.counters.steps
+    rate = {
+        "baumgarte": max(treatment.alpha, treatment.beta),
+        "augmented-lagrangian": treatment.frequency * max(treatment.ratio, 1.0),
+    }.get(treatment.name, 0.0)
+    if steps < advice.STEPS_WORTH_A_LOOK or solution.t[-1] == 0.0:
+        return []
+    return advice.of_feedback(rate, float(solution.t[-1]) / steps, order)
 
 
 Monitor = Callable[[Integrator], StopRequest | None]
@@ -176,6 +191,8 @@ def execute(spec: RunSpec, *, progress: bool = True) -> tuple[RunResult, dict[st
         times = output_times(solver["t_end"], solver["output_step"])
         solution = integrate(integrator, times, follow)
         follow.bar.close()
+        hints = feedback_hints(treatment, solution, integrator.order)
+        solution = replace(solution, hints=(*solution.hints, *hints))
     if solution.status == "failed":
         cause = passage.explain(float(solution.t[-1]), solution.y[-1])
         if cause:

@@ -90,6 +90,7 @@ __all__ = [
     "RungeKutta8",
     "Solution",
     "StopRequest",
+    "advice",
     "integrate",
     "new_constrained_integrator",
     "new_integrator",

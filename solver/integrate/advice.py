@@ -16,7 +16,9 @@ from .norm import Array
 LIMITED_ABOVE = {"RungeKutta5": 0.8, "RungeKutta8": 2.0, "ScipyDop853": 2.0}
 # Of the mean |h w|: BDF of order 3 and above, kept from growing by its error control.
 GROWTH_LIMITED = (0.4, 1.0)
+FEEDBACK_LIMITED = 0.06  # rate times mean step, over the order of the method
 STEPS_WORTH_A_LOOK = 100
+GROWN = 1e3
 
 SHORTER = "error control (no fixed step) shortens it by itself"
 ON_GROWTH = {
@@ -26,8 +28,8 @@ ON_GROWTH = {
     ),
     "ExplicitRungeKutta": (
         "An explicit method amplifies what is faster than its step: |h w| of the highest mode must "
-        "stay below 1 (rk5) or 6 (rk8), h alpha and h beta of Baumgarte's feedback below 2. Take a "
-        f"shorter step ({SHORTER}), an implicit method (generalized-alpha, or gear with "
+        "stay below 1.0 (rk5) or 5.9 (rk8), h alpha and h beta of Baumgarte's feedback below 2. "
+        f"Take a shorter step ({SHORTER}), an implicit method (generalized-alpha, or gear with "
         'max_order = 2), fewer modes, or constraints = "projection" instead of baumgarte'
     ),
     "GeneralizedAlpha": (
@@ -53,9 +55,14 @@ def of_kind(kind: type, table: dict[str, Any]) -> Any:
     return next((table[c.__name__] for c in kind.__mro__ if c.__name__ in table), None)
 
 
-def on_failure(kind: type, *, not_finite: bool, grown: bool) -> str:
-    """What to do about a run that ended as failed, the last full stop left out."""
-    words = of_kind(kind, ON_GROWTH) if grown else None
+def on_failure(kind: type, *, not_finite: bool, fixed_step: bool, growth: float) -> str:
+    """What to do about a run that ended as failed, the last full stop left out.
+
+    `growth` is that of the largest component over the first steps'. What generalized-alpha does
+    not damp shows in its multipliers, not in the state, until Newton's iteration fails.
+    """
+    unstable = growth > GROWN or of_kind(kind, {"GeneralizedAlpha": True})
+    words = of_kind(kind, ON_GROWTH) if fixed_step and unstable else None
     words = words or (NOT_FINITE if not_finite else OTHERWISE)
     borrowed = of_kind(kind, {"Peer": COMPARISON})
     return f"{words}. {borrowed}" if borrowed else str(words)
@@ -70,6 +77,17 @@ def of_choice(options: dict[str, Any]) -> list[str]:
             'spectral_radius = 0.8 or constraints = "ggl" settles them'
         ]
     return []
+
+
+def of_feedback(rate: float, h_mean: float, order: int) -> list[str]:
+    """Remarks on a run of mean step `h_mean` [s] whose constraints are fed back at `rate` [1/s]."""
+    if rate * h_mean < FEEDBACK_LIMITED * order:
+        return []
+    return [
+        f"feedback: the steps average {h_mean:.3g} s, as short as the feedback of the constraints "
+        f"({rate:.3g} 1/s) asks for: smaller alpha and beta (frequency), or constraints = "
+        '"projection", which has no rate of its own, allow longer ones'
+    ]
 
 
 def of_run(

@@ -266,8 +266,12 @@ class Integrator(ABC):
 
     def _fail(self, where: str) -> None:
         self.status = "failed"
-        grown = self.fixed_step is not None and self._growth > 1e3
-        words = advice.on_failure(type(self), not_finite=self._not_finite > 0, grown=grown)
+        words = advice.on_failure(
+            type(self),
+            not_finite=self._not_finite > 0,
+            fixed_step=self.fixed_step is not None,
+            growth=self._growth,
+        )
         self.message = f"{where}; last refusal: {self._trouble or 'none'}. {words}."
 
     def final_hints(self) -> tuple[str, ...]:

@@ -58,7 +58,7 @@ def test_order_2_decays_where_order_3_ends_with_words():
     assert values[-1] < 1e-29
     values, gear = amplitudes(3, 1.0, 1000)
     assert gear.status == "failed"
-    assert 1e12 < values[-1] < 1.1e12
+    assert 1e12 < values[-1] < 2e12  # the amplitude; a component has grown 1e12-fold
     assert "diverges" in gear.message
     assert "max_order = 2" in gear.message
 
