@@ -16,6 +16,7 @@ from .norm import Array
 LIMITED_ABOVE = {"RungeKutta5": 0.8, "RungeKutta8": 2.0, "ScipyDop853": 2.0}
 # Of the mean |h w|: BDF of order 3 and above, kept from growing by its error control.
 GROWTH_LIMITED = (0.4, 1.0)
+HIGHEST_RADIUS = 0.95  # with index 3 (docs/pictures/stability.png)
 FEEDBACK_LIMITED = 0.06  # rate times mean step, over the order of the method
 STEPS_WORTH_A_LOOK = 100
 GROWN = 1e3
@@ -33,7 +34,7 @@ ON_GROWTH = {
         'max_order = 2), fewer modes, or constraints = "projection" instead of baumgarte'
     ),
     "GeneralizedAlpha": (
-        "Without numerical damping (spectral_radius = 1) what the step does not resolve can grow "
+        "With too little damping (spectral_radius near 1) what the step does not resolve can grow "
         'where the problem is not linear, and with constraints = "index3" the velocities that the '
         'constraints forbid swing on: take spectral_radius = 0.8, constraints = "ggl", or a '
         f"shorter step ({SHORTER})"
@@ -70,9 +71,10 @@ def on_failure(kind: type, *, not_finite: bool, fixed_step: bool, growth: float)
 
 def of_choice(options: dict[str, Any]) -> list[str]:
     """Remarks on options of an integrator of constrained systems that are known to disappoint."""
-    if options.get("formulation") == "index3" and options.get("spectral_radius") == 1.0:
+    rho = options.get("spectral_radius", 0.0)
+    if options.get("formulation") == "index3" and rho > HIGHEST_RADIUS:
         return [
-            'undamped: spectral_radius = 1 with constraints = "index3" damps nothing, so '
+            f'undamped: spectral_radius = {rho:g} with constraints = "index3" damps too little: '
             "multipliers and the velocities that the constraints forbid swing from step to step; "
             'spectral_radius = 0.8 or constraints = "ggl" settles them'
         ]
