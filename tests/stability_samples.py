@@ -23,7 +23,7 @@ HAND = Path(__file__).parent / "packages/double-pendulum/hand.isotropic.vtkhdf"
 def hand(
     joint: str, bent: Sequence[float] = (), gravity: bool = False
 ) -> tuple[Sample, np.ndarray]:
-    """The hand on a joint of the ground about z, its first modes displaced by `bent`.
+    """The hand on a joint of the ground about z, its first modes displaced by `bent`; probe at its tip.
 
     Returns the sample and the undamped frequencies of the modes (4,) [rad/s].
     """
@@ -31,9 +31,12 @@ def hand(
     package = replace(package, damping=np.zeros_like(package.damping))
     body = flexible_body("hand", package)
     m = package.n_mode
+    farthest = int(np.argmax(np.linalg.norm(package.nodes_B, axis=1)))
+    tip = package.nodes_B[farthest]
     markers = [
         MarkerTable(GROUND, np.zeros(3)),
         MarkerTable(0, np.zeros(3), phi=np.zeros((3, m)), psi=np.zeros((3, m))),
+        MarkerTable(0, tip, phi=package.shapes_B[:, farthest, :3].T, psi=np.zeros((3, m))),
     ]
     model = assemble_model(
         [body],
@@ -45,7 +48,7 @@ def hand(
     positions[3] = 1.0
     positions[7 : 7 + len(bent)] = bent
     none = np.zeros(model.n_vel)
-    sample = Sample(model, Start(positions, none, none.astype(bool)), ["foot"], 1)
+    sample = Sample(model, Start(positions, none, none.astype(bool)), ["foot"], 2)
     return sample, np.sqrt(np.diag(package.stiffness))
 
 
