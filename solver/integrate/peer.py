@@ -75,9 +75,12 @@ class Peer(Integrator):
         return t_y
 
     def _f_within(self, t: float, y: Array) -> Array:
-        """Evaluate f for the solver within: a copy, which it may keep."""
+        """Evaluate f for the solver within: a copy, which it may keep.
+
+        f gets y in one piece: compiled, it would be compiled again for a strided one.
+        """
         try:
-            value = np.array(self.derivative(float(t), y), dtype=float)
+            value = np.array(self.derivative(float(t), np.ascontiguousarray(y)), dtype=float)
         except BaseException as error:
             self._error_in_f = error
             raise

@@ -42,7 +42,7 @@ class _ScipyPeer(Peer):
 
     def _dense(self) -> Dense:
         inside = self._within.dense_output()
-        return lambda t: inside(np.asarray(t, dtype=float)).T
+        return lambda t: np.ascontiguousarray(inside(np.asarray(t, dtype=float)).T)
 
     def _order(self) -> int:
         """Order of the step to come."""
