@@ -67,7 +67,9 @@ def test_motion_is_that_of_our_own(make):
 @installed
 def test_stops_limits_and_interruption():
     assert integrate(_ida(max_step=0.01), [1.0]).counters.steps >= 100
-    done = integrate(_ida(), [0.0, 1.0], lambda i: StopRequest(i.t, "enough") if i.t > 0.4 else None)
+    done = integrate(
+        _ida(), [0.0, 1.0], lambda i: StopRequest(i.t, "enough") if i.t > 0.4 else None
+    )
     assert (done.status, done.message) == ("stopped", "enough")
 
     made = _ida()
