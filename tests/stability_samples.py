@@ -23,7 +23,9 @@ HAND = Path(__file__).parent / "packages/double-pendulum/hand.isotropic.vtkhdf"
 def hand(
     joint: str, bent: Sequence[float] = (), gravity: bool = False
 ) -> tuple[Sample, np.ndarray]:
-    """The hand on a joint of the ground about z, its first modes displaced by `bent`; probe at its tip.
+    """The hand on a joint of the ground about z, its first modes displaced by `bent`.
+
+    The probe is its tip.
 
     Returns the sample and the undamped frequencies of the modes (4,) [rad/s].
     """
