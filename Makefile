@@ -324,6 +324,15 @@ build/charts/shell-%.json: $(PREPROCESS_SOURCES) benchmarks/shell_course.py \
 docs/pictures/shell-%.png: build/charts/shell-%.json benchmarks/shell_chart.py
 	$(PY) benchmarks/shell_chart.py $* $< $@
 
+STABILITY_CHART := docs/pictures/stability.png
+
+.PHONY: stability
+stability: $(STABILITY_CHART) ## Map of where each integration method breaks, measured and drawn
+	@echo "stability: $<, build/charts/stability.csv"
+
+$(STABILITY_CHART): benchmarks/stability_chart.py $(RUN_SOURCES) | $(LIGHT) $(COMPILED)
+	PYTHONPATH=.:tests $(PY) $< build/charts/stability.csv $@
+
 .PHONY: docs
 docs: $(LIGHT) ## Regenerate docs/equations.md, case-reference.md, *-description.md
 	$(PY) tools/equations.py docs/equations.md

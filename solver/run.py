@@ -2,6 +2,7 @@
 
 import json
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,9 @@ from .constraints.treatment import IMPLICIT, Treatment, treatment_of
 from .errors import InputError
 from .integrate import (
     Integrator,
+    Solution,
     StopRequest,
+    advice,
     integrate,
     new_constrained_integrator,
     new_integrator,
@@ -112,7 +115,9 @@ def make_integrator(
         options["max_step"] = solver["max_step"]
     name, t_end = solver["integrator"], solver["t_end"]
     if treatment.name in IMPLICIT:
-        options |= {"formulation": treatment.name, "spectral_radius": treatment.spectral_radius}
+        options["formulation"] = treatment.name
+        if name == "generalized-alpha":
+            options["spectral_radius"] = treatment.spectral_radius
         return new_constrained_integrator(
             name, constrained_system(model), 0.0, y0, t_end, **options
         )
@@ -121,6 +126,18 @@ def make_integrator(
     if treatment.name == "projection" and model.n_constraint:
         options["project"] = projection(model)
     return new_integrator(name, right_hand_side(model), 0.0, y0, t_end, **options)
+
+
+def feedback_hints(treatment: Treatment, solution: Solution, order: int) -> list[str]:
+    """Remarks on a run whose steps the feedback of its constraints has kept short."""
+    steps = solution.counters.steps
+    rate = {
+        "baumgarte": max(treatment.alpha, treatment.beta),
+        "augmented-lagrangian": treatment.frequency * max(treatment.ratio, 1.0),
+    }.get(treatment.name, 0.0)
+    if steps < advice.STEPS_WORTH_A_LOOK or solution.t[-1] == 0.0:
+        return []
+    return advice.of_feedback(rate, float(solution.t[-1]) / steps, order)
 
 
 class _Progress:
@@ -162,6 +179,8 @@ def execute(spec: RunSpec, *, progress: bool = True) -> tuple[RunResult, dict[st
         times = output_times(solver["t_end"], solver["output_step"])
         solution = integrate(integrator, times, follow)
         follow.bar.close()
+        hints = feedback_hints(prepared.treatment, solution, integrator.order)
+        solution = replace(solution, hints=(*solution.hints, *hints))
     solution = prepared.explained(solution)
     solve_s = time.perf_counter() - begin
     built, measured, spin = prepared.built, prepared.measured, prepared.spin
