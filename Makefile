@@ -255,6 +255,27 @@ ship: ## Copy the packages of every case to tests/packages, for use without FEni
 	    cp build/$$case/bodies/*.vtkhdf tests/packages/$$case/; \
 	done
 
+##@ Benchmarks
+
+BENCH := OPENBLAS_NUM_THREADS=1 PYTHONPATH=.:benchmarks $(PY)
+PEERS := build/peers
+EXUDYN := $(PEERS)/exudyn/__init__.py
+BENCH_OPTIONS ?=
+
+.PHONY: bench
+bench: $(EXUDYN) | $(COMPILED) ## The solver beside Exudyn: build/benchmarks/solver.json, docs/speed.md
+	$(BENCH) benchmarks/solver_speed.py build/benchmarks/solver.json --write docs/speed.md \
+	    $(BENCH_OPTIONS)
+
+# In a folder of its own: neither tests nor users need it, and it brings its own file formats.
+# Without dependencies: NumPy is that of the environment.
+$(EXUDYN): pyproject.toml $(LIGHT)
+	@mkdir -p $(PEERS)
+	$(PY) -m pip install --quiet --upgrade --no-deps --target $(PEERS) \
+	    $$($(PY) -c 'import tomllib; p = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
+	    print(*(r for r in p["optional-dependencies"]["peers"] if r.startswith("exudyn")))')
+	@touch $@
+
 ##@ Documents and cleaning
 
 CHART := docs/pictures/section-error-time.png
