@@ -283,8 +283,11 @@ CHART_NUMBERS := build/charts/section-error-time.json
 
 SHELL_CHARTS := docs/pictures/shell-course.png docs/pictures/shell-error-time.png
 
+# Numbers of the solver's charts are kept with the documents: they take minutes to measure.
+SOLVER_CHARTS := $(patsubst %,docs/pictures/solver-%.png,integrators treatments models)
+
 .PHONY: charts
-charts: $(CHART) $(SHELL_CHARTS) ## Measure error against time of sections and shells, draw it
+charts: $(CHART) $(SHELL_CHARTS) $(SOLVER_CHARTS) ## Measure error against time, draw it
 
 $(CHART_NUMBERS): $(PREPROCESS_SOURCES) benchmarks/section_convergence.py | $(FENICSX)
 	. ./$(FENICSX) && PYTHONPATH=.:tests "$$FENICSX_PYTHON" benchmarks/section_convergence.py $@
@@ -298,6 +301,19 @@ build/charts/shell-%.json: $(PREPROCESS_SOURCES) benchmarks/shell_course.py \
 
 docs/pictures/shell-%.png: build/charts/shell-%.json benchmarks/shell_chart.py
 	$(PY) benchmarks/shell_chart.py $* $< $@
+
+docs/charts/solver-integrators.csv docs/charts/solver-treatments.csv: docs/charts/solver-%.csv: \
+    $(RUN_SOURCES) $(wildcard benchmarks/solver_*.py) $(EXUDYN) | $(COMPILED)
+	@mkdir -p $(@D)
+	$(BENCH) benchmarks/solver_accuracy.py $* $@
+
+docs/charts/solver-models.csv: $(RUN_SOURCES) $(PREPROCESS_SOURCES) benchmarks/solver_models.py \
+    benchmarks/solver_problems.py | $(COMPILED) $(FENICSX)
+	@mkdir -p $(@D)
+	$(BENCH) benchmarks/solver_models.py $@
+
+docs/pictures/solver-%.png: docs/charts/solver-%.csv benchmarks/solver_chart.py
+	$(BENCH) benchmarks/solver_chart.py $* $< $@
 
 .PHONY: docs
 docs: $(LIGHT) ## Regenerate docs/equations.md, case-reference.md, *-description.md

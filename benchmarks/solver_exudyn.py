@@ -256,15 +256,13 @@ def double_pendulum(
     elbow = float(interface(arm, "tip").position_B[0])
     frame, body = plane.body(arm, (0.0, 0.0), spin=speed, masses={"tip": 1.0}, g=g)
     plane.drive(frame, speed)
-    other, last = plane.body(
-        hand, (elbow, 0.0), velocity_y=speed * elbow, masses={"tip": 3.0}, g=g
-    )
+    other, last = plane.body(hand, (elbow, 0.0), velocity_y=speed * elbow, masses={"tip": 3.0}, g=g)
     plane.hinge(plane.tip(body, arm), other)
     return plane.solve(plane.sensor(last, hand), t_end, steps, newton)
 
 
 def chain(n: int, steps: int, h: float, newton: str) -> tuple[Array, float]:
-    """Chain of n links: path of its end and the processor time [s], sparse solver."""
+    """Chain of n links: path of its end and the processor time [s], sparse solver if it is long."""
     link = read_package(EIGHT / "hand.vtkhdf")
     length = float(interface(link, "tip").position_B[0])
     plane = Plane()
@@ -273,7 +271,7 @@ def chain(n: int, steps: int, h: float, newton: str) -> tuple[Array, float]:
     for (_, before), (frame, _) in pairwise(bodies):
         plane.hinge(plane.tip(before, link), frame)
     sensor = plane.sensor(bodies[-1][1], link)
-    return plane.solve(sensor, steps * h, steps, newton, sparse=True)
+    return plane.solve(sensor, steps * h, steps, newton, sparse=n > 4)
 
 
 def node(package: ModalPackage, name: str) -> int:

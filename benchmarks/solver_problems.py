@@ -20,7 +20,6 @@ from plymotion.solver.rotations import frame_from_axis
 
 SHIPPED = Path("tests/packages")
 EIGHT = SHIPPED / "double-pendulum-8"  # 8 elements a link, lumped, 4 + 4 modes
-Z = np.array([0.0, 0.0, 1.0])
 GRAVITY = (0.0, -9.81, 0.0)
 
 
@@ -82,59 +81,37 @@ def double_pendulum(folder: Path = EIGHT, *, gravity: float = 9.81) -> Problem:
     )
 
 
-def actuated_beam() -> Problem:
+def actuated_beam(file: Path = SHIPPED / "actuated-beam" / "beam.layup-1.vtkhdf") -> Problem:
     """Lay-up 1 of the actuated beam, half a turn of its crank."""
     return from_case(
         Path("cases/actuated-beam/case.toml"),
         "layup-1",
-        {"beam": SHIPPED / "actuated-beam" / "beam.layup-1.vtkhdf"},
-        "tip_deflection",
+        {"beam": file},
+        "tip_z",
         1.0,
         title="actuated beam, lay-up 1, 16 elements, 7 modes, 1 s",
     )
 
 
-def chain(n: int, t_end: float = 1.0, n_mode: int = 4) -> Problem:
+def chain(n: int, t_end: float = 1.0, file: Path = EIGHT / "hand.vtkhdf") -> Problem:
     """Chain of n flexible links, released at rest from the horizontal; probe at its end.
 
-    Every link is the hand of the double pendulum without its mass, with its lowest modes only.
+    Every link is the hand of the double pendulum without its mass.
     """
-    package = read_package(EIGHT / "hand.vtkhdf")
-    link = lowest(flexible_body("link", package), n_mode)
+    package = read_package(file)
+    link = flexible_body("link", package)
     root, tip = interface(package, "root"), interface(package, "tip")
     length = float(tip.position_B[0])
-    hinge = frame_from_axis(Z)
+    hinge = frame_from_axis(np.array([0.0, 0.0, 1.0]))
     markers, joints = [MarkerTable(GROUND, np.zeros(3), hinge)], []
     for i in range(n):
         for end in (root, tip):
-            shapes = (end.phi_B[:, :n_mode].copy(), end.psi_B[:, :n_mode].copy())
-            markers.append(MarkerTable(i, end.position_B, hinge, *shapes))
+            markers.append(MarkerTable(i, end.position_B, hinge, end.phi_B, end.psi_B))
         # marker 0 is the ground's; 2 i is the tip of the link before
         joints.append(JointTable(f"hinge {i + 1}", "revolute", 2 * i, 2 * i + 1))
     model = assemble_model([link] * n, markers, joints, gravity_G=GRAVITY)
     y0 = np.zeros(model.n_pos + model.n_vel + 1)
     y0[model.pos_start] = length * np.arange(n)
     y0[model.pos_start + 3] = 1.0
-    title = f"chain of {n} flexible links, {n_mode} modes each, {t_end:g} s"
+    title = f"chain of {n} links, {package.n_mode} modes each, {t_end:g} s"
     return Problem(f"chain-{n}", title, model, y0, 2 * n, t_end, 0.01)
-
-
-def lowest(body: Any, n_mode: int) -> Any:
-    """Body with its lowest modes only."""
-    from dataclasses import replace
-
-    inv = body.invariants
-    kept = slice(0, n_mode)
-    return replace(
-        body,
-        invariants=replace(
-            inv,
-            S_B=inv.S_B[:, kept],
-            T01_B=inv.T01_B[..., kept],
-            T11_B=inv.T11_B[..., kept, kept],
-            J_psi_B=inv.J_psi_B[:, kept],
-        ),
-        mass=body.mass[kept, kept],
-        stiffness=body.stiffness[kept, kept],
-        damping=body.damping[kept, kept],
-    )
