@@ -108,7 +108,7 @@ def models(rows: list[Row], picture: Path) -> None:
             if len(_names(part, "curve")) > 1:
                 axis.legend(loc="best")
         axes[0].set_ylabel("largest error of the tip [m]")
-    canvas.figure.suptitle("Model error against the finest model (rk8, rtol 1e-8)")
+    canvas.figure.suptitle("Model error: distance from the finest model of each panel")
     canvas.save(picture)
 
 

@@ -61,7 +61,9 @@ def _double_pendulum(found: dict[str, Any]) -> list[str]:
 
 
 def _ratio(value: float | None) -> str:
-    return "–" if value is None else f"**{value:.3g}** (1/{1 / value:.1f})"
+    if value is None:
+        return "–"
+    return f"**{value:.3g}**" + (f" (1/{1 / value:.1f})" if value < 1 else "")
 
 
 def _chain(found: dict[str, Any]) -> list[str]:
