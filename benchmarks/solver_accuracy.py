@@ -20,7 +20,7 @@ from plymotion.solver.package.schema import Array
 
 CHAIN = 4
 CHAIN_END = 0.5  # [s]
-STEPS = (500, 1000, 2000, 5000, 10000, 20000, 50000)
+STEPS = (500, 1000, 2000, 5000, 10000, 20000, 50000, 70000)
 METHODS = {"integrators": INTEGRATOR_METHODS, "treatments": TREATMENT_METHODS}
 
 

@@ -28,7 +28,7 @@ from tqdm import tqdm
 
 from plymotion.solver.package.container import temporary_sibling
 
-STEPS = (500, 1000, 2000, 5000, 10000, 20000, 50000)
+STEPS = (500, 1000, 2000, 5000, 10000, 20000, 50000, 70000)
 LONG = 3.0  # [s]; longer runs scatter little and are not repeated
 TARGETS = ("1e-4", "2e-6", "1e-7")
 
