@@ -50,7 +50,7 @@ def error_time(rows: list[Row], picture: Path, subject: str) -> None:
             handles.setdefault(label, handle)
     ordered = [label for label in labels if label in handles]
     canvas.figure.legend(
-        [handles[label] for label in ordered], ordered, loc="outside lower center", ncols=6
+        [handles[label] for label in ordered], ordered, loc="outside lower center", ncols=7
     )
     canvas.figure.suptitle(f"Error against processor time, {subject}")
     canvas.save(picture)
@@ -59,7 +59,7 @@ def error_time(rows: list[Row], picture: Path, subject: str) -> None:
 def _curve(axis: Any, done: list[tuple[float, float]], label: str, k: int) -> None:
     """Every run as a point; the line joins those that no other run of the curve beats."""
     peer, foreign = label == PEER, label.startswith(FOREIGN)
-    shade = INK if peer else colour(k % 6)
+    shade = INK if peer else colour(k % 7)
     line = np.array(front(done))
     style = {"color": shade, "marker": MARKERS[k % len(MARKERS)], "markersize": 4.5}
     axis.plot(
