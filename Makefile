@@ -301,6 +301,27 @@ ship: ## Copy the packages of every case to tests/packages, for use without FEni
 	    cp build/$$case/bodies/*.vtkhdf tests/packages/$$case/; \
 	done
 
+##@ Benchmarks
+
+BENCH := OPENBLAS_NUM_THREADS=1 PYTHONPATH=.:benchmarks $(PY)
+PEERS := build/peers
+EXUDYN := $(PEERS)/exudyn/__init__.py
+BENCH_OPTIONS ?=
+
+.PHONY: bench
+bench: $(EXUDYN) | $(COMPILED) ## The solver beside Exudyn: build/benchmarks/solver.json, docs/speed.md
+	$(BENCH) benchmarks/solver_speed.py build/benchmarks/solver.json --write docs/speed.md \
+	    $(BENCH_OPTIONS)
+
+# In a folder of its own: neither tests nor users need it, and it brings its own file formats.
+# Without dependencies: NumPy is that of the environment.
+$(EXUDYN): pyproject.toml $(LIGHT)
+	@mkdir -p $(PEERS)
+	$(PY) -m pip install --quiet --upgrade --no-deps --target $(PEERS) \
+	    $$($(PY) -c 'import tomllib; p = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
+	    print(*(r for r in p["optional-dependencies"]["peers"] if r.startswith("exudyn")))')
+	@touch $@
+
 ##@ Documents and cleaning
 
 CHART := docs/pictures/section-error-time.png
@@ -308,8 +329,11 @@ CHART_NUMBERS := build/charts/section-error-time.json
 
 SHELL_CHARTS := docs/pictures/shell-course.png docs/pictures/shell-error-time.png
 
+# Numbers of the solver's charts are kept with the documents: they take minutes to measure.
+SOLVER_CHARTS := $(patsubst %,docs/pictures/solver-%.png,integrators treatments models)
+
 .PHONY: charts
-charts: $(CHART) $(SHELL_CHARTS) ## Measure error against time of sections and shells, draw it
+charts: $(CHART) $(SHELL_CHARTS) $(SOLVER_CHARTS) ## Measure error against time, draw it
 
 $(CHART_NUMBERS): $(PREPROCESS_SOURCES) benchmarks/section_convergence.py | $(FENICSX)
 	. ./$(FENICSX) && PYTHONPATH=.:tests "$$FENICSX_PYTHON" benchmarks/section_convergence.py $@
@@ -323,6 +347,20 @@ build/charts/shell-%.json: $(PREPROCESS_SOURCES) benchmarks/shell_course.py \
 
 docs/pictures/shell-%.png: build/charts/shell-%.json benchmarks/shell_chart.py
 	$(PY) benchmarks/shell_chart.py $* $< $@
+
+ACCURACY_SOURCES := $(patsubst %,benchmarks/solver_%.py,accuracy exudyn methods problems runs)
+docs/charts/solver-integrators.csv docs/charts/solver-treatments.csv: docs/charts/solver-%.csv: \
+    $(RUN_SOURCES) $(ACCURACY_SOURCES) $(EXUDYN) | $(COMPILED)
+	@mkdir -p $(@D)
+	$(BENCH) benchmarks/solver_accuracy.py $* $@
+
+docs/charts/solver-models.csv: $(RUN_SOURCES) $(PREPROCESS_SOURCES) benchmarks/solver_models.py \
+    benchmarks/solver_problems.py | $(COMPILED) $(FENICSX)
+	@mkdir -p $(@D)
+	$(BENCH) benchmarks/solver_models.py $@
+
+docs/pictures/solver-%.png: docs/charts/solver-%.csv benchmarks/solver_chart.py
+	$(BENCH) benchmarks/solver_chart.py $* $< $@
 
 STABILITY_CHART := docs/pictures/stability.png
 
