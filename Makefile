@@ -303,8 +303,8 @@ ship: ## Copy the packages of every case to tests/packages, for use without FEni
 
 ##@ Benchmarks
 
-BENCH := OPENBLAS_NUM_THREADS=1 PYTHONPATH=.:benchmarks $(PY)
 PEERS := build/peers
+BENCH := OPENBLAS_NUM_THREADS=1 PYTHONPATH=.:benchmarks:$(PEERS) $(PY)
 EXUDYN := $(PEERS)/exudyn/__init__.py
 BENCH_OPTIONS ?=
 
@@ -313,13 +313,13 @@ bench: $(EXUDYN) | $(COMPILED) ## The solver beside Exudyn: build/benchmarks/sol
 	$(BENCH) benchmarks/solver_speed.py build/benchmarks/solver.json --write docs/speed.md \
 	    $(BENCH_OPTIONS)
 
-# In a folder of its own: neither tests nor users need it, and it brings its own file formats.
-# Without dependencies: NumPy is that of the environment.
+# In a folder of their own: neither tests nor users need them, and they bring their own file
+# formats. Without dependencies: NumPy is that of the environment.
 $(EXUDYN): pyproject.toml $(LIGHT)
 	@mkdir -p $(PEERS)
 	$(PY) -m pip install --quiet --upgrade --no-deps --target $(PEERS) \
 	    $$($(PY) -c 'import tomllib; p = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
-	    print(*(r for r in p["optional-dependencies"]["peers"] if r.startswith("exudyn")))')
+	    print(*p["optional-dependencies"]["peers"])')
 	@touch $@
 
 ##@ Documents and cleaning

@@ -24,7 +24,6 @@ def fixed_steps(problem: Problem, method: Method, budget_s: float) -> tuple[int,
     """Steps done at STEP, the processor time they took [s], and how it ended."""
     model, solver = prepared(problem, method, method.rtols[0])
     integrator = make_integrator(model, problem.y0, solver | {"fixed_step": STEP})
-    integrator.fixed_step = STEP
     begin = time.process_time()
 
     def follow(one: Integrator) -> StopRequest | None:

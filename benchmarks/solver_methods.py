@@ -1,6 +1,7 @@
 """Integrators and options that the solver's benchmarks compare: a new one is a line here."""
 
 from dataclasses import dataclass, field
+from importlib.util import find_spec
 from typing import Any
 
 from plymotion.solver.integrate import CONSTRAINED, INTEGRATORS
@@ -54,5 +55,8 @@ CHAIN_METHODS = (
 
 
 def available(methods: tuple[Method, ...]) -> list[Method]:
-    """Those whose integrator this version has."""
-    return [m for m in methods if m.integrator in INTEGRATORS or m.integrator in CONSTRAINED]
+    """Those whose integrator this version has; without scikit-sundae all but `ida`."""
+    known = {*INTEGRATORS, *CONSTRAINED}
+    if find_spec("sksundae") is None:
+        known.discard("ida")
+    return [m for m in methods if m.integrator in known]

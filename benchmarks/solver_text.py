@@ -84,6 +84,7 @@ def _ensemble(found: dict[str, Any]) -> list[str]:
     rows = [
         [key.replace("_", " "), f"{value:.4g}" if isinstance(value, float) else str(value)]
         for key, value in found.items()
+        if not isinstance(value, list)
     ]
     return _table(["ensemble", "measured"], rows)
 

@@ -104,6 +104,8 @@ def make_integrator(
     """Return the integrator that the case asks for, ready to step from t = 0.
 
     `treatment` is the one that the model was prepared for (`treated`); of `solver` by default.
+    `solver` may hold one key more than that of a case: `fixed_step` [s], without error control
+    (benchmarks).
     """
     treatment = treatment or treatment_of(solver)
     options: dict[str, Any] = {
@@ -113,6 +115,8 @@ def make_integrator(
     }
     if solver["max_step"] is not None:
         options["max_step"] = solver["max_step"]
+    if solver.get("fixed_step") is not None:
+        options["fixed_step"] = solver["fixed_step"]
     name, t_end = solver["integrator"], solver["t_end"]
     if treatment.name in IMPLICIT:
         options["formulation"] = treatment.name
@@ -122,7 +126,7 @@ def make_integrator(
             name, constrained_system(model), 0.0, y0, t_end, **options
         )
     if name == "gear":
-        options["max_order"] = solver["max_order"]
+        options["fixed_order" if "fixed_step" in options else "max_order"] = solver["max_order"]
     if treatment.name == "projection" and model.n_constraint:
         options["project"] = projection(model)
     return new_integrator(name, right_hand_side(model), 0.0, y0, t_end, **options)
