@@ -6,9 +6,8 @@ import numpy as np
 
 from .assemble import ForceTable, JointTable, MarkerTable, assemble_model, rigid_body
 from .bodies.floating_frame import centrifugal_matrix
-from .bodies.marker import marker_motion
+from .bodies.marker import single_motion
 from .compiled import COMPILED
-from .constraints.scaling import scaled_jacobian
 from .coordinates import moved, position_rates
 from .forces.table import KINDS as FORCE_KINDS
 from .forces.table import element_wrench
@@ -17,9 +16,7 @@ from .laws import polynomial
 from .projection import projected
 from .rotations import rotation_matrix, vector_to_matrix
 from .system import (
-    accelerations,
     assemble,
-    constraint_rates,
     derivative,
     energies,
     law_at,
@@ -44,14 +41,11 @@ def compile_ahead() -> str:
     alone = assemble(free, 0.0, y)
     derivative(free, 0.0, y)
     energies(free, alone, y)
-    accelerations(free, alone, y)
-    constraint_rates(free, alone, y)
     hinge = assemble_model([body], markers, [JointTable("hinge", "revolute", 0, 1)])
     projected(hinge, 0.0, y)
     position_rates(free, y[:7], y[7:13])
     moved(free, y[:7], y[7:13])
-    scaled_jacobian(equations.Phi_q, model.inertia_scale)
-    marker = marker_motion(model, 1, y)
+    marker, _ = single_motion(model, 1, y)
     element_wrench(0, marker, marker, model.force_parameters[0], 0.0)
     rotation_matrix(y[3:7])
     vector_to_matrix(equations.gamma[:3])

@@ -1,7 +1,7 @@
 """Compile readable tables of bodies, markers and joints into a frozen `Model`."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -10,7 +10,9 @@ from .forces.table import N_PARAMETER
 from .joints.table import KINDS, NAMES, ROWS
 from .laws import N_COEFFICIENT, Law
 from .model import GROUND, Model
+from .package.invariants import inertia_at_rest
 from .package.schema import Array, Invariants, ModalPackage
+from .plan import make_plan, positive_inertia
 
 
 @dataclass(frozen=True)
@@ -113,7 +115,11 @@ def assemble_model(
         parameters[k, : len(element.parameters)] = element.parameters
     laws: list[Law] = []
     joint_law, force_law = _numbered(joints, laws), _numbered(forces, laws)
-    inv = [b.invariants for b in bodies]
+    carrying = [_with_points(i, body, markers, point_masses) for i, body in enumerate(bodies)]
+    inv = [b.invariants for b in carrying]
+    joint_marker = _pairs([(j.marker_1, j.marker_2) for j in joints])
+    force_marker = _pairs([(e.marker_1, e.marker_2) for e in forces])
+    marker_body = np.array([m.body for m in markers], dtype=np.int64)
     marker_size = [m.phi.size for m in markers]
     joint_row = _starts(np.array([len(ROWS[NAMES[k]]) for k in kinds], dtype=np.int64))
     return Model(
@@ -134,27 +140,23 @@ def assemble_model(
         T01=_flat([i.T01_B for i in inv]),
         T11=_flat([i.T11_B.transpose(0, 1, 3, 2) for i in inv]),
         J_psi=_flat([i.J_psi_B for i in inv]),
-        M_qq=_flat([b.mass for b in bodies]),
+        M_qq=_flat([b.mass for b in carrying]),
         K_qq=_flat([b.stiffness for b in bodies]),
         D_qq=_flat([b.damping for b in bodies]),
         gravity_G=np.asarray(gravity_G, dtype=float),
-        marker_body=np.array([m.body for m in markers], dtype=np.int64),
+        marker_body=marker_body,
         marker_x=_stack([m.x for m in markers], (3,)),
         marker_A=_stack([m.A for m in markers], (3, 3)),
         marker_start=_starts(np.array(marker_size, dtype=np.int64))[:-1],
         marker_phi=_flat([m.phi for m in markers]),
         marker_psi=_flat([m.psi for m in markers]),
         joint_kind=kinds,
-        joint_marker=np.array([(j.marker_1, j.marker_2) for j in joints], dtype=np.int64).reshape(
-            -1, 2
-        ),
+        joint_marker=joint_marker,
         joint_row=joint_row,
         joint_law=joint_law,
         joint_length=np.array([j.length for j in joints], dtype=float),
         force_kind=np.array([FORCE_KINDS[e.kind] for e in forces], dtype=np.int64),
-        force_marker=np.array([(e.marker_1, e.marker_2) for e in forces], dtype=np.int64).reshape(
-            -1, 2
-        ),
+        force_marker=force_marker,
         force_law=force_law,
         force_parameters=parameters,
         law_start=_starts(np.array([len(law.times) for law in laws], dtype=np.int64)),
@@ -171,7 +173,66 @@ def assemble_model(
         penalty=0.0,
         multiplier_tolerance=0.0,
         multiplier_iterations=0,
+        pair_used=np.array([_pairs_used(i) for i in inv], dtype=np.int8).reshape(-1, 9),
+        plan=make_plan(
+            n_mode,
+            marker_body,
+            joint_marker,
+            joint_row,
+            force_marker,
+            structured=all(_positive(b) for b in carrying),
+        ),
     )
+
+
+def _with_points(
+    index: int,
+    body: Body,
+    markers: list[MarkerTable],
+    point_masses: Sequence[tuple[int, float]],
+) -> Body:
+    """Return a body with the point masses that its markers carry among its mass stations.
+
+    A mass point moves with its marker, x + phi q: one station more in the sums of
+    package/invariants.py, and no cost at run time.
+    """
+    for k, m in point_masses:
+        if markers[k].body != index:
+            continue
+        inv, x, phi = body.invariants, markers[k].x, markers[k].phi
+        body = replace(
+            body,
+            mass=body.mass + m * phi.T @ phi,
+            invariants=replace(
+                inv,
+                mass=inv.mass + m,
+                S0_B=inv.S0_B + m * x,
+                S_B=inv.S_B + m * phi,
+                T00_B=inv.T00_B + m * np.outer(x, x),
+                T01_B=inv.T01_B + m * np.einsum("a,bi->abi", x, phi),
+                T11_B=inv.T11_B + m * np.einsum("ai,bj->abij", phi, phi),
+            ),
+        )
+    return body
+
+
+def _pairs_used(invariants: Invariants) -> list[bool]:
+    """Tell for each pair 3 a + b of axes whether T01 or T11 has an entry there."""
+    T01, T11 = invariants.T01_B, invariants.T11_B.transpose(0, 1, 3, 2)
+    used = np.abs(T01).max(axis=2, initial=0.0) + np.abs(T11).max(axis=(2, 3), initial=0.0)
+    return [bool(u) for u in (used > 0.0).ravel()]
+
+
+def _positive(body: Body) -> bool:
+    inv = body.invariants
+    T = inv.T01_B
+    coupling = np.array([T[1, 2] - T[2, 1], T[2, 0] - T[0, 2], T[0, 1] - T[1, 0]]) + inv.J_psi_B
+    J = inertia_at_rest(inv)
+    return positive_inertia(inv.mass, J, coupling, inv.S0_B, inv.S_B, body.mass)
+
+
+def _pairs(markers: list[tuple[int, int]]) -> np.ndarray:
+    return np.array(markers, dtype=np.int64).reshape(-1, 2)
 
 
 def _inertia_scale(

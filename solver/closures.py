@@ -2,18 +2,29 @@
 
 from collections.abc import Callable
 
+import numpy as np
+
 from .coordinates import moved, position_rates
 from .integrate.base import Derivative
 from .integrate.constrained import ConstrainedSystem
 from .model import Model
 from .package.schema import Array
 from .projection import projected
-from .system import accelerations, assemble, derivative
+from .system import accelerations, assemble, by_blocks, dense_derivative_into, derivative_into
+from .workspace import new_work
 
 
 def right_hand_side(model: Model) -> Derivative:
-    """Return f(t, y) -> dy/dt of the index-1 system."""
-    return lambda t, y: derivative(model, t, y)
+    """Return f(t, y) -> dy/dt of the index-1 system, each time in the same array."""
+    work, out = new_work(model), np.empty(model.n_pos + model.n_vel + 1)
+
+    fill = derivative_into if by_blocks(model) else dense_derivative_into
+
+    def rate(t: float, y: Array) -> Array:
+        fill(model, work, t, y, out)
+        return out
+
+    return rate
 
 
 def projection(model: Model) -> Callable[[float, Array], Array | None]:

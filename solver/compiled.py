@@ -9,11 +9,14 @@ import os
 import shutil
 from collections.abc import Callable
 from pathlib import Path
+from types import FunctionType
 from typing import Any, TypeVar
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 _KEPT_CACHES = 4
+# Sums may be reordered and products contracted; inf and nan keep their meaning.
+_FASTMATH = {"reassoc", "contract", "nsz", "arcp"}
 
 
 def _cache_directory() -> Path:
@@ -26,7 +29,7 @@ def _cache_directory() -> Path:
     digest = hashlib.sha256()
     for source in sorted(here.rglob("*.py")):
         text = source.read_bytes()
-        if b"@jit" in text or b"NamedTuple" in text:
+        if b"@jit" in text or b"@inlined" in text or b"NamedTuple" in text:
             digest.update(source.relative_to(here).as_posix().encode())
             digest.update(text)
     base = Path(os.environ.get("PLYMOTION_CACHE", Path.home() / ".cache" / "plymotion"))
@@ -44,8 +47,9 @@ def _drop_old_caches(current: Path) -> None:
 def _find_numba() -> Any:
     if os.environ.get("PLYMOTION_COMPILED", "1") == "0":
         return None
-    # Level 3 takes half as long again to compile this code and gains nothing at run time.
-    os.environ.setdefault("NUMBA_OPT", "1")
+    # Loops are over few modes and rows: made ready for vectors they are slower, and take longer
+    # to compile.
+    os.environ.setdefault("NUMBA_LOOP_VECTORIZE", "0")
     try:
         import numba
     except ImportError:
@@ -67,7 +71,36 @@ COMPILED: bool = _numba is not None
 
 def jit(function: Function) -> Function:
     """Compile `function` (a pure function of arrays) where Numba is available."""
+    return _compiled(function)
+
+
+def inlined(function: Function) -> Function:
+    """As `jit`, for a part of one larger function: it becomes code of its caller.
+
+    A call hands over every array of a model and its memory one by one, hundreds of words. What
+    is called from one or two places only is spared that.
+    """
+    return _compiled(function, forceinline=True)
+
+
+def _compiled(function: Function, **options: bool) -> Function:
     if _numba is None:
         return function
-    compiled: Function = _numba.njit(cache=bool(_numba.config.CACHE_DIR))(function)
+    compiled: Function = _numba.njit(
+        cache=bool(_numba.config.CACHE_DIR),
+        error_model="numpy",
+        fastmath=_FASTMATH,
+        **options,
+    )(function)
     return compiled
+
+
+def rebound(function: Function, **names: Any) -> Function:
+    """Return a plain copy of `function` in which global names mean something else.
+
+    One source then serves a compiled loop and other functions that it may call.
+    """
+    plain: Any = getattr(function, "py_func", function)
+    copy: Any = FunctionType(plain.__code__, plain.__globals__ | names, plain.__name__)
+    copy.__doc__, copy.__defaults__ = plain.__doc__, plain.__defaults__
+    return copy  # type: ignore[no-any-return]

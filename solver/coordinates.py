@@ -7,22 +7,35 @@ through here, so that Euler parameters keep their length.
 
 import numpy as np
 
-from .compiled import jit
+from .compiled import inlined, jit
 from .model import Model
 from .package.schema import Array
 from .rotations import parameter_rate
 
 
+@inlined
+def rates_into(model: Model, y: Array, out: Array) -> None:
+    """Fill the rates of positions in out, of state y; the rest of out is left alone."""
+    for i in range(model.n_body):
+        a, j, m = model.pos_start[i], model.n_pos + model.vel_start[i], model.n_mode[i]
+        for k in range(3):
+            out[a + k] = y[j + k]
+        w0, w1, w2 = 0.5 * y[j + 3], 0.5 * y[j + 4], 0.5 * y[j + 5]
+        e0, e1, e2, e3 = y[a + 3], y[a + 4], y[a + 5], y[a + 6]
+        out[a + 3] = -e1 * w0 - e2 * w1 - e3 * w2
+        out[a + 4] = e0 * w0 - e3 * w1 + e2 * w2
+        out[a + 5] = e3 * w0 + e0 * w1 - e1 * w2
+        out[a + 6] = -e2 * w0 + e1 * w1 + e0 * w2
+        for k in range(m):
+            out[a + 7 + k] = y[j + 6 + k]
+
+
 @jit
 def position_rates(model: Model, positions: Array, velocities: Array) -> Array:
     """Return the rates (n_pos,) of positions (n_pos,) at velocities (n_vel,)."""
-    rates = np.empty(model.n_pos)
-    for i in range(model.n_body):
-        a, j, m = model.pos_start[i], model.vel_start[i], model.n_mode[i]
-        rates[a : a + 3] = velocities[j : j + 3]
-        rates[a + 3 : a + 7] = parameter_rate(positions[a + 3 : a + 7], velocities[j + 3 : j + 6])
-        rates[a + 7 : a + 7 + m] = velocities[j + 6 : j + 6 + m]
-    return rates
+    out = np.empty(model.n_pos)
+    rates_into(model, np.concatenate((positions, velocities)), out)
+    return out
 
 
 @jit

@@ -15,6 +15,7 @@ from .constraints.treatment import Treatment
 from .integrate import Solution, integrate
 from .model import Model
 from .package.schema import Array
+from .plan import Plan
 from .preparation import Watch
 from .run import make_integrator
 
@@ -56,17 +57,20 @@ def stack_models(models: Sequence[Model]) -> Ensemble:
                 same = np.array_equal(one, other)
             if not same:
                 raise ValueError(f"member {k}: {name} differs in structure from that of member 0")
-    stacked = []
-    for i, (name, value) in enumerate(_items(first)):
-        own = [np.asarray(model[i], dtype=float) for model in models]
-        stacked.append(np.stack(own) if _is_own(name, value) else value)
+    stacked = [
+        np.stack([np.asarray(model[i], dtype=float) for model in models])
+        if _is_own(name, value)
+        else value
+        for i, (name, value) in enumerate(zip(first._fields, first, strict=True))
+    ]
     return Ensemble(Model._make(stacked), len(models))
 
 
 def member(ensemble: Ensemble, k: int) -> Model:
     """Return one member's model; its arrays are views of the ensemble's."""
-    found = []
-    for name, value in _items(ensemble.model):
+    found: list[Any] = []
+    values: tuple[Any, ...] = ensemble.model
+    for name, value in zip(Model._fields, values, strict=True):
         if FIELDS[name] is float:
             found.append(float(value[k]))
         elif isinstance(value, np.ndarray) and value.dtype.kind == "f":
@@ -105,12 +109,16 @@ def integrate_members(
 
 
 def _items(model: Model) -> Iterator[tuple[str, Any]]:
-    """Yield names and values of all fields."""
-    yield from zip(model._fields, model, strict=True)
+    """Yield names and values of all fields, those of the plan in its place."""
+    for name, value in zip(model._fields, model, strict=True):
+        if isinstance(value, Plan):
+            yield from zip((f"{name}.{part}" for part in value._fields), value, strict=True)
+        else:
+            yield name, value
 
 
 def _is_own(name: str, value: Any) -> bool:
     """Say whether a field is a member's own: a float, or an array of floats."""
     if isinstance(value, np.ndarray):
         return value.dtype.kind == "f"
-    return FIELDS[name] is float
+    return FIELDS.get(name) is float

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .package.schema import Array
+from .plan import Plan
 
 IntArray = NDArray[np.int64]
 
@@ -70,7 +71,7 @@ class Model(NamedTuple):
     law_start: IntArray  # (nl + 1,)
     law_time: Array  # (n_piece,)                         [s]
     law_coefficient: Array  # (n_piece, N_COEFFICIENT)
-    # point masses (nm)
+    # point masses (nm): part of the inertia of their bodies above
     point_marker: IntArray
     point_mass: Array
     # constraint treatment (constraints/treatment.py)
@@ -81,3 +82,5 @@ class Model(NamedTuple):
     penalty: float  # of the augmented Lagrangian, times each row's mass; 0: none
     multiplier_tolerance: float  # of its iteration, relative
     multiplier_iterations: int  # at most
+    pair_used: NDArray[np.int8]  # (nb, 9) which pairs 3 a + b of T01 and T11 do not vanish
+    plan: Plan  # structure of the linear algebra

@@ -22,8 +22,8 @@ class CarriedMass:
 
 
 def carried_masses(model: Model) -> list[CarriedMass]:
-    """Masses at the interfaces of flexible bodies: point masses and rigid bodies fixed there."""
-    found = [(int(k), float(m)) for k, m in zip(model.point_marker, model.point_mass, strict=True)]
+    """Rigid bodies fixed at the interfaces of flexible bodies; point masses are in T11 already."""
+    found = []
     for joint in np.flatnonzero(model.joint_kind == 1):
         for side in (0, 1):
             marker, other = (int(model.joint_marker[joint, s]) for s in (side, 1 - side))

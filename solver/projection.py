@@ -2,11 +2,13 @@
 
 import numpy as np
 
-from .compiled import jit
+from .compiled import jit, rebound
 from .coordinates import moved
+from .joints.rows import PHI
 from .model import Model
 from .package.schema import Array
-from .system import assemble, constraint_rates, respond
+from .system import answer, by_blocks, dense, evaluate, evaluate_rates, prepare, respond
+from .workspace import Work, new_work
 
 MAX_ITERATIONS = 6
 CLOSED = 1e-12  # |Phi| that needs no correction [m, rad]
@@ -14,10 +16,8 @@ TOLERABLE = 1e-9  # |Phi| that may be left where rounding allows no better [m, r
 
 
 @jit
-def projected(model: Model, t: float, y: Array) -> tuple[Array, bool]:
-    """Return the state (n,) on the constraints nearest to y, and whether it was reached.
-
-    For mechanisms with constraints.
+def project(model: Model, work: Work, t: float, y: Array) -> bool:
+    """Move y (n,) onto the constraints, in place; tell whether that succeeded.
 
     Positions: minimise dq' M dq / 2 subject to Phi(q + dq) = 0, by Newton's method;
     M dq + Phi_q' mu = 0, Phi_q dq = -Phi. Velocities: M dv + Phi_q' nu = 0,
@@ -25,23 +25,64 @@ def projected(model: Model, t: float, y: Array) -> tuple[Array, bool]:
     out with length one.
     """
     n_pos, n_vel = model.n_pos, model.n_vel
-    nothing = np.zeros(n_vel)
-    out = y.copy()
-    out[:n_pos] = moved(model, y[:n_pos], nothing)
-    equations = assemble(model, t, out)
-    violation = np.max(np.abs(equations.Phi))
+    step = np.zeros(n_vel)
+    y[:n_pos] = moved(model, y[:n_pos], step)
+    evaluate(model, work, t, y)
+    violation = _largest(work.rows[:, PHI])
     for _ in range(MAX_ITERATIONS):
         if not violation > CLOSED:
             break
-        step, _ = respond(model, equations, nothing, -equations.Phi)
-        nearer = out.copy()
-        nearer[:n_pos] = moved(model, out[:n_pos], step)
-        equations_nearer = assemble(model, t, nearer)
-        left = np.max(np.abs(equations_nearer.Phi))
+        _respond(model, work, -work.rows[:, PHI], step)
+        before = y[:n_pos].copy()
+        y[:n_pos] = moved(model, before, step)
+        evaluate(model, work, t, y)
+        left = _largest(work.rows[:, PHI])
         if not left < violation:
+            y[:n_pos] = before
+            evaluate(model, work, t, y)
             break
-        out, equations, violation = nearer, equations_nearer, left
-    change, _ = respond(model, equations, nothing, -constraint_rates(model, equations, out))
+        violation = left
+    evaluate_rates(model, work, y)
+    _respond(model, work, -work.left, step)
     for i in range(n_vel):
-        out[n_pos + i] += change[i]
-    return out, bool(violation < TOLERABLE)
+        y[n_pos + i] += step[i]
+    return bool(violation < TOLERABLE)
+
+
+@jit
+def _respond(model: Model, work: Work, gamma: Array, step: Array) -> None:
+    """Fill step (n_vel,) with the least motion that changes the constraints by gamma (n_c,)."""
+    work.load[:] = 0.0
+    work.gamma[:] = gamma
+    prepare(model, work)
+    answer(model, work)
+    for i in range(model.n_body):
+        for k in range(model.plan.size[i]):
+            step[model.vel_start[i] + k] = work.acceleration[i, k]
+
+
+@jit
+def _largest(a: Array) -> float:
+    largest = 0.0
+    for x in a:
+        if not abs(x) <= largest:
+            largest = abs(x)
+    return largest
+
+
+def _dense_respond(model: Model, work: Work, gamma: Array, step: Array) -> None:
+    """As `_respond` for any model, by dense linear algebra."""
+    step[:], _ = respond(model, dense(model, work), np.zeros(model.n_vel), gamma)
+
+
+_dense_project = rebound(project, _respond=_dense_respond)
+
+
+def projected(model: Model, t: float, y: Array) -> tuple[Array, bool]:
+    """Return the state (n,) on the constraints nearest to y, and whether it was reached.
+
+    For mechanisms with constraints.
+    """
+    out = y.copy()
+    method = project if by_blocks(model) else _dense_project
+    return out, method(model, new_work(model), t, out)

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .bodies.marker import marker_motion
+from .bodies.marker import marker_motion, single_motion
+from .bodies.motion import place
 from .forces.table import FIRST_LOAD, element_wrench
 from .model import GROUND, Model
 from .package.schema import Array
@@ -87,20 +88,19 @@ def acting(model: Model, t: float, y: Array, multipliers: Array) -> tuple[Array,
         arm = model.mass[i] * y[a : a + 3] + rotation_matrix(y[a + 3 : a + 7]) @ first
         weight = model.mass[i] * model.gravity_G
         _add(total, scale, i, nothing, weight, np.cross(arm, model.gravity_G))
-    for k, mass in zip(model.point_marker, model.point_mass, strict=True):
-        x = marker_motion(model, k, y).x
-        _add(total, scale, int(model.marker_body[k]), x, mass * model.gravity_G, nothing)
     for k in range(model.force_kind.size):
         sides = model.force_marker[k]
-        one_side, two_side = marker_motion(model, sides[0], y), marker_motion(model, sides[1], y)
+        one_side, _ = single_motion(model, sides[0], y)
+        two_side, _ = single_motion(model, sides[1], y)
         size, _, _ = law_at(model, model.force_law[k], t)
         wrench = element_wrench(
             model.force_kind[k], one_side, two_side, model.force_parameters[k], size
         )
         bodies = model.marker_body[sides]
-        _add(total, scale, bodies[1], two_side.x, wrench.force, wrench.moment)
+        force, moment, x = np.array(wrench.force), np.array(wrench.moment), np.array(place(two_side))
+        _add(total, scale, bodies[1], x, force, moment)
         if model.force_kind[k] < FIRST_LOAD:
-            _add(total, scale, bodies[0], two_side.x, -wrench.force, -wrench.moment)
+            _add(total, scale, bodies[0], x, -force, -moment)
     for k, reactions in enumerate(joint_reactions(model, t, y, multipliers)):
         for marker, reaction in zip(model.joint_marker[k], reactions, strict=True):
             x = marker_motion(model, marker, y).x

@@ -34,16 +34,25 @@ def dot(a: Array, b: Array) -> float:
 @jit
 def rotation_matrix(p: Array) -> Array:
     """Return A_GB (3, 3) of Euler parameters p (4,), a rotation for any p != 0."""
-    n = p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3]
-    s = 2.0 / n
+    A_GB = np.empty((3, 3))
+    rotation_into(p, A_GB)
+    return A_GB
+
+
+@jit
+def rotation_into(p: Array, A_GB: Array) -> None:
+    """Fill A_GB (3, 3) with the rotation of Euler parameters p (4,)."""
     e0, e1, e2, e3 = p[0], p[1], p[2], p[3]
-    return np.array(
-        (
-            (1.0 - s * (e2 * e2 + e3 * e3), s * (e1 * e2 - e0 * e3), s * (e1 * e3 + e0 * e2)),
-            (s * (e1 * e2 + e0 * e3), 1.0 - s * (e1 * e1 + e3 * e3), s * (e2 * e3 - e0 * e1)),
-            (s * (e1 * e3 - e0 * e2), s * (e2 * e3 + e0 * e1), 1.0 - s * (e1 * e1 + e2 * e2)),
-        )
-    )
+    s = 2.0 / (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3)
+    A_GB[0, 0] = 1.0 - s * (e2 * e2 + e3 * e3)
+    A_GB[0, 1] = s * (e1 * e2 - e0 * e3)
+    A_GB[0, 2] = s * (e1 * e3 + e0 * e2)
+    A_GB[1, 0] = s * (e1 * e2 + e0 * e3)
+    A_GB[1, 1] = 1.0 - s * (e1 * e1 + e3 * e3)
+    A_GB[1, 2] = s * (e2 * e3 - e0 * e1)
+    A_GB[2, 0] = s * (e1 * e3 - e0 * e2)
+    A_GB[2, 1] = s * (e2 * e3 + e0 * e1)
+    A_GB[2, 2] = 1.0 - s * (e1 * e1 + e2 * e2)
 
 
 @jit
@@ -64,7 +73,7 @@ def parameter_rate(p: Array, w_B: Array) -> Array:
 
 
 @jit
-def _tangent_coefficients(s: float) -> tuple[float, float, float, float]:
+def tangent_coefficients(s: float) -> tuple[float, float, float, float]:
     """Return a = (1 - cos x)/x2, b = (x - sin x)/x3 and da/ds, db/ds at s = x2.
 
     Both are entire functions of s: below 0.05 their series (error < 1e-17)
@@ -104,7 +113,7 @@ def _about(v: Array, c0: float, c1: float, c2: float) -> Array:
 def vector_to_matrix(theta: Array) -> Array:
     """Return exp(theta~) (3, 3), the rotation by |theta| about theta (3,) [rad]."""
     s = dot(theta, theta)
-    a, b, _, _ = _tangent_coefficients(s)  # cos = 1 - s a, sin(x)/x = 1 - s b
+    a, b, _, _ = tangent_coefficients(s)  # cos = 1 - s a, sin(x)/x = 1 - s b
     return _about(theta, 1.0 - s * a, 1.0 - s * b, a)
 
 
@@ -112,14 +121,14 @@ def vector_to_matrix(theta: Array) -> Array:
 def tangent_map(theta: Array) -> Array:
     """Return T (3, 3) with angular velocity = T thetadot, in the axes that theta starts from."""
     s = dot(theta, theta)
-    a, b, _, _ = _tangent_coefficients(s)
+    a, b, _, _ = tangent_coefficients(s)
     return _about(theta, 1.0 - s * b, a, b)
 
 
 @jit
 def tangent_rate(theta: Array, theta_d: Array) -> Array:
     """Return (dT/dt) thetadot (3,) of `tangent_map`, at rates theta_d (3,) [rad/s]."""
-    _, b, da, db = _tangent_coefficients(dot(theta, theta))
+    _, b, da, db = tangent_coefficients(dot(theta, theta))
     s_d = 2.0 * dot(theta, theta_d)
     c = cross(theta, theta_d)
     c_2, c_3 = cross(theta, c), cross(theta_d, c)

@@ -1,26 +1,31 @@
-"""Motion of a marker: a frame fixed to a body's interface, or to the ground.
+"""Motion of the markers: frames fixed to a body's interface, or to the ground.
 
-Joints, loads and point masses see bodies through markers only, so each is
-written once for rigid bodies, flexible bodies and the ground: the paper's
-virtual body with its six constraints already substituted.
+Joints and loads see bodies through markers only, so each is written once for rigid bodies,
+flexible bodies and the ground: the paper's virtual body with its six constraints already
+substituted.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from ..compiled import jit
+from ..compiled import inlined, jit
 from ..model import Model
 from ..package.schema import Array
-from ..rotations import (
-    cross,
-    rotation_matrix,
-    skew,
-    tangent_map,
-    tangent_rate,
-    vector_to_matrix,
+from ..rotations import rotation_into, tangent_coefficients
+from ..triple import about, column, cross3, dot3, put_column, sum3, triple, turned
+from ..workspace import Work
+from .motion import (
+    ACCELERATION,
+    AXES,
+    N_MOTION,
+    PLACE,
+    SPIN,
+    SPIN_RATE,
+    VELOCITY,
+    put,
+    stand,
 )
-from ..small import mm, mv
 
 
 class Marker(NamedTuple):
@@ -36,62 +41,119 @@ class Marker(NamedTuple):
     alpha: Array  # (3,)            the same of the angular velocity [rad/s2]
 
 
-@jit
-def standing_marker(x: Array, A: Array) -> Marker:
-    """Return a marker of the ground at x (3,) with axes A (3, 3)."""
-    no_columns = np.zeros((3, 0))
-    zero = np.zeros(3)
-    return Marker(x, A, zero, zero, no_columns, no_columns, zero, zero)
+@inlined
+def evaluate_markers(model: Model, work: Work, y: Array) -> None:
+    """Fill the motions of all markers that joints and force elements stand on, in state y."""
+    for n in range(model.plan.marker_used.shape[0]):
+        k = model.plan.marker_used[n]
+        _move(model, k, y, work.A[model.marker_body[k]], work.motion[k], work.J_m[k])
 
 
-@jit
 def marker_motion(model: Model, k: int, y: Array) -> Marker:
-    """Return the motion of marker k in state y (model.py).
+    """Return the motion of marker k in state y (model.py), in arrays of its own."""
+    motion, J_m = single_motion(model, k, y)
+    return Marker(
+        motion[PLACE:AXES],
+        motion[AXES:VELOCITY].reshape(3, 3),
+        motion[VELOCITY:SPIN],
+        motion[SPIN:ACCELERATION],
+        J_m[:3],
+        J_m[3:],
+        motion[ACCELERATION:SPIN_RATE],
+        motion[SPIN_RATE:],
+    )
+
+
+@jit
+def single_motion(model: Model, k: int, y: Array) -> tuple[Array, Array]:
+    """Return the row of motion.py (24,) and the Jacobian (6, n) of marker k in state y."""
+    body = model.marker_body[k]
+    n = 6 + model.n_mode[body] if body >= 0 else 0
+    motion, J_m = np.zeros(N_MOTION), np.zeros((6, n))
+    if body >= 0:
+        A = np.empty((3, 3))
+        p = model.pos_start[body] + 3
+        rotation_into(y[p : p + 4], A)
+        _move(model, k, y, A, motion, J_m)
+    else:
+        stand(motion, model.marker_x[k], model.marker_A[k])
+    return motion, J_m
+
+
+@jit
+def _move(model: Model, k: int, y: Array, A: Array, motion: Array, J_m: Array) -> None:
+    """Fill motion (24,) and Jacobian J_m (6, n) of marker k on a body with rotation matrix A.
 
     Translation x = r + A (x_k + phi q) is linear in the modes. The rotation
     psi q is taken as a finite rotation vector, so that a marker's axes stay
     orthonormal and its angular velocity is the exact rate of them.
     """
     body = model.marker_body[k]
-    if body < 0:
-        return standing_marker(model.marker_x[k].copy(), model.marker_A[k].copy())
     m = model.n_mode[body]
     i = model.pos_start[body]
     j = model.n_pos + model.vel_start[body]
-    r = y[i : i + 3]
-    A = rotation_matrix(y[i + 3 : i + 7])
-    q = y[i + 7 : i + 7 + m]
-    v = y[j : j + 3]
-    w = y[j + 3 : j + 6]
-    q_d = y[j + 6 : j + 6 + m]
+    w = triple(y[j + 3 : j + 6])
     s = model.marker_start[k]
-    phi = model.marker_phi[s : s + 3 * m].reshape(3, m)
-    psi = model.marker_psi[s : s + 3 * m].reshape(3, m)
-
-    b = model.marker_x[k] + mv(phi, q)
-    b_d = mv(phi, q_d)
-    theta = mv(psi, q)
-    theta_d = mv(psi, q_d)
-    T = tangent_map(theta)
-    spin = mv(T, theta_d)  # relative angular velocity, body components
-
-    J_v = np.empty((3, 6 + m))
-    J_v[:, 0:3] = 0.0
-    J_v[0, 0] = J_v[1, 1] = J_v[2, 2] = 1.0
-    J_v[:, 3:6] = mm(A, skew(-b))
-    J_v[:, 6:] = mm(A, phi)
-    J_w = np.empty((3, 6 + m))
-    J_w[:, 0:3] = 0.0
-    J_w[:, 3:6] = A
-    J_w[:, 6:] = mm(A, mm(T, psi))
-    rotation = vector_to_matrix(theta)
-    return Marker(
-        r + mv(A, b),
-        mm(A, mm(rotation, model.marker_A[k])),
-        v + mv(A, cross(w, b) + b_d),
-        mv(A, w + spin),
-        J_v,
-        J_w,
-        mv(A, cross(w, cross(w, b)) + 2.0 * cross(w, b_d)),
-        mv(A, cross(w, spin) + tangent_rate(theta, theta_d)),
+    b0, b1, b2 = triple(model.marker_x[k])
+    d0, d1, d2 = 0.0, 0.0, 0.0
+    t0, t1, t2 = 0.0, 0.0, 0.0
+    u0, u1, u2 = 0.0, 0.0, 0.0
+    for n in range(m):
+        q, q_d = y[i + 7 + n], y[j + 6 + n]
+        p0 = model.marker_phi[s + n]
+        p1 = model.marker_phi[s + m + n]
+        p2 = model.marker_phi[s + 2 * m + n]
+        b0 += p0 * q
+        b1 += p1 * q
+        b2 += p2 * q
+        d0 += p0 * q_d
+        d1 += p1 * q_d
+        d2 += p2 * q_d
+        put_column(J_m, 0, 6 + n, turned(A, (p0, p1, p2)))
+        p0 = model.marker_psi[s + n]
+        p1 = model.marker_psi[s + m + n]
+        p2 = model.marker_psi[s + 2 * m + n]
+        t0 += p0 * q
+        t1 += p1 * q
+        t2 += p2 * q
+        u0 += p0 * q_d
+        u1 += p1 * q_d
+        u2 += p2 * q_d
+    b, b_d = (b0, b1, b2), (d0, d1, d2)
+    theta, theta_d = (t0, t1, t2), (u0, u1, u2)
+    square = dot3(theta, theta)
+    ca, cb, da, db = tangent_coefficients(square)
+    # relative angular velocity T thetadot and its rate by thetadot, body components
+    spin = about(theta, 1.0 - square * cb, ca, cb, theta_d)
+    square_d = 2.0 * dot3(theta, theta_d)
+    c = cross3(theta, theta_d)
+    c_2, c_3 = cross3(theta, c), cross3(theta_d, c)
+    rate = cross3(w, spin)
+    rate = (
+        rate[0] + square_d * (da * c[0] + db * c_2[0]) + cb * c_3[0],
+        rate[1] + square_d * (da * c[1] + db * c_2[1]) + cb * c_3[1],
+        rate[2] + square_d * (da * c[2] + db * c_2[2]) + cb * c_3[2],
     )
+    for n in range(3):
+        e = (1.0 if n == 0 else 0.0, 1.0 if n == 1 else 0.0, 1.0 if n == 2 else 0.0)
+        put_column(J_m, 0, n, e)
+        put_column(J_m, 3, n, (0.0, 0.0, 0.0))
+        put_column(J_m, 0, 3 + n, turned(A, cross3(e, b)))
+        put_column(J_m, 3, 3 + n, column(A, n))
+        axis = about(theta, 1.0 - square * ca, 1.0 - square * cb, ca, column(model.marker_A[k], n))
+        axis = turned(A, axis)
+        motion[AXES + n], motion[AXES + 3 + n], motion[AXES + 6 + n] = axis
+    for n in range(m):
+        p0 = model.marker_psi[s + n]
+        p1 = model.marker_psi[s + m + n]
+        p2 = model.marker_psi[s + 2 * m + n]
+        turn = about(theta, 1.0 - square * cb, ca, cb, (p0, p1, p2))
+        put_column(J_m, 3, 6 + n, turned(A, turn))
+    put(motion, PLACE, sum3(triple(y[i : i + 3]), turned(A, b)))
+    wb = cross3(w, b)
+    put(motion, VELOCITY, sum3(triple(y[j : j + 3]), turned(A, sum3(wb, b_d))))
+    put(motion, SPIN, turned(A, sum3(w, spin)))
+    z, x = cross3(w, wb), cross3(w, b_d)
+    inward = (z[0] + 2.0 * x[0], z[1] + 2.0 * x[1], z[2] + 2.0 * x[2])
+    put(motion, ACCELERATION, turned(A, inward))
+    put(motion, SPIN_RATE, turned(A, rate))

@@ -2,12 +2,10 @@
 
 import numpy as np
 
-from ..compiled import jit
 from ..package.schema import Array
 from .scaling import row_masses
 
 
-@jit
 def augmented_lagrangian(
     M: Array,
     f: Array,

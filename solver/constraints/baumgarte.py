@@ -1,10 +1,8 @@
 """Baumgarte's feedback of position and velocity violations. Paper: Eq. (13)."""
 
-from ..compiled import jit
 from ..package.schema import Array
 
 
-@jit
 def stabilised(gamma: Array, Phi: Array, Phi_d: Array, alpha: float, beta: float) -> Array:
     """Return gamma = gamma* - 2 alpha Phidot - beta^2 Phi, (n,). Paper: Eq. (13).
 

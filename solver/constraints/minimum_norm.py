@@ -2,14 +2,12 @@
 
 import numpy as np
 
-from ..compiled import jit
 from ..package.schema import Array
 from .scaling import row_masses
 
 RANK_TOLERANCE = 1e-9  # of the largest singular value
 
 
-@jit
 def minimum_norm(
     M: Array, f: Array, Phi_q: Array, gamma: Array, inertia_scale: Array, redundant: int
 ) -> tuple[Array, Array]:

@@ -2,11 +2,9 @@
 
 import numpy as np
 
-from ..compiled import jit
 from ..package.schema import Array
 
 
-@jit
 def saddle_point(M: Array, f: Array, Phi_q: Array, gamma: Array) -> tuple[Array, Array]:
     """Return accelerations (n,) and multipliers (n_c,). Paper: Eq. (12), Eq. (14), Eq. (16).
 

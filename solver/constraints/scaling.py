@@ -2,11 +2,9 @@
 
 import numpy as np
 
-from ..compiled import jit
 from ..package.schema import Array
 
 
-@jit
 def row_masses(Phi_q: Array, inertia_scale: Array) -> Array:
     """Return the mass that each constraint row has to move, (n_c,): 1 / sum_j Phi_ij^2 / scale_j.
 
@@ -21,7 +19,6 @@ def row_masses(Phi_q: Array, inertia_scale: Array) -> Array:
     return out
 
 
-@jit
 def scaled_jacobian(Phi_q: Array, inertia_scale: Array) -> Array:
     """Return C (n_c, n): rows of length one in the metric of the inertia.
 

@@ -1,22 +1,21 @@
 """Force or torque from outside on marker two, its direction fixed in the axes of marker one."""
 
-from ..bodies.marker import Marker
+from ..bodies.motion import from_axes, spin, velocity
 from ..compiled import jit
 from ..package.schema import Array
-from ..rotations import dot
-from ..small import mv
-from .wrench import Wrench, no_vector
+from ..triple import dot3, times3, triple
+from .wrench import Wrench
 
 
 @jit
-def force(one: Marker, two: Marker, direction: Array, size: float) -> Wrench:
+def force(one: Array, two: Array, direction: Array, size: float) -> Wrench:
     """`size` [N] along `direction` (3,): global if marker one is of the ground, else following."""
-    load = size * mv(one.A, direction)
-    return Wrench(load, no_vector(), 0.0, dot(load, two.v))
+    load = times3(size, from_axes(one, triple(direction)))
+    return Wrench(load, (0.0, 0.0, 0.0), 0.0, dot3(load, velocity(two)))
 
 
 @jit
-def torque(one: Marker, two: Marker, direction: Array, size: float) -> Wrench:
+def torque(one: Array, two: Array, direction: Array, size: float) -> Wrench:
     """`size` [N m] about `direction` (3,), as in `force`."""
-    load = size * mv(one.A, direction)
-    return Wrench(no_vector(), load, 0.0, dot(load, two.w))
+    load = times3(size, from_axes(one, triple(direction)))
+    return Wrench((0.0, 0.0, 0.0), load, 0.0, dot3(load, spin(two)))

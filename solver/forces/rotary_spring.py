@@ -2,28 +2,30 @@
 
 import numpy as np
 
-from ..bodies.marker import Marker
+from ..bodies.motion import axis, spin
 from ..compiled import jit
-from ..rotations import cross, dot
-from .wrench import Wrench, no_vector
+from ..package.schema import Array
+from ..triple import cross3, dot3, minus3, times3
+from .wrench import Wrench
 
 
 @jit
 def rotary_spring(
-    one: Marker, two: Marker, stiffness: float, damping: float, angle: float, actuator: float
+    one: Array, two: Array, stiffness: float, damping: float, angle: float, actuator: float
 ) -> Wrench:
     """The moment -k (phi - phi0) - c phidot + f about z turns marker two against marker one.
 
     phi is the angle from x of marker one to x of marker two about z, from -pi to pi [rad]: the
     spring has a jump half a turn away from its rest. `actuator` is f at the present time [N m].
     """
-    x, y, arm = one.A[:, 0].copy(), one.A[:, 1].copy(), two.A[:, 0].copy()
-    u, v = dot(x, arm), dot(y, arm)
+    x, y, arm = axis(one, 0), axis(one, 1), axis(two, 0)
+    u, v = dot3(x, arm), dot3(y, arm)
     phi = np.arctan2(v, u) - angle
     phi -= 2.0 * np.pi * np.round(phi / (2.0 * np.pi))
     # phidot = n . (w_2 - w_1); n = z where both markers share it, as in a hinge
-    n = (u * cross(arm, y) - v * cross(arm, x)) / (u * u + v * v)
-    speed = dot(n, two.w - one.w)
+    n = minus3(times3(u, cross3(arm, y)), times3(v, cross3(arm, x)))
+    n = times3(1.0 / (u * u + v * v), n)
+    speed = dot3(n, minus3(spin(two), spin(one)))
     other = actuator - damping * speed
-    moment = n * (other - stiffness * phi)
-    return Wrench(no_vector(), moment, 0.5 * stiffness * phi * phi, other * speed)
+    moment = times3(other - stiffness * phi, n)
+    return Wrench((0.0, 0.0, 0.0), moment, 0.5 * stiffness * phi * phi, other * speed)

@@ -2,27 +2,28 @@
 
 import numpy as np
 
-from ..bodies.marker import Marker
+from ..bodies.motion import place, velocity
 from ..compiled import jit
-from ..rotations import dot
-from .wrench import Wrench, no_vector
+from ..package.schema import Array
+from ..triple import dot3, minus3, times3
+from .wrench import Wrench
 
 
 @jit
 def spring(
-    one: Marker, two: Marker, stiffness: float, damping: float, length: float, actuator: float
+    one: Array, two: Array, stiffness: float, damping: float, length: float, actuator: float
 ) -> Wrench:
     """The force -k (s - s0) - c sdot + f pushes the points apart; s is their distance [m].
 
     `actuator` is f at the present time [N]. Points that coincide have no direction: no force.
     """
-    d = two.x - one.x
-    s = np.sqrt(dot(d, d))
+    d = minus3(place(two), place(one))
+    s = np.sqrt(dot3(d, d))
     if s < 1e-12:
-        return Wrench(no_vector(), no_vector(), 0.5 * stiffness * length * length, 0.0)
-    direction = d / s
-    speed = dot(direction, two.v - one.v)
+        return Wrench((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.5 * stiffness * length * length, 0.0)
+    direction = times3(1.0 / s, d)
+    speed = dot3(direction, minus3(velocity(two), velocity(one)))
     stretch = s - length
     other = actuator - damping * speed
-    force = direction * (other - stiffness * stretch)
-    return Wrench(force, no_vector(), 0.5 * stiffness * stretch * stretch, other * speed)
+    force = times3(other - stiffness * stretch, direction)
+    return Wrench(force, (0.0, 0.0, 0.0), 0.5 * stiffness * stretch * stretch, other * speed)

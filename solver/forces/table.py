@@ -1,6 +1,5 @@
 """The kinds of force elements, and the branch that the step loop takes."""
 
-from ..bodies.marker import Marker
 from ..compiled import jit
 from ..package.schema import Array
 from .bushing import bushing
@@ -23,7 +22,7 @@ N_PARAMETER = 12
 
 
 @jit
-def element_wrench(kind: int, one: Marker, two: Marker, parameters: Array, law: float) -> Wrench:
+def element_wrench(kind: int, one: Array, two: Array, parameters: Array, law: float) -> Wrench:
     """The wrench of one element; `law` is its actuator force, or the size of a load."""
     if kind == 0:
         return spring(one, two, parameters[0], parameters[1], parameters[2], law)

@@ -2,10 +2,7 @@
 
 from typing import NamedTuple
 
-import numpy as np
-
-from ..compiled import jit
-from ..package.schema import Array
+from ..triple import Triple
 
 
 class Wrench(NamedTuple):
@@ -15,13 +12,7 @@ class Wrench(NamedTuple):
     from outside.
     """
 
-    force: Array  # (3,) [N]
-    moment: Array  # (3,) [N m]
+    force: Triple  # [N]
+    moment: Triple  # [N m]
     potential: float  # energy stored in springs [J]
     power: float  # of dampers, actuators and loads, into the system [W]
-
-
-@jit
-def no_vector() -> Array:
-    """Three zeros."""
-    return np.zeros(3)

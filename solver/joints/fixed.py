@@ -1,14 +1,14 @@
 """Fixed joint: two markers coincide; six rows."""
 
-from ..bodies.marker import Marker
 from ..compiled import jit
-from .rows import Rows, fixed_axes, same_point
+from ..package.schema import Array
+from .rows import fixed_axes, same_point
 
 ROWS = "dddrrr"
 
 
 @jit
-def fixed(rows: Rows, k: int, one: Marker, two: Marker) -> None:
+def fixed(rows: Array, k: int, one: Array, two: Array) -> None:
     """Rows k..k+5: same origin and parallel axes."""
     same_point(rows, k, one, two)
     fixed_axes(rows, k + 3, one, two, 0, 1)

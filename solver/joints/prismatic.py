@@ -1,14 +1,14 @@
 """Prismatic joint: motion along the common z axis only; five rows."""
 
-from ..bodies.marker import Marker
 from ..compiled import jit
-from .rows import Rows, fixed_axes, on_z_axis, parallel_z
+from ..package.schema import Array
+from .rows import fixed_axes, on_z_axis, parallel_z
 
 ROWS = "ddrrr"
 
 
 @jit
-def prismatic(rows: Rows, k: int, one: Marker, two: Marker) -> None:
+def prismatic(rows: Array, k: int, one: Array, two: Array) -> None:
     """Rows k..k+4: as cylindrical, and no rotation about z."""
     on_z_axis(rows, k, one, two)
     parallel_z(rows, k + 2, one, two)

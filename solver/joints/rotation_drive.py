@@ -2,25 +2,26 @@
 
 import numpy as np
 
-from ..bodies.marker import Marker
+from ..bodies.motion import axis, spin
 from ..compiled import jit
-from ..rotations import cross
-from .rows import Rows, orthogonal_axes
+from ..package.schema import Array
+from ..triple import cross3, minus3, sum3, times3
+from .rows import orthogonal_axes
 
 ROWS = "r"
 
 
 @jit
 def rotation_drive(
-    rows: Rows, k: int, one: Marker, two: Marker, f: float, f_d: float, f_dd: float
+    rows: Array, k: int, one: Array, two: Array, f: float, f_d: float, f_dd: float
 ) -> None:
     """Row k: sin(angle - f) = 0 with f and its rates of time [rad, rad/s, rad/s2].
 
     The axis a of marker one, turned by f + 90 deg about z, stays orthogonal to
     x of marker two: smooth for any number of turns, no branch of an arc tangent.
     """
-    z = one.A[:, 2].copy()
-    a = one.A[:, 1] * np.cos(f) - one.A[:, 0] * np.sin(f)
-    orthogonal_axes(
-        rows, k, one, two, a, two.A[:, 0].copy(), f_d * z, f_dd * z + f_d * cross(one.w, z)
-    )
+    z, y, x = axis(one, 2), axis(one, 1), axis(one, 0)
+    a = minus3(times3(np.cos(f), y), times3(np.sin(f), x))
+    turning = cross3(spin(one), z)
+    turning_rate = sum3(times3(f_dd, z), times3(f_d, turning))
+    orthogonal_axes(rows, k, one, two, a, axis(two, 0), times3(f_d, z), turning_rate)

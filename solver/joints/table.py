@@ -1,7 +1,7 @@
 """The kinds of joints: their rows, and the branch that the step loop takes."""
 
-from ..bodies.marker import Marker
 from ..compiled import jit
+from ..package.schema import Array
 from .cylindrical import ROWS as CYLINDRICAL
 from .cylindrical import cylindrical
 from .distance import ROWS as DISTANCE
@@ -18,7 +18,6 @@ from .revolute import ROWS as REVOLUTE
 from .revolute import revolute
 from .rotation_drive import ROWS as ROTATION_DRIVE
 from .rotation_drive import rotation_drive
-from .rows import Rows
 from .spherical import ROWS as SPHERICAL
 from .spherical import spherical
 from .translation_drive import ROWS as TRANSLATION_DRIVE
@@ -47,11 +46,11 @@ DRIVES = ("rotation_drive", "translation_drive")
 
 @jit
 def joint_rows(
-    rows: Rows,
+    rows: Array,
     k: int,
     kind: int,
-    one: Marker,
-    two: Marker,
+    one: Array,
+    two: Array,
     f: float,
     f_d: float,
     f_dd: float,

@@ -6,7 +6,15 @@ from sweep_samples import FORCE, MASS, ball_plan
 
 from plymotion.solver.ensemble import member, stack_models, structure
 from plymotion.solver.model import Model
+from plymotion.solver.plan import Plan
 from plymotion.solver.preparation import prepare
+
+FIELDS = tuple(name for name in Model._fields if name != "plan") + Plan._fields
+
+
+def leaves(model):
+    """The numbers and arrays of a model, in the order of FIELDS."""
+    return (*(value for value in model if value is not model.plan), *model.plan)
 
 
 @pytest.fixture
@@ -23,7 +31,7 @@ def test_members_of_an_ensemble_are_the_models(models):
     for k, model in enumerate(models):
         found = member(ensemble, k)
         assert isinstance(found, Model)
-        for name, one, other in zip(Model._fields, found, model, strict=True):
+        for name, one, other in zip(FIELDS, leaves(found), leaves(model), strict=True):
             assert type(one) is type(other), name
             np.testing.assert_array_equal(one, other, err_msg=name)
             if isinstance(one, np.ndarray):

@@ -21,9 +21,9 @@ def growth(repository):
     return {int(order): row[column] for order, row in table["growth_per_step"].items()}
 
 
-def _vibrating(w_h, n_step, **options):
+def _vibrating(w_h, n_step, bent=1e-9, **options):
     """The welded hand in its first mode, fixed steps; amplitudes, and the integrator."""
-    sample, w = hand("fixed", bent=(1e-9,))
+    sample, w = hand("fixed", bent=(bent,))
     model, y0 = prepared(sample, INDEX_1)
     h = w_h / w[0]
     options = {"fixed_step": h, "rtol": 1e-10, "atol": 1e-16} | options
@@ -41,8 +41,11 @@ def test_the_first_mode_of_a_body_grows_by_the_root_of_the_formula(order, growth
 
 
 def test_growth_ends_the_run_with_the_remedy():
-    """Grown to large motion, the body is no longer linear: a step fails, and says why."""
-    values, made = _vibrating(1.0, 1000, fixed_order=4)
+    """Grown to large motion, the run fails and says why; tolerances as cases have them.
+
+    The weld's accelerations are zero but for rounding, some 1e-12 of those of the mode.
+    """
+    values, made = _vibrating(1.0, 1000, bent=1e-3, fixed_order=4, rtol=1e-6, atol=1e-6)
     assert made.status == "failed"
     assert made.counters.steps < 500
     assert values.max() > 1e3 * values[0]

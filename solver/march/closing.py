@@ -1,0 +1,86 @@
+"""Bring the end of an implicit step back onto the constraints, without exciting stiff modes.
+
+The metric is that of the step, s^2 M + s D + K: a change in the metric of the mass alone
+(projection.py) would take what little mass a stiff mode has near a joint, and leave it swinging.
+
+    (s^2 M + s D + K) x + Phi_q' mu = 0,   Phi_q x = -Phi,
+
+and the same for velocities with Phi_q dv = -Phidot.
+"""
+
+from ..compiled import inlined, jit
+from ..coordinates import moved
+from ..elimination import solve
+from ..joints.rows import PHI
+from ..model import Model
+from ..package.schema import Array
+from ..projection import CLOSED, TOLERABLE
+from ..system import evaluate, evaluate_rates
+from ..workspace import Work
+from .pencil import Frozen, Pencil, factorise_pencil, freeze
+
+MAX_ITERATIONS = 4
+SMALL = 1e-7  # change of positions whose square is below rounding [m, rad]
+
+
+@jit
+def close(
+    model: Model, work: Work, frozen: Frozen, real: Pencil, s: float, t: float, y: Array
+) -> int:
+    """Move y (n,) onto the constraints, in place; return the evaluations, negative if in vain.
+
+    `frozen` and `real` are filled anew.
+    """
+    n_pos, n_vel = model.n_pos, model.n_vel
+    evaluate(model, work, t, y)
+    count, violation, largest = 1, _violation(work), 0.0
+    real.load[:] = 0.0
+    if not violation <= CLOSED:
+        for _ in range(MAX_ITERATIONS):
+            freeze(model, work, y, frozen)
+            factorise_pencil(model, frozen, real, s)
+            for k in range(model.n_constraint):
+                real.gamma[k] = -work.rows[k, PHI]
+            largest = _answered(model, real)
+            y[:n_pos] = moved(model, y[:n_pos], real.delta[:n_vel])
+            violation = min(violation, largest * largest)
+            if largest < SMALL:
+                break
+            evaluate(model, work, t, y)
+            count += 1
+            violation = _violation(work)
+            if violation <= CLOSED:
+                break
+    if largest == 0.0:
+        freeze(model, work, y, frozen)
+        factorise_pencil(model, frozen, real, s)
+    evaluate_rates(model, work, y)
+    for k in range(model.n_constraint):
+        real.gamma[k] = -work.left[k]
+    _answered(model, real)
+    for i in range(n_vel):
+        y[n_pos + i] += real.delta[i]
+    return count if violation < TOLERABLE else -count
+
+
+@inlined
+def _answered(model: Model, real: Pencil) -> float:
+    """Fill delta[:n_vel] with the least motion that changes rows by gamma; return its size."""
+    solve(model.plan, real.factors, real.load, real.gamma, real.x, real.mu)
+    largest = 0.0
+    for i in range(model.n_body):
+        for k in range(model.plan.size[i]):
+            x = real.x[i, k]
+            real.delta[model.vel_start[i] + k] = x
+            if not abs(x) <= largest:
+                largest = abs(x)
+    return largest
+
+
+@inlined
+def _violation(work: Work) -> float:
+    largest = 0.0
+    for k in range(work.rows.shape[0]):
+        if not abs(work.rows[k, PHI]) <= largest:
+            largest = abs(work.rows[k, PHI])
+    return largest

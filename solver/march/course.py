@@ -1,0 +1,93 @@
+"""Memory, options and outcomes of a compiled step loop of Radau IIA."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..compiled import jit
+from ..model import Model
+from ..package.schema import Array, IntArray
+from ..workspace import Work, new_work
+from .pencil import Frozen, Pencil, new_frozen, new_pencil
+
+# What a call comes back with.
+ARRIVED, PAUSED, TOO_SMALL, NOT_FINITE, REFUSED = 0, 1, 2, 3, 4
+# Entries of `clock`: time, next step, last step, its error and Newton's rate of convergence.
+TIME, NEXT, TAKEN, ERROR_LAST, RATE = 0, 1, 2, 3, 4
+# Entries of `counts`.
+STEPS, REJECTED, EVALUATIONS, FACTORISATIONS, BAD, TROUBLE = 0, 1, 2, 3, 4, 5
+# Values of TROUBLE: why the last attempt was refused.
+NONE, NEWTON, TOO_ROUGH, ILL, OFF = 0, 1, 2, 3, 4
+
+
+class Options(NamedTuple):
+    """What does not change during a run."""
+
+    t_end: float
+    rtol: float
+    atol: Array  # (n,)
+    block_starts: IntArray  # (b + 1,) of the error norm
+    max_step: float
+    min_step: float
+    fixed_step: float  # 0: error control
+    closes: bool  # bring every step back onto the constraints
+
+
+class Course(NamedTuple):
+    """Memory of a run, which a call takes up where the last one left it."""
+
+    work: Work
+    frozen: Frozen
+    real: Pencil
+    pair: Pencil
+    y: Array  # (n,) state
+    f: Array  # (n,) its rate
+    y_old: Array  # (n,) state at the beginning of the last step
+    Q: Array  # (3, n) polynomial of the last step
+    Z: Array  # (3, n) changes at the stages
+    multipliers: Array  # (3, n_c) at the stages
+    multipliers_old: Array  # (3, n_c) at those of the last step
+    power: Array  # (3,) at the stages [W]
+    load: Array  # (3, nb, n) what the stages leave: forces,
+    gamma: Array  # (3, n_c) constraints
+    r: Array  # (3, n) and kinematics
+    stage: Array  # (n,)
+    rate: Array  # (n,) at a stage
+    weight: Array  # (n,)
+    clock: Array  # (5,)
+    counts: IntArray  # (6,)
+
+
+@jit
+def new_course(
+    model: Model, t: float, y: Array, rate: Array, multipliers: Array, first_step: float
+) -> Course:
+    """Return memory for a run from state y (n,) at t [s], with its rate and multipliers (n_c,)."""
+    n, n_c, nb, widest = y.shape[0], model.n_constraint, model.n_body, model.plan.widest
+    course = Course(
+        new_work(model),
+        new_frozen(model),
+        new_pencil(model, 1.0),
+        new_pencil(model, 1.0 + 0.0j),
+        y.copy(),
+        rate.copy(),
+        y.copy(),
+        np.zeros((3, n)),
+        np.zeros((3, n)),
+        np.zeros((3, n_c)),
+        np.zeros((3, n_c)),
+        np.zeros(3),
+        np.zeros((3, nb, widest)),
+        np.zeros((3, n_c)),
+        np.zeros((3, n)),
+        np.zeros(n),
+        np.zeros(n),
+        np.zeros(n),
+        np.zeros(5),
+        np.zeros(6, dtype=np.int64),
+    )
+    course.clock[TIME], course.clock[NEXT], course.clock[ERROR_LAST] = t, first_step, 1.0
+    course.clock[RATE] = 1.0
+    for k in range(3):
+        course.multipliers_old[k] = multipliers
+    return course

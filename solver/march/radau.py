@@ -1,0 +1,232 @@
+"""Radau IIA of order 5: the step loop for mechanisms with modes stiffer than the motion.
+
+Stage equations Z = h A f(y + Z) in the form of residuals (residual.py), by Newton's iteration
+with matrices of the second stage (pencil.py). Hairer and Wanner, Solving Ordinary Differential
+Equations II, section IV.8, is the source of the transformation, the error estimate, and the
+control of steps.
+"""
+
+from ..compiled import jit
+from ..model import Model
+from ..package.schema import Array
+from .closing import close
+from .course import (
+    ARRIVED,
+    BAD,
+    ERROR_LAST,
+    EVALUATIONS,
+    FACTORISATIONS,
+    ILL,
+    NEWTON,
+    NEXT,
+    NONE,
+    NOT_FINITE,
+    OFF,
+    PAUSED,
+    RATE,
+    REFUSED,
+    REJECTED,
+    STEPS,
+    TAKEN,
+    TIME,
+    TOO_ROUGH,
+    TOO_SMALL,
+    TROUBLE,
+    Course,
+    Options,
+)
+from .pencil import factorise_pencil, freeze, solve_pencil
+from .residual import leave
+from .stages import (
+    accept,
+    collect,
+    collect_error,
+    complete,
+    correct,
+    finite,
+    interpolate,
+    norm,
+    place,
+    predict,
+    tilt,
+)
+from .tableau import MU, NU, C
+
+MAX_ITERATIONS = 10
+MAX_NOT_FINITE = 25
+SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 8.0
+
+
+@jit
+def advance(
+    model: Model,
+    options: Options,
+    course: Course,
+    most_steps: int,
+    times: Array,
+    rows: Array,
+    filled: int,
+) -> tuple[int, int]:
+    """Take steps until t_end or `most_steps` accepted ones; return a code and rows filled.
+
+    One function from the step down to its parts: what is called from deeper inside is compiled
+    again at every level.
+
+    Parameters
+    ----------
+    times, rows : (k,) [s], (k, n); the solution at times within each step goes to its row
+    filled : rows that are there already
+    """
+    clock, counts, work, stage = course.clock, course.counts, course.work, course.stage
+    frozen, real, pair = course.frozen, course.real, course.pair
+    n = stage.shape[0]
+    fixed = options.fixed_step > 0.0
+    most = 2 * MAX_ITERATIONS if fixed else MAX_ITERATIONS
+    tolerance = max(2e-15 / options.rtol, min(0.01, options.rtol**0.5))
+    taken = 0
+    while clock[TIME] < options.t_end:
+        if taken == most_steps:
+            return PAUSED, filled
+        t = clock[TIME]
+        left, stretch = options.t_end - t, 1.01
+        h = clock[NEXT]
+        if fixed:
+            h, stretch = options.fixed_step, 1.0 + 1e-6
+        h = min(h, options.max_step)
+        t_new = t + h
+        if h * stretch >= left:  # on t_end exactly, no sliver before it
+            h, t_new = left, options.t_end
+        if h < max(options.min_step, 2e-15 * abs(t), 1e-300) and t_new < options.t_end:
+            return TOO_SMALL, filled
+
+        # stages
+        for i in range(n):
+            course.weight[i] = 1.0 / (options.atol[i] + options.rtol * abs(course.y[i]))
+        predict(course, h, clock[TAKEN])
+        counts[TROUBLE] = NEWTON
+        # a rate of convergence known from the last step lets one iteration do
+        rate, size_last, iterations = max(clock[RATE], 1e-15) ** 0.8, 0.0, 0
+        for iteration in range(1, most + 1):
+            for k in range(3):
+                place(course, k, h)
+                course.power[k] = leave(
+                    model,
+                    work,
+                    t + C[k] * h,
+                    stage,
+                    course.rate,
+                    course.multipliers[k],
+                    course.load[k],
+                    course.gamma[k],
+                    course.r[k],
+                )
+                if iteration == 1 and k == 1:
+                    freeze(model, work, stage, frozen)
+            if iteration == 1:
+                factorise_pencil(model, frozen, real, MU / h)
+                factorise_pencil(model, frozen, pair, NU / h)
+                counts[FACTORISATIONS] += 1
+            counts[EVALUATIONS] += 3
+            collect(model, course)
+            solve_pencil(model, frozen, real, MU / h)
+            solve_pencil(model, frozen, pair, NU / h)
+            size = correct(options, course)
+            if not size < 1e300:
+                counts[TROUBLE] = ILL
+                break
+            if iteration > 1 and size_last > 0.0:
+                rate = size / size_last
+                to_go = most - iteration
+                if not fixed and (rate >= 1.0 or rate**to_go / (1.0 - rate) * size > tolerance):
+                    break
+            if size == 0.0 or (rate < 1.0 and rate / (1.0 - rate) * size < tolerance):
+                iterations, counts[TROUBLE] = iteration, NONE
+                break
+            size_last = size
+        clock[RATE] = rate if iterations > 0 else 1.0
+
+        # error, with what is stiff divided out
+        error = 1e-10
+        if counts[TROUBLE] == NONE:
+            complete(options, course, h)
+            if not fixed:
+                for again in range(2):
+                    tilt(course, h)
+                    if again == 0:
+                        collect_error(model, course)
+                    else:
+                        # filtered once more: the first error of a stiff transient is too large
+                        for i in range(n):
+                            stage[i] = course.y[i] + real.delta[i]
+                            course.rate[i] = -course.rate[i]
+                        leave(
+                            model,
+                            work,
+                            t,
+                            stage,
+                            course.rate,
+                            course.multipliers_old[2],
+                            real.load,
+                            real.gamma,
+                            real.r,
+                        )
+                        counts[EVALUATIONS] += 1
+                        for i in range(n):
+                            stage[i] = course.y[i] + course.Z[2, i]
+                    solve_pencil(model, frozen, real, MU / h)
+                    real.delta[n - 1] = 0.0
+                    error = norm(options, real.delta, course.weight)
+                    if not error > 1.0:
+                        break
+                if not error < 1e300:
+                    counts[TROUBLE] = ILL
+                elif error > 1.0:
+                    counts[TROUBLE] = TOO_ROUGH
+                error = max(error, 1e-10)
+        damped = SAFETY * (2 * MAX_ITERATIONS + 1) / (2 * MAX_ITERATIONS + iterations)
+        factor = damped * error**-0.25
+
+        if counts[TROUBLE] == NONE and options.closes:
+            evaluations = close(model, work, frozen, real, MU / h, t_new, stage)
+            counts[EVALUATIONS] += abs(evaluations)
+            if evaluations < 0:
+                counts[TROUBLE] = OFF
+        if counts[TROUBLE] == NONE and not finite(stage):
+            counts[TROUBLE] = ILL
+
+        if counts[TROUBLE] != NONE:
+            counts[REJECTED] += 1
+            if fixed:
+                return REFUSED, filled
+            if counts[TROUBLE] == ILL:
+                counts[BAD] += 1
+                if counts[BAD] > MAX_NOT_FINITE:
+                    return NOT_FINITE, filled
+                factor = 0.1
+            elif counts[TROUBLE] == NEWTON:
+                factor = 0.5
+            elif counts[TROUBLE] == OFF:
+                factor = 0.25
+            else:
+                factor = max(MIN_FACTOR, min(1.0, factor))
+            clock[NEXT] = h * factor
+            continue
+
+        accept(course, h)
+        if clock[TAKEN] > 0.0:  # Gustafsson: errors that grow ask for more care
+            factor *= min(1.0, h / clock[TAKEN] * (clock[ERROR_LAST] / error) ** 0.25)
+        clock[NEXT] = h * max(MIN_FACTOR, min(MAX_FACTOR, factor))
+        clock[TAKEN], clock[ERROR_LAST], clock[TIME] = h, error, t_new
+        taken += 1
+        counts[STEPS] += 1
+        counts[BAD] = 0
+        while filled < times.shape[0] and times[filled] <= t_new:
+            row = rows[filled]
+            if times[filled] == t_new:
+                row[:] = course.y
+            else:
+                interpolate(course, (times[filled] - t) / h, row)
+                if options.closes:
+                    close(model, work, frozen, real, MU / h, times[filled], row)
+            filled += 1
+    return ARRIVED, filled

@@ -1,0 +1,177 @@
+"""Stages of one Radau IIA step: their prediction, state, rates, and correction."""
+
+import numpy as np
+
+from ..compiled import inlined
+from ..model import Model
+from ..package.schema import Array
+from .course import Course, Options
+from .residual import rest
+from .tableau import A_INVERSE, ERROR, POWERS, T_INVERSE, A, C, T
+
+
+@inlined
+def predict(course: Course, h: float, last: float) -> None:
+    """Begin a step of h with the polynomials of the last one, continued; constant without one."""
+    Z, Q = course.Z, course.Q
+    L, L_old = course.multipliers, course.multipliers_old
+    for k in range(3):
+        x, w0, w1, w2 = 1.0, 1.0, 0.0, 0.0
+        if last > 0.0:
+            x = 1.0 + C[k] * h / last
+            w0 = (x - C[1]) * (x - C[2]) / ((C[0] - C[1]) * (C[0] - C[2]))
+            w1 = (x - C[0]) * (x - C[2]) / ((C[1] - C[0]) * (C[1] - C[2]))
+            w2 = (x - C[0]) * (x - C[1]) / ((C[2] - C[0]) * (C[2] - C[1]))
+        for i in range(course.y.shape[0]):
+            whole = Q[0, i] + Q[1, i] + Q[2, i]
+            Z[k, i] = x * (Q[0, i] + x * (Q[1, i] + x * Q[2, i])) - whole
+        for i in range(L.shape[1]):
+            L[k, i] = w0 * L_old[0, i] + w1 * L_old[1, i] + w2 * L_old[2, i]
+
+
+@inlined
+def place(course: Course, k: int, h: float) -> None:
+    """Fill course.stage and its rate for stage k: K = A^-1 Z / h."""
+    Z, stage, rate = course.Z, course.stage, course.rate
+    a0, a1, a2 = A_INVERSE[k, 0] / h, A_INVERSE[k, 1] / h, A_INVERSE[k, 2] / h
+    for i in range(stage.shape[0]):
+        stage[i] = course.y[i] + Z[k, i]
+        rate[i] = a0 * Z[0, i] + a1 * Z[1, i] + a2 * Z[2, i]
+
+
+@inlined
+def collect(model: Model, course: Course) -> None:
+    """Hand what the stages leave to the pencils: T^-1 takes them apart."""
+    real, pair = course.real, course.pair
+    load, gamma, r = course.load, course.gamma, course.r
+    for i in range(load.shape[1]):
+        for k in range(load.shape[2]):
+            one, two = _apart(load[0, i, k], load[1, i, k], load[2, i, k])
+            real.load[i, k], pair.load[i, k] = one, two
+    for i in range(gamma.shape[1]):
+        real.gamma[i], pair.gamma[i] = _apart(gamma[0, i], gamma[1, i], gamma[2, i])
+    for i in range(model.n_pos):
+        real.r[i], pair.r[i] = _apart(r[0, i], r[1, i], r[2, i])
+
+
+@inlined
+def _apart(a: float, b: float, c: float) -> tuple[float, complex]:
+    """T^-1 (a, b, c): the real part and the pair of the stages' equations."""
+    TI = T_INVERSE
+    one = TI[0, 0] * a + TI[0, 1] * b + TI[0, 2] * c
+    two = TI[1, 0] * a + TI[1, 1] * b + TI[1, 2] * c
+    three = TI[2, 0] * a + TI[2, 1] * b + TI[2, 2] * c
+    return one, complex(two, three)
+
+
+@inlined
+def correct(options: Options, course: Course) -> float:
+    """Add the pencils' answers to stages and multipliers; return their size in tolerances."""
+    real, pair, Z, L = course.real, course.pair, course.Z, course.multipliers
+    stage = course.stage
+    n = stage.shape[0] - 1
+    stage[n] = 0.0
+    size = 0.0
+    for k in range(3):
+        t0, t1, t2 = T[k, 0], T[k, 1], T[k, 2]
+        for i in range(n):
+            c = pair.delta[i]
+            change = t0 * real.delta[i] + t1 * c.real + t2 * c.imag
+            stage[i] = change
+            Z[k, i] += change
+        for i in range(L.shape[1]):
+            c = pair.mu[i]
+            L[k, i] += t0 * real.mu[i] + t1 * c.real + t2 * c.imag
+        size = max(size, norm(options, stage, course.weight))
+    return size
+
+
+@inlined
+def complete(options: Options, course: Course, h: float) -> None:
+    """Fill course.stage with the end of the step, weights, and the work of drives and dampers."""
+    y, Z, stage, power = course.y, course.Z, course.stage, course.power
+    n = y.shape[0]
+    for k in range(3):
+        Z[k, n - 1] = h * (A[k, 0] * power[0] + A[k, 1] * power[1] + A[k, 2] * power[2])
+    for i in range(n):
+        stage[i] = y[i] + Z[2, i]
+        larger = max(abs(y[i]), abs(stage[i]))
+        course.weight[i] = 1.0 / (options.atol[i] + options.rtol * larger)
+
+
+@inlined
+def tilt(course: Course, h: float) -> None:
+    """Fill course.rate with ERROR Z / h: with f, the error of the embedded formula, order 3."""
+    Z, rate = course.Z, course.rate
+    e0, e1, e2 = ERROR[0] / h, ERROR[1] / h, ERROR[2] / h
+    for i in range(rate.shape[0]):
+        rate[i] = e0 * Z[0, i] + e1 * Z[1, i] + e2 * Z[2, i]
+
+
+@inlined
+def collect_error(model: Model, course: Course) -> None:
+    """Hand f + ERROR Z / h to the real pencil, velocities as forces."""
+    real, frozen, rate = course.real, course.frozen, course.rate
+    for i in range(rate.shape[0]):
+        real.r[i] = course.f[i] + rate[i]
+        rate[i] = -real.r[i]  # what is left of zero, once it is taken away
+    course.load[0, :, :] = 0.0
+    course.gamma[0, :] = 0.0
+    real.gamma[:] = 0.0
+    rest(
+        model,
+        frozen.M,
+        frozen.J,
+        rate,
+        course.gamma[0],
+        course.load[0],
+        real.load,
+        real.gamma,
+    )
+
+
+@inlined
+def accept(course: Course, h: float) -> None:
+    """Make course.stage the state; keep the step's rate, polynomial and multipliers."""
+    Z, Q, y = course.Z, course.Q, course.y
+    a0, a1, a2 = A_INVERSE[2, 0] / h, A_INVERSE[2, 1] / h, A_INVERSE[2, 2] / h
+    for i in range(y.shape[0]):
+        course.y_old[i], y[i] = y[i], course.stage[i]
+        z0, z1, z2 = Z[0, i], Z[1, i], Z[2, i]
+        course.f[i] = a0 * z0 + a1 * z1 + a2 * z2
+        for k in range(3):
+            Q[k, i] = POWERS[k, 0] * z0 + POWERS[k, 1] * z1 + POWERS[k, 2] * z2
+    for k in range(3):
+        for i in range(course.multipliers.shape[1]):
+            course.multipliers_old[k, i] = course.multipliers[k, i]
+
+
+@inlined
+def interpolate(course: Course, x: float, out: Array) -> None:
+    """Fill out (n,) with the polynomial of the last step at its part x, 0 to 1."""
+    Q = course.Q
+    for i in range(out.shape[0]):
+        out[i] = course.y_old[i] + x * (Q[0, i] + x * (Q[1, i] + x * Q[2, i]))
+
+
+@inlined
+def norm(options: Options, a: Array, weight: Array) -> float:
+    """Largest of the blocks' root mean squares; see integrate/norm.py."""
+    largest = 0.0
+    for b in range(options.block_starts.shape[0] - 1):
+        s = 0.0
+        for i in range(options.block_starts[b], options.block_starts[b + 1]):
+            s += (a[i] * weight[i]) ** 2
+        s /= options.block_starts[b + 1] - options.block_starts[b]
+        if not s <= largest:
+            largest = s
+    return float(np.sqrt(largest))
+
+
+@inlined
+def finite(a: Array) -> bool:
+    """Tell whether no number is inf or nan."""
+    s = 0.0
+    for i in range(a.shape[0]):
+        s += abs(a[i])
+    return bool(s < 1e300)

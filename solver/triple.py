@@ -1,0 +1,90 @@
+"""Vectors of three numbers as tuples: the hot path's arithmetic without memory.
+
+Arrays of three numbers cost an allocation each; tuples stay in registers where compiled.
+"""
+
+from typing import Any
+
+from .compiled import jit
+from .package.schema import Array
+
+Triple = tuple[float, float, float]
+
+
+@jit
+def triple(a: Any) -> Triple:
+    """Return the three numbers of an array (3,)."""
+    return a[0], a[1], a[2]
+
+
+@jit
+def column(A: Array, j: int) -> Triple:
+    """Return column j of A (3, n)."""
+    return A[0, j], A[1, j], A[2, j]
+
+
+@jit
+def cross3(a: Triple, b: Triple) -> Triple:
+    """Return a x b."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@jit
+def dot3(a: Triple, b: Triple) -> float:
+    """Return a . b."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@jit
+def sum3(a: Triple, b: Triple) -> Triple:
+    """Return a + b."""
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+@jit
+def minus3(a: Triple, b: Triple) -> Triple:
+    """Return a - b."""
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+@jit
+def times3(s: float, a: Triple) -> Triple:
+    """Return s a."""
+    return s * a[0], s * a[1], s * a[2]
+
+
+@jit
+def turned(A: Array, a: Triple) -> Triple:
+    """Return A a of a matrix (3, 3)."""
+    return (
+        A[0, 0] * a[0] + A[0, 1] * a[1] + A[0, 2] * a[2],
+        A[1, 0] * a[0] + A[1, 1] * a[1] + A[1, 2] * a[2],
+        A[2, 0] * a[0] + A[2, 1] * a[1] + A[2, 2] * a[2],
+    )
+
+
+@jit
+def turned_back(A: Array, a: Triple) -> Triple:
+    """Return A' a of a matrix (3, 3)."""
+    return (
+        A[0, 0] * a[0] + A[1, 0] * a[1] + A[2, 0] * a[2],
+        A[0, 1] * a[0] + A[1, 1] * a[1] + A[2, 1] * a[2],
+        A[0, 2] * a[0] + A[1, 2] * a[1] + A[2, 2] * a[2],
+    )
+
+
+@jit
+def about(v: Triple, c0: float, c1: float, c2: float, x: Triple) -> Triple:
+    """Return c0 x + c1 v x x + c2 v (v . x): rotations and tangent maps of a vector v."""
+    c, along = cross3(v, x), c2 * dot3(v, x)
+    return (
+        c0 * x[0] + c1 * c[0] + along * v[0],
+        c0 * x[1] + c1 * c[1] + along * v[1],
+        c0 * x[2] + c1 * c[2] + along * v[2],
+    )
+
+
+@jit
+def put_column(out: Array, i: int, j: int, a: Triple) -> None:
+    """Write a into column j of an array, from row i on."""
+    out[i, j], out[i + 1, j], out[i + 2, j] = a[0], a[1], a[2]
