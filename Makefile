@@ -28,7 +28,7 @@ FE_PYTHON = . ./$(FENICSX) && PYTHONPATH=. "$$FENICSX_PYTHON"
 PREPROCESS_SOURCES := $(shell find preprocess meshes -name '*.py' -o -name '*.geo' -o -name '*.dat')
 SOLVER_SOURCES := $(shell find solver -name '*.py')
 PACKAGE_SOURCES := $(filter solver/package/% solver/rotations.py,$(SOLVER_SOURCES))
-HOT_SOURCES := $(shell grep -lE '@jit|NamedTuple' -r solver --include='*.py')
+HOT_SOURCES := $(shell grep -lE '@jit|@inlined|NamedTuple' -r solver --include='*.py')
 REPORT_SOURCES := $(filter solver/report% solver/results%,$(SOLVER_SOURCES))
 SECTION_SOURCES := $(filter solver/section% solver/fenicsx_side% solver/input% solver/strength%, \
     $(SOLVER_SOURCES))
@@ -88,7 +88,8 @@ $(error PACKAGES=$(PACKAGES): expected PACKAGES=shipped, or nothing)
 endif
 
 out = build/$(1)$(if $(COARSE),-coarse)
-asked = $(or $(filter $(1) $(call out,$(1))/%,$(MAKECMDGOALS)),$(filter cases,$(MAKECMDGOALS)))
+asked = $(or $(filter $(1) $(1)-sweep-% $(call out,$(1))/%,$(MAKECMDGOALS)), \
+    $(filter cases sweeps,$(MAKECMDGOALS)))
 ASKED := $(foreach case,$(CASES),$(if $(call asked,$(case)),$(case)))
 OPTIONS := $(strip PACKAGES=$(PACKAGES) COARSE=$(COARSE))
 
@@ -143,6 +144,51 @@ $(2)/report.html: $(2)/case.mk $$(SUMMARIES_$(1)) $$(REPORT_SOURCES)
 	$$(PY) -m plymotion.solver report $(2)
 endef
 $(foreach case,$(ASKED),$(eval $(call CASE_RULES,$(case),$(call out,$(case)))))
+
+##@ Sweeps
+
+# make <case>-sweep-<name>   the members of [sweeps.<name>]: build/<case>/sweeps/<name>/
+#                            PACKAGES=shipped and COARSE=1 as for cases
+SWEEPS := $(strip $(foreach case,$(CASES),$(addprefix $(case)-sweep-, \
+    $(shell sed -n 's/^\[sweeps\.\([A-Za-z0-9_-]*\)\].*/\1/p' cases/$(case)/case.toml))))
+
+.PHONY: sweeps $(SWEEPS)
+sweeps: $(SWEEPS) ## Make every sweep of every case (make <case>-sweep-<name>: one of them)
+
+# $(1) case, $(2) its folder, $(3) sweep
+define SWEEP_RULES
+$(1)-sweep-$(3): $(2)/sweeps/$(3)/sweep.csv
+	@echo "$(1)-sweep-$(3): $(2)/sweeps/$(3)/sweep.h5"
+
+$(2)/sweeps/$(3).json: | $(2)/case.mk
+	@[ -e $$@ ] || $$(CHECK_$(1))
+
+# Distinct bodies of all members, those of runs among them, in one process for each folder. Exit
+# code 2: a body cannot be built, its members fail and the others are computed.
+OWN_$(1)_$(3) := $$(filter $(2)/sweeps/%,$$($(1)_$(3)_SPECS))
+SHARED_$(1)_$(3) := $$(filter-out $(2)/sweeps/%,$$($(1)_$(3)_SPECS))
+BUILT_$(1)_$(3) := $$(patsubst %.json,%.vtkhdf,$$($(1)_$(3)_SPECS))
+ifneq ($$(BUILT_$(1)_$(3)),)
+ifneq ($$(filter-out $$(wildcard $$(BUILT_$(1)_$(3))),$$(BUILT_$(1)_$(3))),)
+$(2)/sweeps/$(3).built: FORCE
+endif
+$(2)/sweeps/$(3).built: $$($(1)_$(3)_SPECS) $$(PREPROCESS_SOURCES) $$(PACKAGE_SOURCES) $$(FENICSX)
+	$$(if $$(SHARED_$(1)_$(3)),$$(FE_PYTHON) -m plymotion.preprocess body \
+	    $$(SHARED_$(1)_$(3)) --out-dir $(2)/bodies || [ $$$$? -eq 2 ])
+	$$(if $$(OWN_$(1)_$(3)),$$(FE_PYTHON) -m plymotion.preprocess body \
+	    $$(OWN_$(1)_$(3)) --out-dir $(2)/sweeps/bodies || [ $$$$? -eq 2 ])
+	@touch $$@
+$(2)/sweeps/$(3)/sweep.csv: $(2)/sweeps/$(3).built
+endif
+
+# Exit code 3: members stopped or failed; the table says why, the others are complete.
+$(2)/sweeps/$(3)/sweep.csv: $(2)/sweeps/$(3).json $$(RUN_SOURCES) $$(LIGHT) | $$(COMPILED)
+	$$(PY) -m plymotion.solver sweep $(2)/sweeps/$(3).json --out $(2)/sweeps/$(3) --jobs $$(JOBS) \
+	    || [ $$$$? -eq 3 ]
+endef
+JOBS ?= $(shell nproc)
+$(foreach case,$(ASKED),$(foreach sweep,$($(case)_SWEEPS), \
+    $(eval $(call SWEEP_RULES,$(case),$(call out,$(case)),$(sweep)))))
 
 ##@ Cross-sections
 
@@ -244,9 +290,9 @@ test-fe: $(LIGHT) ## FE tests on the distribution's DOLFINx and on the wheel, nu
 
 .PHONY: test-cases
 test-cases: ## Every case in its coarse version, every cross-section and every shell
-	$(if $(CASES),$(MAKE) COARSE=1 $(CASES) sections shells,@echo "there is no case in cases/"; exit 1)
+	$(if $(CASES),$(MAKE) COARSE=1 $(CASES) $(SWEEPS) sections shells,@echo "there is no case in cases/"; exit 1)
 	@# Asked again, make must find nothing to do.
-	! $(MAKE) COARSE=1 $(CASES) sections shells | grep 'plymotion\.[a-z]* '
+	! $(MAKE) COARSE=1 $(CASES) $(SWEEPS) sections shells | grep 'plymotion\.[a-z]* '
 
 .PHONY: ship
 ship: ## Copy the packages of every case to tests/packages, for use without FEniCSx
@@ -255,6 +301,27 @@ ship: ## Copy the packages of every case to tests/packages, for use without FEni
 	    cp build/$$case/bodies/*.vtkhdf tests/packages/$$case/; \
 	done
 
+##@ Benchmarks
+
+PEERS := build/peers
+BENCH := OPENBLAS_NUM_THREADS=1 PYTHONPATH=.:benchmarks:$(PEERS) $(PY)
+EXUDYN := $(PEERS)/exudyn/__init__.py
+BENCH_OPTIONS ?=
+
+.PHONY: bench
+bench: $(EXUDYN) | $(COMPILED) ## The solver beside Exudyn: build/benchmarks/solver.json, docs/speed.md
+	$(BENCH) benchmarks/solver_speed.py build/benchmarks/solver.json --write docs/speed.md \
+	    $(BENCH_OPTIONS)
+
+# In a folder of their own: neither tests nor users need them, and they bring their own file
+# formats. Without dependencies: NumPy is that of the environment.
+$(EXUDYN): pyproject.toml $(LIGHT)
+	@mkdir -p $(PEERS)
+	$(PY) -m pip install --quiet --upgrade --no-deps --target $(PEERS) \
+	    $$($(PY) -c 'import tomllib; p = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
+	    print(*p["optional-dependencies"]["peers"])')
+	@touch $@
+
 ##@ Documents and cleaning
 
 CHART := docs/pictures/section-error-time.png
@@ -262,8 +329,11 @@ CHART_NUMBERS := build/charts/section-error-time.json
 
 SHELL_CHARTS := docs/pictures/shell-course.png docs/pictures/shell-error-time.png
 
+# Numbers of the solver's charts are kept with the documents: they take minutes to measure.
+SOLVER_CHARTS := $(patsubst %,docs/pictures/solver-%.png,integrators treatments models)
+
 .PHONY: charts
-charts: $(CHART) $(SHELL_CHARTS) ## Measure error against time of sections and shells, draw it
+charts: $(CHART) $(SHELL_CHARTS) $(SOLVER_CHARTS) ## Measure error against time, draw it
 
 $(CHART_NUMBERS): $(PREPROCESS_SOURCES) benchmarks/section_convergence.py | $(FENICSX)
 	. ./$(FENICSX) && PYTHONPATH=.:tests "$$FENICSX_PYTHON" benchmarks/section_convergence.py $@
@@ -277,6 +347,29 @@ build/charts/shell-%.json: $(PREPROCESS_SOURCES) benchmarks/shell_course.py \
 
 docs/pictures/shell-%.png: build/charts/shell-%.json benchmarks/shell_chart.py
 	$(PY) benchmarks/shell_chart.py $* $< $@
+
+ACCURACY_SOURCES := $(patsubst %,benchmarks/solver_%.py,accuracy exudyn methods problems runs)
+docs/charts/solver-integrators.csv docs/charts/solver-treatments.csv: docs/charts/solver-%.csv: \
+    $(RUN_SOURCES) $(ACCURACY_SOURCES) $(EXUDYN) | $(COMPILED)
+	@mkdir -p $(@D)
+	$(BENCH) benchmarks/solver_accuracy.py $* $@
+
+docs/charts/solver-models.csv: $(RUN_SOURCES) $(PREPROCESS_SOURCES) benchmarks/solver_models.py \
+    benchmarks/solver_problems.py | $(COMPILED) $(FENICSX)
+	@mkdir -p $(@D)
+	$(BENCH) benchmarks/solver_models.py $@
+
+docs/pictures/solver-%.png: docs/charts/solver-%.csv benchmarks/solver_chart.py
+	$(BENCH) benchmarks/solver_chart.py $* $< $@
+
+STABILITY_CHART := docs/pictures/stability.png
+
+.PHONY: stability
+stability: $(STABILITY_CHART) ## Map of where each integration method breaks, measured and drawn
+	@echo "stability: $<, build/charts/stability.csv"
+
+$(STABILITY_CHART): benchmarks/stability_chart.py $(RUN_SOURCES) | $(LIGHT) $(COMPILED)
+	PYTHONPATH=.:tests $(PY) $< build/charts/stability.csv $@
 
 .PHONY: docs
 docs: $(LIGHT) ## Regenerate docs/equations.md, case-reference.md, *-description.md
@@ -308,6 +401,9 @@ help: ## This list
 	@echo "  make <case> PACKAGES=shipped with the packages of the repository, without FEniCSx"
 	@echo "  make <case> COARSE=1         a small version, in build/<case>-coarse"
 	@echo "  make -j2 ...                 two steps at a time"
+	@echo
+	@echo "Sweeps: $(or $(SWEEPS),none yet)"
+	@echo "  make <case>-sweep-<name>     its members, in build/<case>/sweeps/<name>; JOBS=N processes"
 	@echo
 	@echo "Cross-sections: $(or $(SECTIONS),none yet)"
 	@echo "  make section-<name>          numbers and figures of one, in build/sections/<name>"

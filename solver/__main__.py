@@ -1,4 +1,4 @@
-"""Command line: check, compile, run, report, info, validate, experimental, section, shell."""
+"""The command line: check, compile, run, report, section, shell, sweep and smaller ones."""
 
 import argparse
 import json
@@ -13,6 +13,7 @@ from .errors import InputError
 from .package import PackageError
 from .section.options import add_section_command
 from .shell.options import add_shell_command
+from .sweep.options import add_sweep_command
 
 INTERRUPTED = 130  # what a shell reports of a program ended by Ctrl-C
 
@@ -20,8 +21,9 @@ INTERRUPTED = 130  # what a shell reports of a program ended by Ctrl-C
 def main(arguments: list[str] | None = None) -> int:
     """Run one command; return the exit code.
 
-    0 done; 2 bad input, errors found by `validate` included; 3 a run that ended early with
-    its result kept; 130 interrupted, the result of a run kept up to there.
+    0 done; 2 bad input, errors found by `validate` included; 3 a run, or members of a sweep,
+    that ended early with what they have kept; 130 interrupted, what there is
+    kept.
     """
     options = _parser().parse_args(arguments)
     try:
@@ -50,7 +52,7 @@ def _parser() -> argparse.ArgumentParser:
 
     check = commands.add_parser("check", help="check a case file; write what the stages read")
     check.add_argument("case", type=Path, nargs="?", help="cases/<name>/case.toml")
-    check.add_argument("--out", type=Path, help="folder for case.json, bodies/, runs/, case.mk")
+    check.add_argument("--out", type=Path, help="folder for case.json, bodies/, runs/, ...")
     check.add_argument("--packages", type=Path, help="folder of ready packages")
     check.add_argument("--coarse", action="store_true", help="apply the [coarse] variant")
     check.add_argument("--reference", action="store_true", help="print docs/case-reference.md")
@@ -86,6 +88,7 @@ def _parser() -> argparse.ArgumentParser:
 
     add_section_command(commands, _section)
     add_shell_command(commands, _shell)
+    add_sweep_command(commands, _sweep)
     return parser
 
 
@@ -203,6 +206,12 @@ def _shell(options: argparse.Namespace) -> int:
     from .shell.command import run_shell
 
     return run_shell(options)
+
+
+def _sweep(options: argparse.Namespace) -> int:
+    from .sweep.command import run_sweep
+
+    return run_sweep(options)
 
 
 if __name__ == "__main__":

@@ -2,7 +2,6 @@
 
 import json
 import time
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,35 +10,25 @@ import numpy as np
 from tqdm import tqdm
 
 from .closures import constrained_system, projection, right_hand_side
-from .constraints.treatment import IMPLICIT, Treatment, treated, treatment_of
-from .energy_monitor import JUMP_CODE
-from .equilibrium import starting_state
+from .constraints.treatment import IMPLICIT, Treatment, treatment_of
 from .errors import InputError
-from .findings import Finding, finding
-from .initial import redundancy
 from .integrate import (
     Integrator,
     Solution,
     StopRequest,
+    advice,
     integrate,
     new_constrained_integrator,
     new_integrator,
 )
-from .mechanism import BuiltMechanism, build
 from .model import Model
-from .monitor import SPIN_CODE, SpinMonitor
 from .outcome import RunSpec, collect
-from .package import PackageError, read_package
+from .package import ModalPackage, PackageError, read_package
 from .package.schema import Array
+from .preparation import Watch, prepare
 from .results import RunResult, write_result, write_summary
-from .signals import sensors
-from .singularity import SINGULAR_CODE, SingularityMonitor
 
 INCOMPLETE = 3  # exit code of a run that ended early with a result
-SINGULAR_START = (
-    "the mechanism starts in a singular position, where it could move in more directions than "
-    "elsewhere: give velocities that say which"
-)
 
 
 def read_run(file: Path) -> RunSpec:
@@ -61,18 +50,35 @@ def read_run(file: Path) -> RunSpec:
         ) from error
     packages = {}
     for body, entry in entries.items():
-        path = (file.parent.parent / entry["file"]).resolve()
-        shown = path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path
-        package = read_package(shown)
-        expected = entry.get("inputs_sha256")
-        found = package.provenance.get("inputs_sha256")
-        if expected is not None and found != expected:
-            raise PackageError(
-                f"{shown}: built from other inputs than bodies.{body} of case {case}, run {run} "
-                f"(inputs {str(found)[:12]}, expected {expected[:12]}): run `make {case}`"
-            )
-        packages[body] = package
+        path = file.parent.parent / entry["file"]
+        whose = f"bodies.{body} of case {case}, run {run}"
+        packages[body] = package_of(path, entry.get("inputs_sha256"), whose, f"make {case}")
     return RunSpec(case, run, mechanism, packages)
+
+
+def package_of(path: Path, expected: str | None, whose: str, remedy: str) -> ModalPackage:
+    """Read the package that a run file names.
+
+    Parameters
+    ----------
+    expected : hash of the inputs that it must have been built from; None: any
+    whose, remedy : body and command, for messages
+
+    Raises
+    ------
+    PackageError
+        It cannot be read, or was built from other inputs.
+    """
+    path = path.resolve()
+    shown = path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path
+    package = read_package(shown)
+    found = package.provenance.get("inputs_sha256")
+    if expected is not None and found != expected:
+        raise PackageError(
+            f"{shown}: built from other inputs than {whose} "
+            f"(inputs {str(found)[:12]}, expected {expected[:12]}): run `{remedy}`"
+        )
+    return package
 
 
 def output_times(t_end: float, step: float) -> Array:
@@ -98,6 +104,8 @@ def make_integrator(
     """Return the integrator that the case asks for, ready to step from t = 0.
 
     `treatment` is the one that the model was prepared for (`treated`); of `solver` by default.
+    `solver` may hold one key more than that of a case: `fixed_step` [s], without error control
+    (benchmarks).
     """
     treatment = treatment or treatment_of(solver)
     options: dict[str, Any] = {
@@ -107,27 +115,40 @@ def make_integrator(
     }
     if solver["max_step"] is not None:
         options["max_step"] = solver["max_step"]
+    if solver.get("fixed_step") is not None:
+        options["fixed_step"] = solver["fixed_step"]
     name, t_end = solver["integrator"], solver["t_end"]
     if treatment.name in IMPLICIT:
-        options |= {"formulation": treatment.name, "spectral_radius": treatment.spectral_radius}
+        options["formulation"] = treatment.name
+        if name == "generalized-alpha":
+            options["spectral_radius"] = treatment.spectral_radius
         return new_constrained_integrator(
             name, constrained_system(model), 0.0, y0, t_end, **options
         )
     if name == "gear":
-        options["max_order"] = solver["max_order"]
+        options["fixed_order" if "fixed_step" in options else "max_order"] = solver["max_order"]
     if treatment.name == "projection" and model.n_constraint:
         options["project"] = projection(model)
     return new_integrator(name, right_hand_side(model), 0.0, y0, t_end, **options)
 
 
-Monitor = Callable[[Integrator], StopRequest | None]
+def feedback_hints(treatment: Treatment, solution: Solution, order: int) -> list[str]:
+    """Remarks on a run whose steps the feedback of its constraints has kept short."""
+    steps = solution.counters.steps
+    rate = {
+        "baumgarte": max(treatment.alpha, treatment.beta),
+        "augmented-lagrangian": treatment.frequency * max(treatment.ratio, 1.0),
+    }.get(treatment.name, 0.0)
+    if steps < advice.STEPS_WORTH_A_LOOK or solution.t[-1] == 0.0:
+        return []
+    return advice.of_feedback(rate, float(solution.t[-1]) / steps, order)
 
 
 class _Progress:
     """Show simulated time and pass each step on to the monitors."""
 
-    def __init__(self, monitors: list[Monitor], t_end: float, label: str, show: bool) -> None:
-        self.monitors = monitors
+    def __init__(self, watch: Watch, t_end: float, label: str, show: bool) -> None:
+        self.watch = watch
         self.bar = tqdm(
             total=t_end,
             desc=label,
@@ -140,8 +161,7 @@ class _Progress:
 
     def __call__(self, integrator: Integrator) -> StopRequest | None:
         self.bar.update(integrator.t - self.bar.n)
-        requests = [request for m in self.monitors if (request := m(integrator)) is not None]
-        return min(requests, key=lambda request: request.t_stop, default=None)
+        return self.watch(integrator)
 
 
 def execute(spec: RunSpec, *, progress: bool = True) -> tuple[RunResult, dict[str, Any]]:
@@ -155,68 +175,20 @@ def execute(spec: RunSpec, *, progress: bool = True) -> tuple[RunResult, dict[st
     """
     begin = time.perf_counter()
     solver = spec.mechanism["solver"]
-    treatment = treatment_of(solver)
-    built, y0, notes = _prepared(build(spec.mechanism, spec.packages), solver, treatment)
-    model = built.model
-    measured = sensors(built, spec.mechanism["signals"])
-    spin = SpinMonitor(model, built.body_names, stop=solver["on_invalid"] == "stop")
-    passage = SingularityMonitor(
-        model,
-        built.joint_names,
-        treatment.name,
-        stop=solver.get("on_singular", "stop") == "stop",
-    )
-    refused = spin.at_start(0.0, y0)
-    passage.at_start(0.0, y0)
-    if refused is not None:
-        solution = Solution(np.zeros(1), y0[None, :], "stopped", refused, SPIN_CODE)
-    else:
-        integrator = make_integrator(model, y0, solver, treatment)
-        follow = _Progress([spin, passage], solver["t_end"], spec.run, progress)
+    prepared = prepare(spec.mechanism, spec.packages)
+    solution = prepared.refused
+    if solution is None:
+        integrator = make_integrator(prepared.model, prepared.y0, solver, prepared.treatment)
+        follow = _Progress(prepared.watch, solver["t_end"], spec.run, progress)
         times = output_times(solver["t_end"], solver["output_step"])
         solution = integrate(integrator, times, follow)
         follow.bar.close()
-    if solution.status == "failed":
-        cause = passage.explain(float(solution.t[-1]), solution.y[-1])
-        if cause:
-            message = f"{cause} ({solution.message})"
-            solution = replace(solution, message=message, code=SINGULAR_CODE)
+        hints = feedback_hints(prepared.treatment, solution, integrator.order)
+        solution = replace(solution, hints=(*solution.hints, *hints))
+    solution = prepared.explained(solution)
     solve_s = time.perf_counter() - begin
-    return collect(spec, built, measured, spin, solution, solve_s, [*notes, *_of_passage(passage)])
-
-
-def _prepared(
-    built: BuiltMechanism, solver: dict[str, Any], treatment: Treatment
-) -> tuple[BuiltMechanism, Array, list[Finding]]:
-    """Return the mechanism ready for its treatment, its start, and what a user should know."""
-    y0 = starting_state(
-        built.model, built.start, solver["start"], built.joint_names, built.body_names
-    )
-    found = redundancy(built.model, y0, built.joint_names)
-    notes = [finding("redundant-constraints", found.message)] if found.count else []
-    if found.singular_start:
-        notes.append(finding("singular-start", SINGULAR_START))
-    model = treated(built.model, treatment)._replace(redundant=found.count)
-    return replace(built, model=model), y0, notes
-
-
-def _of_passage(passage: SingularityMonitor) -> list[Finding]:
-    """What the run met on its way: singular positions and jumps of energy."""
-    notes = [finding(code, message) for code, message in passage.warnings]
-    if passage.passes and not passage.warnings:
-        times = ", ".join(f"{t:.4g}" for t in passage.passes[:5])
-        more = " ..." if len(passage.passes) > 5 else ""
-        notes.append(
-            finding(
-                "singular-passed",
-                f"{len(passage.passes)} singular positions on the way, at t = {times}{more} s, "
-                "where the mechanism could leave in more than one direction; velocity and energy "
-                "were continued",
-            )
-        )
-    if passage.energy.message:
-        notes.append(finding(JUMP_CODE, passage.energy.message))
-    return notes
+    built, measured, spin = prepared.built, prepared.measured, prepared.spin
+    return collect(spec, built, measured, spin, solution, solve_s, prepared.noticed())
 
 
 def run_file(file: Path, out: Path, *, progress: bool = True) -> dict[str, Any]:

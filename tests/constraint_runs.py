@@ -47,15 +47,12 @@ def new_run(
     starts = [0, model.n_pos, model.n_pos + model.n_vel]
     options = {"block_starts": starts} | options
     if treatment.name in IMPLICIT:
+        name = "ida" if integrator == "ida" else "generalized-alpha"
+        if name == "generalized-alpha":
+            options["spectral_radius"] = treatment.spectral_radius
+        options["formulation"] = treatment.name
         return new_constrained_integrator(
-            "generalized-alpha",
-            constrained_system(model),
-            0.0,
-            y0,
-            t_end,
-            formulation=treatment.name,
-            spectral_radius=treatment.spectral_radius,
-            **options,
+            name, constrained_system(model), 0.0, y0, t_end, **options
         )
     if treatment.name == "projection":
         options["project"] = projection(model)

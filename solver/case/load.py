@@ -1,7 +1,7 @@
 """Read a case file: merge variants, check every run, resolve names."""
 
 from copy import deepcopy
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -12,16 +12,18 @@ from ..input import lines, read_toml
 from .check import cross_check
 from .laws import FOLDER
 from .schema import CaseFile, Mechanism
+from .sweep_members import CheckedSweep, check_sweep
 
 
 @dataclass(frozen=True)
 class Case:
-    """A checked case: its top and one mechanism per run."""
+    """A checked case: its top, one mechanism per run, and the members of its sweeps."""
 
     name: str
     file: Path
     top: CaseFile
     runs: dict[str, Mechanism]
+    sweeps: dict[str, CheckedSweep] = field(default_factory=dict)
 
 
 def load_case(file: Path, *, coarse: bool = False) -> Case:
@@ -34,6 +36,9 @@ def load_case(file: Path, *, coarse: bool = False) -> Case:
     """
     table = read_toml(file, "case file")
     top_keys = set(CaseFile.model_fields)
+    over = table.get("coarse")
+    if coarse and isinstance(over, dict) and isinstance(over.get("sweeps"), dict):
+        merge(table, {"sweeps": over["sweeps"]})
     try:
         top = CaseFile.model_validate({k: v for k, v in table.items() if k in top_keys})
     except ValidationError as error:
@@ -44,19 +49,24 @@ def load_case(file: Path, *, coarse: bool = False) -> Case:
             known = [*CaseFile.model_fields, *Mechanism.model_fields]
             raise InputError(f"{file}: {key}: unknown key{nearest(key, known)}")
     problems: list[str] = []
-    runs: dict[str, Mechanism] = {}
-    for name, run in top.runs.items():
+    quick = {k: v for k, v in top.coarse.items() if k != "sweeps"} if coarse else {}
+
+    def merged_with(key: str, variants: list[str]) -> dict[str, Any]:
         merged = deepcopy(base)
-        for variant in run.variants:
+        for variant in variants:
             if variant not in top.variants:
                 problems.append(
-                    f'{file}: runs.{name}.variants = "{variant}": '
+                    f'{file}: {key}.variants = "{variant}": '
                     f"no such variant{nearest(variant, top.variants)}"
                 )
                 continue
             merge(merged, top.variants[variant])
-        if coarse:
-            merge(merged, top.coarse)
+        merge(merged, quick)
+        return merged
+
+    runs: dict[str, Mechanism] = {}
+    for name, run in top.runs.items():
+        merged = merged_with(f"runs.{name}", run.variants)
         try:
             mechanism = Mechanism.model_validate(merged, context={FOLDER: file.parent})
         except ValidationError as error:
@@ -77,9 +87,22 @@ def load_case(file: Path, *, coarse: bool = False) -> Case:
                     f'{file}: figures.{name}.signal = "{figure.signal}": '
                     f"no such signal{nearest(figure.signal, mechanism.signals)}"
                 )
+    sweeps: dict[str, CheckedSweep] = {}
+    for name, sweep in top.sweeps.items():
+        key = f"sweeps.{name}"
+        if sweep.run not in top.runs:
+            hint = nearest(sweep.run, top.runs)
+            problems.append(f'{file}: {key}.run = "{sweep.run}": no such run{hint}')
+        elif sweep.run in runs:
+            merged = merged_with(key, [*top.runs[sweep.run].variants, *sweep.variants])
+            found = check_sweep(f"{file}: {key}", sweep, merged, file.parent)
+            if isinstance(found, list):
+                problems += found
+            else:
+                sweeps[name] = found
     if problems:
         raise InputError("\n".join(dict.fromkeys(problems)))
-    return Case(file.resolve().parent.name, file, top, runs)
+    return Case(file.resolve().parent.name, file, top, runs, sweeps)
 
 
 def merge(base: dict[str, Any], over: dict[str, Any]) -> None:

@@ -12,6 +12,7 @@ from .laws import LAW_TABLES
 from .modes import MODE_TABLES
 from .signals import SIGNAL_TABLES
 from .solver import Solver
+from .sweeps import Sweep, Variation
 
 _FIRST: tuple[type[BaseModel], ...] = (schema.CaseFile, schema.Mechanism, *MATERIAL_TABLES)
 _THEN: tuple[type[BaseModel], ...] = (
@@ -33,6 +34,8 @@ _THEN: tuple[type[BaseModel], ...] = (
     Solver,
     schema.Run,
     schema.Figure,
+    Sweep,
+    Variation,
 )
 
 

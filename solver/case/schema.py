@@ -15,6 +15,7 @@ from .joints import Joint
 from .modes import Modes, Reference
 from .signals import Signal
 from .solver import Solver
+from .sweeps import Sweep
 
 
 class DescribedSection(Table):
@@ -248,7 +249,8 @@ class CaseFile(Table):
         default={}, description="partial cases: tables that are merged over the case"
     )
     coarse: dict[str, Any] = Field(
-        default={}, description="a variant for quick checks (`make CASE COARSE=1`)"
+        default={}, description="a variant for quick checks (`make CASE COARSE=1`), sweeps included"
     )
     runs: dict[Name, Run] = Field(min_length=1, description="what is computed")
     figures: dict[Name, Figure] = Field(default={}, description="pictures that compare runs")
+    sweeps: dict[Name, Sweep] = Field(default={}, description="runs varied by numbers")

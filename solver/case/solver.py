@@ -25,10 +25,21 @@ class Solver(Table):
         description="modal rates at t = 0: still, bodies begin to move as rigid ones; free: those "
         "of least kinetic energy, as when a drive's speed is applied at once",
     )
-    integrator: Literal["gear", "rk8", "rk5", "generalized-alpha"] = Field(
+    integrator: Literal[
+        "gear",
+        "rk8",
+        "rk5",
+        "generalized-alpha",
+        "scipy-bdf",
+        "scipy-radau",
+        "scipy-lsoda",
+        "scipy-dop853",
+        "ida",
+    ] = Field(
         default="gear",
         description="gear: variable-order BDF (the paper); rk8, rk5: explicit Runge-Kutta; "
-        "generalized-alpha: implicit, for constraints = ggl or index3",
+        "generalized-alpha: implicit, for constraints = ggl or index3; to compare with: SciPy's, "
+        "and SUNDIALS' ida for constraints = ggl; see integrators.md",
     )
     rtol: float = Field(default=1e-6, gt=0, le=0.1, description="relative tolerance of a step")
     atol_position: float = Field(

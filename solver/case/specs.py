@@ -3,6 +3,7 @@
     build/<case>/case.json              title, figures, runs
     build/<case>/bodies/<name>.json     one distinct body: what the preprocessor builds
     build/<case>/runs/<run>.json        one run: resolved mechanism and its packages
+    build/<case>/sweeps/<name>.json     one sweep: its members, their bodies in sweeps/bodies
     build/<case>/case.mk                what make must know
 
 A file is rewritten only when its content changes, so that make rebuilds no
@@ -12,6 +13,7 @@ package after an edit that does not concern it.
 import hashlib
 import json
 import os
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +23,8 @@ from .load import Case
 from .schema import BeamBody, Mechanism, PackageBody, ShellBody
 from .sections import section_sources, section_spec
 from .shells import shell_body_spec, shell_sources
+from .sweep_members import CheckedSweep
+from .sweep_table import sweep_content
 
 
 def body_spec(
@@ -76,30 +80,10 @@ def write_case(case: Case, out: Path, packages: Path | None = None) -> None:
     ----------
     packages : folder of ready packages; None: out/bodies, built by the preprocessor
     """
-    folder = packages if packages is not None else out / "bodies"
-    specs: dict[str, str] = {}  # hash -> stem of the file
-    spec_files: list[Path] = []
+    files = _BodyFiles(case, out, packages)
     run_packages: dict[str, list[str]] = {}
     for run, mechanism in case.runs.items():
-        table: dict[str, dict[str, str]] = {}
-        for name, body in mechanism.bodies.items():
-            if isinstance(body, PackageBody):
-                file = (case.file.parent / body.package).resolve()
-                table[name] = {"file": os.path.relpath(file, out)}
-            elif isinstance(body, BeamBody | ShellBody):
-                spec = body_spec(name, body, mechanism, case.file.parent)
-                digest = inputs_sha256(spec)
-                if digest not in specs:
-                    # Named after the first run that uses it: readable, and shared by the others.
-                    specs[digest] = f"{name}.{run}"
-                    file = out / "bodies" / f"{specs[digest]}.json"
-                    write_if_changed(file, dump({**spec, "inputs_sha256": digest}))
-                    spec_files.append(file)
-                package = folder / f"{specs[digest]}.vtkhdf"
-                table[name] = {
-                    "file": os.path.relpath(package, out),
-                    "inputs_sha256": digest,
-                }
+        table = files.packages(mechanism, "bodies", run)
         run_packages[run] = sorted(os.path.relpath(out / t["file"]) for t in table.values())
         write_if_changed(
             out / "runs" / f"{run}.json",
@@ -113,6 +97,14 @@ def write_case(case: Case, out: Path, packages: Path | None = None) -> None:
                 }
             ),
         )
+    spec_files = list(files.specs)
+    sweep_specs: dict[str, list[Path]] = {}
+    for name, sweep in case.sweeps.items():
+        content, sweep_specs[name] = _sweep(case, name, sweep, files)
+        write_if_changed(out / "sweeps" / f"{name}.json", dump(content))
+    kept = {f.stem for f in files.specs if f.parent.parent.name == "sweeps"}
+    _drop_stale(out / "sweeps" / "bodies", kept, (".json", ".vtkhdf"))
+    _drop_stale(out / "sweeps", set(case.sweeps), (".json", ".built"))
     _drop_stale(out / "bodies", {f.stem for f in spec_files}, (".json", ".vtkhdf"))
     _drop_stale(out / "runs", set(case.runs), (".json",))
     first = next(iter(case.runs.values()))
@@ -128,7 +120,74 @@ def write_case(case: Case, out: Path, packages: Path | None = None) -> None:
             }
         ),
     )
-    _write_rules(case, out, spec_files, run_packages, built=packages is None)
+    _write_rules(case, out, spec_files, run_packages, sweep_specs, built=packages is None)
+
+
+class _BodyFiles:
+    """Specifications of distinct bodies, each written once however many mechanisms have it."""
+
+    def __init__(self, case: Case, out: Path, packages: Path | None) -> None:
+        self.case, self.out, self.ready = case, out, packages
+        self.specs: list[Path] = []
+        self._known: dict[str, tuple[Path, Path]] = {}  # hash -> specification, package
+        self._hashes: dict[str, tuple[str, dict[str, Any]]] = {}
+
+    def packages(
+        self, mechanism: Mechanism, folder: str, run: str = ""
+    ) -> dict[str, dict[str, str]]:
+        """Return the packages of the bodies of a mechanism: file from `out`, hash of its inputs.
+
+        A body that is new gets a specification in `folder`, named after the run that has it
+        first: readable, and shared by the others. Without a run it is named after its hash, so
+        that members that come and go leave the others' packages alone.
+        """
+        table: dict[str, dict[str, str]] = {}
+        for name, body in mechanism.bodies.items():
+            if isinstance(body, PackageBody):
+                file = (self.case.file.parent / body.package).resolve()
+                table[name] = {"file": os.path.relpath(file, self.out)}
+            elif isinstance(body, BeamBody | ShellBody):
+                digest, spec = self._spec(name, body, mechanism)
+                if digest not in self._known:
+                    stem = f"{name}.{run or digest[:12]}"
+                    file = self.out / folder / f"{stem}.json"
+                    package = (self.ready or self.out / folder) / f"{stem}.vtkhdf"
+                    write_if_changed(file, dump({**spec, "inputs_sha256": digest}))
+                    self._known[digest] = file, package
+                    self.specs.append(file)
+                package = self._known[digest][1]
+                table[name] = {
+                    "file": os.path.relpath(package, self.out),
+                    "inputs_sha256": digest,
+                }
+        return table
+
+    def spec_files(self, digests: Iterable[str]) -> list[Path]:
+        """Return the specifications of bodies."""
+        return [self._known[digest][0] for digest in digests]
+
+    def _spec(
+        self, name: str, body: BeamBody | ShellBody, mechanism: Mechanism
+    ) -> tuple[str, dict[str, Any]]:
+        """Return hash and specification; the members of a sweep share most of them."""
+        parts = (body, mechanism.sections, mechanism.materials)
+        key = f"{name} {parts!r}"
+        if key not in self._hashes:
+            spec = body_spec(name, body, mechanism, self.case.file.parent)
+            self._hashes[key] = inputs_sha256(spec), spec
+        return self._hashes[key]
+
+
+def _sweep(
+    case: Case, name: str, sweep: CheckedSweep, files: _BodyFiles
+) -> tuple[dict[str, Any], list[Path]]:
+    """Return the content of sweeps/<name>.json, and the specifications of its bodies."""
+    tables = [files.packages(member, "sweeps/bodies") for member in sweep.members]
+    content = sweep_content(case.name, name, sweep, tables)
+    digests = dict.fromkeys(
+        t["inputs_sha256"] for table in tables for t in table.values() if "inputs_sha256" in t
+    )
+    return content, files.spec_files(digests)
 
 
 def _write_rules(
@@ -136,6 +195,7 @@ def _write_rules(
     out: Path,
     spec_files: list[Path],
     run_packages: dict[str, list[str]],
+    sweep_specs: dict[str, list[Path]],
     *,
     built: bool,
 ) -> None:
@@ -145,13 +205,16 @@ def _write_rules(
         "# Written by `python -m plymotion.solver check`; do not edit.",
         f"{case.name}_SPECS := {' '.join(os.path.relpath(f) for f in spec_files) if built else ''}",
         f"{case.name}_RUNS := {' '.join(case.runs)}",
+        f"{case.name}_SWEEPS := {' '.join(case.sweeps)}",
     ]
+    for name, specs in sweep_specs.items() if built else ():
+        text.append(f"{case.name}_{name}_SPECS := {' '.join(map(os.path.relpath, specs))}")
     for run, needed in run_packages.items():
         text.append(f"{base}/{run}/summary.json: {base}/runs/{run}.json {' '.join(needed)}")
     folder = case.file.parent
     sources = {
         source
-        for mechanism in case.runs.values()
+        for mechanism in (*case.runs.values(), *(s.base for s in case.sweeps.values()))
         for source in (
             *section_sources(mechanism, folder),
             *shell_sources(mechanism, folder),

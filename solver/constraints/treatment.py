@@ -6,7 +6,8 @@ from typing import Any
 from ..errors import InputError, did_you_mean
 from ..model import Model
 
-IMPLICIT = ("ggl", "index3")  # solved together with the step, by generalized-alpha
+IMPLICIT = ("ggl", "index3")  # solved together with the step, by these integrators only
+SOLVE_WITH_STEP = {"generalized-alpha": IMPLICIT, "ida": ("ggl",)}
 # In the order of docs/constraints.md.
 TREATMENTS = ("index1", "baumgarte", "augmented-lagrangian", "projection", *IMPLICIT)
 # The others divide by a singular value that vanishes there.
@@ -43,11 +44,17 @@ def treatment_of(solver: dict[str, Any]) -> Treatment:
             f"{did_you_mean(name, TREATMENTS)}"
         )
     integrator = solver["integrator"]
-    if (name in IMPLICIT) != (integrator == "generalized-alpha"):
-        wanted = 'integrator = "generalized-alpha"' if name in IMPLICIT else "gear, rk8 or rk5"
+    possible = SOLVE_WITH_STEP.get(integrator, tuple(t for t in TREATMENTS if t not in IMPLICIT))
+    if name not in possible:
+        able = [key for key, names in SOLVE_WITH_STEP.items() if name in names]
+        wanted = (
+            "integrator = " + " or ".join(f'"{key}"' for key in able)
+            if name in IMPLICIT
+            else "one that does not solve the constraints with the step (rk8, gear, rk5 ...)"
+        )
         raise InputError(
-            f'solver.constraints = "{name}" with integrator = "{integrator}": expected {wanted} '
-            f"({' and '.join(IMPLICIT)} go with generalized-alpha, and only with it)"
+            f'solver.constraints = "{name}" with integrator = "{integrator}": expected {wanted}, '
+            f"or constraints = {' or '.join(possible)}"
         )
     values = {key: solver[key] for key in Treatment.__dataclass_fields__ if key in solver}
     return Treatment(**values | {"name": name})

@@ -101,4 +101,4 @@ def _members(kind: Any) -> dict[Any, Any]:
 def _keys(kind: Any) -> list[str]:
     """Return the keys that are known in a table of this type."""
     known = isinstance(kind, type) and issubclass(kind, BaseModel)
-    return sorted(kind.model_fields) if known else []
+    return sorted(f.alias or n for n, f in kind.model_fields.items()) if known else []

@@ -33,7 +33,7 @@ def chapters(models: Iterable[type[BaseModel]]) -> list[str]:
 
 def keys(model: type[BaseModel]) -> list[str]:
     """Return the lines of the table of a model's keys."""
-    return [*HEAD, *(_row(name, info) for name, info in model.model_fields.items())]
+    return [*HEAD, *(_row(info.alias or name, info) for name, info in model.model_fields.items())]
 
 
 def required(model: type[BaseModel]) -> list[str]:

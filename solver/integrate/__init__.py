@@ -4,6 +4,7 @@ from inspect import signature
 from typing import Any
 
 from ..errors import did_you_mean
+from . import advice
 from .base import Counters, Derivative, Integrator
 from .constrained import ConstrainedSystem
 from .drive import Solution, StopRequest, integrate
@@ -11,10 +12,21 @@ from .explicit import RungeKutta5, RungeKutta8
 from .gear import Gear
 from .generalized_alpha import GeneralizedAlpha
 from .norm import Array
+from .scipy_peers import ScipyBdf, ScipyDop853, ScipyLsoda, ScipyRadau
+from .sundials_ida import SundialsIda
 
-INTEGRATORS: dict[str, type[Integrator]] = {"gear": Gear, "rk8": RungeKutta8, "rk5": RungeKutta5}
+INTEGRATORS: dict[str, type[Integrator]] = {
+    "gear": Gear,
+    "rk8": RungeKutta8,
+    "rk5": RungeKutta5,
+    # codes of others, for comparison
+    "scipy-bdf": ScipyBdf,
+    "scipy-radau": ScipyRadau,
+    "scipy-lsoda": ScipyLsoda,
+    "scipy-dop853": ScipyDop853,
+}
 # These see mass, forces and constraints of a mechanism, not its derivative alone.
-CONSTRAINED: dict[str, type[GeneralizedAlpha]] = {"generalized-alpha": GeneralizedAlpha}
+CONSTRAINED: dict[str, type[Any]] = {"generalized-alpha": GeneralizedAlpha, "ida": SundialsIda}
 
 
 def new_integrator(
@@ -40,7 +52,9 @@ def new_constrained_integrator(
     ValueError : unknown name or option, with the nearest known one
     """
     kind = _named(name, CONSTRAINED, options)
-    return kind(system, t0, y0, t_end, **options)
+    made: Integrator = kind(system, t0, y0, t_end, **options)
+    made.hints += advice.of_choice(options)
+    return made
 
 
 def _named(name: str, kinds: dict[str, Any], options: dict[str, Any]) -> Any:
@@ -76,6 +90,7 @@ __all__ = [
     "RungeKutta8",
     "Solution",
     "StopRequest",
+    "advice",
     "integrate",
     "new_constrained_integrator",
     "new_integrator",

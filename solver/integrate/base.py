@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from . import advice
 from .norm import Array, ErrorNorm
 
 Derivative = Callable[[float, Array], Array]
@@ -20,6 +21,8 @@ Dense = Callable[[Any], Array]
 Projection = Callable[[float, Array], "Array | None"]
 
 MAX_REFUSALS_NOT_FINITE = 25
+# Of fixed steps, over the largest component in the first ones: no motion, the method.
+DIVERGED, FIRST_STEPS = 1e12, 10
 
 
 @dataclass
@@ -55,7 +58,8 @@ class Integrator(ABC):
     jacobian : df/dy (t, y) -> (n, n); only implicit methods use it
     block_starts : (b,) first index of each block of y; the error norm is the largest of
         the blocks' root mean squares. One block if None
-    fixed_step : take this step [s] without error control (studies of stability and order)
+    fixed_step : take this step [s] without error control (studies of stability and order); a
+        state that grows 1e12-fold ends the run as failed
     project : (t, y) -> (n,) nearest state that satisfies the invariants of the problem, or None
         if there is none near by; applied to every step before it is accepted, and to the
         dense output
@@ -115,6 +119,8 @@ class Integrator(ABC):
         self._raised = ""  # error raised inside f in this attempt
         self._not_finite = 0  # attempts in a row refused because of inf or nan
         self._nan = np.full(self.n, np.nan)
+        self._largest_first = float(np.abs(self.y).max())  # component, of a run of fixed steps
+        self._growth = 1.0
         self._output: Dense | None = None
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             self._f_start = np.array(self.derivative(self.t, self.y), dtype=float)
@@ -138,31 +144,51 @@ class Integrator(ABC):
         if self.status != "running":
             raise RuntimeError(f"step() on an integrator that is {self.status}: {self.message}")
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            while self.status == "running":
-                h, t_new = self._limited_step()
-                floor = max(self.min_step, 10 * np.spacing(abs(self.t)))
-                if h < floor and t_new < self.t_end:
-                    self._fail(
-                        f"The step at t = {self.t:.9g} s fell to {h:.3g} s, below {floor:.3g} s"
-                    )
-                    return
-                self._raised = ""
-                y_new = self._attempt(h, t_new)
-                if y_new is not None:
-                    self.t_old, self.t, self.y, self.h = self.t, t_new, y_new, h
-                    self._output = None
-                    self._not_finite = 0
-                    self.counters.steps += 1
-                    if t_new >= self.t_end:
-                        self.status, self.message = "finished", f"Reached t = {t_new:.9g} s"
-                    return
-                self.counters.rejected += 1
-                if self.fixed_step is not None:
-                    self._fail(f"The fixed step of {h:.3g} s fails at t = {self.t:.9g} s")
-                elif self._stalled:
-                    self._fail(f"{self._stalled} at t = {self.t:.9g} s")
-                elif self._not_finite > MAX_REFUSALS_NOT_FINITE:
-                    self._fail(f"No step however small succeeds at t = {self.t:.9g} s")
+            self._advance()
+
+    def _advance(self) -> None:
+        """Try steps until one is accepted, or fail."""
+        while self.status == "running":
+            h, t_new = self._limited_step()
+            floor = self._smallest_step()
+            if h < floor and t_new < self.t_end:
+                self._fail(f"The step at t = {self.t:.9g} s fell to {h:.3g} s, below {floor:.3g} s")
+                return
+            self._raised = ""
+            y_new = self._attempt(h, t_new)
+            if y_new is not None:
+                self._accept(t_new, y_new, h)
+                return
+            self.counters.rejected += 1
+            if self.fixed_step is not None:
+                self._fail(f"The fixed step of {h:.3g} s fails at t = {self.t:.9g} s")
+            elif self._stalled:
+                self._fail(f"{self._stalled} at t = {self.t:.9g} s")
+            elif self._not_finite > MAX_REFUSALS_NOT_FINITE:
+                self._fail(f"No step however small succeeds at t = {self.t:.9g} s")
+
+    def _smallest_step(self) -> float:
+        return float(max(self.min_step, 10 * np.spacing(abs(self.t))))
+
+    def _accept(self, t_new: float, y_new: Array, h: float) -> None:
+        self.t_old, self.t, self.y, self.h = self.t, t_new, y_new, h
+        self._output = None
+        self._not_finite = 0
+        self.counters.steps += 1
+        if self.fixed_step is not None:
+            self._watch_growth(y_new)
+        if self.status == "running" and t_new >= self.t_end:
+            self.status, self.message = "finished", f"Reached t = {t_new:.9g} s"
+
+    def _watch_growth(self, y: Array) -> None:
+        """End a run of fixed steps whose state has grown beyond all measure."""
+        largest = float(np.abs(y).max())
+        if self.counters.steps <= FIRST_STEPS:
+            self._largest_first = max(self._largest_first, largest)
+        self._growth = largest / self._largest_first if self._largest_first > 0 else 0.0
+        if self._growth > DIVERGED:
+            self._trouble = f"the state has grown {self._growth:.2g}-fold since the start"
+            self._fail(f"The fixed step of {self.h:.3g} s diverges at t = {self.t:.9g} s")
 
     def dense_output(self) -> Dense:
         """Solution over [t_old, t]: callable of a time () or times (k,) giving (n,) or (k, n).
@@ -212,9 +238,12 @@ class Integrator(ABC):
 
         return on_invariants
 
-    @abstractmethod
     def _attempt(self, h: float, t_new: float) -> Array | None:
-        """Try one step; y at t_new, or None with `_h_next` made smaller and `_trouble` set."""
+        """Try one step; y at t_new, or None with `_h_next` made smaller and `_trouble` set.
+
+        Every method has this, or an `_advance` of its own.
+        """
+        raise NotImplementedError
 
     @abstractmethod
     def _dense(self) -> Dense:
@@ -237,13 +266,32 @@ class Integrator(ABC):
 
     def _fail(self, where: str) -> None:
         self.status = "failed"
-        advice = (
-            "Look for a singular position, a division by zero or unstable motion just after it"
-            if self._not_finite
-            else "Look for a jump or a singularity in the forces just after it, loosen rtol "
-            "and atol, or use an implicit method if the problem is stiff"
+        words = advice.on_failure(
+            type(self),
+            not_finite=self._not_finite > 0,
+            fixed_step=self.fixed_step is not None,
+            growth=self._growth,
         )
-        self.message = f"{where}; last refusal: {self._trouble or 'none'}. {advice}."
+        self.message = f"{where}; last refusal: {self._trouble or 'none'}. {words}."
+
+    def final_hints(self) -> tuple[str, ...]:
+        """`hints`, and what a look back on a finished run adds (some evaluations of f)."""
+        if (
+            self.status == "failed"
+            or self.hints
+            or self.fixed_step is not None
+            or self.counters.steps < advice.STEPS_WORTH_A_LOOK
+        ):
+            return tuple(self.hints)
+        h_mean = (self.t - self.t0) / self.counters.steps
+        order = getattr(self, "max_order", self.order)
+
+        def fastest() -> float:
+            weight = self.norm.weight(self.y, self.y)
+            return advice.fastest_rate(self.derivative, self.t, self.y, weight)
+
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            return (*self.hints, *advice.of_run(type(self), order, h_mean, fastest))
 
     def _first_step(self, first_step: float | None) -> float:
         """Size of the first step from the sizes of y, f and the change of f along f."""

@@ -116,7 +116,7 @@ def integrate(
         message=message,
         code=code,
         counters=integrator.counters,
-        hints=tuple(integrator.hints),
+        hints=tuple(integrator.hints) if interrupted else integrator.final_hints(),
     )
 
 

@@ -14,6 +14,8 @@ from .newton import SimplifiedNewton
 from .norm import Array
 
 HIGHEST_ORDER = 5
+HIGHEST_FIXED_ORDER = 6  # to show what it does; unstable from w h = 0.84 on
+KEPT = HIGHEST_FIXED_ORDER + 1  # points of the past
 SAFETY = 0.8
 MIN_FACTOR, MAX_FACTOR, MAX_FACTOR_ORDER_1 = 0.2, 2.0, 10.0
 HYSTERESIS = 1.2  # a smaller growth of the step is not worth new factors
@@ -29,14 +31,14 @@ class Gear(Integrator):
     change. Here n is some tens: a factorisation costs less than an evaluation or two of
     f, the Jacobian survives in any case, and no past value is ever re-interpolated.
 
-    Orders 3 to 5 amplify undamped oscillations where w h is below 1.94, 4.71 and between
-    0.71 and 9.39: set `max_order = 2` where undamped elastic modes are not resolved by
-    the step. Order 2 damps every oscillation.
+    Orders 3 to 6 amplify undamped oscillations where w h is below 1.94, 4.71, between
+    0.71 and 9.39 and above 0.84: set `max_order = 2` where undamped elastic modes are not
+    resolved by the step. Order 2 damps every oscillation.
 
     Parameters
     ----------
     max_order : cap of the order, 1 to 5
-    fixed_order : with fixed_step: use this order as soon as enough points are there
+    fixed_order : with fixed_step: use this order, 1 to 6, as soon as enough points are there
     past : (t (m,), y (m, n)) earlier points of the solution, times ascending to before t0:
         a start without the low orders
     others : see Integrator. With fixed_step only Newton's iteration uses the tolerances.
@@ -56,18 +58,19 @@ class Gear(Integrator):
         past: tuple[Sequence[float] | Array, Array] | None = None,
         **options: Any,
     ) -> None:
-        for name, value in (("max_order", max_order), ("fixed_order", fixed_order)):
-            if value is not None and value not in range(1, HIGHEST_ORDER + 1):
-                raise ValueError(
-                    f"{name}: expected an order from 1 to {HIGHEST_ORDER}, got {value!r}"
-                )
+        for name, value, highest in (
+            ("max_order", max_order, HIGHEST_ORDER),
+            ("fixed_order", fixed_order, HIGHEST_FIXED_ORDER),
+        ):
+            if value is not None and value not in range(1, highest + 1):
+                raise ValueError(f"{name}: expected an order from 1 to {highest}, got {value!r}")
         super().__init__(f, t0, y0, t_end, **options)
         if (fixed_order is None) != (self.fixed_step is None):
             raise ValueError("fixed_order and fixed_step: expected both or none")
         self.max_order = max_order if fixed_order is None else fixed_order
         self._times = [self.t]  # newest first, as the rows of _values
         self._steps: list[float] = []  # between them
-        self._values = np.zeros((HIGHEST_ORDER + 2, self.n))
+        self._values = np.zeros((KEPT, self.n))
         self._values[0] = self.y
         if past is not None:
             self._remember_past(*past)
@@ -92,7 +95,7 @@ class Gear(Integrator):
             self._times.insert(1, float(t_i))
             self._values[2:] = self._values[1:-1]
             self._values[1] = y_i
-        del self._times[HIGHEST_ORDER + 2 :]
+        del self._times[KEPT:]
         self._steps = list(-np.diff(self._times))
 
     def _attempt(self, h: float, t_new: float) -> Array | None:
@@ -168,7 +171,7 @@ class Gear(Integrator):
     def _remember(self, t: float, h: float, y: Array) -> None:
         self._times.insert(0, t)
         self._steps.insert(0, h)
-        del self._times[HIGHEST_ORDER + 2 :], self._steps[HIGHEST_ORDER + 1 :]
+        del self._times[KEPT:], self._steps[KEPT - 1 :]
         self._values[1:] = self._values[:-1]
         self._values[0] = y
         self._order_used = self.order

@@ -1,7 +1,7 @@
 """What a run leaves: result.vtkhdf for programs and ParaView, summary.json for people and tests."""
 
 from .reader import read_result
-from .schema import BodyGeometry, ResultError, RunResult, Signal
+from .schema import BodyGeometry, ResultError, RunResult, Signal, relative_balance
 from .summary import read_summary, signal_summary, write_summary
 from .writer import write_result
 
@@ -12,6 +12,7 @@ __all__ = [
     "Signal",
     "read_result",
     "read_summary",
+    "relative_balance",
     "signal_summary",
     "write_result",
     "write_summary",

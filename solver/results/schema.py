@@ -27,6 +27,27 @@ class Signal:
     values: Array  # (k,)
 
 
+def energy_balance(energies: dict[str, Array]) -> Array:
+    """Change of kinetic + strain + potential energy minus drive work, (k,) [J]."""
+    e = energies
+    balance = e["kinetic"] + e["strain"] + e["potential"] - e["drive_work"]
+    return np.asarray(balance - balance[0])
+
+
+def relative_balance(energies: dict[str, Array]) -> Array:
+    """Error of the energy balance over the largest energy in play, (k,) [-].
+
+    That is the largest of the kinetic energy, the work and the change of potential.
+    """
+    e = energies
+    scale = max(
+        float(np.max(np.abs(e["kinetic"]))),
+        float(np.max(np.abs(e["drive_work"]))),
+        float(np.ptp(e["potential"])),
+    )
+    return energy_balance(energies) / (scale or 1.0)
+
+
 @dataclass(frozen=True)
 class BodyGeometry:
     """What is drawn of a body, in its own frame."""
@@ -59,23 +80,12 @@ class RunResult:
     @property
     def energy_balance(self) -> Array:
         """Change of kinetic + strain + potential energy minus drive work, (k,) [J]."""
-        e = self.energies
-        balance = e["kinetic"] + e["strain"] + e["potential"] - e["drive_work"]
-        return np.asarray(balance - balance[0])
+        return energy_balance(self.energies)
 
     @property
     def relative_balance(self) -> Array:
-        """Error of the energy balance over the largest energy in play, (k,) [-].
-
-        That is the largest of the kinetic energy, the work and the change of potential.
-        """
-        e = self.energies
-        scale = max(
-            float(np.max(np.abs(e["kinetic"]))),
-            float(np.max(np.abs(e["drive_work"]))),
-            float(np.ptp(e["potential"])),
-        )
-        return self.energy_balance / (scale or 1.0)
+        """Error of the energy balance over the largest energy in play, (k,) [-]."""
+        return relative_balance(self.energies)
 
 
 def check_result(result: RunResult) -> None:

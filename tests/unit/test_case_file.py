@@ -117,7 +117,7 @@ def test_only_what_changed_is_rewritten(source, tmp_path):
     file.write_text(source.replace("rtol = 1e-6", "rtol = 1e-5", 1))
     write_case(load_case(file), out)
     changed = {p.parent.name for p, t in before.items() if p.stat().st_mtime_ns != t}
-    assert changed == {"runs"}
+    assert changed == {"runs", "sweeps"}
 
 
 def test_figures_and_runs_of_the_reference_case_exist(repository):

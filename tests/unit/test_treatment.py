@@ -36,7 +36,12 @@ def test_only_its_own_parameters_reach_the_step_loop():
     [
         ({"constraints": "baumgart", "integrator": "rk8"}, "did you mean 'baumgarte'"),
         ({"constraints": "ggl", "integrator": "rk8"}, 'expected integrator = "generalized-alpha"'),
-        ({"constraints": "projection", "integrator": "generalized-alpha"}, "gear, rk8 or rk5"),
+        ({"constraints": "projection", "integrator": "generalized-alpha"}, "gear.*ggl or index3"),
+        (
+            {"constraints": "index3", "integrator": "ida"},
+            'expected integrator = "general.*or.* ggl$',
+        ),
+        ({"constraints": "projection", "integrator": "ida"}, "rk8"),
     ],
 )
 def test_what_does_not_go_together_is_refused(solver, words):

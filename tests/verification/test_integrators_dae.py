@@ -7,12 +7,11 @@ from mechanism_samples import bricard, chain, pendulum
 
 from plymotion.solver.constraints.treatment import Treatment
 from plymotion.solver.integrate import (
+    INTEGRATORS,
     ConstrainedSystem,
-    Gear,
-    RungeKutta5,
-    RungeKutta8,
     integrate,
     new_constrained_integrator,
+    new_integrator,
 )
 
 FORMULATIONS = ("ggl", "index3")
@@ -222,8 +221,8 @@ def _circle(t, y):
     return np.array([-y[1], y[0]])
 
 
-@pytest.mark.parametrize("method", [RungeKutta5, RungeKutta8, Gear])
-def test_projection_hook_holds_an_invariant(method):
+@pytest.mark.parametrize("name", sorted(INTEGRATORS))
+def test_projection_hook_holds_an_invariant(name):
     """The unit circle: kept by projection at steps and between them, with the same few steps."""
 
     def project(t, y):
@@ -231,8 +230,12 @@ def test_projection_hook_holds_an_invariant(method):
 
     options = {"rtol": 1e-5, "atol": 1e-7}
     times = np.linspace(0.0, 30.0, 77)
-    free = integrate(method(_circle, 0.0, np.array([1.0, 0.0]), 30.0, **options), times)
-    made = method(_circle, 0.0, np.array([1.0, 0.0]), 30.0, project=project, **options)
+    free = integrate(
+        new_integrator(name, _circle, 0.0, np.array([1.0, 0.0]), 30.0, **options), times
+    )
+    made = new_integrator(
+        name, _circle, 0.0, np.array([1.0, 0.0]), 30.0, project=project, **options
+    )
     held = integrate(made, times)
     assert np.abs(np.linalg.norm(free.y, axis=1) - 1.0).max() > 1e-6
     assert np.abs(np.linalg.norm(held.y, axis=1) - 1.0).max() < 1e-14
@@ -241,8 +244,8 @@ def test_projection_hook_holds_an_invariant(method):
     assert np.abs(held.y - exact).max() <= np.abs(free.y - exact).max()
 
 
-@pytest.mark.parametrize("method", [RungeKutta5, RungeKutta8, Gear])
-def test_the_derivative_is_taken_at_the_projected_state(method):
+@pytest.mark.parametrize("name", sorted(INTEGRATORS))
+def test_the_derivative_is_taken_at_the_projected_state(name):
     """What the next step begins with is f at the state that the projection gave."""
     seen = []
 
@@ -253,21 +256,24 @@ def test_the_derivative_is_taken_at_the_projected_state(method):
     def project(t, y):
         return y / np.linalg.norm(y)
 
-    made = method(f, 0.0, np.array([1.0, 0.0]), 3.0, project=project, rtol=1e-4, atol=1e-6)
+    made = new_integrator(
+        name, f, 0.0, np.array([1.0, 0.0]), 3.0, project=project, rtol=1e-4, atol=1e-6
+    )
     made.step()
     made.step()
-    if method is not Gear:  # which only evaluates inside Newton's iteration
+    if name in ("rk5", "rk8", "scipy-dop853"):  # others evaluate inside Newton's iteration
         assert any(t == made.t and np.array_equal(y, made.y) for t, y in seen)
     assert np.linalg.norm(made.y) == pytest.approx(1.0, abs=1e-15)
 
 
-@pytest.mark.parametrize("method", [RungeKutta5, RungeKutta8, Gear])
-def test_a_projection_that_finds_nothing_shortens_the_step_and_then_fails(method):
+@pytest.mark.parametrize("name", sorted(INTEGRATORS))
+def test_a_projection_that_finds_nothing_shortens_the_step_and_then_fails(name):
     def nothing_near(t, y):
         return None if t > 1.0 else y
 
-    made = method(_circle, 0.0, np.array([1.0, 0.0]), 3.0, project=nothing_near)
+    made = new_integrator(name, _circle, 0.0, np.array([1.0, 0.0]), 3.0, project=nothing_near)
     done = integrate(made, [0.0, 3.0])
     assert done.status == "failed"
     assert "projected onto the constraints" in done.message
-    assert done.t[-1] == pytest.approx(1.0, abs=1e-3)
+    # codes of others do not take a step back that they have accepted
+    assert (0.0 if name.startswith("scipy") else 1.0 - 1e-3) < done.t[-1] <= 1.0

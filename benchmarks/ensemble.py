@@ -1,0 +1,147 @@
+"""512 double pendulums (mass at the tip by speed) as a sweep, and one by one in plain NumPy.
+
+.venv/bin/python benchmarks/ensemble.py [--t-end 0.02] [--members 512] [--singles 5]
+
+Process CPU time, one process, from the sweep file to the rows of its table: packages read, models
+built, motion integrated, signals and checks evaluated; not the imports and not the compilation of
+the step loop. A few single runs, spread over the members, stand for all of them.
+"""
+
+import argparse
+import json
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+REPOSITORY = Path(__file__).resolve().parent.parent
+CASE = "double-pendulum"
+T_END = 0.02  # [s] of motion: the cost of both is proportional to it
+ALLOWED = 1.0 / 20.0  # of the single runs
+
+
+def measure(t_end: float = T_END, members: int = 512, singles: int = 5) -> dict[str, Any]:
+    """Return times [s] of the sweep and of single runs, and their ratio.
+
+    Parameters
+    ----------
+    members : of the sweep's 512, evenly chosen
+    singles : runs that stand for all
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        file = _checked(Path(folder), t_end)
+        ensemble = _child(file, members, compiled=True)
+        single = _child(file, singles, compiled=False)
+    count = len(ensemble["seconds"])
+    one = statistics.median(single["seconds"])
+    total = ensemble["total"]
+    return {
+        "case": f"{CASE}, sweep masses, isotropic, {t_end:g} s",
+        "members": count,
+        "t_end": t_end,
+        "ensemble_s": total,
+        "single_numpy_s": one,
+        "single_numpy_runs_s": single["seconds"],
+        "ratio": total / (count * one),
+        "ratio_allowed": ALLOWED,
+        "us_per_evaluation": 1e6 * total / sum(ensemble["evaluations"]),
+        "compiled": ensemble["compiled"],
+    }
+
+
+def _checked(folder: Path, t_end: float) -> Path:
+    """Check the case into a folder, with the packages of the repository; its sweep file."""
+    from plymotion.solver.case import load_case
+    from plymotion.solver.case.specs import write_case
+
+    case = load_case(REPOSITORY / "cases" / CASE / "case.toml")
+    write_case(case, folder, REPOSITORY / "tests" / "packages" / CASE)
+    file = folder / "sweeps" / "masses.json"
+    table = json.loads(file.read_text(encoding="utf-8"))
+    table["mechanism"]["solver"]["t_end"] = t_end
+    file.write_text(json.dumps(table), encoding="utf-8")
+    return file
+
+
+def _child(file: Path, count: int, *, compiled: bool) -> dict[str, Any]:
+    """Time members in a fresh interpreter: together if compiled, one by one in plain NumPy."""
+    command = [sys.executable, __file__, "--time", str(file), "--members", str(count)]
+    environment = {
+        **os.environ,
+        "PLYMOTION_COMPILED": "1" if compiled else "0",
+        "OPENBLAS_NUM_THREADS": "1",
+    }
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise RuntimeError(f"{' '.join(command)}: {done.stderr.strip()}")
+    found: dict[str, Any] = json.loads(done.stdout)
+    return found
+
+
+def _time(file: Path, count: int) -> dict[str, Any]:
+    """Compute `count` members in this process; CPU times [s]."""
+    import numpy as np
+
+    from plymotion.solver.compiled import COMPILED
+    from plymotion.solver.sweep.engine import compute_here
+    from plymotion.solver.sweep.member import Packages, Row, compute
+    from plymotion.solver.sweep.plan import read_plan
+
+    plan = read_plan(file)
+    numbers = np.unique(np.linspace(0, len(plan.members) - 1, count).astype(int)).tolist()
+    keys = [str(k) for k in range(len(plan.members))]
+    if COMPILED:  # what is compiled on first use
+        compute(plan, Packages(plan), numbers[:1], keys[:1])
+    rows: list[Row] = []
+    seconds = []
+    begin = time.process_time()
+    if COMPILED:
+        last = [begin]
+
+        def report(number: int, row: Row) -> None:
+            rows.append(row)
+            seconds.append(time.process_time() - last[0])
+            last[0] = time.process_time()
+
+        compute_here(plan, numbers, keys, report)
+    else:
+        for number in numbers:
+            start = time.process_time()
+            rows += compute(plan, Packages(plan), [number], [keys[number]])
+            seconds.append(time.process_time() - start)
+    total = time.process_time() - begin
+    unfinished = [row.message for row in rows if row.status != "finished"]
+    if unfinished:
+        raise RuntimeError(f"{len(unfinished)} members did not finish: {unfinished[0]}")
+    return {
+        "total": total,
+        "seconds": seconds,
+        "evaluations": [row.cost["evaluations"] for row in rows],
+        "compiled": COMPILED,
+    }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--t-end", type=float, default=T_END)
+    parser.add_argument("--members", type=int, default=512)
+    parser.add_argument("--singles", type=int, default=5)
+    parser.add_argument("--time", type=Path, help=argparse.SUPPRESS)
+    options = parser.parse_args()
+    if options.time:
+        print(json.dumps(_time(options.time, options.members)))
+        return
+    found = measure(options.t_end, options.members, options.singles)
+    print(f"{found['case']}, CPU time in one process")
+    print(f"{found['members']} members as a sweep      {found['ensemble_s']:10.2f} s")
+    print(f"one single run in NumPy     {found['single_numpy_s']:10.2f} s")
+    print(f"sweep / {found['members']} single runs     {found['ratio']:10.4f}")
+    print(f"allowed                     {ALLOWED:10.4f}")
+
+
+if __name__ == "__main__":
+    main()

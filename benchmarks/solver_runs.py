@@ -1,0 +1,112 @@
+"""Run a problem with a method, in processor time, and measure its error."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from solver_methods import Method
+from solver_problems import Problem
+
+from plymotion.solver.constraints.treatment import treated, treatment_of
+from plymotion.solver.integrate import Integrator, Solution, StopRequest, integrate
+from plymotion.solver.model import Model
+from plymotion.solver.package.schema import Array
+from plymotion.solver.run import make_integrator, output_times
+
+REFERENCE = Method("reference", "rk8", "projection", (1e-10,))
+Follow = Callable[[Integrator], "StopRequest | None"]
+
+
+@dataclass(frozen=True)
+class Point:
+    """One run of one method."""
+
+    label: str
+    tolerance: float  # rtol; of a peer its step [s]
+    status: str
+    error: float  # largest over the output times [m]
+    cpu_s: float
+    steps: int
+    evaluations: int
+
+
+def solver_options(method: Method, rtol: float, t_end: float) -> dict[str, Any]:
+    """Solver table of a case for a method."""
+    return {
+        "integrator": method.integrator,
+        "constraints": method.constraints,
+        "t_end": t_end,
+        "rtol": rtol,
+        "atol_position": 1e-2 * rtol,
+        "atol_velocity": rtol,
+        "max_step": None,
+        "max_order": 5,
+    } | method.options
+
+
+def prepared(problem: Problem, method: Method, rtol: float) -> tuple[Model, dict[str, Any]]:
+    """Model ready for the method's treatment of constraints, and the solver table."""
+    solver = solver_options(method, rtol, problem.t_end)
+    return treated(problem.model, treatment_of(solver)), solver
+
+
+def solve(
+    problem: Problem,
+    method: Method,
+    rtol: float,
+    *,
+    budget_s: float = np.inf,
+) -> tuple[Solution, float]:
+    """Solution at the output times and the processor time of making it [s].
+
+    A run that takes more than `budget_s` is stopped.
+    """
+    model, solver = prepared(problem, method, rtol)
+    times = output_times(problem.t_end, problem.output_step)
+    begin = time.process_time()
+    last = begin + budget_s
+
+    def follow(integrator: Integrator) -> StopRequest | None:
+        if time.process_time() > last:
+            return StopRequest(integrator.t, "out of the time set aside for it", "budget")
+        return None
+
+    integrator = make_integrator(model, problem.y0, solver)
+    solution = integrate(integrator, times, follow if np.isfinite(budget_s) else None)
+    return solution, time.process_time() - begin
+
+
+def reference(problem: Problem, rtol: float = 1e-10) -> Array:
+    """Positions (k, 3) of the probe, converged [m]."""
+    solution, _ = solve(problem, REFERENCE, rtol)
+    if solution.status != "finished":
+        raise SystemExit(f"{problem.name}: no reference: {solution.message}")
+    return problem.places(solution.y)
+
+
+def largest(places: Array, exact: Array) -> float:
+    """Largest distance over the output times [m]."""
+    return float(np.linalg.norm(places - exact, axis=1).max())
+
+
+def point(
+    problem: Problem, method: Method, rtol: float, exact: Array, budget_s: float = np.inf
+) -> Point:
+    """Run once and compare with the converged positions."""
+    solution, cpu = solve(problem, method, rtol, budget_s=budget_s)
+    done = solution.status == "finished"
+    error = largest(problem.places(solution.y), exact) if done else np.nan
+    c = solution.counters
+    status = solution.code or solution.status
+    return Point(method.label, rtol, status, error, cpu, c.steps, c.evaluations)
+
+
+def warm_up(problem: Problem, methods: list[Method]) -> None:
+    """Compile what a method needs, so that no measured run does."""
+    from dataclasses import replace
+
+    short = replace(problem, t_end=2e-3, output_step=1e-3)
+    for method in methods:
+        solve(short, method, method.rtols[0])

@@ -1,0 +1,51 @@
+"""Arguments of the command `plymotion sweep`."""
+
+import argparse
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+EPILOG = """\
+Leaves DIR/sweep.h5 (docs/sweeps.md), the table DIR/sweep.csv and a figure per signal. Members that
+an earlier run of the same solver, on the same values and packages, has left there are not computed
+again; so an interrupted sweep, or one with a value more, goes on where it was.
+
+exit code: 0 all members finished; 2 something is wrong with the input; 3 some members stopped or
+failed, their words are in the table and the others are complete; 130 interrupted, what is complete
+is kept.
+"""
+
+
+def add_sweep_command(commands: Any, run: Callable[[argparse.Namespace], int]) -> None:
+    """Add `sweep` to the subcommands of an argument parser; `run` is what it does."""
+    parser = commands.add_parser(
+        "sweep",
+        help="integrate the members of a sweep",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("sweep", type=Path, help="build/<case>/sweeps/<name>.json, from check")
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", help="folder (default build/<case>/sweeps/<name>)"
+    )
+    parser.add_argument("--jobs", type=_count, default=1, metavar="N", help="processes (default 1)")
+    again = parser.add_mutually_exclusive_group()
+    again.add_argument("--fresh", action="store_true", help="compute all members anew")
+    again.add_argument(
+        "--restart", action="store_true", help="compute what is not there (the default)"
+    )
+    parser.add_argument("--csv", action="store_true", help="print the table")
+    parser.add_argument(
+        "--figures",
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help="draw a figure for each signal",
+    )
+    parser.add_argument("--quiet", action="store_true", help="no progress bar")
+    parser.set_defaults(command=run)
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r}: expected a whole number from 1")
+    return int(text)
