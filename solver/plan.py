@@ -101,10 +101,10 @@ def _starts(sizes: Sequence[int]) -> IntArray:
     return np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64)
 
 
-def positive_inertia(mass: Array, J: Array, M_wq: Array, S0: Array, S: Array, M_qq: Array) -> bool:
+def positive_inertia(mass: float, J: Array, M_wq: Array, S0: Array, S: Array, M_qq: Array) -> bool:
     """Tell whether a body's own mass matrix at rest is positive definite, units left aside.
 
-    J (3, 3) is the inertia about the frame, M_wq (3, m) its coupling with the modes.
+    mass [kg], J (3, 3) is the inertia about the frame, M_wq (3, m) its coupling with the modes.
     """
     x, y, z = S0
     top = np.hstack([mass * np.eye(3), -np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]), S])
