@@ -81,13 +81,13 @@ class Rods:
 GRAVITY = (0.0, -9.81, 0.0)
 
 
-def four_bars(n: int, misfit: float = 0.0) -> Sample:
+def four_bars(n: int, misfit: float = 0.0, side: float = 0.0) -> Sample:
     """A02, the N-four-bar mechanism: n + 1 uprights, n couplers, singular when horizontal.
 
     All joints are hinges about z, so each loop also has three redundant equations. With a misfit
     [m] the last foot stands too far away: the branches no longer meet, they turn into each other.
     """
-    rods = Rods()
+    rods = Rods(side)
     uprights = [rods.rod((i, 0, 0), (i, 1, 0)) for i in range(n + 1)]
     couplers = [rods.rod((i, 1, 0), (i + 1, 1, 0)) for i in range(n)]
     for i, upright in enumerate(uprights):
