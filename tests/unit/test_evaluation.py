@@ -23,8 +23,8 @@ from plymotion.solver.workspace import new_work
 
 # Closed loops with surplus rows, of bodies with inertia about every axis.
 LOOPS = {
-    "four-bar": lambda: four_bars(1, side=0.1),
-    "four loops": lambda: four_bars(4, side=0.1),
+    "four-bar": lambda: four_bars(1, core=1e-2),
+    "four loops": lambda: four_bars(4, core=1e-2),
     "bricard": bricard,
     "chain": lambda: chain(6),
 }
@@ -70,7 +70,7 @@ def test_surplus_rows_share_their_forces_at_least_norm(sample, name):
 
 
 def test_index1_and_surplus_rows_take_dense_linear_algebra():
-    model, y = prepared(four_bars(1, side=0.1), PLAIN)
+    model, y = prepared(four_bars(1, core=1e-2), PLAIN)
     assert not by_blocks(model)
     expected = accelerations(model, assemble(model, 0.0, y), y)[0]
     np.testing.assert_array_equal(derivative(model, 0.0, y)[model.n_pos : -1], expected)
@@ -101,7 +101,7 @@ def test_an_evaluation_leaves_no_trace_in_the_next(name):
         model = random_mechanism(5, 2)
         states = [random_state(np.random.default_rng(k), model) for k in (1, 2)]
     else:
-        model, one = prepared(four_bars(2, side=0.1), Treatment("projection"))
+        model, one = prepared(four_bars(2, core=1e-2), Treatment("projection"))
         states = [one, one.copy()]
         states[1][: model.n_pos] = moved(model, one[: model.n_pos], np.full(model.n_vel, 0.1))
     work, out = new_work(model), np.empty(states[0].size)
