@@ -1,6 +1,6 @@
 """Memory of one evaluation of the equations of motion: allocated once, filled every time."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -55,7 +55,7 @@ class Work(NamedTuple):
 
 
 @jit
-def new_factors(model: Model, one: float) -> Factors:
+def new_factors(model: Model, one: Any) -> Factors:
     """Return memory for factors, of the type of `one` (float or complex)."""
     plan = model.plan
     nb, n, r = model.n_body, plan.widest, plan.most_rows
