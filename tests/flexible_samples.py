@@ -5,12 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from plymotion.solver.assemble import Body, ForceTable, JointTable, MarkerTable, assemble_model
+from plymotion.solver.closures import right_hand_side
 from plymotion.solver.integrate import integrate, new_integrator
 from plymotion.solver.laws import polynomial
 from plymotion.solver.model import Model
 from plymotion.solver.package import from_stations
 from plymotion.solver.rotations import rotation_matrix, skew, vector_to_matrix
-from plymotion.solver.system import assemble, derivative, energies
+from plymotion.solver.system import assemble, energies
 
 
 @dataclass(frozen=True)
@@ -137,9 +138,14 @@ def total_energy(model: Model, y: np.ndarray) -> float:
 
 def simulate(model: Model, y: np.ndarray, times, f=None, rtol: float = 1e-11, name: str = "rk8"):
     """States (k, n) at `times`; f(t, y) replaces the model's own derivative."""
-    right = f or (lambda t, state: derivative(model, t, state))
     integrator = new_integrator(
-        name, right, float(times[0]), y, float(times[-1]), rtol=rtol, atol=1e-2 * rtol
+        name,
+        f or right_hand_side(model),
+        float(times[0]),
+        y,
+        float(times[-1]),
+        rtol=rtol,
+        atol=1e-2 * rtol,
     )
     solution = integrate(integrator, times)
     assert solution.status == "finished", solution.message
