@@ -4,11 +4,10 @@ import numpy as np
 
 from .compiled import jit, rebound
 from .coordinates import moved
-from .joints.rows import PHI
 from .model import Model
 from .package.schema import Array
 from .system import answer, by_blocks, dense, evaluate, evaluate_rates, prepare, respond
-from .workspace import Work, new_work
+from .workspace import PHI, Work, new_work
 
 MAX_ITERATIONS = 6
 CLOSED = 1e-12  # |Phi| that needs no correction [m, rad]

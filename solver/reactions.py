@@ -101,7 +101,8 @@ def acting(model: Model, t: float, y: Array, multipliers: Array) -> tuple[Array,
             model.force_kind[k], one_side, two_side, model.force_parameters[k], size
         )
         bodies = model.marker_body[sides]
-        force, moment, x = np.array(wrench.force), np.array(wrench.moment), np.array(place(two_side))
+        force, moment = np.array(wrench.force), np.array(wrench.moment)
+        x = np.array(place(two_side))
         _add(total, scale, bodies[1], x, force, moment)
         if model.force_kind[k] < FIRST_LOAD:
             _add(total, scale, bodies[0], x, -force, -moment)

@@ -16,14 +16,13 @@ from .constraints.saddle_point import saddle_point
 from .coordinates import rates_into
 from .elimination import factorise, solve
 from .forces.table import FIRST_LOAD, element_wrench
-from .joints.rows import GAMMA, PHI, PHI_T
 from .joints.table import joint_rows
 from .laws import law_value
 from .model import Model
 from .package.schema import Array
 from .rotations import rotation_matrix
 from .triple import Triple, cross3, minus3, sum3
-from .workspace import Work, new_work
+from .workspace import GAMMA, PHI, PHI_T, Work, new_work
 
 # Least pivot of a constraint row over its diagonal entry, below which rows count as dependent
 # and the penalty takes part: an elimination without it would lose more than half of the digits.
@@ -80,9 +79,7 @@ def _evaluate_joints(model: Model, work: Work, t: float) -> None:
 
 
 @inlined
-def _fill_jacobian(
-    J: Array, first: int, C: Array, begin: int, J_m: Array, n: int
-) -> None:
+def _fill_jacobian(J: Array, first: int, C: Array, begin: int, J_m: Array, n: int) -> None:
     """J (n, r) from column `first`: C of one side times the marker's Jacobian, transposed."""
     for p in range(C.shape[0]):
         v0, v1, v2 = C[p, begin], C[p, begin + 1], C[p, begin + 2]
@@ -126,9 +123,7 @@ def _add_forces(model: Model, work: Work, t: float) -> None:
 
 
 @inlined
-def _push(
-    model: Model, work: Work, k: int, force: Triple, moment: Triple, sign: float
-) -> None:
+def _push(model: Model, work: Work, k: int, force: Triple, moment: Triple, sign: float) -> None:
     """Add force and moment, global components, times `sign` at marker k to f."""
     body = model.marker_body[k]
     if body < 0:

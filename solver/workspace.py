@@ -1,14 +1,17 @@
 """Memory of one evaluation of the equations of motion: allocated once, filled every time."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from .bodies.motion import N_MOTION, stand
 from .compiled import jit
-from .joints.rows import N_ROW
 from .model import Model
 from .package.schema import Array
+
+# A constraint row: coefficients C of v_1, w_1, v_2, w_2 in global components, then these.
+PHI, PHI_T, GAMMA = 12, 13, 14
+N_ROW = 15
 
 
 class Factors(NamedTuple):
@@ -32,7 +35,7 @@ class Work(NamedTuple):
     f: Array  # (nb, n) loads, quadratic velocity terms, elastic and damping forces
     J: Array  # (nb, n, r) Jacobian of the rows at each body, transposed
     power: Array  # (2,) of dampers, actuators and loads [W]; energy in force elements [J]
-    rows: Array  # (n_c, 15) of the constraints (joints/rows.py)
+    rows: Array  # (n_c, N_ROW) of the constraints, laid out as above
     # markers (nk)
     motion: Array  # (nk, 24) (bodies/motion.py)
     J_m: Array  # (nk, 6, n) Jacobians of velocity and angular velocity
@@ -58,7 +61,7 @@ class Work(NamedTuple):
 
 
 @jit
-def new_factors(model: Model, one: float) -> Factors:
+def new_factors(model: Model, one: Any) -> Factors:
     """Return memory for factors, of the type of `one` (float or complex)."""
     plan = model.plan
     nb, n, r = model.n_body, plan.widest, plan.most_rows

@@ -4,12 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plymotion.solver.assemble import Body, MarkerTable
+from plymotion.solver.assemble import Body, ForceTable, JointTable, MarkerTable, assemble_model
+from plymotion.solver.closures import right_hand_side
 from plymotion.solver.integrate import integrate, new_integrator
+from plymotion.solver.laws import polynomial
 from plymotion.solver.model import Model
 from plymotion.solver.package import from_stations
 from plymotion.solver.rotations import rotation_matrix, skew, vector_to_matrix
-from plymotion.solver.system import assemble, derivative, energies
+from plymotion.solver.system import assemble, energies
 
 
 @dataclass(frozen=True)
@@ -69,6 +71,34 @@ def random_state(rng: np.random.Generator, model: Model, elastic: float = 0.3) -
     return y
 
 
+TREE, LOOPS = ("spherical", "revolute", "universal"), ((0, 2), (2, 3))
+MODES = (2, 0, 3, 1, 0)
+
+
+def random_mechanism(seed: int, loops: int) -> Model:
+    """Flexible and rigid bodies of random inertia on a random tree; rods close loops; a drive.
+
+    Stands nowhere near its constraints in a random state: no row follows from others.
+    """
+    rng = np.random.default_rng(seed)
+    bodies = [body_of(random_points(rng, m)) for m in MODES]
+    markers, joints = [], []
+
+    def marker(body: int) -> int:
+        at = MarkerTable(-1, rng.normal(size=3))
+        markers.append(at if body < 0 else random_marker(rng, body, MODES[body]))
+        return len(markers) - 1
+
+    pairs = [(int(rng.integers(-1, k)), k) for k in range(len(bodies))]
+    for k, (one, two) in enumerate([*pairs, *LOOPS[:loops]]):
+        kind = TREE[k % 3] if k < len(pairs) else "distance"
+        joints.append(JointTable(f"{k}", kind, marker(one), marker(two), length=1.0))
+    drive = polynomial([0.3, 1.0, 2.0])
+    joints.append(JointTable("drive", "rotation_drive", marker(-1), marker(4), drive))
+    spring = ForceTable("spring", "spring", marker(0), marker(3), (50.0, 1.0, 0.5))
+    return assemble_model(bodies, markers, joints, gravity_G=(1.0, -9.81, 2.0), forces=[spring])
+
+
 def point_by_point(
     points: Points, K: np.ndarray, y: np.ndarray, gravity: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -108,9 +138,14 @@ def total_energy(model: Model, y: np.ndarray) -> float:
 
 def simulate(model: Model, y: np.ndarray, times, f=None, rtol: float = 1e-11, name: str = "rk8"):
     """States (k, n) at `times`; f(t, y) replaces the model's own derivative."""
-    right = f or (lambda t, state: derivative(model, t, state))
     integrator = new_integrator(
-        name, right, float(times[0]), y, float(times[-1]), rtol=rtol, atol=1e-2 * rtol
+        name,
+        f or right_hand_side(model),
+        float(times[0]),
+        y,
+        float(times[-1]),
+        rtol=rtol,
+        atol=1e-2 * rtol,
     )
     solution = integrate(integrator, times)
     assert solution.status == "finished", solution.message

@@ -38,6 +38,7 @@ class Rods:
     """Rods and hinges as they are added."""
 
     side: float = 0.0  # of a square section [m]
+    core: float = 0.0  # more inertia about a rod's own axis; no part in a plane motion [kg m2]
     bodies: list[Body] = field(default_factory=list)
     centres: list[np.ndarray] = field(default_factory=list)
     markers: list[MarkerTable] = field(default_factory=list)
@@ -47,7 +48,7 @@ class Rods:
         a, b = np.array(start, dtype=float), np.array(end, dtype=float)
         length = np.linalg.norm(b - a)
         e = (b - a) / length
-        along = mass * self.side**2 / 6.0
+        along = mass * self.side**2 / 6.0 + self.core
         across = mass * (length**2 + self.side**2) / 12.0
         inertia = across * np.eye(3) + (along - across) * np.outer(e, e)
         self.bodies.append(rigid_body(f"rod {len(self.bodies)}", mass, np.zeros(3), inertia))
@@ -81,13 +82,13 @@ class Rods:
 GRAVITY = (0.0, -9.81, 0.0)
 
 
-def four_bars(n: int, misfit: float = 0.0) -> Sample:
+def four_bars(n: int, misfit: float = 0.0, core: float = 0.0) -> Sample:
     """A02, the N-four-bar mechanism: n + 1 uprights, n couplers, singular when horizontal.
 
     All joints are hinges about z, so each loop also has three redundant equations. With a misfit
     [m] the last foot stands too far away: the branches no longer meet, they turn into each other.
     """
-    rods = Rods()
+    rods = Rods(core=core)
     uprights = [rods.rod((i, 0, 0), (i, 1, 0)) for i in range(n + 1)]
     couplers = [rods.rod((i, 1, 0), (i + 1, 1, 0)) for i in range(n)]
     for i, upright in enumerate(uprights):

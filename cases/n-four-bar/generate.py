@@ -28,8 +28,8 @@ FOUR_BARS = """\
 # far end of each coupler is held on the axis of its hinge instead, by two (run n-2-hinges: as
 # hinges, redundant).
 #
-# Larger numbers of loops run for 1 s, through the first singular position: their linear systems
-# are dense, and cost grows with the cube of N.
+# Larger numbers of loops run for 1 s, through the first singular position: the watch for singular
+# positions and the checks at outputs are dense linear algebra, whose cost grows with the cube of N.
 #
 # Reference: uprights stay parallel, theta'' = -g cos(theta) (3 (N + 1) + 6 N) / (2 (N + 1) + 6 N).
 

@@ -4,7 +4,7 @@ from ..bodies.motion import acceleration, place, velocity
 from ..compiled import jit
 from ..package.schema import Array
 from ..triple import dot3, minus3
-from .rows import GAMMA, PHI, PHI_T
+from ..workspace import GAMMA, PHI, PHI_T
 
 ROWS = "d"
 

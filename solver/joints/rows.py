@@ -11,10 +11,7 @@ from ..bodies.motion import spin as spin_of
 from ..compiled import jit
 from ..package.schema import Array
 from ..triple import Triple, cross3, dot3, minus3, sum3
-
-# A row: coefficients C of v_1, w_1, v_2, w_2 in global components, then these.
-PHI, PHI_T, GAMMA = 12, 13, 14
-N_ROW = 15
+from ..workspace import GAMMA, PHI, PHI_T
 
 
 @jit

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from plymotion.solver.constraints.treatment import Treatment
 from plymotion.solver.integrate import integrate, new_integrator
 from plymotion.solver.singularity import BRANCH_CODE, SINGULAR_CODE, SingularityMonitor
-from plymotion.solver.system import derivative
+from plymotion.solver.system import by_blocks, derivative
 
 ALL_JOINTS = ["foot 0", "foot 1", "left 0", "right 0"]
 
@@ -37,17 +37,23 @@ def _passes(n, t_end):
 
 
 @pytest.mark.parametrize(
-    ("name", "integrator", "rtol"),
+    ("name", "integrator", "rtol", "core"),
     [
-        ("projection", "rk8", 1e-6),
-        ("projection", "rk8", 1e-8),
-        ("projection", "gear", 1e-7),
-        ("augmented-lagrangian", "rk8", 1e-5),
+        ("projection", "rk8", 1e-6, 0.0),
+        ("projection", "rk8", 1e-8, 0.0),
+        ("projection", "gear", 1e-7, 1e-3),
+        ("projection", "rk8", 1e-6, 1e-3),
+        ("augmented-lagrangian", "rk8", 1e-5, 0.0),
+        ("augmented-lagrangian", "rk8", 1e-5, 1e-3),
     ],
 )
-def test_ten_singular_passes(name, integrator, rtol, reference):
-    """A02 with N = 2: all ten are seen, and the motion stays on its branch."""
-    sample = four_bars(2)
+def test_ten_singular_passes(name, integrator, rtol, core, reference):
+    """A02 with N = 2: all ten are seen, and the motion stays on its branch.
+
+    Rods without inertia about their own axes take dense linear algebra, others do not.
+    """
+    sample = four_bars(2, core=core)
+    assert by_blocks(sample.model) == (core > 0.0)
     done = run(sample, name, [0.0, 4.0, 10.0], integrator, rtol)
     assert done.solution.status == "finished", done.solution.message
     place = sample.place(done.solution.y)[:, :2]

@@ -1,0 +1,90 @@
+"""What Numba compiles is kept: a process after `plymotion solver compile` compiles nothing."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+from plymotion.solver.case import load_case
+from plymotion.solver.case.specs import write_case
+
+pytest.importorskip("numba")
+
+# Names of functions of ours that had to be compiled, and the number of those that were loaded.
+COUNT = """
+import json, sys
+from numba.core.dispatcher import Dispatcher
+missed, loaded = [], 0
+for name, module in list(sys.modules.items()):
+    if name.startswith("plymotion.solver"):
+        for key, value in vars(module).items():
+            if isinstance(value, Dispatcher) and value.__module__ == name:
+                loaded += sum(value.stats.cache_hits.values())
+                missed += [f"{name}.{key}{s}"[:300] for s in value.stats.cache_misses]
+print(json.dumps([missed, loaded]))
+"""
+RUN = """
+from pathlib import Path
+from plymotion.solver.run import execute, read_run
+spec = read_run(Path(NAME))
+spec.mechanism["solver"].update(OPTIONS)
+result, summary = execute(spec, progress=False)
+assert summary["completed"], summary
+"""
+RUNS = {
+    "double-pendulum": ("isotropic", {"t_end": 0.002}),
+    "double-pendulum by Gear": ("isotropic", {"t_end": 0.002, "integrator": "gear"}),
+    "double-pendulum through virtual bodies": (
+        "isotropic",
+        {"t_end": 0.001, "attachment": "virtual"},
+    ),
+    "double-pendulum by generalized-alpha": (
+        "isotropic",
+        {"t_end": 0.001, "integrator": "generalized-alpha", "constraints": "ggl"},
+    ),
+    "n-four-bar": ("n-2-hinges", {"t_end": 0.05}),
+    "slider-crank": ("steel", {"t_end": 0.0005}),
+    "misaligned-four-bar": ("flexible", {"t_end": 0.002}),
+}
+
+
+@pytest.fixture(scope="module")
+def ahead():
+    """Everything compiled, as `make` does before its first run."""
+    kept = _python(
+        "import numba\n"
+        "from plymotion.solver.ahead import compile_ahead\n"
+        "compile_ahead()\n"
+        "print(numba.config.CACHE_DIR)\n"
+    )
+    if not kept.strip():
+        pytest.skip("compiled code cannot be kept here: no folder for it can be written")
+
+
+def _python(code: str) -> str:
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env={**os.environ, "PLYMOTION_COMPILED": "1"},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_a_run_compiles_nothing(name, ahead, repository, tmp_path):
+    case = name.split(" ")[0]
+    run, options = RUNS[name]
+    packages = repository / "tests" / "packages" / case
+    write_case(
+        load_case(repository / "cases" / case / "case.toml"),
+        tmp_path,
+        packages if packages.is_dir() else None,
+    )
+    code = RUN.replace("NAME", repr(str(tmp_path / f"runs/{run}.json")))
+    missed, loaded = json.loads(_python(code.replace("OPTIONS", repr(options)) + COUNT))
+    assert not missed, missed
+    assert loaded > 5

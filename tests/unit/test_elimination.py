@@ -1,0 +1,99 @@
+"""Body-by-body elimination against dense linear algebra of the same matrices."""
+
+import numpy as np
+import pytest
+from flexible_samples import (
+    body_of,
+    random_marker,
+    random_mechanism,
+    random_points,
+    random_state,
+)
+
+from plymotion.solver.assemble import JointTable, assemble_model
+from plymotion.solver.elimination import factorise, solve
+from plymotion.solver.model import Model
+from plymotion.solver.system import dense, evaluate
+from plymotion.solver.workspace import new_factors, new_work
+
+
+def blocks(model: Model, whole: np.ndarray) -> np.ndarray:
+    """A vector (n_vel,) as rows (nb, n) of the bodies; what is beyond a body's size is not read."""
+    out = np.full((model.n_body, model.plan.widest), 1e30, dtype=whole.dtype)
+    for i, (start, n) in enumerate(zip(model.vel_start, model.plan.size, strict=True)):
+        out[i, :n] = whole[start : start + n]
+    return out
+
+
+def whole(model: Model, rows: np.ndarray) -> np.ndarray:
+    return np.concatenate([row[:n] for row, n in zip(rows, model.plan.size, strict=True)])
+
+
+@pytest.mark.parametrize("loops", [0, 2])
+@pytest.mark.parametrize("soft", [False, True])
+@pytest.mark.parametrize("one", [1.0, 1.0 + 0.0j])
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_solution_of_the_saddle_point(seed, one, soft, loops):
+    """[K Phi'; Phi -softness] with K = s^2 M + s D + K_e of each body, s real or complex."""
+    model = random_mechanism(seed, loops)
+    rng = np.random.default_rng(100 + seed)
+    work = new_work(model)
+    evaluate(model, work, 0.0, random_state(rng, model))
+    equations = dense(model, work)
+    n, n_c = model.n_vel, model.n_constraint
+    s = 3.0 if one == 1.0 else 3.0 + 7.0j
+    K = s**2 * equations.M + np.diag(rng.uniform(0.0, 5.0, n)) * (1.0 + 0.2 * s)
+    softness = rng.uniform(0.01, 0.1, n_c) * s**-2 if soft else np.zeros(n_c) * one
+    factors = new_factors(model, one)
+    for i, (start, m) in enumerate(zip(model.vel_start, model.plan.size, strict=True)):
+        block = K[start : start + m, start : start + m]
+        factors.L[i] = np.nan  # only the lower triangle is read
+        factors.L[i][np.tril_indices(m)] = block[np.tril_indices(m)]
+    factorise(model.plan, factors, work.J, softness)
+    f, gamma = rng.normal(size=n) * one, rng.normal(size=n_c) * one
+    if one != 1.0:
+        f, gamma = f + 1j * rng.normal(size=n), gamma + 1j * rng.normal(size=n_c)
+    A = np.zeros((n + n_c, n + n_c)) * one
+    A[:n, :n], A[:n, n:], A[n:, :n] = K, equations.Phi_q.T, equations.Phi_q
+    A[range(n, n + n_c), range(n, n + n_c)] = -softness
+    expected = np.linalg.solve(A, np.concatenate([f, gamma]))
+    a, multipliers = np.zeros_like(work.load) * one, np.zeros(n_c) * one
+    for _ in range(2):  # factors serve any number of right-hand sides
+        solve(model.plan, factors, blocks(model, f), gamma, a, multipliers)
+        found = np.concatenate([whole(model, a), multipliers])
+        scale = np.linalg.norm(expected)
+        np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-10 * scale)
+
+
+def test_least_pivot_tells_rows_that_depend_on_others():
+    """Two joints at the same two markers: the rows of the second follow from the first."""
+    rng = np.random.default_rng(4)
+    bodies = [body_of(random_points(rng, 2)), body_of(random_points(rng, 0))]
+    markers = [random_marker(rng, 0, 2), random_marker(rng, 1, 0)]
+    regular = {}
+    for name, joints in (("once", ["spherical"]), ("twice", ["spherical", "revolute"])):
+        tables = [JointTable(kind, kind, 0, 1) for kind in joints]
+        model = assemble_model(bodies, markers, tables)
+        work = new_work(model)
+        evaluate(model, work, 0.0, random_state(rng, model))
+        for i in range(2):
+            work.factors.L[i] = work.M[i]
+        factorise(model.plan, work.factors, work.J, work.softness)
+        regular[name] = float(work.factors.regular[0])
+    assert regular["once"] > 1e-4
+    assert regular["twice"] < 1e-12
+
+
+def test_mechanism_without_constraints():
+    rng = np.random.default_rng(5)
+    model = assemble_model([body_of(random_points(rng, m)) for m in (1, 0)], [], [])
+    work = new_work(model)
+    evaluate(model, work, 0.0, random_state(rng, model))
+    for i in range(2):
+        work.factors.L[i] = work.M[i]
+    factorise(model.plan, work.factors, work.J, work.softness)
+    assert work.factors.regular[0] == 1.0
+    f = rng.normal(size=model.n_vel)
+    solve(model.plan, work.factors, blocks(model, f), work.gamma, work.acceleration, work.left)
+    expected = np.linalg.solve(dense(model, work).M, f)
+    np.testing.assert_allclose(whole(model, work.acceleration), expected, atol=1e-12)
