@@ -21,6 +21,7 @@ from .integrate import (
     new_constrained_integrator,
     new_integrator,
 )
+from .marching import CompiledAlpha, Radau, has_elements, marches
 from .model import Model
 from .outcome import RunSpec, collect
 from .package import ModalPackage, PackageError, read_package
@@ -118,10 +119,16 @@ def make_integrator(
     if solver.get("fixed_step") is not None:
         options["fixed_step"] = solver["fixed_step"]
     name, t_end = solver["integrator"], solver["t_end"]
+    if name == "radau":
+        return Radau(model, 0.0, y0, t_end, closed=treatment.name == "projection", **options)
     if treatment.name in IMPLICIT:
         options["formulation"] = treatment.name
         if name == "generalized-alpha":
             options["spectral_radius"] = treatment.spectral_radius
+            if marches(model) and not has_elements(model):
+                march: Integrator = CompiledAlpha(model, 0.0, y0, t_end, **options)
+                march.hints += advice.of_choice(options)
+                return march
         return new_constrained_integrator(
             name, constrained_system(model), 0.0, y0, t_end, **options
         )

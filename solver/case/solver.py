@@ -27,6 +27,7 @@ class Solver(Table):
     )
     integrator: Literal[
         "gear",
+        "radau",
         "rk8",
         "rk5",
         "generalized-alpha",
@@ -37,7 +38,8 @@ class Solver(Table):
         "ida",
     ] = Field(
         default="gear",
-        description="gear: variable-order BDF (the paper); rk8, rk5: explicit Runge-Kutta; "
+        description="gear: variable-order BDF (the paper); radau: implicit Runge-Kutta of order 5, "
+        "the fastest where modes are stiff; rk8, rk5: explicit Runge-Kutta; "
         "generalized-alpha: implicit, for constraints = ggl or index3; to compare with: SciPy's, "
         "and SUNDIALS' ida for constraints = ggl; see integrators.md",
     )

@@ -70,6 +70,7 @@ class Integrator(ABC):
     """
 
     order: int
+    strides = False  # has `stride(times, rows, filled)`: many steps in one call
 
     def __init__(
         self,

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -84,6 +85,9 @@ def integrate(
     request: StopRequest | None = None
     interrupted = False
     try:
+        if integrator.strides and on_step is None:
+            _stride(integrator, times, rows)
+            t_last, y_last = integrator.t, integrator.y
         while integrator.status == "running":
             integrator.step()
             if integrator.t == t_last:
@@ -118,6 +122,19 @@ def integrate(
         counters=integrator.counters,
         hints=tuple(integrator.hints) if interrupted else integrator.final_hints(),
     )
+
+
+def _stride(integrator: Any, times: Array, rows: list[Array]) -> None:
+    """Let the integrator's own loop run; add the rows it reaches."""
+    values = np.empty((times.size, integrator.n))
+    filled = len(rows)
+    for k, row in enumerate(rows):
+        values[k] = row
+    try:
+        while integrator.status == "running":
+            filled = integrator.stride(times, values, filled)
+    finally:
+        rows[:] = list(values[:filled])
 
 
 def _values(integrator: Integrator, times: Array) -> Array:

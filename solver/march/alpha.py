@@ -24,7 +24,6 @@ from .course import (
     NEWTON,
     NONE,
     NOT_FINITE,
-    OFF,
     PAUSED,
     REFUSED,
     REJECTED,
@@ -284,9 +283,7 @@ def _size(model: Model, options: Options, course: AlphaCourse) -> float:
 
 
 @inlined
-def _error(
-    model: Model, options: Options, scheme: Scheme, course: AlphaCourse, h: float
-) -> float:
+def _error(model: Model, options: Options, scheme: Scheme, course: AlphaCourse, h: float) -> float:
     """Local error of positions and velocities; see integrate/generalized_alpha.py."""
     n_pos, n_vel, last, real = model.n_pos, model.n_vel, course.clock[TAKEN], course.real
     frozen, factors, plan = course.frozen, course.real.factors, model.plan

@@ -47,7 +47,7 @@ class Frozen(NamedTuple):
 
 
 @jit
-def new_pencil(model: Model, one: float) -> Pencil:
+def new_pencil(model: Model, one: complex) -> Pencil:
     """Return memory of the type of `one`."""
     nb, n, n_c = model.n_body, model.plan.widest, model.n_constraint
     n_y = model.n_pos + model.n_vel + 1

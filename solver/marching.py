@@ -1,0 +1,235 @@
+"""Integrators of mechanisms whose step loop is compiled whole, behind the contract of all."""
+
+from abc import abstractmethod
+from typing import Any
+
+import numpy as np
+
+from .closures import right_hand_side
+from .constraints.treatment import Treatment
+from .errors import InputError
+from .forces.table import FIRST_LOAD
+from .integrate import Integrator
+from .integrate.base import Dense
+from .integrate.hermite import Hermite
+from .march import course as codes
+from .march.alpha import advance_alpha
+from .march.alpha_course import new_alpha_course, scheme
+from .march.closing import close
+from .march.course import Options, new_course
+from .march.radau import advance
+from .march.tableau import MU
+from .model import Model
+from .package.schema import Array
+from .system import by_blocks, derivative_into
+from .workspace import new_work
+
+CHUNK = 200  # steps of one call: Ctrl-C is heard between calls
+TROUBLE = {
+    codes.NEWTON: "the Newton iteration does not converge (or constraints contradict)",
+    codes.TOO_ROUGH: "the local error exceeds the tolerance",
+    codes.ILL: "the equations are not finite (inf or nan)",
+    codes.OFF: "the step cannot be projected onto the constraints",
+}
+STIFF_ELEMENTS = (
+    "stiff-elements: Newton's iteration failed in {share:.0%} of the steps tried: the matrices of "
+    "radau know the stiffness of bodies, not of springs, bushings and dampers between them; gear "
+    "may be cheaper"
+)
+WORTH_A_WORD = 0.3  # share of steps that failed
+
+
+def marches(model: Model) -> bool:
+    """Tell whether the compiled loops can carry the model: each body has a mass of its own."""
+    return bool(model.plan.structured)
+
+
+def has_elements(model: Model) -> bool:
+    """Tell whether forces between markers (springs, bushings, dampers) depend on the motion."""
+    return bool(np.any(model.force_kind < FIRST_LOAD))
+
+
+class Marching(Integrator):
+    """An integrator over a compiled loop of march/: steps one by one, or many in one call.
+
+    Parameters
+    ----------
+    model : a mechanism of bodies with masses of their own, treated (constraints/treatment.py)
+    t0, y0, t_end, others : see Integrator; `jacobian` and `project` are of no use here
+
+    Raises
+    ------
+    InputError
+        A body without a positive definite mass matrix, such as a massless virtual body.
+    """
+
+    strides = True
+
+    def __init__(self, model: Model, t0: float, y0: Array, t_end: float, **options: Any) -> None:
+        if not marches(model):
+            raise InputError(
+                'solver.integrator = "radau": every body needs mass and inertia of its own '
+                '(massless virtual bodies of attachment = "virtual", or a body without inertia '
+                'about an axis, have none); take "gear", "rk8" or "generalized-alpha"'
+            )
+        if not by_blocks(model):
+            # Rows that depend on each other: of effect on Newton's matrix, not on the motion.
+            model = model._replace(penalty=Treatment.penalty)
+        self._model = model
+        super().__init__(right_hand_side(model), t0, y0, t_end, **options)
+        self._options = Options(
+            self.t_end,
+            float(self.norm.rtol),
+            np.broadcast_to(np.asarray(self.norm.atol, dtype=float), (self.n,)).copy(),
+            np.append(options.get("block_starts", [0]), self.n).astype(np.int64),
+            float(self.max_step),
+            float(self.min_step),
+            float(self.fixed_step or 0.0),
+            self._closes(),
+        )
+        work, rate = new_work(model), np.empty(self.n)
+        if self.status == "running":
+            derivative_into(model, work, self.t, self.y, rate)
+        self._course = self._begin(rate, work.multipliers)
+        self._evaluated = self.counters.evaluations
+        self._nowhere = np.empty(0), np.empty((0, self.n))
+
+    def stride(self, times: Array, rows: Array, filled: int) -> int:
+        """Take up to CHUNK steps; the solution at `times` (k,) goes to `rows` (k, n).
+
+        Returns the number of rows filled, of which `filled` were there already.
+        """
+        code, filled = self._call(CHUNK, times, rows, filled)
+        clock, counts = self._course.clock, self._course.counts
+        if counts[codes.STEPS] > self.counters.steps:
+            self.counters.steps = int(counts[codes.STEPS]) - 1
+            self._accept(clock[codes.TIME], self._course.y.copy(), clock[codes.TAKEN])
+            self.t_old = self.t - self.h
+        self._judge(code)
+        return filled
+
+    def _advance(self) -> None:
+        code, _ = self._call(1, *self._nowhere, 0)
+        clock, counts = self._course.clock, self._course.counts
+        if counts[codes.STEPS] > self.counters.steps:
+            self._accept(clock[codes.TIME], self._course.y.copy(), clock[codes.TAKEN])
+        self._judge(code)
+
+    def _judge(self, code: int) -> None:
+        """Bring counters up to date, and say why a loop came back early."""
+        clock, counts = self._course.clock, self._course.counts
+        self.counters.rejected = int(counts[codes.REJECTED])
+        self.counters.evaluations = self._evaluated + int(counts[codes.EVALUATIONS])
+        self.counters.factorisations = int(counts[codes.FACTORISATIONS])
+        if code in (codes.ARRIVED, codes.PAUSED):
+            return
+        trouble = int(counts[codes.TROUBLE])
+        self._trouble = TROUBLE.get(trouble, "")
+        self._not_finite = int(trouble == codes.ILL)
+        t, h = clock[codes.TIME], clock[codes.NEXT]
+        if code == codes.TOO_SMALL:
+            floor = self._smallest_step()
+            self._fail(f"The step at t = {t:.9g} s fell to {h:.3g} s, below {floor:.3g} s")
+        elif code == codes.REFUSED:
+            self._fail(f"The fixed step of {self.fixed_step:.3g} s fails at t = {t:.9g} s")
+        else:
+            self._fail(f"No step however small succeeds at t = {t:.9g} s")
+
+    def _closes(self) -> bool:
+        return False
+
+    @abstractmethod
+    def _begin(self, rate: Array, multipliers: Array) -> Any:
+        """Return the course of the run."""
+
+    @abstractmethod
+    def _call(self, most: int, times: Array, rows: Array, filled: int) -> tuple[int, int]:
+        """Call the compiled loop for `most` steps."""
+
+
+class Radau(Marching):
+    """Radau IIA of order 5 for mechanisms (march/radau.py): L-stable, so that modes stiffer than
+    the motion are damped, not followed; every step is brought back onto the constraints unless
+    `project` is false.
+    """
+
+    order = 5
+
+    def __init__(
+        self,
+        model: Model,
+        t0: float,
+        y0: Array,
+        t_end: float,
+        *,
+        closed: bool = True,
+        **options: Any,
+    ) -> None:
+        self._closed = closed and model.n_constraint > 0
+        super().__init__(model, t0, y0, t_end, **options)
+
+    def final_hints(self) -> tuple[str, ...]:
+        counters = self.counters
+        tried = counters.steps + counters.rejected
+        if has_elements(self._model) and counters.rejected > WORTH_A_WORD * max(tried, 100):
+            return (*self.hints, STIFF_ELEMENTS.format(share=counters.rejected / tried))
+        return tuple(self.hints)
+
+    def _closes(self) -> bool:
+        return self._closed
+
+    def _begin(self, rate: Array, multipliers: Array) -> Any:
+        return new_course(self._model, self.t, self.y, rate, multipliers, self._h_next)
+
+    def _call(self, most: int, times: Array, rows: Array, filled: int) -> tuple[int, int]:
+        return advance(self._model, self._options, self._course, most, times, rows, filled)
+
+    def _dense(self) -> Dense:
+        t_old, h, y_old, Q = self.t_old, self.h, self._course.y_old.copy(), self._course.Q.copy()
+        model, course = self._model, self._course
+
+        def inside(t: Any) -> Array:
+            times = np.asarray(t, dtype=float)
+            x = ((times.ravel() - t_old) / h)[:, None]
+            values: Array = y_old + x * (Q[0] + x * (Q[1] + x * Q[2]))
+            if self._closed:
+                for time, row in zip(times.ravel(), values, strict=True):
+                    close(model, course.work, course.frozen, course.real, MU / h, time, row)
+            return values.reshape((*times.shape, self.n))
+
+        return inside
+
+
+class CompiledAlpha(Marching):
+    """Generalized-alpha for mechanisms (march/alpha.py); the method is that of GeneralizedAlpha.
+
+    Its matrices know the stiffness of bodies, not of force elements.
+    """
+
+    order = 2
+
+    def __init__(
+        self,
+        model: Model,
+        t0: float,
+        y0: Array,
+        t_end: float,
+        *,
+        formulation: str = "ggl",
+        spectral_radius: float = 0.8,
+        **options: Any,
+    ) -> None:
+        self._scheme = scheme(spectral_radius, stabilised=formulation == "ggl")
+        super().__init__(model, t0, y0, t_end, **options)
+
+    def _begin(self, rate: Array, multipliers: Array) -> Any:
+        return new_alpha_course(self._model, self.t, self.y, rate, multipliers, self._h_next)
+
+    def _call(self, most: int, times: Array, rows: Array, filled: int) -> tuple[int, int]:
+        course, options = self._course, self._options
+        return advance_alpha(self._model, options, self._scheme, course, most, times, rows, filled)
+
+    def _dense(self) -> Dense:
+        c = self._course
+        ends = (c.y_old.copy(), c.rate_old.copy(), c.y.copy(), c.rate.copy())
+        return Hermite(self.t_old, self.h, *ends)
