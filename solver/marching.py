@@ -169,6 +169,7 @@ class Radau(Marching):
         super().__init__(model, t0, y0, t_end, **options)
 
     def final_hints(self) -> tuple[str, ...]:
+        """`hints`, and a word on force elements that have kept the steps short."""
         counters = self.counters
         tried = counters.steps + counters.rejected
         if has_elements(self._model) and counters.rejected > WORTH_A_WORD * max(tried, 100):

@@ -12,7 +12,7 @@ by one system of the same structure as that of the mass matrix:
     Phi_q x = (c + s Phi_q rho) / s^2,   delta v = s x - rho,   delta q = G x + (r_q - G rho) / s.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -47,7 +47,7 @@ class Frozen(NamedTuple):
 
 
 @jit
-def new_pencil(model: Model, one: complex) -> Pencil:
+def new_pencil(model: Model, one: Any) -> Pencil:
     """Return memory of the type of `one`."""
     nb, n, n_c = model.n_body, model.plan.widest, model.n_constraint
     n_y = model.n_pos + model.n_vel + 1

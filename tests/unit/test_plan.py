@@ -56,7 +56,7 @@ def test_cost_of_chains_is_linear(shape, seed):
     assert max(entries) / sizes[-1] <= 5 * 11
 
 
-def test_a_ring_costs_at_most_twice_a_chain():
+def test_a_ring_costs_a_few_times_a_chain():
     for n in (16, 64):
         ring = _multiplications(_hinged([*_chain(n), (n - 1, -1)], seed=2))
         closed = _multiplications(_hinged([(k, (k + 1) % n) for k in range(n)], seed=2))
