@@ -1,4 +1,4 @@
-"""Static shapes of a beam that spins: what bending modes at rest miss of one that is pulled straight.
+"""Static shapes of a beam that spins: what bending modes at rest miss of a beam under tension.
 
 Spinning holds a beam by its tension: it turns about its root like a rope, with a bent layer at the
 root that narrows with the speed. Vibrations at rest follow that slowly. Their place is taken by a
@@ -49,4 +49,4 @@ def spinning_loads(
 
 def _derivative(values: Array, x: Array) -> Array:
     """Derivative by x of nodal values (n,), of second order in the size of the elements."""
-    return np.asarray(np.gradient(values, x, edge_order=min(2, len(x) - 1)))
+    return np.asarray(np.gradient(values, x, edge_order=2 if len(x) > 2 else 1))
