@@ -2,10 +2,11 @@
 
     python benchmarks/stiffening.py [--cost]
 
-Prints the time of one evaluation of the equations of the double pendulum (two bodies) with linear
-and with stiffened bodies, medians of interleaved batches in compiled code, and the errors of the
-variant `soft-free` against geometrically exact beams for several frames and modes. `--cost` leaves
-the errors out, which take some minutes.
+Prints the time of one evaluation of the equations of the double pendulum (two bodies) and of a
+rotor (one body that bends in both planes and twists) with linear and with stiffened bodies, medians
+of interleaved batches in compiled code, and the errors of the variant `soft-free` against
+geometrically exact beams for several frames and modes. `--cost` leaves the errors out, which take
+some minutes.
 """
 
 import argparse
@@ -19,10 +20,25 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tests"))
 
+from beam_samples import coupled_stiffness, reduced  # noqa: E402
 from flexible_samples import simulate  # noqa: E402
-from stiffening_samples import CHORD, CLAMPED, soft_modes, soft_pendulum  # noqa: E402
+from stiffening_samples import (  # noqa: E402
+    CHORD,
+    CLAMPED,
+    GRAVITY,
+    on_interface,
+    soft_modes,
+    soft_pendulum,
+)
 
+from plymotion.solver.assemble import (  # noqa: E402
+    JointTable,
+    MarkerTable,
+    assemble_model,
+    flexible_body,
+)
 from plymotion.solver.compiled import COMPILED, jit  # noqa: E402
+from plymotion.solver.laws import polynomial  # noqa: E402
 from plymotion.solver.model import Model  # noqa: E402
 from plymotion.solver.package.schema import Array  # noqa: E402
 from plymotion.solver.system import derivative_into  # noqa: E402
@@ -44,17 +60,37 @@ def _many(model: Model, work: Work, y: Array, out: Array, count: int) -> None:
         derivative_into(model, work, 1e-6 * k, y, out)
 
 
-def cost(n_mode: int) -> tuple[float, float]:
-    """Median time of one evaluation with n modes a body, linear and stiffened [us]."""
+def pendulum_of(n_mode: int) -> tuple[Model, Array]:
+    """The soft double pendulum, n modes a body: its bodies bend in a plane."""
     pendulum = soft_pendulum(CHORD, soft_modes(n_mode - 2), elements=16)
-    stiffened = pendulum.model
+    return pendulum.model, pendulum.y0
+
+
+def rotor_of(n_mode: int) -> tuple[Model, Array]:
+    """A driven beam with couplings of all kinds and a mass at its tip."""
+    lowest = [{"kind": "lowest", "count": n_mode}]
+    beam = reduced(CLAMPED, lowest, elements=8, K=coupled_stiffness())
+    body = flexible_body("beam", beam.package, stiffening=True)
+    markers = [MarkerTable(-1, np.zeros(3)), *(on_interface(0, beam, at) for at in ("root", "tip"))]
+    joints = [
+        JointTable("hub", "revolute", 0, 1),
+        JointTable("drive", "rotation_drive", 0, 1, polynomial([0.0, 5.0])),
+    ]
+    model = assemble_model([body], markers, joints, [(2, 0.5)], GRAVITY)
+    y = np.zeros(model.n_pos + model.n_vel + 1)
+    y[3], y[model.n_pos + 5] = 1.0, 5.0
+    return model, y
+
+
+def cost(stiffened: Model, y: Array) -> tuple[float, float]:
+    """Median time of one evaluation, linear and stiffened [us]."""
     linear = stiffened._replace(
         second_start=np.zeros_like(stiffened.second_start),
         marker_second=np.full_like(stiffened.marker_second, -1),
     )
     count = 2000 if COMPILED else 20
     times: dict[int, list[float]] = {0: [], 1: []}
-    y, out = pendulum.y0, np.empty_like(pendulum.y0)
+    out = np.empty_like(y)
     y[linear.n_pos :] += 0.1 * np.random.default_rng(0).normal(size=y.size - linear.n_pos)
     works = [new_work(linear), new_work(stiffened)]
     for _ in range(BATCHES):
@@ -90,12 +126,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--cost", action="store_true", help="only the cost of an evaluation")
     only_cost = parser.parse_args().cost
-    print(f"compiled: {COMPILED}; one evaluation of the double pendulum, us")
-    print(f"{'modes':>5}{'linear':>10}{'stiffened':>11}{'added':>8}")
-    for n_mode in (2, 4, 6, 8):
-        linear, stiffened = cost(n_mode)
-        added = 100.0 * (stiffened / linear - 1.0)
-        print(f"{n_mode:>5}{linear:>10.2f}{stiffened:>11.2f}{added:>7.0f}%", flush=True)
+    print(f"compiled: {COMPILED}; one evaluation, us")
+    print(f"{'modes a body':<24}{'linear':>10}{'stiffened':>11}{'added':>8}")
+    for name, kind in (("double pendulum", pendulum_of), ("rotor", rotor_of)):
+        for n_mode in (2, 4, 6, 8):
+            linear, stiffened = cost(*kind(n_mode))
+            added = 100.0 * (stiffened / linear - 1.0)
+            label = f"{name} {n_mode}"
+            print(f"{label:<24}{linear:>10.2f}{stiffened:>11.2f}{added:>7.0f}%", flush=True)
     if not only_cost:
         errors()
 

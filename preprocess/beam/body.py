@@ -14,6 +14,7 @@ from .reduction import held_dofs, reference_condition, static_loads
 from .resultants import shape_resultants
 from .second_order import SecondOrderFields, second_order_fields
 from .spec import BeamSpec, SpecError
+from .spinning import spinning_loads
 from .stations import mass_stations, nodal_mass
 from .theory import section_stiffness
 
@@ -68,10 +69,14 @@ def beam_modes(model: BeamModel, solver: EigenSolver) -> Modes:
     """
     line, spec = model.line, model.spec
     first = model.reference_nodes[0] if model.reference_nodes else 0
+    condition = reference_condition(
+        line, spec.mass_form, spec.reference.kind, model.reference_nodes
+    )
+    loads = static_loads(line, spec.modes, model.node_of, first)
     return reduced_modes(
-        reference_condition(line, spec.mass_form, spec.reference.kind, model.reference_nodes),
+        condition,
         spec.modes.eigenmodes,
-        static_loads(line, spec.modes, model.node_of, first),
+        [*loads, *spinning_loads(condition, line, spec.modes.spinning, first)],
         lambda columns_B: mass_stations(line, columns_B, spec.mass_form).participation(),
         np.argsort(-np.abs(line.x_B - line.x_B[first]), kind="stable"),
         solver,

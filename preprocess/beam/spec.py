@@ -83,6 +83,11 @@ def read_spec(spec: dict[str, Any]) -> BeamSpec:
     if not isinstance(spec["section"], dict):
         raise SpecError(expected("section", spec["section"], "an object"))
     interfaces = _interfaces(spec["interfaces"])
+    reference = read_reference(spec.get("reference", {}), {**ENDS, **interfaces})
+    modes = read_modes(spec.get("modes", []), interfaces)
+    if modes.spinning and reference.kind == "mean-axis":
+        wish = f"a clamped or chord frame with modes of kind {modes.spinning[0][0]}"
+        raise SpecError(expected("reference.kind", reference.kind, wish))
     return BeamSpec(
         body=spec["body"],
         length=number(spec["length"], "length", above=0.0, unit="m"),
@@ -92,8 +97,8 @@ def read_spec(spec: dict[str, Any]) -> BeamSpec:
         theory=one_of(spec.get("theory", "timoshenko"), THEORIES, "theory"),
         mass_form=one_of(spec.get("mass_form", "consistent"), MASS_FORMS, "mass_form"),
         interfaces=interfaces,
-        reference=read_reference(spec.get("reference", {}), {**ENDS, **interfaces}),
-        modes=read_modes(spec.get("modes", []), interfaces),
+        reference=reference,
+        modes=modes,
         damping_ratio=number(spec.get("damping_ratio", 0.0), "damping_ratio", least=0.0),
     )
 

@@ -8,7 +8,8 @@ from ..modes import CHOICES, ModeRequest
 from .spec_values import SpecError, count, expected, known_keys, one_of
 
 DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")  # forces along and moments about the body axes
-STATIC = ("attachment", "static-axial")
+SPINNING = ("spinning-xy", "spinning-xz")
+STATIC = ("attachment", "static-axial", *SPINNING)
 
 
 @dataclass(frozen=True)
@@ -34,11 +35,13 @@ class ModeSpec:
     eigenmodes : kinds and counts
     attachments : interface and direction (one of DIRECTIONS) of each unit load
     static_axial : whether the shape under a load that rises along the beam is wanted
+    spinning : plane (one of SPINNING) and number of the shapes of a spinning beam
     """
 
     eigenmodes: tuple[ModeRequest, ...] = ()
     attachments: tuple[tuple[str, str], ...] = ()
     static_axial: bool = False
+    spinning: tuple[tuple[str, int], ...] = ()
 
 
 def read_reference(entry: Any, places: dict[str, float]) -> Reference:
@@ -75,6 +78,7 @@ def read_modes(entries: Any, interfaces: dict[str, float]) -> ModeSpec:
     eigenmodes: list[ModeRequest] = []
     attachments: list[tuple[str, str]] = []
     static_axial = False
+    spinning: list[tuple[str, int]] = []
     for i, entry in enumerate(entries):
         where = f"modes[{i}]"
         if not isinstance(entry, dict):
@@ -87,8 +91,12 @@ def read_modes(entries: Any, interfaces: dict[str, float]) -> ModeSpec:
             static_axial = True
         else:
             known_keys(entry, ("kind", "count"), where)
-            eigenmodes.append(ModeRequest(kind, count(entry.get("count"), f"{where}.count")))
-    return ModeSpec(tuple(eigenmodes), tuple(attachments), static_axial)
+            number = count(entry.get("count"), f"{where}.count")
+            if kind in SPINNING:
+                spinning.append((kind, number))
+            else:
+                eigenmodes.append(ModeRequest(kind, number))
+    return ModeSpec(tuple(eigenmodes), tuple(attachments), static_axial, tuple(spinning))
 
 
 def _attachments(

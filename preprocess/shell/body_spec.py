@@ -95,6 +95,9 @@ def read_shell_body(spec: dict[str, Any]) -> ShellBodySpec:
     if any(request.kind == "torsion" for request in modes.eigenmodes):
         wish = "lowest, or bending-xy, bending-xz, axial: what moves most along y, z, x"
         raise SpecError(expected("modes.kind", "torsion", wish) + " (a shell twists along y and z)")
+    if modes.spinning:
+        wish = "lowest, bending-xy, bending-xz, axial, attachment or static-axial of a shell"
+        raise SpecError(expected("modes.kind", modes.spinning[0][0], wish))
     return ShellBodySpec(
         body=spec["body"],
         shell=_shell(spec["shell"], interfaces, mass_form),

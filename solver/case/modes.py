@@ -83,7 +83,22 @@ class StaticAxialChoice(Table):
     kind: Literal["static-axial"]
 
 
-Modes = Annotated[ModeChoice | AttachmentChoice | StaticAxialChoice, Field(discriminator="kind")]
+class SpinningChoice(Table):
+    """One entry of `modes` with kind = "spinning-xy", "spinning-xz": bending under tension by spin.
+
+    Static shapes of a beam, as good at rest as at speed; with geometric stiffening.
+    """
+
+    kind: Literal["spinning-xy", "spinning-xz"] = Field(
+        description="plane of bending: the beam spins about an axis across it"
+    )
+    count: int = Field(ge=1, le=8, description="how many; four give frequencies to 1e-4")
+
+
+Modes = Annotated[
+    ModeChoice | AttachmentChoice | StaticAxialChoice | SpinningChoice,
+    Field(discriminator="kind"),
+]
 
 # In the order of a manual.
 MODE_TABLES: tuple[type[Table], ...] = (
@@ -91,6 +106,7 @@ MODE_TABLES: tuple[type[Table], ...] = (
     ModeChoice,
     AttachmentChoice,
     StaticAxialChoice,
+    SpinningChoice,
 )
 
 
@@ -114,6 +130,12 @@ def check_modes(
         f'{where} = "{place}": no such interface{nearest(place, fractions)}'
         for where, place in asked
         if place not in fractions
+    ]
+    found += [
+        f'{key}.modes[{i}].kind = "{mode.kind}": expected reference.kind "clamped" or "chord" with '
+        "it: a mean axis carries its first load"
+        for i, mode in enumerate(modes)
+        if isinstance(mode, SpinningChoice) and reference.kind == "mean-axis"
     ]
     places = [fractions[place] for place in reference.places if place in fractions]
     if len(places) == 2 and places[0] == places[1]:

@@ -8,7 +8,7 @@ from ..errors import InputError
 from ..input import read_toml
 from ..input.gmsh_file import physical_groups
 from ..shell.expand import shell_spec
-from .modes import ModeChoice, check_modes
+from .modes import ModeChoice, SpinningChoice, check_modes
 from .schema import Mechanism, ShellBody
 
 # What a description says of its own analysis; a body is held and loaded by its mechanism.
@@ -59,6 +59,12 @@ def check_shell(key: str, body: ShellBody, folder: Path) -> list[str]:
         '"axial": a shell that twists moves along y and z'
         for i, mode in enumerate(body.modes)
         if isinstance(mode, ModeChoice) and mode.kind == "torsion"
+    ]
+    found += [
+        f'{key}.modes[{i}].kind = "{mode.kind}": expected "attachment" or "static-axial": the '
+        "static shapes of a shell"
+        for i, mode in enumerate(body.modes)
+        if isinstance(mode, SpinningChoice)
     ]
     return found
 

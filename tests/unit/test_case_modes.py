@@ -81,6 +81,9 @@ def test_static_modes_reach_the_preprocessor(tmp_path: Path) -> None:
     assert found.attachments[0] == ("mid", "y")
     assert [at for at, _ in found.attachments[1:]] == ["tip"] * 6
     assert found.static_axial
+    asked = '{ kind = "spinning-xz", count = 4 }, { kind = "spinning-xy", count = 2 }'
+    found = read_spec(spec_of(written(tmp_path, asked))).modes
+    assert found.spinning == (("spinning-xz", 4), ("spinning-xy", 2))
 
 
 BAD = {
@@ -98,6 +101,16 @@ BAD = {
         r"modes\.0\.directions\.0 = \"yy\": value should be 'x', 'y'",
     ),
     "mode": ('{ kind = "atachment", at = "mid" }', "{}", r"modes\.0\.kind = \"atachment\".*mean"),
+    "spinning": (
+        '{ kind = "spinning-xz", count = 4 }',
+        '{ kind = "mean-axis" }',
+        r'modes\[0\]\.kind = "spinning-xz": expected reference\.kind "clamped" or "chord"',
+    ),
+    "how many": (
+        '{ kind = "spinning-xz", count = 9 }',
+        "{}",
+        r"modes\.0\.count = 9: .*8",
+    ),
     "count": ('{ kind = "static-axial", count = 2 }', "{}", r"modes\.0\.count: unknown key"),
 }
 

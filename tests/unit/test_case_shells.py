@@ -112,6 +112,7 @@ def test_make_knows_description_and_mesh(case: Path) -> None:
         ('root = { at = "left" }', 'foot = { at = "left" }', 'bodies.plate.reference.at = "root"'),
         ('{ at = "left" }', '{ at = "left", link = "average" }', "carries the body frame"),
         ('kind = "lowest", count = 4', 'kind = "torsion", count = 4', "modes[0].kind"),
+        ('kind = "lowest", count = 4', 'kind = "spinning-xz", count = 4', "modes[0].kind"),
         ('"lowest", count = 4', '"attachment", at = "tpi"', "no such interface"),
         ('link = "average"', 'link = "rigit"', "interfaces.tip.link"),
         ('kind = "shell"', 'kind = "shell"\nsection = "x"', "bodies.plate.section: unknown key"),

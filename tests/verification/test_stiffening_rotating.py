@@ -4,18 +4,16 @@ import tomllib
 
 import numpy as np
 import pytest
-from beam_samples import CLAMPED, reduced
+from beam_samples import CHORD, CLAMPED, MEAN_AXIS, reduced
 from stiffening_samples import steady_spin
 
 from plymotion.preprocess.beam.section_mass import SectionMass
+from plymotion.preprocess.beam.spec import SpecError
 from plymotion.solver.package import read_package
 
 # Slender to the limit of a Bernoulli beam that cannot be stretched: EI = rhoA = L = 1.
 K = np.diag([1e8, 1e8, 1e8, 1.0, 1.0, 1.0])
 MASS = SectionMass(1.0, np.zeros(3), np.diag([2e-10, 1e-10, 1e-10])).matrix()
-PLACES = {"root": {"at": "start"}, "tip": {"at": "end"}} | {
-    name: {"at": x} for name, x in (("a", 0.1), ("b", 0.25), ("c", 0.4), ("d", 0.6))
-}
 
 
 @pytest.fixture(scope="module")
@@ -29,23 +27,13 @@ def blade(repository):
     return read_package(repository / "tests/packages/rotating-blade/blade.stiffened.vtkhdf")
 
 
-def beam(plane: str, modes):
-    return reduced(CLAMPED, modes, elements=20, K=K, mass=MASS, interfaces=PLACES).package
-
-
-def near_root(plane: str, vibrations: int, places: str):
-    """The lowest vibrations and the static shapes of forces where spinning bends the beam most."""
-    load = "y" if plane == "xy" else "z"
-    forces = [{"kind": "attachment", "at": at, "directions": [load]} for at in places]
-    return beam(plane, [{"kind": f"bending-{plane}", "count": vibrations}, *forces])
+def beam(modes):
+    return reduced(CLAMPED, modes, elements=20, K=K, mass=MASS).package
 
 
 def four(plane: str):
-    return near_root(plane, 1, "abc")
-
-
-def six(plane: str):
-    return near_root(plane, 2, "abcd")
+    """Four static shapes of a spinning beam, good for all speeds."""
+    return beam([{"kind": f"spinning-{plane}", "count": 4}])
 
 
 def first(package, spins, **options):
@@ -59,37 +47,40 @@ def test_flap_of_four_modes(table):
     np.testing.assert_allclose(found, expected["flap_1"], rtol=table["tolerance"])
 
 
-@pytest.mark.parametrize(("modes", "up_to"), [(four, 6), (six, 10)])
-def test_flap_on_a_hub(table, modes, up_to):
-    """What is left out above mu = 6 is the part of the shapes: six do for all speeds."""
+def test_flap_on_a_hub(table):
     expected = table["hub"]
-    spins = [mu for mu in expected["mu"] if mu <= up_to]
-    found = first(modes("xz"), spins, hub=1.0)
-    np.testing.assert_allclose(found, expected["flap_1"][: len(spins)], rtol=table["tolerance"])
+    found = first(four("xz"), expected["mu"], hub=1.0)
+    np.testing.assert_allclose(found, expected["flap_1"], rtol=table["tolerance"])
 
 
 def test_chord_of_four_modes(table):
-    """In the plane of rotation, to mu = 6: the four shapes leave 2.3e-4 at 10, see below."""
+    """In the plane of rotation."""
     expected = table["no-hub"]
-    spins = [mu for mu in expected["mu"] if mu <= 6]
-    found = first(four("xy"), spins)
-    np.testing.assert_allclose(found, expected["chord_1"][: len(spins)], rtol=table["tolerance"])
+    found = first(four("xy"), expected["mu"])
+    np.testing.assert_allclose(found, expected["chord_1"], rtol=table["tolerance"])
 
 
-def test_three_flap_modes_and_chord_of_twelve_vibrations(table):
-    """With more modes all columns, at all speeds: what is missing above is the shapes' part."""
+def test_spinning_shapes_in_a_chord_frame():
+    """They are static shapes like others, in both planes; of a mean axis they are none."""
+    modes = [{"kind": f"spinning-{plane}", "count": 3} for plane in ("xy", "xz")]
+    package = reduced(CHORD, modes, elements=10, K=K, mass=MASS).package
+    expected = {f"spinning-{plane} {k}" for plane in ("xy", "xz") for k in (1, 2, 3)}
+    assert set(package.mode_labels) == expected
+    assert set(package.mode_kinds) == {"attachment"}
+    with pytest.raises(SpecError, match="clamped or chord"):
+        reduced(MEAN_AXIS, modes, K=K, mass=MASS)
+
+
+def test_three_flap_modes_of_twelve_vibrations(table):
+    """Vibrations at rest follow the layer at the root slowly."""
     expected = table["no-hub"]
-    flap, chord = (
-        beam(plane, [{"kind": f"bending-{plane}", "count": 12}]) for plane in ("xz", "xy")
-    )
+    flap = beam([{"kind": "bending-xz", "count": 12}])
     for row, mu in enumerate(expected["mu"]):
         if mu not in (0, 4, 8, 12):
             continue
         found = steady_spin(flap, float(mu))[0]
         known = [expected[f"flap_{k}"][row] for k in (1, 2, 3)]
         np.testing.assert_allclose(found[:3], known, rtol=table["tolerance"])
-        found = steady_spin(chord, float(mu))[0]
-        np.testing.assert_allclose(found[0], expected["chord_1"][row], rtol=table["tolerance"])
 
 
 def test_linear_flap_does_not_stiffen_and_linear_chord_is_unstable():
