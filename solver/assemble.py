@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from .driven import Stand, driven_frames
 from .forces.table import KINDS as FORCE_KINDS
 from .forces.table import N_PARAMETER
 from .joints.table import KINDS, NAMES, ROWS
@@ -199,6 +200,8 @@ def assemble_model(
             joint_row,
             force_marker,
             structured=all(_positive(b) for b in carrying),
+            uncoupled=[_uncoupled(b) for b in carrying],
+            driven=driven_frames([_stand(j, markers, marker_H) for j in joints]),
         ),
         second_start=_starts(stiffened**2),
         third_start=_starts(stiffened**3),
@@ -214,6 +217,24 @@ def assemble_model(
         carried_marker=np.array([k for c in carried for k, _ in c], dtype=np.int64),
         carried_mass=np.array([mass for c in carried for _, mass in c], dtype=float),
     )
+
+
+def _uncoupled(body: Body) -> bool:
+    """Tell whether mass, stiffness and damping of the modes are diagonal, whatever the state."""
+    matrices = (body.mass, body.stiffness, body.damping)
+    return body.second_order is None and all(
+        np.count_nonzero(a) == np.count_nonzero(np.diag(a)) for a in matrices
+    )
+
+
+def _stand(joint: JointTable, markers: list[MarkerTable], H: Sequence[Array]) -> Stand:
+    """Return a joint as the search for driven frames sees it."""
+    pair = (joint.marker_1, joint.marker_2)
+    bodies = (markers[pair[0]].body, markers[pair[1]].body)
+    k = pair[0] if bodies[0] >= 0 else pair[1]
+    one = markers[k]
+    rigid = not (one.phi.any() or one.psi.any() or H[k].any())
+    return Stand(joint.kind, bodies, rigid, one.x, one.A)
 
 
 def _with_points(

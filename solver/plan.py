@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
@@ -25,13 +26,20 @@ class Plan(NamedTuple):
     structured: int  # 1: every body has a positive definite mass matrix of its own
     marker_used: IntArray  # markers on bodies that joints and force elements stand on
     size: IntArray  # (nb,) coordinates of each body
+    lead: IntArray  # (nb,) a mode is coupled with so many leading coordinates: 6, or all of them
+    base: IntArray  # (nb,) first coordinate that is eliminated: 6 where the frame is driven
     row_start: IntArray  # (nb + 1,) first entry of each body in body_row
     body_row: IntArray  # every constraint row at a body
-    body_place: IntArray  # its place in the order of elimination
     side_row: IntArray  # (nj, 2) first row of a joint's side among the rows at its body; -1: ground
-    place: IntArray  # (n_c,) place of each constraint row in the order of elimination
-    first: IntArray  # (n_c,) first column of each place in the profile
-    profile_start: IntArray  # (n_c + 1,) of the rows of the profile
+    free_start: IntArray  # (nb + 1,) first entry of each body in the next two
+    free_column: IntArray  # rows at a body that do not drive its frame: their number there
+    free_place: IntArray  # and their place in the order of elimination
+    driven_start: IntArray  # (nb + 1,) first entry of each body in the next two
+    driven_column: IntArray  # the six rows that drive a frame: their number at the body
+    driven_row: IntArray  # and among all rows
+    place: IntArray  # (n_c,) place of each row in the order of elimination; -1: it drives a frame
+    first: IntArray  # (n_p,) first column of each place in the profile
+    profile_start: IntArray  # (n_p + 1,) of the rows of the profile
 
 
 def make_plan(
@@ -42,12 +50,22 @@ def make_plan(
     force_marker: IntArray,
     *,
     structured: bool,
+    uncoupled: Sequence[bool] = (),
+    driven: IntArray | None = None,
 ) -> Plan:
-    """Return the plan of a mechanism; arguments as in `Model`."""
-    nb, nj, n_c = n_mode.size, joint_row.size - 1, int(joint_row[-1])
+    """Return the plan of a mechanism; arguments as in `Model`.
+
+    Parameters
+    ----------
+    structured : every body has a positive definite mass matrix of its own
+    uncoupled : by body, whether its modes have diagonal mass, stiffness and damping; none if empty
+    driven : (nj,) the body whose frame a joint drives, alone or with others (driven.py); -1: none
+    """
+    nb, nj = n_mode.size, joint_row.size - 1
     used = np.unique(np.concatenate([joint_marker.ravel(), force_marker.ravel()]).astype(np.int64))
     bodies = marker_body[joint_marker].reshape(nj, 2)
-    place = _places(bodies, joint_row, n_c)
+    driven = np.full(nj, -1) if driven is None else driven
+    place, first = _order(bodies, joint_row, driven < 0)
     side_row = np.full((nj, 2), -1, dtype=np.int64)
     at_body: list[list[int]] = [[] for _ in range(nb)]
     for k in range(nj):
@@ -56,9 +74,12 @@ def make_plan(
                 rows = at_body[bodies[k, side]]
                 side_row[k, side] = len(rows)
                 rows.extend(range(joint_row[k], joint_row[k + 1]))
-    first = _first_columns(bodies, joint_row, place)
-    widths = np.arange(n_c) - first + 1
+    free = [[p for p, row in enumerate(rows) if place[row] >= 0] for rows in at_body]
+    drives = [[p for p, row in enumerate(rows) if place[row] < 0] for rows in at_body]
     counts = [len(rows) for rows in at_body]
+    lead = np.where(np.array(uncoupled, dtype=bool), 6, 6 + n_mode) if uncoupled else 6 + n_mode
+    base = np.zeros(nb, dtype=np.int64)
+    base[driven[driven >= 0]] = 6
     return Plan(
         widest=int((6 + n_mode).max(initial=6)),
         most_modes=int(n_mode.max(initial=0)),
@@ -66,14 +87,41 @@ def make_plan(
         structured=int(structured),
         marker_used=used[marker_body[used] >= 0] if used.size else used,
         size=6 + n_mode,
+        lead=lead.astype(np.int64),
+        base=base,
         row_start=_starts(counts),
-        body_row=(body_row := np.array([row for rows in at_body for row in rows], dtype=np.int64)),
-        body_place=place[body_row],
+        body_row=_joined(at_body),
         side_row=side_row,
+        free_start=_starts([len(p) for p in free]),
+        free_column=_joined(free),
+        free_place=place[_picked(at_body, free)],
+        driven_start=_starts([len(p) for p in drives]),
+        driven_column=_joined(drives),
+        driven_row=_picked(at_body, drives),
         place=place,
         first=first,
-        profile_start=_starts(widths.tolist()),
+        profile_start=_starts((np.arange(first.size) - first + 1).tolist()),
     )
+
+
+def _joined(lists: Sequence[Sequence[int]]) -> IntArray:
+    return np.array([value for one in lists for value in one], dtype=np.int64)
+
+
+def _picked(at_body: list[list[int]], numbers: list[list[int]]) -> IntArray:
+    return _joined([[rows[p] for p in n] for rows, n in zip(at_body, numbers, strict=True)])
+
+
+def _order(
+    bodies: IntArray, joint_row: IntArray, free: NDArray[np.bool_]
+) -> tuple[IntArray, IntArray]:
+    """Return places (n_c,) of the rows of free joints, -1 for others, and their first columns."""
+    counts = np.diff(joint_row)[free]
+    bodies, row = bodies[free], _starts(counts.tolist())
+    compact = _places(bodies, row, int(row[-1]))
+    place = np.full(int(joint_row[-1]), -1, dtype=np.int64)
+    place[np.repeat(free, np.diff(joint_row))] = compact
+    return place, _first_columns(bodies, row, compact)
 
 
 def _places(bodies: IntArray, joint_row: IntArray, n_c: int) -> IntArray:

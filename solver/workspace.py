@@ -19,12 +19,13 @@ class Factors(NamedTuple):
 
     L: Array  # (nb, n, n) unit lower triangles of each body's block
     pivot: Array  # (nb, n) reciprocals of the diagonal
-    W: Array  # (nb, n, r) L^-1 Phi_q'
+    W: Array  # (nb, n, r) L^-T Phi_q'
+    P: Array  # (nb, 7, 6) factors of the rows that drive a frame, and the order of these
     S: Array  # profile of Phi_q K^-1 Phi_q', then its unit lower triangle
-    S_pivot: Array  # (n_c,) reciprocals of its diagonal
+    S_pivot: Array  # (n_p,) reciprocals of its diagonal
     regular: Array  # (1,) least pivot over its diagonal entry before elimination
     z: Array  # (nb, n)
-    mu: Array  # (n_c,) in the order of elimination
+    mu: Array  # (n_p,) in the order of elimination
 
 
 class Work(NamedTuple):
@@ -65,16 +66,17 @@ def new_factors(model: Model, one: Any) -> Factors:
     """Return memory for factors, of the type of `one` (float or complex)."""
     plan = model.plan
     nb, n, r = model.n_body, plan.widest, plan.most_rows
-    n_c = model.n_constraint
+    n_p = plan.first.shape[0]
     return Factors(
         np.zeros((nb, n, n)) * one,
         np.zeros((nb, n)) * one,
         np.zeros((nb, n, r)) * one,
-        np.zeros(plan.profile_start[n_c]) * one,
-        np.zeros(n_c) * one,
+        np.zeros((nb, 7, 6)) * one,
+        np.zeros(plan.profile_start[n_p]) * one,
+        np.zeros(n_p) * one,
         np.ones(1),
         np.zeros((nb, n)) * one,
-        np.zeros(n_c) * one,
+        np.zeros(n_p) * one,
     )
 
 

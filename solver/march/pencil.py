@@ -80,7 +80,8 @@ def freeze(model: Model, work: Work, y: Array, frozen: Frozen) -> None:
         n, r = plan.size[i], row_start[i + 1] - row_start[i]
         M, J, M_0, J_0 = work.M[i], work.J[i], frozen.M[i], frozen.J[i]
         for a in range(n):
-            for b in range(a + 1):
+            M_0[a, a] = M[a, a]
+            for b in range(min(a, plan.lead[i])):
                 M_0[a, b] = M[a, b]
             for p in range(r):
                 J_0[a, p] = J[a, p]
@@ -111,10 +112,11 @@ def _factorise(
         n, m, two = plan.size[i], model.n_mode[i], model.square_start[i]
         L, M = pencil.factors.L[i], frozen.M[i]
         for a in range(n):
-            for b in range(a + 1):
+            L[a, a] = mass * M[a, a]
+            for b in range(min(a, plan.lead[i])):
                 L[a, b] = mass * M[a, b]
         for a in range(m):
-            for b in range(a + 1):
+            for b in range(0 if plan.lead[i] > 6 else a, a + 1):
                 k = two + a * m + b
                 L[6 + a, 6 + b] += stiffness * model.K_qq[k] + damping * model.D_qq[k]
     for k in range(frozen.softness.shape[0]):
@@ -148,7 +150,7 @@ def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> No
         for k in range(n):
             z = s * rho[i, k]
             w = load[i, k] + M[k, k] * z
-            for b in range(k):
+            for b in range(min(k, plan.lead[i])):
                 w += M[k, b] * s * rho[i, b]
                 load[i, b] += M[k, b] * z
             load[i, k] = w

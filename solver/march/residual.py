@@ -73,7 +73,7 @@ def rest(
         for k in range(n):
             a = rate[j + k]
             s = f[i, k] - M[i, k, k] * a
-            for b in range(k):
+            for b in range(min(k, plan.lead[i])):
                 s -= M[i, k, b] * rate[j + b]
                 load[i, b] -= M[i, k, b] * a
             for p in range(count):

@@ -1,5 +1,7 @@
 """Body-by-body elimination against dense linear algebra of the same matrices."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from flexible_samples import (
@@ -9,11 +11,13 @@ from flexible_samples import (
     random_points,
     random_state,
 )
+from scipy.linalg import eigh
 
-from plymotion.solver.assemble import JointTable, assemble_model
+from plymotion.solver.assemble import JointTable, MarkerTable, assemble_model
 from plymotion.solver.elimination import factorise, solve
+from plymotion.solver.laws import polynomial
 from plymotion.solver.model import Model
-from plymotion.solver.system import dense, evaluate
+from plymotion.solver.system import dense, dense_derivative_into, derivative_into, evaluate
 from plymotion.solver.workspace import new_factors, new_work
 
 
@@ -82,6 +86,65 @@ def test_least_pivot_tells_rows_that_depend_on_others():
         regular[name] = float(work.factors.regular[0])
     assert regular["once"] > 1e-4
     assert regular["twice"] < 1e-12
+
+
+MOUNTS = {
+    "wall": [("fixed", None)],
+    "hub": [("revolute", None), ("rotation_drive", polynomial([0.1, 2.0, 0.3]))],
+    "slide": [("translation_drive", polynomial([0.0, 1.0])), ("prismatic", None)],
+    "screw": [
+        ("rotation_drive", polynomial([0.2, 1.0])),
+        ("cylindrical", None),
+        ("translation_drive", polynomial([0.0, 0.5])),
+    ],
+}
+
+
+@pytest.mark.parametrize("uncoupled", [False, True])
+@pytest.mark.parametrize("mount", MOUNTS)
+def test_driven_frames_are_no_unknowns(mount, uncoupled):
+    """A blade on a mount with a pendulum at its tip: the same answers as with six more rows."""
+    rng = np.random.default_rng(6)
+    blade, arm = (_sample(rng, m, uncoupled=uncoupled) for m in (3, 2))
+    ground = MarkerTable(-1, np.zeros(3))
+    foot = MarkerTable(0, rng.normal(size=3), np.eye(3), np.zeros((3, 3)), np.zeros((3, 3)))
+    markers = [ground, foot, random_marker(rng, 0, 3), random_marker(rng, 1, 2)]
+    joints = [JointTable(kind, kind, 0, 1, law) for kind, law in MOUNTS[mount]]
+    joints.insert(1, JointTable("tip", "spherical", 2, 3))
+    model = assemble_model([blade, arm], markers, joints, gravity_G=(0.0, 0.0, -9.81))
+    plan = model.plan
+    assert list(plan.base) == [6, 0]
+    assert plan.first.size == 3  # rows of the tip's joint alone are left
+    assert list(plan.lead) == ([6, 6] if uncoupled else [9, 8])
+    y = random_state(rng, model)
+    one, two = np.empty(y.size), np.empty(y.size)
+    work = new_work(model)
+    derivative_into(model, work, 0.3, y, one)
+    dense_derivative_into(model, work, 0.3, y, two)
+    np.testing.assert_allclose(one, two, rtol=0.0, atol=1e-10 * np.abs(two).max())
+
+
+def _sample(rng, n_mode, *, uncoupled):
+    """A body of points; `uncoupled`: in modes of its own free vibration, of unit mass."""
+    points = random_points(rng, n_mode)
+    body = body_of(points)
+    if not uncoupled:
+        return body
+    values, V = eigh(body.stiffness, body.mass)
+    body = body_of(replace(points, phi=points.phi @ V, psi=points.psi @ V))
+    return replace(body, mass=np.eye(n_mode), stiffness=np.diag(values), damping=np.diag(values))
+
+
+def test_the_same_place_twice_drives_nothing():
+    """Two clamps at one body, or a joint where modes move, are left to the constraints."""
+    rng = np.random.default_rng(7)
+    body = body_of(random_points(rng, 2))
+    still = MarkerTable(0, np.zeros(3), np.eye(3), np.zeros((3, 2)), np.zeros((3, 2)))
+    markers = [MarkerTable(-1, np.zeros(3)), still, random_marker(rng, 0, 2)]
+    twice = [JointTable("one", "fixed", 0, 1), JointTable("two", "fixed", 0, 1)]
+    moving = [JointTable("one", "fixed", 0, 2)]
+    for joints in (twice, moving):
+        assert list(assemble_model([body], markers, joints).plan.base) == [0]
 
 
 def test_mechanism_without_constraints():

@@ -94,9 +94,9 @@ def test_every_row_has_one_place_and_the_profile_holds_every_pair(seed):
     assert (plan.first <= np.arange(n_c)).all()
     np.testing.assert_array_equal(np.diff(plan.profile_start), np.arange(n_c) - plan.first + 1)
     for body in range(n):
-        rows = plan.body_place[plan.row_start[body] : plan.row_start[body + 1]]
+        rows = plan.place[plan.body_row[plan.row_start[body] : plan.row_start[body + 1]]]
         assert (plan.first[rows] <= rows.min()).all()
-    assert plan.body_place.size == 2 * n_c - 5 * sum(-1 in pair for pair in pairs)
+    assert plan.body_row.size == 2 * n_c - 5 * sum(-1 in pair for pair in pairs)
     assert plan.most_rows == np.diff(plan.row_start).max()
 
 
@@ -112,8 +112,7 @@ def test_sides_of_joints_point_to_their_rows(sample):
             assert (first < 0) == (body < 0)
             if body >= 0:
                 begin = plan.row_start[body] + first
-                found = plan.body_place[begin : begin + rows.size]
-                np.testing.assert_array_equal(found, plan.place[rows])
+                np.testing.assert_array_equal(plan.body_row[begin : begin + rows.size], rows)
 
 
 def test_bodies_without_constraints_and_constraints_without_bodies():
