@@ -11,16 +11,13 @@ from .compiled import COMPILED
 from .coordinates import moved, position_rates
 from .forces.table import KINDS as FORCE_KINDS
 from .forces.table import element_wrench
+from .integrate import integrate
 from .joints.table import KINDS
 from .laws import polynomial
+from .marching import CompiledAlpha, Radau
 from .projection import projected
 from .rotations import rotation_matrix, vector_to_matrix
-from .system import (
-    assemble,
-    derivative,
-    energies,
-    law_at,
-)
+from .system import assemble, derivative, energies, law_at
 
 
 def compile_ahead() -> str:
@@ -51,4 +48,9 @@ def compile_ahead() -> str:
     vector_to_matrix(equations.gamma[:3])
     law_at(model, 0, 0.0)
     centrifugal_matrix(y[10:13], np.zeros(9), 1)
+    for kind in (Radau, CompiledAlpha):
+        march = kind(hinge, 0.0, y, 1e-3, first_step=1e-3)
+        march.step()
+        march.dense_output()(5e-4)
+        integrate(kind(hinge, 0.0, y, 1e-3, first_step=1e-3), [0.0, 5e-4, 1e-3])
     return f"step loop ready in {time.perf_counter() - begin:.1f} s"

@@ -15,6 +15,7 @@ from plymotion.solver.integrate import (
     new_constrained_integrator,
     new_integrator,
 )
+from plymotion.solver.marching import CompiledAlpha, Radau
 from plymotion.solver.model import Model
 from plymotion.solver.singularity import SingularityMonitor
 from plymotion.solver.system import assemble, constraint_rates, energies
@@ -43,14 +44,23 @@ def prepared(sample: Sample, treatment: Treatment) -> tuple[Model, np.ndarray]:
 def new_run(
     model: Model, y0: np.ndarray, treatment: Treatment, integrator: str, t_end: float, **options
 ) -> Integrator:
-    """An integrator as run.py makes it, without a case."""
+    """An integrator as run.py makes it, without a case.
+
+    With the treatments that are solved with the step: generalized-alpha of integrate/, or "ida",
+    or "march", the compiled loop of generalized-alpha.
+    """
     starts = [0, model.n_pos, model.n_pos + model.n_vel]
     options = {"block_starts": starts} | options
+    if integrator == "radau":
+        closed = treatment.name == "projection"
+        return Radau(model, 0.0, y0, t_end, closed=closed, **options)
     if treatment.name in IMPLICIT:
         name = "ida" if integrator == "ida" else "generalized-alpha"
         if name == "generalized-alpha":
             options["spectral_radius"] = treatment.spectral_radius
         options["formulation"] = treatment.name
+        if integrator == "march":
+            return CompiledAlpha(model, 0.0, y0, t_end, **options)
         return new_constrained_integrator(
             name, constrained_system(model), 0.0, y0, t_end, **options
         )

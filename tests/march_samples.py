@@ -1,0 +1,62 @@
+"""Two flexible bodies of mass points on a hinge and a ball joint, as stiff as a test wants."""
+
+from dataclasses import replace
+
+import numpy as np
+from flexible_samples import Points, body_of, random_points
+from mechanism_samples import GRAVITY, GROUND, Sample
+
+from plymotion.solver.assemble import ForceTable, JointTable, MarkerTable, assemble_model
+from plymotion.solver.initial import Start
+from plymotion.solver.laws import Law
+
+N_MODE = 2
+
+
+def two_bodies(
+    stiffness: float | None,
+    damping: float = 0.0,
+    drive: Law | None = None,
+    forces: tuple[ForceTable, ...] = (),
+    gravity: tuple[float, float, float] = GRAVITY,
+) -> Sample:
+    """Two flexible bodies that swing from rest.
+
+    Markers: 0 ground, 1 and 2 at the ends of the first body, 3 and 4 at those of the second.
+
+    Parameters
+    ----------
+    stiffness : of the first mode, half of the second's [1/s2 times modal mass]; None: rigid
+    damping : of the modes, [1/s times modal mass]
+    drive : of the first body's angle
+    forces : between markers
+    """
+    rng = np.random.default_rng(11)
+    m = 0 if stiffness is None else N_MODE
+    shapes = rng.normal(size=(2, 2, 3, N_MODE))
+    points = [random_points(rng, N_MODE) for _ in range(2)]
+    bodies = [_body(p, stiffness, damping) for p in points]
+    end = np.array([1.0, 0.3, -0.2])
+    markers = [MarkerTable(GROUND, np.zeros(3))]
+    for k in range(2):
+        for x, size in ((np.zeros(3), 0.0), (end, 0.2)):
+            phi, psi = size * shapes[k, :, :, :m]
+            markers.append(MarkerTable(k, x, np.eye(3), phi, psi))
+    joints = [JointTable("foot", "revolute", 0, 1), JointTable("ball", "spherical", 2, 3)]
+    if drive is not None:
+        joints.append(JointTable("drive", "rotation_drive", 0, 1, drive))
+    model = assemble_model(bodies, markers, joints, gravity_G=gravity, forces=forces)
+    positions = np.zeros(model.n_pos)
+    second = int(model.pos_start[1])
+    positions[3] = positions[second + 3] = 1.0
+    positions[second : second + 3] = end
+    none = np.zeros(model.n_vel)
+    return Sample(model, Start(positions, none, none.astype(bool)), [j.name for j in joints], 4)
+
+
+def _body(points: Points, stiffness: float | None, damping: float):
+    if stiffness is None:
+        none = np.zeros((points.x.shape[0], 3, 0))
+        return body_of(Points(points.m, points.x, none, none, points.J))
+    body = body_of(points, stiffness)
+    return replace(body, damping=damping * body.mass)
