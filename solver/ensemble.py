@@ -87,8 +87,14 @@ def integrate_members(
     times: Array,
     watches: Sequence[Watch],
     treatment: Treatment,
-) -> list[Solution]:
+) -> list[Solution | Exception]:
     """Integrate members of one structure, all with the same settings and output times.
+
+    A member that ends in an error leaves that error in its place and the others alone. The list
+    ends early where the user interrupts (Ctrl-C); its last entry may then be interrupted.
+
+    Each member runs through its own integrator: the compiled step loops (marching.py) take many
+    steps in one call, so that one more loop around the members would save less than 1 %.
 
     Parameters
     ----------
@@ -99,11 +105,18 @@ def integrate_members(
     watches : what looks at every step of each member and may stop it
     """
     ensemble = stack_models(models)
-    found: list[Solution] = []
+    found: list[Solution | Exception] = []
     for k, (y0, watch) in enumerate(zip(y0s, watches, strict=True)):
-        integrator = make_integrator(member(ensemble, k), y0, solver, treatment)
-        found.append(integrate(integrator, times, watch))
-        if found[-1].status == "interrupted":
+        try:
+            integrator = make_integrator(member(ensemble, k), y0, solver, treatment)
+            solution = integrate(integrator, times, watch)
+        except KeyboardInterrupt:
+            break
+        except Exception as error:
+            found.append(error)
+            continue
+        found.append(solution)
+        if solution.status == "interrupted":
             break
     return found
 

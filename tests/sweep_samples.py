@@ -28,6 +28,11 @@ at = "ball.c"
 component = "x"
 """
     + SOLVER.format(t_end=1.0, step=0.1, more="")
+    + """
+[variants.implicit.solver]
+integrator = "radau"
+constraints = "projection"
+"""
 )
 FORCE = '"forces.push.law.polynomial.3"'
 MASS = '"bodies.ball.mass"'

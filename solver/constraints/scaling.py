@@ -10,13 +10,10 @@ def row_masses(Phi_q: Array, inertia_scale: Array) -> Array:
 
     [kg] for a distance, [kg m2] for an angle; zero for a row that nothing can move.
     """
-    n_c = Phi_q.shape[0]
-    out = np.zeros(n_c)
-    for i in range(n_c):
-        mobility = np.sum(Phi_q[i] * Phi_q[i] / inertia_scale)
-        if mobility > 0.0:
-            out[i] = 1.0 / mobility
-    return out
+    mobility = (Phi_q * Phi_q) @ (1.0 / inertia_scale)
+    masses = np.zeros(mobility.shape[0])
+    np.divide(1.0, mobility, out=masses, where=mobility > 0.0)
+    return masses
 
 
 def scaled_jacobian(Phi_q: Array, inertia_scale: Array) -> Array:

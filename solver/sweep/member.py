@@ -134,28 +134,22 @@ def _group(plan: Plan, group: list[_Ready], rows: dict[int, Row]) -> dict[int, R
     """Return the rows of members of one structure with the same settings."""
     first = group[0]
     begin = time.perf_counter()
-    try:
-        solutions = integrate_members(
-            [ready.prepared.model for ready in group],
-            [ready.prepared.y0 for ready in group],
-            first.solver,
-            first.times,
-            [ready.prepared.watch for ready in group],
-            first.prepared.treatment,
-        )
-    except Exception as error:
-        if len(group) == 1:
-            return {first.number: _failed(rows[first.number], error)}
-        found: dict[int, Row] = {}
-        for one in group:  # which of them is it?
-            found |= _group(plan, [one], rows)
-        return found
+    solutions = integrate_members(
+        [ready.prepared.model for ready in group],
+        [ready.prepared.y0 for ready in group],
+        first.solver,
+        first.times,
+        [ready.prepared.watch for ready in group],
+        first.prepared.treatment,
+    )
     each = (time.perf_counter() - begin) / len(group)
     found = {}
     # shorter than the group where the user interrupted
     for ready, solution in zip(group, solutions, strict=False):
-        if solution.status != INTERRUPTED:
-            row = rows[ready.number]
+        row = rows[ready.number]
+        if isinstance(solution, Exception):
+            found[ready.number] = _failed(row, solution)
+        elif solution.status != INTERRUPTED:
             try:
                 found[ready.number] = _told(plan, ready, row, solution, each)
             except Exception as error:
@@ -171,7 +165,11 @@ def _failed(row: Row, error: Exception) -> Row:
         return replace(row, status=FAILED, message=message, code=code)
     message = f"{type(error).__name__}: {message}"
     return replace(
-        row, status=FAILED, message=message, code="defect", defect=traceback.format_exc()
+        row,
+        status=FAILED,
+        message=message,
+        code="defect",
+        defect="".join(traceback.format_exception(error)),
     )
 
 

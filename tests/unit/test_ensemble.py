@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 from sweep_samples import FORCE, MASS, ball_plan
 
-from plymotion.solver.ensemble import member, stack_models, structure
+from plymotion.solver.ensemble import integrate_members, member, stack_models, structure
+from plymotion.solver.integrate import Solution, integrate
 from plymotion.solver.model import Model
 from plymotion.solver.plan import Plan
 from plymotion.solver.preparation import prepare
+from plymotion.solver.run import make_integrator
 
 FIELDS = tuple(name for name in Model._fields if name != "plan") + Plan._fields
 
@@ -51,3 +53,51 @@ def test_another_structure_is_refused(models):
     assert structure(models[0]) == structure(models[1]) != structure(other)
     with pytest.raises(ValueError, match="member 1: redundant differs"):
         stack_models([models[0], other])
+
+
+@pytest.fixture
+def three(tmp_path):
+    """Members prepared for radau, and their settings."""
+    plan = ball_plan(tmp_path, f"{MASS} = [1, 2, 3]", 'variants = ["implicit"]')
+    mechanisms = [plan.mechanism_of(k) for k in range(3)]
+    return [prepare(m, {}) for m in mechanisms], mechanisms[0]["solver"]
+
+
+def together(members, solver, watches):
+    models, y0s = [m.model for m in members], [m.y0 for m in members]
+    times = np.linspace(0.0, solver["t_end"], 5)
+    return integrate_members(models, y0s, solver, times, watches, members[0].treatment)
+
+
+def test_members_move_as_they_do_alone(three):
+    members, solver = three
+    found = together(members, solver, [m.watch for m in members])
+    assert solver["integrator"] == "radau"
+    for one, solution in zip(members, found, strict=True):
+        alone = integrate(make_integrator(one.model, one.y0, solver), solution.t)
+        assert solution.status == alone.status == "finished"
+        np.testing.assert_array_equal(solution.y, alone.y)
+    # force t^3 on masses 1, 2, 3: a velocity of 1 + t^4 / (4 m) at the end
+    ends = [s.y[-1, m.model.n_pos] for s, m in zip(found, members, strict=True)]
+    np.testing.assert_allclose(ends, 1.0 + 0.25 / np.array([1.0, 2.0, 3.0]), rtol=1e-6)
+
+
+def test_an_error_in_one_member_leaves_the_others_alone(three):
+    members, solver = three
+
+    def broken(integrator):
+        raise ArithmeticError("seven")
+
+    found = together(members, solver, [members[0].watch, broken, members[2].watch])
+    assert [type(one) for one in found] == [Solution, ArithmeticError, Solution]
+    assert found[0].status == found[2].status == "finished"
+
+
+def test_interruption_keeps_finished_members(three):
+    members, solver = three
+
+    def impatient(integrator):
+        raise KeyboardInterrupt
+
+    found = together(members, solver, [members[0].watch, impatient, members[2].watch])
+    assert [one.status for one in found] == ["finished", "interrupted"]
