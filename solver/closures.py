@@ -7,6 +7,7 @@ import numpy as np
 from .coordinates import moved, position_rates
 from .integrate.base import Derivative
 from .integrate.constrained import ConstrainedSystem
+from .march.explicit import fill_stages
 from .model import Model
 from .package.schema import Array
 from .projection import projected
@@ -14,14 +15,36 @@ from .system import accelerations, assemble, by_blocks, dense_derivative_into, d
 from .workspace import new_work
 
 
+class RightHandSide:
+    """f(t, y) -> dy/dt of the index-1 system, each time in the same array.
+
+    For mechanisms that are solved by blocks.
+    """
+
+    def __init__(self, model: Model) -> None:
+        self._model, self._work = model, new_work(model)
+        self._out = np.empty(model.n_pos + model.n_vel + 1)
+
+    def __call__(self, t: float, y: Array) -> Array:
+        """dy/dt (n,) at (t, y (n,))."""
+        derivative_into(self._model, self._work, t, y, self._out)
+        return self._out
+
+    def stages(
+        self, A: Array, C: Array, t: float, y: Array, h: float, K: Array, point: Array
+    ) -> None:
+        """Fill the stages K of an explicit step in one call; see march/explicit.py."""
+        fill_stages(self._model, self._work, A, C, t, y, h, K, point)
+
+
 def right_hand_side(model: Model) -> Derivative:
     """Return f(t, y) -> dy/dt of the index-1 system, each time in the same array."""
+    if by_blocks(model):
+        return RightHandSide(model)
     work, out = new_work(model), np.empty(model.n_pos + model.n_vel + 1)
 
-    fill = derivative_into if by_blocks(model) else dense_derivative_into
-
     def rate(t: float, y: Array) -> Array:
-        fill(model, work, t, y, out)
+        dense_derivative_into(model, work, t, y, out)
         return out
 
     return rate
@@ -29,12 +52,13 @@ def right_hand_side(model: Model) -> Derivative:
 
 def projection(model: Model) -> Callable[[float, Array], Array | None]:
     """Return project(t, y) -> state on the constraints; None if none is near."""
+    work = new_work(model)
 
-    def project(t: float, y: Array) -> Array | None:
-        nearest, reached = projected(model, t, y)
-        return nearest if reached else None
+    def nearest(t: float, y: Array) -> Array | None:
+        out, reached = projected(model, t, y, work)
+        return out if reached else None
 
-    return project
+    return nearest
 
 
 def constrained_system(model: Model) -> ConstrainedSystem:

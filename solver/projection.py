@@ -11,6 +11,7 @@ from .workspace import PHI, Work, new_work
 
 MAX_ITERATIONS = 6
 CLOSED = 1e-12  # |Phi| that needs no correction [m, rad]
+SMALL = 1e-7  # change of positions whose square is below rounding [m, rad]
 TOLERABLE = 1e-9  # |Phi| that may be left where rounding allows no better [m, rad]
 
 
@@ -34,6 +35,9 @@ def project(model: Model, work: Work, t: float, y: Array) -> bool:
         _respond(model, work, -work.rows[:, PHI], step)
         before = y[:n_pos].copy()
         y[:n_pos] = moved(model, before, step)
+        if _largest(step) < SMALL:
+            violation = min(violation, SMALL * SMALL)
+            break
         evaluate(model, work, t, y)
         left = _largest(work.rows[:, PHI])
         if not left < violation:
@@ -77,11 +81,11 @@ def _dense_respond(model: Model, work: Work, gamma: Array, step: Array) -> None:
 _dense_project = rebound(project, _respond=_dense_respond)
 
 
-def projected(model: Model, t: float, y: Array) -> tuple[Array, bool]:
+def projected(model: Model, t: float, y: Array, work: Work | None = None) -> tuple[Array, bool]:
     """Return the state (n,) on the constraints nearest to y, and whether it was reached.
 
-    For mechanisms with constraints.
+    For mechanisms with constraints. `work` is memory to use again.
     """
     out = y.copy()
     method = project if by_blocks(model) else _dense_project
-    return out, method(model, new_work(model), t, out)
+    return out, method(model, work or new_work(model), t, out)

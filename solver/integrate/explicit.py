@@ -49,6 +49,9 @@ class ExplicitRungeKutta(Integrator):
         self._stages = [
             (i, self.A[i, :i].copy(), self._K[:i], float(self.C[i])) for i in range(1, s)
         ]
+        # a derivative may bring along a method that fills all stages in one call
+        self._fill = getattr(self._f, "stages", None)
+        self._tableau = np.ascontiguousarray(self.A), np.ascontiguousarray(self.C)
         self._work = np.empty(self.n)
         self._f_now = self._f_start
         self._err_last = 1e-4
@@ -59,11 +62,15 @@ class ExplicitRungeKutta(Integrator):
         K, work, y = self._K, self._work, self.y
         s = self.B.size
         K[0] = self._f_now
-        for i, a, K_before, c in self._stages:
-            np.dot(a, K_before, out=work)
-            work *= h
-            work += y
-            K[i] = self.derivative(self.t + c * h, work)
+        if self._fill is not None:
+            self._fill(*self._tableau, self.t, y, h, K, work)
+            self.counters.evaluations += s - 1
+        else:
+            for i, a, K_before, c in self._stages:
+                np.dot(a, K_before, out=work)
+                work *= h
+                work += y
+                K[i] = self.derivative(self.t + c * h, work)
         y_new = self.B.dot(K[:s])
         y_new *= h
         y_new += y
