@@ -183,8 +183,6 @@ def assemble_model(
         law_coefficient=np.concatenate(
             [np.zeros((0, N_COEFFICIENT)), *[law.coefficients for law in laws]]
         ),
-        point_marker=np.array([k for k, _ in point_masses], dtype=np.int64),
-        point_mass=np.array([mass for _, mass in point_masses], dtype=float),
         inertia_scale=_inertia_scale(bodies, markers, point_masses),
         redundant=0,
         alpha=float(alpha),

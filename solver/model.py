@@ -71,9 +71,6 @@ class Model(NamedTuple):
     law_start: IntArray  # (nl + 1,)
     law_time: Array  # (n_piece,)                         [s]
     law_coefficient: Array  # (n_piece, N_COEFFICIENT)
-    # point masses (nm): part of the inertia of their bodies above
-    point_marker: IntArray
-    point_mass: Array
     # constraint treatment (constraints/treatment.py)
     inertia_scale: Array  # (n_vel,) inertia of each velocity coordinate, for scaling only
     redundant: int  # constraint equations that follow from the others
