@@ -2,7 +2,7 @@
 
 Readable descriptions (case.py, package/) are compiled once into a `Model`;
 inside a step no object per body is touched. Bodies stand end to end with
-offsets; markers, joints and point masses are tables. A body without modes is
+offsets; markers and joints are tables, point masses part of their bodies. A body without modes is
 rigid. The ground is body -1 and has no coordinates.
 
 State: y = [positions | velocities | work]
