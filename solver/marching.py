@@ -6,11 +6,13 @@ from typing import Any
 import numpy as np
 
 from .closures import right_hand_side
+from .compiled import COMPILED
 from .constraints.treatment import Treatment
-from .errors import InputError
+from .errors import InputError, did_you_mean
 from .forces.table import FIRST_LOAD
 from .integrate import Integrator
-from .integrate.base import Dense
+from .integrate.base import FIRST_STEPS, Dense
+from .integrate.generalized_alpha import FORMULATIONS
 from .integrate.hermite import Hermite
 from .march import course as codes
 from .march.alpha import advance_alpha
@@ -24,7 +26,8 @@ from .package.schema import Array
 from .system import by_blocks, derivative_into
 from .workspace import new_work
 
-CHUNK = 200  # steps of one call: Ctrl-C is heard between calls
+# Steps of one call, between which Ctrl-C is heard without loss.
+CHUNK = 200 if COMPILED else 5
 TROUBLE = {
     codes.NEWTON: "the Newton iteration does not converge (or constraints contradict)",
     codes.TOO_ROUGH: "the local error exceeds the tolerance",
@@ -81,15 +84,18 @@ class Marching(Integrator):
             self.t_end,
             float(self.norm.rtol),
             np.broadcast_to(np.asarray(self.norm.atol, dtype=float), (self.n,)).copy(),
-            np.append(options.get("block_starts", [0]), self.n).astype(np.int64),
+            np.append(options.get("block_starts") or [0], self.n).astype(np.int64),
             float(self.max_step),
             float(self.min_step),
             float(self.fixed_step or 0.0),
             self._closes(),
         )
-        work, rate = new_work(model), np.empty(self.n)
+        work, rate = new_work(model), np.zeros(self.n)
         if self.status == "running":
-            derivative_into(model, work, self.t, self.y, rate)
+            with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+                derivative_into(model, work, self.t, self.y, rate)
+            self.counters.evaluations += 1
+        self._h_next = float(self._h_next)  # the loops are compiled for numbers of one kind
         self._course = self._begin(rate, work.multipliers)
         self._evaluated = self.counters.evaluations
         self._nowhere = np.empty(0), np.empty((0, self.n))
@@ -99,7 +105,9 @@ class Marching(Integrator):
 
         Returns the number of rows filled, of which `filled` were there already.
         """
-        code, filled = self._call(CHUNK, times, rows, filled)
+        watched = self.fixed_step is not None and self.counters.steps < FIRST_STEPS
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            code, filled = self._call(1 if watched else CHUNK, times, rows, filled)
         clock, counts = self._course.clock, self._course.counts
         if counts[codes.STEPS] > self.counters.steps:
             self.counters.steps = int(counts[codes.STEPS]) - 1
@@ -128,7 +136,7 @@ class Marching(Integrator):
         self._not_finite = int(trouble == codes.ILL)
         t, h = clock[codes.TIME], clock[codes.NEXT]
         if code == codes.TOO_SMALL:
-            floor = self._smallest_step()
+            floor = max(self._smallest_step(), codes.SMALLEST)
             self._fail(f"The step at t = {t:.9g} s fell to {h:.3g} s, below {floor:.3g} s")
         elif code == codes.REFUSED:
             self._fail(f"The fixed step of {self.fixed_step:.3g} s fails at t = {t:.9g} s")
@@ -220,7 +228,16 @@ class CompiledAlpha(Marching):
         spectral_radius: float = 0.8,
         **options: Any,
     ) -> None:
-        self._scheme = scheme(spectral_radius, stabilised=formulation == "ggl")
+        if formulation not in FORMULATIONS:
+            raise ValueError(
+                f"formulation: expected one of {', '.join(FORMULATIONS)}, got {formulation!r}"
+                f"{did_you_mean(formulation, FORMULATIONS)}"
+            )
+        if not 0 <= spectral_radius <= 1:
+            raise ValueError(
+                f"spectral_radius: expected a number from 0 to 1, got {spectral_radius!r}"
+            )
+        self._scheme = scheme(float(spectral_radius), stabilised=formulation == "ggl")
         super().__init__(model, t0, y0, t_end, **options)
 
     def _begin(self, rate: Array, multipliers: Array) -> Any:

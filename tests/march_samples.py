@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 from flexible_samples import Points, body_of, random_points
-from mechanism_samples import GRAVITY, GROUND, Sample
+from mechanism_samples import GRAVITY, GROUND, Rods, Sample
 
 from plymotion.solver.assemble import ForceTable, JointTable, MarkerTable, assemble_model
 from plymotion.solver.initial import Start
-from plymotion.solver.laws import Law
+from plymotion.solver.laws import Law, polynomial
 
 N_MODE = 2
 
@@ -60,3 +60,38 @@ def _body(points: Points, stiffness: float | None, damping: float):
         return body_of(Points(points.m, points.x, none, none, points.J))
     body = body_of(points, stiffness)
     return replace(body, damping=damping * body.mass)
+
+
+def torn() -> Sample:
+    """A rod on a hinge whose tip is held by a distance and whose angle is driven: at rest at t = 0
+    only both can be.
+    """
+    rods = Rods(side=0.1)
+    rod = rods.rod((0, 0, 0), (1, 0, 0))
+    rods.joint("foot", "revolute", GROUND, rod, (0, 0, 0))
+    ends = rods.marker(GROUND, (1, 1, 0)), rods.marker(rod, (1, 0, 0))
+    rods.joints.append(JointTable("held", "distance", *ends, length=1.0))
+    ends = rods.marker(GROUND, (0, 0, 0)), rods.marker(rod, (0, 0, 0))
+    drive = polynomial([0.0, 0.0, 0.0, 5.0])
+    rods.joints.append(JointTable("drive", "rotation_drive", *ends, drive))
+    return rods.sample((rod, (1, 0, 0)), gravity_G=GRAVITY)
+
+
+def stretching_rod(stiffness: float | None) -> Sample:
+    """A mass point on a massless rod with one mode that stretches it; None: a rigid rod.
+
+    A second mass at the hinge, and a little rotary inertia, make the mass matrix positive.
+    """
+    m = 0 if stiffness is None else 1
+    phi, psi = np.zeros((2, 3, m)), np.zeros((2, 3, m))
+    phi[1, 0, :] = 1.0
+    x = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    J = np.array([1e-3 * np.eye(3)] * 2)
+    body = body_of(Points(np.ones(2), x, phi, psi, J), stiffness or 0.0)
+    none = np.zeros((3, m))
+    markers = [MarkerTable(GROUND, np.zeros(3)), MarkerTable(0, np.zeros(3), np.eye(3), none, none)]
+    joints = [JointTable("foot", "revolute", 0, 1)]
+    model = assemble_model([body], markers, joints, gravity_G=GRAVITY)
+    positions, rest = np.zeros(model.n_pos), np.zeros(model.n_vel)
+    positions[3] = 1.0
+    return Sample(model, Start(positions, rest, rest.astype(bool)), ["foot"], 1)

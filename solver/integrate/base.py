@@ -305,7 +305,7 @@ class Integrator(ABC):
         size_y = self.norm(self.y * weight)
         size_f = self.norm(self._f_start * weight)
         h = 0.01 * size_y / size_f if min(size_y, size_f) > 1e-5 else 1e-6
-        h = min(h, span, self.max_step)
+        h = max(min(h, span, self.max_step), 1e-300)  # f may be beyond all measure
         f_ahead = self.derivative(self.t + h, self.y + h * self._f_start)
         change = self.norm((f_ahead - self._f_start) * weight) / h
         if not np.isfinite(change):

@@ -86,8 +86,10 @@ def integrate(
     interrupted = False
     try:
         if integrator.strides and on_step is None:
-            _stride(integrator, times, rows)
-            t_last, y_last = integrator.t, integrator.y
+            try:
+                _stride(integrator, times, rows)
+            finally:
+                t_last, y_last = integrator.t, integrator.y
         while integrator.status == "running":
             integrator.step()
             if integrator.t == t_last:
@@ -126,6 +128,7 @@ def integrate(
 
 def _stride(integrator: Any, times: Array, rows: list[Array]) -> None:
     """Let the integrator's own loop run; add the rows it reaches."""
+    times = times.copy()  # of one kind in memory, for a loop that is compiled for it
     values = np.empty((times.size, integrator.n))
     filled = len(rows)
     for k, row in enumerate(rows):

@@ -27,6 +27,7 @@ from .course import (
     PAUSED,
     REFUSED,
     REJECTED,
+    SMALLEST,
     STEPS,
     TOO_ROUGH,
     TOO_SMALL,
@@ -77,7 +78,7 @@ def advance_alpha(
         t_new = t + h
         if h * stretch >= left:
             h, t_new = left, options.t_end
-        if h < max(options.min_step, 2e-15 * abs(t), 1e-300) and t_new < options.t_end:
+        if h < max(options.min_step, 2e-15 * abs(t), SMALLEST) and t_new < options.t_end:
             return TOO_SMALL, filled
 
         _predict(model, scheme, course, h)
@@ -145,7 +146,8 @@ def advance_alpha(
                 course.change[i] *= scheme.to_v / h
             size = _size(model, options, course)
             if not size < 1e300:
-                counts[TROUBLE] = ILL
+                if iteration == 1:  # later it is the iteration that runs away
+                    counts[TROUBLE] = ILL
                 break
             rate = size / size_last if iteration > 1 and size_last > 0.0 else 0.0
             # the second correction may exceed the first: a prediction can be too good for its J

@@ -14,8 +14,13 @@ from ..elimination import solve
 from ..joints.rows import PHI
 from ..model import Model
 from ..package.schema import Array
+<<<<<<< HEAD
 from ..projection import CLOSED, SMALL, TOLERABLE
 from ..system import evaluate, evaluate_rates
+=======
+from ..projection import CLOSED, TOLERABLE
+from ..system import evaluate, evaluate_rates, row_products
+>>>>>>> quality
 from ..workspace import Work
 from .pencil import Frozen, Pencil, factorise_pencil, freeze
 
@@ -42,8 +47,8 @@ def close(
                 real.gamma[k] = -work.rows[k, PHI]
             largest = _answered(model, real)
             move(model, y, real.delta)
-            violation = min(violation, largest * largest)
             if largest < SMALL:
+                violation = max(largest * largest, _left(model, work, frozen, real))
                 break
             evaluate(model, work, t, y)
             count += 1
@@ -73,6 +78,18 @@ def _answered(model: Model, real: Pencil) -> float:
             real.delta[model.vel_start[i] + k] = x
             if not abs(x) <= largest:
                 largest = abs(x)
+    return largest
+
+
+@inlined
+def _left(model: Model, work: Work, frozen: Frozen, real: Pencil) -> float:
+    """Largest row that the last correction leaves open: more than rounding if rows contradict."""
+    row_products(model, frozen.J, real.x, work.left)
+    largest = 0.0
+    for k in range(model.n_constraint):
+        row = abs(work.rows[k, PHI] + work.left[k])
+        if not row <= largest:
+            largest = row
     return largest
 
 

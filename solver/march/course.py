@@ -18,6 +18,7 @@ TIME, NEXT, TAKEN, ERROR_LAST, RATE = 0, 1, 2, 3, 4
 STEPS, REJECTED, EVALUATIONS, FACTORISATIONS, BAD, TROUBLE = 0, 1, 2, 3, 4, 5
 # Values of TROUBLE: why the last attempt was refused.
 NONE, NEWTON, TOO_ROUGH, ILL, OFF = 0, 1, 2, 3, 4
+SMALLEST = 1e-300  # step, whatever the time [s]
 
 
 class Options(NamedTuple):

@@ -26,6 +26,7 @@ from .course import (
     RATE,
     REFUSED,
     REJECTED,
+    SMALLEST,
     STEPS,
     TAKEN,
     TIME,
@@ -98,7 +99,7 @@ def advance(
         t_new = t + h
         if h * stretch >= left:  # on t_end exactly, no sliver before it
             h, t_new = left, options.t_end
-        if h < max(options.min_step, 2e-15 * abs(t), 1e-300) and t_new < options.t_end:
+        if h < max(options.min_step, 2e-15 * abs(t), SMALLEST) and t_new < options.t_end:
             return TOO_SMALL, filled
 
         # stages
@@ -137,7 +138,8 @@ def advance(
             solve_pencil(model, frozen, pair, NU / h)
             size = correct(options, course)
             if not size < 1e300:
-                counts[TROUBLE] = ILL
+                if iteration == 1:  # later it is the iteration that runs away
+                    counts[TROUBLE] = ILL
                 break
             if iteration > 1 and size_last > 0.0:
                 rate = size / size_last
