@@ -359,6 +359,10 @@ docs/charts/solver-models.csv: $(RUN_SOURCES) $(PREPROCESS_SOURCES) benchmarks/s
 	@mkdir -p $(@D)
 	$(BENCH) benchmarks/solver_models.py $@
 
+# One after the other: what runs beside a measurement disturbs it.
+docs/charts/solver-treatments.csv: | docs/charts/solver-integrators.csv
+docs/charts/solver-models.csv: | docs/charts/solver-treatments.csv
+
 docs/pictures/solver-%.png: docs/charts/solver-%.csv benchmarks/solver_chart.py
 	$(BENCH) benchmarks/solver_chart.py $* $< $@
 
