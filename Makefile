@@ -348,7 +348,7 @@ build/charts/shell-%.json: $(PREPROCESS_SOURCES) benchmarks/shell_course.py \
 docs/pictures/shell-%.png: build/charts/shell-%.json benchmarks/shell_chart.py
 	$(PY) benchmarks/shell_chart.py $* $< $@
 
-ACCURACY_SOURCES := $(patsubst %,benchmarks/solver_%.py,accuracy exudyn methods problems runs)
+ACCURACY_SOURCES := $(patsubst %,benchmarks/solver_%.py,accuracy exudyn exudyn_beam methods problems runs)
 docs/charts/solver-integrators.csv docs/charts/solver-treatments.csv: docs/charts/solver-%.csv: \
     $(RUN_SOURCES) $(ACCURACY_SOURCES) $(EXUDYN) | $(COMPILED)
 	@mkdir -p $(@D)
@@ -358,6 +358,10 @@ docs/charts/solver-models.csv: $(RUN_SOURCES) $(PREPROCESS_SOURCES) benchmarks/s
     benchmarks/solver_problems.py | $(COMPILED) $(FENICSX)
 	@mkdir -p $(@D)
 	$(BENCH) benchmarks/solver_models.py $@
+
+# One after the other: what runs beside a measurement disturbs it.
+docs/charts/solver-treatments.csv: | docs/charts/solver-integrators.csv
+docs/charts/solver-models.csv: | docs/charts/solver-treatments.csv
 
 docs/pictures/solver-%.png: docs/charts/solver-%.csv benchmarks/solver_chart.py
 	$(BENCH) benchmarks/solver_chart.py $* $< $@

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import solver_exudyn
 from solver_csv import write
+from solver_exudyn_beam import actuated_beam as actuated_beam_there
 from solver_methods import INTEGRATOR_METHODS, TREATMENT_METHODS, Method, available
 from solver_problems import Problem, actuated_beam, chain, double_pendulum
 from solver_runs import Point, largest, point, reference, warm_up
@@ -27,6 +28,7 @@ METHODS = {"integrators": INTEGRATOR_METHODS, "treatments": TREATMENT_METHODS}
 def peer(problem: Problem, exact: Array) -> list[Point]:
     """Exudyn on the same mechanism; none where there is no model of it."""
     makers = {
+        "actuated-beam": lambda n: actuated_beam_there(problem, n, solver_exudyn.MODIFIED),
         "double-pendulum": lambda n: solver_exudyn.double_pendulum(n, solver_exudyn.MODIFIED),
         f"chain-{CHAIN}": lambda n: solver_exudyn.chain(
             CHAIN, n, problem.t_end / n, solver_exudyn.MODIFIED
@@ -46,7 +48,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("kind", choices=tuple(METHODS))
     parser.add_argument("csv", type=Path)
-    parser.add_argument("--budget", type=float, default=15.0, help="longest run [s]")
+    parser.add_argument("--budget", type=float, default=8.0, help="longest run [s]")
     arguments = parser.parse_args()
     methods: list[Method] = available(METHODS[arguments.kind])
     problems = [double_pendulum(), actuated_beam(), chain(CHAIN, CHAIN_END)]

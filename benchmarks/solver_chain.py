@@ -8,10 +8,10 @@ import solver_exudyn
 from solver_exudyn import FULL, MODIFIED
 from solver_methods import CHAIN_METHODS, Method, available
 from solver_problems import Problem, chain
-from solver_runs import prepared
+from solver_runs import limit, prepared
 from tqdm import tqdm
 
-from plymotion.solver.integrate import Integrator, StopRequest, integrate
+from plymotion.solver.integrate import integrate
 from plymotion.solver.run import make_integrator
 
 LINKS = (8, 16, 32, 64, 128, 256)
@@ -25,13 +25,7 @@ def fixed_steps(problem: Problem, method: Method, budget_s: float) -> tuple[int,
     model, solver = prepared(problem, method, method.rtols[0])
     integrator = make_integrator(model, problem.y0, solver | {"fixed_step": STEP})
     begin = time.process_time()
-
-    def follow(one: Integrator) -> StopRequest | None:
-        if time.process_time() > begin + budget_s:
-            return StopRequest(one.t, "out of the time set aside for it", "budget")
-        return None
-
-    solution = integrate(integrator, [problem.t_end], follow)
+    solution = integrate(integrator, [problem.t_end], limit(integrator, begin + budget_s))
     cpu = time.process_time() - begin
     return solution.counters.steps, cpu, solution.code or solution.status
 
@@ -51,7 +45,7 @@ def measure(rounds: int, budget_s: float) -> dict[str, Any]:
                 if _hopeless(tried[method.label]):
                     continue
                 steps, cpu, status = fixed_steps(problem, method, budget_s)
-                tried[method.label][n] = status
+                tried[method.label][n] = "budget" if cpu > budget_s else status
                 if status in ("finished", "budget") and steps >= 3:
                     ours[method.label].setdefault(n, []).append(1e6 * cpu / (steps * n))
             if n in EXUDYN_LINKS:

@@ -17,6 +17,7 @@ from plymotion.solver.report.style import DASHES, GREY, INK, Canvas, colour, hou
 
 MARKERS = ("o", "s", "D", "^", "v", "P", "X", "<", ">", "p", "h")
 PEER, FOREIGN = "Exudyn", ("scipy-", "ida")
+PAIRED = "rk8, "  # with a treatment of constraints
 Row = dict[str, str]
 
 
@@ -58,7 +59,7 @@ def error_time(rows: list[Row], picture: Path, subject: str) -> None:
 
 def _curve(axis: Any, done: list[tuple[float, float]], label: str, k: int) -> None:
     """Every run as a point; the line joins those that no other run of the curve beats."""
-    peer, foreign = label == PEER, label.startswith(FOREIGN)
+    peer, foreign = label == PEER, label.startswith((*FOREIGN, PAIRED))
     shade = INK if peer else colour(k % 7)
     line = np.array(front(done))
     style = {"color": shade, "marker": MARKERS[k % len(MARKERS)], "markersize": 4.5}

@@ -105,13 +105,18 @@ class Plane:
         velocity_y: float = 0.0,
         masses: dict[str, float] | None = None,
         g: float = -GRAVITY[1],
+        tilt: float = 0.0,
+        modal_rates: Array | None = None,
     ) -> tuple[int, int]:
-        """Add a reduced body; return the numbers of its frame's node and of its object."""
+        """Add a reduced body; return the numbers of its frame's node and of its object.
+
+        Its frame is turned about x by `tilt` [rad]; modes start with `modal_rates` (m,).
+        """
         items, mbs, m = self.items, self.mbs, package.n_mode
         sums = carrying(package, masses or {})
         frame = mbs.AddNode(
             items.NodeRigidBodyRxyz(
-                referenceCoordinates=[*place, 0, 0, 0, 0],
+                referenceCoordinates=[*place, 0, tilt, 0, 0],
                 initialVelocities=[0, velocity_y, 0, 0, 0, spin],
             )
         )
@@ -120,7 +125,7 @@ class Plane:
                 numberOfODE2Coordinates=m,
                 referenceCoordinates=[0] * m,
                 initialCoordinates=[0] * m,
-                initialCoordinates_t=[0] * m,
+                initialCoordinates_t=[0] * m if modal_rates is None else modal_rates.tolist(),
             )
         )
         eye, eps = np.eye(3), _permutations()
@@ -203,12 +208,12 @@ class Plane:
                 )
             )
 
-    def tip(self, body: int, package: ModalPackage) -> int:
-        """Marker at a body's interface `tip`."""
+    def at_interface(self, body: int, package: ModalPackage, name: str = "tip") -> int:
+        """Marker at an interface of a body."""
         return int(
             self.mbs.AddMarker(
                 self.items.MarkerSuperElementPosition(
-                    bodyNumber=body, meshNodeNumbers=[node(package, "tip")], weightingFactors=[1.0]
+                    bodyNumber=body, meshNodeNumbers=[node(package, name)], weightingFactors=[1.0]
                 )
             )
         )
@@ -257,7 +262,7 @@ def double_pendulum(
     frame, body = plane.body(arm, (0.0, 0.0), spin=speed, masses={"tip": 1.0}, g=g)
     plane.drive(frame, speed)
     other, last = plane.body(hand, (elbow, 0.0), velocity_y=speed * elbow, masses={"tip": 3.0}, g=g)
-    plane.hinge(plane.tip(body, arm), other)
+    plane.hinge(plane.at_interface(body, arm), other)
     return plane.solve(plane.sensor(last, hand), t_end, steps, newton)
 
 
@@ -269,7 +274,7 @@ def chain(n: int, steps: int, h: float, newton: str) -> tuple[Array, float]:
     bodies = [plane.body(link, (i * length, 0.0)) for i in range(n)]
     plane.hinge(plane.ground, bodies[0][0])
     for (_, before), (frame, _) in pairwise(bodies):
-        plane.hinge(plane.tip(before, link), frame)
+        plane.hinge(plane.at_interface(before, link), frame)
     sensor = plane.sensor(bodies[-1][1], link)
     return plane.solve(sensor, steps * h, steps, newton, sparse=n > 4)
 

@@ -6,9 +6,10 @@ from typing import Any
 
 from plymotion.solver.integrate import CONSTRAINED, INTEGRATORS
 
-EXPLICIT = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
-IMPLICIT = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
-SECOND_ORDER = (1e-3, 1e-4, 1e-5, 1e-6)
+EXPLICIT = (1e-3, 1e-5, 1e-7)  # where stability sets the step, all cost the same
+FIFTH_ORDER = (1e-3, 3e-4, 1e-4, 5e-5, 2e-5, 1e-5, 1e-6, 1e-7)
+SECOND_ORDER = (1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 1e-6, 1e-7)
+IMPLICIT = (1e-3, 1e-4, 1e-5, 1e-6)  # in Python, or of others
 
 
 @dataclass(frozen=True)
@@ -26,25 +27,30 @@ class Method:
 INTEGRATOR_METHODS = (
     Method("rk8", "rk8", "projection", EXPLICIT),
     Method("rk5", "rk5", "projection", EXPLICIT),
-    Method("radau", "radau", "projection", IMPLICIT),
+    Method("radau", "radau", "projection", FIFTH_ORDER),
     Method("generalized-alpha", "generalized-alpha", "ggl", SECOND_ORDER),
-    Method("gear", "gear", "projection", SECOND_ORDER, {"max_order": 5}),
-    Method("gear, order 2", "gear", "projection", SECOND_ORDER, {"max_order": 2}),
+    Method("gear", "gear", "projection", IMPLICIT, {"max_order": 5}),
+    Method("gear, order 2", "gear", "projection", IMPLICIT, {"max_order": 2}),
     Method("scipy-dop853", "scipy-dop853", "projection", EXPLICIT, foreign=True),
-    Method("scipy-radau", "scipy-radau", "projection", SECOND_ORDER, foreign=True),
-    Method("scipy-bdf", "scipy-bdf", "projection", SECOND_ORDER, foreign=True),
-    Method("scipy-lsoda", "scipy-lsoda", "projection", SECOND_ORDER, foreign=True),
-    Method("ida", "ida", "ggl", SECOND_ORDER, foreign=True),
+    Method("scipy-radau", "scipy-radau", "projection", IMPLICIT, foreign=True),
+    Method("scipy-bdf", "scipy-bdf", "projection", IMPLICIT, foreign=True),
+    Method("scipy-lsoda", "scipy-lsoda", "projection", IMPLICIT, foreign=True),
+    Method("ida", "ida", "ggl", IMPLICIT, foreign=True),
 )
 FEEDBACK = {"alpha": 50.0, "beta": 50.0}
+PAIRS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 TREATMENT_METHODS = (
-    Method("projection", "rk8", "projection", EXPLICIT),
-    Method("index1", "rk8", "index1", EXPLICIT),
-    Method("baumgarte 5/5", "rk8", "baumgarte", EXPLICIT),
-    Method("baumgarte 50/50", "rk8", "baumgarte", EXPLICIT, FEEDBACK),
-    Method("augmented-lagrangian", "rk8", "augmented-lagrangian", EXPLICIT),
-    Method("ggl", "generalized-alpha", "ggl", SECOND_ORDER),
-    Method("index3", "generalized-alpha", "index3", SECOND_ORDER),
+    Method("radau, projection", "radau", "projection", PAIRS),
+    Method("radau, index1", "radau", "index1", PAIRS),
+    Method("radau, baumgarte 5/5", "radau", "baumgarte", PAIRS),
+    Method("radau, baumgarte 50/50", "radau", "baumgarte", PAIRS, FEEDBACK),
+    # of radau the augmented Lagrangian changes Newton's matrix only, not the motion
+    Method("rk8, projection", "rk8", "projection", EXPLICIT),
+    Method("rk8, index1", "rk8", "index1", EXPLICIT),
+    Method("rk8, baumgarte 50/50", "rk8", "baumgarte", EXPLICIT, FEEDBACK),
+    Method("rk8, augmented-lagrangian", "rk8", "augmented-lagrangian", EXPLICIT),
+    Method("generalized-alpha, ggl", "generalized-alpha", "ggl", SECOND_ORDER),
+    Method("generalized-alpha, index3", "generalized-alpha", "index3", SECOND_ORDER),
 )
 # At a fixed step; all see the same highest mode, far beyond what an explicit step bears.
 CHAIN_METHODS = (
@@ -56,7 +62,7 @@ CHAIN_METHODS = (
 
 def available(methods: tuple[Method, ...]) -> list[Method]:
     """Those whose integrator this version has; without scikit-sundae all but `ida`."""
-    known = {*INTEGRATORS, *CONSTRAINED}
+    known = {*INTEGRATORS, *CONSTRAINED, "radau"}
     if find_spec("sksundae") is None:
         known.discard("ida")
     return [m for m in methods if m.integrator in known]
