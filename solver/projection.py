@@ -11,7 +11,6 @@ from .workspace import PHI, Work, new_work
 
 MAX_ITERATIONS = 6
 CLOSED = 1e-12  # |Phi| that needs no correction [m, rad]
-SMALL = 1e-7  # change of positions whose square is below rounding [m, rad]
 TOLERABLE = 1e-9  # |Phi| that may be left where rounding allows no better [m, rad]
 
 
@@ -35,9 +34,6 @@ def project(model: Model, work: Work, t: float, y: Array) -> bool:
         _respond(model, work, -work.rows[:, PHI], step)
         before = y[:n_pos].copy()
         y[:n_pos] = moved(model, before, step)
-        if _largest(step) < SMALL:
-            violation = min(violation, SMALL * SMALL)
-            break
         evaluate(model, work, t, y)
         left = _largest(work.rows[:, PHI])
         if not left < violation:

@@ -14,17 +14,13 @@ from ..elimination import solve
 from ..joints.rows import PHI
 from ..model import Model
 from ..package.schema import Array
-<<<<<<< HEAD
-from ..projection import CLOSED, SMALL, TOLERABLE
-from ..system import evaluate, evaluate_rates
-=======
 from ..projection import CLOSED, TOLERABLE
 from ..system import evaluate, evaluate_rates, row_products
->>>>>>> quality
 from ..workspace import Work
 from .pencil import Frozen, Pencil, factorise_pencil, freeze
 
 MAX_ITERATIONS = 4
+SMALL = 1e-7  # change of positions whose square is below rounding [m, rad]
 
 
 @lean

@@ -9,12 +9,7 @@ where the pencil (pencil.py) has (c' + s Phi_q rho) / s^2: the same, for
 
     c' = (s^2 c - s beta^2 Phi_q rho) / d.
 
-<<<<<<< HEAD
-Without it Newton's iteration converges only where steps are much shorter than 1 / alpha and
-1 / beta.
-=======
 Without it Newton's iteration converges only where steps are much shorter than 1 / alpha, 1 / beta.
->>>>>>> quality
 """
 
 from ..compiled import lean
