@@ -7,11 +7,12 @@ import numpy as np
 from .assemble import ForceTable, JointTable, MarkerTable, assemble_model, rigid_body
 from .bodies.floating_frame import centrifugal_matrix
 from .bodies.marker import single_motion
+from .closures import right_hand_side
 from .compiled import COMPILED
 from .coordinates import moved, position_rates
 from .forces.table import KINDS as FORCE_KINDS
 from .forces.table import element_wrench
-from .integrate import integrate
+from .integrate import RungeKutta8, integrate
 from .joints.table import KINDS
 from .laws import polynomial
 from .marching import CompiledAlpha, Radau
@@ -48,6 +49,7 @@ def compile_ahead() -> str:
     vector_to_matrix(equations.gamma[:3])
     law_at(model, 0, 0.0)
     centrifugal_matrix(y[10:13], np.zeros(9), 1)
+    RungeKutta8(right_hand_side(hinge), 0.0, y, 1e-3, first_step=1e-3).step()
     for kind in (Radau, CompiledAlpha):
         march = kind(hinge, 0.0, y, 1e-3, first_step=1e-3)
         march.step()
