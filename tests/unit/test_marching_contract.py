@@ -7,11 +7,13 @@ import sys
 
 import numpy as np
 import pytest
+from case_samples import case_runs
 from constraint_runs import new_run, prepared
 from march_samples import torn, two_bodies
 from mechanism_samples import chain, pendulum
 
 from plymotion.solver import marching
+from plymotion.solver.__main__ import main
 from plymotion.solver.assemble import ForceTable, MarkerTable, assemble_model, rigid_body
 from plymotion.solver.constraints.treatment import Treatment
 from plymotion.solver.errors import InputError
@@ -236,6 +238,18 @@ def test_a_body_without_inertia_is_refused():
     model = model._replace(plan=model.plan._replace(structured=False))
     with pytest.raises(InputError, match=r"mass and inertia.*gear"):
         Radau(model, 0.0, y0, 1.0)
+
+
+def test_virtual_bodies_are_refused_with_words(repository, tmp_path, capsys):
+    file = case_runs(repository, "double-pendulum", tmp_path) / "isotropic.json"
+    spec = json.loads(file.read_text())
+    spec["mechanism"]["solver"] |= {"attachment": "virtual", "integrator": "radau"}
+    file.write_text(json.dumps(spec))
+    assert main(["run", str(file), "--out", str(tmp_path / "out"), "--quiet"]) == 2
+    words = capsys.readouterr().err
+    for expected in ('solver.integrator = "radau"', 'attachment = "virtual"', '"gear"'):
+        assert expected in words
+    assert not (tmp_path / "out").exists()
 
 
 CODE = """

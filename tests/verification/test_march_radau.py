@@ -1,5 +1,7 @@
 """Radau's compiled loop: order, stiff modes, work, constraints, their treatments."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from constraint_runs import new_run, prepared, run
@@ -167,6 +169,24 @@ def test_fast_feedback_does_not_disturb_newtons_iteration():
     assert made.status == "finished"
     assert gap.max() < 1e-5
     assert made.counters.evaluations < 30 * made.counters.steps
+
+
+@pytest.mark.parametrize("options", [{}, {"fixed_step": 0.1}])
+def test_rest_remains(options):
+    """In equilibrium corrections are rounding, which converges at no rate."""
+    hanging = pendulum()
+    along = np.array([-0.6, -0.8, 0.0])
+    positions = hanging.start.positions.copy()
+    positions[:3] = along
+    hanging = replace(
+        hanging,
+        model=hanging.model._replace(gravity_G=9.81 * along),
+        start=replace(hanging.start, positions=positions),
+    )
+    model, solution = _end(hanging, 2.0, rtol=1e-8, atol=1e-10, **options)
+    assert solution.counters.rejected == 0
+    assert solution.counters.steps <= 20
+    np.testing.assert_allclose(solution.y[-1][:3], along, atol=1e-14)
 
 
 def test_a_singular_position_is_passed():
