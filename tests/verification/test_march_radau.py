@@ -183,7 +183,7 @@ def test_rest_remains(options):
         model=hanging.model._replace(gravity_G=9.81 * along),
         start=replace(hanging.start, positions=positions),
     )
-    model, solution = _end(hanging, 2.0, rtol=1e-8, atol=1e-10, **options)
+    _, solution = _end(hanging, 2.0, rtol=1e-8, atol=1e-10, **options)
     assert solution.counters.rejected == 0
     assert solution.counters.steps <= 20
     np.testing.assert_allclose(solution.y[-1][:3], along, atol=1e-14)
