@@ -35,11 +35,11 @@ TROUBLE = {
     codes.OFF: "the step cannot be projected onto the constraints",
 }
 STIFF_ELEMENTS = (
-    "stiff-elements: Newton's iteration failed in {share:.0%} of the steps tried: the matrices of "
-    "radau know the stiffness of bodies, not of springs, bushings and dampers between them; gear "
-    "may be cheaper"
+    "stiff-elements: {share:.0%} of the steps tried were refused: Newton's matrix of radau knows "
+    "the stiffness of bodies, not that of springs, bushings and dampers between them, and its "
+    "iteration converges for short steps only; gear may be cheaper"
 )
-WORTH_A_WORD = 0.3  # share of steps that failed
+WORTH_A_WORD = 0.3  # share of steps that were refused
 
 
 def marches(model: Model) -> bool:

@@ -22,32 +22,45 @@ STEPS_WORTH_A_LOOK = 100
 GROWN = 1e3
 
 SHORTER = "error control (no fixed step) shortens it by itself"
+UNDAMPED = (
+    "With too little damping (spectral_radius near 1) what the step does not resolve can grow "
+    'where the problem is not linear, and with constraints = "index3" the velocities that the '
+    'constraints forbid swing on: take spectral_radius = 0.8, constraints = "ggl", or a '
+    f"shorter step ({SHORTER})"
+)
 ON_GROWTH = {
     "Gear": (
         "BDF of order 3 and above amplifies undamped oscillations that the step does not resolve: "
-        "take max_order = 2, which damps all of them, or leave the step to the error control"
+        "take max_order = 2 or radau, which damp all of them, or leave the step to the error "
+        "control"
     ),
     "ExplicitRungeKutta": (
         "An explicit method amplifies what is faster than its step: |h w| of the highest mode must "
         "stay below 1.0 (rk5) or 5.9 (rk8), h alpha and h beta of Baumgarte's feedback below 2. "
-        f"Take a shorter step ({SHORTER}), an implicit method (generalized-alpha, or gear with "
-        'max_order = 2), fewer modes, or constraints = "projection" instead of baumgarte'
+        f"Take a shorter step ({SHORTER}), an implicit method (radau, generalized-alpha, or gear "
+        'with max_order = 2), fewer modes, or constraints = "projection" instead of baumgarte'
     ),
-    "GeneralizedAlpha": (
-        "With too little damping (spectral_radius near 1) what the step does not resolve can grow "
-        'where the problem is not linear, and with constraints = "index3" the velocities that the '
-        'constraints forbid swing on: take spectral_radius = 0.8, constraints = "ggl", or a '
-        f"shorter step ({SHORTER})"
+    "GeneralizedAlpha": UNDAMPED,
+    "CompiledAlpha": UNDAMPED,
+    "Radau": (
+        "Newton's iteration finds no answer for a step this long, or constraints contradict each "
+        f"other: take a shorter step ({SHORTER})"
     ),
 }
+FAIL_BEFORE_GROWTH = {"GeneralizedAlpha": True, "CompiledAlpha": True, "Radau": True}
 COMPARISON = (
-    "This code is there for comparison: take gear, rk8 or generalized-alpha, which say more of "
-    "their trouble"
+    "This code is there for comparison: take gear, radau, rk8 or generalized-alpha, which say more "
+    "of their trouble"
 )
 NOT_FINITE = "Look for a singular position, a division by zero or unstable motion just after it"
 OTHERWISE = (
     "Look for a jump or a singularity in the forces just after it, loosen rtol "
     "and atol, or use an implicit method if the problem is stiff"
+)
+OF_RADAU = (
+    "Look for a jump or a singularity in the forces just after it, or for constraints that "
+    "contradict each other, loosen rtol and atol, or take gear if springs, bushings or dampers are "
+    "much stiffer than the bodies"
 )
 
 
@@ -60,11 +73,13 @@ def on_failure(kind: type, *, not_finite: bool, fixed_step: bool, growth: float)
     """What to do about a run that ended as failed, the last full stop left out.
 
     `growth` is that of the largest component over the first steps'. What generalized-alpha does
-    not damp shows in its multipliers, not in the state, until Newton's iteration fails.
+    not damp shows in its multipliers, not in the state, until Newton's iteration fails; the state
+    of radau does not grow.
     """
-    unstable = growth > GROWN or of_kind(kind, {"GeneralizedAlpha": True})
+    unstable = growth > GROWN or of_kind(kind, FAIL_BEFORE_GROWTH)
     words = of_kind(kind, ON_GROWTH) if fixed_step and unstable else None
-    words = words or (NOT_FINITE if not_finite else OTHERWISE)
+    otherwise = of_kind(kind, {"Radau": OF_RADAU}) or OTHERWISE
+    words = words or (NOT_FINITE if not_finite else otherwise)
     borrowed = of_kind(kind, {"Peer": COMPARISON})
     return f"{words}. {borrowed}" if borrowed else str(words)
 
@@ -111,8 +126,8 @@ def of_run(
         return [
             f"stability: the steps average {h_mean:.3g} s, and the fastest motion has a rate of "
             f"{w:.3g} 1/s ({w / 2 / np.pi:.3g} Hz): longer steps would be unstable, not "
-            "inaccurate; if that motion is of no interest, an implicit method (generalized-alpha, "
-            "or gear with max_order = 2) or fewer modes need fewer steps"
+            "inaccurate; if that motion is of no interest, an implicit method (radau, "
+            "generalized-alpha, or gear with max_order = 2) or fewer modes need fewer steps"
         ]
     if kind.__name__ == "Gear" and max_order > 2:
         w = fastest()
@@ -120,8 +135,8 @@ def of_run(
             return [
                 f"order: the steps average {h_mean:.3g} s, and the fastest motion has a rate of "
                 f"{w:.3g} 1/s ({w / 2 / np.pi:.3g} Hz), which longer steps of order 3 to 5 would "
-                "amplify; if that motion is of no interest, max_order = 2 damps it and may need "
-                "fewer steps; if it is, rk8 resolves it at less cost"
+                "amplify; if that motion is of no interest, radau or max_order = 2 damp it and may "
+                "need fewer steps; if it is, rk8 resolves it at less cost"
             ]
     return []
 

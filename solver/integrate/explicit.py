@@ -124,7 +124,7 @@ class ExplicitRungeKutta(Integrator):
             if self._suspect == STIFF_TESTS and not self.hints:
                 self.hints.append(
                     f"stiff: at t = {self.t:.6g} s the step {h:.3g} s is limited by stability, not "
-                    "by accuracy; an implicit method (gear) may need fewer steps"
+                    "by accuracy; an implicit method (radau, gear) may need fewer steps"
                 )
         elif self._suspect:
             self._clear += 1

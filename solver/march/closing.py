@@ -72,7 +72,7 @@ def _answered(model: Model, real: Pencil) -> float:
         for k in range(model.plan.size[i]):
             x = real.x[i, k]
             real.delta[model.vel_start[i] + k] = x
-            if not abs(x) <= largest:
+            if abs(x) > largest or x != x:
                 largest = abs(x)
     return largest
 
@@ -84,7 +84,7 @@ def _left(model: Model, work: Work, frozen: Frozen, real: Pencil) -> float:
     largest = 0.0
     for k in range(model.n_constraint):
         row = abs(work.rows[k, PHI] + work.left[k])
-        if not row <= largest:
+        if row > largest or row != row:
             largest = row
     return largest
 
@@ -93,6 +93,7 @@ def _left(model: Model, work: Work, frozen: Frozen, real: Pencil) -> float:
 def _violation(work: Work) -> float:
     largest = 0.0
     for k in range(work.rows.shape[0]):
-        if not abs(work.rows[k, PHI]) <= largest:
-            largest = abs(work.rows[k, PHI])
+        row = abs(work.rows[k, PHI])
+        if row > largest or row != row:
+            largest = row
     return largest

@@ -57,6 +57,7 @@ from .tableau import MU, NU, C
 MAX_ITERATIONS = 10
 MAX_NOT_FINITE = 25
 SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 8.0
+NEGLIGIBLE = 1e-3  # correction, over what Newton's iteration may leave
 
 
 @lean
@@ -141,12 +142,15 @@ def advance(
                 if iteration == 1:  # later it is the iteration that runs away
                     counts[TROUBLE] = ILL
                 break
-            if iteration > 1 and size_last > 0.0:
+            if size < NEGLIGIBLE * tolerance:  # rounding converges at no rate
+                iterations, counts[TROUBLE] = iteration, NONE
+                break
+            if iteration > 1:
                 rate = size / size_last
                 to_go = most - iteration
                 if not fixed and (rate >= 1.0 or rate**to_go / (1.0 - rate) * size > tolerance):
                     break
-            if size == 0.0 or (rate < 1.0 and rate / (1.0 - rate) * size < tolerance):
+            if rate < 1.0 and rate / (1.0 - rate) * size < tolerance:
                 iterations, counts[TROUBLE] = iteration, NONE
                 break
             size_last = size

@@ -82,7 +82,9 @@ def correct(options: Options, course: Course) -> float:
         for i in range(L.shape[1]):
             c = pair.mu[i]
             L[k, i] += t0 * real.mu[i] + t1 * c.real + t2 * c.imag
-        size = max(size, norm(options, stage, course.weight))
+        largest = norm(options, stage, course.weight)
+        if largest > size or largest != largest:
+            size = largest
     return size
 
 
@@ -156,14 +158,14 @@ def interpolate(course: Course, x: float, out: Array) -> None:
 
 @inlined
 def norm(options: Options, a: Array, weight: Array) -> float:
-    """Largest of the blocks' root mean squares; see integrate/norm.py."""
+    """Largest of the blocks' root mean squares, nan if there is one; see integrate/norm.py."""
     largest = 0.0
     for b in range(options.block_starts.shape[0] - 1):
         s = 0.0
         for i in range(options.block_starts[b], options.block_starts[b + 1]):
             s += (a[i] * weight[i]) ** 2
         s /= options.block_starts[b + 1] - options.block_starts[b]
-        if not s <= largest:
+        if s > largest or s != s:  # nan stays
             largest = s
     return float(np.sqrt(largest))
 

@@ -44,6 +44,12 @@ RUNS = {
         "isotropic",
         {"t_end": 0.001, "integrator": "generalized-alpha", "constraints": "ggl"},
     ),
+    "double-pendulum by Radau": ("isotropic", {"t_end": 0.001, "integrator": "radau"}),
+    "double-pendulum by Radau, index 1": (
+        "isotropic",
+        {"t_end": 0.001, "integrator": "radau", "constraints": "index1"},
+    ),
+    "n-four-bar by Radau": ("n-2-hinges", {"t_end": 0.05, "integrator": "radau"}),
     "n-four-bar": ("n-2-hinges", {"t_end": 0.05}),
     "slider-crank": ("steel", {"t_end": 0.0005}),
     "misaligned-four-bar": ("flexible", {"t_end": 0.002}),

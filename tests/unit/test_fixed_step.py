@@ -11,7 +11,12 @@ from plymotion.solver.run import make_integrator
 
 @pytest.mark.parametrize(
     ("integrator", "constraints"),
-    [("rk8", "projection"), ("gear", "projection"), ("generalized-alpha", "ggl")],
+    [
+        ("rk8", "projection"),
+        ("gear", "projection"),
+        ("radau", "projection"),
+        ("generalized-alpha", "ggl"),
+    ],
 )
 @pytest.mark.parametrize(("t_end", "steps"), [(0.1, 10), (0.105, 11)])
 def test_every_step_but_the_last_has_this_length(integrator, constraints, t_end, steps):

@@ -80,5 +80,6 @@ def test_a_run_kept_short_by_growth_is_told_of_the_cap():
     assert runs[5].counters.steps > 3 * runs[2].counters.steps
     assert len(runs[5].hints) == 1
     assert "max_order = 2" in runs[5].hints[0]
+    assert "radau" in runs[5].hints[0]
     assert "a rate of 100 1/s" in runs[5].hints[0]
     assert not runs[2].hints

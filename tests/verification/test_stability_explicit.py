@@ -45,7 +45,7 @@ def test_beyond_the_highest_mode_a_run_ends_with_words(name, below, above):
     assert values.max() <= values[0] * (1 + 1e-9)
     _, made = _highest_mode(name, above, 2000)
     assert made.status == "failed"
-    for words in ("highest mode", "generalized-alpha", "max_order = 2", "fewer modes"):
+    for words in ("highest mode", "radau", "generalized-alpha", "max_order = 2", "fewer modes"):
         assert words in made.message
 
 
@@ -74,6 +74,7 @@ def test_a_stiff_mode_costs_explicit_methods_their_step_and_implicit_ones_nothin
     (hint,) = explicit.hints
     assert "stability" in hint
     assert "gear" in hint
+    assert "radau" in hint
 
     implicit = integrate(
         Gear(_stiff(zeta), 0.0, start, t_end, max_order=2, rtol=1e-5, atol=1e-7), [t_end]
@@ -88,7 +89,8 @@ def test_thin_and_stiff_modes_of_a_body_that_swings():
     """The hinged hand under gravity: modes up to 45 000 rad/s beside a swing of seconds."""
     sample, w = hand("revolute", gravity=True)
     t_end, runs = 0.03, {}
-    for name, treatment in (("rk5", "projection"), ("gear", "projection"), ("alpha", "ggl")):
+    closed = [(name, "projection") for name in ("rk5", "gear", "radau")]
+    for name, treatment in (*closed, ("alpha", "ggl"), ("march", "ggl")):
         model, y0 = prepared(sample, Treatment(treatment))
         atol = np.full(y0.size, 1e-2)  # what vibrates by less than 1e-5 m does not count
         atol[: model.n_pos] = 1e-5
@@ -99,7 +101,7 @@ def test_thin_and_stiff_modes_of_a_body_that_swings():
     steps = {name: run.counters.steps for name, run in runs.items()}
     assert t_end / steps["rk5"] * w[3] < 1.0
     assert "stability" in runs["rk5"].hints[0]
-    for name in ("gear", "alpha"):
+    for name in ("gear", "radau", "alpha", "march"):
         assert t_end / steps[name] * w[3] > 20.0
         assert not runs[name].hints
         angle = 2 * (runs[name].y[-1] - runs["rk5"].y[-1])[6]
