@@ -48,7 +48,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("kind", choices=tuple(METHODS))
     parser.add_argument("csv", type=Path)
-    parser.add_argument("--budget", type=float, default=8.0, help="longest run [s]")
+    parser.add_argument("--budget", type=float, default=5.0, help="longest run [s]")
     arguments = parser.parse_args()
     methods: list[Method] = available(METHODS[arguments.kind])
     problems = [double_pendulum(), actuated_beam(), chain(CHAIN, CHAIN_END)]

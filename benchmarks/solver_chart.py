@@ -50,8 +50,9 @@ def error_time(rows: list[Row], picture: Path, subject: str) -> None:
         for handle, label in zip(*axis.get_legend_handles_labels(), strict=True):
             handles.setdefault(label, handle)
     ordered = [label for label in labels if label in handles]
+    columns = 7 if max(map(len, ordered)) < 20 else 5
     canvas.figure.legend(
-        [handles[label] for label in ordered], ordered, loc="outside lower center", ncols=7
+        [handles[label] for label in ordered], ordered, loc="outside lower center", ncols=columns
     )
     canvas.figure.suptitle(f"Error against processor time, {subject}")
     canvas.save(picture)
