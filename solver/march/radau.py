@@ -57,7 +57,8 @@ from .tableau import MU, NU, C
 MAX_ITERATIONS = 10
 MAX_NOT_FINITE = 25
 SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 8.0
-NEGLIGIBLE = 1e-3  # correction, over what Newton's iteration may leave
+# Corrections, over what Newton's iteration may leave: the first, and later ones that do not shrink.
+NEGLIGIBLE, ROUNDING = 1e-3, 0.1
 
 
 @lean
@@ -142,7 +143,9 @@ def advance(
                 if iteration == 1:  # later it is the iteration that runs away
                     counts[TROUBLE] = ILL
                 break
-            if size < NEGLIGIBLE * tolerance:  # rounding converges at no rate
+            # rounding converges at no rate
+            stale = iteration > 1 and size >= size_last and size < ROUNDING * tolerance
+            if stale or size < NEGLIGIBLE * tolerance:
                 iterations, counts[TROUBLE] = iteration, NONE
                 break
             if iteration > 1:
