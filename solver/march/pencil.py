@@ -9,7 +9,11 @@ the velocity coordinates, delta v of velocities and mu of multipliers answers re
 by one system of the same structure as that of the mass matrix:
 
     (s^2 M + s D + K) x + Phi_q' mu = R + s M rho + D rho,
-    Phi_q x = (c + s Phi_q rho) / s^2,   delta v = s x - rho,   delta q = G x + (r_q - G rho) / s.
+    Phi_q x = (c + (s + 2 alpha) Phi_q rho) / (s^2 + 2 alpha s + beta^2),
+    delta v = s x - rho,   delta q = G x + (r_q - G rho) / s,
+
+with the feedback alpha, beta of Baumgarte's treatment in c: without it in the matrix, Newton's
+iteration would converge only where steps are much shorter than 1 / alpha and 1 / beta.
 """
 
 from typing import Any, NamedTuple
@@ -137,6 +141,7 @@ def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> No
     )
     n_pos, plan = model.n_pos, model.plan
     row_start, body_row = plan.row_start, plan.body_row
+    fed = s + 2.0 * model.alpha
     for i in range(plan.size.shape[0]):
         n, m, two = plan.size[i], model.n_mode[i], model.square_start[i]
         a = model.pos_start[i]
@@ -155,13 +160,13 @@ def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> No
                 load[i, b] += M[k, b] * z
             load[i, k] = w
             for p in range(count):
-                gamma[body_row[first + p]] += J[k, p] * z
+                gamma[body_row[first + p]] += J[k, p] * fed * rho[i, k]
         for k in range(m):
             w = load[i, 6 + k]
             for b in range(m):
                 w += model.D_qq[two + k * m + b] * rho[i, 6 + b]
             load[i, 6 + k] = w
-    c = 1.0 / (s * s)
+    c = 1.0 / (s * s + 2.0 * model.alpha * s + model.beta**2)
     for k in range(gamma.shape[0]):
         gamma[k] *= c
     solve(plan, pencil.factors, load, gamma, x, pencil.mu)

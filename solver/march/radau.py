@@ -36,7 +36,6 @@ from .course import (
     Course,
     Options,
 )
-from .feedback import feed_back
 from .pencil import factorise_pencil, freeze, solve_pencil
 from .residual import leave
 from .stages import (
@@ -87,7 +86,6 @@ def advance(
     fixed = options.fixed_step > 0.0
     most = 2 * MAX_ITERATIONS if fixed else MAX_ITERATIONS
     tolerance = max(2e-15 / options.rtol, min(0.01, options.rtol**0.5))
-    fed_back = model.alpha != 0.0 or model.beta != 0.0
     taken = 0
     while clock[TIME] < options.t_end:
         if taken == most_steps:
@@ -133,9 +131,6 @@ def advance(
                 counts[FACTORISATIONS] += 1
             counts[EVALUATIONS] += 3
             collect(model, course)
-            if fed_back:
-                feed_back(model, frozen, real, MU / h)
-                feed_back(model, frozen, pair, NU / h)
             solve_pencil(model, frozen, real, MU / h)
             solve_pencil(model, frozen, pair, NU / h)
             size = correct(options, course)
@@ -187,8 +182,6 @@ def advance(
                         counts[EVALUATIONS] += 1
                         for i in range(n):
                             stage[i] = course.y[i] + course.Z[2, i]
-                    if fed_back:
-                        feed_back(model, frozen, real, MU / h)
                     solve_pencil(model, frozen, real, MU / h)
                     real.delta[n - 1] = 0.0
                     error = norm(options, real.delta, course.weight)
