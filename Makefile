@@ -281,7 +281,7 @@ imports: $(LIGHT) ## Allowed directions between modules: import-linter
 	$(VENV)/bin/lint-imports
 
 .PHONY: test-light
-test-light: $(LIGHT) ## Tests without FEniCSx, on two cores
+test-light: $(LIGHT) | $(COMPILED) ## Tests without FEniCSx, on two cores
 	$(PY) -m pytest tests --ignore tests/fe -n 2 -q
 
 .PHONY: test-fe
