@@ -21,6 +21,7 @@ Dense = Callable[[Any], Array]
 Projection = Callable[[float, Array], "Array | None"]
 
 MAX_REFUSALS_NOT_FINITE = 25
+NEAR = 1e-9  # of a run: so near to equations that are not finite, these are why a step fails
 # Of fixed steps, over the largest component in the first ones: no motion, the method.
 DIVERGED, FIRST_STEPS = 1e12, 10
 
@@ -119,6 +120,7 @@ class Integrator(ABC):
         self._stalled = ""  # why a method gives up
         self._raised = ""  # error raised inside f in this attempt
         self._not_finite = 0  # attempts in a row refused because of inf or nan
+        self._wall = (-np.inf, "")  # where the last of them began, and why it was refused
         self._nan = np.full(self.n, np.nan)
         self._largest_first = float(np.abs(self.y).max())  # component, of a run of fixed steps
         self._growth = 1.0
@@ -264,9 +266,13 @@ class Integrator(ABC):
     def _refuse_not_finite(self, what: str) -> None:
         self._not_finite += 1
         self._trouble = self._raised or f"{what} is not finite (inf or nan)"
+        self._wall = (self.t, self._trouble)
 
     def _fail(self, where: str) -> None:
         self.status = "failed"
+        if not self._not_finite and self.t - self._wall[0] < NEAR * (self.t_end - self.t0):
+            # Steps have crept up to where the equations end; other troubles of tiny steps follow.
+            self._not_finite, self._trouble = 1, self._wall[1]
         words = advice.on_failure(
             type(self),
             not_finite=self._not_finite > 0,
