@@ -23,11 +23,13 @@ from plymotion.solver.integrate import INTEGRATORS, Solution, integrate
 TOLERANCES = [10.0**-k for k in np.arange(2.0, 11.1, 0.5)]
 PROJECTED = [(name, "projection", {}) for name in INTEGRATORS]
 CHOICES = [
+    ("radau", "projection", {}),
     *PROJECTED,
     ("gear", "projection", {"max_order": 2}),
-    ("generalized-alpha", "ggl", {}),
+    ("march", "ggl", {}),
     ("ida", "ggl", {}),
 ]
+LABELS = {"march": "generalized-alpha"}  # the loop that runs take
 OUTPUTS = 21
 LONGEST = 4.0  # s of CPU, after which no tighter tolerance is tried
 
@@ -74,7 +76,7 @@ def table(title: str, sample: Sample, t_end: float, goals: tuple[float, ...]) ->
         except InputError as error:
             print(f"| {name} | {error} |")
             continue
-        label = name + "".join(f", {k} = {v}" for k, v in options.items())
+        label = LABELS.get(name, name) + "".join(f", {k} = {v}" for k, v in options.items())
         print(f"| {label} | " + " | ".join(cells.get(g, "-") for g in goals) + " |", flush=True)
 
 
