@@ -25,7 +25,9 @@ def main(arguments: list[str] | None = None) -> int:
     that ended early with what they have kept; 130 interrupted, what there is
     kept.
     """
-    options = _parser().parse_args(arguments)
+    words = sys.argv[1:] if arguments is None else arguments
+    # "plymotion solver sweep" is "plymotion sweep", as is "python -m plymotion.solver sweep".
+    options = _parser().parse_args(words[1:] if words[:1] == ["solver"] else words)
     try:
         return int(options.command(options))
     except (InputError, PackageError) as error:

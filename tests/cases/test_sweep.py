@@ -255,6 +255,15 @@ def test_ctrl_c_within_a_member(tmp_path):
     assert [row.status for row in result(file).rows] == ["finished", "pending"]
 
 
+def test_the_half_may_be_named(capsys):
+    """`plymotion solver sweep`, as the folders are called."""
+    for words in (["sweep"], ["solver", "sweep"]):
+        with pytest.raises(SystemExit) as done:
+            main([*words, "--help"])
+        assert done.value.code == 0
+        assert capsys.readouterr().out.startswith("usage: plymotion sweep")
+
+
 def test_workers_give_the_same(tmp_path):
     file = ball(tmp_path, f"{FORCE} = [1.0, 2.0, 1e300]", 'histories = ["x"]')
     assert sweep(file) == 3
