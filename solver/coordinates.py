@@ -10,6 +10,7 @@ import numpy as np
 from .compiled import inlined, jit, lean
 from .model import Model
 from .package.schema import Array
+from .rotations import along_parameters
 
 
 @inlined
@@ -20,11 +21,8 @@ def rates_into(model: Model, y: Array, out: Array) -> None:
         for k in range(3):
             out[a + k] = y[j + k]
         w0, w1, w2 = 0.5 * y[j + 3], 0.5 * y[j + 4], 0.5 * y[j + 5]
-        e0, e1, e2, e3 = y[a + 3], y[a + 4], y[a + 5], y[a + 6]
-        out[a + 3] = -e1 * w0 - e2 * w1 - e3 * w2
-        out[a + 4] = e0 * w0 - e3 * w1 + e2 * w2
-        out[a + 5] = e3 * w0 + e0 * w1 - e1 * w2
-        out[a + 6] = -e2 * w0 + e1 * w1 + e0 * w2
+        rates = along_parameters(y, a + 3, w0, w1, w2)
+        out[a + 3], out[a + 4], out[a + 5], out[a + 6] = rates
         for k in range(m):
             out[a + 7 + k] = y[j + 6 + k]
 
@@ -61,11 +59,8 @@ def move(model: Model, y: Array, step: Array) -> None:
         w0, w1, w2 = step[j + 3], step[j + 4], step[j + 5]
         half = 0.5 * np.sqrt(w0 * w0 + w1 * w1 + w2 * w2)
         ratio = 0.5 * np.sin(half) / half if half > 1e-8 else 0.5
-        w0, w1, w2 = ratio * w0, ratio * w1, ratio * w2
-        c, e0, e1, e2, e3 = np.cos(half), y[a + 3], y[a + 4], y[a + 5], y[a + 6]
-        p0 = c * e0 - e1 * w0 - e2 * w1 - e3 * w2
-        p1 = c * e1 + e0 * w0 - e3 * w1 + e2 * w2
-        p2 = c * e2 + e3 * w0 + e0 * w1 - e1 * w2
-        p3 = c * e3 - e2 * w0 + e1 * w1 + e0 * w2
+        p0, p1, p2, p3 = along_parameters(y, a + 3, ratio * w0, ratio * w1, ratio * w2)
+        c = np.cos(half)
+        p0, p1, p2, p3 = p0 + c * y[a + 3], p1 + c * y[a + 4], p2 + c * y[a + 5], p3 + c * y[a + 6]
         scale = 1.0 / np.sqrt(p0 * p0 + p1 * p1 + p2 * p2 + p3 * p3)
         y[a + 3], y[a + 4], y[a + 5], y[a + 6] = p0 * scale, p1 * scale, p2 * scale, p3 * scale

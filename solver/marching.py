@@ -8,15 +8,16 @@ import numpy as np
 from .closures import right_hand_side
 from .compiled import COMPILED
 from .constraints.treatment import Treatment
-from .errors import InputError, did_you_mean
+from .errors import InputError
 from .forces.table import FIRST_LOAD
 from .integrate import Integrator
+from .integrate.alpha_scheme import scheme
 from .integrate.base import FIRST_STEPS, Dense
-from .integrate.generalized_alpha import FORMULATIONS
+from .integrate.explicit import Powers
 from .integrate.hermite import Hermite
 from .march import course as codes
 from .march.alpha import advance_alpha
-from .march.alpha_course import new_alpha_course, scheme
+from .march.alpha_course import new_alpha_course
 from .march.closing import close
 from .march.course import Options, new_course
 from .march.radau import advance
@@ -108,24 +109,22 @@ class Marching(Integrator):
         watched = self.fixed_step is not None and self.counters.steps < FIRST_STEPS
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             code, filled = self._call(1 if watched else CHUNK, times, rows, filled)
-        clock, counts = self._course.clock, self._course.counts
-        if counts[codes.STEPS] > self.counters.steps:
-            self.counters.steps = int(counts[codes.STEPS]) - 1
-            self._accept(clock[codes.TIME], self._course.y.copy(), clock[codes.TAKEN])
-            self.t_old = self.t - self.h
-        self._judge(code)
+        self._take_over(code)
         return filled
 
     def _advance(self) -> None:
         code, _ = self._call(1, *self._nowhere, 0)
-        clock, counts = self._course.clock, self._course.counts
-        if counts[codes.STEPS] > self.counters.steps:
-            self._accept(clock[codes.TIME], self._course.y.copy(), clock[codes.TAKEN])
-        self._judge(code)
+        self._take_over(code)
 
-    def _judge(self, code: int) -> None:
-        """Bring counters up to date, and say why a loop came back early."""
+    def _take_over(self, code: int) -> None:
+        """Bring state and counters up to date, and say why a loop came back early."""
         clock, counts = self._course.clock, self._course.counts
+        taken = int(counts[codes.STEPS]) - self.counters.steps
+        if taken > 0:
+            self.counters.steps += taken - 1
+            self._accept(clock[codes.TIME], self._course.y.copy(), clock[codes.TAKEN])
+            if taken > 1:
+                self.t_old = self.t - self.h
         self.counters.rejected = int(counts[codes.REJECTED])
         self.counters.evaluations = self._evaluated + int(counts[codes.EVALUATIONS])
         self.counters.factorisations = int(counts[codes.FACTORISATIONS])
@@ -158,7 +157,7 @@ class Marching(Integrator):
 class Radau(Marching):
     """Radau IIA of order 5 for mechanisms (march/radau.py): L-stable, so that modes stiffer than
     the motion are damped, not followed; every step is brought back onto the constraints unless
-    `project` is false.
+    `closed` is false.
     """
 
     order = 5
@@ -194,13 +193,12 @@ class Radau(Marching):
         return advance(self._model, self._options, self._course, most, times, rows, filled)
 
     def _dense(self) -> Dense:
-        t_old, h, y_old, Q = self.t_old, self.h, self._course.y_old.copy(), self._course.Q.copy()
-        model, course = self._model, self._course
+        model, course, h = self._model, self._course, self.h
+        polynomial = Powers(self.t_old, h, course.y_old.copy(), course.Q.copy())
 
         def inside(t: Any) -> Array:
             times = np.asarray(t, dtype=float)
-            x = ((times.ravel() - t_old) / h)[:, None]
-            values: Array = y_old + x * (Q[0] + x * (Q[1] + x * Q[2]))
+            values = polynomial(times.ravel())
             if self._closed:
                 for time, row in zip(times.ravel(), values, strict=True):
                     close(model, course.work, course.frozen, course.real, MU / h, time, row)
@@ -228,16 +226,7 @@ class CompiledAlpha(Marching):
         spectral_radius: float = 0.8,
         **options: Any,
     ) -> None:
-        if formulation not in FORMULATIONS:
-            raise ValueError(
-                f"formulation: expected one of {', '.join(FORMULATIONS)}, got {formulation!r}"
-                f"{did_you_mean(formulation, FORMULATIONS)}"
-            )
-        if not 0 <= spectral_radius <= 1:
-            raise ValueError(
-                f"spectral_radius: expected a number from 0 to 1, got {spectral_radius!r}"
-            )
-        self._scheme = scheme(float(spectral_radius), stabilised=formulation == "ggl")
+        self._scheme = scheme(formulation, spectral_radius)
         super().__init__(model, t0, y0, t_end, **options)
 
     def _begin(self, rate: Array, multipliers: Array) -> Any:

@@ -6,7 +6,17 @@ from .compiled import jit, rebound
 from .coordinates import moved
 from .model import Model
 from .package.schema import Array
-from .system import answer, by_blocks, dense, evaluate, evaluate_rates, prepare, respond
+from .system import (
+    answer,
+    by_blocks,
+    dense,
+    evaluate,
+    evaluate_rates,
+    flatten,
+    largest,
+    prepare,
+    respond,
+)
 from .workspace import PHI, Work, new_work
 
 MAX_ITERATIONS = 6
@@ -27,7 +37,7 @@ def project(model: Model, work: Work, t: float, y: Array) -> bool:
     step = np.zeros(n_vel)
     y[:n_pos] = moved(model, y[:n_pos], step)
     evaluate(model, work, t, y)
-    violation = _largest(work.rows[:, PHI])
+    violation = largest(work.rows[:, PHI])
     for _ in range(MAX_ITERATIONS):
         if not violation > CLOSED:
             break
@@ -35,7 +45,7 @@ def project(model: Model, work: Work, t: float, y: Array) -> bool:
         before = y[:n_pos].copy()
         y[:n_pos] = moved(model, before, step)
         evaluate(model, work, t, y)
-        left = _largest(work.rows[:, PHI])
+        left = largest(work.rows[:, PHI])
         if not left < violation:
             y[:n_pos] = before
             evaluate(model, work, t, y)
@@ -55,18 +65,7 @@ def _respond(model: Model, work: Work, gamma: Array, step: Array) -> None:
     work.gamma[:] = gamma
     prepare(model, work)
     answer(model, work)
-    for i in range(model.n_body):
-        for k in range(model.plan.size[i]):
-            step[model.vel_start[i] + k] = work.acceleration[i, k]
-
-
-@jit
-def _largest(a: Array) -> float:
-    largest = 0.0
-    for x in a:
-        if not abs(x) <= largest:
-            largest = abs(x)
-    return largest
+    flatten(model, work.acceleration, step, 0)
 
 
 def _dense_respond(model: Model, work: Work, gamma: Array, step: Array) -> None:

@@ -7,7 +7,7 @@ here divides by p'p, so that an integrator's drift of the norm is harmless.
 
 import numpy as np
 
-from .compiled import jit
+from .compiled import jit, lean
 from .package.schema import Array
 
 
@@ -61,14 +61,20 @@ def parameter_rate(p: Array, w_B: Array) -> Array:
 
     The rate is orthogonal to p: the norm of p is an invariant of the flow.
     """
-    e0, e1, e2, e3 = p[0], p[1], p[2], p[3]
-    return 0.5 * np.array(
-        (
-            -e1 * w_B[0] - e2 * w_B[1] - e3 * w_B[2],
-            e0 * w_B[0] - e3 * w_B[1] + e2 * w_B[2],
-            e3 * w_B[0] + e0 * w_B[1] - e1 * w_B[2],
-            -e2 * w_B[0] + e1 * w_B[1] + e0 * w_B[2],
-        )
+    return 0.5 * np.array(along_parameters(p, 0, w_B[0], w_B[1], w_B[2]))
+
+
+@lean
+def along_parameters(
+    p: Array, a: int, w0: float, w1: float, w2: float
+) -> tuple[float, float, float, float]:
+    """Return E w for Euler parameters p[a:a+4]: 2 pdot at angular velocity w in body axes."""
+    e0, e1, e2, e3 = p[a], p[a + 1], p[a + 2], p[a + 3]
+    return (
+        -e1 * w0 - e2 * w1 - e3 * w2,
+        e0 * w0 - e3 * w1 + e2 * w2,
+        e3 * w0 + e0 * w1 - e1 * w2,
+        -e2 * w0 + e1 * w1 + e0 * w2,
     )
 
 
@@ -123,18 +129,6 @@ def tangent_map(theta: Array) -> Array:
     s = dot(theta, theta)
     a, b, _, _ = tangent_coefficients(s)
     return _about(theta, 1.0 - s * b, a, b)
-
-
-@jit
-def tangent_rate(theta: Array, theta_d: Array) -> Array:
-    """Return (dT/dt) thetadot (3,) of `tangent_map`, at rates theta_d (3,) [rad/s]."""
-    _, b, da, db = tangent_coefficients(dot(theta, theta))
-    s_d = 2.0 * dot(theta, theta_d)
-    c = cross(theta, theta_d)
-    c_2, c_3 = cross(theta, c), cross(theta_d, c)
-    for i in range(3):
-        c[i] = s_d * (da * c[i] + db * c_2[i]) + b * c_3[i]
-    return c
 
 
 @jit

@@ -234,12 +234,46 @@ def row_products(model: Model, J: Array, a: Array, out: Array) -> None:
 
 
 @inlined
+def flatten(model: Model, x: Array, out: Array, first: int) -> None:
+    """Fill out from `first` on with x (nb, n), body after body: n_vel numbers."""
+    for i in range(model.n_body):
+        j = first + model.vel_start[i]
+        for k in range(model.plan.size[i]):
+            out[j + k] = x[i, k]
+
+
+@inlined
+def inflate(model: Model, a: Array, first: int, x: Array) -> None:
+    """Fill x (nb, n) with n_vel numbers of a, from `first` on."""
+    for i in range(model.n_body):
+        j = first + model.vel_start[i]
+        for k in range(model.plan.size[i]):
+            x[i, k] = a[j + k]
+
+
+@lean
+def largest(a: Array) -> float:
+    """Return the largest absolute value of a; nan if there is one."""
+    found = 0.0
+    for x in a:
+        if abs(x) > found or x != x:
+            found = abs(x)
+    return found
+
+
+@inlined
+def largest_left(model: Model, work: Work, J: Array, x: Array) -> float:
+    """Largest row of Phi + Phi_q x: more than rounding, if no x closes rows that contradict."""
+    row_products(model, J, x, work.left)
+    for k in range(model.n_constraint):
+        work.left[k] += work.rows[k, PHI]
+    return largest(work.left)
+
+
+@inlined
 def evaluate_rates(model: Model, work: Work, y: Array) -> None:
     """Fill work.left with Phidot (n_c,) in state y, of the last evaluation."""
-    for i in range(model.n_body):
-        j = model.n_pos + model.vel_start[i]
-        for k in range(model.plan.size[i]):
-            work.acceleration[i, k] = y[j + k]
+    inflate(model, y, model.n_pos, work.acceleration)
     row_products(model, work.J, work.acceleration, work.left)
     for k in range(model.n_constraint):
         work.left[k] += work.rows[k, PHI_T]
@@ -358,10 +392,7 @@ def derivative_into(model: Model, work: Work, t: float, y: Array, out: Array) ->
     for k in range(model.n_constraint):
         power += work.multipliers[k] * work.rows[k, PHI_T]
     out[model.n_pos + model.n_vel] = power
-    for i in range(model.n_body):
-        j = model.n_pos + model.vel_start[i]
-        for k in range(model.plan.size[i]):
-            out[j + k] = work.acceleration[i, k]
+    flatten(model, work.acceleration, out, model.n_pos)
 
 
 def dense_derivative_into(model: Model, work: Work, t: float, y: Array, out: Array) -> None:

@@ -88,3 +88,19 @@ def about(v: Triple, c0: float, c1: float, c2: float, x: Triple) -> Triple:
 def put_column(out: Array, i: int, j: int, a: Triple) -> None:
     """Write a into column j of an array, from row i on."""
     out[i, j], out[i + 1, j], out[i + 2, j] = a[0], a[1], a[2]
+
+
+@lean
+def tangent_rate(theta: Triple, theta_d: Triple, b: float, da: float, db: float) -> Triple:
+    """Return (dT/dt) thetadot of the tangent map T of theta, at rates theta_d [rad/s].
+
+    T and the coefficients b, da, db: `tangent_map`, `tangent_coefficients` (rotations.py).
+    """
+    s_d = 2.0 * dot3(theta, theta_d)
+    c = cross3(theta, theta_d)
+    c_2, c_3 = cross3(theta, c), cross3(theta_d, c)
+    return (
+        s_d * (da * c[0] + db * c_2[0]) + b * c_3[0],
+        s_d * (da * c[1] + db * c_2[1]) + b * c_3[1],
+        s_d * (da * c[2] + db * c_2[2]) + b * c_3[2],
+    )

@@ -13,7 +13,7 @@ from ..compiled import inlined, jit, lean
 from ..model import Model
 from ..package.schema import Array
 from ..rotations import rotation_into, tangent_coefficients
-from ..triple import about, column, cross3, dot3, put_column, sum3, triple, turned
+from ..triple import about, column, cross3, dot3, put_column, sum3, tangent_rate, triple, turned
 from ..workspace import Work
 from .motion import (
     ACCELERATION,
@@ -137,17 +137,9 @@ def _move(model: Model, k: int, y: Array, A: Array, motion: Array, J_m: Array) -
     ca, cb, da, db = tangent_coefficients(square)
     # relative angular velocity T thetadot and its rate by thetadot, body components
     spin = about(theta, 1.0 - square * cb, ca, cb, theta_d)
-    square_d = 2.0 * dot3(theta, theta_d)
-    c = cross3(theta, theta_d)
-    c_2, c_3 = cross3(theta, c), cross3(theta_d, c)
-    rate = cross3(w, spin)
+    rate = sum3(cross3(w, spin), tangent_rate(theta, theta_d, cb, da, db))
     if bends:
         rate = sum3(rate, about(theta, 1.0 - square * cb, ca, cb, theta_dd))
-    rate = (
-        rate[0] + square_d * (da * c[0] + db * c_2[0]) + cb * c_3[0],
-        rate[1] + square_d * (da * c[1] + db * c_2[1]) + cb * c_3[1],
-        rate[2] + square_d * (da * c[2] + db * c_2[2]) + cb * c_3[2],
-    )
     for n in range(3):
         e = (1.0 if n == 0 else 0.0, 1.0 if n == 1 else 0.0, 1.0 if n == 2 else 0.0)
         put_column(J_m, 0, n, e)

@@ -191,7 +191,7 @@ class RungeKutta5(ExplicitRungeKutta):
 
     def _dense(self) -> Dense:
         h, y_old, _ = self._last
-        return _Powers(self.t_old, h, y_old, h * RK45.P.T.dot(self._K))
+        return Powers(self.t_old, h, y_old, h * RK45.P.T.dot(self._K))
 
 
 class _Polynomial(ABC):
@@ -218,7 +218,7 @@ class _Nested(_Polynomial):
         return y
 
 
-class _Powers(_Polynomial):
+class Powers(_Polynomial):
     """p = sum over j of c_j x^(j+1)."""
 
     def _change(self, x: Array, y: Array) -> Array:

@@ -6,6 +6,15 @@ from typing import Any
 
 import numpy as np
 
+from .alpha_scheme import (
+    HYSTERESIS,
+    MAX_FACTOR,
+    MAX_ITERATIONS,
+    MIN_FACTOR,
+    SAFETY,
+    TOLERANCE,
+    scheme,
+)
 from .base import Dense, Integrator
 from .constrained import ConstrainedSystem, Terms
 from .hermite import Hermite
@@ -13,13 +22,8 @@ from .jacobian import ROOT_EPSILON
 from .norm import Array
 from .saddle_lu import SaddleFactors
 
-FORMULATIONS = ("ggl", "index3")
-SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 2.0
-HYSTERESIS = 1.2  # a change of step disturbs index 3: not for less than this
-MAX_ITERATIONS = 8
 FORGET, STALLED = 0.998, 100.0  # failures of Newton's iteration: one in five of five hundred
 RENEW_AFTER = 3  # steps; younger stiffness is not what keeps Newton's iteration from converging
-TOLERANCE = 0.05  # of the local error allowed, left over by Newton's iteration
 
 
 @dataclass
@@ -77,25 +81,9 @@ class GeneralizedAlpha(Integrator):
         spectral_radius: float = 0.8,
         **options: Any,
     ) -> None:
-        if formulation not in FORMULATIONS:
-            raise ValueError(
-                f"formulation: expected one of {', '.join(FORMULATIONS)}, got {formulation!r}"
-            )
-        if not 0.0 <= spectral_radius <= 1.0:
-            raise ValueError(f"spectral_radius: expected 0 to 1, got {spectral_radius!r}")
+        self._scheme = scheme(formulation, spectral_radius)
         self._system = system
         self._velocity = slice(system.n_pos, system.n_pos + system.n_vel)
-        self._stabilised = formulation == "ggl"
-        rho = spectral_radius
-        self._alpha_m, self._alpha_f = (2 * rho - 1) / (rho + 1), rho / (rho + 1)
-        lag = self._alpha_m - self._alpha_f
-        self._gamma = 0.5 - lag
-        self._beta = 0.25 * (self._gamma + 0.5) ** 2
-        # z enters v_1 and vdot_1 times these over h and h^2
-        self._to_v = self._gamma / self._beta
-        self._to_a = (1 - self._alpha_m) / (self._beta * (1 - self._alpha_f))
-        self._error_q = abs(self._beta + 0.5 * lag - 1 / 6)
-        self._error_v = abs(1 / 12 - 0.5 * lag * lag)
         super().__init__(system.derivative, t0, y0, t_end, **options)
         tightest = np.min(self.norm.atol, initial=np.inf, where=np.isfinite(self.norm.atol))
         self._opening = self.norm.rtol + float(tightest)  # of constraints after a correction
@@ -175,11 +163,13 @@ class GeneralizedAlpha(Integrator):
         if self._h_last > 0:  # its lag grows and shrinks with the step
             a_0 = now.v_d + (now.a - now.v_d) * (h / self._h_last)
         v_d = now.v_d if self._v_dd is None else now.v_d + h * self._v_dd
-        a = ((1 - self._alpha_f) * v_d + self._alpha_f * now.v_d - self._alpha_m * a_0) / (
-            1 - self._alpha_m
-        )
-        z = h * now.v + h * h * ((0.5 - self._beta) * a_0 + self._beta * a)
-        v = now.v + h * ((1 - self._gamma) * a_0 + self._gamma * a)
+        a = (
+            (1 - self._scheme.alpha_f) * v_d
+            + self._scheme.alpha_f * now.v_d
+            - self._scheme.alpha_m * a_0
+        ) / (1 - self._scheme.alpha_m)
+        z = h * now.v + h * h * ((0.5 - self._scheme.beta) * a_0 + self._scheme.beta * a)
+        v = now.v + h * ((1 - self._scheme.gamma) * a_0 + self._scheme.gamma * a)
         return z, _Point(v, v_d, a, now.multipliers.copy(), now.power)
 
     def _newton(
@@ -218,21 +208,21 @@ class GeneralizedAlpha(Integrator):
                     self._renew(h, t, y, terms, v_d, multipliers)
                 factors = self._factorise(h, terms)
             unbalanced = h * h * (terms.M @ v_d + terms.Phi_q.T @ multipliers - terms.f)
-            opening = h * (terms.Phi_q @ v + terms.Phi_t) / self._to_v
+            opening = h * (terms.Phi_q @ v + terms.Phi_t) / self._scheme.to_v
             d_z, d_multipliers = factors.solve(
-                -unbalanced, -opening if self._stabilised else -terms.Phi
+                -unbalanced, -opening if self._scheme.stabilised else -terms.Phi
             )
             moved = d_z
-            if self._stabilised:
+            if self._scheme.stabilised:
                 d_shift, _ = factors.solve(0 * z, -(terms.Phi + terms.Phi_q @ d_z))
                 shift += d_shift
                 moved = d_z + d_shift
             z += d_z
-            v += (self._to_v / h) * d_z
-            v_d += (self._to_a / (h * h)) * d_z
-            a += d_z / (self._beta * h * h)
+            v += (self._scheme.to_v / h) * d_z
+            v_d += (self._scheme.to_a / (h * h)) * d_z
+            a += d_z / (self._scheme.beta * h * h)
             multipliers += d_multipliers / (h * h)
-            size = self._size(y[:n_pos], moved, (self._to_v / h) * d_z, weight)
+            size = self._size(y[:n_pos], moved, (self._scheme.to_v / h) * d_z, weight)
             if not isfinite(size):
                 self._refuse_not_finite("Newton's iteration")
                 return None
@@ -301,7 +291,7 @@ class GeneralizedAlpha(Integrator):
     def _factorise(self, h: float, terms: Terms) -> SaddleFactors:
         self.counters.factorisations += 1
         K = 0.0 if self._K is None else self._K
-        J = self._to_a * terms.M + (h * self._to_v) * self._C + (h * h) * K
+        J = self._scheme.to_a * terms.M + (h * self._scheme.to_v) * self._C + (h * h) * K
         return SaddleFactors(J, terms.Phi_q, self._system.inertia_scale)
 
     def _size(self, q: Array, step: Array, change: Array, weight: Array) -> float:
@@ -323,12 +313,12 @@ class GeneralizedAlpha(Integrator):
         h^4 vdddot / 384.
         """
         no_force = np.zeros(terms.Phi.size)
-        mass = self._to_a * terms.M
-        shift, _ = factors.solve(mass @ (h**3 * self._error_q * v_dd), no_force)
+        mass = self._scheme.to_a * terms.M
+        shift, _ = factors.solve(mass @ (h**3 * self._scheme.error_q * v_dd), no_force)
         change = np.zeros_like(shift)
         if self._v_dd is not None:
             v_ddd = 2 * (v_dd - self._v_dd) / (h + self._h_last)
-            change, _ = factors.solve(mass @ (h**3 * self._error_v * v_ddd), no_force)
+            change, _ = factors.solve(mass @ (h**3 * self._scheme.error_v * v_ddd), no_force)
             prescribed, _ = factors.solve(0 * v_ddd, terms.Phi_q @ v_ddd)
             shift = np.abs(shift) + np.abs(prescribed) * (h**4 / 384)
         weight = self.norm.weight(self.y, y)

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
+from .alpha_scheme import check_formulation
 from .base import Dense
 from .constrained import ConstrainedSystem
 from .hermite import Hermite
@@ -57,10 +58,7 @@ class SundialsIda(Peer):
         formulation: str = "ggl",
         **options: Any,
     ) -> None:
-        if formulation not in FORMULATIONS:
-            raise ValueError(
-                f"formulation: expected one of {', '.join(FORMULATIONS)}, got {formulation!r}"
-            )
+        check_formulation(formulation, FORMULATIONS)
         if options.get("project") is not None:
             raise ValueError("project: ida cannot go on from a state that was moved; expected none")
         try:

@@ -10,38 +10,51 @@ import numpy as np
 from ..compiled import inlined, lean
 from ..coordinates import move, rates_into
 from ..elimination import solve
-from ..joints.rows import PHI, PHI_T
+from ..integrate.alpha_scheme import (
+    HYSTERESIS,
+    MAX_FACTOR,
+    MAX_ITERATIONS,
+    MIN_FACTOR,
+    SAFETY,
+    TOLERANCE,
+    Scheme,
+)
 from ..model import Model
 from ..package.schema import Array
-from ..system import accelerate, evaluate, evaluate_rates, row_products
-from .alpha_course import NEXT, POWER, POWER_LAST, TAKEN, TIME, AlphaCourse, Scheme
+from ..system import (
+    accelerate,
+    evaluate,
+    evaluate_rates,
+    flatten,
+    inflate,
+    largest_left,
+    row_products,
+)
+from ..workspace import PHI, PHI_T
+from .alpha_course import POWER, POWER_LAST, AlphaCourse
 from .course import (
     ARRIVED,
-    BAD,
     EVALUATIONS,
     FACTORISATIONS,
+    GOES_ON,
     ILL,
     NEWTON,
+    NEXT,
     NONE,
-    NOT_FINITE,
     PAUSED,
-    REFUSED,
-    REJECTED,
-    SMALLEST,
-    STEPS,
+    TAKEN,
+    TIME,
     TOO_ROUGH,
     TOO_SMALL,
     TROUBLE,
     Options,
+    count_step,
+    next_step,
+    refuse,
 )
 from .pencil import factorise_pencil, freeze
 from .residual import rest
 from .stages import finite, norm
-
-SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 2.0
-HYSTERESIS = 1.2  # a change of step disturbs index 3: not for less than this
-MAX_ITERATIONS, MAX_NOT_FINITE = 8, 25
-TOLERANCE = 0.05  # of the local error allowed, left over by Newton's iteration
 
 
 @lean
@@ -64,32 +77,20 @@ def advance_alpha(
     for i in range(options.atol.shape[0]):
         tightest = min(tightest, options.atol[i])
     opening = options.rtol + tightest  # of constraints after a correction
-    driven = False
     taken = 0
     while clock[TIME] < options.t_end:
         if taken == most_steps:
             return PAUSED, filled
         t = clock[TIME]
-        left, stretch = options.t_end - t, 1.01
-        h = clock[NEXT]
-        if fixed:
-            h, stretch = options.fixed_step, 1.0 + 1e-6
-        h = min(h, options.max_step)
-        t_new = t + h
-        if h * stretch >= left:
-            h, t_new = left, options.t_end
-        if h < max(options.min_step, 2e-15 * abs(t), SMALLEST) and t_new < options.t_end:
+        h, t_new, too_small = next_step(options, clock)
+        if too_small:
             return TOO_SMALL, filled
 
         _predict(model, scheme, course, h)
         counts[TROUBLE] = NEWTON
         size_last = 0.0
         for iteration in range(1, MAX_ITERATIONS + 1):
-            for i in range(n_vel):
-                course.step[i] = course.z[i] + course.shift[i]
-            for i in range(n_pos):
-                stage[i] = course.y[i]
-            move(model, stage, course.step)
+            _place(model, course)
             evaluate(model, work, t_new, stage)
             counts[EVALUATIONS] += 1
             if iteration == 1:
@@ -123,7 +124,7 @@ def advance_alpha(
                 else:
                     real.gamma[k] = -work.rows[k, PHI]
             solve(plan, real.factors, real.load, real.gamma, real.x, real.mu)
-            _flatten(model, real.x, course.change)
+            flatten(model, real.x, course.change, 0)
             for i in range(n_vel):
                 d_z = course.change[i]
                 course.step[i] = d_z
@@ -138,7 +139,7 @@ def advance_alpha(
                 for k in range(n_c):
                     real.gamma[k] = -(work.rows[k, PHI] + work.left[k])
                 solve(plan, real.factors, course.zero, real.gamma, real.x, real.mu)
-                _flatten(model, real.x, course.both)
+                flatten(model, real.x, course.both, 0)
                 for i in range(n_vel):
                     course.shift[i] += course.both[i]
                     course.step[i] += course.both[i]
@@ -155,25 +156,15 @@ def advance_alpha(
                 break
             if size == 0.0 or (iteration > 1 and size * rate / max(1.0 - rate, 0.1) < TOLERANCE):
                 # rows that no correction closes contradict each other
-                for k in range(n_c):
-                    real.gamma[k] = 0.0
-                _inflate(model, course.step, real.x)
-                row_products(model, work.J, real.x, work.left)
-                largest = 0.0
-                for k in range(n_c):
-                    largest = max(largest, abs(work.rows[k, PHI] + work.left[k]))
-                if not largest > opening:
+                inflate(model, course.step, 0, real.x)
+                if not largest_left(model, work, work.J, real.x) > opening:
                     counts[TROUBLE] = NONE
                 break
             size_last = size
 
         factor = 1.0
         if counts[TROUBLE] == NONE:
-            for i in range(n_vel):
-                course.step[i] = course.z[i] + course.shift[i]
-            for i in range(n_pos):
-                stage[i] = course.y[i]
-            move(model, stage, course.step)
+            _place(model, course)
             if not fixed:
                 error = _error(model, options, scheme, course, h)
                 if not error < 1e300:
@@ -186,19 +177,11 @@ def advance_alpha(
                 counts[TROUBLE] = ILL
 
         if counts[TROUBLE] != NONE:
-            counts[REJECTED] += 1
-            if fixed:
-                return REFUSED, filled
-            if counts[TROUBLE] == ILL:
-                counts[BAD] += 1
-                if counts[BAD] > MAX_NOT_FINITE:
-                    return NOT_FINITE, filled
-                factor = 0.1
-            elif counts[TROUBLE] == TOO_ROUGH:
-                factor = max(MIN_FACTOR, min(MAX_FACTOR, factor))
-            else:
-                factor = 0.25
-            clock[NEXT] = h * factor
+            rough = counts[TROUBLE] == TOO_ROUGH
+            factor = max(MIN_FACTOR, min(MAX_FACTOR, factor)) if rough else 0.25
+            code = refuse(options, clock, counts, h, factor)
+            if code != GOES_ON:
+                return code, filled
             continue
 
         # power of drives and forces; the step's own multipliers lag behind by h^2
@@ -215,10 +198,8 @@ def advance_alpha(
         _accept(model, course, h, power)
         factor = max(MIN_FACTOR, min(MAX_FACTOR, factor))
         clock[NEXT] = h if 1.0 <= factor < HYSTERESIS else h * factor
-        clock[TAKEN], clock[TIME] = h, t_new
+        count_step(clock, counts, h, t_new)
         taken += 1
-        counts[STEPS] += 1
-        counts[BAD] = 0
         while filled < times.shape[0] and times[filled] <= t_new:
             _interpolate(course, h, (times[filled] - t) / h, rows[filled])
             if times[filled] == t_new:
@@ -251,21 +232,13 @@ def _predict(model: Model, scheme: Scheme, course: AlphaCourse, h: float) -> Non
 
 
 @inlined
-def _flatten(model: Model, x: Array, out: Array) -> None:
-    """out[:n_vel] = x (nb, n)."""
-    for i in range(model.n_body):
-        j = model.vel_start[i]
-        for k in range(model.plan.size[i]):
-            out[j + k] = x[i, k]
-
-
-@inlined
-def _inflate(model: Model, step: Array, x: Array) -> None:
-    """x (nb, n) = step (n_vel,)."""
-    for i in range(model.n_body):
-        j = model.vel_start[i]
-        for k in range(model.plan.size[i]):
-            x[i, k] = step[j + k]
+def _place(model: Model, course: AlphaCourse) -> None:
+    """Fill the positions of course.stage: the last state's, moved by z + shift."""
+    for i in range(model.n_vel):
+        course.step[i] = course.z[i] + course.shift[i]
+    for i in range(model.n_pos):
+        course.stage[i] = course.y[i]
+    move(model, course.stage, course.step)
 
 
 @inlined
@@ -298,17 +271,17 @@ def _error(model: Model, options: Options, scheme: Scheme, course: AlphaCourse, 
     rest(model, frozen.M, frozen.J, both, course.no_load, course.zero, real.load, real.gamma)
     real.gamma[:] = 0.0
     solve(plan, factors, real.load, real.gamma, real.x, real.mu)
-    _flatten(model, real.x, course.step)
+    flatten(model, real.x, course.step, 0)
     if last > 0.0:
         for i in range(n_vel):
             both[n_pos + i] = -scheme.to_a * h**3 * scheme.error_v * course.change[i]
         rest(model, frozen.M, frozen.J, both, course.no_load, course.zero, real.load, real.gamma)
         # what the constraints prescribe is exact at the end, but a cubic within the step
-        _inflate(model, course.change, real.x)
+        inflate(model, course.change, 0, real.x)
         real.gamma[:] = 0.0
         solve(plan, factors, real.load, real.gamma, real.rho, real.mu)
         row_products(model, frozen.J, real.x, real.gamma)
-        _flatten(model, real.rho, course.change)
+        flatten(model, real.rho, course.change, 0)
         solve(plan, factors, course.zero, real.gamma, real.x, real.mu)
         for i in range(model.n_body):
             j = model.vel_start[i]

@@ -1,4 +1,4 @@
-"""Memory of a compiled step loop of generalized-alpha, and the numbers of its scheme."""
+"""Memory of a compiled step loop of generalized-alpha."""
 
 from typing import NamedTuple
 
@@ -8,43 +8,11 @@ from ..compiled import jit
 from ..model import Model
 from ..package.schema import Array, IntArray
 from ..workspace import Work, new_work
+from .course import NEXT, TIME
 from .pencil import Frozen, Pencil, new_frozen, new_pencil
 
-# Entries of `clock`: time, next step, last step, power at the ends of the last step.
-TIME, NEXT, TAKEN, POWER, POWER_LAST = 0, 1, 2, 3, 4
-
-
-class Scheme(NamedTuple):
-    """Coefficients for one spectral radius rho at infinity."""
-
-    alpha_m: float
-    alpha_f: float
-    gamma: float
-    beta: float
-    to_v: float  # z enters the velocity at the end times this over h
-    to_a: float  # and the acceleration times this over h^2
-    error_q: float  # local error of positions [h^3 vddot]
-    error_v: float  # and velocities [h^3 vdddot]
-    stabilised: bool  # ggl: positions and velocities both satisfy their constraints
-
-
-def scheme(rho: float, *, stabilised: bool) -> Scheme:
-    """Return the scheme of spectral radius rho, 0 to 1 (integrate/generalized_alpha.py)."""
-    alpha_m, alpha_f = (2 * rho - 1) / (rho + 1), rho / (rho + 1)
-    lag = alpha_m - alpha_f
-    gamma = 0.5 - lag
-    beta = 0.25 * (gamma + 0.5) ** 2
-    return Scheme(
-        alpha_m,
-        alpha_f,
-        gamma,
-        beta,
-        gamma / beta,
-        (1 - alpha_m) / (beta * (1 - alpha_f)),
-        abs(beta + 0.5 * lag - 1 / 6),
-        abs(1 / 12 - 0.5 * lag * lag),
-        stabilised,
-    )
+# Entries of `clock` after those of every loop (course.py): power at the ends of the last step.
+POWER, POWER_LAST = 3, 4
 
 
 class AlphaCourse(NamedTuple):

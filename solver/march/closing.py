@@ -11,12 +11,11 @@ and the same for velocities with Phi_q dv = -Phidot.
 from ..compiled import inlined, lean
 from ..coordinates import move
 from ..elimination import solve
-from ..joints.rows import PHI
 from ..model import Model
 from ..package.schema import Array
 from ..projection import CLOSED, TOLERABLE
-from ..system import evaluate, evaluate_rates, row_products
-from ..workspace import Work
+from ..system import evaluate, evaluate_rates, flatten, largest, largest_left
+from ..workspace import PHI, Work
 from .pencil import Frozen, Pencil, factorise_pencil, freeze
 
 MAX_ITERATIONS = 4
@@ -33,7 +32,7 @@ def close(
     """
     n_pos, n_vel = model.n_pos, model.n_vel
     evaluate(model, work, t, y)
-    count, violation, largest = 1, _violation(work), 0.0
+    count, violation, moved = 1, largest(work.rows[:, PHI]), 0.0
     real.load[:] = 0.0
     if not violation <= CLOSED:
         for _ in range(MAX_ITERATIONS):
@@ -41,17 +40,17 @@ def close(
             factorise_pencil(model, frozen, real, s * s, s, 1.0)
             for k in range(model.n_constraint):
                 real.gamma[k] = -work.rows[k, PHI]
-            largest = _answered(model, real)
+            moved = _answered(model, real)
             move(model, y, real.delta)
-            if largest < SMALL:
-                violation = max(largest * largest, _left(model, work, frozen, real))
+            if moved < SMALL:
+                violation = max(moved * moved, largest_left(model, work, frozen.J, real.x))
                 break
             evaluate(model, work, t, y)
             count += 1
-            violation = _violation(work)
+            violation = largest(work.rows[:, PHI])
             if violation <= CLOSED:
                 break
-    if largest == 0.0:
+    if moved == 0.0:
         freeze(model, work, y, frozen)
         factorise_pencil(model, frozen, real, s * s, s, 1.0)
     evaluate_rates(model, work, y)
@@ -67,33 +66,5 @@ def close(
 def _answered(model: Model, real: Pencil) -> float:
     """Fill delta[:n_vel] with the least motion that changes rows by gamma; return its size."""
     solve(model.plan, real.factors, real.load, real.gamma, real.x, real.mu)
-    largest = 0.0
-    for i in range(model.n_body):
-        for k in range(model.plan.size[i]):
-            x = real.x[i, k]
-            real.delta[model.vel_start[i] + k] = x
-            if abs(x) > largest or x != x:
-                largest = abs(x)
-    return largest
-
-
-@inlined
-def _left(model: Model, work: Work, frozen: Frozen, real: Pencil) -> float:
-    """Largest row that the last correction leaves open: more than rounding if rows contradict."""
-    row_products(model, frozen.J, real.x, work.left)
-    largest = 0.0
-    for k in range(model.n_constraint):
-        row = abs(work.rows[k, PHI] + work.left[k])
-        if row > largest or row != row:
-            largest = row
-    return largest
-
-
-@inlined
-def _violation(work: Work) -> float:
-    largest = 0.0
-    for k in range(work.rows.shape[0]):
-        row = abs(work.rows[k, PHI])
-        if row > largest or row != row:
-            largest = row
-    return largest
+    flatten(model, real.x, real.delta, 0)
+    return largest(real.delta[: model.n_vel])

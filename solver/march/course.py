@@ -1,24 +1,26 @@
-"""Memory, options and outcomes of a compiled step loop of Radau IIA."""
+"""Options, outcomes and limits of the compiled step loops; memory of that of Radau IIA."""
 
 from typing import NamedTuple
 
 import numpy as np
 
-from ..compiled import jit
+from ..compiled import inlined, jit
 from ..model import Model
 from ..package.schema import Array, IntArray
 from ..workspace import Work, new_work
 from .pencil import Frozen, Pencil, new_frozen, new_pencil
 
-# What a call comes back with.
-ARRIVED, PAUSED, TOO_SMALL, NOT_FINITE, REFUSED = 0, 1, 2, 3, 4
-# Entries of `clock`: time, next step, last step, its error and Newton's rate of convergence.
-TIME, NEXT, TAKEN, ERROR_LAST, RATE = 0, 1, 2, 3, 4
+# What a call comes back with; and, of an attempt refused, that a shorter one follows.
+ARRIVED, PAUSED, TOO_SMALL, NOT_FINITE, REFUSED, GOES_ON = 0, 1, 2, 3, 4, 5
+# Entries of `clock`: time, next step, last step; its error and Newton's rate of convergence.
+TIME, NEXT, TAKEN = 0, 1, 2
+ERROR_LAST, RATE = 3, 4
 # Entries of `counts`.
 STEPS, REJECTED, EVALUATIONS, FACTORISATIONS, BAD, TROUBLE = 0, 1, 2, 3, 4, 5
 # Values of TROUBLE: why the last attempt was refused.
 NONE, NEWTON, TOO_ROUGH, ILL, OFF = 0, 1, 2, 3, 4
 SMALLEST = 1e-300  # step, whatever the time [s]
+MAX_NOT_FINITE = 25  # attempts in a row
 
 
 class Options(NamedTuple):
@@ -32,6 +34,47 @@ class Options(NamedTuple):
     min_step: float
     fixed_step: float  # 0: error control
     closes: bool  # bring every step back onto the constraints
+
+
+@inlined
+def next_step(options: Options, clock: Array) -> tuple[float, float, bool]:
+    """Return the next step [s], its end, and whether it is too small to be taken.
+
+    Within the largest step, on t_end exactly, no sliver before it.
+    """
+    t, h, stretch = clock[TIME], clock[NEXT], 1.01
+    if options.fixed_step > 0.0:
+        h, stretch = options.fixed_step, 1.0 + 1e-6
+    h = min(h, options.max_step)
+    if h * stretch >= options.t_end - t:
+        return options.t_end - t, options.t_end, False
+    return h, t + h, h < max(options.min_step, 2e-15 * abs(t), SMALLEST)
+
+
+@inlined
+def refuse(options: Options, clock: Array, counts: IntArray, h: float, shorter: float) -> int:
+    """Count an attempt of h that failed, and leave the next size; say whether to go on.
+
+    `shorter` is the factor of the next size where numbers are finite.
+    """
+    counts[REJECTED] += 1
+    if options.fixed_step > 0.0:
+        return REFUSED
+    if counts[TROUBLE] == ILL:
+        counts[BAD] += 1
+        if counts[BAD] > MAX_NOT_FINITE:
+            return NOT_FINITE
+        shorter = 0.1
+    clock[NEXT] = h * shorter
+    return GOES_ON
+
+
+@inlined
+def count_step(clock: Array, counts: IntArray, h: float, t_new: float) -> None:
+    """Count an accepted step of h to t_new."""
+    clock[TAKEN], clock[TIME] = h, t_new
+    counts[STEPS] += 1
+    counts[BAD] = 0
 
 
 class Course(NamedTuple):

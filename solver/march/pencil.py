@@ -24,6 +24,7 @@ from ..compiled import inlined, jit, lean
 from ..elimination import factorise, solve
 from ..model import Model
 from ..package.schema import Array
+from ..rotations import along_parameters
 from ..system import REGULAR, soften
 from ..workspace import Factors, Work, new_factors
 
@@ -182,9 +183,10 @@ def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> No
             delta[a + 7 + k] = x[i, 6 + k]
         for k in range(3):
             x[i, 3 + k] -= rho[i, 3 + k] * c
-        _parameters_of(frozen.p[i], x[i], delta, a + 3)
+        # E x / 2: the change of Euler parameters by a small rotation
+        turned = along_parameters(frozen.p[i], 0, 0.5 * x[i, 3], 0.5 * x[i, 4], 0.5 * x[i, 5])
         for k in range(4):
-            delta[a + 3 + k] += r[a + 3 + k] * c
+            delta[a + 3 + k] = turned[k] + r[a + 3 + k] * c
 
 
 @inlined
@@ -196,13 +198,3 @@ def _spin_of(p: Array, r: Array, a: int, rho: Array) -> None:
     rho[3] = c * (-e1 * r0 + e0 * r1 + e3 * r2 - e2 * r3)
     rho[4] = c * (-e2 * r0 - e3 * r1 + e0 * r2 + e1 * r3)
     rho[5] = c * (-e3 * r0 + e2 * r1 - e1 * r2 + e0 * r3)
-
-
-@inlined
-def _parameters_of(p: Array, x: Array, delta: Array, a: int) -> None:
-    """delta[a:a+4] = E x[3:6] / 2: the change of Euler parameters by a small rotation."""
-    e0, e1, e2, e3 = 0.5 * p[0], 0.5 * p[1], 0.5 * p[2], 0.5 * p[3]
-    delta[a] = -e1 * x[3] - e2 * x[4] - e3 * x[5]
-    delta[a + 1] = e0 * x[3] - e3 * x[4] + e2 * x[5]
-    delta[a + 2] = e3 * x[3] + e0 * x[4] - e1 * x[5]
-    delta[a + 3] = -e2 * x[3] + e1 * x[4] + e0 * x[5]

@@ -12,22 +12,17 @@ from ..package.schema import Array
 from .closing import close
 from .course import (
     ARRIVED,
-    BAD,
     ERROR_LAST,
     EVALUATIONS,
     FACTORISATIONS,
+    GOES_ON,
     ILL,
     NEWTON,
     NEXT,
     NONE,
-    NOT_FINITE,
     OFF,
     PAUSED,
     RATE,
-    REFUSED,
-    REJECTED,
-    SMALLEST,
-    STEPS,
     TAKEN,
     TIME,
     TOO_ROUGH,
@@ -35,6 +30,9 @@ from .course import (
     TROUBLE,
     Course,
     Options,
+    count_step,
+    next_step,
+    refuse,
 )
 from .pencil import factorise_pencil, freeze, solve_pencil
 from .residual import leave
@@ -54,7 +52,6 @@ from .stages import (
 from .tableau import MU, NU, C
 
 MAX_ITERATIONS = 10
-MAX_NOT_FINITE = 25
 SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 8.0
 # Corrections, over what Newton's iteration may leave: the first, and later ones that do not shrink.
 NEGLIGIBLE, ROUNDING = 1e-3, 0.1
@@ -91,15 +88,8 @@ def advance(
         if taken == most_steps:
             return PAUSED, filled
         t = clock[TIME]
-        left, stretch = options.t_end - t, 1.01
-        h = clock[NEXT]
-        if fixed:
-            h, stretch = options.fixed_step, 1.0 + 1e-6
-        h = min(h, options.max_step)
-        t_new = t + h
-        if h * stretch >= left:  # on t_end exactly, no sliver before it
-            h, t_new = left, options.t_end
-        if h < max(options.min_step, 2e-15 * abs(t), SMALLEST) and t_new < options.t_end:
+        h, t_new, too_small = next_step(options, clock)
+        if too_small:
             return TOO_SMALL, filled
 
         # stages
@@ -204,31 +194,24 @@ def advance(
             counts[TROUBLE] = ILL
 
         if counts[TROUBLE] != NONE:
-            counts[REJECTED] += 1
-            if fixed:
-                return REFUSED, filled
-            if counts[TROUBLE] == ILL:
-                counts[BAD] += 1
-                if counts[BAD] > MAX_NOT_FINITE:
-                    return NOT_FINITE, filled
-                factor = 0.1
-            elif counts[TROUBLE] == NEWTON:
+            if counts[TROUBLE] == NEWTON:
                 factor = 0.5
             elif counts[TROUBLE] == OFF:
                 factor = 0.25
             else:
                 factor = max(MIN_FACTOR, min(1.0, factor))
-            clock[NEXT] = h * factor
+            code = refuse(options, clock, counts, h, factor)
+            if code != GOES_ON:
+                return code, filled
             continue
 
         accept(course, h)
         if clock[TAKEN] > 0.0:  # Gustafsson: errors that grow ask for more care
             factor *= min(1.0, h / clock[TAKEN] * (clock[ERROR_LAST] / error) ** 0.25)
         clock[NEXT] = h * max(MIN_FACTOR, min(MAX_FACTOR, factor))
-        clock[TAKEN], clock[ERROR_LAST], clock[TIME] = h, error, t_new
+        clock[ERROR_LAST] = error
+        count_step(clock, counts, h, t_new)
         taken += 1
-        counts[STEPS] += 1
-        counts[BAD] = 0
         while filled < times.shape[0] and times[filled] <= t_new:
             row = rows[filled]
             interpolate(course, (times[filled] - t) / h, row)

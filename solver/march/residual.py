@@ -6,11 +6,10 @@ Phi_q vdot = gamma are from being met. That spares a factorisation of the mass m
 
 from ..compiled import inlined, lean
 from ..coordinates import rates_into
-from ..joints.rows import GAMMA, PHI, PHI_T
 from ..model import Model
 from ..package.schema import Array
 from ..system import evaluate, evaluate_rates
-from ..workspace import Work
+from ..workspace import GAMMA, PHI, PHI_T, Work
 
 
 @lean
