@@ -38,12 +38,11 @@ class Place:
     """Where an equation is implemented."""
 
     path: str  # from the repository's root, with /
-    line: int
     name: str  # function or class, with its class in front; "" for the module
 
     def __str__(self) -> str:
         """The place as the table shows it."""
-        return f"{self.path}:{self.line}" + (f" ({self.name})" if self.name else "")
+        return self.path + (f" ({self.name})" if self.name else "")
 
 
 def numbers(text: str) -> Iterator[int]:
@@ -74,7 +73,7 @@ def places(root: Path = ROOT) -> dict[int, list[Place]]:
         relative = path.relative_to(root).as_posix()
         for _, name, line, docstring in documented(ast.parse(path.read_text("utf-8"))):
             for number in marked(docstring, f"{relative}:{line}"):
-                place = Place(relative, line, name)
+                place = Place(relative, name)
                 if place not in found.setdefault(number, []):
                     found[number].append(place)
     return dict(sorted(found.items()))
