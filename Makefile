@@ -27,7 +27,7 @@ FE_PYTHON = . ./$(FENICSX) && PYTHONPATH=. "$$FENICSX_PYTHON"
 
 PREPROCESS_SOURCES := $(shell find preprocess meshes -name '*.py' -o -name '*.geo' -o -name '*.dat')
 SOLVER_SOURCES := $(shell find solver -name '*.py')
-PACKAGE_SOURCES := $(filter solver/package/% solver/rotations.py,$(SOLVER_SOURCES))
+PACKAGE_SOURCES := $(filter solver/package/% solver/math/% solver/errors.py,$(SOLVER_SOURCES))
 HOT_SOURCES := $(shell grep -lE '@jit|@inlined|NamedTuple' -r solver --include='*.py')
 REPORT_SOURCES := $(filter solver/report% solver/results%,$(SOLVER_SOURCES))
 SECTION_SOURCES := $(filter solver/section% solver/fenicsx_side% solver/input% solver/strength%, \

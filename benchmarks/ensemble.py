@@ -143,7 +143,7 @@ def _time(file: Path, count: int) -> dict[str, Any]:
     """Compute `count` members in this process; CPU times [s]."""
     import numpy as np
 
-    from plymotion.solver.compiled import COMPILED
+    from plymotion.solver.math.compiled import COMPILED
     from plymotion.solver.sweep.engine import compute_here
     from plymotion.solver.sweep.member import Packages, Row, compute
     from plymotion.solver.sweep.plan import read_plan

@@ -17,7 +17,7 @@ from solver_problems import Problem, actuated_beam, chain, double_pendulum
 from solver_runs import Point, largest, point, reference, warm_up
 from tqdm import tqdm
 
-from plymotion.solver.package.schema import Array
+from plymotion.solver.math.arrays import Array
 
 CHAIN = 4
 CHAIN_END = 0.5  # [s]

@@ -20,9 +20,9 @@ from typing import Any
 import numpy as np
 from solver_problems import EIGHT, GRAVITY, interface
 
+from plymotion.solver.math.arrays import Array
+from plymotion.solver.math.rotations import skew
 from plymotion.solver.package import ModalPackage, read_package
-from plymotion.solver.package.schema import Array
-from plymotion.solver.rotations import skew
 
 PEERS = Path(os.environ.get("PLYMOTION_PEERS", "build/peers"))
 SPECTRAL_RADIUS = 0.8

@@ -7,9 +7,9 @@ import numpy as np
 from solver_exudyn import Plane
 from solver_problems import SHIPPED, Problem
 
+from plymotion.solver.math.arrays import Array
 from plymotion.solver.model import Model
 from plymotion.solver.package import read_package
-from plymotion.solver.package.schema import Array
 
 BEAM, CRANK, LINK = 0, 1, 2  # bodies of the problem
 TIP_MASS, SPEED, ARM = 5.0, 3.14, 0.025  # [kg], [rad/s], crank [m]

@@ -12,11 +12,11 @@ from plymotion.solver.bodies.marker import marker_motion
 from plymotion.solver.case import load_case
 from plymotion.solver.case.load import merge
 from plymotion.solver.equilibrium import starting_state
+from plymotion.solver.math.arrays import Array
+from plymotion.solver.math.rotations import frame_from_axis
 from plymotion.solver.mechanism import build
 from plymotion.solver.model import GROUND, Model
 from plymotion.solver.package import Interface, ModalPackage, read_package
-from plymotion.solver.package.schema import Array
-from plymotion.solver.rotations import frame_from_axis
 
 SHIPPED = Path("tests/packages")
 EIGHT = SHIPPED / "double-pendulum-8"  # 8 elements a link, lumped, 4 + 4 modes

@@ -37,10 +37,10 @@ from plymotion.solver.assemble import (  # noqa: E402
     assemble_model,
     flexible_body,
 )
-from plymotion.solver.compiled import COMPILED, jit  # noqa: E402
-from plymotion.solver.laws import polynomial  # noqa: E402
+from plymotion.solver.math.arrays import Array  # noqa: E402
+from plymotion.solver.math.compiled import COMPILED, jit  # noqa: E402
+from plymotion.solver.math.laws import polynomial  # noqa: E402
 from plymotion.solver.model import Model  # noqa: E402
-from plymotion.solver.package.schema import Array  # noqa: E402
 from plymotion.solver.system import derivative_into  # noqa: E402
 from plymotion.solver.workspace import Work, new_work  # noqa: E402
 

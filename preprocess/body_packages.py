@@ -5,8 +5,9 @@ import time
 from pathlib import Path
 from typing import Any
 
+from ..solver.errors import PackageError
 from ..solver.package.io import read_package, write_package
-from ..solver.package.schema import ModalPackage, PackageError
+from ..solver.package.schema import ModalPackage
 from .fingerprint import fingerprint
 
 

@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 
+from plymotion.solver.math.arrays import Array
 from plymotion.solver.package.materials import (
     MaterialError,
     Orthotropic,
@@ -17,7 +18,6 @@ from plymotion.solver.package.materials import (
     isotropic,
     material_from_dict,
 )
-from plymotion.solver.package.schema import Array
 
 __all__ = [
     "MaterialError",

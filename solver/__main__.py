@@ -9,8 +9,7 @@ from typing import Any
 
 from plymotion import __version__
 
-from .errors import InputError
-from .package import PackageError
+from .errors import InputError, PackageError
 from .section.options import add_section_command
 from .shell.options import add_shell_command
 from .sweep.options import add_sweep_command

@@ -10,18 +10,18 @@ from .assemble import ForceTable, JointTable, MarkerTable, assemble_model, rigid
 from .bodies.floating_frame import centrifugal_matrix
 from .bodies.marker import single_motion
 from .closures import right_hand_side
-from .compiled import COMPILED
 from .coordinates import moved, position_rates
 from .forces.table import KINDS as FORCE_KINDS
 from .forces.table import element_wrench
 from .integrate import RungeKutta8, integrate
 from .joints.table import KINDS
-from .laws import polynomial
 from .marching import CompiledAlpha, Marching, Radau
+from .math.arrays import Array
+from .math.compiled import COMPILED
+from .math.laws import polynomial
+from .math.rotations import rotation_matrix, vector_to_matrix
 from .model import Model
-from .package.schema import Array
 from .projection import projected
-from .rotations import rotation_matrix, vector_to_matrix
 from .system import assemble, derivative, energies, law_at
 
 

@@ -9,10 +9,11 @@ from .driven import Stand, driven_frames
 from .forces.table import KINDS as FORCE_KINDS
 from .forces.table import N_PARAMETER
 from .joints.table import KINDS, NAMES, ROWS
-from .laws import N_COEFFICIENT, Law
+from .math.arrays import Array
+from .math.laws import N_COEFFICIENT, Law
 from .model import GROUND, Model
 from .package.invariants import inertia_at_rest
-from .package.schema import Array, Invariants, ModalPackage, SecondOrder
+from .package.schema import Invariants, ModalPackage, SecondOrder
 from .plan import make_plan, positive_inertia
 
 # Second-order tables below this share of the others are rounding: bending in a plane moves no

@@ -8,8 +8,8 @@ from .coordinates import moved, position_rates
 from .integrate.base import Derivative
 from .integrate.constrained import ConstrainedSystem
 from .march.explicit import fill_stages
+from .math.arrays import Array
 from .model import Model
-from .package.schema import Array
 from .projection import projected
 from .system import accelerations, assemble, by_blocks, dense_derivative_into, derivative_into
 from .workspace import new_work

@@ -7,10 +7,10 @@ through here, so that Euler parameters keep their length.
 
 import numpy as np
 
-from .compiled import inlined, jit, lean
+from .math.arrays import Array
+from .math.compiled import inlined, jit, lean
+from .math.rotations import along_parameters
 from .model import Model
-from .package.schema import Array
-from .rotations import along_parameters
 
 
 @inlined

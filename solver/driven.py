@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .package.schema import Array, IntArray
+from .math.arrays import Array, IntArray
 
 # Kinds of joints that together leave a body no freedom whatever its place, all at one marker.
 COMPLETE = (

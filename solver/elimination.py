@@ -16,8 +16,8 @@ There is no pivoting: the mass matrix of a body is positive definite, and so is 
 constraints are independent. The same code serves real and complex symmetric blocks.
 """
 
-from .compiled import inlined, lean
-from .package.schema import Array, IntArray
+from .math.arrays import Array, IntArray
+from .math.compiled import inlined, lean
 from .plan import Plan
 from .workspace import Factors
 

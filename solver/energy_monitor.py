@@ -4,8 +4,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from .math.arrays import Array
 from .model import Model
-from .package.schema import Array
 from .system import Equations, energies
 
 JUMP_CODE = "energy-jump"

@@ -13,8 +13,8 @@ import numpy as np
 
 from .constraints.treatment import Treatment
 from .integrate import Solution, integrate
+from .math.arrays import Array
 from .model import Model
-from .package.schema import Array
 from .plan import Plan
 from .preparation import Watch
 from .run import make_integrator

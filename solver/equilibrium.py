@@ -16,8 +16,8 @@ from .constraints.scaling import row_masses, scaled_jacobian
 from .coordinates import moved
 from .errors import InputError
 from .initial import Start, consistent_state
+from .math.arrays import Array
 from .model import Model
-from .package.schema import Array
 from .system import Equations, assemble
 
 _TOLERANCE = 1e-10  # of the unbalanced accelerations, over the largest that the loads give

@@ -8,6 +8,10 @@ class InputError(Exception):
     """Something in the input cannot be used; the message names file, key, value, expectation."""
 
 
+class PackageError(Exception):
+    """A file of this project cannot be used; the message names file and dataset."""
+
+
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """Return "; did you mean 'x'?" for the known word closest to `word`, or nothing."""
     close = get_close_matches(word, sorted(known), n=1, cutoff=0.5)

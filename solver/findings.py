@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
+from .math.arrays import Array
 from .mechanism import BuiltMechanism
-from .package.schema import Array
 
 Finding = dict[str, str]
 

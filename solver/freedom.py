@@ -5,8 +5,8 @@ import numpy as np
 from .constraints.minimum_norm import RANK_TOLERANCE
 from .constraints.scaling import scaled_jacobian
 from .joints.table import DRIVES, NAMES
+from .math.arrays import Array
 from .model import Model
-from .package.schema import Array
 from .system import assemble
 
 

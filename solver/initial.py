@@ -10,8 +10,8 @@ from .constraints.scaling import scaled_jacobian
 from .coordinates import moved
 from .errors import InputError
 from .joints.table import KINDS, NAMES, ROWS
+from .math.arrays import Array
 from .model import Model
-from .package.schema import Array
 from .system import Equations, accelerations, assemble, law_at
 
 _POSITION_TOLERANCE = 1e-12

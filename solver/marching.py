@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 
 from .closures import right_hand_side
-from .compiled import COMPILED
 from .constraints.treatment import Treatment
 from .errors import InputError
 from .forces.table import FIRST_LOAD
@@ -22,8 +21,9 @@ from .march.closing import close
 from .march.course import Options, new_course
 from .march.radau import advance
 from .march.tableau import MU
+from .math.arrays import Array
+from .math.compiled import COMPILED
 from .model import Model
-from .package.schema import Array
 from .system import by_blocks, derivative_into
 from .workspace import new_work
 

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .package.schema import Array
+from .math.arrays import Array
 from .plan import Plan
 
 IntArray = NDArray[np.int64]

@@ -6,8 +6,8 @@ import numpy as np
 
 from .bodies.floating_frame import centrifugal_matrix
 from .integrate import Integrator, StopRequest
+from .math.arrays import Array
 from .model import GROUND, Model
-from .package.schema import Array
 
 SPIN_CODE = "spin-above-clamped-frequency"
 

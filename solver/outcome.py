@@ -10,11 +10,11 @@ from . import findings, ply_stress, reactions, recover, shell_stress
 from .energy_monitor import JUMP_CODE
 from .freedom import degrees_of_freedom
 from .integrate import Solution
+from .math.arrays import Array
 from .mechanism import BuiltMechanism
 from .model import Model
 from .monitor import SPIN_CODE, SpinMonitor
 from .package import ModalPackage
-from .package.schema import Array
 from .results import BodyGeometry, RunResult, Signal, signal_summary
 from .signals import Recording, Sensor
 from .stiffening import stiffening_findings

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from .package.schema import Array, IntArray
+from .math.arrays import Array, IntArray
 
 
 class Plan(NamedTuple):

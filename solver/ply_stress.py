@@ -13,8 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from .math.arrays import Array, IntArray
 from .package.recovery_data import strengths
-from .package.schema import Array, BodyRecovery, IntArray, ModalPackage
+from .package.schema import BodyRecovery, ModalPackage
 from .package.section import STRESSES, Ply, SectionRecovery
 from .package.strength import PlyStrength, YieldStrength
 from .strength import Criterion, Verdict, criteria_of

@@ -12,11 +12,11 @@ from .equilibrium import starting_state
 from .findings import Finding, finding
 from .initial import redundancy
 from .integrate import Integrator, Solution, StopRequest
+from .math.arrays import Array
 from .mechanism import BuiltMechanism, build
 from .model import Model
 from .monitor import SPIN_CODE, SpinMonitor
 from .package import ModalPackage
-from .package.schema import Array
 from .signals import Sensor, sensors
 from .singularity import SINGULAR_CODE, SingularityMonitor
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from .compiled import jit, rebound
 from .coordinates import moved
+from .math.arrays import Array
+from .math.compiled import jit, rebound
 from .model import Model
-from .package.schema import Array
 from .system import (
     answer,
     by_blocks,

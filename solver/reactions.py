@@ -8,9 +8,9 @@ from .bodies.marker import marker_motion, single_motion
 from .bodies.motion import place
 from .bodies.second_order import second_order_first_moment
 from .forces.table import FIRST_LOAD, element_wrench
+from .math.arrays import Array
+from .math.rotations import rotation_matrix
 from .model import GROUND, Model
-from .package.schema import Array
-from .rotations import rotation_matrix
 from .system import accelerations, assemble, derivative, law_at
 
 # Central, exact for polynomials to the sixth degree.

@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .joints.table import NAMES, ROWS
+from .math.arrays import Array
+from .math.rotations import rotation_matrix
 from .model import Model
-from .package.schema import Array, Interface
-from .rotations import rotation_matrix
+from .package.schema import Interface
 from .system import accelerations, assemble, constraint_rates, energies
 
 

@@ -11,7 +11,7 @@ from tqdm import tqdm
 
 from .closures import constrained_system, projection, right_hand_side
 from .constraints.treatment import IMPLICIT, Treatment, treatment_of
-from .errors import InputError
+from .errors import InputError, PackageError
 from .integrate import (
     Integrator,
     Solution,
@@ -22,10 +22,10 @@ from .integrate import (
     new_integrator,
 )
 from .marching import CompiledAlpha, Radau, has_elements, marches
+from .math.arrays import Array
 from .model import Model
 from .outcome import RunSpec, collect
-from .package import ModalPackage, PackageError, read_package
-from .package.schema import Array
+from .package import ModalPackage, read_package
 from .preparation import Watch, prepare
 from .results import RunResult, write_result, write_summary
 

@@ -15,9 +15,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .math.arrays import Array, IntArray
 from .package.laminate_data import CellResultants, LaminateData
 from .package.recovery_data import strengths
-from .package.schema import Array, IntArray, ModalPackage
+from .package.schema import ModalPackage
 from .package.section import Ply
 from .package.shell_file import LEVELS
 from .ply_stress import BodyStrength, Failure

@@ -15,8 +15,8 @@ from .constraints.treatment import PASSES_SINGULAR
 from .energy_monitor import EnergyMonitor
 from .integrate import Integrator, StopRequest
 from .integrate.base import Dense
+from .math.arrays import Array
 from .model import Model
-from .package.schema import Array
 from .system import assemble
 
 SINGULAR_CODE = "singular-position"

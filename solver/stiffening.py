@@ -16,12 +16,12 @@ from .bodies.motion import place
 from .bodies.second_order import stiffening_matrix
 from .findings import Finding, finding
 from .forces.table import FIRST_LOAD, element_wrench
+from .math.arrays import Array
+from .math.rotations import rotation_matrix
 from .mechanism import BuiltMechanism, build
 from .model import Model
 from .monitor import SpinMonitor
-from .package.schema import Array
 from .recover import stiffened
-from .rotations import rotation_matrix
 from .system import accelerations, assemble, law_at
 
 BUCKLING_CODE = "buckling-by-motion"

@@ -8,7 +8,6 @@ from .bodies.floating_frame import evaluate_bodies
 from .bodies.marker import evaluate_markers
 from .bodies.motion import place
 from .bodies.second_order import second_order_first_moment
-from .compiled import inlined, jit, lean
 from .constraints.augmented_lagrangian import augmented_lagrangian
 from .constraints.baumgarte import stabilised
 from .constraints.minimum_norm import minimum_norm
@@ -17,11 +16,12 @@ from .coordinates import rates_into
 from .elimination import factorise, solve
 from .forces.table import FIRST_LOAD, element_wrench
 from .joints.table import joint_rows
-from .laws import law_value
+from .math.arrays import Array
+from .math.compiled import inlined, jit, lean
+from .math.laws import law_value
+from .math.rotations import rotation_matrix
+from .math.triple import Triple, cross3, minus3, sum3
 from .model import Model
-from .package.schema import Array
-from .rotations import rotation_matrix
-from .triple import Triple, cross3, minus3, sum3
 from .workspace import GAMMA, PHI, PHI_T, Work, new_work
 
 # Least pivot of a constraint row over its diagonal entry, below which rows count as dependent

@@ -16,8 +16,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from .assemble import Body, JointTable, MarkerTable, rigid_body
+from .math.arrays import Array
 from .model import GROUND, Model
-from .package.schema import Array
 
 
 @dataclass(frozen=True)

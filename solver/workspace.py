@@ -5,9 +5,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .bodies.motion import N_MOTION, stand
-from .compiled import jit
+from .math.arrays import Array
+from .math.compiled import jit
 from .model import Model
-from .package.schema import Array
 
 # A constraint row: coefficients C of v_1, w_1, v_2, w_2 in global components, then these.
 PHI, PHI_T, GAMMA = 12, 13, 14

@@ -7,10 +7,10 @@ import numpy as np
 from plymotion.solver.assemble import Body, ForceTable, JointTable, MarkerTable, assemble_model
 from plymotion.solver.closures import right_hand_side
 from plymotion.solver.integrate import integrate, new_integrator
-from plymotion.solver.laws import polynomial
+from plymotion.solver.math.laws import polynomial
+from plymotion.solver.math.rotations import rotation_matrix, skew, vector_to_matrix
 from plymotion.solver.model import Model
 from plymotion.solver.package import from_stations
-from plymotion.solver.rotations import rotation_matrix, skew, vector_to_matrix
 from plymotion.solver.system import assemble, energies
 
 

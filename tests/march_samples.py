@@ -8,7 +8,7 @@ from mechanism_samples import GRAVITY, GROUND, Rods, Sample
 
 from plymotion.solver.assemble import ForceTable, JointTable, MarkerTable, assemble_model
 from plymotion.solver.initial import Start
-from plymotion.solver.laws import Law, polynomial
+from plymotion.solver.math.laws import Law, polynomial
 
 N_MODE = 2
 

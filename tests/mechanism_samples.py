@@ -12,8 +12,8 @@ import numpy as np
 from plymotion.solver.assemble import Body, JointTable, MarkerTable, assemble_model, rigid_body
 from plymotion.solver.bodies.marker import marker_motion
 from plymotion.solver.initial import Start
+from plymotion.solver.math.rotations import frame_from_axis
 from plymotion.solver.model import Model
-from plymotion.solver.rotations import frame_from_axis
 
 GROUND = -1
 Z = (0.0, 0.0, 1.0)

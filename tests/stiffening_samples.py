@@ -10,7 +10,7 @@ from plymotion.preprocess.beam.section_mass import SectionMass
 from plymotion.solver.assemble import JointTable, MarkerTable, assemble_model, flexible_body
 from plymotion.solver.bodies.marker import marker_motion
 from plymotion.solver.initial import Start, consistent_state
-from plymotion.solver.laws import polynomial
+from plymotion.solver.math.laws import polynomial
 from plymotion.solver.model import Model
 from plymotion.solver.package import ModalPackage
 from plymotion.solver.system import derivative

@@ -13,7 +13,7 @@ error falls at least with the square of the element length.
 
 import numpy as np
 
-from ...solver.package.schema import Array
+from ...solver.math.arrays import Array
 from .element import BeamElement, scaled_inverse
 from .line import BeamLine
 

@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from ...solver.package.schema import Array, IntArray, Interface, ModalPackage, SectionData
+from ...solver.math.arrays import Array, IntArray
+from ...solver.package.schema import Interface, ModalPackage, SectionData
 from ...solver.package.second_order import MOST_MODES, second_order_from_stations
 from ..modes import EigenSolver, Modes, reduced_modes
 from .accuracy import coarse_mesh_warnings, frequency_error

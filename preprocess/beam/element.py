@@ -25,7 +25,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...solver.package.schema import Array
+from ...solver.math.arrays import Array
 
 # Rotation of the section feeds the deflection: u2' holds f3, u3' holds -f2.
 Z = np.zeros((6, 6))

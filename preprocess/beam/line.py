@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 import scipy.sparse as sp
 
-from ...solver.package.schema import Array, IntArray
+from ...solver.math.arrays import Array, IntArray
 from .element import BeamElement
 from .section_mass import SectionMass
 

@@ -17,7 +17,8 @@ lambda m u L^2 / 12 in the moments at its ends, where the largest ones are.
 
 import numpy as np
 
-from ...solver.package.schema import Array, BodyRecovery
+from ...solver.math.arrays import Array
+from ...solver.package.schema import BodyRecovery
 from .line import BeamLine
 
 

@@ -25,8 +25,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...solver.math.arrays import Array, IntArray
 from ...solver.package.invariants import rigid_motions
-from ...solver.package.schema import Array, IntArray
 from .element import MASS_POINTS, Z, gauss
 from .line import BeamLine
 from .stations import Stations

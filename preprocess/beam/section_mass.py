@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...solver.package.schema import Array
-from ...solver.rotations import skew
+from ...solver.math.arrays import Array
+from ...solver.math.rotations import skew
 
 TOLERANCE = 1e-9  # relative departure from the mass matrix of a rigid slice
 

@@ -8,7 +8,8 @@ expectation.
 from dataclasses import dataclass
 from typing import Any
 
-from ...solver.package.schema import MASS_FORMS, Array
+from ...solver.math.arrays import Array
+from ...solver.package.schema import MASS_FORMS
 from .line import section_axes
 from .spec_modes import ModeSpec, Reference, read_modes, read_reference
 from .spec_values import SpecError, count, expected, known_keys, number, one_of

@@ -9,7 +9,7 @@ of Krylov of the bending stiffness and the tension: few shapes serve all speeds 
 
 import numpy as np
 
-from ...solver.package.schema import Array
+from ...solver.math.arrays import Array
 from ..modes import Condition, StaticLoad
 from .line import BeamLine
 

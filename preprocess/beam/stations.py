@@ -11,9 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...solver.math.arrays import Array
+from ...solver.math.rotations import skew
 from ...solver.package.invariants import from_stations
-from ...solver.package.schema import Array, Invariants
-from ...solver.rotations import skew
+from ...solver.package.schema import Invariants
 from .element import MASS_POINTS, gauss
 from .line import BeamLine
 

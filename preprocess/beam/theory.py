@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...solver.package.schema import Array
+from ...solver.math.arrays import Array
 
 THEORIES = ("timoshenko", "classical")
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...solver.package.schema import Array
+from ...solver.math.arrays import Array
 from .shear import shear_factors
 from .stack import Lamina, Laminate
 from .stiffness import laminate_stiffness

@@ -22,7 +22,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from ...solver.errors import did_you_mean
-from ...solver.package.schema import Array
+from ...solver.math.arrays import Array
 from .stack import Laminate, LaminateError, moments
 
 ShearCorrection = str | Sequence[float]

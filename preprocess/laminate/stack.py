@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...solver.package.schema import Array
+from ...solver.math.arrays import Array
 from ..materials import Orthotropic, ply_rotation, rotated
 
 PLANE = np.array([0, 1, 5])  # 11, 22, 12 of a stress column 11 22 33 23 13 12

@@ -5,7 +5,7 @@
 
 import numpy as np
 
-from ...solver.package.schema import Array
+from ...solver.math.arrays import Array
 from ..materials import bond, ply_rotation
 from .shear import equilibrium_shear
 from .stack import ACROSS, PLANE, Laminate

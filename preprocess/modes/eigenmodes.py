@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...solver.package.schema import Array, IntArray
+from ...solver.math.arrays import Array, IntArray
 from .kinds import KINDS, Participation, clusters, kind_of, separating_turn, shares_of, signs
 from .reference import Condition, EigenSolver, ModeError
 

@@ -17,7 +17,7 @@ from itertools import pairwise
 import numpy as np
 import scipy.linalg
 
-from ...solver.package.schema import Array, IntArray
+from ...solver.math.arrays import Array, IntArray
 
 # Component (of ux uy uz rx ry rz) whose motion names and signs the mode.
 COMPONENTS = {"bending-xy": 1, "bending-xz": 2, "torsion": 3, "axial": 0}

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...solver.package.schema import Array, IntArray
+from ...solver.math.arrays import Array, IntArray
 from .eigenmodes import SPARE, ModeRequest, eigenmodes
 from .kinds import Participation, shares_of
 from .reference import Condition, EigenSolver, ModeError

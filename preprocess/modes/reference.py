@@ -21,7 +21,7 @@ import scipy.linalg
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
-from ...solver.package.schema import Array, IntArray
+from ...solver.math.arrays import Array, IntArray
 
 # K, M sparse and n: the n lowest values and vectors of K x = value M x, K positive definite
 EigenSolver = Callable[[Any, Any, int], tuple[Array, Array]]

@@ -19,7 +19,7 @@ import numpy as np
 import scipy.linalg
 import scipy.optimize
 
-from ...solver.package.schema import Array, IntArray
+from ...solver.math.arrays import Array, IntArray
 from .eigenmodes import Eigenmodes
 from .kinds import TIE, Participation, separating_turn
 from .reference import Condition

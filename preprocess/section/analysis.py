@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from ...solver.package.schema import Array
+from ...solver.math.arrays import Array
 from ...solver.package.section import SectionFile
 from .. import fenicsx
 from .errors import SectionError

@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
+from ...solver.errors import PackageError
 from ...solver.package.container import get_text, open_file
-from ...solver.package.schema import PackageError
 from ...solver.package.section import SECTION_FORMAT_VERSION
 from ...solver.package.section_io import write_section
 from ..fingerprint import fingerprint

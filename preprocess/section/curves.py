@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ...solver.package.schema import Array
+from ...solver.math.arrays import Array
 
 SAMPLES = 8  # per element, to find the nearest element
 CANDIDATES = 4  # elements tried for each point

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...solver.package.schema import Array
+from ...solver.math.arrays import Array
 
 # K falls to the exact one as the field gets richer, at least like degree^-RATE: that is what is
 # left where stresses are singular (at the edge of a ply or a re-entrant corner); smooth parts fall

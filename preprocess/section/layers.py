@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...solver.errors import did_you_mean
-from ...solver.package.schema import Array
+from ...solver.math.arrays import Array
 from ...solver.package.section import Ply
 from ..materials import Orthotropic, material_from_dict, rotated
 from .curves import nearest_on_curve

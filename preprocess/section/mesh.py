@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ...solver.package.schema import Array
+from ...solver.math.arrays import Array
 from .. import fenicsx
 from ..fenicsx import PlainMesh
 from .errors import SectionError

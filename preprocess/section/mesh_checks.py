@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from ...solver.package.schema import Array
+from ...solver.math.arrays import Array
 from .. import fenicsx
 from ..fenicsx import PlainMesh
 from .errors import SectionError

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...solver.package.schema import Array
+from ...solver.math.arrays import Array
 from ...solver.package.section import SectionMeshData
 from .. import fenicsx
 from .layers import Layup

@@ -9,7 +9,7 @@ form compiler is used here.
 import numpy as np
 import scipy.sparse as sp
 
-from ...solver.package.schema import Array
+from ...solver.math.arrays import Array
 from .. import fenicsx
 from .pattern import EVERY
 from .space import IN_SECTION, SectionSpace

@@ -4,7 +4,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from ...solver.package.schema import Array
+from ...solver.math.arrays import Array
 
 IntTable = NDArray[np.int32]
 EVERY = slice(None)

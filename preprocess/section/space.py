@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from ...solver.package.schema import Array
+from ...solver.math.arrays import Array
 from .. import fenicsx
 from .pattern import Pattern
 

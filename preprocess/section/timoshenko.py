@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from ...solver.package.schema import Array
+from ...solver.math.arrays import Array
 from .errors import SectionError
 from .space import SectionSpace
 from .warping import (

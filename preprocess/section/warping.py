@@ -13,7 +13,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from ...solver.package.schema import Array
+from ...solver.math.arrays import Array
 from .. import fenicsx
 from .errors import SectionError
 from .space import SectionSpace

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...solver.package.schema import Array
+from ...solver.math.arrays import Array
 from ...solver.package.shell_file import (
     ShellCases,
     ShellFile,

@@ -7,7 +7,7 @@ blocks of two nodes; which blocks fall on each other is one sparse matrix of zer
 import numpy as np
 import scipy.sparse as sp
 
-from ...solver.package.schema import Array, IntArray
+from ...solver.math.arrays import Array, IntArray
 
 DOFS = 6  # of a node: ux uy uz rx ry rz
 NO_LINES = np.zeros((0, 2), dtype=np.int64)

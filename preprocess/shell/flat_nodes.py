@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...solver.package.schema import Array, IntArray
+from ...solver.math.arrays import Array, IntArray
 from .mesh import ShellMesh
 from .regions import Region
 from .stiffeners import Stiffener

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...solver.errors import did_you_mean
-from ...solver.package.schema import Array, IntArray
+from ...solver.math.arrays import Array, IntArray
 from .errors import ShellError
 from .mesh import ShellMesh
 

@@ -7,7 +7,7 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from ...solver.package.schema import Array
+from ...solver.math.arrays import Array
 from .assembly import DOFS
 from .choice import Choice
 from .errors import ShellError

@@ -10,7 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...solver.package.schema import Array, IntArray, Interface
+from ...solver.math.arrays import Array, IntArray
+from ...solver.package.schema import Interface
 from .body_spec import ShellInterface
 from .links import Link
 from .mesh import ShellMesh

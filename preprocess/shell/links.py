@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from ...solver.errors import did_you_mean
-from ...solver.package.schema import Array
+from ...solver.math.arrays import Array
 from .axes import vector
 from .errors import ShellError
 from .groups import Group, group

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from ...solver.errors import did_you_mean
-from ...solver.package.schema import Array, IntArray
+from ...solver.math.arrays import Array, IntArray
 from .assembly import DOFS
 from .axes import vector
 from .errors import ShellError

@@ -12,7 +12,7 @@ other rotations, so that without m1 the matrix is diagonal in all axes.
 
 import numpy as np
 
-from ...solver.package.schema import Array
+from ...solver.math.arrays import Array
 from .drilling.excess import excess_rotation
 from .drilling.tie import LINEAR
 from .errors import ShellError

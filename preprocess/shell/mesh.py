@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from ...solver.package.schema import Array, IntArray
+from ...solver.math.arrays import Array, IntArray
 from .. import fenicsx
 from ..fenicsx import PlainMesh
 from .errors import ShellError

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...solver.errors import did_you_mean
-from ...solver.package.schema import Array, IntArray
+from ...solver.math.arrays import Array, IntArray
 from ...solver.package.shell_file import SHELL_MOTIONS, SHELL_RESULTANTS
 from .assembly import DOFS
 from .axes import vector

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from ...solver.package.schema import Array
+from ...solver.math.arrays import Array
 from .. import fenicsx
 from .assembly import NO_LINES, NO_MATRICES, Assembly
 from .flat_nodes import flat_nodes

@@ -9,7 +9,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from ...solver.package.schema import Array, IntArray
+from ...solver.math.arrays import Array, IntArray
 from .. import fenicsx
 from ..beam.spec_modes import DIRECTIONS
 from ..beam.spec_values import SpecError, expected

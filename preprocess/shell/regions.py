@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ...solver.errors import did_you_mean
-from ...solver.package.schema import IntArray
+from ...solver.math.arrays import IntArray
 from ..laminate import LaminateSpec, LaminateStiffness, laminate_from_dict, laminate_stiffness
 from ..materials import Orthotropic, material_from_dict
 from .axes import cell_directions

@@ -5,7 +5,7 @@ Side k runs from corner i to j; l are the area coordinates, g their gradients.
 
 import numpy as np
 
-from ...solver.package.schema import Array
+from ...solver.math.arrays import Array
 from .triangles import END, POINTS, START, Triangles
 
 

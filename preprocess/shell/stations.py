@@ -14,7 +14,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...solver.package.schema import Array
+from ...solver.math.arrays import Array
 from ..beam.element import MASS_POINTS, BeamElement, gauss
 from ..beam.section_mass import SectionMass
 from ..beam.spec_values import SpecError

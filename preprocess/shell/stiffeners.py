@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ...solver.package.schema import Array, IntArray
+from ...solver.math.arrays import Array, IntArray
 from ..beam.element import BeamElement
 from ..fingerprint import canonical
 from ..section import analyse

@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ...solver.package.schema import Array
+from ...solver.math.arrays import Array
 from .choice import Choice
 from .drilling import DRILLINGS
 from .membranes import MEMBRANES, MembraneStrains

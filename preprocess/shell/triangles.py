@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from ...solver.package.schema import Array, IntArray
+from ...solver.math.arrays import Array, IntArray
 from .errors import ShellError
 
 START, END = (0, 1, 2), (1, 2, 0)  # corners of the three sides

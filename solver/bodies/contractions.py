@@ -1,8 +1,8 @@
 """Second-order tables times modal coordinates and rates."""
 
-from ..compiled import COMPILED, lean
-from ..package.schema import Array
-from ..triple import Triple
+from ..math.arrays import Array
+from ..math.compiled import COMPILED, lean
+from ..math.triple import Triple
 
 
 @lean

@@ -7,11 +7,11 @@ only; sums that vanish for a body (model.pair_used) are left out.
 See docs/errata.md for the signs of Eqs. (2), (7) and (12).
 """
 
-from ..compiled import inlined, jit
+from ..math.arrays import Array
+from ..math.compiled import inlined, jit
+from ..math.rotations import rotation_into
+from ..math.triple import Triple, column, cross3, dot3, sum3, times3, triple, turned, turned_back
 from ..model import Model
-from ..package.schema import Array
-from ..rotations import rotation_into
-from ..triple import Triple, column, cross3, dot3, sum3, times3, triple, turned, turned_back
 from ..workspace import Work
 from .second_order import add_carried, add_modal_inertia, add_moments
 

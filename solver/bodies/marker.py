@@ -9,11 +9,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..compiled import inlined, jit, lean
+from ..math.arrays import Array
+from ..math.compiled import inlined, jit, lean
+from ..math.rotations import rotation_into, tangent_coefficients
+from ..math.triple import (
+    about,
+    column,
+    cross3,
+    dot3,
+    put_column,
+    sum3,
+    tangent_rate,
+    triple,
+    turned,
+)
 from ..model import Model
-from ..package.schema import Array
-from ..rotations import rotation_into, tangent_coefficients
-from ..triple import about, column, cross3, dot3, put_column, sum3, tangent_rate, triple, turned
 from ..workspace import Work
 from .motion import (
     ACCELERATION,

@@ -3,9 +3,9 @@
 One row is one argument where compiled: joints and force elements are called with two of them.
 """
 
-from ..compiled import lean
-from ..package.schema import Array
-from ..triple import Triple
+from ..math.arrays import Array
+from ..math.compiled import lean
+from ..math.triple import Triple
 
 PLACE, AXES, VELOCITY, SPIN, ACCELERATION, SPIN_RATE = 0, 3, 12, 15, 18, 21
 N_MOTION = 24

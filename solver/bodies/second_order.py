@@ -18,10 +18,10 @@ heavier than the body, and sit where it moves most.
 
 import numpy as np
 
-from ..compiled import inlined, jit
+from ..math.arrays import Array
+from ..math.compiled import inlined, jit
+from ..math.triple import Triple, column, cross3, sum3, times3
 from ..model import Model
-from ..package.schema import Array
-from ..triple import Triple, column, cross3, sum3, times3
 from ..workspace import Work
 from .contractions import add_elastic, contract
 

@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationInfo, model_validator
 
-from .. import laws
 from ..input.table import Table, unit
+from ..math import laws
 
 Times = Annotated[list[float], Field(min_length=2)]
 FOLDER = "folder"  # key of the validation context: the folder of the case file

@@ -8,7 +8,7 @@ from pydantic import ValidationError
 
 from ..errors import nearest
 from ..input import lines
-from ..package.schema import Array
+from ..math.arrays import Array
 from .check import cross_check
 from .laws import FOLDER
 from .schema import Mechanism

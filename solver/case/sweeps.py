@@ -11,7 +11,7 @@ from pydantic import BaseModel, Field, model_validator
 
 from ..errors import nearest
 from ..input.table import Name, Table
-from ..package.schema import Array
+from ..math.arrays import Array
 
 MOST = 100_000  # members of one sweep
 Design = Literal["grid", "list", "random", "latin-hypercube"]

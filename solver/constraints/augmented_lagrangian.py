@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..package.schema import Array
+from ..math.arrays import Array
 from .scaling import row_masses
 
 

@@ -1,6 +1,6 @@
 """Baumgarte's feedback of position and velocity violations. Paper: Eq. (13)."""
 
-from ..package.schema import Array
+from ..math.arrays import Array
 
 
 def stabilised(gamma: Array, Phi: Array, Phi_d: Array, alpha: float, beta: float) -> Array:

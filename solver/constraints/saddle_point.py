@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..package.schema import Array
+from ..math.arrays import Array
 
 
 def saddle_point(M: Array, f: Array, Phi_q: Array, gamma: Array) -> tuple[Array, Array]:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..package.schema import Array
+from ..math.arrays import Array
 
 
 def row_masses(Phi_q: Array, inertia_scale: Array) -> Array:

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError, nearest
-from ..package.schema import Array, IntArray
+from ..math.arrays import Array, IntArray
 
 
 def read_columns(

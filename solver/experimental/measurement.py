@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from ..errors import InputError, nearest
 from ..input import lines, read_toml
-from ..package.schema import Array, IntArray
+from ..math.arrays import Array, IntArray
 from .columns import read_columns
 from .tables import MeasuredFile
 

@@ -7,8 +7,8 @@ import numpy as np
 
 from plymotion import __version__
 
+from ..math.arrays import Array, IntArray
 from ..package import Interface, ModalPackage, from_stations
-from ..package.schema import Array, IntArray
 from .measurement import Measurement
 from .shapes import Corrected, corrected_shapes
 

@@ -19,8 +19,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..errors import InputError
+from ..math.arrays import Array
 from ..package.invariants import rigid_motions
-from ..package.schema import Array
 from .measurement import Measurement
 
 HELD = 0.01  # motion of held nodes, against the largest: more is no clamp

@@ -4,10 +4,10 @@ import numpy as np
 
 from ..bodies.motion import axis, from_axes, in_axes, place, velocity
 from ..bodies.motion import spin as spin_of
-from ..compiled import jit
-from ..package.schema import Array
-from ..rotations import matrix_to_vector, tangent_map
-from ..triple import cross3, dot3, minus3, triple
+from ..math.arrays import Array
+from ..math.compiled import jit
+from ..math.rotations import matrix_to_vector, tangent_map
+from ..math.triple import cross3, dot3, minus3, triple
 from .wrench import Wrench
 
 

@@ -1,9 +1,9 @@
 """Force or torque from outside on marker two, its direction fixed in the axes of marker one."""
 
 from ..bodies.motion import from_axes, spin, velocity
-from ..compiled import jit
-from ..package.schema import Array
-from ..triple import dot3, times3, triple
+from ..math.arrays import Array
+from ..math.compiled import jit
+from ..math.triple import dot3, times3, triple
 from .wrench import Wrench
 
 

@@ -3,9 +3,9 @@
 import numpy as np
 
 from ..bodies.motion import place, velocity
-from ..compiled import jit
-from ..package.schema import Array
-from ..triple import dot3, minus3, times3
+from ..math.arrays import Array
+from ..math.compiled import jit
+from ..math.triple import dot3, minus3, times3
 from .wrench import Wrench
 
 

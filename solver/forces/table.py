@@ -1,7 +1,7 @@
 """The kinds of force elements, and the branch that the step loop takes."""
 
-from ..compiled import jit
-from ..package.schema import Array
+from ..math.arrays import Array
+from ..math.compiled import jit
 from .bushing import bushing
 from .load import force, torque
 from .rotary_spring import rotary_spring

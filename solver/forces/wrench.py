@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from ..triple import Triple
+from ..math.triple import Triple
 
 
 class Wrench(NamedTuple):

@@ -4,6 +4,7 @@ from inspect import signature
 from typing import Any
 
 from ..errors import did_you_mean
+from ..math.arrays import Array
 from . import advice
 from .base import Counters, Derivative, Integrator
 from .constrained import ConstrainedSystem
@@ -11,7 +12,6 @@ from .drive import Solution, StopRequest, integrate
 from .explicit import RungeKutta5, RungeKutta8
 from .gear import Gear
 from .generalized_alpha import GeneralizedAlpha
-from .norm import Array
 from .scipy_peers import ScipyBdf, ScipyDop853, ScipyLsoda, ScipyRadau
 from .sundials_ida import SundialsIda
 

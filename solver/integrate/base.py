@@ -12,8 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from ..math.arrays import Array
 from . import advice
-from .norm import Array, ErrorNorm
+from .norm import ErrorNorm
 
 Derivative = Callable[[float, Array], Array]
 Jacobian = Callable[[float, Array], Array]

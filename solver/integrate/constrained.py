@@ -9,8 +9,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
+from ..math.arrays import Array
 from .base import Derivative
-from .norm import Array
 
 
 class Terms(Protocol):

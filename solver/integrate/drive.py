@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from ..math.arrays import Array
 from .base import Counters, Integrator
-from .norm import Array
 
 
 @dataclass(frozen=True)

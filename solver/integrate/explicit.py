@@ -11,8 +11,8 @@ from typing import Any, ClassVar
 import numpy as np
 from scipy.integrate import DOP853, RK45
 
+from ..math.arrays import Array
 from .base import Dense, Integrator
-from .norm import Array
 
 SAFETY = 0.9
 STIFF_TESTS = 15  # in a row, before the hint is given

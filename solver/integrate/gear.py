@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from ..math.arrays import Array
 from .base import Dense, Derivative, Integrator
 from .bdf_formula import corrector, error_weights, interpolation, predictor
 from .jacobian import difference_jacobian, increments
 from .newton import SimplifiedNewton
-from .norm import Array
 
 HIGHEST_ORDER = 5
 HIGHEST_FIXED_ORDER = 6  # to show what it does; unstable from w h = 0.84 on

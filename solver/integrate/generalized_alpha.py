@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ..math.arrays import Array
 from .alpha_scheme import (
     HYSTERESIS,
     MAX_FACTOR,
@@ -19,7 +20,6 @@ from .base import Dense, Integrator
 from .constrained import ConstrainedSystem, Terms
 from .hermite import Hermite
 from .jacobian import ROOT_EPSILON
-from .norm import Array
 from .saddle_lu import SaddleFactors
 
 FORGET, STALLED = 0.998, 100.0  # failures of Newton's iteration: one in five of five hundred

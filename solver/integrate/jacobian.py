@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from ..math.arrays import Array
 from .base import Derivative
-from .norm import Array
 
 ROOT_EPSILON = float(np.sqrt(np.finfo(float).eps))
 

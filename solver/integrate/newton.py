@@ -6,8 +6,9 @@ from math import isfinite
 import numpy as np
 from scipy.linalg.lapack import dgetrf, dgetrs
 
+from ..math.arrays import Array
 from .base import Counters, Derivative
-from .norm import Array, ErrorNorm
+from .norm import ErrorNorm
 
 MAX_ITERATIONS = 4
 TOLERANCE = 0.1  # of the local error allowed, left over by the iteration

@@ -4,9 +4,8 @@ from collections.abc import Sequence
 from math import sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ..math.arrays import Array
 
 
 class ErrorNorm:

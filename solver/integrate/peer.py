@@ -5,8 +5,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from ..math.arrays import Array
 from .base import Integrator
-from .norm import Array
 
 
 class Peer(Integrator):

@@ -6,8 +6,8 @@ from typing import Any, ClassVar
 import numpy as np
 from scipy.integrate import BDF, DOP853, LSODA, Radau
 
+from ..math.arrays import Array
 from .base import Dense
-from .norm import Array
 from .peer import Peer
 
 

@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
+from ..math.arrays import Array
 from .alpha_scheme import check_formulation
 from .base import Dense
 from .constrained import ConstrainedSystem
 from .hermite import Hermite
-from .norm import Array
 from .peer import Peer
 
 FORMULATIONS = ("ggl",)

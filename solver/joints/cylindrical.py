@@ -1,7 +1,7 @@
 """Cylindrical joint: a common z axis, along which and about which it moves; four rows."""
 
-from ..compiled import jit
-from ..package.schema import Array
+from ..math.arrays import Array
+from ..math.compiled import jit
 from .rows import on_z_axis, parallel_z
 
 ROWS = "ddrr"

@@ -1,9 +1,9 @@
 """Distance: two points stay a given length apart, like the ends of a massless rod; one row."""
 
 from ..bodies.motion import acceleration, place, velocity
-from ..compiled import jit
-from ..package.schema import Array
-from ..triple import dot3, minus3
+from ..math.arrays import Array
+from ..math.compiled import jit
+from ..math.triple import dot3, minus3
 from ..workspace import GAMMA, PHI, PHI_T
 
 ROWS = "d"

@@ -1,7 +1,7 @@
 """Fixed joint: two markers coincide; six rows."""
 
-from ..compiled import jit
-from ..package.schema import Array
+from ..math.arrays import Array
+from ..math.compiled import jit
 from .rows import fixed_axes, same_point
 
 ROWS = "dddrrr"

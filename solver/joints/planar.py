@@ -1,7 +1,7 @@
 """Planar joint: motion in the plane normal to z, and rotation about z; three rows."""
 
-from ..compiled import jit
-from ..package.schema import Array
+from ..math.arrays import Array
+from ..math.compiled import jit
 from .rows import along_axis, parallel_z
 
 ROWS = "drr"

@@ -1,7 +1,7 @@
 """Point on a line: the origin of marker two moves along the z axis of marker one; two rows."""
 
-from ..compiled import jit
-from ..package.schema import Array
+from ..math.arrays import Array
+from ..math.compiled import jit
 from .rows import on_z_axis
 
 ROWS = "dd"

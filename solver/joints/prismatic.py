@@ -1,7 +1,7 @@
 """Prismatic joint: motion along the common z axis only; five rows."""
 
-from ..compiled import jit
-from ..package.schema import Array
+from ..math.arrays import Array
+from ..math.compiled import jit
 from .rows import fixed_axes, on_z_axis, parallel_z
 
 ROWS = "ddrrr"

@@ -1,7 +1,7 @@
 """Revolute joint: a common point and a common z axis; five rows."""
 
-from ..compiled import jit
-from ..package.schema import Array
+from ..math.arrays import Array
+from ..math.compiled import jit
 from .rows import parallel_z, same_point
 
 ROWS = "dddrr"

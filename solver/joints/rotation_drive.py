@@ -3,9 +3,9 @@
 import numpy as np
 
 from ..bodies.motion import axis, spin
-from ..compiled import jit
-from ..package.schema import Array
-from ..triple import cross3, minus3, sum3, times3
+from ..math.arrays import Array
+from ..math.compiled import jit
+from ..math.triple import cross3, minus3, sum3, times3
 from .rows import orthogonal_axes
 
 ROWS = "r"

@@ -8,9 +8,9 @@ accelerations, moved to the right. Paper: Eq. (10), Eq. (11).
 
 from ..bodies.motion import acceleration, axis, place, spin_rate, velocity
 from ..bodies.motion import spin as spin_of
-from ..compiled import jit
-from ..package.schema import Array
-from ..triple import Triple, cross3, dot3, minus3, sum3
+from ..math.arrays import Array
+from ..math.compiled import jit
+from ..math.triple import Triple, cross3, dot3, minus3, sum3
 from ..workspace import GAMMA, PHI, PHI_T
 
 

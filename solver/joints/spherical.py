@@ -1,7 +1,7 @@
 """Spherical joint: a common point; three rows."""
 
-from ..compiled import jit
-from ..package.schema import Array
+from ..math.arrays import Array
+from ..math.compiled import jit
 from .rows import same_point
 
 ROWS = "ddd"

@@ -1,7 +1,7 @@
 """The kinds of joints: their rows, and the branch that the step loop takes."""
 
-from ..compiled import jit
-from ..package.schema import Array
+from ..math.arrays import Array
+from ..math.compiled import jit
 from .cylindrical import ROWS as CYLINDRICAL
 from .cylindrical import cylindrical
 from .distance import ROWS as DISTANCE

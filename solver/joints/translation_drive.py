@@ -1,7 +1,7 @@
 """Drive: the place of marker two along the z axis of marker one is given in time; one row."""
 
-from ..compiled import jit
-from ..package.schema import Array
+from ..math.arrays import Array
+from ..math.compiled import jit
 from .rows import along_axis
 
 ROWS = "d"

@@ -1,7 +1,7 @@
 """Universal joint: a common point and two crossing axes at right angles; four rows."""
 
-from ..compiled import jit
-from ..package.schema import Array
+from ..math.arrays import Array
+from ..math.compiled import jit
 from .rows import fixed_axes, same_point
 
 ROWS = "dddr"

@@ -7,7 +7,6 @@ and differences for its stiffness. Here modal stiffness and damping are the ones
 
 import numpy as np
 
-from ..compiled import inlined, lean
 from ..coordinates import move, rates_into
 from ..elimination import solve
 from ..integrate.alpha_scheme import (
@@ -19,8 +18,9 @@ from ..integrate.alpha_scheme import (
     TOLERANCE,
     Scheme,
 )
+from ..math.arrays import Array
+from ..math.compiled import inlined, lean
 from ..model import Model
-from ..package.schema import Array
 from ..system import (
     accelerate,
     evaluate,

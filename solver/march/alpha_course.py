@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..compiled import jit
+from ..math.arrays import Array, IntArray
+from ..math.compiled import jit
 from ..model import Model
-from ..package.schema import Array, IntArray
 from ..workspace import Work, new_work
 from .course import NEXT, TIME
 from .pencil import Frozen, Pencil, new_frozen, new_pencil

@@ -8,11 +8,11 @@ The metric is that of the step, s^2 M + s D + K: a change in the metric of the m
 and the same for velocities with Phi_q dv = -Phidot.
 """
 
-from ..compiled import inlined, lean
 from ..coordinates import move
 from ..elimination import solve
+from ..math.arrays import Array
+from ..math.compiled import inlined, lean
 from ..model import Model
-from ..package.schema import Array
 from ..projection import CLOSED, TOLERABLE
 from ..system import evaluate, evaluate_rates, flatten, largest, largest_left
 from ..workspace import PHI, Work

@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..compiled import inlined, jit
+from ..math.arrays import Array, IntArray
+from ..math.compiled import inlined, jit
 from ..model import Model
-from ..package.schema import Array, IntArray
 from ..workspace import Work, new_work
 from .pencil import Frozen, Pencil, new_frozen, new_pencil
 

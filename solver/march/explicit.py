@@ -1,8 +1,8 @@
 """Stages of an explicit Runge-Kutta step, all in one call."""
 
-from ..compiled import lean
+from ..math.arrays import Array
+from ..math.compiled import lean
 from ..model import Model
-from ..package.schema import Array
 from ..system import derivative_into
 from ..workspace import Work
 

@@ -20,11 +20,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..compiled import inlined, jit, lean
 from ..elimination import factorise, solve
+from ..math.arrays import Array
+from ..math.compiled import inlined, jit, lean
+from ..math.rotations import along_parameters
 from ..model import Model
-from ..package.schema import Array
-from ..rotations import along_parameters
 from ..system import REGULAR, soften
 from ..workspace import Factors, Work, new_factors
 

@@ -4,10 +4,10 @@ Implicit steps need no accelerations: they ask how far M vdot + Phi_q' lambda = 
 Phi_q vdot = gamma are from being met. That spares a factorisation of the mass matrix.
 """
 
-from ..compiled import inlined, lean
 from ..coordinates import rates_into
+from ..math.arrays import Array
+from ..math.compiled import inlined, lean
 from ..model import Model
-from ..package.schema import Array
 from ..system import evaluate, evaluate_rates
 from ..workspace import GAMMA, PHI, PHI_T, Work
 

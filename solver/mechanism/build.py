@@ -7,9 +7,9 @@ import numpy as np
 
 from ..assemble import Body, assemble_model, flexible_body, rigid_body
 from ..initial import Start
+from ..math.rotations import matrix_to_parameters
 from ..model import Model
 from ..package import Interface, ModalPackage
-from ..rotations import matrix_to_parameters
 from ..virtual import VirtualBodies, through_virtual_bodies
 from .forces import force_tables
 from .joints import BuiltJoint, joint_tables

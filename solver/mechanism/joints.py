@@ -7,7 +7,7 @@ import numpy as np
 
 from ..assemble import JointTable
 from ..errors import InputError
-from ..package.schema import Array
+from ..math.arrays import Array
 from .laws import law_of, shifted
 from .places import Places, axes
 

@@ -3,8 +3,8 @@
 from dataclasses import replace
 from typing import Any
 
-from .. import laws
-from ..laws import Law
+from ..math import laws
+from ..math.laws import Law
 
 
 def law_of(table: dict[str, Any]) -> Law:

@@ -6,10 +6,10 @@ import numpy as np
 
 from ..assemble import MarkerTable
 from ..errors import InputError, nearest
+from ..math.arrays import Array
+from ..math.rotations import frame_from_axis, vector_to_matrix
 from ..model import GROUND
 from ..package import Interface, ModalPackage
-from ..package.schema import Array
-from ..rotations import frame_from_axis, vector_to_matrix
 
 
 class Places:

@@ -5,8 +5,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from ..errors import did_you_mean
+from ..math.arrays import Array, IntArray
 from .finding import Reporter
-from .schema import Array, IntArray
 
 SYMMETRY = 1e-9  # largest |K - K'| over largest |K|
 ORTHONORMAL = 1e-9  # largest entry of |A'A - 1|

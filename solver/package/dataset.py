@@ -8,10 +8,9 @@ from typing import Any
 import h5py
 import numpy as np
 
-from ..errors import did_you_mean
+from ..errors import PackageError, did_you_mean
 from .container import as_text, is_text, set_text
 from .finding import Finding
-from .schema import PackageError
 
 
 @dataclass(frozen=True)

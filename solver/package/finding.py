@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from .schema import PackageError
+from ..errors import PackageError
 
 Reporter = Callable[[str, str], None]  # takes dataset and message
 

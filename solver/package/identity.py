@@ -8,9 +8,9 @@ from typing import Any
 import h5py
 import numpy as np
 
+from ..errors import PackageError
 from .container import content_sha256, get_text, kind_of_file, set_text
 from .finding import Finding
-from .schema import PackageError
 
 UNITS = "SI"
 

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from .schema import Array, Invariants, ModalPackage
+from ..math.arrays import Array
+from .schema import Invariants, ModalPackage
 
 
 def from_stations(

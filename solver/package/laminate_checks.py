@@ -4,11 +4,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..math.arrays import Array
 from .array_checks import finite, positive_definite, rotations, rows_of, symmetric
 from .finding import Finding, Reporter
 from .laminate_data import CellResultants, LaminateData
 from .recovery_checks import check_plies
-from .schema import Array, ModalPackage
+from .schema import ModalPackage
 
 ENERGY = 2.0  # factor: strain energy of the mean resultants, which hold less than all of it
 NORMAL = 1e-3  # sine of the angle between a cell's normal and its e3

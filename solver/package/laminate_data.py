@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from ..math.arrays import Array, IntArray
 from .dataset import DatasetSpec, F, I, T, spec
 from .identity import json_table, json_text
-from .schema import Array, IntArray
 from .shell_file import ShellPly
 
 

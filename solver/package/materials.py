@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import did_you_mean
-from .schema import Array
+from ..math.arrays import Array
 
 _UNITS = {"E": "Pa", "G": "Pa", "n": "-", "r": "kg/m3"}  # by first letter of the key
 

@@ -4,12 +4,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..math.arrays import Array
 from .finding import Finding
 from .invariants import free_body_mass, inertia_at_rest
 from .laminate_checks import laminate_findings
 from .recovery_checks import recovery_findings
 from .reference_checks import reference_findings
-from .schema import Array, Interface, ModalPackage
+from .schema import Interface, ModalPackage
 
 TOTAL_MASS = 1e-6  # relative: nodal masses against the invariants
 CONSISTENCY = 1e-6  # relative: numbers that the same FE model gave twice

@@ -6,6 +6,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from ..errors import PackageError
 from .checks import content_findings, layout_findings
 from .container import get_text, open_file
 from .dataset import read_dataset
@@ -27,15 +28,7 @@ from .layout import (
     SECTION_LAYOUT,
 )
 from .recovery_data import RECOVERY_LAYOUT, recovery_from
-from .schema import (
-    BodyRecovery,
-    Interface,
-    Invariants,
-    ModalPackage,
-    PackageError,
-    SecondOrder,
-    SectionData,
-)
+from .schema import BodyRecovery, Interface, Invariants, ModalPackage, SecondOrder, SectionData
 from .second_order import INTERFACE_SECOND_ORDER_LAYOUT, SECOND_ORDER_LAYOUT
 
 

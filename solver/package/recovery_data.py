@@ -6,10 +6,10 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from ..math.arrays import Array
 from .dataset import DatasetSpec, F, I, T, spec
 from .identity import json_table, json_text
 from .materials import MaterialError
-from .schema import Array
 from .section import Ply, SectionRecovery
 from .strength import PlyStrength, YieldStrength, read_strength
 

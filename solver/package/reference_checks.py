@@ -4,9 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..math.arrays import Array
 from .finding import Finding
 from .invariants import free_body_mass
-from .schema import Array, ModalPackage
+from .schema import ModalPackage
 
 AT_REST = 1e-9  # motion of a node that the frame is tied to, against the largest of its mode
 MOMENTUM = 1e-6  # of a mode seen from a mean axis, against that of its mass moving as one

@@ -8,15 +8,11 @@ io.py and docs/format.md.
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
+from ..math.arrays import Array, IntArray
 
 if TYPE_CHECKING:
     from .laminate_data import CellResultants, LaminateData
     from .section import SectionRecovery
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 FORMAT = "plymotion modal package"
 FORMAT_VERSION = (1, 3)
@@ -24,10 +20,6 @@ FORMAT_VERSION = (1, 3)
 MODE_KINDS = ("rigid", "fixed_normal", "constraint", "attachment", "residual", "experimental")
 REFERENCE_CONDITIONS = ("clamped", "chord", "mean-axis")
 MASS_FORMS = ("consistent", "lumped")
-
-
-class PackageError(Exception):
-    """A modal package that cannot be used; the message names file and dataset."""
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,11 @@ geometric stiffness of the stresses of f, sum f_k h_ij,k = -X_i' K_geo(f) X_j (d
 
 import numpy as np
 
+from ..math.arrays import Array
 from .array_checks import finite, positive_definite
 from .dataset import DatasetSpec, F, spec
 from .finding import Reporter
-from .schema import Array, Interface, ModalPackage, SecondOrder
+from .schema import Interface, ModalPackage, SecondOrder
 
 MOST_MODES = 16  # G4 has m^4 numbers; a body with more modes goes without
 SYMMETRY = 1e-9  # of i and j, relative to the largest entry

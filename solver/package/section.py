@@ -10,7 +10,7 @@ along the fibre, 3 along its outward normal).
 from dataclasses import dataclass, field
 from typing import Any
 
-from .schema import Array, IntArray
+from ..math.arrays import Array, IntArray
 
 SECTION_FORMAT = "plymotion section"
 SECTION_FORMAT_VERSION = (1, 0)

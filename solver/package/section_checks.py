@@ -6,6 +6,7 @@ import h5py
 import numpy as np
 
 from ..errors import did_you_mean
+from ..math.arrays import Array
 from .array_checks import (
     finite,
     mesh_cells,
@@ -16,7 +17,6 @@ from .array_checks import (
 from .dataset import defined_sizes, encoded, misshaped, missing_or_mistyped
 from .finding import Finding, Reporter
 from .recovery_checks import check_recovery
-from .schema import Array
 from .section import RESULTANTS, SectionFile
 from .section_layout import (
     SECTION_FILE_LAYOUT,

@@ -7,6 +7,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from ..errors import PackageError
 from .container import get_text, new_file, open_file, set_long_text
 from .dataset import read_dataset, write_dataset
 from .finding import raise_first
@@ -19,7 +20,6 @@ from .identity import (
     write_identity,
 )
 from .recovery_data import recovery_from
-from .schema import PackageError
 from .section import RESULTANTS, SectionFile, SectionMeshData
 from .section_checks import check_shapes, section_content_findings, section_layout_findings
 from .section_layout import (

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from ..math.arrays import Array
 from .materials import bond
-from .schema import Array
 from .section import SectionFile, SectionRecovery
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .schema import Array, IntArray
+from ..math.arrays import Array, IntArray
 
 SHELL_FORMAT = "plymotion shell"
 SHELL_FORMAT_VERSION = (1, 0)

@@ -7,6 +7,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from ..errors import PackageError
 from .container import get_text, new_file, open_file, set_long_text
 from .dataset import read_dataset, write_dataset
 from .finding import raise_first
@@ -18,7 +19,6 @@ from .identity import (
     write_checksum,
     write_identity,
 )
-from .schema import PackageError
 from .shell_checks import check_shell_shapes, shell_content_findings, shell_layout_findings
 from .shell_file import (
     ShellCases,

@@ -7,6 +7,7 @@ from typing import Any
 
 import h5py
 
+from ..errors import PackageError
 from .checks import content_findings, layout_findings
 from .container import get_text, open_file
 from .finding import Finding
@@ -14,7 +15,6 @@ from .identity import FileFormat, checksum_findings, identity_notes
 from .layout import MODAL_PACKAGE
 from .plausibility import plausibility_findings
 from .reader import load
-from .schema import PackageError
 from .section_checks import (
     section_content_findings,
     section_layout_findings,

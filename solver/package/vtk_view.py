@@ -5,9 +5,9 @@ from typing import Any
 import h5py
 import numpy as np
 
+from ..math.arrays import Array
 from .container import set_text
 from .finding import Finding
-from .schema import Array
 
 # Names in /VTKHDF and in the mesh of every format of ours; the nodes' name differs.
 CELLS = (("Connectivity", "connectivity"), ("Offsets", "offsets"), ("Types", "cell_types"))

@@ -5,6 +5,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from ..errors import PackageError
 from .checks import content_findings
 from .container import new_file, set_text
 from .dataset import write_dataset
@@ -22,7 +23,7 @@ from .layout import (
     body_values,
 )
 from .recovery_data import RECOVERY_LAYOUT, recovery_sizes, recovery_values
-from .schema import ModalPackage, PackageError
+from .schema import ModalPackage
 from .second_order import (
     INTERFACE_SECOND_ORDER_LAYOUT,
     SECOND_ORDER_LAYOUT,

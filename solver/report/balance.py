@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..package.schema import Array
+from ..math.arrays import Array
 from .story import Story
 from .style import GREY, Canvas, colour, mark_stop
 

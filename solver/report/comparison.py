@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..package.schema import Array
+from ..math.arrays import Array
 from ..results import Signal
 from .story import Comparison, Story
 from .style import DASHES, GREY, INK, PALE, Canvas, colour, mark_stop, unit_text

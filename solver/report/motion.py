@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..package.schema import Array
+from ..math.arrays import Array
 from ..results import BodyGeometry, RunResult
 from .story import Story
 from .style import GREY, INK, WARNING, Canvas

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..errors import InputError
-from ..package.schema import Array, IntArray
+from ..math.arrays import Array, IntArray
 
 FORMAT = "plymotion result"
 FORMAT_VERSION = (1, 0)

@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.tri import Triangulation
 
-from ..package.schema import Array
+from ..math.arrays import Array
 from ..package.section import SectionFile
 from ..package.section_stress import cell_means
 from .drawing import Shape

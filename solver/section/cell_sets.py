@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, nearest
-from ..package.schema import Array
+from ..math.arrays import Array
 
 Mask = NDArray[np.bool_]
 

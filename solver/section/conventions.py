@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..errors import InputError, did_you_mean
-from ..package.schema import Array
+from ..math.arrays import Array
 
 # Rows: axes of the code in ours (x1 along the beam, x2 and x3 in the section). Components of a
 # vector follow as v_code = A @ v.

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..package.schema import Array, IntArray
+from ..math.arrays import Array, IntArray
 from ..package.section import SectionFile
 from .drawing import Shape
 from .ply_colours import is_isotropic

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.collections import PolyCollection
 
-from ..package.schema import Array, IntArray
+from ..math.arrays import Array, IntArray
 from ..package.section import SectionMeshData
 
 # Corner and edge nodes of a cell in turn, by VTK cell type, and how many of them make a side.

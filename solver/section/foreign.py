@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
-from ..package.schema import Array, IntArray
+from ..math.arrays import Array, IntArray
 from .cell_sets import Mask, named_sets, region_sets
 
 # Turned round: the same cell with its nodes counted the other way.

@@ -20,8 +20,8 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError, nearest
+from ..math.arrays import IntArray
 from ..package.container import temporary_sibling
-from ..package.schema import IntArray
 from .foreign import ForeignMesh
 
 

@@ -9,7 +9,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
-from ..package.schema import Array
+from ..math.arrays import Array
 from ..package.section import SectionFile
 from ..report.style import INK, WARNING, Canvas
 from .detail import Detail, detail_of, nearest_to_mean, normal, outer_cells

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..math.arrays import Array
 from ..package.recovery_data import strengths
-from ..package.schema import Array
 from ..package.section import Ply, SectionRecovery
 from ..ply_stress import unit_stress_M
 from ..strength import criteria_of

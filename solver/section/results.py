@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from ..errors import PackageError
+from ..math.arrays import Array
 from ..package.container import get_text, open_file
 from ..package.dataset import read_dataset
 from ..package.identity import identity_notes, json_table
-from ..package.schema import Array, PackageError
 from ..package.section_layout import SECTION_FILE, SECTION_FILE_LAYOUT, SECTION_GROUP
 
 _CENTRES = ("shear_centre", "tension_centre", "mass_centre")

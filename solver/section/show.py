@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..package.schema import Array
+from ..math.arrays import Array
 from ..package.section import RESULTANTS
 from .conventions import convert
 from .results import SectionResults

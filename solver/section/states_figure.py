@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.patheffects import withStroke
 
-from ..package.schema import Array
+from ..math.arrays import Array
 from ..package.section import RESULTANTS, SectionFile
 from ..package.section_stress import cell_means, unit_stress
 from ..report.style import GREY, INK, Canvas

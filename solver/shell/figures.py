@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..package.schema import Array, IntArray
+from ..math.arrays import Array, IntArray
 from ..report.style import GREY, INK, Canvas, house_style
 
 WIDTH = 8.0  # inches, of two views

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..math.arrays import Array
 from ..package.recovery_data import strengths
-from ..package.schema import Array
 from ..package.shell_file import ShellFile, ShellLaminate
 from ..package.strength import PlyStrength, YieldStrength
 from .ply_extremes import PlyExtreme, Reserve, ply_extremes

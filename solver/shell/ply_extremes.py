@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..package.schema import Array, IntArray
+from ..math.arrays import Array, IntArray
 from ..package.strength import PlyStrength, YieldStrength
 from ..strength import criteria_of
 

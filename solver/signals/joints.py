@@ -7,8 +7,8 @@ import numpy as np
 
 from ..bodies.marker import Marker
 from ..joints.table import KINDS
+from ..math.arrays import Array
 from ..mechanism import BuiltJoint
-from ..package.schema import Array
 from ..system import law_at
 from .recording import Recording
 

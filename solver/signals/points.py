@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from ..math.arrays import Array
+from ..math.rotations import matrix_to_vector, vector_to_matrix
 from ..mechanism import BuiltMechanism
-from ..package.schema import Array
 from ..recover import elastic_motion, stiffened
-from ..rotations import matrix_to_vector, vector_to_matrix
 from .recording import Recording
 
 POINT_UNITS = {

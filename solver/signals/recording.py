@@ -5,8 +5,8 @@ from functools import cached_property
 import numpy as np
 
 from ..bodies.marker import Marker, marker_motion
+from ..math.arrays import Array
 from ..model import Model
-from ..package.schema import Array
 from ..reactions import joint_reactions
 from ..system import accelerations, assemble
 

@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError, nearest
+from ..math.arrays import Array, IntArray
 from ..package import ModalPackage
-from ..package.schema import Array, BodyRecovery, IntArray
+from ..package.schema import BodyRecovery
 from ..package.section import RESULTANTS, STRESSES, SectionRecovery
 from ..ply_stress import unit_stress_M
 from .recording import Recording

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from ..math.arrays import Array
 from ..mechanism import BuiltMechanism
-from ..package.schema import Array
 from .joints import joint_coordinate, reaction
 from .points import POINT_UNITS, point_values
 from .recording import Recording

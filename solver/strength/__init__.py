@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from ..package.schema import Array
+from ..math.arrays import Array
 from ..package.strength import PlyStrength, YieldStrength
 from .hashin import hashin, hashin_bound
 from .max_stress import max_stress

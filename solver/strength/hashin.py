@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..package.schema import Array
+from ..math.arrays import Array
 from ..package.strength import PlyStrength
 from .ray import Verdict, exposure, governing
 

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ..package.schema import Array, IntArray
+from ..math.arrays import Array, IntArray
 from . import Criterion
 
 BLOCK = 16  # instants bounded together

@@ -15,7 +15,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from ..package.schema import Array
+from ..math.arrays import Array
 from ..package.strength import PlyStrength
 from .ray import Verdict
 

@@ -7,7 +7,7 @@ and F_ij = F12_star sqrt(F_ii F_jj) for each pair of normal stresses
 
 import numpy as np
 
-from ..package.schema import Array
+from ..math.arrays import Array
 from ..package.strength import PlyStrength
 from .ray import Verdict, exposure
 

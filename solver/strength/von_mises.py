@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..package.schema import Array
+from ..math.arrays import Array
 from ..package.strength import YieldStrength
 from .ray import Verdict
 

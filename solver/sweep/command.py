@@ -8,7 +8,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from ..compiled import COMPILED
+from ..math.compiled import COMPILED
 from ..package.container import temporary_sibling
 from ..results import ResultError
 from .engine import compute_by_workers, compute_here

@@ -10,8 +10,8 @@ from typing import Any
 import h5py
 import numpy as np
 
+from ..math.arrays import Array
 from ..package.container import get_text, new_file, open_file, set_text
-from ..package.schema import Array
 from ..results import ResultError
 from ..run import output_times
 from .member import CHECKS, COST, MEASURES, Row

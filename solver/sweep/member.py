@@ -10,12 +10,12 @@ import numpy as np
 
 from .. import findings, recover
 from ..ensemble import integrate_members, structure
-from ..errors import InputError
+from ..errors import InputError, PackageError
 from ..freedom import degrees_of_freedom
 from ..integrate import Solution
+from ..math.arrays import Array
 from ..monitor import SPIN_CODE
-from ..package import ModalPackage, PackageError
-from ..package.schema import Array
+from ..package import ModalPackage
 from ..preparation import Prepared, prepare
 from ..reactions import momentum_balance
 from ..results import Signal, relative_balance, signal_summary

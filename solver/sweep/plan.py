@@ -10,8 +10,8 @@ from typing import Any
 
 from plymotion import __version__
 
-from ..errors import InputError
-from ..package import ModalPackage, PackageError
+from ..errors import InputError, PackageError
+from ..package import ModalPackage
 from ..run import package_of
 
 ROWS = 1  # version of what is computed of a member: raised when its numbers change their meaning

@@ -200,7 +200,7 @@ def test_plain_numpy_gives_the_same_motion(build, repository):
     code = (
         "import sys, json; from pathlib import Path\n"
         "from plymotion.solver.run import execute, read_run\n"
-        "from plymotion.solver.compiled import COMPILED\n"
+        "from plymotion.solver.math.compiled import COMPILED\n"
         "spec = read_run(Path('runs/isotropic.json'))\n"
         "spec.mechanism['solver']['t_end'] = 0.02\n"
         "result, _ = execute(spec, progress=False)\n"

@@ -8,7 +8,7 @@ from shell_specs import HARD, box, mesh_from, plate
 
 from plymotion.preprocess.shell.analysis import analyse
 from plymotion.preprocess.shell.problem import ShellProblem
-from plymotion.solver.rotations import vector_to_matrix
+from plymotion.solver.math.rotations import vector_to_matrix
 
 NONE, TIE = ({"membrane": "cst", "drilling": name} for name in ("none", "tie"))
 PRESS = {"q": {"all": {"pressure": 1.0}}}

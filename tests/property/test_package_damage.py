@@ -8,7 +8,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from package_samples import cantilever, same
 
-from plymotion.solver.package import PackageError, read_package, validate, write_package
+from plymotion.solver.errors import PackageError
+from plymotion.solver.package import read_package, validate, write_package
 
 SAMPLE = cantilever(n=5, m=2)
 

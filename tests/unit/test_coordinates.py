@@ -5,7 +5,7 @@ from flexible_samples import body_of, random_points, random_state
 
 from plymotion.solver.assemble import assemble_model
 from plymotion.solver.coordinates import moved, position_rates
-from plymotion.solver.rotations import rotation_matrix, vector_to_matrix
+from plymotion.solver.math.rotations import rotation_matrix, vector_to_matrix
 
 
 def _two_bodies():

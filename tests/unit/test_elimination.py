@@ -15,7 +15,7 @@ from scipy.linalg import eigh
 
 from plymotion.solver.assemble import JointTable, MarkerTable, assemble_model
 from plymotion.solver.elimination import factorise, solve
-from plymotion.solver.laws import polynomial
+from plymotion.solver.math.laws import polynomial
 from plymotion.solver.model import Model
 from plymotion.solver.system import dense, dense_derivative_into, derivative_into, evaluate
 from plymotion.solver.workspace import new_factors, new_work

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from plymotion.solver import laws
+from plymotion.solver.math import laws
 
 
 def value(law, t):

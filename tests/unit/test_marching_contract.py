@@ -18,8 +18,8 @@ from plymotion.solver.assemble import ForceTable, MarkerTable, assemble_model, r
 from plymotion.solver.constraints.treatment import Treatment
 from plymotion.solver.errors import InputError
 from plymotion.solver.integrate import StopRequest, integrate
-from plymotion.solver.laws import polynomial
 from plymotion.solver.marching import CompiledAlpha, Radau
+from plymotion.solver.math.laws import polynomial
 
 ALL = pytest.mark.parametrize(
     ("name", "treatment"),
@@ -125,7 +125,7 @@ def test_forces_beyond_all_measure_end_as_failed(name, treatment, law, on_step):
 @ALL
 def test_forces_that_become_infinite_end_as_failed(name, treatment):
     """Half way the force jumps to inf: what was there is kept."""
-    from plymotion.solver.laws import N_COEFFICIENT, Law
+    from plymotion.solver.math.laws import N_COEFFICIENT, Law
 
     coefficients = np.zeros((2, N_COEFFICIENT))
     coefficients[1] = polynomial([np.inf]).coefficients[0]
@@ -259,10 +259,10 @@ sys.path.insert(0, sys.argv[1])
 import numpy as np
 from constraint_runs import new_run, prepared
 from march_samples import two_bodies
-from plymotion.solver.compiled import COMPILED
+from plymotion.solver.math.compiled import COMPILED
 from plymotion.solver.constraints.treatment import Treatment
 from plymotion.solver.integrate import integrate
-from plymotion.solver.laws import polynomial
+from plymotion.solver.math.laws import polynomial
 rows = []
 for name, treatment in (("radau", "projection"), ("radau", "baumgarte"), ("march", "ggl")):
     sample = two_bodies(400.0, drive=polynomial([0.0, 0.0, 3.0]))

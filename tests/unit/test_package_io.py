@@ -12,13 +12,8 @@ import pytest
 from package_samples import cantilever, same
 from second_python import other_python
 
-from plymotion.solver.package import (
-    ModalPackage,
-    PackageError,
-    from_stations,
-    read_package,
-    write_package,
-)
+from plymotion.solver.errors import PackageError
+from plymotion.solver.package import ModalPackage, from_stations, read_package, write_package
 
 ROOT = Path(__file__).resolve().parents[2]
 DATA = "/modal_package"

@@ -11,13 +11,8 @@ import pytest
 from package_samples import cantilever, same
 from recovery_samples import PLY, STEEL, STEEL_STRENGTH, plies_of, rectangle_recovery
 
-from plymotion.solver.package import (
-    ModalPackage,
-    PackageError,
-    read_package,
-    validate,
-    write_package,
-)
+from plymotion.solver.errors import PackageError
+from plymotion.solver.package import ModalPackage, read_package, validate, write_package
 from plymotion.solver.package.recovery_data import strengths, thinned
 from plymotion.solver.package.section_stress import resultants, unit_stress
 from plymotion.solver.package.strength import YieldStrength

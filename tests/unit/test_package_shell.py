@@ -12,7 +12,8 @@ from panel_sample import THICKNESS, WIDTH, E, panel
 from recovery_samples import STEEL_STRENGTH
 
 from plymotion.solver import ply_stress
-from plymotion.solver.package import PackageError, read_package, validate, write_package
+from plymotion.solver.errors import PackageError
+from plymotion.solver.package import read_package, validate, write_package
 from plymotion.solver.package.laminate_data import CellResultants, LaminateData
 from plymotion.solver.shell_stress import shell_ply_stress, shell_resultants, shell_strength
 

@@ -17,7 +17,8 @@ from package_samples import cantilever, same
 from second_python import other_python
 from section_samples import rectangle
 
-from plymotion.solver.package import PackageError, read_package, validate, write_package
+from plymotion.solver.errors import PackageError
+from plymotion.solver.package import read_package, validate, write_package
 from plymotion.solver.package.section import (
     RESULTANTS,
     SECTION_FORMAT_VERSION,

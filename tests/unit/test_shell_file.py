@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from shell_file_samples import plate
 
-from plymotion.solver.package.schema import PackageError
+from plymotion.solver.errors import PackageError
 from plymotion.solver.package.shell_file import ShellFile, ply_stress
 from plymotion.solver.package.shell_io import read_shell, write_shell
 from plymotion.solver.package.shell_layout import SHELL_LAYOUT, shell_values

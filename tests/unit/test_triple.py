@@ -6,9 +6,9 @@ from flexible_samples import random_mechanism, random_state
 
 from plymotion.solver.bodies import motion
 from plymotion.solver.bodies.marker import marker_motion, single_motion
-from plymotion.solver.rotations import skew, tangent_map, vector_to_matrix
-from plymotion.solver.rotations import tangent_coefficients as coefficients
-from plymotion.solver.triple import (
+from plymotion.solver.math.rotations import skew, tangent_map, vector_to_matrix
+from plymotion.solver.math.rotations import tangent_coefficients as coefficients
+from plymotion.solver.math.triple import (
     about,
     column,
     cross3,

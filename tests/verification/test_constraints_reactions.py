@@ -6,7 +6,6 @@ from constraint_runs import prepared, run
 from flexible_samples import body_of, random_marker, random_points, random_state
 from mechanism_samples import bricard, chain, four_bars, pendulum
 
-from plymotion.solver import laws
 from plymotion.solver.assemble import (
     ForceTable,
     JointTable,
@@ -15,6 +14,7 @@ from plymotion.solver.assemble import (
     rigid_body,
 )
 from plymotion.solver.constraints.treatment import TREATMENTS, Treatment
+from plymotion.solver.math import laws
 from plymotion.solver.reactions import acting, joint_reactions, momentum_balance, momentum_rates
 from plymotion.solver.system import accelerations, assemble
 

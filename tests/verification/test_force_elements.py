@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from flexible_samples import body_of, random_marker, random_points, random_state
 
-from plymotion.solver import laws
 from plymotion.solver.assemble import ForceTable, MarkerTable, assemble_model, rigid_body
 from plymotion.solver.forces.table import FIRST_LOAD, KINDS, N_PARAMETER
-from plymotion.solver.rotations import matrix_to_vector, vector_to_matrix
+from plymotion.solver.math import laws
+from plymotion.solver.math.rotations import matrix_to_vector, vector_to_matrix
 from plymotion.solver.system import assemble, derivative, energies
 
 ELASTIC = {

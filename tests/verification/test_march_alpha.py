@@ -9,7 +9,7 @@ from stability_samples import hand, stepped
 
 from plymotion.solver.constraints.treatment import Treatment
 from plymotion.solver.integrate import integrate
-from plymotion.solver.laws import polynomial
+from plymotion.solver.math.laws import polynomial
 
 SAMPLES = {
     "pendulum": pendulum,

@@ -12,8 +12,8 @@ from stability_samples import amplitude, hand, stepped
 from plymotion.solver.assemble import ForceTable
 from plymotion.solver.constraints.treatment import Treatment
 from plymotion.solver.integrate import integrate
-from plymotion.solver.laws import polynomial
 from plymotion.solver.marching import has_elements
+from plymotion.solver.math.laws import polynomial
 from plymotion.solver.system import assemble, energies
 
 DRIVE = polynomial([0.0, 0.0, 3.0, -2.0])

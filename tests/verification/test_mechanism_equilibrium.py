@@ -5,7 +5,6 @@ import pytest
 from flexible_samples import body_of, random_points
 from scipy.optimize import brentq
 
-from plymotion.solver import laws
 from plymotion.solver.assemble import (
     ForceTable,
     JointTable,
@@ -17,7 +16,8 @@ from plymotion.solver.bodies.marker import marker_motion
 from plymotion.solver.equilibrium import equilibrium
 from plymotion.solver.errors import InputError
 from plymotion.solver.initial import Start, consistent_state
-from plymotion.solver.rotations import frame_from_axis, matrix_to_parameters, vector_to_matrix
+from plymotion.solver.math import laws
+from plymotion.solver.math.rotations import frame_from_axis, matrix_to_parameters, vector_to_matrix
 from plymotion.solver.system import accelerations, assemble
 
 GRAVITY = (0.0, -9.81, 0.0)

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from flexible_samples import simulate
 
-from plymotion.solver import laws
 from plymotion.solver.assemble import (
     Body,
     JointTable,
@@ -15,9 +14,10 @@ from plymotion.solver.assemble import (
     rigid_body,
 )
 from plymotion.solver.initial import Start, consistent_state
+from plymotion.solver.math import laws
+from plymotion.solver.math.rotations import frame_from_axis
 from plymotion.solver.mechanism import BuiltJoint
 from plymotion.solver.package.schema import Invariants
-from plymotion.solver.rotations import frame_from_axis
 from plymotion.solver.signals.joints import joint_coordinate, reaction
 from plymotion.solver.signals.recording import Recording
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from flexible_samples import simulate, total_energy
 
-from plymotion.solver import laws
 from plymotion.solver.assemble import (
     Body,
     JointTable,
@@ -15,6 +14,7 @@ from plymotion.solver.assemble import (
     rigid_body,
 )
 from plymotion.solver.initial import Start, consistent_state
+from plymotion.solver.math import laws
 from plymotion.solver.package import from_stations
 
 NOTHING = np.zeros((3, 0))

@@ -26,8 +26,8 @@ from plymotion.solver.assemble import (
     assemble_model,
     flexible_body,
 )
+from plymotion.solver.math.rotations import frame_from_axis
 from plymotion.solver.package.invariants import rigid_motions
-from plymotion.solver.rotations import frame_from_axis
 from plymotion.solver.system import assemble
 
 EVERYWHERE = [{"kind": "attachment", "at": name} for name in ("root", "mid", "tip")]

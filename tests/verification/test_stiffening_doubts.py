@@ -91,7 +91,7 @@ import sys
 import numpy as np
 sys.path[:0] = {path!r}
 from stiffening_samples import CHORD, soft_modes, soft_pendulum
-from plymotion.solver.compiled import COMPILED
+from plymotion.solver.math.compiled import COMPILED
 from plymotion.solver.system import assemble, derivative, energies
 assert COMPILED == {compiled}
 pendulum = soft_pendulum(CHORD, soft_modes(2, axial=True), elements=8)

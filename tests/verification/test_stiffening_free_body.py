@@ -18,8 +18,8 @@ from plymotion.solver.assemble import (
 )
 from plymotion.solver.bodies.marker import marker_motion
 from plymotion.solver.bodies.second_order import stiffening_matrix
+from plymotion.solver.math.rotations import matrix_to_parameters, rotation_matrix
 from plymotion.solver.reactions import momentum_balance
-from plymotion.solver.rotations import matrix_to_parameters, rotation_matrix
 from plymotion.solver.system import accelerations, assemble, constraint_rates, derivative, energies
 
 GRAVITY = (0.3, -9.81, 2.0)

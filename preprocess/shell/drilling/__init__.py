@@ -7,7 +7,7 @@ in the membrane's degrees of freedom (u, v, tz) of corners 1, 2, 3.
 
 from collections.abc import Callable
 
-from ....solver.package.schema import Array
+from ....solver.math.arrays import Array
 from ..triangles import Triangles
 from .fictitious import fictitious
 from .tie import tie

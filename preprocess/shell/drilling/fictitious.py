@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ....solver.package.schema import Array
+from ....solver.math.arrays import Array
 from ..triangles import Triangles
 
 DIFFERENCES = 1.5 * np.eye(3) - 0.5  # [1 -1/2 -1/2; ..]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ....solver.package.schema import Array
+from ....solver.math.arrays import Array
 from ..drilling.excess import excess_rotation
 from ..sides import bulge_slopes
 from ..triangles import END, START, Triangles

@@ -1,6 +1,6 @@
 """CST: the triangle of constant strain."""
 
-from ....solver.package.schema import Array
+from ....solver.math.arrays import Array
 from ..triangles import Triangles
 from .strains import MembraneStrains, linear_strain
 

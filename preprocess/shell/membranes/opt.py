@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ....solver.package.schema import Array
+from ....solver.math.arrays import Array
 from ..drilling.excess import excess_rotation
 from ..triangles import END, START, Triangles
 from .strains import MembraneStrains, linear_strain

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ....solver.package.schema import Array
+from ....solver.math.arrays import Array
 from ..triangles import Triangles
 
 

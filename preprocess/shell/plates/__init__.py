@@ -7,7 +7,7 @@ in the plate's degrees of freedom (w, bx, by) of corners 1, 2, 3.
 
 from collections.abc import Callable
 
-from ....solver.package.schema import Array
+from ....solver.math.arrays import Array
 from ..triangles import Triangles
 from .dkmt import dkmt
 from .dkt import dkt

@@ -1,6 +1,6 @@
 """DKMT: the discrete Kirchhoff-Mindlin triangle (Katili 1993)."""
 
-from ....solver.package.schema import Array
+from ....solver.math.arrays import Array
 from ..triangles import Triangles
 from .strains import PlateStrains, curvature, edge_shear, shear_ratio, side_differences
 

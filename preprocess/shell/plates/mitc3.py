@@ -1,6 +1,6 @@
 """MITC3: linear rotations, shear strain tied on the sides."""
 
-from ....solver.package.schema import Array
+from ....solver.math.arrays import Array
 from ..triangles import Triangles
 from .strains import PlateStrains, curvature, edge_shear, side_differences
 

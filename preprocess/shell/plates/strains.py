@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ....solver.package.schema import Array
+from ....solver.math.arrays import Array
 from ..sides import bulge_slopes, edge_fields
 from ..triangles import END, START, Triangles
 

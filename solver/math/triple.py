@@ -5,8 +5,8 @@ Arrays of three numbers cost an allocation each; tuples stay in registers where 
 
 from typing import Any
 
+from .arrays import Array
 from .compiled import lean
-from .package.schema import Array
 
 Triple = tuple[float, float, float]
 

@@ -25,7 +25,7 @@ def _cache_directory() -> Path:
     Numba looks at the file of a function but not at the files of what it
     calls: without this, an edit of a callee would leave stale machine code.
     """
-    here = Path(__file__).resolve().parent
+    here = Path(__file__).resolve().parent.parent
     digest = hashlib.sha256()
     for source in sorted(here.rglob("*.py")):
         text = source.read_bytes()

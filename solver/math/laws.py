@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from .arrays import Array, IntArray
 from .compiled import jit
-from .package.schema import Array, IntArray
 
 N_COEFFICIENT = 8  # a polynomial of degree 7
 SINE_PIECES = 32  # of a sine ramp: an acceleration good to 1e-11 of its mean

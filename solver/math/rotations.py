@@ -7,8 +7,8 @@ here divides by p'p, so that an integrator's drift of the norm is harmless.
 
 import numpy as np
 
+from .arrays import Array
 from .compiled import jit, lean
-from .package.schema import Array
 
 
 @jit

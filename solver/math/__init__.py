@@ -1,0 +1,1 @@
+"""Arrays, rotations, laws of time and compilation: what everything else stands on."""
