@@ -27,7 +27,7 @@ from plymotion.solver.integrate import (
     new_constrained_integrator,
     new_integrator,
 )
-from plymotion.solver.package.container import temporary_sibling
+from plymotion.solver.package.common.container import temporary_sibling
 from plymotion.solver.report.style import INK, WARNING, Canvas, colour, house_style
 from plymotion.solver.system import assemble, constraint_rates
 

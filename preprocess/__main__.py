@@ -5,7 +5,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..solver.package.shares import shard
+from ..solver.package.common.shares import shard
 
 BODY_EPILOG = """\
 Each SPEC.json becomes DIR/SPEC.vtkhdf, a modal package. A package whose stored

@@ -23,9 +23,9 @@ from datetime import UTC, datetime
 from typing import Any
 
 from .. import __version__
-from ..solver.package.recovery_data import thinned
-from ..solver.package.schema import ModalPackage, SectionData
-from ..solver.package.section import SectionFile
+from ..solver.package.body.schema import ModalPackage, SectionData
+from ..solver.package.section.recovery_data import thinned
+from ..solver.package.section.schema import SectionFile
 from .beam.body import beam_model, beam_modes, beam_package, mode_warnings
 from .beam.spec import SpecError, read_spec
 from .fenicsx import eigenpairs, versions

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from ..solver.errors import PackageError
-from ..solver.package.io import read_package, write_package
-from ..solver.package.schema import ModalPackage
+from ..solver.package.body.io import read_package, write_package
+from ..solver.package.body.schema import ModalPackage
 from .fingerprint import fingerprint
 
 

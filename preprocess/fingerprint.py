@@ -11,26 +11,12 @@ import json
 from pathlib import Path
 from typing import Any
 
-from ..solver.package.schema import FORMAT_VERSION
+from ..solver.package.body.schema import FORMAT_VERSION
 
 # Who asked for the body says nothing about the body: a new integrator setting
 # in the case file must not rebuild its packages.
 NOT_INPUTS = ("inputs_sha256", "case")
 PLACES = ("file", "arrays")
-
-# Of the package: what makes its numbers. The version of DOLFINx is left out on purpose, as all
-# versions give the same numbers (to 1e-9, tested).
-PACKAGE_SOURCES = (
-    "schema",
-    "invariants",
-    "laminate_data",
-    "materials",
-    "recovery_data",
-    "section",
-    "section_layout",
-    "section_stress",
-    "shell_file",
-)
 
 
 def canonical(table: Any) -> str:
@@ -39,7 +25,11 @@ def canonical(table: Any) -> str:
 
 
 def fingerprint(spec: dict[str, Any]) -> str:
-    """SHA-256 of a body specification, the sources and the format version."""
+    """SHA-256 of a body specification, the sources and the format version.
+
+    The version of DOLFINx is left out on purpose: all versions give the same numbers (to 1e-9,
+    tested).
+    """
     text = canonical([_inputs(spec), list(FORMAT_VERSION), _sources_sha256()])
     return hashlib.sha256(text.encode()).hexdigest()
 
@@ -61,8 +51,9 @@ def _sources_sha256() -> str:
     for folder in (here.parent / "meshes", here.parent.parent / "meshes"):
         scripts = [p for p in folder.rglob("*.*") if p.suffix in (".geo", ".py")]
         files |= {f"meshes/{p.relative_to(folder).as_posix()}": p for p in scripts}
-    package = here.parent / "solver" / "package"
-    files |= {f"package/{name}.py": package / f"{name}.py" for name in PACKAGE_SOURCES}
+    solver = here.parent / "solver"
+    for folder in (solver / "package", solver / "math"):  # all that the preprocessor may import
+        files |= {p.relative_to(solver).as_posix(): p for p in folder.rglob("*.py")}
     digest = hashlib.sha256()
     for name in sorted(files):
         digest.update(f"{name}\0".encode() + files[name].read_bytes() + b"\0")

@@ -1,6 +1,6 @@
 """Rotation of elastic materials: from material axes to those of the member.
 
-Constants, bounds and the Bond matrix are in `plymotion.solver.package.materials`, where
+Constants, bounds and the Bond matrix are in `plymotion.solver.package.common.materials`, where
 the light half finds them too. Stress and strain are columns in the paper's
 order 11, 22, 33, 23, 13, 12 with engineering shear strains. `_M` are the axes of
 the material (1 along the fibre, 3 normal to the ply), `_B` those of the member.
@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from plymotion.solver.math.arrays import Array
-from plymotion.solver.package.materials import (
+from plymotion.solver.package.common.materials import (
     MaterialError,
     Orthotropic,
     bond,

@@ -155,7 +155,7 @@ def _report(options: argparse.Namespace) -> int:
 
 
 def _info(options: argparse.Namespace) -> int:
-    from .package.io import read_package
+    from .package.body.io import read_package
 
     package = read_package(options.package)
     print(f"{package.body}: {package.nodes_B.shape[0]} nodes, {package.n_mode} modes")

@@ -12,8 +12,8 @@ from .joints.table import KINDS, NAMES, ROWS
 from .math.arrays import Array
 from .math.laws import N_COEFFICIENT, Law
 from .model import GROUND, Model
-from .package.invariants import inertia_at_rest
-from .package.schema import Invariants, ModalPackage, SecondOrder
+from .package.body.invariants import inertia_at_rest
+from .package.body.schema import Invariants, ModalPackage, SecondOrder
 from .plan import make_plan, positive_inertia
 
 # Second-order tables below this share of the others are rounding: bending in a plane moves no
@@ -245,7 +245,7 @@ def _with_points(
     """Return a body with the point masses that its markers carry among its mass stations.
 
     A mass point moves with its marker, x + phi q, and 1/2 q' H q on a stiffened body: one station
-    more in the sums of package/invariants.py and package/second_order.py, no cost at run time.
+    more in the sums of invariants.py and second_order.py of package/body/, no cost at run time.
     """
     for k, m in point_masses:
         if markers[k].body != index:

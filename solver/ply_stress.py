@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 
 from .math.arrays import Array, IntArray
-from .package.recovery_data import strengths
-from .package.schema import BodyRecovery, ModalPackage
-from .package.section import STRESSES, Ply, SectionRecovery
-from .package.strength import PlyStrength, YieldStrength
+from .package.body.schema import BodyRecovery, ModalPackage
+from .package.common.strengths import PlyStrength, YieldStrength
+from .package.section.recovery_data import strengths
+from .package.section.schema import STRESSES, Ply, SectionRecovery
 from .strength import Criterion, Verdict, criteria_of
 from .strength.search import PeakSearch
 

@@ -9,7 +9,7 @@ from .joints.table import NAMES, ROWS
 from .math.arrays import Array
 from .math.rotations import rotation_matrix
 from .model import Model
-from .package.schema import Interface
+from .package.body.schema import Interface
 from .system import accelerations, assemble, constraint_rates, energies
 
 

@@ -16,11 +16,11 @@ from typing import NamedTuple
 import numpy as np
 
 from .math.arrays import Array, IntArray
-from .package.laminate_data import CellResultants, LaminateData
-from .package.recovery_data import strengths
-from .package.schema import ModalPackage
-from .package.section import Ply
-from .package.shell_file import LEVELS
+from .package.body.laminate_data import CellResultants, LaminateData
+from .package.body.schema import ModalPackage
+from .package.section.recovery_data import strengths
+from .package.section.schema import Ply
+from .package.shell.schema import LEVELS
 from .ply_stress import BodyStrength, Failure
 from .strength import criteria_of
 from .strength.search import BLOCK, ROUND_OFF, PeakSearch

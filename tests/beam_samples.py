@@ -11,7 +11,7 @@ from plymotion.preprocess.beam.section_mass import SectionMass
 from plymotion.preprocess.beam.spec import read_spec
 from plymotion.preprocess.modes import Modes
 from plymotion.solver.package import Interface, ModalPackage, SectionData
-from plymotion.solver.package.invariants import rigid_motions
+from plymotion.solver.package.body.invariants import rigid_motions
 
 CLAMPED = {"kind": "clamped", "at": "root"}
 CHORD = {"kind": "chord", "at": ["root", "tip"]}

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from plymotion.solver.package.materials import bond, material_from_dict
-from plymotion.solver.package.section import Ply, SectionRecovery
+from plymotion.solver.package.common.materials import bond, material_from_dict
+from plymotion.solver.package.section.schema import Ply, SectionRecovery
 
 PLY = {
     "kind": "orthotropic",

@@ -6,8 +6,13 @@ and torsion is a series (Timoshenko and Goodier, Theory of elasticity, art. 109)
 
 import numpy as np
 
-from plymotion.solver.package.materials import bond, isotropic
-from plymotion.solver.package.section import Ply, SectionFile, SectionMeshData, SectionRecovery
+from plymotion.solver.package.common.materials import bond, isotropic
+from plymotion.solver.package.section.schema import (
+    Ply,
+    SectionFile,
+    SectionMeshData,
+    SectionRecovery,
+)
 
 E_MODULUS, DENSITY = 70e9, 2700.0
 G_MODULUS = E_MODULUS / 2.0

@@ -15,7 +15,7 @@ from plymotion.preprocess.laminate import (
     stress_operators,
 )
 from plymotion.preprocess.materials import Orthotropic
-from plymotion.solver.package.shell_file import (
+from plymotion.solver.package.shell.schema import (
     ShellCases,
     ShellFile,
     ShellLaminate,

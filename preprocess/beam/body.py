@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
-from ...solver.package.schema import Interface, ModalPackage, SectionData
-from ...solver.package.second_order import MOST_MODES, second_order_from_stations
+from ...solver.package.body.schema import Interface, ModalPackage, SectionData
+from ...solver.package.body.second_order import MOST_MODES, second_order_from_stations
 from ..modes import EigenSolver, Modes, reduced_modes
 from .accuracy import coarse_mesh_warnings, frequency_error
 from .line import BeamLine, node_positions

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
-from ...solver.package.invariants import rigid_motions
+from ...solver.package.body.invariants import rigid_motions
 from ..modes import Condition, HeldDofs, MeanAxis, StaticLoad
 from .line import BeamLine
 from .spec_modes import DIRECTIONS, ModeSpec

@@ -18,7 +18,7 @@ lambda m u L^2 / 12 in the moments at its ends, where the largest ones are.
 import numpy as np
 
 from ...solver.math.arrays import Array
-from ...solver.package.schema import BodyRecovery
+from ...solver.package.body.schema import BodyRecovery
 from .line import BeamLine
 
 

@@ -26,7 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
-from ...solver.package.invariants import rigid_motions
+from ...solver.package.body.invariants import rigid_motions
 from .element import MASS_POINTS, Z, gauss
 from .line import BeamLine
 from .stations import Stations

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...solver.math.arrays import Array
-from ...solver.package.schema import MASS_FORMS
+from ...solver.package.body.schema import MASS_FORMS
 from .line import section_axes
 from .spec_modes import ModeSpec, Reference, read_modes, read_reference
 from .spec_values import SpecError, count, expected, known_keys, number, one_of

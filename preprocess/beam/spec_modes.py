@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from ...solver.package.schema import REFERENCE_CONDITIONS
+from ...solver.package.body.schema import REFERENCE_CONDITIONS
 from ..modes import CHOICES, ModeRequest
 from .spec_values import SpecError, count, expected, known_keys, one_of
 

@@ -13,8 +13,8 @@ import numpy as np
 
 from ...solver.math.arrays import Array
 from ...solver.math.rotations import skew
-from ...solver.package.invariants import from_stations
-from ...solver.package.schema import Invariants
+from ...solver.package.body.invariants import from_stations
+from ...solver.package.body.schema import Invariants
 from .element import MASS_POINTS, gauss
 from .line import BeamLine
 

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from ...solver.math.arrays import Array
-from ...solver.package.section import SectionFile
+from ...solver.package.section.schema import SectionFile
 from .. import fenicsx
 from .errors import SectionError
 from .estimate import error_estimate, scaled

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from ...solver.errors import PackageError
-from ...solver.package.container import get_text, open_file
-from ...solver.package.section import SECTION_FORMAT_VERSION
-from ...solver.package.section_io import write_section
+from ...solver.package.common.container import get_text, open_file
+from ...solver.package.section.io import write_section
+from ...solver.package.section.schema import SECTION_FORMAT_VERSION
 from ..fingerprint import fingerprint
 
 # What the common MPI launchers tell the processes that they start.

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ...solver.errors import did_you_mean
 from ...solver.math.arrays import Array
-from ...solver.package.section import Ply
+from ...solver.package.section.schema import Ply
 from ..materials import Orthotropic, material_from_dict, rotated
 from .curves import nearest_on_curve
 from .errors import SectionError

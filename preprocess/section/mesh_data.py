@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...solver.math.arrays import Array
-from ...solver.package.section import SectionMeshData
+from ...solver.package.section.schema import SectionMeshData
 from .. import fenicsx
 from .layers import Layup
 from .mesh import SectionMesh

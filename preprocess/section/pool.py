@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import as_completed
 from pathlib import Path
 
-from ...solver.package.shares import by_mesh, mesh_key
+from ...solver.package.common.shares import by_mesh, mesh_key
 from ..batch import USER_ERROR, Outcome, build
 from .batch import SectionFiles
 

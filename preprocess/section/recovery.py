@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...solver.math.arrays import Array
-from ...solver.package.section import SectionRecovery
+from ...solver.package.section.schema import SectionRecovery
 from ..materials import bond
 from .layers import Layup
 from .space import SectionSpace

@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from ...solver.package.shares import share
+from ...solver.package.common.shares import share
 from ..batch import build_all
 from ..telling import answer, teller
 from .batch import SectionFiles, launched_ranks

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...solver.math.arrays import Array
-from ...solver.package.shell_file import (
+from ...solver.package.shell.schema import (
     ShellCases,
     ShellFile,
     ShellLaminate,

@@ -5,8 +5,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from ...solver.package.shell_file import SHELL_FORMAT_VERSION
-from ...solver.package.shell_io import write_shell
+from ...solver.package.shell.io import write_shell
+from ...solver.package.shell.schema import SHELL_FORMAT_VERSION
 from ..fingerprint import fingerprint
 from ..section.batch import Alone, Ranks, stored_fingerprint
 

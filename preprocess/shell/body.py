@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ... import __version__
-from ...solver.package.schema import ModalPackage
+from ...solver.package.body.schema import ModalPackage
 from .. import fenicsx
 from ..fingerprint import fingerprint
 from ..modes import Modes, reduced_modes

@@ -21,7 +21,7 @@ import numpy as np
 
 from ...solver.math.arrays import Array
 from ...solver.math.rotations import vector_to_matrix
-from ...solver.package.schema import MASS_FORMS
+from ...solver.package.body.schema import MASS_FORMS
 from ..beam.spec_modes import ModeSpec, Reference, read_modes, read_reference
 from ..beam.spec_values import SpecError, expected, known_keys, number, one_of
 from .links import KINDS

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
-from ...solver.package.schema import Interface
+from ...solver.package.body.schema import Interface
 from .body_spec import ShellInterface
 from .links import Link
 from .mesh import ShellMesh

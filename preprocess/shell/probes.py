@@ -7,7 +7,7 @@ import numpy as np
 
 from ...solver.errors import did_you_mean
 from ...solver.math.arrays import Array, IntArray
-from ...solver.package.shell_file import SHELL_MOTIONS, SHELL_RESULTANTS
+from ...solver.package.shell.schema import SHELL_MOTIONS, SHELL_RESULTANTS
 from .assembly import DOFS
 from .axes import vector
 from .errors import ShellError

@@ -3,9 +3,9 @@
 import numpy as np
 
 from ...solver.math.arrays import Array
-from ...solver.package.laminate_data import CellResultants, LaminateData
-from ...solver.package.recovery_data import rounded
-from ...solver.package.shell_file import ShellPly
+from ...solver.package.body.laminate_data import CellResultants, LaminateData
+from ...solver.package.section.recovery_data import rounded
+from ...solver.package.shell.schema import ShellPly
 from ..laminate import stress_operators
 from .problem import ShellProblem
 

@@ -1,13 +1,13 @@
 """Mass stations of a shell body: where its mass sits and how the modes move it.
 
-The inertia invariants of a body are sums over stations (solver/package/invariants.py). A fibre of
-the wall along the normal n, with the moments m0, m1, m2 of its density about the mesh, is a rigid
-piece: mass m0, centre m1/m0 n off the mesh, rotary inertia about it (m2 - m1^2/m0) (1 - n n').
-With consistent mass the fibres stand on three points of each triangle, where linear motions are
-integrated exactly; with lumped mass on its corners, and m2 also resists the drilling rotation, as
-in mass.py. So the sums hold the mass matrix to round-off but for one thing: consistent mass resists
-the drilling rotation as far as it exceeds that of the triangle. Rigid motions have no such part and
-no momentum comes from it; it counts in the modal mass alone.
+The inertia invariants of a body are sums over stations (solver/package/body/invariants.py). A
+fibre of the wall along the normal n, with the moments m0, m1, m2 of its density about the mesh,
+is a rigid piece: mass m0, centre m1/m0 n off the mesh, rotary inertia about it (m2 - m1^2/m0) (1
+- n n'). With consistent mass the fibres stand on three points of each triangle, where linear
+motions are integrated exactly; with lumped mass on its corners, and m2 also resists the drilling
+rotation, as in mass.py. So the sums hold the mass matrix to round-off but for one thing:
+consistent mass resists the drilling rotation as far as it exceeds that of the triangle. Rigid
+motions have no such part and no momentum comes from it; it counts in the modal mass alone.
 """
 
 from collections.abc import Sequence

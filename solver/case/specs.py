@@ -17,7 +17,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from ..package.container import temporary_sibling
+from ..package.common.container import temporary_sibling
 from .joints import drives
 from .load import Case
 from .schema import BeamBody, Mechanism, PackageBody, ShellBody

@@ -20,7 +20,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..math.arrays import Array
-from ..package.invariants import rigid_motions
+from ..package.body.invariants import rigid_motions
 from .measurement import Measurement
 
 HELD = 0.01  # motion of held nodes, against the largest: more is no clamp

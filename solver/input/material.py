@@ -5,8 +5,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from ..package.materials import MaterialError, material_from_dict
-from ..package.strength import read_strength
+from ..package.common.materials import MaterialError, material_from_dict
+from ..package.common.strengths import read_strength
 from .table import Table, unit
 
 

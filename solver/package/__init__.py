@@ -1,10 +1,10 @@
 """The modal package: one HDF5 file per flexible body (docs/format.md)."""
 
 from ..errors import PackageError
-from .finding import Finding
-from .invariants import from_stations
-from .io import read_package, write_package
-from .schema import Interface, Invariants, ModalPackage, SectionData
+from .body.invariants import from_stations
+from .body.io import read_package, write_package
+from .body.schema import Interface, Invariants, ModalPackage, SectionData
+from .common.finding import Finding
 from .validate import validate
 
 __all__ = [

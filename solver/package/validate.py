@@ -8,21 +8,21 @@ from typing import Any
 import h5py
 
 from ..errors import PackageError
-from .checks import content_findings, layout_findings
-from .container import get_text, open_file
-from .finding import Finding
-from .identity import FileFormat, checksum_findings, identity_notes
-from .layout import MODAL_PACKAGE
-from .plausibility import plausibility_findings
-from .reader import load
-from .section_checks import (
+from .body.checks import content_findings, layout_findings
+from .body.layout import MODAL_PACKAGE
+from .body.plausibility import plausibility_findings
+from .body.reader import load
+from .common.container import get_text, open_file
+from .common.finding import Finding
+from .common.identity import FileFormat, checksum_findings, identity_notes
+from .common.vtk_view import view_findings
+from .section.checks import (
     section_content_findings,
     section_layout_findings,
     section_plausibility_findings,
 )
-from .section_io import load_section
-from .section_layout import SECTION_FILE
-from .vtk_view import view_findings
+from .section.io import load_section
+from .section.layout import SECTION_FILE
 
 __all__ = ["Finding", "validate"]
 

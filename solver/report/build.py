@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
-from ..package.container import temporary_sibling
+from ..package.common.container import temporary_sibling
 from .balance import draw_balance
 from .comparison import draw_comparison
 from .exposure import draw_exposure

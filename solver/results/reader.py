@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 
 from ..errors import nearest
-from ..package.container import get_text, kind_of_file, open_file
+from ..package.common.container import get_text, kind_of_file, open_file
 from .schema import (
     FORMAT,
     FORMAT_VERSION,

@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 
 from ..math.arrays import Array, IntArray
-from ..package.container import new_file, set_text
+from ..package.common.container import new_file, set_text
 from .schema import FORMAT, FORMAT_VERSION, ResultError, RunResult, check_result
 
 LARGE = 1_000_000  # bytes from which an array is compressed

@@ -4,8 +4,8 @@ import numpy as np
 from matplotlib.tri import Triangulation
 
 from ..math.arrays import Array
-from ..package.section import SectionFile
-from ..package.section_stress import cell_means
+from ..package.section.schema import SectionFile
+from ..package.section.stress import cell_means
 from .drawing import Shape
 
 

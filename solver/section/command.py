@@ -12,9 +12,9 @@ from typing import Any
 from tqdm import tqdm
 
 from ..errors import InputError
-from ..package.materials import MaterialError
-from ..package.section_io import read_section
-from ..package.shares import share
+from ..package.common.materials import MaterialError
+from ..package.common.shares import share
+from ..package.section.io import read_section
 from .batch_list import entries_of, read_list
 from .make import Made, Request, make_sections, write_specs
 from .ply_peaks import ply_peaks

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..math.arrays import Array, IntArray
-from ..package.section import SectionFile
+from ..package.section.schema import SectionFile
 from .drawing import Shape
 from .ply_colours import is_isotropic
 

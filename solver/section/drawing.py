@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.collections import PolyCollection
 
 from ..math.arrays import Array, IntArray
-from ..package.section import SectionMeshData
+from ..package.section.schema import SectionMeshData
 
 # Corner and edge nodes of a cell in turn, by VTK cell type, and how many of them make a side.
 _OUTLINE = {

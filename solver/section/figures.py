@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from ..package.section import SectionFile
+from ..package.section.schema import SectionFile
 from ..report.style import house_style
 from .drawing import shape_of
 from .mesh_figure import draw_mesh

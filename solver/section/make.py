@@ -11,8 +11,8 @@ from ..errors import InputError
 from ..fenicsx_side.crew import outcomes
 from ..fenicsx_side.interpreter import find_interpreter
 from ..input import read_toml
-from ..package.container import temporary_sibling
-from ..package.shares import by_mesh, mesh_key
+from ..package.common.container import temporary_sibling
+from ..package.common.shares import by_mesh, mesh_key
 from .changes import changed
 from .expand import section_spec
 from .study import Entry

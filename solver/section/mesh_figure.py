@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
 from ..math.arrays import Array
-from ..package.section import SectionFile
+from ..package.section.schema import SectionFile
 from ..report.style import INK, WARNING, Canvas
 from .detail import Detail, detail_of, nearest_to_mean, normal, outer_cells
 from .drawing import Shape, fill, frame

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import did_you_mean
-from ..package.shares import shard
+from ..package.common.shares import shard
 from .conventions import CODES
 
 FOLDER = Path("build") / "sections"

@@ -10,7 +10,7 @@ from matplotlib.legend_handler import HandlerBase
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
-from ..package.section import SectionFile
+from ..package.section.schema import SectionFile
 from ..report.style import COLOURS, GREY, INK
 
 DARKEST, LIGHTEST, ALONE = 0.15, 0.74, 0.45  # share of white in the shades of one material

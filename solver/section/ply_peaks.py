@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..math.arrays import Array
-from ..package.recovery_data import strengths
-from ..package.section import Ply, SectionRecovery
+from ..package.section.recovery_data import strengths
+from ..package.section.schema import Ply, SectionRecovery
 from ..ply_stress import unit_stress_M
 from ..strength import criteria_of
 

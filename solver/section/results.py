@@ -8,10 +8,10 @@ import numpy as np
 
 from ..errors import PackageError
 from ..math.arrays import Array
-from ..package.container import get_text, open_file
-from ..package.dataset import read_dataset
-from ..package.identity import identity_notes, json_table
-from ..package.section_layout import SECTION_FILE, SECTION_FILE_LAYOUT, SECTION_GROUP
+from ..package.common.container import get_text, open_file
+from ..package.common.dataset import read_dataset
+from ..package.common.identity import identity_notes, json_table
+from ..package.section.layout import SECTION_FILE, SECTION_FILE_LAYOUT, SECTION_GROUP
 
 _CENTRES = ("shear_centre", "tension_centre", "mass_centre")
 _READ = ("K", "M", "error_estimate", *_CENTRES, "warnings/codes", "warnings/messages")

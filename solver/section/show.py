@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..math.arrays import Array
-from ..package.section import RESULTANTS
+from ..package.section.schema import RESULTANTS
 from .conventions import convert
 from .results import SectionResults
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from ..package.section import RESULTANTS, STRESSES
+from ..package.section.schema import RESULTANTS, STRESSES
 from .ply_peaks import PlyPeak, Reserve
 
 

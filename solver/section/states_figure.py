@@ -8,8 +8,8 @@ from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.patheffects import withStroke
 
 from ..math.arrays import Array
-from ..package.section import RESULTANTS, SectionFile
-from ..package.section_stress import cell_means, unit_stress
+from ..package.section.schema import RESULTANTS, SectionFile
+from ..package.section.stress import cell_means, unit_stress
 from ..report.style import GREY, INK, Canvas
 from .cell_field import CellField
 from .drawing import Shape, frame

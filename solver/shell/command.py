@@ -11,9 +11,9 @@ from typing import Any
 from tqdm import tqdm
 
 from ..errors import InputError
-from ..package.materials import MaterialError
-from ..package.shell_file import ShellFile
-from ..package.shell_io import read_shell
+from ..package.common.materials import MaterialError
+from ..package.shell.io import read_shell
+from ..package.shell.schema import ShellFile
 from .make import Made, Request, make_shells, write_specs
 from .show import shell_text
 from .show_json import shell_json

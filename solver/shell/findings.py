@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..math.arrays import Array
-from ..package.recovery_data import strengths
-from ..package.shell_file import ShellFile, ShellLaminate
-from ..package.strength import PlyStrength, YieldStrength
+from ..package.common.strengths import PlyStrength, YieldStrength
+from ..package.section.recovery_data import strengths
+from ..package.shell.schema import ShellFile, ShellLaminate
 from .ply_extremes import PlyExtreme, Reserve, ply_extremes
 
 

@@ -9,8 +9,8 @@ from pathlib import Path
 from ..errors import InputError
 from ..fenicsx_side.crew import outcomes
 from ..fenicsx_side.interpreter import find_interpreter
-from ..package.container import temporary_sibling
-from ..package.shares import by_mesh, mesh_key
+from ..package.common.container import temporary_sibling
+from ..package.common.shares import by_mesh, mesh_key
 from .expand import load_shell
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..math.arrays import Array, IntArray
-from ..package.strength import PlyStrength, YieldStrength
+from ..package.common.strengths import PlyStrength, YieldStrength
 from ..strength import criteria_of
 
 LEVELS = ("bottom", "middle", "top")

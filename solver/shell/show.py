@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..math.arrays import Array
-from ..package.shell_file import SHELL_RESULTANTS, ShellFile, ShellLaminate
+from ..package.shell.schema import SHELL_RESULTANTS, ShellFile, ShellLaminate
 from .findings import CaseFindings, case_findings, stacking
 from .ply_extremes import PlyExtreme
 

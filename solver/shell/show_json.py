@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from ..package.shell_file import SHELL_STRESSES, ShellFile, ShellLaminate
+from ..package.shell.schema import SHELL_STRESSES, ShellFile, ShellLaminate
 from .findings import CaseFindings, case_findings, stacking
 from .ply_extremes import PlyExtreme
 from .show import title_of

@@ -8,8 +8,8 @@ import numpy as np
 from ..errors import InputError, nearest
 from ..math.arrays import Array, IntArray
 from ..package import ModalPackage
-from ..package.schema import BodyRecovery
-from ..package.section import RESULTANTS, STRESSES, SectionRecovery
+from ..package.body.schema import BodyRecovery
+from ..package.section.schema import RESULTANTS, STRESSES, SectionRecovery
 from ..ply_stress import unit_stress_M
 from .recording import Recording
 

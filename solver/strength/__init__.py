@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..math.arrays import Array
-from ..package.strength import PlyStrength, YieldStrength
+from ..package.common.strengths import PlyStrength, YieldStrength
 from .hashin import hashin, hashin_bound
 from .max_stress import max_stress
 from .ray import Verdict

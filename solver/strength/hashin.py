@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..math.arrays import Array
-from ..package.strength import PlyStrength
+from ..package.common.strengths import PlyStrength
 from .ray import Verdict, exposure, governing
 
 # Shear along the fibre alone counts the same for fibre and matrix: it is the matrix that gives way.

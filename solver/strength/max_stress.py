@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..math.arrays import Array
-from ..package.strength import PlyStrength
+from ..package.common.strengths import PlyStrength
 from .ray import Verdict
 
 NORMAL = ("11", "22", "33")

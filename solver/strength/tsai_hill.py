@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..math.arrays import Array
-from ..package.strength import PlyStrength
+from ..package.common.strengths import PlyStrength
 from .ray import Verdict
 
 MODES = ("fibre", "matrix", "through thickness", "shear 23", "shear 13", "shear 12")

@@ -8,7 +8,7 @@ and F_ij = F12_star sqrt(F_ii F_jj) for each pair of normal stresses
 import numpy as np
 
 from ..math.arrays import Array
-from ..package.strength import PlyStrength
+from ..package.common.strengths import PlyStrength
 from .ray import Verdict, exposure
 
 MODES = ("fibre", "matrix", "through thickness", "shear 23", "shear 13", "shear 12")

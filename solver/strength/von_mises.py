@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..math.arrays import Array
-from ..package.strength import YieldStrength
+from ..package.common.strengths import YieldStrength
 from .ray import Verdict
 
 MODES = ("yield",)

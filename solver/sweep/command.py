@@ -9,7 +9,7 @@ from pathlib import Path
 from tqdm import tqdm
 
 from ..math.compiled import COMPILED
-from ..package.container import temporary_sibling
+from ..package.common.container import temporary_sibling
 from ..results import ResultError
 from .engine import compute_by_workers, compute_here
 from .figure import draw_sweep

@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 
 from ..math.arrays import Array
-from ..package.container import get_text, new_file, open_file, set_text
+from ..package.common.container import get_text, new_file, open_file, set_text
 from ..results import ResultError
 from ..run import output_times
 from .member import CHECKS, COST, MEASURES, Row

@@ -16,14 +16,14 @@ from plymotion.solver.package import (
     validate,
     write_package,
 )
-from plymotion.solver.package.container import content_sha256
-from plymotion.solver.package.schema import (
+from plymotion.solver.package.body.schema import (
     FORMAT,
     FORMAT_VERSION,
     MASS_FORMS,
     MODE_KINDS,
     REFERENCE_CONDITIONS,
 )
+from plymotion.solver.package.common.container import content_sha256
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs/format.md").read_text(encoding="utf-8")

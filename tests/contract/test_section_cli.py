@@ -17,7 +17,7 @@ import pytest
 from plymotion.solver.errors import InputError
 from plymotion.solver.fenicsx_side import interpreter
 from plymotion.solver.fenicsx_side.interpreter import find_interpreter
-from plymotion.solver.package.section_io import read_section
+from plymotion.solver.package.section.io import read_section
 
 BAR = """
 format = 1

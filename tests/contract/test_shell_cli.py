@@ -9,7 +9,7 @@ import pytest
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.fenicsx_side.interpreter import find_interpreter
-from plymotion.solver.package.shell_io import read_shell
+from plymotion.solver.package.shell.io import read_shell
 
 STRIP = """
 DefineConstant[ n = {4, Name "Parameters/n"} ];

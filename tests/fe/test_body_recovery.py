@@ -15,9 +15,9 @@ from plymotion.preprocess.beam.spec import read_spec
 from plymotion.preprocess.body import RECOVERY_DEGREE, build_body
 from plymotion.preprocess.section import analyse
 from plymotion.solver.package import ModalPackage, read_package, validate, write_package
-from plymotion.solver.package.materials import bond
-from plymotion.solver.package.section import SectionFile
-from plymotion.solver.package.section_stress import resultants
+from plymotion.solver.package.common.materials import bond
+from plymotion.solver.package.section.schema import SectionFile
+from plymotion.solver.package.section.stress import resultants
 from plymotion.solver.ply_stress import body_strength, ply_stress
 
 LENGTH = 0.5

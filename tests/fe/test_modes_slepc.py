@@ -12,7 +12,7 @@ from section_specs import rectangle_spec
 from plymotion.preprocess.body import build_body
 from plymotion.preprocess.modes import ModeError
 from plymotion.solver.package import validate, write_package
-from plymotion.solver.package.invariants import free_body_mass
+from plymotion.solver.package.body.invariants import free_body_mass
 
 ALUMINIUM = {"kind": "isotropic", "E": 70e9, "nu": 0.3, "rho": 2700.0}
 

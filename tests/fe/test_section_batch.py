@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from plymotion.preprocess.__main__ import main
-from plymotion.solver.package.section_io import read_section
+from plymotion.solver.package.section.io import read_section
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 CFRP = {

@@ -10,7 +10,7 @@ import pytest
 
 from plymotion.preprocess.section import analyse
 from plymotion.preprocess.section.estimate import scaled
-from plymotion.solver.package.section import SectionFile
+from plymotion.solver.package.section.schema import SectionFile
 from plymotion.solver.section.shapes import expand
 
 FOLDER = Path(__file__).resolve().parent.parent / "reference" / "sections"

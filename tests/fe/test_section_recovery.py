@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from plymotion.preprocess.section import analyse
-from plymotion.solver.package.section import STRESSES, SectionFile
+from plymotion.solver.package.section.schema import STRESSES, SectionFile
 
 FOLDER = Path(__file__).resolve().parent.parent / "reference" / "sections"
 DIRECTIONS = {"top": [1, 0], "right": [0, -1], "bottom": [-1, 0], "left": [0, 1]}

@@ -19,9 +19,9 @@ from plymotion.preprocess.shell.body import shell_model, shell_modes, shell_pack
 from plymotion.preprocess.shell.body_spec import read_shell_body
 from plymotion.preprocess.shell.errors import ShellError
 from plymotion.solver.package import read_package, validate, write_package
-from plymotion.solver.package.invariants import free_body_mass, rigid_motions
-from plymotion.solver.package.plausibility import plausibility_findings
-from plymotion.solver.package.shell_file import ply_stress
+from plymotion.solver.package.body.invariants import free_body_mass, rigid_motions
+from plymotion.solver.package.body.plausibility import plausibility_findings
+from plymotion.solver.package.shell.schema import ply_stress
 from plymotion.solver.shell_stress import shell_ply_stress
 
 Record = Callable[[str, Any], None]

@@ -23,7 +23,7 @@ from plymotion.preprocess.shell.frequencies import natural_modes
 from plymotion.preprocess.shell.links import averaged, carried
 from plymotion.preprocess.shell.problem import ShellProblem
 from plymotion.preprocess.shell.stiffness import element_stiffness
-from plymotion.solver.package.shell_io import read_shell
+from plymotion.solver.package.shell.io import read_shell
 
 Record = Callable[[str, Any], None]
 ROOT = Path(__file__).resolve().parent.parent.parent

@@ -7,7 +7,7 @@ from plymotion.preprocess.beam.line import BeamLine, node_positions, section_axe
 from plymotion.preprocess.beam.section_mass import SectionMass
 from plymotion.preprocess.beam.stations import mass_stations, nodal_mass
 from plymotion.solver.math.rotations import skew
-from plymotion.solver.package.invariants import inertia_at_rest
+from plymotion.solver.package.body.invariants import inertia_at_rest
 
 FORMS = ("consistent", "lumped")
 M_LINE, LENGTH = 2.0, 1.3

@@ -13,9 +13,9 @@ from recovery_samples import PLY, STEEL, STEEL_STRENGTH, plies_of, rectangle_rec
 
 from plymotion.solver.errors import PackageError
 from plymotion.solver.package import ModalPackage, read_package, validate, write_package
-from plymotion.solver.package.recovery_data import strengths, thinned
-from plymotion.solver.package.section_stress import resultants, unit_stress
-from plymotion.solver.package.strength import YieldStrength
+from plymotion.solver.package.common.strengths import YieldStrength
+from plymotion.solver.package.section.recovery_data import strengths, thinned
+from plymotion.solver.package.section.stress import resultants, unit_stress
 
 SECTION = "/modal_package/sections/bar"
 

@@ -14,7 +14,7 @@ from recovery_samples import STEEL_STRENGTH
 from plymotion.solver import ply_stress
 from plymotion.solver.errors import PackageError
 from plymotion.solver.package import read_package, validate, write_package
-from plymotion.solver.package.laminate_data import CellResultants, LaminateData
+from plymotion.solver.package.body.laminate_data import CellResultants, LaminateData
 from plymotion.solver.shell_stress import shell_ply_stress, shell_resultants, shell_strength
 
 

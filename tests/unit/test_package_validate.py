@@ -9,7 +9,7 @@ import pytest
 from package_samples import cantilever
 
 from plymotion.solver.package import Finding, ModalPackage, from_stations, validate, write_package
-from plymotion.solver.package.plausibility import (
+from plymotion.solver.package.body.plausibility import (
     centre_inertia,
     free_body_mass,
     plausibility_findings,

@@ -11,7 +11,7 @@ import pytest
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.fenicsx_side.crew import Work
-from plymotion.solver.package.shares import by_mesh, mesh_key, shard, share
+from plymotion.solver.package.common.shares import by_mesh, mesh_key, shard, share
 from plymotion.solver.section.batch_list import entries_of, read_list
 from plymotion.solver.section.changes import changed
 from plymotion.solver.section.results import SectionResults

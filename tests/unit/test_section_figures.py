@@ -8,8 +8,8 @@ import pytest
 from matplotlib.image import imread
 from section_samples import rectangle
 
-from plymotion.solver.package.section import Ply, SectionFile
-from plymotion.solver.package.section_stress import cell_means, unit_stress
+from plymotion.solver.package.section.schema import Ply, SectionFile
+from plymotion.solver.package.section.stress import cell_means, unit_stress
 from plymotion.solver.section.cell_field import CellField
 from plymotion.solver.section.detail import detail_of
 from plymotion.solver.section.drawing import shape_of

@@ -19,14 +19,14 @@ from section_samples import rectangle
 
 from plymotion.solver.errors import PackageError
 from plymotion.solver.package import read_package, validate, write_package
-from plymotion.solver.package.section import (
+from plymotion.solver.package.section.io import read_section, write_section
+from plymotion.solver.package.section.schema import (
     RESULTANTS,
     SECTION_FORMAT_VERSION,
     Ply,
     SectionFile,
 )
-from plymotion.solver.package.section_io import read_section, write_section
-from plymotion.solver.package.section_stress import cell_means, resultants, unit_stress
+from plymotion.solver.package.section.stress import cell_means, resultants, unit_stress
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs/section-file.md").read_text(encoding="utf-8")
@@ -354,7 +354,7 @@ def test_two_hdf5_versions_read_each_other(file: Path, tmp_path: Path) -> None:
     script = (
         "import sys; sys.path.insert(0, sys.argv[3])\n"
         "from package_samples import same\n"
-        "from plymotion.solver.package.section_io import read_section, write_section\n"
+        "from plymotion.solver.package.section.io import read_section, write_section\n"
         "section = read_section(sys.argv[1])\n"
         "write_section(sys.argv[2], section)\n"
         "assert same(section, read_section(sys.argv[2]))\n"

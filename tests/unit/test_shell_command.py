@@ -10,7 +10,7 @@ from shell_file_samples import STRENGTH, laminate_of, plate
 
 from plymotion.preprocess.laminate import Lamina, Laminate, laminate_stiffness
 from plymotion.solver.__main__ import main
-from plymotion.solver.package.shell_io import read_shell, write_shell
+from plymotion.solver.package.shell.io import read_shell, write_shell
 from plymotion.solver.shell.figures import feature_edges, magnification, view_axes
 from plymotion.solver.shell.findings import case_findings, stacking
 from plymotion.solver.shell.show import shell_text

@@ -11,9 +11,9 @@ import pytest
 from shell_file_samples import plate
 
 from plymotion.solver.errors import PackageError
-from plymotion.solver.package.shell_file import ShellFile, ply_stress
-from plymotion.solver.package.shell_io import read_shell, write_shell
-from plymotion.solver.package.shell_layout import SHELL_LAYOUT, shell_values
+from plymotion.solver.package.shell.io import read_shell, write_shell
+from plymotion.solver.package.shell.layout import SHELL_LAYOUT, shell_values
+from plymotion.solver.package.shell.schema import ShellFile, ply_stress
 
 
 @pytest.fixture

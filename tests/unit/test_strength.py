@@ -8,8 +8,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from plymotion.solver.package.materials import MaterialError, bond
-from plymotion.solver.package.strength import PlyStrength, YieldStrength, read_strength
+from plymotion.solver.package.common.materials import MaterialError, bond
+from plymotion.solver.package.common.strengths import PlyStrength, YieldStrength, read_strength
 from plymotion.solver.strength import (
     PLY_CRITERIA,
     YIELD_CRITERIA,

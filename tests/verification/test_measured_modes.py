@@ -11,7 +11,7 @@ from flexible_samples import momenta, simulate, total_energy
 from plymotion.solver.assemble import assemble_model, flexible_body
 from plymotion.solver.experimental import experimental_package, load_measurement
 from plymotion.solver.package import ModalPackage
-from plymotion.solver.package.invariants import free_body_mass, rigid_motions
+from plymotion.solver.package.body.invariants import free_body_mass, rigid_motions
 
 EI, LINE_MASS = 25.0, 1.0
 STIFFNESS = np.diag([4e5, 1e6, 1e6, 20.0, 2.0 * EI, EI])

@@ -17,7 +17,7 @@ from plymotion.solver.initial import Start, consistent_state
 from plymotion.solver.math import laws
 from plymotion.solver.math.rotations import frame_from_axis
 from plymotion.solver.mechanism import BuiltJoint
-from plymotion.solver.package.schema import Invariants
+from plymotion.solver.package.body.schema import Invariants
 from plymotion.solver.signals.joints import joint_coordinate, reaction
 from plymotion.solver.signals.recording import Recording
 

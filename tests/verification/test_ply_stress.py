@@ -22,8 +22,8 @@ from plymotion.preprocess.beam.line import BeamLine, section_axes
 from plymotion.preprocess.beam.resultants import mode_resultants
 from plymotion.preprocess.beam.spec import read_spec
 from plymotion.solver.package import ModalPackage, SectionData, validate, write_package
-from plymotion.solver.package.recovery_data import strengths
-from plymotion.solver.package.section import SectionRecovery
+from plymotion.solver.package.section.recovery_data import strengths
+from plymotion.solver.package.section.schema import SectionRecovery
 from plymotion.solver.ply_stress import body_strength, ply_stress, resultants
 from plymotion.solver.strength import PLY_CRITERIA
 

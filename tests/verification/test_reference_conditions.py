@@ -25,7 +25,7 @@ from plymotion.preprocess.beam.stations import mass_stations
 from plymotion.solver.assemble import assemble_model, flexible_body
 from plymotion.solver.math.rotations import rotation_matrix, skew
 from plymotion.solver.model import Model
-from plymotion.solver.package.invariants import free_body_mass, rigid_motions
+from plymotion.solver.package.body.invariants import free_body_mass, rigid_motions
 from plymotion.solver.system import assemble
 
 EVERYWHERE = [{"kind": "attachment", "at": name} for name in ("root", "mid", "tip")]

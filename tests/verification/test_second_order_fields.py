@@ -10,7 +10,7 @@ from plymotion.preprocess.beam.second_order import second_order_fields
 from plymotion.preprocess.beam.section_mass import SectionMass
 from plymotion.preprocess.beam.stations import mass_stations
 from plymotion.solver.math.rotations import matrix_to_vector, vector_to_matrix
-from plymotion.solver.package.invariants import rigid_motions
+from plymotion.solver.package.body.invariants import rigid_motions
 
 SIX = [{"kind": "lowest", "count": 6}]
 

@@ -27,7 +27,7 @@ from plymotion.solver.assemble import (
     flexible_body,
 )
 from plymotion.solver.math.rotations import frame_from_axis
-from plymotion.solver.package.invariants import rigid_motions
+from plymotion.solver.package.body.invariants import rigid_motions
 from plymotion.solver.system import assemble
 
 EVERYWHERE = [{"kind": "attachment", "at": name} for name in ("root", "mid", "tip")]

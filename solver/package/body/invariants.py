@@ -1,0 +1,76 @@
+"""Inertia invariants of a reduced flexible body. Paper: Eq. (2), Eq. (15)."""
+
+import numpy as np
+
+from ...math.arrays import Array
+from .schema import Invariants, ModalPackage
+
+
+def from_stations(
+    m: Array, x_B: Array, phi_B: Array, psi_B: Array, J_B: Array, mass_form: str
+) -> Invariants:
+    """Sum mass stations into the invariants that the solver needs.
+
+    The paper sums over nodes with lumped masses (`mass_form="lumped"`). Taking
+    the integration points of the consistent mass matrix as stations gives the
+    consistent invariants from the same sums.
+
+    Parameters
+    ----------
+    m : (k,) station masses [kg]
+    x_B : (k, 3) rest positions of the stations' mass centres [m]
+    phi_B : (k, 3, n_mode) translation of the mass centre per unit mode [m]
+    psi_B : (k, 3, n_mode) rotation per unit mode [rad]
+    J_B : (k, 3, 3) rotary inertia about the mass centre [kg m2]
+    mass_form : "consistent" or "lumped"
+    """
+    return Invariants(
+        mass=float(m.sum()),
+        S0_B=np.einsum("k,ka->a", m, x_B),
+        S_B=np.einsum("k,kai->ai", m, phi_B),
+        T00_B=np.einsum("k,ka,kb->ab", m, x_B, x_B),
+        T01_B=np.einsum("k,ka,kbi->abi", m, x_B, phi_B, optimize=True),
+        T11_B=np.einsum("k,kai,kbj->abij", m, phi_B, phi_B, optimize=True),
+        J0_B=J_B.sum(axis=0),
+        J_psi_B=np.einsum("kab,kbi->ai", J_B, psi_B, optimize=True),
+        mass_form=mass_form,
+    )
+
+
+def inertia_at_rest(invariants: Invariants) -> Array:
+    """Inertia tensor of the undeformed body about the frame origin, (3, 3) [kg m2]."""
+    T = invariants.T00_B
+    return np.trace(T) * np.eye(3) - T + invariants.J0_B
+
+
+def free_body_mass(package: ModalPackage) -> Array:
+    """Mass matrix of the free body at rest, (6 + m, 6 + m): frame, rotation, modes.
+
+    Paper: Eq. (2)
+    """
+    inv, m = package.invariants, package.n_mode
+    M = np.zeros((6 + m, 6 + m))
+    x, y, z = inv.S0_B
+    M[:3, :3] = inv.mass * np.eye(3)
+    M[:3, 3:6] = -np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    M[:3, 6:] = inv.S_B
+    M[3:6, 3:6] = inertia_at_rest(inv)
+    T = inv.T01_B
+    moment = (T[1, 2] - T[2, 1], T[2, 0] - T[0, 2], T[0, 1] - T[1, 0])
+    M[3:6, 6:] = np.array(moment) + inv.J_psi_B
+    M[6:, 6:] = package.mass
+    lower = np.tril_indices(6 + m, -1)
+    M[lower] = M.T[lower]
+    return M
+
+
+def rigid_motions(nodes_B: Array) -> Array:
+    """Displacement and rotation of nodes (n, 3) when the body moves as a whole, (n, 6, 6).
+
+    The last axis counts unit translations along and small unit rotations about the body axes.
+    """
+    motions = np.zeros((len(nodes_B), 6, 6))
+    motions[:, :3, :3] = motions[:, 3:, 3:] = np.eye(3)
+    for k, axis in enumerate(np.eye(3)):
+        motions[:, :3, 3 + k] = np.cross(axis, nodes_B)
+    return motions

@@ -1,0 +1,153 @@
+"""Read a modal package and refuse what the solver could not rely on (docs/format.md)."""
+
+import warnings
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from ...errors import PackageError
+from ..common.container import get_text, open_file
+from ..common.dataset import read_dataset
+from ..common.finding import raise_first
+from ..common.identity import checksum_findings, identity_notes, json_table
+from ..section.recovery_data import RECOVERY_LAYOUT, recovery_from
+from .checks import content_findings, layout_findings
+from .laminate_data import (
+    CELL_LAYOUT,
+    LAMINATE_LAYOUT,
+    CellResultants,
+    LaminateData,
+    laminate_from,
+)
+from .layout import (
+    BODY_LAYOUT,
+    BODY_RECOVERY_LAYOUT,
+    GROUP,
+    INTERFACE_LAYOUT,
+    MODAL_PACKAGE,
+    SECTION_LAYOUT,
+)
+from .schema import BodyRecovery, Interface, Invariants, ModalPackage, SecondOrder, SectionData
+from .second_order import INTERFACE_SECOND_ORDER_LAYOUT, SECOND_ORDER_LAYOUT
+
+
+def read_package(path: str | Path) -> ModalPackage:
+    """Read a modal package and check that the solver can rely on it.
+
+    A newer minor version of the format gives a warning only.
+
+    Raises
+    ------
+    PackageError
+        When the file is missing, truncated, foreign, newer, incomplete,
+        altered, or its numbers cannot be used; names file and dataset.
+    """
+    path = Path(path)
+    with open_file(path, PackageError) as file:
+        for note in identity_notes(path, file, MODAL_PACKAGE):
+            warnings.warn(note.message, UserWarning, stacklevel=2)
+        raise_first(path, layout_findings(file[GROUP]))
+        raise_first(path, checksum_findings(file, MODAL_PACKAGE))
+        package = load(file)
+    raise_first(path, content_findings(package))
+    return package
+
+
+def load(file: h5py.File) -> ModalPackage:
+    """Read all arrays of a file whose layout has been checked."""
+    group = file[GROUP]
+    data = {s.path: read_dataset(group[s.path], s) for s in BODY_LAYOUT if s.path in group}
+    invariants = {
+        s.path.split("/")[1]: data[s.path] for s in BODY_LAYOUT if s.path.startswith("invariants/")
+    }
+    invariants["mass"] = float(invariants["mass"])
+    return ModalPackage(
+        body=get_text(file, "body"),
+        nodes_B=data["mesh/nodes_B"],
+        node_ids=data["mesh/node_ids"],
+        connectivity=data["mesh/connectivity"],
+        offsets=data["mesh/offsets"],
+        cell_types=data["mesh/cell_types"].astype(np.int64),
+        shapes_B=data["modes/shapes_B"],
+        mode_kinds=data["modes/kinds"],
+        frequencies=data["modes/frequencies"],
+        mass=data["modes/mass"],
+        stiffness=data["modes/stiffness"],
+        damping=data["modes/damping"],
+        node_mass=data["nodal/mass"],
+        node_inertia_B=data["nodal/inertia_B"],
+        invariants=Invariants(
+            **invariants, mass_form=get_text(group["invariants"], "mass_form", "consistent")
+        ),
+        interfaces=tuple(
+            Interface(
+                name=g.name.rsplit("/", 1)[1],
+                kind=get_text(g, "kind", "node"),
+                **{s.path: read_dataset(g[s.path], s) for s in INTERFACE_LAYOUT},
+                **{
+                    s.path: read_dataset(g[s.path], s)
+                    for s in INTERFACE_SECOND_ORDER_LAYOUT
+                    if s.path in g
+                },
+            )
+            for g in _ordered(group, "interfaces")
+        ),
+        reference_condition=get_text(group, "reference_condition"),
+        sections=tuple(_section(file, g) for g in _ordered(group, "sections")),
+        recovery=_body_recovery(group),
+        laminates=tuple(_laminate(file, g) for g in _ordered(group, "laminates")),
+        cell_resultants=_cell_resultants(group),
+        mode_labels=data.get("modes/labels", ()),
+        second_order=_second_order(group),
+        provenance=json_table(
+            f"{file.filename}: attribute provenance", get_text(file, "provenance", "{}")
+        ),
+    )
+
+
+def _second_order(group: h5py.Group) -> SecondOrder | None:
+    if "second_order" not in group:
+        return None
+    return SecondOrder(
+        **{s.path.split("/")[1]: read_dataset(group[s.path], s) for s in SECOND_ORDER_LAYOUT}
+    )
+
+
+def _section(file: h5py.File, group: h5py.Group) -> SectionData:
+    recovery = None
+    if "recovery" in group:
+        data = {s.path: read_dataset(group[s.path], s) for s in RECOVERY_LAYOUT}
+        recovery = recovery_from(data, f"{file.filename}: {group.name}")
+    return SectionData(
+        name=group.name.rsplit("/", 1)[1],
+        recovery=recovery,
+        **{s.path: read_dataset(group[s.path], s) for s in SECTION_LAYOUT},
+    )
+
+
+def _body_recovery(group: h5py.Group) -> BodyRecovery | None:
+    if "recovery" not in group:
+        return None
+    return BodyRecovery(
+        **{s.path.split("/")[1]: read_dataset(group[s.path], s) for s in BODY_RECOVERY_LAYOUT}
+    )
+
+
+def _laminate(file: h5py.File, group: h5py.Group) -> LaminateData:
+    data = {s.path: read_dataset(group[s.path], s) for s in LAMINATE_LAYOUT}
+    name = group.name.rsplit("/", 1)[1]
+    return laminate_from(name, data, f"{file.filename}: {group.name}")
+
+
+def _cell_resultants(group: h5py.Group) -> CellResultants | None:
+    if "cell_resultants" not in group:
+        return None
+    return CellResultants(
+        **{s.path.split("/")[1]: read_dataset(group[s.path], s) for s in CELL_LAYOUT}
+    )
+
+
+def _ordered(group: h5py.Group, parent: str) -> list[h5py.Group]:
+    members = list(group[parent].values()) if parent in group else []
+    return sorted(members, key=lambda g: int(g.attrs.get("index", 0)))

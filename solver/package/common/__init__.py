@@ -1,0 +1,1 @@
+"""What all file formats share: HDF5, datasets, identity, checks of arrays, materials."""

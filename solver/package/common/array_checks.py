@@ -1,0 +1,84 @@
+"""Tests of single arrays that every kind of package shares."""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from ...errors import did_you_mean
+from ...math.arrays import Array, IntArray
+from .finding import Reporter
+
+SYMMETRY = 1e-9  # largest |K - K'| over largest |K|
+ORTHONORMAL = 1e-9  # largest entry of |A'A - 1|
+
+
+def finite(path: str, value: object, error: Reporter) -> None:
+    """Report the first entry that is NaN or infinite."""
+    array = np.asarray(value)
+    if array.dtype.kind == "f" and not np.isfinite(array).all():
+        index = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        error(path, f"expected finite numbers, entry {list(index)} is {array[index]}")
+
+
+def symmetric(path: str, matrix: Array, error: Reporter) -> None:
+    """Report the pair of entries that differ most."""
+    matrix = np.asarray(matrix)
+    if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not matrix.size:
+        return  # the layout check says it better
+    gap = np.abs(matrix - matrix.T)
+    if gap.max() > SYMMETRY * np.abs(matrix).max():
+        i, j = (int(v) for v in np.unravel_index(np.argmax(gap), gap.shape))
+        pair = f"entries [{i}, {j}] and [{j}, {i}] are {matrix[i, j]:.6g} and {matrix[j, i]:.6g}"
+        error(path, f"expected a symmetric matrix, {pair}")
+
+
+def positive_definite(path: str, matrix: Array, error: Reporter) -> None:
+    """Report a matrix with an eigenvalue that is not above round-off."""
+    matrix = np.asarray(matrix)
+    if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not matrix.size:
+        return
+    try:
+        values = np.linalg.eigvalsh((matrix + matrix.T) / 2)
+    except np.linalg.LinAlgError as cause:
+        error(path, f"its eigenvalues cannot be computed ({cause})")
+        return
+    if values[0] <= np.finfo(float).eps * len(values) * abs(values[-1]):
+        text = f"expected a positive definite matrix, smallest eigenvalue is {values[0]:.6g}"
+        error(path, text)
+
+
+def one_of(path: str, values: Iterable[str], known: tuple[str, ...], error: Reporter) -> None:
+    """Report every word that is not among the known ones."""
+    for value in values:
+        if value not in known:
+            hint = did_you_mean(value, known)
+            error(path, f"expected one of {', '.join(known)}, found {value!r}{hint}")
+
+
+def rows_of(path: str, rows: IntArray, length: int, error: Reporter) -> None:
+    """Report rows that point outside a table of `length` rows."""
+    rows = np.asarray(rows)
+    if len(rows) and (rows.min() < 0 or rows.max() >= length):
+        error(path, f"expected rows 0 ... {length - 1}, found {rows.min()} ... {rows.max()}")
+
+
+def mesh_cells(offsets: IntArray, connectivity: IntArray, n_node: int, error: Reporter) -> None:
+    """Report offsets that do not divide the connectivity, and nodes that are not there."""
+    offsets, connectivity = np.asarray(offsets), np.asarray(connectivity)
+    if len(offsets) and (
+        offsets[0] != 0 or offsets[-1] != len(connectivity) or np.any(np.diff(offsets) < 0)
+    ):
+        error("mesh/offsets", f"expected 0 ... {len(connectivity)} in rising order")
+    rows_of("mesh/connectivity", connectivity, n_node, error)
+
+
+def rotations(path: str, A: Array, error: Reporter) -> None:
+    """Report a matrix (..., 3, 3) that is no rotation."""
+    A = np.asarray(A)
+    if A.shape[-2:] != (3, 3) or not A.size:
+        return
+    gap = np.abs(np.swapaxes(A, -1, -2) @ A - np.eye(3)).max(axis=(-1, -2))
+    bad = ~((gap < ORTHONORMAL) & (np.linalg.det(A) > 0))
+    if np.any(bad):
+        where = f", row {int(np.argmax(bad))} is none" if A.ndim > 2 else ""
+        error(path, f"expected a rotation matrix (orthonormal, determinant +1){where}")

@@ -1,0 +1,104 @@
+"""Which format a file has, which version, and whether its content is what was written."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from ...errors import PackageError
+from .container import content_sha256, get_text, kind_of_file, set_text
+from .finding import Finding
+
+UNITS = "SI"
+
+
+@dataclass(frozen=True)
+class FileFormat:
+    """One of our formats: its name, its version, and where its data lie."""
+
+    format: str
+    version: tuple[int, int]
+    group: str  # all data, and all that the checksum covers
+    title: str  # attribute of the root that names the object
+
+
+def write_identity(file: h5py.File, known: FileFormat, name: str) -> None:
+    """Write format, version, the object's name and units as attributes of the root."""
+    set_text(file, "format", known.format)
+    file.attrs["format_version"] = np.array(known.version, dtype=np.int64)
+    set_text(file, known.title, name)
+    set_text(file, "units", UNITS)
+
+
+def write_checksum(file: h5py.File, known: FileFormat) -> None:
+    """Write the checksum of the data, after all of them."""
+    set_text(file, "content_sha256", _checksum(file, known))
+
+
+def _checksum(file: h5py.File, known: FileFormat) -> str:
+    return content_sha256(file[known.group], get_text(file, known.title), get_text(file, "units"))
+
+
+def identity_notes(path: Path, file: h5py.File, known: FileFormat) -> list[Finding]:
+    """Check that this is a file whose format and version we know. Raises PackageError."""
+    found = get_text(file, "format")
+    if found != known.format:
+        what = f"{found!r}" if found else kind_of_file(file)
+        raise PackageError(f"{path}: attribute format: expected {known.format!r}, this is {what}")
+    try:
+        major, minor = (int(v) for v in np.ravel(file.attrs["format_version"]))
+    except (KeyError, ValueError, TypeError):
+        raise PackageError(f"{path}: attribute format_version: expected [major, minor]") from None
+    if major != known.version[0]:
+        age = "a newer" if major > known.version[0] else "an older"
+        raise PackageError(
+            f"{path}: written by {age} Plymotion: format {major}.{minor}, "
+            f"this reader knows {known.version[0]}.x"
+        )
+    if not isinstance(file.get(known.group), h5py.Group):
+        raise PackageError(f"{path}: /{known.group}: missing group")
+    if minor <= known.version[1]:
+        return []
+    newest = ".".join(map(str, known.version))
+    text = f"{path}: format {major}.{minor} is newer than {newest}: parts of it are not read"
+    return [Finding("warning", "format_version", text)]
+
+
+def checksum_findings(file: h5py.File, known: FileFormat) -> list[Finding]:
+    """Compare the content with the checksum the writer left."""
+    stored = get_text(file, "content_sha256")
+    if not stored:
+        return [Finding("warning", "content_sha256", "no checksum: damage goes unnoticed")]
+    actual = _checksum(file, known)
+    if actual == stored:
+        return []
+    text = f"content was altered after writing: expected {stored[:12]}..., found {actual[:12]}..."
+    return [Finding("error", "content_sha256", text)]
+
+
+def json_text(where: str, value: Any) -> str:
+    """Return JSON text; arrays become lists. Raises PackageError for what JSON cannot hold."""
+    try:
+        return json.dumps(value, default=_plain)
+    except (TypeError, ValueError) as cause:
+        raise PackageError(f"{where}: {cause}") from cause
+
+
+def json_table(where: str, text: str) -> dict[str, Any]:
+    """Return the table of a JSON text. Raises PackageError."""
+    try:
+        found = json.loads(text)
+    except json.JSONDecodeError as cause:
+        raise PackageError(f"{where}: not JSON: {cause}") from cause
+    return found if isinstance(found, dict) else {where.rsplit(" ", 1)[-1]: found}
+
+
+def _plain(value: object) -> object:
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    if isinstance(value, Path):
+        return str(value)
+    raise TypeError(f"cannot be written as JSON: {value!r}")

@@ -1,0 +1,188 @@
+"""Elastic materials: constants, their bounds, stiffness in material axes, and its rotation.
+
+Stress and strain are columns in the paper's order 11, 22, 33, 23, 13, 12 with
+engineering shear strains (2 eps_23, 2 eps_13, 2 eps_12). `_M` are the axes of
+the material (1 along the fibre, 3 normal to the ply).
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from ...errors import did_you_mean
+from ...math.arrays import Array
+
+_UNITS = {"E": "Pa", "G": "Pa", "n": "-", "r": "kg/m3"}  # by first letter of the key
+
+
+class MaterialError(Exception):
+    """Material constants that are missing, misspelt or physically impossible."""
+
+
+@dataclass(frozen=True)
+class Orthotropic:
+    """An orthotropic material by its nine engineering constants.
+
+    `nu12` is the contraction along 2 under tension along 1: eps_22 = -nu12 eps_11. Moduli in Pa,
+    density in kg/m3. Raises MaterialError if no elastic material can have these constants.
+    """
+
+    E1: float
+    E2: float
+    E3: float
+    G12: float
+    G13: float
+    G23: float
+    nu12: float
+    nu13: float
+    nu23: float
+    rho: float
+
+    def __post_init__(self) -> None:
+        check(self, "material")
+
+    @property
+    def compliance_M(self) -> Array:
+        """Compliance: strain_M = compliance_M @ stress_M, (6, 6) [1/Pa]."""
+        S = np.diag(1.0 / np.array([self.E1, self.E2, self.E3, self.G23, self.G13, self.G12]))
+        S[0, 1] = S[1, 0] = -self.nu12 / self.E1
+        S[0, 2] = S[2, 0] = -self.nu13 / self.E1
+        S[1, 2] = S[2, 1] = -self.nu23 / self.E2
+        return S
+
+    @property
+    def stiffness_M(self) -> Array:
+        """Stiffness in the material's own axes, (6, 6) [Pa].
+
+        Paper: Eq. (17), with the engineering shear strains of (18): as printed, (17) lacks their
+        factor 2.
+        """
+        C = np.linalg.inv(self.compliance_M)
+        return 0.5 * (C + C.T)
+
+
+def isotropic(E: float, nu: float, rho: float) -> Orthotropic:
+    """The isotropic material of modulus E [Pa], Poisson's ratio nu and density rho [kg/m3]."""
+    _check_isotropic(E, nu, "material")
+    G = E / (2.0 * (1.0 + nu))
+    return Orthotropic(E, E, E, G, G, G, nu, nu, nu, rho)
+
+
+def material_from_dict(table: Mapping[str, Any], where: str) -> Orthotropic:
+    """Material of a table {"kind": "isotropic" | "orthotropic", constants}.
+
+    Parameters
+    ----------
+    table : E, nu, rho of an isotropic material, or the nine constants and rho of an orthotropic
+        one; "name" and "strength" (see strength.py) are allowed and ignored
+    where : file and key of the table, for messages
+
+    Raises
+    ------
+    MaterialError : unknown or missing key, no number, impossible constants.
+    """
+    if not isinstance(table, Mapping):
+        raise MaterialError(f"{where}: expected a table of constants, got {table!r}")
+    kinds = {
+        "isotropic": ("E", "nu", "rho"),
+        "orthotropic": tuple(field.name for field in fields(Orthotropic)),
+    }
+    kind = table.get("kind")
+    if kind not in kinds:
+        raise MaterialError(
+            f"{where}.kind = {kind!r}: expected one of {', '.join(kinds)}"
+            + did_you_mean(str(kind), kinds)
+        )
+    keys = kinds[kind]
+    for key in table:
+        if key not in (*keys, "kind", "name", "strength"):
+            raise MaterialError(
+                f"{where}.{key}: unknown key of an {kind} material; expected "
+                + ", ".join(keys)
+                + did_you_mean(str(key), keys)
+            )
+    values = {key: _number(table, key, where) for key in keys}
+    if kind == "isotropic":
+        _check_isotropic(values["E"], values["nu"], where)
+        _check_positive("rho", values["rho"], where)
+        return isotropic(**values)
+    for key in keys:
+        if key[0] != "n":
+            _check_positive(key, values[key], where)
+    _check_definite(values, where)
+    return Orthotropic(**values)
+
+
+def bond(A_BM: Array) -> Array:
+    """Matrix T that takes stress columns along: stress_B = T stress_M (Bond 1943).
+
+    Parameters
+    ----------
+    A_BM : (..., 3, 3) rotations, v_B = A_BM v_M
+
+    Returns
+    -------
+    (..., 6, 6); T' takes engineering strains the other way, strain_M = T' strain_B
+    """
+    A_BM = np.asarray(A_BM)
+    pairs = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+    T = np.empty((*A_BM.shape[:-2], 6, 6))
+    for row, (i, j) in enumerate(pairs):
+        for column, (k, m) in enumerate(pairs):
+            T[..., row, column] = A_BM[..., i, k] * A_BM[..., j, m]
+            if k != m:  # a shear stress stands for two entries of the tensor
+                T[..., row, column] += A_BM[..., i, m] * A_BM[..., j, k]
+    return T
+
+
+def check(material: Orthotropic, where: str) -> None:
+    """Raise MaterialError unless the constants are positive and the compliance is definite."""
+    values = {field.name: float(getattr(material, field.name)) for field in fields(material)}
+    for key, value in values.items():
+        if key[0] != "n":
+            _check_positive(key, value, where)
+    _check_definite(values, where)
+
+
+def _check_definite(c: Mapping[str, float], where: str) -> None:
+    for a, b in ("12", "13", "23"):
+        nu, ratio = c[f"nu{a}{b}"], c[f"E{a}"] / c[f"E{b}"]
+        if not nu**2 < ratio:
+            raise MaterialError(
+                f"{where}.nu{a}{b} = {nu:g}: expected nu{a}{b}^2 < E{a}/E{b} = {ratio:g}, "
+                f"that is |nu{a}{b}| < {math.sqrt(ratio):.6g}"
+            )
+    nu21 = c["nu12"] * c["E2"] / c["E1"]
+    nu31 = c["nu13"] * c["E3"] / c["E1"]
+    nu32 = c["nu23"] * c["E3"] / c["E2"]
+    rest = 1 - c["nu12"] * nu21 - c["nu13"] * nu31 - c["nu23"] * nu32 - 2 * nu21 * nu32 * c["nu13"]
+    if not rest > 0.0:
+        raise MaterialError(
+            f"{where}: nu12 = {c['nu12']:g}, nu13 = {c['nu13']:g} and nu23 = {c['nu23']:g} "
+            "together are too large: "
+            "expected 1 - nu12 nu21 - nu13 nu31 - nu23 nu32 - 2 nu21 nu32 nu13 > 0, "
+            f"got {rest:.6g}"
+        )
+
+
+def _check_isotropic(E: float, nu: float, where: str) -> None:
+    _check_positive("E", E, where)
+    if not -1.0 < nu < 0.5:
+        raise MaterialError(f"{where}.nu = {nu:g}: expected -1 < nu < 0.5")
+
+
+def _check_positive(key: str, value: float, where: str) -> None:
+    if not (value > 0.0 and math.isfinite(value)):
+        raise MaterialError(f"{where}.{key} = {value:g} {_UNITS[key[0]]}: expected a value above 0")
+
+
+def _number(table: Mapping[str, Any], key: str, where: str) -> float:
+    if key not in table:
+        raise MaterialError(f"{where}.{key}: missing, expected a number [{_UNITS[key[0]]}]")
+    value = table[key]
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise MaterialError(f"{where}.{key} = {value!r}: expected a number [{_UNITS[key[0]]}]")
+    return float(value)

@@ -1,0 +1,98 @@
+"""The part of a package that ParaView reads: /VTKHDF, made of links onto our own data."""
+
+from typing import Any
+
+import h5py
+import numpy as np
+
+from ...math.arrays import Array
+from .container import set_text
+from .finding import Finding
+
+# Names in /VTKHDF and in the mesh of every format of ours; the nodes' name differs.
+CELLS = (("Connectivity", "connectivity"), ("Offsets", "offsets"), ("Types", "cell_types"))
+
+
+def create_grid(file: h5py.File, mesh: h5py.Group, nodes: str) -> h5py.Group:
+    """Add /VTKHDF with hard links to a mesh; no second copy of it.
+
+    Nodes of a plane mesh (n, 2) are shown in the plane x = 0: their columns are y and z.
+    """
+    view = file.create_group("VTKHDF")
+    view.attrs["Version"] = np.array([2, 2], dtype=np.int64)
+    view.attrs.create("Type", np.bytes_("UnstructuredGrid"), dtype="S16")
+    if mesh[nodes].shape[1] == 3:
+        view["Points"] = mesh[nodes]
+    else:
+        plane_view(view, "Points", mesh[nodes])
+    for name, ours in CELLS:
+        view[name] = mesh[ours]
+    counts = (("Points", nodes), ("Cells", "cell_types"), ("ConnectivityIds", "connectivity"))
+    for name, ours in counts:
+        view[f"NumberOf{name}"] = np.array([len(mesh[ours])], dtype=np.int64)
+    return view
+
+
+def part_view(
+    group: h5py.Group, name: str, of: h5py.Dataset, part: Any, shape: tuple[int, ...]
+) -> h5py.Dataset:
+    """Add a virtual dataset that shows `of[part]`."""
+    return _virtual(group, name, of, part, shape, (0,) * len(shape))
+
+
+def plane_view(group: h5py.Group, name: str, of: h5py.Dataset) -> h5py.Dataset:
+    """Add a virtual dataset (n, 3) that shows vectors (n, 2) of the section, x1 = 0."""
+    return _virtual(group, name, of, ..., (of.shape[0], 3), (0, 1))
+
+
+def _virtual(
+    group: h5py.Group,
+    name: str,
+    of: h5py.Dataset,
+    part: Any,
+    shape: tuple[int, ...],
+    corner: tuple[int, ...],
+) -> h5py.Dataset:
+    """Add a virtual dataset with `of[part]` from `corner` on and zeros before it.
+
+    By h5py's lower level: the upper one would put the time of writing into the file.
+    """
+    target = h5py.h5s.create_simple(shape)
+    size = tuple(n - first for n, first in zip(shape, corner, strict=True))
+    target.select_hyperslab(corner, size)
+    source = h5py.VirtualSource(".", of.name, shape=of.shape, dtype=of.dtype)[part]
+    creation = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    creation.set_obj_track_times(False)
+    creation.set_fill_value(np.zeros((), of.dtype))
+    creation.set_virtual(target, b".", of.name.encode(), source.sel.id)
+    made = h5py.h5d.create(
+        group.id, name.encode(), of.id.get_type(), h5py.h5s.create_simple(shape), creation
+    )
+    return h5py.Dataset(made)
+
+
+def describe(dataset: h5py.Dataset, unit: str, frame: str) -> None:
+    """Give a dataset of the view its unit and frame."""
+    set_text(dataset, "unit", unit)
+    set_text(dataset, "frame", frame)
+
+
+def view_findings(file: h5py.File, mesh_path: str, nodes: str) -> list[Finding]:
+    """Check that what ParaView shows is the mesh that we read."""
+    view = file.get("VTKHDF")
+    if not isinstance(view, h5py.Group):
+        return [Finding("warning", "/VTKHDF", "missing: ParaView cannot open the file")]
+    mesh = file.get(mesh_path, {})
+    findings = []
+    for name, ours in (("Points", nodes), *CELLS):
+        if name not in view:
+            findings.append(Finding("warning", f"/VTKHDF/{name}", "missing"))
+        elif ours in mesh and not np.array_equal(view[name][()], _in_space(mesh[ours][()])):
+            text = f"differs from /{mesh_path}/{ours}"
+            findings.append(Finding("error", f"/VTKHDF/{name}", text))
+    return findings
+
+
+def _in_space(values: Array) -> Array:
+    plane = values.ndim == 2 and values.shape[1] == 2
+    return np.pad(values, ((0, 0), (1, 0))) if plane else values

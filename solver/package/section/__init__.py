@@ -1,0 +1,1 @@
+"""The file of a beam cross-section (docs/section-file.md)."""

@@ -1,0 +1,143 @@
+"""What must hold before anyone may use a section: shapes, numbers, and that it can exist."""
+
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from ...errors import did_you_mean
+from ...math.arrays import Array
+from ..common.array_checks import finite, mesh_cells, positive_definite, rows_of, symmetric
+from ..common.dataset import defined_sizes, encoded, misshaped, missing_or_mistyped
+from ..common.finding import Finding, Reporter
+from .layout import (
+    SECTION_FILE_LAYOUT,
+    SECTION_GROUP,
+    SECTION_SIZED_BY,
+    section_sizes,
+    section_values,
+)
+from .recovery_checks import check_recovery
+from .schema import RESULTANTS, SectionFile
+from .stress import resultants, unit_stress
+
+# Nodes of the plane cells that a section file may hold, by VTK cell type.
+CELL_NODES = {5: 3, 9: 4, 22: 6, 23: 8, 28: 9}
+UNIT = 1e-9  # deviation of a unit vector's length
+EQUILIBRIUM = 1e-6  # relative: what unit resultants integrate back to
+
+
+def section_layout_findings(group: h5py.Group) -> list[Finding]:
+    """Compare the datasets of /section with the format: presence, type, shape."""
+    sizes = defined_sizes(group, SECTION_SIZED_BY)
+    return missing_or_mistyped(group, SECTION_FILE_LAYOUT) + misshaped(
+        group, SECTION_FILE_LAYOUT, sizes
+    )
+
+
+def check_shapes(path: Path, section: SectionFile) -> None:
+    """Raise PackageError for the first array of a wrong type or shape."""
+    values = section_values(section, str(path))
+    sizes = section_sizes(values)
+    for spec in SECTION_FILE_LAYOUT:
+        if spec.path in values:
+            where = f"{path}: /{SECTION_GROUP}/{spec.path}"
+            encoded(where, spec, values[spec.path], sizes)
+
+
+def section_content_findings(section: SectionFile) -> list[Finding]:
+    """Check the numbers of a section whose shapes are right."""
+    bad: list[Finding] = []
+
+    def error(dataset: str, message: str) -> None:
+        bad.append(Finding("error", f"/{SECTION_GROUP}/{dataset}", message))
+
+    for path, value in section_values(section).items():
+        finite(path, value, error)
+    if bad:
+        return bad  # every other test would only repeat it
+    for name, matrix in (("K", section.K), ("M", section.M)):
+        symmetric(name, matrix, error)
+        _definite(name, matrix, error)
+    if section.error_estimate is not None and np.min(section.error_estimate) < 0.0:
+        error("error_estimate", "expected values >= 0: the size of an error has no sign")
+    _mesh(section, error)
+    _plies(section, error)
+    _recovery(section, error)
+    return bad
+
+
+def section_plausibility_findings(section: SectionFile) -> list[Finding]:
+    """Say where the stresses of the unit resultants do not integrate back to them.
+
+    The section's tests of numbers must have passed.
+    """
+    scale = np.sqrt(np.diag(section.K))
+    back = resultants(section.recovery, unit_stress(section.recovery))
+    gap = np.abs(back - np.eye(6)) * scale[None, :] / scale[:, None]
+    if gap.max() <= EQUILIBRIUM:
+        return []
+    i, j = (int(v) for v in np.unravel_index(np.argmax(gap), gap.shape))
+    text = (
+        f"the stresses of a unit {RESULTANTS[j]} integrate to {RESULTANTS[i]} = {back[i, j]:.9g}, "
+        f"expected {float(i == j):g}"
+    )
+    return [Finding("warning", f"/{SECTION_GROUP}/recovery/strain_M", text)]
+
+
+def _definite(path: str, matrix: Array, error: Reporter) -> None:
+    """Test in units of its own diagonal: entries of N and N m2 differ by any power of ten."""
+    diagonal = np.diag(matrix)
+    if not np.all(diagonal > 0.0):
+        i = int(np.argmin(diagonal))
+        error(path, f"expected a diagonal above 0, entry [{i}, {i}] is {diagonal[i]:.6g}")
+        return
+    scale = 1.0 / np.sqrt(diagonal)
+    positive_definite(path, matrix * np.outer(scale, scale), error)
+
+
+def _mesh(section: SectionFile, error: Reporter) -> None:
+    mesh, plies = section.mesh, section.recovery.plies
+    mesh_cells(mesh.offsets, mesh.connectivity, len(mesh.nodes), error)
+    rows_of("mesh/region", mesh.region, len(mesh.regions), error)
+    rows_of("mesh/ply", mesh.ply, len(plies), error)
+    if len(set(mesh.regions)) != len(mesh.regions):
+        error("mesh/regions", "expected unique names, some are there twice")
+    sizes = np.diff(mesh.offsets)
+    for row, kind in enumerate(np.asarray(mesh.cell_types).tolist()):
+        if kind not in CELL_NODES:
+            known = ", ".join(map(str, CELL_NODES))
+            error("mesh/cell_types", f"expected one of {known}, cell {row} is {kind}")
+            break
+        if sizes[row] != CELL_NODES[kind]:
+            text = f"cell {row} has {sizes[row]} nodes, its type {kind} has {CELL_NODES[kind]}"
+            error("mesh/offsets", text)
+            break
+    for name in ("layer_direction", "fibre"):
+        length = np.linalg.norm(getattr(mesh, name), axis=1)
+        if np.any(np.abs(length - 1.0) > UNIT):
+            row = int(np.argmax(np.abs(length - 1.0)))
+            error(f"mesh/{name}", f"expected unit vectors, row {row} has length {length[row]:.9g}")
+
+
+def _plies(section: SectionFile, error: Reporter) -> None:
+    regions = section.mesh.regions
+    for row, ply in enumerate(section.recovery.plies):
+        if ply.region not in regions:
+            hint = did_you_mean(ply.region, regions)
+            error("plies/region", f"row {row}: {ply.region!r} is no region of the section{hint}")
+        if ply.index < 0:
+            error("plies/index", f"expected 0, 1, ..., row {row} is {ply.index}")
+
+
+def _recovery(section: SectionFile, error: Reporter) -> None:
+    recovery, n_cell = section.recovery, len(section.mesh.cell_types)
+    check_recovery(recovery, "", error)
+    rows_of("recovery/cell", recovery.cell, n_cell, error)
+    cells = np.asarray(recovery.cell)
+    if not len(cells) or cells.min() < 0 or cells.max() >= n_cell:
+        return
+    area = np.bincount(cells, weights=recovery.weights, minlength=n_cell)
+    if np.any(area <= 0.0):
+        row = int(np.argmin(area))
+        error("recovery/weights", f"expected an area above 0, that of cell {row} is {area[row]:g}")

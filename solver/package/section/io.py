@@ -1,0 +1,126 @@
+"""Write and read a section file: HDF5 that is a valid VTKHDF file too (docs/section-file.md)."""
+
+import warnings
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from ...errors import PackageError
+from ..common.container import get_text, new_file, open_file, set_long_text
+from ..common.dataset import read_dataset, write_dataset
+from ..common.finding import raise_first
+from ..common.identity import (
+    checksum_findings,
+    identity_notes,
+    json_table,
+    json_text,
+    write_checksum,
+    write_identity,
+)
+from ..common.vtk_view import create_grid, describe, part_view, plane_view
+from .checks import check_shapes, section_content_findings, section_layout_findings
+from .layout import SECTION_FILE, SECTION_FILE_LAYOUT, SECTION_GROUP, section_sizes, section_values
+from .recovery_data import recovery_from
+from .schema import RESULTANTS, SectionFile, SectionMeshData
+from .stress import cell_means, unit_stress
+
+# VTK and ParaView name the six columns of a symmetric tensor xx, yy, zz, xy, yz, xz: ours
+# are 11, 22, 33, 23, 13, 12, and x, y, z are x1, x2, x3.
+VTK_TENSOR = (0, 1, 2, 5, 3, 4)
+
+
+def write_section(path: str | Path, section: SectionFile) -> None:
+    """Write a section file; it appears only when it is complete.
+
+    Raises
+    ------
+    PackageError
+        When the section is inconsistent (shapes, NaN, symmetry, rows): the message names file
+        and dataset, nothing is written.
+    """
+    path = Path(path)
+    if path.suffix != ".vtkhdf":
+        raise PackageError(f"{path}: a section file ends in .vtkhdf (ParaView goes by the name)")
+    check_shapes(path, section)
+    raise_first(path, section_content_findings(section))
+    values = section_values(section, str(path))
+    sizes = section_sizes(values)
+    with new_file(path) as file:
+        write_identity(file, SECTION_FILE, section.name)
+        provenance = json_text(f"{path}: provenance", section.provenance)
+        set_long_text(file, "provenance", provenance)
+        group = file.create_group(SECTION_GROUP)
+        for spec in SECTION_FILE_LAYOUT:
+            if spec.path in values:
+                write_dataset(path, group, spec, values[spec.path], sizes)
+        _write_view(file, group, section)
+        write_checksum(file, SECTION_FILE)
+
+
+def read_section(path: str | Path) -> SectionFile:
+    """Read a section file and check that its numbers can be used.
+
+    A newer minor version of the format gives a warning only.
+
+    Raises
+    ------
+    PackageError
+        When the file is missing, truncated, foreign, newer, incomplete, altered, or its numbers
+        cannot be used; names file and dataset.
+    """
+    path = Path(path)
+    with open_file(path, PackageError) as file:
+        for note in identity_notes(path, file, SECTION_FILE):
+            warnings.warn(note.message, UserWarning, stacklevel=2)
+        raise_first(path, section_layout_findings(file[SECTION_GROUP]))
+        raise_first(path, checksum_findings(file, SECTION_FILE))
+        section = load_section(file)
+    raise_first(path, section_content_findings(section))
+    return section
+
+
+def load_section(file: h5py.File) -> SectionFile:
+    """Read all arrays of a file whose layout has been checked."""
+    group = file[SECTION_GROUP]
+    data: dict[str, Any] = {
+        s.path: read_dataset(group[s.path], s) for s in SECTION_FILE_LAYOUT if s.path in group
+    }
+    mesh = {name: data[f"mesh/{name}"] for name in ("nodes", "connectivity", "offsets", "region")}
+    mesh |= {name: data[f"mesh/{name}"] for name in ("regions", "ply", "layer_direction", "fibre")}
+    reported = zip(data["warnings/codes"], data["warnings/messages"], strict=True)
+    return SectionFile(
+        name=get_text(file, SECTION_FILE.title),
+        K=data["K"],
+        M=data["M"],
+        error_estimate=data.get("error_estimate"),
+        shear_centre=data["shear_centre"],
+        tension_centre=data["tension_centre"],
+        mass_centre=data["mass_centre"],
+        mesh=SectionMeshData(cell_types=data["mesh/cell_types"].astype(np.int64), **mesh),
+        warping=data["warping"],
+        recovery=recovery_from(data, f"{file.filename}: {group.name}"),
+        warnings=tuple({"code": code, "message": message} for code, message in reported),
+        provenance=json_table(f"{file.filename}: provenance", get_text(file, "provenance", "{}")),
+    )
+
+
+def _write_view(file: h5py.File, group: h5py.Group, section: SectionFile) -> None:
+    """Add /VTKHDF: links to mesh and warping; only the angles and mean stresses are computed."""
+    view = create_grid(file, group["mesh"], "nodes")
+    cells = view.create_group("CellData")
+    for name in ("region", "ply", "fibre"):
+        cells[name] = group["mesh"][name]
+    describe(plane_view(cells, "layer_direction", group["mesh/layer_direction"]), "-", "section")
+    angles = np.array([ply.angle_deg for ply in section.recovery.plies])
+    describe(cells.create_dataset("angle_deg", data=angles[section.mesh.ply]), "deg", "layer")
+    points = view.create_group("PointData")
+    warping = group["warping"]
+    stress = cell_means(section, unit_stress(section.recovery))[:, VTK_TENSOR, :]
+    for i, name in enumerate(RESULTANTS):
+        moment = name.startswith("M")
+        shown = part_view(points, f"warping_{name}", warping, np.s_[i, :, :], warping.shape[1:])
+        describe(shown, "1/N" if moment else "m/N", "section")
+        shown = cells.create_dataset(f"stress_{name}", data=stress[:, :, i])
+        describe(shown, "1/m3" if moment else "1/m2", "section")

@@ -1,0 +1,50 @@
+"""Stresses that the unit resultants make in a section."""
+
+import numpy as np
+
+from ...math.arrays import Array
+from ..common.materials import bond
+from .schema import SectionFile, SectionRecovery
+
+
+def unit_stress(recovery: SectionRecovery) -> Array:
+    """Stress of every integration point in section axes, per unit resultant.
+
+    Returns
+    -------
+    (p, 6, 6) [Pa/N, Pa/(N m)]: rows 11, 22, 33, 23, 13, 12, a column for each resultant
+    """
+    stress_M = recovery.C_M[recovery.ply] @ recovery.strain_M
+    return np.asarray(bond(recovery.A_BM) @ stress_M)
+
+
+def cell_means(section: SectionFile, values: Array) -> Array:
+    """Mean over each cell of values at the integration points, (p, ...) to (c, ...)."""
+    recovery, n_cell = section.recovery, len(section.mesh.cell_types)
+    sums, weights = np.zeros((n_cell, values[0].size)), np.zeros(n_cell)
+    flat = values.reshape(len(values), -1) * recovery.weights[:, None]
+    # points may stand in any order: sorted by cell, each cell's are a run
+    order = np.argsort(recovery.cell, kind="stable")
+    cells, first = np.unique(recovery.cell[order], return_index=True)
+    sums[cells] = np.add.reduceat(flat[order], first)
+    weights[cells] = np.add.reduceat(recovery.weights[order], first)
+    return (sums / weights[:, None]).reshape(n_cell, *values.shape[1:])
+
+
+def resultants(recovery: SectionRecovery, stress: Array) -> Array:
+    """Resultants [F1 F2 F3 M1 M2 M3] of stresses (p, 6, ...), (6, ...).
+
+    F1 = int s11, F2 = int s12, F3 = int s13, M1 = int x2 s13 - x3 s12, M2 = int x3 s11,
+    M3 = -int x2 s11.
+    """
+    x2, x3 = recovery.points.T
+    zero, one = np.zeros_like(x2), np.ones_like(x2)
+    weight_11 = np.stack([one, zero, zero, zero, x3, -x2])
+    weight_13 = np.stack([zero, zero, one, x2, zero, zero])
+    weight_12 = np.stack([zero, one, zero, -x3, zero, zero])
+    return np.asarray(
+        sum(
+            np.tensordot(weight * recovery.weights, stress[:, row], axes=1)
+            for weight, row in ((weight_11, 0), (weight_13, 4), (weight_12, 5))
+        )
+    )

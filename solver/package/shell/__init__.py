@@ -1,0 +1,1 @@
+"""The results file of a laminated shell."""

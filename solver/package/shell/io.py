@@ -1,0 +1,177 @@
+"""Write and read a shell results file: HDF5 that is a valid VTKHDF file too."""
+
+import warnings
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from ...errors import PackageError
+from ..common.container import get_text, new_file, open_file, set_long_text
+from ..common.dataset import read_dataset, write_dataset
+from ..common.finding import raise_first
+from ..common.identity import (
+    checksum_findings,
+    identity_notes,
+    json_table,
+    json_text,
+    write_checksum,
+    write_identity,
+)
+from ..common.vtk_view import create_grid, describe, part_view
+from .checks import check_shell_shapes, shell_content_findings, shell_layout_findings
+from .layout import CASES, SHELL_FILE, SHELL_GROUP, SHELL_LAYOUT, shell_sizes, shell_values
+from .schema import (
+    ShellCases,
+    ShellFile,
+    ShellLaminate,
+    ShellMeshData,
+    ShellModes,
+    ShellPlaces,
+    ShellPly,
+    ShellProbes,
+)
+
+PARTS = (("N", slice(0, 3), "N/m"), ("M", slice(3, 6), "N"), ("T", slice(6, 8), "N/m"))
+
+
+def write_shell(path: str | Path, shell: ShellFile) -> None:
+    """Write a shell results file; it appears only when it is complete.
+
+    Raises
+    ------
+    PackageError
+        When the shell is inconsistent (shapes, NaN, rows): the message names file and dataset,
+        nothing is written.
+    """
+    path = Path(path)
+    if path.suffix != ".vtkhdf":
+        raise PackageError(f"{path}: a shell file ends in .vtkhdf (ParaView goes by the name)")
+    check_shell_shapes(path, shell)
+    raise_first(path, shell_content_findings(shell))
+    values = shell_values(shell, str(path))
+    sizes = shell_sizes(values)
+    with new_file(path) as file:
+        write_identity(file, SHELL_FILE, shell.name)
+        set_long_text(file, "provenance", json_text(f"{path}: provenance", shell.provenance))
+        group = file.create_group(SHELL_GROUP)
+        for spec in SHELL_LAYOUT:
+            if spec.path in values:
+                write_dataset(path, group, spec, values[spec.path], sizes)
+        _write_view(file, group, shell)
+        write_checksum(file, SHELL_FILE)
+
+
+def read_shell(path: str | Path) -> ShellFile:
+    """Read a shell results file and check that its numbers can be used.
+
+    A newer minor version of the format gives a warning only.
+
+    Raises
+    ------
+    PackageError
+        When the file is missing, truncated, foreign, newer, incomplete, altered, or its numbers
+        cannot be used; names file and dataset.
+    """
+    path = Path(path)
+    with open_file(path, PackageError) as file:
+        for note in identity_notes(path, file, SHELL_FILE):
+            warnings.warn(note.message, UserWarning, stacklevel=2)
+        raise_first(path, shell_layout_findings(file[SHELL_GROUP]))
+        raise_first(path, checksum_findings(file, SHELL_FILE))
+        shell = _load(file)
+    raise_first(path, shell_content_findings(shell))
+    return shell
+
+
+def _load(file: h5py.File) -> ShellFile:
+    group, where = file[SHELL_GROUP], file.filename
+    data: dict[str, Any] = {
+        s.path: read_dataset(group[s.path], s) for s in SHELL_LAYOUT if s.path in group
+    }
+    names = ("nodes_G", "node_ids", "region", "regions", "laminate", "A_GE", "area")
+    reported = zip(data["warnings/codes"], data["warnings/messages"], strict=True)
+    modes = None
+    if "modes/frequencies" in data:
+        modes = ShellModes(
+            data["modes/frequencies"],
+            data["modes/shapes_G"],
+            data["modes/resultants_E"],
+            int(data["modes/n_zero"]),
+        )
+    return ShellFile(
+        name=get_text(file, SHELL_FILE.title),
+        mesh=ShellMeshData(
+            cells=data["mesh/connectivity"].reshape(-1, 3),
+            **{name: data[f"mesh/{name}"] for name in names},
+        ),
+        laminates=_laminates(data, where),
+        materials=json_table(f"{where}: materials", data["materials"]),
+        supports=ShellPlaces(data["supports/names"], data["supports/points_G"]),
+        links=ShellPlaces(data["links/names"], data["links/points_G"], data["links/kinds"]),
+        cases=ShellCases(
+            **{name: data[f"cases/{name}"] for name in (*CASES, "energy", "residual")}
+        ),
+        probes=ShellProbes(data["probes/names"], data["probes/quantities"], data["probes/values"]),
+        modes=modes,
+        warnings=tuple({"code": code, "message": message} for code, message in reported),
+        provenance=json_table(f"{where}: provenance", get_text(file, "provenance", "{}")),
+    )
+
+
+def _laminates(data: dict[str, Any], where: str) -> tuple[ShellLaminate, ...]:
+    found = []
+    for row, name in enumerate(data["laminates/names"]):
+        own = np.flatnonzero(data["plies/laminate"] == row)
+        plies = tuple(
+            ShellPly(
+                data["plies/material"][k],
+                *(float(data[f"plies/{column}"][k]) for column in ("angle_deg", "bottom", "top")),
+            )
+            for k in own
+        )
+        found.append(
+            ShellLaminate(
+                name,
+                plies,
+                ABD=data["laminates/ABD"][row],
+                Ds=data["laminates/Ds"][row],
+                mass=data["laminates/mass"][row],
+                stress_M=data["plies/stress_M"][own],
+                report=json_table(f"{where}: laminates/reports", data["laminates/reports"][row]),
+            )
+        )
+    return tuple(found)
+
+
+def _write_view(file: h5py.File, group: h5py.Group, shell: ShellFile) -> None:
+    """Add /VTKHDF: links to the mesh, windows onto displacements, shapes and resultants."""
+    view = create_grid(file, group["mesh"], "nodes_G")
+    n, c = len(shell.mesh.nodes_G), len(shell.mesh.cells)
+    cells = view.create_group("CellData")
+    cells["region"] = group["mesh/region"]
+    axes = part_view(cells, "e1", group["mesh/A_GE"], np.s_[:, :, 0], (c, 3))
+    describe(axes, "-", "G")
+    axes = part_view(cells, "e3", group["mesh/A_GE"], np.s_[:, :, 2], (c, 3))
+    describe(axes, "-", "G")
+    points = view.create_group("PointData")
+    shown = [
+        (name.replace("/", "-"), "displacement", "cases/displacements_G", "cases", row)
+        for row, name in enumerate(shell.cases.names)
+    ]
+    if shell.modes is not None:
+        count = len(shell.modes.frequencies)
+        shown += [
+            (f"mode_{row + 1:03d}", "shape", "modes/shapes_G", "modes", row) for row in range(count)
+        ]
+    for name, word, path, of, row in shown:
+        moved = part_view(points, f"{name}_{word}", group[path], np.s_[row, :, :3], (n, 3))
+        describe(moved, "m", "G")
+        turned = part_view(points, f"{name}_rotation", group[path], np.s_[row, :, 3:], (n, 3))
+        describe(turned, "rad", "G")
+        for letter, part, unit in PARTS:
+            size = part.stop - part.start
+            loads = group[f"{of}/resultants_E"]
+            seen = part_view(cells, f"{name}_{letter}", loads, np.s_[row, :, part], (c, size))
+            describe(seen, unit, "E")
