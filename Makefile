@@ -30,9 +30,9 @@ SOLVER_SOURCES := $(shell find solver -name '*.py')
 PACKAGE_SOURCES := $(filter solver/package/% solver/math/% solver/errors.py,$(SOLVER_SOURCES))
 HOT_SOURCES := $(shell grep -lE '@jit|@inlined|NamedTuple' -r solver --include='*.py')
 REPORT_SOURCES := $(filter solver/report% solver/results%,$(SOLVER_SOURCES))
-SECTION_SOURCES := $(filter solver/section% solver/fenicsx_side% solver/input% solver/strength%, \
+SECTION_SOURCES := $(filter solver/section% solver/fenicsx_side% solver/inputs% solver/strength%, \
     $(SOLVER_SOURCES))
-RUN_SOURCES := $(filter-out solver/report% solver/case% solver/input% solver/section% \
+RUN_SOURCES := $(filter-out solver/report% solver/inputs% solver/section% \
     solver/shell% solver/fenicsx_side%,$(SOLVER_SOURCES))
 
 ##@ Set-up
@@ -227,7 +227,7 @@ $(SECTION_FOLDER)/%.txt: cases/sections/%.toml $(SECTION_INPUTS) $(FENICSX) $(LI
 SHELLS := $(patsubst cases/shells/%.toml,%,$(wildcard cases/shells/*.toml))
 SHELL_FOLDER := build/shells
 SHELL_FILES := $(foreach name,$(SHELLS),$(SHELL_FOLDER)/$(name)/$(name).vtkhdf)
-SHELL_SOURCES := $(filter solver/shell% solver/fenicsx_side% solver/input% solver/strength%, \
+SHELL_SOURCES := $(filter solver/shell% solver/fenicsx_side% solver/inputs% solver/strength%, \
     $(SOLVER_SOURCES))
 SHELL_INPUTS := $(wildcard cases/shells/*) $(PREPROCESS_SOURCES) $(PACKAGE_SOURCES) $(SHELL_SOURCES)
 SHELL_COMMAND := $(PY) -m plymotion.solver shell --out $(SHELL_FOLDER)
@@ -380,9 +380,9 @@ docs: $(LIGHT) ## Regenerate docs/equations.md, case-reference.md, *-description
 	$(PY) tools/equations.py docs/equations.md
 	$(PY) -m plymotion.solver check --reference > docs/case-reference.md.part
 	mv docs/case-reference.md.part docs/case-reference.md
-	$(PY) -m plymotion.solver.section.reference > docs/section-description.md.part
+	$(PY) -m plymotion.solver.inputs.section.reference > docs/section-description.md.part
 	mv docs/section-description.md.part docs/section-description.md
-	$(PY) -m plymotion.solver.shell.reference > docs/shell-description.md.part
+	$(PY) -m plymotion.solver.inputs.shell.reference > docs/shell-description.md.part
 	mv docs/shell-description.md.part docs/shell-description.md
 
 .PHONY: clean

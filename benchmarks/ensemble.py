@@ -86,8 +86,8 @@ def _before(t_end: float) -> float | None:
 
 def _time_run(repository: Path, t_end: float) -> dict[str, Any]:
     """Time the case's run `isotropic` in this process, by whatever code is imported."""
-    from plymotion.solver.case import load_case
-    from plymotion.solver.case.specs import write_case
+    from plymotion.solver.inputs.case import load_case
+    from plymotion.solver.inputs.case.specs import write_case
     from plymotion.solver.run import execute, read_run
 
     case = load_case(repository / "cases" / CASE / "case.toml")
@@ -107,8 +107,8 @@ def _time_run(repository: Path, t_end: float) -> dict[str, Any]:
 
 def _checked(folder: Path, t_end: float) -> Path:
     """Check the case into a folder, with the packages of the repository; its sweep file."""
-    from plymotion.solver.case import load_case
-    from plymotion.solver.case.specs import write_case
+    from plymotion.solver.inputs.case import load_case
+    from plymotion.solver.inputs.case.specs import write_case
 
     case = load_case(REPOSITORY / "cases" / CASE / "case.toml")
     write_case(case, folder, REPOSITORY / "tests" / "packages" / CASE)

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from plymotion.solver.case import load_case
-from plymotion.solver.case.specs import write_case
+from plymotion.solver.inputs.case import load_case
+from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.run import execute, read_run
 
 CASE = Path("cases/double-pendulum/case.toml")

@@ -19,8 +19,8 @@ from solver_problems import Problem, actuated_beam, chain, from_case
 from solver_runs import largest, solve, warm_up
 from tqdm import tqdm
 
-from plymotion.solver.case import load_case
-from plymotion.solver.case.specs import body_spec, dump, inputs_sha256, write_if_changed
+from plymotion.solver.inputs.case import load_case
+from plymotion.solver.inputs.case.specs import body_spec, dump, inputs_sha256, write_if_changed
 
 FOLDER = Path("build/benchmarks/bodies")
 FENICSX = Path(os.environ.get("PLYMOTION_FENICSX", "build/fenicsx.env"))

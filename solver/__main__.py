@@ -94,9 +94,9 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _check(options: argparse.Namespace) -> int:
-    from .case import load_case
-    from .case.reference import reference_page
-    from .case.specs import write_case
+    from .inputs.case import load_case
+    from .inputs.case.reference import reference_page
+    from .inputs.case.specs import write_case
 
     if options.reference:
         print(reference_page(), end="")

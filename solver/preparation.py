@@ -72,7 +72,7 @@ def prepare(
     packages: dict[str, ModalPackage],
     signals: Container[str] | None = None,
 ) -> Prepared:
-    """Build a checked mechanism (case/schema.py, as plain data), close its joints, look at it.
+    """Build a checked mechanism (inputs/case/schema.py), close its joints, look at it.
 
     `signals` are those that will be asked for; None: all.
 

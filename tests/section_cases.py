@@ -5,7 +5,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from plymotion.solver.section.shapes import expand, walls
+from plymotion.solver.inputs.section.shapes.library import expand, walls
 
 FOLDER = Path(__file__).resolve().parent / "reference" / "sections"
 

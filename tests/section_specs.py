@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from plymotion.solver.section.shapes import expand
+from plymotion.solver.inputs.section.shapes.library import expand
 
 
 def rectangle_spec(

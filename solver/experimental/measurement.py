@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from ..errors import InputError, nearest
-from ..input import lines, read_toml
+from ..inputs.common import lines, read_toml
 from ..math.arrays import Array, IntArray
 from .columns import read_columns
 from .tables import MeasuredFile

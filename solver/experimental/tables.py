@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from ..input.table import Name, Table, unit
+from ..inputs.common.table import Name, Table, unit
 
 
 class MeasuredReference(Table):

@@ -31,7 +31,7 @@ class BuiltMechanism:
 
 
 def build(mechanism: dict[str, Any], packages: dict[str, ModalPackage]) -> BuiltMechanism:
-    """Build the model of a checked mechanism (case/schema.py, as plain data).
+    """Build the model of a checked mechanism (inputs/case/schema.py, as plain data).
 
     Raises
     ------

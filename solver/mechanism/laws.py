@@ -8,7 +8,7 @@ from ..math.laws import Law
 
 
 def law_of(table: dict[str, Any]) -> Law:
-    """Return the law of a table that has exactly one (case/laws.py)."""
+    """Return the law of a table that has exactly one (inputs/case/laws.py)."""
     offset = table.get("angle") or table.get("displacement") or 0.0
     given = {key: value for key, value in table.items() if value is not None}
     if "constant" in given:

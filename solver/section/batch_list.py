@@ -5,8 +5,8 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from ..errors import InputError
-from ..input import read_toml
-from .study import Entry, study_variants
+from ..inputs.common import read_toml
+from ..inputs.section.study import Entry, study_variants
 
 
 def entries_of(files: Iterable[Path]) -> list[Entry]:

@@ -12,6 +12,7 @@ from typing import Any
 from tqdm import tqdm
 
 from ..errors import InputError
+from ..inputs.section.study import Entry
 from ..package.common.materials import MaterialError
 from ..package.common.shares import share
 from ..package.section.io import read_section
@@ -21,7 +22,6 @@ from .ply_peaks import ply_peaks
 from .results import read_results
 from .show import section_json, section_text
 from .show_loads import load_text
-from .study import Entry
 from .summary import Row, summary_json, summary_text, write_summary
 
 USER_ERROR = 2

@@ -10,12 +10,12 @@ from typing import Any
 from ..errors import InputError
 from ..fenicsx_side.crew import outcomes
 from ..fenicsx_side.interpreter import find_interpreter
-from ..input import read_toml
+from ..inputs.common import read_toml
+from ..inputs.section.changes import changed
+from ..inputs.section.expand import section_spec
+from ..inputs.section.study import Entry
 from ..package.common.container import temporary_sibling
 from ..package.common.shares import by_mesh, mesh_key
-from .changes import changed
-from .expand import section_spec
-from .study import Entry
 
 
 @dataclass(frozen=True)

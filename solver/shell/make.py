@@ -9,9 +9,9 @@ from pathlib import Path
 from ..errors import InputError
 from ..fenicsx_side.crew import outcomes
 from ..fenicsx_side.interpreter import find_interpreter
+from ..inputs.shell.expand import load_shell
 from ..package.common.container import temporary_sibling
 from ..package.common.shares import by_mesh, mesh_key
-from .expand import load_shell
 
 
 @dataclass(frozen=True)

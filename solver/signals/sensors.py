@@ -27,7 +27,7 @@ class Sensor:
 
 
 def sensors(built: BuiltMechanism, tables: dict[str, dict[str, Any]]) -> dict[str, Sensor]:
-    """Return the sensors of the signals of a case, as plain data (case/signals.py).
+    """Return the sensors of the signals of a case, as plain data (inputs/case/signals.py).
 
     Raises
     ------

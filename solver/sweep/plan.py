@@ -16,7 +16,7 @@ from ..run import package_of
 
 ROWS = 1  # version of what is computed of a member: raised when its numbers change their meaning
 # Their files say nothing about the motion of a mechanism.
-ASIDE = ("case", "experimental", "fenicsx_side", "input", "report", "section", "shell", "sweep")
+ASIDE = ("experimental", "fenicsx_side", "inputs", "report", "section", "shell", "sweep")
 
 
 @dataclass(frozen=True)

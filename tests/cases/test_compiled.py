@@ -7,8 +7,8 @@ import sys
 
 import pytest
 
-from plymotion.solver.case import load_case
-from plymotion.solver.case.specs import write_case
+from plymotion.solver.inputs.case import load_case
+from plymotion.solver.inputs.case.specs import write_case
 
 pytest.importorskip("numba")
 

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.case import load_case
-from plymotion.solver.case.specs import write_case
+from plymotion.solver.inputs.case import load_case
+from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.monitor import SPIN_CODE
 from plymotion.solver.run import execute, read_run
 

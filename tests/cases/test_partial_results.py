@@ -11,8 +11,8 @@ import pytest
 from case_samples import HEAD, SOLVER, case_runs, rigid
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.case import load_case
-from plymotion.solver.case.specs import write_case
+from plymotion.solver.inputs.case import load_case
+from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.results import read_result
 
 

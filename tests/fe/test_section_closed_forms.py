@@ -10,8 +10,8 @@ import pytest
 
 from plymotion.preprocess.section import analyse
 from plymotion.preprocess.section.estimate import scaled
+from plymotion.solver.inputs.section.shapes.library import expand
 from plymotion.solver.package.section.schema import SectionFile
-from plymotion.solver.section.shapes import expand
 
 FOLDER = Path(__file__).resolve().parent.parent / "reference" / "sections"
 CLOSED_FORMS = tomllib.loads((FOLDER / "closed_forms.toml").read_text(encoding="utf-8"))

@@ -14,7 +14,7 @@ from plymotion.preprocess.section.mesh import section_mesh
 from plymotion.preprocess.section.problem import SectionProblem
 from plymotion.preprocess.section.timoshenko import SectionStiffness, stiffness
 from plymotion.preprocess.section.warping import WarpingSolver
-from plymotion.solver.section.shapes import expand
+from plymotion.solver.inputs.section.shapes.library import expand
 
 GRAPHITE = Orthotropic(142e9, 9.8e9, 9.8e9, 6.0e9, 6.0e9, 4.8e9, 0.42, 0.42, 0.42, 1600.0)
 

@@ -11,7 +11,7 @@ from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx import gmsh
 from plymotion.preprocess.section import analyse
 from plymotion.preprocess.section.mesh import SectionError, SectionMesh, section_mesh
-from plymotion.solver.section.shapes import SHAPES, expand
+from plymotion.solver.inputs.section.shapes.library import SHAPES, expand
 
 ISOTROPIC = {"kind": "isotropic", "E": 1.0, "nu": 0.3, "rho": 1.0}
 

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.case import load_case
-from plymotion.solver.case.reference import reference_page
-from plymotion.solver.case.specs import write_case
 from plymotion.solver.errors import InputError
+from plymotion.solver.inputs.case import load_case
+from plymotion.solver.inputs.case.reference import reference_page
+from plymotion.solver.inputs.case.specs import write_case
 
 BAD = {
     "unknown key": (

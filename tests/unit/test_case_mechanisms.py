@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.case import load_case
-from plymotion.solver.case.specs import write_case
+from plymotion.solver.inputs.case import load_case
+from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.mechanism import build
 from plymotion.solver.system import law_at
 

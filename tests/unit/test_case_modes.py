@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from plymotion.preprocess.beam.spec import read_spec
-from plymotion.solver.case import load_case
-from plymotion.solver.case.specs import body_spec, inputs_sha256
 from plymotion.solver.errors import InputError
+from plymotion.solver.inputs.case import load_case
+from plymotion.solver.inputs.case.specs import body_spec, inputs_sha256
 from plymotion.solver.package import read_package
 
 CASE = """

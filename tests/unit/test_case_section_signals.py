@@ -5,9 +5,9 @@ import pytest
 from case_samples import HEAD, SOLVER
 
 from plymotion.solver import ply_stress
-from plymotion.solver.case import load_case
-from plymotion.solver.case.specs import write_case
 from plymotion.solver.errors import InputError
+from plymotion.solver.inputs.case import load_case
+from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.mechanism import build
 from plymotion.solver.run import read_run
 from plymotion.solver.signals import Recording, sensors

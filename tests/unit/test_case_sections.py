@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from plymotion.solver.case import load_case
-from plymotion.solver.case.specs import write_case
 from plymotion.solver.errors import InputError
+from plymotion.solver.inputs.case import load_case
+from plymotion.solver.inputs.case.specs import write_case
 
 
 @pytest.fixture
@@ -53,7 +53,7 @@ def test_a_shape_takes_material_and_angle_from_the_body(case, tmp_path):
 
 
 def test_a_described_section_is_the_specification_of_its_file(case, tmp_path):
-    from plymotion.solver.section.expand import load_section
+    from plymotion.solver.inputs.section.expand import load_section
 
     spec = section(described(case), tmp_path / "out")
     expected = load_section(tmp_path / "sections/box-layup-2.toml")

@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from plymotion.solver.case import load_case
-from plymotion.solver.case.specs import inputs_sha256, write_case
 from plymotion.solver.errors import InputError
+from plymotion.solver.inputs.case import load_case
+from plymotion.solver.inputs.case.specs import inputs_sha256, write_case
 
 DESCRIPTION = """
 format = 1

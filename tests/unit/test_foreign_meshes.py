@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.section.expand import load_section
-from plymotion.solver.section.foreign import read_foreign
+from plymotion.solver.inputs.section.expand import load_section
+from plymotion.solver.inputs.section.foreign import read_foreign
 
 ABAQUS = """\
 *NODE

@@ -11,8 +11,8 @@ from recovery_samples import PLY, PLY_STRENGTH, plies_of, rectangle_recovery
 
 from plymotion.preprocess.beam.line import BeamLine
 from plymotion.preprocess.beam.resultants import mode_resultants
-from plymotion.solver.case import load_case
-from plymotion.solver.case.specs import write_case
+from plymotion.solver.inputs.case import load_case
+from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.outcome import RunSpec
 from plymotion.solver.package import ModalPackage
 from plymotion.solver.report import make_report

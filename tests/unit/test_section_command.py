@@ -11,12 +11,12 @@ import pytest
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.fenicsx_side.crew import Work
+from plymotion.solver.inputs.section.changes import changed
+from plymotion.solver.inputs.section.study import Entry
 from plymotion.solver.package.common.shares import by_mesh, mesh_key, shard, share
 from plymotion.solver.section.batch_list import entries_of, read_list
-from plymotion.solver.section.changes import changed
 from plymotion.solver.section.results import SectionResults
 from plymotion.solver.section.show import section_json, section_text
-from plymotion.solver.section.study import Entry
 from plymotion.solver.section.summary import Row, summary_text, write_summary
 
 

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.section.description import Laminate, describe
-from plymotion.solver.section.expand import load_section, source_files
-from plymotion.solver.section.reference import section_page
+from plymotion.solver.inputs.section.description import Laminate, describe
+from plymotion.solver.inputs.section.expand import load_section, source_files
+from plymotion.solver.inputs.section.reference import section_page
 
 READY = {
     "airfoil",

@@ -8,9 +8,17 @@ from typing import Any
 import pytest
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.section.shape_airfoil import contour
-from plymotion.solver.section.shapes import SHAPES, expand, shape, walls
-from plymotion.solver.section.spacing import along, arc, cosine, faces, graded_ends, rows, united
+from plymotion.solver.inputs.section.shapes.airfoil import contour
+from plymotion.solver.inputs.section.shapes.library import SHAPES, expand, shape, walls
+from plymotion.solver.inputs.section.shapes.spacing import (
+    along,
+    arc,
+    cosine,
+    faces,
+    graded_ends,
+    rows,
+    united,
+)
 
 SIZES: dict[str, dict[str, Any]] = {
     "rectangle": {"width": 0.06, "height": 0.015},

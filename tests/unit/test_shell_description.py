@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.shell.expand import load_shell
-from plymotion.solver.shell.reference import HEAD, shell_page
+from plymotion.solver.inputs.shell.expand import load_shell
+from plymotion.solver.inputs.shell.reference import HEAD, shell_page
 
 PLATE = HEAD.partition("```toml\n")[2].partition("```")[0]  # the one of the manual
 MSH = """\

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from sweep_samples import BALL, FORCE, MASS, ball, ball_plan
 
-from plymotion.solver.case import load_case
-from plymotion.solver.case.specs import write_case
-from plymotion.solver.case.sweeps import Sweep, Variation, differences
 from plymotion.solver.errors import InputError
+from plymotion.solver.inputs.case import load_case
+from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.inputs.case.sweeps import Sweep, Variation, differences
 
 
 def points(**table):

@@ -1,0 +1,177 @@
+"""What types and bounds of a case cannot tell: names that exist, values that fit together."""
+
+from pathlib import Path
+
+import numpy as np
+
+from ...constraints.treatment import treatment_of
+from ...errors import InputError, nearest
+from ..common.material import check_materials
+from .check_bodies import check_bodies, interfaces
+from .forces import Bushing, ForceLoad, TorqueLoad
+from .joints import UniversalJoint, drives
+from .laws import RotationDrive
+from .schema import BeamBody, Mechanism, RigidBody, ShellBody
+from .signals import JointSignal, PlyStressSignal, PointSignal, ReactionSignal, ResultantSignal
+
+# Coordinates that a kind of joint leaves free and a signal can measure.
+COORDINATES = {
+    "revolute": ("angle",),
+    "universal": ("angle", "angle_2"),
+    "cylindrical": ("angle", "z"),
+    "prismatic": ("z",),
+    "planar": ("angle", "x", "y"),
+    "point_on_line": ("z",),
+}
+
+
+def cross_check(mechanism: Mechanism, folder: Path) -> list[str]:
+    """Return one line per finding; `folder` is that of the case file."""
+    found = check_materials(mechanism.materials) + check_bodies(mechanism, folder)
+    found += _joints(mechanism) + _two_drives(mechanism) + _forces(mechanism)
+    for name, mass in mechanism.masses.items():
+        found += check_place(f"masses.{name}.at", mass.at, mechanism, ground=False)
+    for name, signal in mechanism.signals.items():
+        found += _signal(f"signals.{name}", signal, mechanism)
+    try:
+        treatment_of(mechanism.solver.model_dump())
+    except InputError as error:
+        found.append(str(error))
+    return found
+
+
+def check_place(key: str, place: str, mechanism: Mechanism, *, ground: bool) -> list[str]:
+    """Return what is wrong with a place "BODY.INTERFACE" or "ground.POINT"."""
+    owner, dot, point = place.partition(".")
+    if not dot:
+        expected = '"BODY.INTERFACE"' + (' or "ground.POINT"' if ground else "")
+        return [f'{key} = "{place}": expected {expected}']
+    if owner == "ground" and ground:
+        if point in mechanism.ground:
+            return []
+        hint = nearest(point, mechanism.ground)
+        return [f'{key} = "{place}": the ground has no point "{point}"{hint}']
+    if owner not in mechanism.bodies:
+        return [f'{key} = "{place}": there is no body "{owner}"{nearest(owner, mechanism.bodies)}']
+    known = interfaces(mechanism.bodies[owner])
+    if known is not None and point not in known:
+        return [
+            f'{key} = "{place}": body "{owner}" has no interface "{point}"{nearest(point, known)}'
+        ]
+    return []
+
+
+def _owners(between: list[str]) -> list[str]:
+    return [place.partition(".")[0] for place in between]
+
+
+def _between(key: str, between: list[str], mechanism: Mechanism, *, one_body: bool) -> list[str]:
+    """Return what is wrong with a pair of places; `one_body`: both may be of the same body."""
+    found = []
+    for place in between:
+        found += check_place(key, place, mechanism, ground=True)
+    one, two = _owners(between)
+    if between[0] == between[1]:
+        found.append(f"{key} = {between}: expected two different places")
+    elif one == two and (one == "ground" or not one_body):
+        what = "the ground" if one == "ground" else f"body {one}"
+        found.append(f"{key} = {between}: both are of {what}; expected places of two bodies")
+    return found
+
+
+def _right_angle(key: str, one: list[float], two: list[float]) -> list[str]:
+    a, b = np.array(one), np.array(two)
+    if abs(a @ b) <= 1e-6 * np.linalg.norm(a) * np.linalg.norm(b):
+        return []
+    return [f"{key} = {two}: expected a vector at a right angle to axis = {one}"]
+
+
+def _joints(mechanism: Mechanism) -> list[str]:
+    found = []
+    for name, joint in mechanism.joints.items():
+        key = f"joints.{name}"
+        found += _between(f"{key}.between", joint.between, mechanism, one_body=False)
+        if isinstance(joint, UniversalJoint):
+            found += _right_angle(f"{key}.axis_2", joint.axis, joint.axis_2)
+        for drive_key, drive in drives(joint).items():
+            times = drive.table.times if drive.table else None
+            if times and times[-1] < mechanism.solver.t_end:
+                found.append(
+                    f"{key}.{drive_key}.table: ends at {times[-1]:g} s; expected a drive up to "
+                    f"solver.t_end = {mechanism.solver.t_end:g} s or beyond"
+                )
+    return found
+
+
+def _two_drives(mechanism: Mechanism) -> list[str]:
+    """Return pairs of drives between the same two bodies about or along parallel axes."""
+    found: list[str] = []
+    seen: list[tuple[str, set[str], bool, np.ndarray]] = []
+    for name, joint in mechanism.joints.items():
+        for drive_key, drive in drives(joint).items():
+            axis = np.array(getattr(joint, "axis", None))
+            axis = axis / np.linalg.norm(axis)
+            bodies, kind = set(_owners(joint.between)), isinstance(drive, RotationDrive)
+            key = f"joints.{name}.{drive_key}"
+            for other_key, other_bodies, other_kind, other_axis in seen:
+                parallel = np.linalg.norm(np.cross(axis, other_axis)) < 1e-6
+                if bodies == other_bodies and kind == other_kind and parallel:
+                    found.append(f"{key}: expected one drive on a coordinate; {other_key} has it")
+            seen.append((key, bodies, kind, axis))
+    return found
+
+
+def _forces(mechanism: Mechanism) -> list[str]:
+    found = []
+    for name, element in mechanism.forces.items():
+        key = f"forces.{name}"
+        if isinstance(element, ForceLoad | TorqueLoad):
+            found += check_place(f"{key}.at", element.at, mechanism, ground=False)
+            continue
+        found += _between(f"{key}.between", element.between, mechanism, one_body=True)
+        if isinstance(element, Bushing):
+            if element.axis_1 is not None:
+                found += _right_angle(f"{key}.axis_1", element.axis, element.axis_1)
+        elif not element.stiffness and not element.damping and element.actuator is None:
+            found.append(f"{key}: does nothing; expected stiffness, damping or actuator")
+    return found
+
+
+def _signal(
+    key: str,
+    signal: PointSignal | JointSignal | ReactionSignal | ResultantSignal | PlyStressSignal,
+    mechanism: Mechanism,
+) -> list[str]:
+    if isinstance(signal, PointSignal):
+        found = check_place(f"{key}.at", signal.at, mechanism, ground=False)
+        if signal.seen_from is not None:
+            found += check_place(f"{key}.seen_from", signal.seen_from, mechanism, ground=False)
+        return found
+    if isinstance(signal, JointSignal | ReactionSignal):
+        if signal.joint not in mechanism.joints:
+            hint = nearest(signal.joint, mechanism.joints)
+            return [f'{key}.joint = "{signal.joint}": no such joint{hint}']
+        if isinstance(signal, JointSignal):
+            kind = mechanism.joints[signal.joint].kind
+            free = COORDINATES.get(kind, ())
+            if signal.coordinate not in free:
+                return [
+                    f'{key}.coordinate = "{signal.coordinate}": joint {signal.joint} is '
+                    f"{kind}; expected {' or '.join(free) or 'another joint'}"
+                ]
+        return []
+    if signal.body not in mechanism.bodies:
+        return [
+            f'{key}.body = "{signal.body}": no such body{nearest(signal.body, mechanism.bodies)}'
+        ]
+    body = mechanism.bodies[signal.body]
+    if isinstance(body, RigidBody):
+        return [f'{key}.body = "{signal.body}": expected a flexible body, this one is rigid']
+    if isinstance(body, ShellBody):
+        return [
+            f'{key}.body = "{signal.body}": expected a beam, this one is a shell: summary.json '
+            "tells the strength of its plies"
+        ]
+    if isinstance(body, BeamBody) and not 0.0 <= signal.x <= body.length:
+        return [f"{key}.x = {signal.x:g}: expected 0 to {body.length:g} m, the length of the body"]
+    return []

@@ -1,0 +1,212 @@
+"""Laws of time in a case file: what drives, actuators and loads follow.
+
+A table from a file is read while the case is checked, so that what the solver gets is complete.
+"""
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, ValidationInfo, model_validator
+
+from ...math import laws
+from ..common.table import Table, unit
+
+Times = Annotated[list[float], Field(min_length=2)]
+FOLDER = "folder"  # key of the validation context: the folder of the case file
+
+
+class TimeTable(Table):
+    """`table` of a law: points that a cubic spline goes through.
+
+    Beyond the last time the last value is held.
+    """
+
+    file: str | None = Field(
+        default=None,
+        description="instead of `times` and `values`: a text file of two columns, time and value, "
+        "separated by commas; path relative to the case file",
+    )
+    times: Times | None = Field(
+        default=None,
+        description="ascending, from 0 or before",
+        json_schema_extra=unit("s"),
+    )
+    values: Times | None = Field(default=None, description="as many as times")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_file(cls, data: Any, info: ValidationInfo) -> Any:
+        if not isinstance(data, dict) or not isinstance(data.get("file"), str):
+            return data
+        if "times" in data or "values" in data:
+            raise ValueError("expected either `file` or `times` and `values`")
+        folder = Path((info.context or {}).get(FOLDER, "."))
+        times, values = read_columns(folder / data["file"])
+        return {**data, "times": times, "values": values}
+
+    @model_validator(mode="after")
+    def _usable(self) -> "TimeTable":
+        if self.times is None or self.values is None:
+            raise ValueError("expected `times` and `values`, or `file`")
+        if self.times[0] > 0.0:
+            raise ValueError(f"times[0] = {self.times[0]:g}: expected 0 or before")
+        laws.table(self.times, self.values)
+        return self
+
+
+class LoadTable(TimeTable):
+    """`table` of a load or actuator.
+
+    As in a drive, with a choice of what lies between the points.
+    """
+
+    interpolation: Literal["spline", "linear"] = Field(
+        default="spline", description="cubic spline, or straight lines"
+    )
+
+
+class Ramp(Table):
+    """`ramp` of a drive: from rest to a constant speed, smoothly."""
+
+    speed: float = Field(description="final speed", json_schema_extra=unit("rad/s or m/s"))
+    duration: float = Field(
+        gt=0, description="time until it is reached", json_schema_extra=unit("s")
+    )
+    shape: Literal["polynomial", "sine"] = Field(
+        default="polynomial",
+        description="of the speed: smooth step of degree 5, or t/T - sin(2 pi t/T)/(2 pi)",
+    )
+
+
+class SmoothStep(Table):
+    """`smooth_step` of a law: from 0 to a value; rates begin and end at 0."""
+
+    value: float = Field(
+        description="reached at the end", json_schema_extra=unit("rad, m, N or N m")
+    )
+    duration: float = Field(gt=0, description="time that it takes", json_schema_extra=unit("s"))
+    start: float = Field(
+        default=0.0, ge=0, description="time at which it begins", json_schema_extra=unit("s")
+    )
+
+
+class _Law(Table):
+    """One law out of several."""
+
+    @model_validator(mode="after")
+    def _one_law(self) -> "_Law":
+        known = [n for n in type(self).model_fields if n in LAWS]
+        given = [name for name in known if getattr(self, name) is not None]
+        if len(given) != 1:
+            found = f"; found {' and '.join(given)}" if given else ""
+            raise ValueError(f"expected one law of {', '.join(known)}{found}")
+        offset = getattr(self, "angle", 0.0) or getattr(self, "displacement", 0.0)
+        if offset and given[0] not in ("speed", "ramp"):
+            raise ValueError(
+                f"expected an offset with speed or ramp only; found it with {given[0]}"
+            )
+        return self
+
+
+LAWS = ("constant", "speed", "polynomial", "table", "ramp", "smooth_step")
+Coefficients = Annotated[list[float], Field(min_length=1, max_length=laws.N_COEFFICIENT)]
+
+
+class RotationDrive(_Law):
+    """`drive` about an axis: the angle is prescribed by one law.
+
+    Angles count from the given starting position, positive about the axis, and turn the second
+    place against the first.
+    """
+
+    speed: float | None = Field(
+        default=None, description="constant angular velocity", json_schema_extra=unit("rad/s")
+    )
+    ramp: Ramp | None = Field(default=None, description="from rest to a constant speed")
+    angle: float = Field(
+        default=0.0, description="angle at t = 0 of speed and ramp", json_schema_extra=unit("rad")
+    )
+    polynomial: Coefficients | None = Field(
+        default=None,
+        description="c0, c1, ... of angle = c0 + c1 t + c2 t^2 + ...",
+        json_schema_extra=unit("rad, rad/s, ..."),
+    )
+    table: TimeTable | None = Field(default=None, description="angles [rad] at given times")
+    smooth_step: SmoothStep | None = Field(default=None, description="from 0 to an angle")
+
+
+class TranslationDrive(_Law):
+    """`drive` along an axis: the displacement is prescribed by one law.
+
+    Displacements count from the given starting position, positive along the axis, and move the
+    second place against the first.
+    """
+
+    speed: float | None = Field(
+        default=None, description="constant speed", json_schema_extra=unit("m/s")
+    )
+    ramp: Ramp | None = Field(default=None, description="from rest to a constant speed")
+    displacement: float = Field(
+        default=0.0,
+        description="displacement at t = 0 of speed and ramp",
+        json_schema_extra=unit("m"),
+    )
+    polynomial: Coefficients | None = Field(
+        default=None,
+        description="c0, c1, ... of displacement = c0 + c1 t + c2 t^2 + ...",
+        json_schema_extra=unit("m, m/s, ..."),
+    )
+    table: TimeTable | None = Field(default=None, description="displacements [m] at given times")
+    smooth_step: SmoothStep | None = Field(default=None, description="from 0 to a displacement")
+
+
+class LoadLaw(_Law):
+    """`law` of a load, `actuator` of a spring: a force or torque over time."""
+
+    constant: float | None = Field(
+        default=None, description="the same at all times", json_schema_extra=unit("N or N m")
+    )
+    polynomial: Coefficients | None = Field(
+        default=None,
+        description="c0, c1, ... of c0 + c1 t + c2 t^2 + ...",
+        json_schema_extra=unit("N, N/s, ..."),
+    )
+    table: LoadTable | None = Field(default=None, description="values at given times")
+    smooth_step: SmoothStep | None = Field(default=None, description="from 0 to a value")
+
+
+LAW_TABLES: tuple[type[Table], ...] = (
+    RotationDrive,
+    TranslationDrive,
+    LoadLaw,
+    Ramp,
+    SmoothStep,
+    TimeTable,
+    LoadTable,
+)
+
+
+def read_columns(file: Path) -> tuple[list[float], list[float]]:
+    """Read times and values from a text file; lines of words at its top are passed over.
+
+    Raises ValueError : no such file, a line that does not hold two numbers.
+    """
+    try:
+        text = file.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise ValueError(f"{file}: cannot be read ({error})") from error
+    columns: tuple[list[float], list[float]] = [], []
+    for number, line in enumerate(text.splitlines(), start=1):
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        try:
+            time, value = (float(word) for word in line.split(","))
+        except ValueError as error:
+            if not columns[0] and not any(letter.isdigit() for letter in line.split(",")[0]):
+                continue  # names of the columns
+            raise ValueError(
+                f"{file} line {number}: expected two numbers with a comma, found {line.strip()!r}"
+            ) from error
+        columns[0].append(time)
+        columns[1].append(value)
+    return columns

@@ -1,0 +1,114 @@
+"""Read a case file: merge variants, check every run, resolve names."""
+
+from copy import deepcopy
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from ...errors import InputError, nearest
+from ..common import lines, read_toml
+from .check import cross_check
+from .laws import FOLDER
+from .schema import CaseFile, Mechanism
+from .sweep_members import CheckedSweep, check_sweep
+
+
+@dataclass(frozen=True)
+class Case:
+    """A checked case: its top, one mechanism per run, and the members of its sweeps."""
+
+    name: str
+    file: Path
+    top: CaseFile
+    runs: dict[str, Mechanism]
+    sweeps: dict[str, CheckedSweep] = field(default_factory=dict)
+
+
+def load_case(file: Path, *, coarse: bool = False) -> Case:
+    """Read and check a case file.
+
+    Raises
+    ------
+    InputError
+        Every finding on a line of its own: file, key, value, expectation.
+    """
+    table = read_toml(file, "case file")
+    top_keys = set(CaseFile.model_fields)
+    over = table.get("coarse")
+    if coarse and isinstance(over, dict) and isinstance(over.get("sweeps"), dict):
+        merge(table, {"sweeps": over["sweeps"]})
+    try:
+        top = CaseFile.model_validate({k: v for k, v in table.items() if k in top_keys})
+    except ValidationError as error:
+        raise InputError("\n".join(lines(error, CaseFile, str(file)))) from error
+    base = {k: v for k, v in table.items() if k not in top_keys}
+    for key in base:
+        if key not in Mechanism.model_fields:
+            known = [*CaseFile.model_fields, *Mechanism.model_fields]
+            raise InputError(f"{file}: {key}: unknown key{nearest(key, known)}")
+    problems: list[str] = []
+    quick = {k: v for k, v in top.coarse.items() if k != "sweeps"} if coarse else {}
+
+    def merged_with(key: str, variants: list[str]) -> dict[str, Any]:
+        merged = deepcopy(base)
+        for variant in variants:
+            if variant not in top.variants:
+                problems.append(
+                    f'{file}: {key}.variants = "{variant}": '
+                    f"no such variant{nearest(variant, top.variants)}"
+                )
+                continue
+            merge(merged, top.variants[variant])
+        merge(merged, quick)
+        return merged
+
+    runs: dict[str, Mechanism] = {}
+    for name, run in top.runs.items():
+        merged = merged_with(f"runs.{name}", run.variants)
+        try:
+            mechanism = Mechanism.model_validate(merged, context={FOLDER: file.parent})
+        except ValidationError as error:
+            problems += lines(error, Mechanism, str(file))
+            continue
+        problems += [f"{file}: {p}" for p in cross_check(mechanism, file.parent)]
+        runs[name] = mechanism
+    for name, figure in top.figures.items():
+        for run_name in figure.runs:
+            if run_name not in top.runs:
+                problems.append(
+                    f'{file}: figures.{name}.runs = "{run_name}": '
+                    f"no such run{nearest(run_name, top.runs)}"
+                )
+        for mechanism in runs.values():
+            if figure.signal not in mechanism.signals:
+                problems.append(
+                    f'{file}: figures.{name}.signal = "{figure.signal}": '
+                    f"no such signal{nearest(figure.signal, mechanism.signals)}"
+                )
+    sweeps: dict[str, CheckedSweep] = {}
+    for name, sweep in top.sweeps.items():
+        key = f"sweeps.{name}"
+        if sweep.run not in top.runs:
+            hint = nearest(sweep.run, top.runs)
+            problems.append(f'{file}: {key}.run = "{sweep.run}": no such run{hint}')
+        elif sweep.run in runs:
+            merged = merged_with(key, [*top.runs[sweep.run].variants, *sweep.variants])
+            found = check_sweep(f"{file}: {key}", sweep, merged, file.parent)
+            if isinstance(found, list):
+                problems += found
+            else:
+                sweeps[name] = found
+    if problems:
+        raise InputError("\n".join(dict.fromkeys(problems)))
+    return Case(file.resolve().parent.name, file, top, runs, sweeps)
+
+
+def merge(base: dict[str, Any], over: dict[str, Any]) -> None:
+    """Merge tables of `over` into `base` in place; values and lists are replaced."""
+    for key, value in over.items():
+        if isinstance(value, dict) and isinstance(base.get(key), dict):
+            merge(base[key], value)
+        else:
+            base[key] = deepcopy(value)

@@ -1,0 +1,68 @@
+"""The reference page of the case file, generated from the schema."""
+
+from pydantic import BaseModel
+
+from ..common.material import MATERIAL_TABLES
+from ..common.page import chapters, required
+from ..section.mesh_table import SHAPE_MESHES
+from . import schema
+from .forces import FORCE_TABLES
+from .joints import JOINT_TABLES
+from .laws import LAW_TABLES
+from .modes import MODE_TABLES
+from .signals import SIGNAL_TABLES
+from .solver import Solver
+from .sweeps import Sweep, Variation
+
+_FIRST: tuple[type[BaseModel], ...] = (schema.CaseFile, schema.Mechanism, *MATERIAL_TABLES)
+_THEN: tuple[type[BaseModel], ...] = (
+    schema.DescribedSection,
+    schema.BeamBody,
+    schema.ShellBody,
+    schema.RigidBody,
+    schema.PackageBody,
+    *MODE_TABLES,
+    schema.BeamInterface,
+    schema.ShellInterface,
+    schema.PointInterface,
+    schema.GroundPoint,
+    *JOINT_TABLES,
+    *LAW_TABLES,
+    *FORCE_TABLES,
+    schema.PointMass,
+    *SIGNAL_TABLES,
+    Solver,
+    schema.Run,
+    schema.Figure,
+    Sweep,
+    Variation,
+)
+
+
+def reference_page() -> str:
+    """Return docs/case-reference.md."""
+    out = [
+        "# The case file",
+        "",
+        "A case is `cases/<name>/case.toml`. This page is generated from solver/inputs/case "
+        "by `make docs`.",
+        "",
+        "A *run* is the case with some *variants* merged over it, in order: tables are merged, "
+        "values and lists are replaced. Units are SI; degrees only in keys that end in `_deg`. "
+        "Unknown keys are errors.",
+        "",
+    ]
+    return "\n".join([*out, *chapters(_FIRST), *_shapes(), *chapters(_THEN)])
+
+
+def _shapes() -> list[str]:
+    """Return the chapter of sections that are shapes."""
+    return [
+        "## `[sections.NAME]` with `shape`: a section of one material",
+        "",
+        "The body names the material. The keys are those of `[mesh]` in a section description, see "
+        "[section-description.md](section-description.md); these are required:",
+        "",
+        *(f'- `shape = "{n}"`: {", ".join(required(m))}' for n, m in SHAPE_MESHES.items()),
+        "",
+    ]

@@ -1,0 +1,256 @@
+"""Every key of a case file: type, unit, bounds and one line of meaning.
+
+docs/case-reference.md is generated from here (`python -m plymotion.solver check --reference`).
+"""
+
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from pydantic import Field
+
+from ..common.material import Material
+from ..common.table import Name, Table, Vector, unit
+from ..section.mesh_table import ShapeMesh, shape_or
+from .forces import Force
+from .joints import Joint
+from .modes import Modes, Reference
+from .signals import Signal
+from .solver import Solver
+from .sweeps import Sweep
+
+
+class DescribedSection(Table):
+    """`[sections.NAME]` with `file`: a section with lay-ups, or on a mesh of its own.
+
+    Its keys: docs/section-description.md.
+    """
+
+    file: str = Field(description="path of a section description, relative to the case file")
+
+
+if TYPE_CHECKING:
+    Section = ShapeMesh | DescribedSection
+else:
+    Section = shape_or(DescribedSection)
+
+
+class BeamInterface(Table):
+    """`[bodies.NAME.interfaces.NAME]` of a beam: a node where joints, masses and signals attach."""
+
+    at: Literal["start", "end"] | Annotated[float, Field(ge=0, le=1)] = Field(
+        description='"start", "end", or fraction of the length; a node is put there'
+    )
+
+
+class PointInterface(Table):
+    """`[bodies.NAME.interfaces.NAME]` of a rigid body."""
+
+    position: Vector = Field(description="place in the body frame", json_schema_extra=unit("m"))
+
+
+class Placed(Table):
+    """Keys of every body: where it starts and how it moves then."""
+
+    position: Vector = Field(
+        default=[0.0, 0.0, 0.0],
+        description="frame origin at the start, global; assembly closes the joints from here",
+        json_schema_extra=unit("m"),
+    )
+    rotation_deg: Vector = Field(
+        default=[0.0, 0.0, 0.0],
+        description="rotation vector from global to body axes at the start",
+        json_schema_extra=unit("deg"),
+    )
+    velocity: Vector | None = Field(
+        default=None,
+        description="of the frame origin at the start, global; absent: follows from the joints",
+        json_schema_extra=unit("m/s"),
+    )
+    angular_velocity: Vector | None = Field(
+        default=None,
+        description="of the frame at the start, body axes; absent: follows from the joints "
+        "at least kinetic energy",
+        json_schema_extra=unit("rad/s"),
+    )
+
+
+class BeamBody(Placed):
+    """`[bodies.NAME]` with kind = "beam": straight along body x, from x = 0."""
+
+    kind: Literal["beam"]
+    length: float = Field(gt=0, description="length", json_schema_extra=unit("m"))
+    section: Name = Field(description="name of a section")
+    material: Name | None = Field(
+        default=None,
+        description="name of a material; required by a shape, absent with a described section",
+    )
+    ply_angle_deg: float | None = Field(
+        default=None,
+        ge=-90,
+        le=90,
+        description="fibre direction from x1 towards x2 about the outward normal x3, in solid "
+        "shapes; absent: 0",
+        json_schema_extra=unit("deg"),
+    )
+    x2_axis: Vector = Field(
+        default=[0.0, 1.0, 0.0],
+        description="direction of the section's x2 (width) in the body frame; normal to x",
+        json_schema_extra=unit("-"),
+    )
+    elements: int = Field(default=16, ge=1, le=2000, description="beam elements along the length")
+    theory: Literal["timoshenko", "classical"] = Field(
+        default="timoshenko",
+        description="strains of the beam: all six, or classical without shear (nearer to a solid "
+        "for vibrating wide strips with bending-twist coupling)",
+    )
+    mass_form: Literal["consistent", "lumped"] = Field(
+        default="consistent", description="inertia from consistent mass, or lumped (the paper)"
+    )
+    reference: Reference = Field(default=Reference(), description="reference condition")
+    modes: list[Modes] = Field(min_length=1, description="which modes the solver gets")
+    damping_ratio: float = Field(
+        default=0.0, ge=0, lt=1, description="of every mode", json_schema_extra=unit("-")
+    )
+    interfaces: dict[Name, BeamInterface] = Field(
+        min_length=1, description="named places; some carry the reference condition"
+    )
+
+
+class ShellInterface(Table):
+    """`[bodies.NAME.interfaces.NAME]` of a shell: a physical group of its mesh."""
+
+    at: str = Field(description="physical point, curve or surface of the mesh")
+    link: Literal["rigid", "average"] = Field(
+        default="rigid",
+        description="rigid: the group moves as one rigid piece; average: the interface follows "
+        "the mean motion of the group, and what loads it is spread over the group",
+    )
+    position: Vector | None = Field(
+        default=None,
+        description="reference point in the body frame; absent: centre of the group",
+        json_schema_extra=unit("m"),
+    )
+    rotation_deg: Vector = Field(
+        default=[0.0, 0.0, 0.0],
+        description="rotation vector from body to interface axes",
+        json_schema_extra=unit("deg"),
+    )
+
+
+class ShellBody(Placed):
+    """`[bodies.NAME]` with kind = "shell": a laminated shell, its axes those of the mesh.
+
+    Mesh, materials, laminates, regions, elements and stiffeners come from the description; its
+    links, supports, loads, probes and frequencies are left out.
+    """
+
+    kind: Literal["shell"]
+    shell: str = Field(
+        description="path of a shell description (docs/shell-description.md), relative to the "
+        "case file"
+    )
+    parameters: dict[str, bool | float | str | list[float]] = Field(
+        default={}, description="of the mesh's script, over those of the description"
+    )
+    mass_form: Literal["consistent", "lumped"] = Field(
+        default="consistent", description="inertia from consistent mass, or lumped (the paper)"
+    )
+    reference: Reference = Field(default=Reference(), description="reference condition")
+    modes: list[Modes] = Field(min_length=1, description="which modes the solver gets")
+    damping_ratio: float = Field(
+        default=0.0, ge=0, lt=1, description="of every mode", json_schema_extra=unit("-")
+    )
+    interfaces: dict[Name, ShellInterface] = Field(
+        min_length=1, description="named places; some carry the reference condition"
+    )
+
+
+class RigidBody(Placed):
+    """`[bodies.NAME]` with kind = "rigid"."""
+
+    kind: Literal["rigid"]
+    mass: float = Field(gt=0, description="mass", json_schema_extra=unit("kg"))
+    centre: Vector = Field(
+        default=[0.0, 0.0, 0.0],
+        description="mass centre in the body frame",
+        json_schema_extra=unit("m"),
+    )
+    inertia: list[Vector] = Field(
+        min_length=3,
+        max_length=3,
+        description="3x3 inertia about the mass centre, body axes; symmetric, positive definite",
+        json_schema_extra=unit("kg m2"),
+    )
+    interfaces: dict[Name, PointInterface] = Field(default={}, description="named places")
+
+
+class PackageBody(Placed):
+    """`[bodies.NAME]` with kind = "package": a modal package from elsewhere."""
+
+    kind: Literal["package"]
+    package: str = Field(description="path of the .vtkhdf file, relative to the case file")
+
+
+Body = Annotated[BeamBody | ShellBody | RigidBody | PackageBody, Field(discriminator="kind")]
+
+
+class GroundPoint(Table):
+    """`[ground.NAME]`: a point of the ground, used as "ground.NAME"."""
+
+    position: Vector = Field(description="global", json_schema_extra=unit("m"))
+
+
+class PointMass(Table):
+    """`[masses.NAME]`: a mass point carried by a body."""
+
+    mass: float = Field(gt=0, description="mass", json_schema_extra=unit("kg"))
+    at: str = Field(description='"BODY.INTERFACE"')
+
+
+class Mechanism(Table):
+    """What one run computes; a variant may change any of these keys."""
+
+    gravity: Vector = Field(
+        default=[0.0, 0.0, 0.0],
+        description="acceleration of free fall, global",
+        json_schema_extra=unit("m/s2"),
+    )
+    materials: dict[Name, Material] = Field(default={}, description="elastic materials")
+    sections: dict[Name, Section] = Field(default={}, description="beam cross-sections")
+    bodies: dict[Name, Body] = Field(min_length=1, description="moving bodies")
+    ground: dict[Name, GroundPoint] = Field(default={}, description="points of the ground")
+    joints: dict[Name, Joint] = Field(default={}, description="constraints")
+    forces: dict[Name, Force] = Field(default={}, description="springs, bushings, loads")
+    masses: dict[Name, PointMass] = Field(default={}, description="point masses")
+    signals: dict[Name, Signal] = Field(default={}, description="what is measured")
+    solver: Solver = Field(description="time integration")
+
+
+class Run(Table):
+    """`[runs.NAME]`: one computation: the case with some variants applied in order."""
+
+    title: str = Field(default="", description="words for figures and tables")
+    variants: list[Name] = Field(default=[], description="names of variants, applied in order")
+
+
+class Figure(Table):
+    """`[figures.NAME]`: one signal of several runs in one picture."""
+
+    title: str = Field(description="title of the picture")
+    signal: Name = Field(description="name of a signal")
+    runs: list[Name] = Field(min_length=1, description="names of runs")
+
+
+class CaseFile(Table):
+    """The top of a case file, beside the keys of the mechanism."""
+
+    format: Literal[1] = Field(description="version of this format")
+    title: str = Field(description="one line")
+    variants: dict[Name, dict[str, Any]] = Field(
+        default={}, description="partial cases: tables that are merged over the case"
+    )
+    coarse: dict[str, Any] = Field(
+        default={}, description="a variant for quick checks (`make CASE COARSE=1`), sweeps included"
+    )
+    runs: dict[Name, Run] = Field(min_length=1, description="what is computed")
+    figures: dict[Name, Figure] = Field(default={}, description="pictures that compare runs")
+    sweeps: dict[Name, Sweep] = Field(default={}, description="runs varied by numbers")

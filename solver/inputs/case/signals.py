@@ -1,0 +1,131 @@
+"""`[signals.NAME]` of a case file: one number along the run."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from ..common.table import Name, Pair, Table, unit
+
+Component = Literal["x", "y", "z", "magnitude"]
+
+
+class _Measured(Table):
+    divide_by: float | None = Field(
+        default=None, gt=0, description="makes the signal dimensionless (in its unit)"
+    )
+    description: str = Field(default="", description="words for figures and tables")
+
+
+class PointSignal(_Measured):
+    """`[signals.NAME]` of a place: how it moves."""
+
+    kind: Literal[
+        "position",
+        "velocity",
+        "acceleration",
+        "angular_velocity",
+        "orientation",
+        "deflection",
+        "rotation",
+    ] = Field(
+        description="position [m], velocity, acceleration, angular_velocity are global; "
+        "orientation [rad] is the rotation vector of the interface since the given starting "
+        "position, global, without jumps; deflection [m] and elastic rotation [rad] are relative "
+        "to the body frame, in its axes"
+    )
+    at: str = Field(description='"BODY.INTERFACE"')
+    seen_from: str | None = Field(
+        default=None,
+        description="of a deflection: another interface of the body, with whose axes (those of "
+        "the body at rest) it is seen; absent: the body frame. Frames that stand elsewhere on a "
+        "body give another deflection, this one is the same in all",
+    )
+    component: Component = Field(description="axis")
+
+    @model_validator(mode="after")
+    def _same_body(self) -> "PointSignal":
+        if self.seen_from is None:
+            return self
+        if self.kind != "deflection":
+            raise ValueError(f"expected `seen_from` with kind deflection only, found {self.kind}")
+        if self.seen_from.split(".")[0] != self.at.split(".")[0]:
+            raise ValueError(
+                f'seen_from = "{self.seen_from}": expected an interface of the body of {self.at}'
+            )
+        return self
+
+
+class JointSignal(_Measured):
+    """`[signals.NAME]` with kind = "joint": the coordinate of a joint."""
+
+    kind: Literal["joint"]
+    joint: Name = Field(description="name of a joint")
+    coordinate: Literal["angle", "angle_2", "x", "y", "z"] = Field(
+        description="angle [rad] about the axis, over any number of turns; angle_2 [rad] about "
+        "`axis_2` of a universal; displacement [m] along the axes of the joint, z its `axis`. "
+        "All from the given starting position"
+    )
+
+
+class ReactionSignal(_Measured):
+    """`[signals.NAME]` with kind = "reaction": what a joint and its drives do to a body."""
+
+    kind: Literal["reaction"]
+    joint: Name = Field(description="name of a joint")
+    quantity: Literal["force", "moment"] = Field(
+        description="force [N]; moment [N m] about the place"
+    )
+    component: Component = Field(description="axis")
+    side: Literal[1, 2] = Field(default=2, description="on the first or second place of `between`")
+    axes: Literal["global", "joint"] = Field(
+        default="global", description="joint: those of the first place, z the joint's `axis`"
+    )
+
+
+class ResultantSignal(_Measured):
+    """`[signals.NAME]` with kind = "resultant": force or moment in a beam's section.
+
+    On the face whose normal is the body's +x, in section axes; linear between the stations of the
+    package.
+    """
+
+    kind: Literal["resultant"]
+    body: Name = Field(description="name of a flexible body")
+    x: float = Field(description="place along the body", json_schema_extra=unit("m"))
+    component: Literal["F1", "F2", "F3", "M1", "M2", "M3"] = Field(
+        description="force [N] or moment [N m]"
+    )
+
+
+class PlyStressSignal(_Measured):
+    """`[signals.NAME]` with kind = "ply_stress": stress in the axes of a ply."""
+
+    kind: Literal["ply_stress"]
+    body: Name = Field(description="name of a flexible body")
+    x: float = Field(description="place along the body", json_schema_extra=unit("m"))
+    region: str | None = Field(
+        default=None, description="region of the section; absent: there is but one"
+    )
+    ply: int = Field(default=0, ge=0, description="number of the ply, 0 is the outermost")
+    component: Literal["11", "22", "33", "23", "13", "12"] = Field(
+        description="1 along the fibre, 3 normal to the ply [Pa]"
+    )
+    point: Pair | None = Field(
+        default=None,
+        description="x2, x3: the nearest integration point of the ply; absent: of all its points "
+        "the one with the largest magnitude over the run",
+        json_schema_extra=unit("m"),
+    )
+
+
+SIGNAL_TABLES: tuple[type[Table], ...] = (
+    PointSignal,
+    JointSignal,
+    ReactionSignal,
+    ResultantSignal,
+    PlyStressSignal,
+)
+Signal = Annotated[
+    PointSignal | JointSignal | ReactionSignal | ResultantSignal | PlyStressSignal,
+    Field(discriminator="kind"),
+]

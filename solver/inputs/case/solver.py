@@ -1,0 +1,118 @@
+"""`[solver]` of a case file: time span, start, integrator, constraint treatment."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from ...constraints.treatment import Treatment
+from ..common.table import Table, unit
+
+
+class Solver(Table):
+    """`[solver]`: time span, start, integrator, constraint treatment."""
+
+    t_end: float = Field(gt=0, description="end of the run", json_schema_extra=unit("s"))
+    output_step: float = Field(
+        gt=0, description="interval of the results", json_schema_extra=unit("s")
+    )
+    start: Literal["positions", "equilibrium"] = Field(
+        default="positions",
+        description="positions: the bodies' own, joints closed; equilibrium: from there to rest "
+        "under all loads and drives at t = 0",
+    )
+    modes_at_start: Literal["still", "free"] = Field(
+        default="still",
+        description="modal rates at t = 0: still, bodies begin to move as rigid ones; free: those "
+        "of least kinetic energy, as when a drive's speed is applied at once",
+    )
+    integrator: Literal[
+        "gear",
+        "radau",
+        "rk8",
+        "rk5",
+        "generalized-alpha",
+        "scipy-bdf",
+        "scipy-radau",
+        "scipy-lsoda",
+        "scipy-dop853",
+        "ida",
+    ] = Field(
+        default="gear",
+        description="gear: variable-order BDF (the paper); radau: implicit Runge-Kutta of order 5, "
+        "the fastest where modes are stiff; rk8, rk5: explicit Runge-Kutta; "
+        "generalized-alpha: implicit, for constraints = ggl or index3; to compare with: SciPy's, "
+        "and SUNDIALS' ida for constraints = ggl; see integrators.md",
+    )
+    rtol: float = Field(default=1e-6, gt=0, le=0.1, description="relative tolerance of a step")
+    atol_position: float = Field(
+        default=1e-8, gt=0, description="absolute tolerance of positions and modal coordinates"
+    )
+    atol_velocity: float = Field(
+        default=1e-6, gt=0, description="absolute tolerance of velocities and modal rates"
+    )
+    max_order: int = Field(
+        default=5,
+        ge=1,
+        le=5,
+        description="cap of the order of gear; 2 is stable on any oscillation",
+    )
+    max_step: float | None = Field(
+        default=None, gt=0, description="largest step", json_schema_extra=unit("s")
+    )
+    spectral_radius: float = Field(
+        default=Treatment.spectral_radius,
+        ge=0,
+        le=1,
+        description="of generalized-alpha at infinite frequency: 1 damps nothing",
+    )
+    constraints: Literal[
+        "index1", "baumgarte", "augmented-lagrangian", "projection", "ggl", "index3"
+    ] = Field(
+        default="projection",
+        description="treatment of the joints' equations, see constraints.md",
+    )
+    alpha: float = Field(
+        default=Treatment.alpha,
+        ge=0,
+        description="Baumgarte's velocity feedback",
+        json_schema_extra=unit("1/s"),
+    )
+    beta: float = Field(
+        default=Treatment.beta,
+        ge=0,
+        description="Baumgarte's position feedback",
+        json_schema_extra=unit("1/s"),
+    )
+    penalty: float = Field(
+        default=Treatment.penalty,
+        gt=0,
+        description="augmented Lagrangian: over the mass that a constraint moves",
+    )
+    frequency: float = Field(
+        default=Treatment.frequency,
+        ge=0,
+        description="augmented Lagrangian: frequency of the feedback",
+        json_schema_extra=unit("1/s"),
+    )
+    ratio: float = Field(
+        default=Treatment.ratio, ge=0, description="augmented Lagrangian: its damping ratio"
+    )
+    attachment: Literal["marker", "virtual"] = Field(
+        default="marker",
+        description="joints at flexible bodies: through the interface's own motion, or through a "
+        "massless virtual body fixed to it by six constraints (the paper)",
+    )
+    on_singular: Literal["stop", "warn"] = Field(
+        default="stop",
+        description="when a treatment of the constraints fails in a singular position: end the "
+        "run there, or go on",
+    )
+    on_invalid: Literal["stop", "warn"] = Field(
+        default="stop",
+        description="when a linear body stops being valid: end the run there, or go on",
+    )
+    geometric_stiffening: bool = Field(
+        default=False,
+        description="second-order displacements of flexible bodies, for bodies that spin fast or "
+        "bend far: stiffening.md; a body whose package has none stays linear, with a warning",
+    )

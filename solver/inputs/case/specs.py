@@ -1,0 +1,267 @@
+"""Write what the other stages read: body specifications, runs, make rules.
+
+    build/<case>/case.json              title, figures, runs
+    build/<case>/bodies/<name>.json     one distinct body: what the preprocessor builds
+    build/<case>/runs/<run>.json        one run: resolved mechanism and its packages
+    build/<case>/sweeps/<name>.json     one sweep: its members, their bodies in sweeps/bodies
+    build/<case>/case.mk                what make must know
+
+A file is rewritten only when its content changes, so that make rebuilds no
+package after an edit that does not concern it.
+"""
+
+import hashlib
+import json
+import os
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from ...package.common.container import temporary_sibling
+from .joints import drives
+from .load import Case
+from .schema import BeamBody, Mechanism, PackageBody, ShellBody
+from .sections import section_sources, section_spec
+from .shells import shell_body_spec, shell_sources
+from .sweep_members import CheckedSweep
+from .sweep_table import sweep_content
+
+
+def body_spec(
+    name: str, body: BeamBody | ShellBody, mechanism: Mechanism, folder: Path
+) -> dict[str, Any]:
+    """Return what the preprocessor needs to build one flexible body, plain JSON, SI and degrees.
+
+    `folder` is that of the case file.
+    """
+    if isinstance(body, ShellBody):
+        return shell_body_spec(name, body, folder)
+    return {
+        "body": name,
+        "kind": "beam",
+        "length": body.length,
+        "elements": body.elements,
+        "x2_axis": body.x2_axis,
+        "section": section_spec(body, mechanism, folder),
+        "theory": body.theory,
+        "mass_form": body.mass_form,
+        "reference": body.reference.model_dump(exclude_none=True),
+        "modes": [m.model_dump() for m in body.modes],
+        "damping_ratio": body.damping_ratio,
+        "interfaces": {k: v.model_dump() for k, v in body.interfaces.items()},
+    }
+
+
+def inputs_sha256(spec: dict[str, Any]) -> str:
+    """Return the hash of a body's specification.
+
+    Where a mesh file lies says nothing about the body: its content has a hash in the
+    specification. Numbers count to twelve digits: the last ones of a cosine in the spacing of a
+    mesh are the machine's.
+    """
+    part = "shell" if spec["kind"] == "shell" else "section"
+    mesh = {k: v for k, v in spec[part]["mesh"].items() if k not in ("file", "arrays")}
+    content = {**spec, part: {**spec[part], "mesh": mesh}}
+    return hashlib.sha256(json.dumps(_rounded(content), sort_keys=True).encode()).hexdigest()
+
+
+def _rounded(data: Any) -> Any:
+    if isinstance(data, dict):
+        return {key: _rounded(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [_rounded(value) for value in data]
+    return float(f"{data:.12g}") if isinstance(data, float) else data
+
+
+def write_case(case: Case, out: Path, packages: Path | None = None) -> None:
+    """Write all files of a checked case into `out`.
+
+    Parameters
+    ----------
+    packages : folder of ready packages; None: out/bodies, built by the preprocessor
+    """
+    files = _BodyFiles(case, out, packages)
+    run_packages: dict[str, list[str]] = {}
+    for run, mechanism in case.runs.items():
+        table = files.packages(mechanism, "bodies", run)
+        run_packages[run] = sorted(os.path.relpath(out / t["file"]) for t in table.values())
+        write_if_changed(
+            out / "runs" / f"{run}.json",
+            dump(
+                {
+                    "case": case.name,
+                    "run": run,
+                    "title": case.top.runs[run].title or run,
+                    "packages": table,
+                    "mechanism": mechanism.model_dump(),
+                }
+            ),
+        )
+    spec_files = list(files.specs)
+    sweep_specs: dict[str, list[Path]] = {}
+    for name, sweep in case.sweeps.items():
+        content, sweep_specs[name] = _sweep(case, name, sweep, files)
+        write_if_changed(out / "sweeps" / f"{name}.json", dump(content))
+    kept = {f.stem for f in files.specs if f.parent.parent.name == "sweeps"}
+    _drop_stale(out / "sweeps" / "bodies", kept, (".json", ".vtkhdf"))
+    _drop_stale(out / "sweeps", set(case.sweeps), (".json", ".built"))
+    _drop_stale(out / "bodies", {f.stem for f in spec_files}, (".json", ".vtkhdf"))
+    _drop_stale(out / "runs", set(case.runs), (".json",))
+    first = next(iter(case.runs.values()))
+    write_if_changed(
+        out / "case.json",
+        dump(
+            {
+                "case": case.name,
+                "title": case.top.title,
+                "runs": {n: r.title or n for n, r in case.top.runs.items()},
+                "figures": {n: f.model_dump() for n, f in case.top.figures.items()},
+                "signals": {n: s.model_dump() for n, s in first.signals.items()},
+            }
+        ),
+    )
+    _write_rules(case, out, spec_files, run_packages, sweep_specs, built=packages is None)
+
+
+class _BodyFiles:
+    """Specifications of distinct bodies, each written once however many mechanisms have it."""
+
+    def __init__(self, case: Case, out: Path, packages: Path | None) -> None:
+        self.case, self.out, self.ready = case, out, packages
+        self.specs: list[Path] = []
+        self._known: dict[str, tuple[Path, Path]] = {}  # hash -> specification, package
+        self._hashes: dict[str, tuple[str, dict[str, Any]]] = {}
+
+    def packages(
+        self, mechanism: Mechanism, folder: str, run: str = ""
+    ) -> dict[str, dict[str, str]]:
+        """Return the packages of the bodies of a mechanism: file from `out`, hash of its inputs.
+
+        A body that is new gets a specification in `folder`, named after the run that has it
+        first: readable, and shared by the others. Without a run it is named after its hash, so
+        that members that come and go leave the others' packages alone.
+        """
+        table: dict[str, dict[str, str]] = {}
+        for name, body in mechanism.bodies.items():
+            if isinstance(body, PackageBody):
+                file = (self.case.file.parent / body.package).resolve()
+                table[name] = {"file": os.path.relpath(file, self.out)}
+            elif isinstance(body, BeamBody | ShellBody):
+                digest, spec = self._spec(name, body, mechanism)
+                if digest not in self._known:
+                    stem = f"{name}.{run or digest[:12]}"
+                    file = self.out / folder / f"{stem}.json"
+                    package = (self.ready or self.out / folder) / f"{stem}.vtkhdf"
+                    write_if_changed(file, dump({**spec, "inputs_sha256": digest}))
+                    self._known[digest] = file, package
+                    self.specs.append(file)
+                package = self._known[digest][1]
+                table[name] = {
+                    "file": os.path.relpath(package, self.out),
+                    "inputs_sha256": digest,
+                }
+        return table
+
+    def spec_files(self, digests: Iterable[str]) -> list[Path]:
+        """Return the specifications of bodies."""
+        return [self._known[digest][0] for digest in digests]
+
+    def _spec(
+        self, name: str, body: BeamBody | ShellBody, mechanism: Mechanism
+    ) -> tuple[str, dict[str, Any]]:
+        """Return hash and specification; the members of a sweep share most of them."""
+        parts = (body, mechanism.sections, mechanism.materials)
+        key = f"{name} {parts!r}"
+        if key not in self._hashes:
+            spec = body_spec(name, body, mechanism, self.case.file.parent)
+            self._hashes[key] = inputs_sha256(spec), spec
+        return self._hashes[key]
+
+
+def _sweep(
+    case: Case, name: str, sweep: CheckedSweep, files: _BodyFiles
+) -> tuple[dict[str, Any], list[Path]]:
+    """Return the content of sweeps/<name>.json, and the specifications of its bodies."""
+    tables = [files.packages(member, "sweeps/bodies") for member in sweep.members]
+    content = sweep_content(case.name, name, sweep, tables)
+    digests = dict.fromkeys(
+        t["inputs_sha256"] for table in tables for t in table.values() if "inputs_sha256" in t
+    )
+    return content, files.spec_files(digests)
+
+
+def _write_rules(
+    case: Case,
+    out: Path,
+    spec_files: list[Path],
+    run_packages: dict[str, list[str]],
+    sweep_specs: dict[str, list[Path]],
+    *,
+    built: bool,
+) -> None:
+    """Write case.mk: lists for the Makefile, and which packages each run needs."""
+    base = os.path.relpath(out)
+    text = [
+        "# Written by `python -m plymotion.solver check`; do not edit.",
+        f"{case.name}_SPECS := {' '.join(os.path.relpath(f) for f in spec_files) if built else ''}",
+        f"{case.name}_RUNS := {' '.join(case.runs)}",
+        f"{case.name}_SWEEPS := {' '.join(case.sweeps)}",
+    ]
+    for name, specs in sweep_specs.items() if built else ():
+        text.append(f"{case.name}_{name}_SPECS := {' '.join(map(os.path.relpath, specs))}")
+    for run, needed in run_packages.items():
+        text.append(f"{base}/{run}/summary.json: {base}/runs/{run}.json {' '.join(needed)}")
+    folder = case.file.parent
+    sources = {
+        source
+        for mechanism in (*case.runs.values(), *(s.base for s in case.sweeps.values()))
+        for source in (
+            *section_sources(mechanism, folder),
+            *shell_sources(mechanism, folder),
+            *_law_sources(mechanism, folder),
+        )
+    }
+    for file in sorted(os.path.relpath(source) for source in sources):
+        # Its own rule has no recipe: a file that is gone makes the rules anew.
+        text += [f"{base}/case.mk: {file}", f"{file}:"]
+    # The rules file is the target of `check`: always newer than the case file.
+    write_atomic(out / "case.mk", "\n".join(text) + "\n")
+
+
+def _law_sources(mechanism: Mechanism, folder: Path) -> list[Path]:
+    """Return the files beside the case file that its laws of time come from."""
+    laws: list[Any] = []
+    for joint in mechanism.joints.values():
+        laws += drives(joint).values()
+    laws += [
+        getattr(element, key, None)
+        for element in mechanism.forces.values()
+        for key in ("law", "actuator")
+    ]
+    tables = [law.table for law in laws if law is not None and law.table is not None]
+    return [folder / table.file for table in tables if table.file is not None]
+
+
+def _drop_stale(folder: Path, keep: set[str], suffixes: tuple[str, ...]) -> None:
+    """Remove files of bodies or runs that the case no longer has."""
+    for file in folder.glob("*"):
+        if file.suffix in suffixes and file.name[: -len(file.suffix)] not in keep:
+            file.unlink()
+
+
+def dump(data: Any) -> str:
+    """Return readable JSON."""
+    return json.dumps(data, indent=2) + "\n"
+
+
+def write_if_changed(file: Path, text: str) -> None:
+    """Write a file unless it already holds `text`."""
+    if not (file.is_file() and file.read_text(encoding="utf-8") == text):
+        write_atomic(file, text)
+
+
+def write_atomic(file: Path, text: str) -> None:
+    """Write to a temporary name in the same folder, then rename."""
+    file.parent.mkdir(parents=True, exist_ok=True)
+    with temporary_sibling(file) as temporary:
+        temporary.write_text(text, encoding="utf-8")

@@ -1,0 +1,85 @@
+"""The members of a sweep: every point of its design as a checked mechanism."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from ...errors import nearest
+from ...math.arrays import Array
+from ..common import lines
+from .check import cross_check
+from .laws import FOLDER
+from .schema import Mechanism
+from .sweeps import Misplaced, Parameter, Sweep, changed, parameters_of
+
+TOLD = 10  # findings of one sweep: hundreds of members may share a mistake
+
+
+@dataclass(frozen=True)
+class CheckedSweep:
+    """A sweep whose members are all sound."""
+
+    table: Sweep
+    base: Mechanism
+    parameters: list[Parameter]
+    points: Array  # (k, p)
+    members: list[Mechanism]  # (k)
+
+
+def check_sweep(
+    where: str, sweep: Sweep, merged: dict[str, Any], folder: Path
+) -> CheckedSweep | list[str]:
+    """Return the members of a sweep, or one line per finding.
+
+    Parameters
+    ----------
+    where : file and key of the sweep
+    merged : mechanism as the user wrote it, variants applied
+    folder : of the case file
+    """
+    context = {FOLDER: folder}
+    try:
+        base = Mechanism.model_validate(merged, context=context)
+    except ValidationError as error:
+        return lines(error, Mechanism, where)
+    found = [f"{where}: {line}" for line in cross_check(base, folder)]
+    for key in ("signals", "histories"):
+        for name in getattr(sweep, key):
+            if name not in base.signals:
+                hint = nearest(name, base.signals)
+                found.append(f'{where}.{key} = "{name}": no such signal{hint}')
+    try:
+        parameters = parameters_of(sweep, base)
+    except Misplaced as error:
+        return [*found, f"{where}.vary: {error}"]
+    times = {"solver.t_end", "solver.output_step"}
+    for parameter in parameters:
+        if sweep.histories and times & set(parameter.keys):
+            found.append(
+                f"{where}.histories: expected none where {parameter.name} is varied: "
+                "histories of all members stand at the same times"
+            )
+    if found:
+        return found
+    points = sweep.points()
+    defaults = base.model_dump()
+    members, problems = [], dict[str, None]()
+    for values in points:
+        changes = {
+            key: float(value)
+            for parameter, value in zip(parameters, values, strict=True)
+            for key in parameter.keys
+        }
+        try:
+            member = Mechanism.model_validate(changed(merged, defaults, changes), context=context)
+        except ValidationError as error:
+            problems |= dict.fromkeys(lines(error, Mechanism, where))
+            continue
+        problems |= dict.fromkeys(f"{where}: {line}" for line in cross_check(member, folder))
+        members.append(member)
+    if problems:
+        more = [f"{where}: ... and {len(problems) - TOLD} more"] if len(problems) > TOLD else []
+        return [*list(problems)[:TOLD], *more]
+    return CheckedSweep(sweep, base, parameters, points, members)

@@ -1,0 +1,72 @@
+"""What the light side must know of gmsh's files: the names in a mesh, the content of a script."""
+
+import hashlib
+import re
+from pathlib import Path
+
+from ...errors import InputError
+
+_NAMES = re.compile(rb"\$PhysicalNames\s(.*?)\$EndPhysicalNames", re.DOTALL)
+_NAME = re.compile(rb'^\s*(\d+)\s+(\d+)\s+"(.*)"\s*$', re.MULTILINE)
+_GEO = re.compile(r'^\s*(?:Merge|Include)\s+"([^"]+)"', re.MULTILINE)
+_PY = re.compile(r"""["']([\w./-]+\.(?:py|geo|dat|csv|txt|json|toml|msh|step|stp))["']""")
+_OTHER = {".geo": _GEO, ".pro": _GEO, ".py": _PY}  # how a script names the files that it reads
+
+
+def is_gmsh_mesh(file: Path) -> bool:
+    """Tell gmsh's .msh from those of other programs."""
+    with file.open("rb") as stream:
+        return stream.read(64).lstrip().startswith(b"$MeshFormat")
+
+
+def physical_names(file: Path, where: str) -> tuple[list[str], list[str]]:
+    """Return the names of the physical surfaces and of the physical curves of a .msh file.
+
+    `where` is its key, for messages.
+
+    Raises
+    ------
+    InputError
+        No physical surface has a name.
+    """
+    groups = physical_groups(file)
+    if not groups[2]:
+        raise InputError(
+            f"{where}: no physical surface of it has a name, expected one per region, "
+            'like Physical Surface("skin") = {1};'
+        )
+    return groups[2], groups[1]
+
+
+def physical_groups(file: Path) -> tuple[list[str], list[str], list[str]]:
+    """Return the names of the physical points, curves and surfaces of a .msh file."""
+    block = _NAMES.search(file.read_bytes())  # text in binary files too
+    found = [
+        (int(dimension), name.decode("utf-8", "replace"))
+        for dimension, _, name in (_NAME.findall(block[1]) if block else [])
+    ]
+    points, curves, surfaces = ([name for d, name in found if d == wanted] for wanted in range(3))
+    return points, curves, surfaces
+
+
+def content_sha256(file: Path) -> str:
+    """Return the hash of a mesh file, or of a script with all that it merges and includes.
+
+    The hash of a file alone is that of its bytes. A Python script reads what it names in quotes.
+    """
+    parts = [file.read_bytes()]
+    if file.suffix in _OTHER:
+        pending, seen = [file], {file.resolve()}
+        while pending:
+            script = pending.pop()
+            text = script.read_text(encoding="utf-8", errors="replace")
+            for name in _OTHER[script.suffix].findall(text):
+                other = script.parent / name
+                if other.is_file() and other.resolve() not in seen:
+                    seen.add(other.resolve())
+                    parts.append(other.read_bytes())
+                    if other.suffix in _OTHER:
+                        pending.append(other)
+    if len(parts) == 1:
+        return hashlib.sha256(parts[0]).hexdigest()
+    return hashlib.sha256(b"".join(hashlib.sha256(p).digest() for p in parts)).hexdigest()

@@ -1,0 +1,125 @@
+"""Material tables: the keys, their units and bounds."""
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from ...package.common.materials import MaterialError, material_from_dict
+from ...package.common.strengths import read_strength
+from .table import Table, unit
+
+
+class YieldStrength(Table):
+    """`[materials.NAME.strength]` of an isotropic material."""
+
+    yield_stress: float = Field(gt=0, description="yield stress", json_schema_extra=unit("Pa"))
+
+
+class PlyStrength(Table):
+    """`[materials.NAME.strength]` of an orthotropic material: magnitudes."""
+
+    Xt: float = Field(gt=0, description="along the fibre, tension", json_schema_extra=unit("Pa"))
+    Xc: float = Field(
+        gt=0, description="along the fibre, compression", json_schema_extra=unit("Pa")
+    )
+    Yt: float = Field(
+        gt=0, description="across the fibre in the ply, tension", json_schema_extra=unit("Pa")
+    )
+    Yc: float = Field(
+        gt=0, description="across the fibre in the ply, compression", json_schema_extra=unit("Pa")
+    )
+    S12: float = Field(gt=0, description="shear in the ply", json_schema_extra=unit("Pa"))
+    Zt: float | None = Field(
+        default=None,
+        gt=0,
+        description="normal to the ply, tension; absent: Yt",
+        json_schema_extra=unit("Pa"),
+    )
+    Zc: float | None = Field(
+        default=None,
+        gt=0,
+        description="normal to the ply, compression; absent: Yc",
+        json_schema_extra=unit("Pa"),
+    )
+    S13: float | None = Field(
+        default=None, gt=0, description="shear 1-3; absent: S12", json_schema_extra=unit("Pa")
+    )
+    S23: float | None = Field(
+        default=None,
+        gt=0,
+        description="shear 2-3; absent: 0.377 Yc, from the plane on which plies are crushed",
+        json_schema_extra=unit("Pa"),
+    )
+    F12_star: float | None = Field(
+        default=None,
+        ge=-0.5,
+        lt=1,
+        description="interaction of normal stresses in Tsai-Wu; absent: -0.5",
+        json_schema_extra=unit("-"),
+    )
+
+
+class IsotropicMaterial(Table):
+    """`[materials.NAME]` with kind = "isotropic"."""
+
+    kind: Literal["isotropic"]
+    E: float = Field(gt=0, description="Young's modulus", json_schema_extra=unit("Pa"))
+    nu: float = Field(gt=-1, lt=0.5, description="Poisson's ratio", json_schema_extra=unit("-"))
+    rho: float = Field(gt=0, description="density", json_schema_extra=unit("kg/m3"))
+    strength: YieldStrength | None = Field(
+        default=None, description="strength, for the margins of recovered stresses"
+    )
+
+
+class OrthotropicMaterial(Table):
+    """`[materials.NAME]` with kind = "orthotropic": axis 1 along the fibre, 3 normal to the ply."""
+
+    kind: Literal["orthotropic"]
+    E1: float = Field(gt=0, description="modulus along the fibre", json_schema_extra=unit("Pa"))
+    E2: float = Field(gt=0, description="modulus across, in the ply", json_schema_extra=unit("Pa"))
+    E3: float = Field(gt=0, description="modulus normal to the ply", json_schema_extra=unit("Pa"))
+    G12: float = Field(gt=0, description="shear modulus in the ply", json_schema_extra=unit("Pa"))
+    G13: float = Field(gt=0, description="shear modulus 1-3", json_schema_extra=unit("Pa"))
+    G23: float = Field(gt=0, description="shear modulus 2-3", json_schema_extra=unit("Pa"))
+    nu12: float = Field(
+        description="Poisson's ratio: contraction along 2 under tension along 1; "
+        "nu12^2 < E1/E2 and the compliance positive definite",
+        json_schema_extra=unit("-"),
+    )
+    nu13: float = Field(description="Poisson's ratio 1-3", json_schema_extra=unit("-"))
+    nu23: float = Field(description="Poisson's ratio 2-3", json_schema_extra=unit("-"))
+    rho: float = Field(gt=0, description="density", json_schema_extra=unit("kg/m3"))
+    strength: PlyStrength | None = Field(
+        default=None, description="strengths, for the margins of recovered stresses"
+    )
+
+
+Material = Annotated[IsotropicMaterial | OrthotropicMaterial, Field(discriminator="kind")]
+
+# In the order of a manual.
+MATERIAL_TABLES: tuple[type[Table], ...] = (
+    IsotropicMaterial,
+    YieldStrength,
+    OrthotropicMaterial,
+    PlyStrength,
+)
+
+
+def plain(material: IsotropicMaterial | OrthotropicMaterial) -> dict[str, Any]:
+    """Return a material as the other stages read it: plain data, SI, nothing that is absent."""
+    return material.model_dump(exclude_none=True)
+
+
+def check_materials(materials: Mapping[str, IsotropicMaterial | OrthotropicMaterial]) -> list[str]:
+    """Return what is physically impossible, one line per material."""
+    found = []
+    for name, material in materials.items():
+        table = plain(material)
+        try:
+            material_from_dict(table, f"materials.{name}")
+            if "strength" in table:
+                read_strength(table["strength"], material.kind, f"materials.{name}.strength")
+        except MaterialError as error:
+            found.append(str(error))
+    return found

@@ -1,0 +1,104 @@
+"""Turn pydantic's findings into one line each: file, key, value, what was expected."""
+
+from types import UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+from pydantic import BaseModel, Tag, ValidationError
+
+from ...errors import nearest
+
+_WORDS = {"model_type": "expected a table", "dict_type": "expected a table"}
+_WORDS |= {"model_attributes_type": "expected a table", "list_type": "expected a list"}
+
+
+def lines(error: ValidationError, model: type[BaseModel], where: str) -> list[str]:
+    """Return one message per finding of `error`, sorted; `where` names file and run."""
+    return sorted({_line(item, model, where) for item in error.errors()})
+
+
+def _line(item: Any, model: type[BaseModel], where: str) -> str:
+    path, kind = follow(model, item["loc"])
+    key = ".".join(str(part) for part in path)
+    if item["type"] == "extra_forbidden":
+        _, table = follow(model, item["loc"][:-1])
+        return f"{where}: {key}: unknown key{nearest(str(path[-1]), _keys(table))}"
+    if item["type"] == "missing":
+        return f"{where}: {key}: missing; expected a value"
+    if item["type"] in ("union_tag_not_found", "union_tag_invalid"):
+        discriminator = str(item["ctx"]["discriminator"]).strip("'()")
+        members = _members(kind)
+        tags = sorted(t for t, m in members.items() if discriminator in m.model_fields)
+        expected = "expected one of " + ", ".join(f'"{tag}"' for tag in tags)
+        expected += "".join(f", or the key {tag}" for tag in members if tag not in tags)
+        if item["type"] == "union_tag_not_found":
+            return f"{where}: {key}.{discriminator}: missing; {expected}"
+        value = item["ctx"]["tag"]
+        hint = nearest(value, tags)
+        hint = hint if hint.startswith("; did") else ""
+        return f'{where}: {key}.{discriminator} = "{value}": {expected}{hint}'
+    text = _WORDS.get(item["type"], item["msg"]).removeprefix("Value error, ")
+    text = text[0].lower() + text[1:]
+    return f"{where}: {key} = {_short(item.get('input'))}: {text.replace('input', 'value')}"
+
+
+def _short(value: Any) -> str:
+    text = f'"{value}"' if isinstance(value, str) else repr(value)
+    return text if len(text) < 60 else text[:57] + "..."
+
+
+def follow(model: Any, location: tuple[Any, ...]) -> tuple[list[Any], Any]:
+    """Return the keys of a location as the user wrote them, and the type that stands there.
+
+    pydantic puts the names of union members between the keys; they are left out.
+    """
+    path: list[Any] = []
+    kind = _bare(model)
+    for part in location:
+        members = _members(kind)
+        if members:  # the name of a union's member, no key
+            kind = _bare(members.get(part))
+            continue
+        path.append(part)
+        origin, arguments = get_origin(kind), get_args(kind)
+        if isinstance(kind, type) and issubclass(kind, BaseModel):
+            field = kind.model_fields.get(str(part))
+            kind = _bare(field.annotation) if field is not None else None
+        elif origin is dict:
+            kind = _bare(arguments[1])
+        elif origin is list:
+            kind = _bare(arguments[0])
+        else:
+            kind = None
+    return path, kind
+
+
+def _bare(kind: Any) -> Any:
+    """Return a type without annotations and without "or None"."""
+    if get_origin(kind) is Annotated:
+        return _bare(get_args(kind)[0])
+    if get_origin(kind) in (Union, UnionType):
+        rest = [a for a in get_args(kind) if a is not type(None)]
+        if len(rest) == 1:
+            return _bare(rest[0])
+    return kind
+
+
+def _members(kind: Any) -> dict[Any, Any]:
+    """Return the members of a union by the names that pydantic gives them; empty for no union."""
+    if get_origin(kind) not in (Union, UnionType):
+        return {}
+    found: dict[Any, Any] = {}
+    for member in get_args(kind):
+        names = [a.tag for a in getattr(member, "__metadata__", ()) if isinstance(a, Tag)]
+        bare = _bare(member)
+        if not names and isinstance(bare, type) and issubclass(bare, BaseModel):
+            tags = [f.annotation for n, f in bare.model_fields.items() if n in ("kind", "shape")]
+            names = [name for tag in tags if get_origin(tag) is Literal for name in get_args(tag)]
+        found.update(dict.fromkeys(names or [getattr(bare, "__name__", str(bare))], bare))
+    return found
+
+
+def _keys(kind: Any) -> list[str]:
+    """Return the keys that are known in a table of this type."""
+    known = isinstance(kind, type) and issubclass(kind, BaseModel)
+    return sorted(f.alias or n for n, f in kind.model_fields.items()) if known else []

@@ -1,0 +1,23 @@
+"""TOML files as plain tables."""
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from ...errors import InputError
+
+
+def read_toml(file: Path, what: str) -> dict[str, Any]:
+    """Read a TOML file; `what` it is meant to be ("case file") goes into the message.
+
+    Raises
+    ------
+    InputError
+        No such file; not TOML.
+    """
+    try:
+        return tomllib.loads(file.read_text(encoding="utf-8"))
+    except (FileNotFoundError, IsADirectoryError) as error:
+        raise InputError(f"{file}: no such {what}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{file}: not valid TOML: {error}") from error

@@ -1,0 +1,158 @@
+"""A cross-section in TOML: every key with type, unit, bounds and one line of meaning.
+
+docs/section-description.md is generated from here (`make docs`).
+"""
+
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import Field, ValidationError, model_validator
+
+from ...errors import InputError
+from ..common import lines, read_toml
+from ..common.lay_up import Angle, LayUp, LayUpPly
+from ..common.material import Material
+from ..common.table import Name, Pair, Table, unit
+from .mesh_table import Mesh
+
+
+class Ply(LayUpPly):
+    """One entry of `plies`."""
+
+    angle_deg: Angle = Field(
+        default=0.0,
+        description="fibre direction from x1 towards the layer direction; "
+        "in the sense that `convention` says",
+        json_schema_extra=unit("deg"),
+    )
+    thickness: float | None = Field(
+        default=None,
+        gt=0,
+        description="given for all plies of a laminate, or for none: equal shares of the wall",
+        json_schema_extra=unit("m"),
+    )
+
+
+class Laminate(LayUp):
+    """`[laminates.NAME]`: plies, outermost first.
+
+    Either `plies`, or the short form of one material: `material` and `angles_deg`, with
+    `ply_thickness` if it is known. Both may be repeated and mirrored, in this order: [0/30]3s is
+    angles_deg = [0, 30], repeat = 3, symmetric = true.
+    """
+
+    plies: list[Ply] | None = Field(
+        default=None, min_length=1, description="the plies, outermost first"
+    )
+    angles_deg: list[Angle] | None = Field(
+        default=None,
+        min_length=1,
+        description="short form: angle of each ply, outermost first",
+        json_schema_extra=unit("deg"),
+    )
+    ply_thickness: float | None = Field(
+        default=None,
+        gt=0,
+        description="short form: thickness of each ply; absent: equal shares of the wall",
+        json_schema_extra=unit("m"),
+    )
+    symmetric: bool = Field(
+        default=False, description="true: then the same plies in reverse order, innermost last"
+    )
+
+
+class Direction(Table):
+    """`[regions.NAME.direction]`: where the ply angles point to; one of three.
+
+    The layer direction y2 lies in the section; turned by +90 deg (x1 towards the reader) it is
+    the outward normal y3 of the wall, on whose side the first ply is.
+    """
+
+    vector: Pair | None = Field(
+        default=None,
+        description="y2 itself, of any length; (1, 0) for a top wall, (0, -1) for a right wall",
+        json_schema_extra=unit("-"),
+    )
+    curve: str | None = Field(
+        default=None,
+        description="name of a physical curve of the mesh: the outer surface of the region. "
+        "y2 follows it; the depth of a ply is the distance from it",
+    )
+    circle: Pair | None = Field(
+        default=None,
+        description="centre of a round wall: outward is away from it",
+        json_schema_extra=unit("m"),
+    )
+
+    @model_validator(mode="after")
+    def _one_way(self) -> "Direction":
+        if len(self.model_dump(exclude_none=True)) != 1:
+            raise ValueError("expected one of `vector`, `curve`, `circle`")
+        if self.vector == [0.0, 0.0]:
+            raise ValueError("expected a vector of some length")
+        return self
+
+
+class Region(Table):
+    """`[regions.NAME]`: what a wall of the shape, or a named region of the mesh, is made of.
+
+    NAME is a wall of the library shape or a physical surface, element set or group of the mesh;
+    `all` stands for every region that has no table of its own.
+    """
+
+    laminate: Name | None = Field(default=None, description="name of a laminate")
+    material: Name | None = Field(default=None, description="name of a material: one thick ply")
+    angle_deg: Angle | None = Field(
+        default=None,
+        description="with `material`: fibre direction as in a ply; absent: 0",
+        json_schema_extra=unit("deg"),
+    )
+    direction: Direction | None = Field(
+        default=None,
+        description="layer direction. Absent: the wall's own in a library shape; x2 for one "
+        "material along x1; required for a laminate or an angle in a mesh of your own",
+    )
+
+    @model_validator(mode="after")
+    def _one_content(self) -> "Region":
+        if (self.laminate is None) == (self.material is None):
+            raise ValueError("expected either `laminate` or `material`")
+        if self.laminate is not None and self.angle_deg is not None:
+            raise ValueError("expected `angle_deg` with `material` only: plies have their own")
+        return self
+
+
+class SectionDescription(Table):
+    """The top of a section description."""
+
+    format: Literal[1] = Field(description="version of this format")
+    title: str = Field(description="one line")
+    convention: Literal["contour", "cartesian"] | None = Field(
+        default=None,
+        description="sense of the ply angles; required as soon as one of them is not 0",
+    )
+    mesh: Mesh = Field(description="a shape of the library, or a mesh file")
+    materials: dict[Name, Material] = Field(min_length=1, description="elastic materials")
+    laminates: dict[Name, Laminate] = Field(default={}, description="lay-ups by name")
+    regions: dict[str, Region] = Field(
+        min_length=1, description="what each wall or region is made of"
+    )
+
+
+def describe(file: Path) -> SectionDescription:
+    """Read a section description and check its keys, types and bounds; see `checked`."""
+    return checked(read_toml(file, "section description"), file)
+
+
+def checked(table: dict[str, Any], file: Path) -> SectionDescription:
+    """Check keys, types and bounds of a description.
+
+    Raises
+    ------
+    InputError
+        Every finding on a line of its own: file, key, value, expectation.
+    """
+    try:
+        return SectionDescription.model_validate(table)
+    except ValidationError as error:
+        raise InputError("\n".join(lines(error, SectionDescription, str(file)))) from error

@@ -1,0 +1,132 @@
+"""From a section description to the specification that the FE side reads.
+
+    {"name": "box", "title": "...", "convention": "contour",
+     "mesh": {"script": "box", "parameters": {...}}           a script of meshes/
+          or {"file": "blade.msh", "sha256": "...", ...}      gmsh's .msh or .geo
+          or {"arrays": "blade-1f36fb5b0634.npz", ...}        see mesh_arrays.py
+     "materials": {"cfrp": {"kind": "orthotropic", ...}},
+     "regions": {"top": {"plies": [{"material": "cfrp", "angle_deg": 30.0, "thickness": 1e-4}],
+                         "direction": {"vector": [1.0, 0.0]}}}}
+
+Plain JSON, SI and degrees; paths are relative to the working directory. Only what a region uses
+is in it, so that an unused laminate changes nothing.
+"""
+
+from pathlib import Path
+from typing import Any
+
+from ...errors import InputError, nearest
+from ..common import read_toml
+from ..common.material import check_materials, plain
+from .description import Region, SectionDescription, checked, describe
+from .mesh_file import file_mesh
+from .mesh_table import ShapeMesh
+from .shapes.mesh import shape_mesh
+
+BUILD = Path("build/sections")  # where arrays go if nobody says better
+
+
+def load_section(file: Path, folder: Path = BUILD) -> dict[str, Any]:
+    """Return the specification of a described section.
+
+    Parameters
+    ----------
+    file : the description
+    folder : where a mesh that meshio reads is written as arrays
+
+    Raises
+    ------
+    InputError
+        Every finding on a line of its own: file, key, value, expectation.
+    """
+    return section_spec(read_toml(file, "section description"), file, folder)
+
+
+def source_files(file: Path) -> list[Path]:
+    """Return what a section is made from: its description, and a mesh or contour of its own."""
+    mesh = describe(file).mesh
+    names = [getattr(mesh, key, None) for key in ("file", "contour")]
+    beside = [file.parent / name for name in names if name is not None]
+    return [file, *(path for path in beside if path.is_file())]
+
+
+def section_spec(table: dict[str, Any], file: Path, folder: Path = BUILD) -> dict[str, Any]:
+    """Return the specification of a description that was read already; see `load_section`.
+
+    Parameters
+    ----------
+    table : the description; its file names are relative to the folder of `file`
+    file : where it comes from, for messages and for the section's name
+    """
+    description = checked(table, file)
+    problems = check_materials(description.materials)
+    stacks: dict[str, list[dict[str, Any]]] = {}
+    for name, region in description.regions.items():
+        try:
+            stacks[name] = _stack(name, region, description)
+        except InputError as error:
+            problems += str(error).splitlines()
+    problems += _convention(description, stacks)
+    mesh: dict[str, Any] = {}
+    regions: dict[str, Any] = {}
+    try:
+        if isinstance(description.mesh, ShapeMesh):
+            mesh, regions = shape_mesh(description.mesh, description.regions, stacks, file.parent)
+        else:
+            mesh, regions = file_mesh(description, stacks, file.parent, folder)
+    except InputError as error:
+        problems += str(error).splitlines()
+    if problems:
+        raise InputError("\n".join(f"{file}: {problem}" for problem in dict.fromkeys(problems)))
+    if description.mesh.degree is not None:
+        mesh["degree"] = description.mesh.degree
+    used = {ply["material"] for region in regions.values() for ply in region["plies"]}
+    return {
+        "name": file.stem,
+        "title": description.title,
+        "convention": description.convention or "contour",  # no angle: the same beam
+        "mesh": mesh,
+        "materials": {n: plain(m) for n, m in description.materials.items() if n in used},
+        "regions": regions,
+    }
+
+
+def _stack(name: str, region: Region, description: SectionDescription) -> list[dict[str, Any]]:
+    """Return the plies of a region, outermost first."""
+    plies: list[dict[str, Any]]
+    if region.material is not None:
+        plies = [{"material": region.material, "angle_deg": region.angle_deg or 0.0}]
+        key = f"regions.{name}.material"
+    else:
+        if region.laminate not in description.laminates:
+            raise InputError(
+                f'regions.{name}.laminate = "{region.laminate}": no such laminate'
+                f"{nearest(str(region.laminate), description.laminates)}"
+            )
+        plies = description.laminates[region.laminate].stack()
+        key = f"laminates.{region.laminate}"
+    unknown = dict.fromkeys(p["material"] for p in plies)
+    found = [
+        f'{key} = "{material}": no such material{nearest(material, description.materials)}'
+        for material in unknown
+        if material not in description.materials
+    ]
+    if found:
+        raise InputError("\n".join(found))
+    return plies
+
+
+def _convention(
+    description: SectionDescription, stacks: dict[str, list[dict[str, Any]]]
+) -> list[str]:
+    """Return what is missing: the sense of ply angles has no default."""
+    if description.convention is not None:
+        return []
+    for name, plies in stacks.items():
+        angles = [ply["angle_deg"] for ply in plies if ply["angle_deg"] != 0.0]
+        if angles:
+            return [
+                f'convention: missing; expected "contour" or "cartesian": regions.{name} has a ply '
+                f"at {angles[0]:g} deg"
+            ]
+    return []

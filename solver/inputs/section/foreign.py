@@ -1,0 +1,142 @@
+"""Meshes from other programs: whatever meshio reads becomes plain arrays with named regions."""
+
+import contextlib
+import io
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...errors import InputError
+from ...math.arrays import Array, IntArray
+from .cell_sets import Mask, named_sets, region_sets
+
+# Turned round: the same cell with its nodes counted the other way.
+_TURNED = {
+    "triangle": [0, 2, 1],
+    "triangle6": [0, 2, 1, 5, 4, 3],
+    "quad": [0, 3, 2, 1],
+    "quad9": [0, 3, 2, 1, 7, 6, 5, 4, 8],
+}
+_PLANE = (*_TURNED, "quad8")
+_LINES = ("line", "line3")
+FLAT = 1e-9  # of the size of the mesh
+
+
+@dataclass(frozen=True)
+class ForeignMesh:
+    """A plane mesh with the sets of cells that its file names; sets may overlap.
+
+    `n` counts nodes, `c` cells of `k` nodes, `m` line cells.
+    """
+
+    file: Path
+    points: Array  # (n, 2)
+    cells: IntArray  # (c, k)
+    cell_type: str
+    sets: dict[str, Mask]  # (c,)
+    lines: IntArray  # (m, 2 or 3)
+    curves: dict[str, Mask]  # (m,)
+
+
+def read_foreign(file: Path, where: str, region_data: str | None = None) -> ForeignMesh:
+    """Read a mesh of any format that meshio knows; regions by the rules of `region_sets`.
+
+    Parameters
+    ----------
+    file : the mesh; its x and y are x2 and x3
+    where : its key, for messages
+    region_data : name of the cell data to take the regions from
+
+    Raises
+    ------
+    InputError
+        No mesh, no plane mesh, cells of several types, several candidates for regions.
+    """
+    mesh = _read(file, where)
+    plane = [i for i, block in enumerate(mesh.cells) if block.type in _PLANE]
+    solid = sorted({b.type for b in mesh.cells if b.dim == 3})
+    if not plane or solid:
+        types = ", ".join(sorted({b.type for b in mesh.cells})) or "none"
+        raise InputError(
+            f"{where}: its cells are of type {types}, expected plane cells of type "
+            + ", ".join(_PLANE)
+        )
+    counts: dict[str, int] = {}
+    for i in plane:
+        counts[mesh.cells[i].type] = counts.get(mesh.cells[i].type, 0) + len(mesh.cells[i].data)
+    if len(counts) > 1:
+        listed = ", ".join(f"{n} {name}" for name, n in counts.items())
+        raise InputError(f"{where}: cells of several types ({listed}), expected one type")
+    cell_type = next(iter(counts))
+    cells = np.concatenate([mesh.cells[i].data for i in plane]).astype(np.int64)
+    line_blocks, lines = _lines(mesh, where)
+    points, (cells, lines) = _plane_points(where, np.asarray(mesh.points, float), cells, lines)
+    if cell_type == "quad8":
+        points, cells, cell_type = *_with_centre(points, cells), "quad9"
+    cells = _counterclockwise(points, cells, cell_type)
+    return ForeignMesh(
+        file,
+        points,
+        cells,
+        cell_type,
+        region_sets(mesh, plane, file.name, region_data),
+        lines,
+        named_sets(mesh, line_blocks),
+    )
+
+
+def _read(file: Path, where: str) -> Any:
+    import meshio  # only here: 0.1 s that no other command should pay
+
+    said = io.StringIO()  # meshio prints the reason and leaves the interpreter
+    try:
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+            return meshio.read(file)
+    except (Exception, SystemExit) as error:  # its readers raise whatever their parsers raise
+        reason = " ".join(said.getvalue().split()) or str(error) or type(error).__name__
+        raise InputError(f"{where}: meshio cannot read it: {reason}") from error
+
+
+def _lines(mesh: Any, where: str) -> tuple[list[int], IntArray]:
+    """Return the blocks of line cells and their nodes."""
+    blocks = [i for i, block in enumerate(mesh.cells) if block.type in _LINES]
+    types = {mesh.cells[i].type for i in blocks}
+    if len(types) > 1:
+        raise InputError(f"{where}: line cells of types {', '.join(sorted(types))}: expected one")
+    if not blocks:
+        return [], np.zeros((0, 2), dtype=np.int64)
+    return blocks, np.concatenate([mesh.cells[i].data for i in blocks]).astype(np.int64)
+
+
+def _plane_points(where: str, points: Array, *cells: IntArray) -> tuple[Array, list[IntArray]]:
+    """Return the points in use, (n, 2), and the cells with their new numbers."""
+    used = np.unique(np.concatenate([c.ravel() for c in cells]))
+    number = np.zeros(len(points), dtype=np.int64)
+    number[used] = np.arange(len(used))
+    points = points[used]
+    height = points[:, 2:]
+    if height.size and np.ptp(height) > FLAT * np.ptp(points[:, :2], axis=0).max():
+        raise InputError(
+            f"{where}: its points have third coordinates from {height.min():g} to "
+            f"{height.max():g}: expected a flat mesh, x = x2 and y = x3"
+        )
+    return np.ascontiguousarray(points[:, :2]), [number[c] for c in cells]
+
+
+def _with_centre(points: Array, cells: IntArray) -> tuple[Array, IntArray]:
+    """Give eight-node quadrilaterals the middle node that leaves their geometry as it is."""
+    corners, sides = points[cells[:, :4]].sum(axis=1), points[cells[:, 4:]].sum(axis=1)
+    centre = 0.5 * sides - 0.25 * corners
+    number = len(points) + np.arange(len(cells))
+    return np.concatenate([points, centre]), np.column_stack([cells, number])
+
+
+def _counterclockwise(points: Array, cells: IntArray, cell_type: str) -> IntArray:
+    """Turn cells whose corners run clockwise: a mesh seen from behind is no fault."""
+    corners = points[cells[:, : 3 if cell_type.startswith("tri") else 4]]
+    x, y = corners[..., 0], corners[..., 1]
+    area = (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
+    turned = cells[:, _TURNED[cell_type]]
+    return np.where((area < 0)[:, None], turned, cells)

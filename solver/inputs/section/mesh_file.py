@@ -1,0 +1,156 @@
+"""Sections on a mesh of one's own: gmsh's files are handed over, others become arrays."""
+
+import os
+from pathlib import Path
+from typing import Any
+
+from ...errors import InputError, nearest
+from ..common.gmsh_file import content_sha256, is_gmsh_mesh, physical_names
+from .description import Region, SectionDescription
+from .foreign import read_foreign
+from .mesh_arrays import assign_regions, write_arrays
+from .mesh_table import FileMesh
+from .shapes.mesh import ALL, Stacks
+
+Regions = dict[str, Region]
+Names = dict[str, str]  # region of the mesh -> its description
+
+
+def file_mesh(
+    description: SectionDescription, stacks: Stacks, folder: Path, arrays_folder: Path
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return mesh and regions of the specification.
+
+    Parameters
+    ----------
+    description : with a mesh file
+    stacks : plies of each region; one that is wrong elsewhere may lack
+    folder : where relative paths start
+    arrays_folder : where the arrays of a foreign mesh are written
+
+    Raises
+    ------
+    InputError
+        Lines that begin with the key: no such file, unknown or missing regions and curves, layer
+        directions that nobody could guess.
+    """
+    table, regions = description.mesh, description.regions
+    assert isinstance(table, FileMesh)
+    file = folder / table.file
+    if not file.is_file():
+        raise InputError(f'mesh.file = "{table.file}": there is no file {file}')
+    found = [line for name, region in regions.items() for line in _direction(name, region, stacks)]
+    try:
+        if file.suffix == ".geo" or (file.suffix == ".msh" and is_gmsh_mesh(file)):
+            mesh, names = _of_gmsh(file, table, regions)
+        else:
+            mesh, names = _of_others(file, table, regions, arrays_folder)
+    except InputError as error:
+        raise InputError("\n".join([*str(error).splitlines(), *found])) from error
+    if found:
+        raise InputError("\n".join(found))
+    if table.scale is not None:
+        mesh["scale"] = table.scale
+    expanded: dict[str, Any] = {}
+    for name, described in names.items():
+        if described in stacks:
+            expanded[name] = {"plies": stacks[described]}
+            direction = regions[described].direction
+            if direction is not None:
+                expanded[name]["direction"] = direction.model_dump(exclude_none=True)
+    return mesh, expanded
+
+
+def _of_gmsh(file: Path, table: FileMesh, regions: Regions) -> tuple[dict[str, Any], Names]:
+    """Return a mesh or script of gmsh, and the description of each of its regions."""
+    script = file.suffix == ".geo"
+    found = []
+    if table.region_data is not None:
+        found.append(
+            f'mesh.region_data = "{table.region_data}": expected no such key, the regions of '
+            f"{table.file} are its physical surfaces"
+        )
+    mesh: dict[str, Any] = {"file": os.path.relpath(file), "sha256": content_sha256(file)}
+    if script:
+        if table.parameters is not None:
+            mesh["parameters"] = table.parameters
+        names = {name: name for name in regions}
+        if ALL in regions:
+            found.append(
+                f"regions.{ALL}: expected a table for each region by name: only gmsh knows the "
+                "names in a .geo script"
+            )
+    else:
+        surfaces, curves = physical_names(file, f'mesh.file = "{table.file}"')
+        names, missing = _match(regions, surfaces, table.file)
+        found += [*_no_parameters(table), *missing, *_curves(regions, curves, table.file)]
+    if found:
+        raise InputError("\n".join(found))
+    return mesh, names
+
+
+def _of_others(
+    file: Path, table: FileMesh, regions: Regions, arrays_folder: Path
+) -> tuple[dict[str, Any], Names]:
+    """Return the mesh of another program as arrays, and the description of each of its regions."""
+    foreign = read_foreign(file, f'mesh.file = "{table.file}"', table.region_data)
+    found = [*_no_parameters(table), *_curves(regions, foreign.curves, table.file)]
+    if found:
+        raise InputError("\n".join(found))
+    names = [name for name in regions if name != ALL]
+    region = assign_regions(foreign, names, ALL if ALL in regions else None)
+    if (region == len(names)).any():
+        names.append(ALL)
+    arrays, digest = write_arrays(foreign, names, region, arrays_folder)
+    return {"arrays": os.path.relpath(arrays), "sha256": digest}, {name: name for name in names}
+
+
+def _no_parameters(table: FileMesh) -> list[str]:
+    if table.parameters is None:
+        return []
+    return [f"mesh.parameters: expected with a .geo script only, not with {table.file}"]
+
+
+def _direction(name: str, region: Region, stacks: Stacks) -> list[str]:
+    """Return what is missing: the layer direction of a wall in a user's mesh has no default."""
+    plies = stacks.get(name, [])
+    if region.direction is not None or not plies:
+        return []
+    if region.laminate is None and plies[0]["angle_deg"] == 0.0:
+        return []
+    what = f'laminate "{region.laminate}"' if region.laminate else f"angle {region.angle_deg:g} deg"
+    return [
+        f"regions.{name}.direction: missing, needed for the {what}: expected {{vector = [..]}}, "
+        '{curve = ".."} or {circle = [..]}'
+    ]
+
+
+def _match(regions: Regions, surfaces: list[str], file: str) -> tuple[dict[str, str], list[str]]:
+    """Return the description of each region of the mesh, and what does not match."""
+    found = [
+        f"regions.{name}: {file} has no physical surface of this name{nearest(name, surfaces)}"
+        for name in regions
+        if name not in (*surfaces, ALL)
+    ]
+    names = {}
+    for name in surfaces:
+        described = name if name in regions else ALL
+        if described in regions:
+            names[name] = described
+        else:
+            found.append(
+                f"regions.{name}: missing; {file} has the physical surfaces {', '.join(surfaces)}"
+            )
+    return names, found
+
+
+def _curves(regions: Regions, curves: Any, file: str) -> list[str]:
+    """Return curves of layer directions that the mesh does not have."""
+    return [
+        f'regions.{name}.direction.curve = "{region.direction.curve}": {file} has no curve of this '
+        f"name{nearest(region.direction.curve, curves)}"
+        for name, region in regions.items()
+        if region.direction is not None
+        and region.direction.curve is not None
+        and region.direction.curve not in curves
+    ]

@@ -1,0 +1,106 @@
+"""The table `[mesh]`: a shape of the library with its sizes, or a file."""
+
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
+
+from pydantic import BeforeValidator, Discriminator, Field, Tag, create_model
+
+from ..common.table import Table, unit
+from .shapes.library import SHAPES, Parameter, Shape
+
+FILE = "file"  # the member of a union that is no shape
+
+
+class MeshTable(Table):
+    """Keys of every `[mesh]`."""
+
+    degree: Literal[1, 2, 3] | None = Field(
+        default=None, description="of the warping in an element; absent: 2"
+    )
+
+
+class ShapeMesh(MeshTable):
+    """A shape of the library; its sizes are the fields of the model made from shapes.py."""
+
+    shape: str
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """Sizes as shapes.py takes them."""
+        return self.model_dump(exclude={"shape", "degree"}, exclude_none=True)
+
+
+class FileMesh(MeshTable):
+    """`[mesh]` with `file`: a mesh of your own."""
+
+    file: str = Field(
+        description="path, relative to this file: gmsh's .msh or .geo, or any mesh that meshio "
+        "reads (.inp .med .bdf .vtu .xdmf ...); its x and y are x2 and x3",
+    )
+    scale: float | None = Field(
+        default=None,
+        gt=0,
+        description="length in m of the file's unit; 1e-3 for mm; absent: 1",
+        json_schema_extra=unit("m"),
+    )
+    parameters: dict[str, float | list[float]] | None = Field(
+        default=None,
+        description='.geo only: numbers or lists for its DefineConstant entries "Parameters/KEY"',
+    )
+    region_data: str | None = Field(
+        default=None,
+        description="neither .msh nor .geo: cell data whose values tell the regions apart, called "
+        "DATA-VALUE; absent: named sets and groups, else the only integer cell data",
+    )
+
+
+def _as_list(value: Any) -> Any:
+    """Let one number stand for a list of one."""
+    return [value] if isinstance(value, int | float) else value
+
+
+def _field(parameter: Parameter) -> tuple[Any, Any]:
+    """Return type and field of a size."""
+    if parameter.text:
+        kind: Any = str
+    else:
+        bounds = Field(gt=parameter.above, ge=parameter.least, le=parameter.most)
+        kind = Annotated[float, bounds]
+        kind = Annotated[list[kind], BeforeValidator(_as_list)] if parameter.many else kind
+    default = [] if parameter.default == () else parameter.default
+    if not parameter.required and default is None:
+        kind = kind | None
+    info = Field(
+        default=... if parameter.required else default,
+        description=parameter.meaning,
+        json_schema_extra=unit(parameter.unit),
+    )
+    return kind, info
+
+
+def _model(name: str, shape: Shape) -> type[ShapeMesh]:
+    fields: dict[str, Any] = {"shape": (Literal[name], ...)}
+    fields |= {parameter.key: _field(parameter) for parameter in shape.parameters}
+    title = f'shape = "{name}"\n\n{shape.meaning[0].upper()}{shape.meaning[1:]}.'
+    return create_model(f"{name} mesh", __base__=ShapeMesh, __doc__=title, **fields)
+
+
+SHAPE_MESHES: dict[str, type[ShapeMesh]] = {name: _model(name, s) for name, s in SHAPES.items()}
+
+
+def shape(table: Any) -> Any:
+    """Return the name of the model that a table belongs to."""
+    if not isinstance(table, dict):
+        return getattr(table, "shape", FILE)
+    return table.get("shape", FILE if "file" in table else None)
+
+
+def shape_or(file_table: type[Table]) -> Any:
+    """Return the union of all shapes and of a table with the key `file`."""
+    members = [Annotated[model, Tag(name)] for name, model in SHAPE_MESHES.items()]
+    return Annotated[Union[(*members, Annotated[file_table, Tag(FILE)])], Discriminator(shape)]
+
+
+if TYPE_CHECKING:
+    Mesh = ShapeMesh | FileMesh
+else:
+    Mesh = shape_or(FileMesh)

@@ -1,0 +1,199 @@
+"""The manual of section descriptions, generated from the models and the library of shapes.
+
+python -m plymotion.solver.inputs.section.reference > docs/section-description.md
+"""
+
+from typing import Any
+
+from ..common.material import MATERIAL_TABLES
+from ..common.page import chapters, keys
+from .description import Direction, Laminate, Ply, Region, SectionDescription
+from .mesh_table import SHAPE_MESHES, FileMesh, MeshTable
+from .shapes.library import SHAPES, walls
+
+HEAD = """\
+# The section description
+
+A beam cross-section is one TOML file, checked before anything is computed: unknown keys, names that
+do not exist, values out of bounds and plies that do not fill their wall are errors that name file,
+key, value and expectation. Ready ones lie in `cases/sections/`. This page is generated from
+solver/inputs/section/ by `make docs`.
+
+    plymotion section cases/sections/box-layup-2.toml
+
+A case takes one with `[sections.NAME]` and `file = "../sections/box-layup-2.toml"`, see
+[case-reference.md](case-reference.md). Units are SI; degrees only in keys that end in `_deg`.
+
+```toml
+format = 1
+title = "Box of six plies"
+convention = "contour"
+
+[mesh]
+shape = "box"
+width = 0.0242
+height = 0.0136
+
+[materials.cfrp]
+kind = "orthotropic"
+E1 = 142e9
+E2 = 9.8e9
+E3 = 9.8e9
+G12 = 6.0e9
+G13 = 6.0e9
+G23 = 4.8e9
+nu12 = 0.42
+nu13 = 0.42
+nu23 = 0.42
+rho = 1600.0
+
+[laminates.wall]               # [0/30]3, 0 deg outermost
+material = "cfrp"
+angles_deg = [0, 30]
+ply_thickness = 0.127e-3
+repeat = 3
+
+[regions.all]                  # the four walls; their thickness follows from the plies
+laminate = "wall"
+```
+
+## Axes, directions, angles
+
+x1 points along the beam, towards the reader; x2 and x3 are x and y of the mesh, and its origin is
+the reference point of stiffness and mass. Every wall has a layer direction y2, a unit vector in the
+section, and y3 = x1 x y2, which is y2 turned by +90 deg: the outward normal. Around a closed
+section y2 runs clockwise.
+
+              y3 = (0, 1)                        x3
+                  |    y2 = (1, 0)               |
+           +------+---->--------+                |
+           |         top        |                +----- x2
+           |                    |               x1 towards the reader
+        ^  |                    |  |
+     y2 |  | left         right |  | y2 = (0, -1)       fibre = cos(angle) x1 + sin(angle) y2
+        |  |                    |  v                    plies: the outermost first,
+           |                    |                       from the side of y3 inwards
+           |       bottom       |
+           +--------<-----------+
+              y2 = (-1, 0)
+
+The fibre of a ply lies at `angle_deg` from x1 towards y2, right-handed about y3. Since y2 turns
+from wall to wall, the same printed lay-up can mean two beams; `convention` says which, and there is
+no default:
+
+- `"contour"`: y2 as above. One angle on all walls winds around the beam (extension-twist coupling).
+- `"cartesian"`: angles count towards +x2, or towards +x3 on walls where y2 is normal to x2: y2 is
+  turned round where that component is negative. One angle on top and bottom then leans to the same
+  side (bottom and right wall of the box: the other sign). Plies are still listed outermost first.
+
+`convention` may be left out only if every angle is 0.
+"""
+
+OWN = """\
+## A mesh of your own
+
+Draw the section in the x-y plane, in m (or any unit with `scale`). Every surface belongs to exactly
+one physical surface: its name is the region's. A wall with a laminate needs its layer direction:
+`vector` for a straight wall, `circle` for a round one, and `curve` for any other: name the OUTER
+edge as a physical curve, and the depth of a ply is the distance from it. Mesh lines should follow
+the plies (one element or more for each); if they do not, the stiffness is integrated across the
+ply's face, and a warning says so. Curved walls want degree-2 elements (`Mesh.ElementOrder = 2`);
+the warping inside an element is of degree 2 whatever the mesh.
+
+```
+// half-round.geo: a half tube on a plate, gmsh script
+DefineConstant[ radius = {0.02, Name "Parameters/radius"} ];
+wall = 0.002;
+Mesh.ElementOrder = 2;
+Mesh.MeshSizeMax = 0.001;
+Point(1) = {0, 0, 0};
+Point(2) = {radius, 0, 0};
+Point(3) = {0, radius, 0};
+Point(4) = {-radius, 0, 0};
+Point(5) = {radius - wall, 0, 0};
+Point(6) = {0, radius - wall, 0};
+Point(7) = {wall - radius, 0, 0};
+Point(8) = {radius, -wall, 0};
+Point(9) = {-radius, -wall, 0};
+Circle(1) = {2, 1, 3};  Circle(2) = {3, 1, 4};      // outer face
+Circle(3) = {5, 1, 6};  Circle(4) = {6, 1, 7};      // inner face
+Line(5) = {2, 5};  Line(6) = {7, 4};  Line(7) = {5, 7};
+Line(8) = {2, 8};  Line(9) = {8, 9};  Line(10) = {9, 4};
+Curve Loop(1) = {1, 2, -6, -4, -3, -5};   Plane Surface(1) = {1};
+Curve Loop(2) = {5, 7, 6, -10, -9, -8};   Plane Surface(2) = {2};
+Transfinite Curve {1:4} = 21;  Transfinite Curve {5, 6} = 5;   // four rows: one for each ply
+Transfinite Surface {1} = {2, 4, 7, 5};
+Physical Curve("outer") = {1, 2};
+Physical Surface("arch") = {1};
+Physical Surface("plate") = {2};
+```
+
+```toml
+[mesh]
+file = "half-round.geo"            # or the .msh that gmsh wrote from it
+parameters = { radius = 0.025 }    # .geo only
+
+[regions.arch]
+laminate = "shell"
+direction = { curve = "outer" }    # here circle = [0, 0] says the same
+
+[regions.plate]
+material = "aluminium"             # a laminate would need vector = [-1, 0]: it looks down
+```
+
+Other meshes go through meshio: Abaqus and CalculiX `.inp` (regions are element sets), MED (groups),
+Nastran `.bdf`, VTK `.vtu`, XDMF and more (integer cell data: the region called `NAME-VALUE`, as
+`MaterialIds-2`). Sets that no table names are ignored, so that a set of all elements does no harm;
+but every element must be in exactly one described region, or in `regions.all`. Cells are triangles
+or quadrilaterals of one kind, of degree 1 or 2. A mesh without any set is one region, `section`.
+"""
+
+
+def section_page() -> str:
+    """Return docs/section-description.md."""
+    return "\n".join(
+        [
+            HEAD,
+            *chapters((SectionDescription, Laminate, Ply, Region, Direction, *MATERIAL_TABLES)),
+            "## `[mesh]`",
+            "",
+            "Either `shape` with the sizes below, or `file`. With both:",
+            "",
+            *keys(MeshTable),
+            "",
+            *_shapes(),
+            *_own(chapters((FileMesh,))),
+            OWN,
+        ]
+    )
+
+
+def _own(lines: list[str]) -> list[str]:
+    return [line for line in lines if not line.startswith("| `degree`")]
+
+
+def _shapes() -> list[str]:
+    """Return a chapter per shape: its sizes and its walls."""
+    out = []
+    for name, model in SHAPE_MESHES.items():
+        head, _, meaning = str(model.__doc__).partition("\n\n")
+        out += [f"### `{head}`", "", meaning, ""]
+        out += [line for line in keys(model) if not line.startswith(("| `degree`", "| `shape`"))]
+        out += ["", "| region | y2 | thickness |", "|---|---|---|"]
+        some = {"webs": [0.2, 0.5]} if name == "airfoil" else {}
+        for wall in walls(name, some) if some else SHAPES[name].walls:
+            thickness = f"`{wall.thickness}`" if wall.stacked else "its own; no rows for plies"
+            out.append(f"| `{wall.region}` | {_direction(wall.direction)} | {thickness} |")
+        out.append("")
+    return out
+
+
+def _direction(direction: Any) -> str:
+    ((kind, value),) = direction.items()
+    if kind == "vector":
+        return f"({value[0]:g}, {value[1]:g})"
+    return "around the centre" if kind == "circle" else f"along the {value} contour"
+
+
+if __name__ == "__main__":
+    print(section_page(), end="")

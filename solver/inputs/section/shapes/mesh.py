@@ -1,0 +1,97 @@
+"""Sections of the library: what each wall is made of, and the mesh that its plies need."""
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from ....errors import InputError, nearest
+from ..description import Region
+from ..mesh_table import ShapeMesh
+from .library import Wall, expand, walls
+
+ALL = "all"  # stands for every wall or region without a table of its own
+ADD_UP = 1e-6  # relative difference of plies and wall that rounding may make
+
+Stacks = Mapping[str, list[dict[str, Any]]]
+
+
+def shape_mesh(
+    mesh: ShapeMesh,
+    regions: Mapping[str, Region],
+    stacks: Stacks,
+    folder: Path,
+    *,
+    where: str = "mesh",
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return mesh and regions of the specification.
+
+    Thicknesses of walls that the description leaves out follow from their plies.
+
+    Parameters
+    ----------
+    mesh : the shape
+    regions : as described
+    stacks : plies of each region; one that is wrong elsewhere may lack
+    folder : where relative paths start
+    where : key of the shape, for messages
+
+    Raises
+    ------
+    InputError
+        Lines that begin with the key: unknown or missing walls, plies that do not add up, sizes
+        that do not fit together.
+    """
+    values = mesh.values
+    if "contour" in values and (folder / values["contour"]).is_file():  # else one of the library
+        values["contour"] = str(folder / values["contour"])
+    found: list[str] = []
+    of_shape = walls(mesh.shape, values)
+    names = [wall.region for wall in of_shape]
+    for name in regions:
+        if name not in (*names, ALL):
+            found.append(f"regions.{name}: a {mesh.shape} has no such wall{nearest(name, names)}")
+    expanded: dict[str, Any] = {}
+    for wall in of_shape:
+        key = wall.region if wall.region in regions else ALL
+        if key not in regions:
+            found.append(
+                f"regions.{wall.region}: missing; a {mesh.shape} has the walls {', '.join(names)}"
+            )
+        elif key in stacks:
+            found += _fit(wall, key, stacks[key], mesh.values, values)
+            given = regions[key].direction
+            direction = wall.direction if given is None else given.model_dump(exclude_none=True)
+            expanded[wall.region] = {"plies": stacks[key], "direction": dict(direction)}
+    if found:
+        raise InputError("\n".join(found))
+    if len(expanded) < len(of_shape):  # a finding elsewhere
+        return {}, {}
+    layers = {
+        name: [ply.get("thickness", 1.0) for ply in region["plies"]]
+        for name, region in expanded.items()
+    }
+    try:
+        return expand(mesh.shape, values, layers), expanded
+    except InputError as error:
+        raise InputError(f"{where}.{error}") from error
+
+
+def _fit(
+    wall: Wall, key: str, plies: list[dict[str, Any]], given: dict[str, Any], sizes: dict[str, Any]
+) -> list[str]:
+    """Compare the plies with their wall and return what is wrong, or add the wall to `sizes`."""
+    if not wall.stacked or "thickness" not in plies[0]:
+        return []
+    total = math.fsum(ply["thickness"] for ply in plies)
+    place = next((k for k in (wall.thickness, "wall", "skin") if k in given), wall.thickness)
+    size = sizes.setdefault(place, total)
+    if isinstance(size, list):  # one for each web
+        number = int(wall.region.rpartition("-")[2]) - 1 if len(size) > 1 else 0
+        size = size[number] if number < len(size) else total
+    if abs(total - size) <= ADD_UP * size:
+        return []
+    return [
+        f"regions.{key}: its {len(plies)} plies are {total:.9g} m thick in all, expected "
+        f"mesh.{place} = {size:g} m"
+    ]

@@ -1,0 +1,157 @@
+"""A study: descriptions of sections, and what is varied in them.
+
+format = 1
+sections = ["box.toml", "tube.toml"]      # descriptions, beside this file
+combine = "product"                       # of the sweeps; or "zip": one value of each
+
+[[sweep]]
+key = "laminates.wall.angles_deg"         # a key of the descriptions
+values = [[0, 0], [15, -15], [30, -30]]
+names = ["a", "b", "c"]                   # optional: parts of the sections' names
+
+[[sweep]]
+key = "laminates.wall.angles_deg"
+csv = "angles.csv"                        # rows of numbers, or "name, 1, 2" and "soft, 45, -45"
+"""
+
+import csv
+import itertools
+import re
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, ValidationError, model_validator
+
+from ...errors import InputError
+from ..common import Table, lines
+
+FileName = Annotated[str, Field(pattern=r"^[\w.+-]+$")]  # it becomes part of a folder's name
+Variants = list[tuple[str, dict[str, Any]]]  # end of the name, dotted keys with their values
+
+
+class Sweep(Table):
+    """`[[sweep]]`: a key of the descriptions and its values."""
+
+    key: str = Field(min_length=1, description="dotted key, as in a description")
+    values: list[Any] | None = Field(default=None, min_length=1, description="its values")
+    csv: str | None = Field(default=None, description="file with a value in each row")
+    names: list[FileName] | None = Field(default=None, description="a short name for each value")
+
+    @model_validator(mode="after")
+    def _one_source(self) -> "Sweep":
+        if (self.values is None) == (self.csv is None):
+            raise ValueError("expected either `values` or `csv`")
+        if self.names is not None and (self.csv or len(self.names) != len(self.values or ())):
+            raise ValueError("expected as many `names` as `values`")
+        return self
+
+
+class Study(Table):
+    """A batch list in TOML."""
+
+    format: Literal[1] = Field(description="version of this format")
+    title: str = Field(default="", description="one line")
+    sections: list[str] = Field(min_length=1, description="descriptions to vary, beside this file")
+    combine: Literal["product", "zip"] = Field(
+        default="product", description="all combinations of the sweeps, or one value of each"
+    )
+    sweep: list[Sweep] = Field(default=[], description="what is varied")
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One section of a batch."""
+
+    name: str
+    file: Path  # its description
+    changes: dict[str, Any] = field(default_factory=dict)  # dotted key -> value
+
+    @property
+    def where(self) -> str:
+        """File and changes, for messages."""
+        changes = ", ".join(f"{key} = {value}" for key, value in self.changes.items())
+        return f"{self.file} with {changes}" if changes else str(self.file)
+
+
+def study_variants(path: Path, table: dict[str, Any]) -> tuple[Study, Variants]:
+    """Check a study; return it with the changes of each of its variants.
+
+    Raises
+    ------
+    InputError : a wrong key or value, sweeps that do not go together, a bad CSV file.
+    """
+    try:
+        study = Study.model_validate(table)
+    except ValidationError as error:
+        raise InputError("\n".join(lines(error, Study, str(path)))) from error
+    return study, _combinations(path, study)
+
+
+def _combinations(path: Path, study: Study) -> Variants:
+    """Suffix of the name and changes of each combination."""
+    if not study.sweep:
+        return [("", {})]
+    columns = [_column(path, i, sweep) for i, sweep in enumerate(study.sweep)]
+    if study.combine == "zip":
+        counts = [len(column) for column in columns]
+        if len(set(counts)) > 1:
+            raise InputError(
+                f'{path}: combine = "zip": expected as many values in each sweep, found {counts}'
+            )
+        rows: Sequence[Any] = list(zip(*columns, strict=True))
+    else:
+        rows = list(itertools.product(*columns))
+    named = all(name for row in rows for name, _ in row)
+    digits = len(str(len(rows)))
+    variants = []
+    for number, row in enumerate(rows, start=1):
+        suffix = "-".join(name for name, _ in row) if named else f"{number:0{digits}d}"
+        changes = {sweep.key: value for sweep, (_, value) in zip(study.sweep, row, strict=True)}
+        variants.append((f"-{suffix}", changes))
+    ((suffix, count),) = Counter(suffix for suffix, _ in variants).most_common(1)
+    if count > 1:
+        raise InputError(f'{path}: sweep: the name "{suffix[1:]}" is there {count} times')
+    return variants
+
+
+def _column(path: Path, index: int, sweep: Sweep) -> list[tuple[str, Any]]:
+    """Name (may be empty) and value of each row of a sweep."""
+    if sweep.csv is None:
+        values = sweep.values or []
+        return list(zip(sweep.names or [""] * len(values), values, strict=True))
+    file = path.parent / sweep.csv
+    try:
+        with file.open(newline="", encoding="utf-8") as stream:
+            rows = [[cell.strip() for cell in row] for row in csv.reader(stream)]
+    except (FileNotFoundError, UnicodeDecodeError) as error:
+        key = f"{path}: sweep.{index}.csv"
+        raise InputError(f'{key} = "{sweep.csv}": no such table') from error
+    rows = [row for row in rows if any(row) and not row[0].startswith("#")]
+    column = []
+    for number, row in enumerate(rows, start=1):
+        name, cells = ("", row) if _is_number(row[0]) else (row[0], row[1:])
+        cells = [cell for cell in cells if cell]
+        bad = next((cell for cell in cells if not _is_number(cell)), None)
+        if number == 1 and (name.lower() == "name" or bad is not None or not cells):
+            continue  # names of the columns
+        if bad is not None or not cells:
+            raise InputError(f"{file}: row {number}: expected numbers, found {bad or 'none'!r}")
+        if name and not re.fullmatch(r"[\w.+-]+", name):
+            raise InputError(
+                f"{file}: row {number}: {name!r}: expected a name of letters, digits and _.+-"
+            )
+        column.append((name, [float(cell) for cell in cells]))
+    if not column:
+        raise InputError(f"{file}: there is no row of numbers")
+    return column
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

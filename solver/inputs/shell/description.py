@@ -1,0 +1,295 @@
+"""A laminated shell in TOML: every key with type, unit, bounds and one line of meaning.
+
+docs/shell-description.md is generated from here (`make docs`).
+"""
+
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, ValidationError, model_validator
+
+from ...errors import InputError
+from ..common import lines, read_toml
+from ..common.lay_up import Angle, LayUp, LayUpPly
+from ..common.material import Material
+from ..common.table import Name, Pair, Table, Vector, unit
+from .loading import Frequencies, Link, Load, Probe, Support
+
+Factor = Annotated[float, Field(gt=0)]
+Row = Annotated[list[float], Field(min_length=6, max_length=6)]
+Matrix = Annotated[list[Row], Field(min_length=6, max_length=6)]
+Offset = Literal["mid", "top", "bottom"] | float
+
+
+class Mesh(Table):
+    """`[mesh]`: a surface mesh of three-node triangles."""
+
+    file: str = Field(
+        description="path, relative to this file: gmsh's .msh, a .geo script, or a .py with "
+        "build(gmsh, parameters)"
+    )
+    parameters: dict[str, bool | float | str | list[float]] | None = Field(
+        default=None,
+        description='.geo: values of its DefineConstant entries "Parameters/KEY"; .py: what '
+        "build gets",
+    )
+    scale: float | None = Field(
+        default=None,
+        gt=0,
+        description="length in m of the file's unit; 1e-3 for mm; absent: 1",
+        json_schema_extra=unit("m"),
+    )
+
+
+class Ply(LayUpPly):
+    """One entry of `plies`."""
+
+    angle_deg: Angle = Field(
+        default=0.0,
+        description="fibre direction from e1 towards e2, right-handed about the normal",
+        json_schema_extra=unit("deg"),
+    )
+    thickness: float = Field(gt=0, description="of the ply", json_schema_extra=unit("m"))
+
+
+class Laminate(LayUp):
+    """`[laminates.NAME]`: plies from BOTTOM to TOP, rising along the normal of the shell.
+
+    Either `plies`, or the short form of one material: `material`, `angles_deg` and
+    `ply_thickness`. Both may be repeated and mirrored, in this order: [0/30]3s is
+    angles_deg = [0, 30], repeat = 3, symmetric = true.
+    """
+
+    plies: list[Ply] | None = Field(
+        default=None, min_length=1, description="the plies, bottom one first"
+    )
+    angles_deg: list[Angle] | None = Field(
+        default=None,
+        min_length=1,
+        description="short form: angle of each ply, bottom one first",
+        json_schema_extra=unit("deg"),
+    )
+    ply_thickness: float | None = Field(
+        default=None,
+        gt=0,
+        description="short form: thickness of each ply",
+        json_schema_extra=unit("m"),
+    )
+    symmetric: bool = Field(
+        default=False, description="true: then the same plies in reverse order, top one last"
+    )
+    offset: Offset = Field(
+        default="mid",
+        description="what of the laminate the mesh is: its mid-plane, its top or bottom face; a "
+        "number: height of the mid-plane above the mesh, along the normal",
+        json_schema_extra=unit("m"),
+    )
+    shear_correction: (
+        Literal["energy-1d", "5/6", "energy-2x2"]
+        | Annotated[list[Factor], Field(min_length=2, max_length=2)]
+    ) = Field(
+        default="energy-1d",
+        description="of the transverse shear stiffness: from the shear energy of cylindrical "
+        "bending, the factor of a homogeneous plate, the full matrix from equilibrium of the "
+        "plies, or two factors of your own",
+    )
+
+    @model_validator(mode="after")
+    def _thick(self) -> Self:
+        if self.plies is None and self.ply_thickness is None:
+            raise ValueError("expected `ply_thickness` with `angles_deg`")
+        return self
+
+
+class AxisAbout(Table):
+    """`axis_about`: e1 runs around an axis, by the right hand."""
+
+    point: Vector = Field(description="on the axis", json_schema_extra=unit("m"))
+    direction: Vector = Field(description="of the axis, of any length", json_schema_extra=unit("-"))
+
+    @model_validator(mode="after")
+    def _long(self) -> Self:
+        _direction(self.direction, "direction")
+        return self
+
+
+class Region(Table):
+    """`[regions.NAME]`: what a physical surface of the mesh is made of.
+
+    `all` stands for every physical surface that has no table of its own.
+    """
+
+    laminate: Name | None = Field(default=None, description="name of a laminate")
+    material: Name | None = Field(default=None, description="name of a material: one thick ply")
+    thickness: float | None = Field(
+        default=None, gt=0, description="with `material`", json_schema_extra=unit("m")
+    )
+    offset: Offset | None = Field(
+        default=None,
+        description="with `material`, as in a laminate; absent: mid",
+        json_schema_extra=unit("m"),
+    )
+    axis: Vector | None = Field(
+        default=None,
+        description="reference direction of the plies: e1 is its projection on the shell. Absent: "
+        "x, or y where the shell faces x",
+        json_schema_extra=unit("-"),
+    )
+    axis_curve: str | None = Field(
+        default=None, description="instead: a physical curve, e1 follows its nearest edge"
+    )
+    axis_about: AxisAbout | None = Field(default=None, description="instead: around an axis")
+    flip: bool = Field(
+        default=False,
+        description="true: the normal e3 of the shell is against that of the mesh, so that the "
+        "plies start at the other face",
+    )
+
+    @model_validator(mode="after")
+    def _one_content(self) -> Self:
+        if (self.laminate is None) == (self.material is None):
+            raise ValueError("expected either `laminate` or `material`")
+        if (self.material is None) != (self.thickness is None):
+            raise ValueError("expected `thickness` with `material`, and only there")
+        if self.offset is not None and self.material is None:
+            raise ValueError("expected `offset` with `material` only: a laminate has its own")
+        given = [self.axis, self.axis_curve, self.axis_about]
+        if sum(value is not None for value in given) > 1:
+            raise ValueError("expected one of `axis`, `axis_curve`, `axis_about`")
+        if self.axis is not None:
+            _direction(self.axis, "axis")
+        return self
+
+
+class Elements(Table):
+    """`[elements]`: which triangle; the defaults are the best of them."""
+
+    plate: Literal["dkmt", "dst", "dkt", "mitc3"] = Field(
+        default="dkmt",
+        description="bending and transverse shear: dkmt converges for laminates of any "
+        "thickness, dst is the paper's, dkt has no shear, mitc3 is the simplest",
+    )
+    membrane: Literal["opt", "allman", "cst"] = Field(
+        default="opt",
+        description="stretching: opt and allman carry the rotation about the normal, cst (the "
+        "paper's) is too stiff in in-plane bending",
+    )
+    beta0: Annotated[float, Field(gt=0)] | Literal["felippa"] = Field(
+        default=0.5, description="opt only: size of its higher-order stiffness"
+    )
+    drilling: Literal["auto", "none", "fictitious", "tie"] = Field(
+        default="auto",
+        description="stiffness of the rotation about the normal: the paper's fictitious one, a "
+        "tie to the rotation of the membrane; auto: tie for cst, none for the others. "
+        "none with cst: nodes in a flat surface have five degrees of freedom",
+    )
+    drilling_factor: float = Field(default=1e-2, gt=0, description="of the drilling stiffness")
+    mass_form: Literal["consistent", "lumped"] = Field(
+        default="consistent", description="mass matrix"
+    )
+
+
+class Stiffener(Table):
+    """`[stiffeners.NAME]`: a beam along edges of the mesh, sharing its nodes.
+
+    Section axes: x1 along the curve in the direction that gmsh gives it, x3 the normal e3 of the
+    shell, x2 = x3 x x1.
+    """
+
+    at: str = Field(description="physical curve")
+    section: str | None = Field(
+        default=None,
+        description="path of a section description, relative to this file",
+    )
+    stiffness: Matrix | None = Field(
+        default=None,
+        description="instead: the section's 6x6 stiffness, extension, shear 2, shear 3, twist, "
+        "bending 2, bending 3",
+        json_schema_extra=unit("N, N m, N m2"),
+    )
+    mass: Matrix | None = Field(
+        default=None,
+        description="with `stiffness`: 6x6 mass per length, same order",
+        json_schema_extra=unit("kg/m, kg, kg m"),
+    )
+    x2_axis: Vector | None = Field(
+        default=None,
+        description="instead of the normal: direction of x2, made normal to the curve",
+        json_schema_extra=unit("-"),
+    )
+    offset: Pair = Field(
+        default=[0.0, 0.0],
+        description="place of the section's reference point from the edge, along x2 and x3",
+        json_schema_extra=unit("m"),
+    )
+
+    @model_validator(mode="after")
+    def _one_section(self) -> Self:
+        if (self.section is None) == (self.stiffness is None):
+            raise ValueError("expected either `section` or `stiffness`")
+        if (self.stiffness is None) != (self.mass is None):
+            raise ValueError("expected `mass` with `stiffness`, and only there")
+        return self
+
+
+class ShellDescription(Table):
+    """The top of a shell description."""
+
+    format: Literal[1] = Field(description="version of this format")
+    title: str = Field(description="one line")
+    mesh: Mesh = Field(description="a surface mesh with physical groups")
+    materials: dict[Name, Material] = Field(min_length=1, description="elastic materials")
+    laminates: dict[Name, Laminate] = Field(default={}, description="lay-ups by name")
+    regions: dict[str, Region] = Field(
+        min_length=1, description="what each physical surface is made of"
+    )
+    elements: Elements = Field(default=Elements(), description="which triangle")
+    stiffeners: dict[Name, Stiffener] = Field(
+        default={}, description="beams along edges of the mesh, by name"
+    )
+    links: dict[Name, Link] = Field(
+        default={}, description="reference points that move with a group, to hold or to load"
+    )
+    supports: dict[Name, Support] = Field(default={}, description="what is held, by name")
+    loads: dict[Name, dict[Name, Load]] = Field(
+        default={}, description="`[loads.CASE.NAME]`: load cases, each the sum of its loads"
+    )
+    probes: dict[Name, Probe] = Field(default={}, description="numbers to show for each load case")
+    frequencies: Frequencies | None = Field(
+        default=None, description="natural frequencies; absent: none"
+    )
+
+    @model_validator(mode="after")
+    def _something_to_do(self) -> Self:
+        if not self.loads and self.frequencies is None:
+            raise ValueError("nothing to compute: expected `loads`, `frequencies` or both")
+        empty = [name for name, case in self.loads.items() if not case]
+        if empty:
+            raise ValueError(f"loads.{empty[0]}: expected at least one load, [loads.{empty[0]}.X]")
+        if self.loads and not self.supports:
+            raise ValueError("loads without supports: expected at least one table [supports.NAME]")
+        return self
+
+
+def _direction(vector: list[float], key: str) -> None:
+    if not any(vector):
+        raise ValueError(f"expected `{key}` of some length")
+
+
+def describe(file: Path) -> ShellDescription:
+    """Read a shell description and check its keys, types and bounds; see `checked`."""
+    return checked(read_toml(file, "shell description"), file)
+
+
+def checked(table: dict[str, Any], file: Path) -> ShellDescription:
+    """Check keys, types and bounds of a description.
+
+    Raises
+    ------
+    InputError
+        Every finding on a line of its own: file, key, value, expectation.
+    """
+    try:
+        return ShellDescription.model_validate(table)
+    except ValidationError as error:
+        raise InputError("\n".join(lines(error, ShellDescription, str(file)))) from error

@@ -1,0 +1,267 @@
+"""From a shell description to the specification that the FE side reads.
+
+    {"name": "panel", "title": "...",
+     "mesh": {"file": "panel.geo", "sha256": "...", "parameters": {...}, "scale": 1e-3},
+     "materials": {"cfrp": {"kind": "orthotropic", ...}},
+     "laminates": {"skin": {"plies": [{"material": "cfrp", "angle_deg": 45.0, "thickness": 1e-4}],
+                            "offset": "mid", "shear_correction": "energy-1d"}},
+     "regions": {"all": {"laminate": "skin", "axis": [1.0, 0.0, 0.0], "flip": false}},
+     "elements": {...}, "stiffeners": {...}, "links": {...},
+     "supports": {"root": {"at": "root", "fixed": ["ux", "uy", "uz", "rx", "ry", "rz"]}},
+     "loads": {"pull": {"tip": {"at": "tip", "force": [1.0, 0.0, 0.0]}}},
+     "probes": {...}, "frequencies": {"count": 6, "free": false}}
+
+Plain JSON, SI and degrees; paths are relative to the working directory, plies one by one from
+bottom to top. Materials and laminates that no region uses are left out.
+"""
+
+import os
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from ...errors import InputError, nearest
+from ..common import read_toml
+from ..common.gmsh_file import content_sha256, is_gmsh_mesh, physical_groups
+from ..common.material import check_materials, plain
+from ..section.expand import load_section
+from .description import Mesh, Region, ShellDescription, checked
+
+ALL = "all"
+SUFFIXES = (".msh", ".geo", ".py")
+
+
+def load_shell(file: Path) -> dict[str, Any]:
+    """Return the specification of a described shell.
+
+    Raises
+    ------
+    InputError
+        Every finding on a line of its own: file, key, value, expectation.
+    """
+    return shell_spec(read_toml(file, "shell description"), file)
+
+
+def shell_spec(table: dict[str, Any], file: Path) -> dict[str, Any]:
+    """Return the specification of a description that was read already; see `load_shell`.
+
+    Parameters
+    ----------
+    table : the description; its file names are relative to the folder of `file`
+    file : where it comes from, for messages and for the shell's name
+    """
+    description = checked(table, file)
+    problems = [
+        *check_materials(description.materials),
+        *_references(description),
+        *_loads_on_links(description),
+    ]
+    mesh: dict[str, Any] = {}
+    try:
+        mesh = _mesh(description.mesh, file.parent)
+    except InputError as error:
+        problems += str(error).splitlines()
+    else:
+        problems += _groups(description, file.parent / description.mesh.file)
+    stiffeners: dict[str, Any] = {}
+    try:
+        stiffeners = _stiffeners(description, file.parent)
+    except InputError as error:
+        problems += str(error).splitlines()
+    if problems:
+        raise InputError("\n".join(f"{file}: {problem}" for problem in dict.fromkeys(problems)))
+    laminates, regions = _regions(description)
+    used = {ply["material"] for laminate in laminates.values() for ply in laminate["plies"]}
+    spec = {
+        "name": file.stem,
+        "title": description.title,
+        "mesh": mesh,
+        "materials": {n: plain(m) for n, m in description.materials.items() if n in used},
+        "laminates": laminates,
+        "regions": regions,
+        "elements": description.elements.model_dump(),
+        **({"stiffeners": stiffeners} if stiffeners else {}),
+        "links": _plain(description.links),
+        "supports": {
+            name: {"at": support.at, "fixed": support.freedoms}
+            for name, support in description.supports.items()
+        },
+        "loads": {case: _plain(loads) for case, loads in description.loads.items()},
+        "probes": _plain(description.probes),
+    }
+    if description.frequencies is not None:
+        spec["frequencies"] = description.frequencies.model_dump()
+    return spec
+
+
+def _plain(tables: dict[str, Any]) -> dict[str, Any]:
+    return {name: table.model_dump(exclude_none=True) for name, table in tables.items()}
+
+
+def _stiffeners(description: ShellDescription, folder: Path) -> dict[str, Any]:
+    """Stiffeners with the specifications of their sections."""
+    found = _plain(description.stiffeners)
+    for name, table in found.items():
+        if "section" not in table:
+            continue
+        try:
+            section = load_section(folder / table["section"])
+        except InputError as error:
+            lines = [f"stiffeners.{name}.section: {line}" for line in str(error).splitlines()]
+            raise InputError("\n".join(lines)) from error
+        del section["title"]
+        table["section"] = section
+    return found
+
+
+def _mesh(table: Mesh, folder: Path) -> dict[str, Any]:
+    file = folder / table.file
+    if file.suffix not in SUFFIXES:
+        raise InputError(
+            f'mesh.file = "{table.file}": expected a gmsh mesh .msh, a script .geo, or a .py with '
+            "build(gmsh, parameters)"
+        )
+    if not file.is_file():
+        raise InputError(f'mesh.file = "{table.file}": there is no file {file}')
+    if file.suffix == ".msh":
+        if table.parameters is not None:
+            raise InputError(f"mesh.parameters: expected with a script only, not with {table.file}")
+        if not is_gmsh_mesh(file):
+            raise InputError(f'mesh.file = "{table.file}": not a mesh of gmsh')
+    mesh: dict[str, Any] = {"file": os.path.relpath(file), "sha256": content_sha256(file)}
+    if table.parameters is not None:
+        mesh["parameters"] = table.parameters
+    if table.scale is not None:
+        mesh["scale"] = table.scale
+    return mesh
+
+
+def _regions(description: ShellDescription) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Laminates that are used, and the regions with the names of theirs."""
+    laminates: dict[str, Any] = {}
+    regions: dict[str, Any] = {}
+    for name, region in description.regions.items():
+        laminate = region.laminate
+        if laminate is not None:
+            own = description.laminates[laminate]
+            laminates[laminate] = {
+                "plies": own.stack(),
+                "offset": own.offset,
+                "shear_correction": own.shear_correction,
+            }
+        else:
+            laminate = f"{name}: {region.material}"
+            ply = {"material": region.material, "angle_deg": 0.0, "thickness": region.thickness}
+            laminates[laminate] = {
+                "plies": [ply],
+                "offset": "mid" if region.offset is None else region.offset,
+                "shear_correction": "energy-1d",
+            }
+        axes = region.model_dump(include={"axis", "axis_curve", "axis_about"}, exclude_none=True)
+        regions[name] = {"laminate": laminate, **axes, "flip": region.flip}
+    return laminates, regions
+
+
+def _references(description: ShellDescription) -> list[str]:
+    """Laminates and materials that are named but not described."""
+    found = []
+    for name, region in description.regions.items():
+        if region.laminate is not None and region.laminate not in description.laminates:
+            found.append(
+                f'regions.{name}.laminate = "{region.laminate}": no such laminate'
+                f"{nearest(region.laminate, description.laminates)}"
+            )
+        if region.material is not None:
+            found += _unknown(f"regions.{name}", [region.material], description)
+        found += _directed(name, region, description)
+    for name, laminate in description.laminates.items():
+        materials = [ply["material"] for ply in laminate.stack()]
+        found += _unknown(f"laminates.{name}", materials, description)
+    return found
+
+
+def _unknown(key: str, materials: Iterable[str], description: ShellDescription) -> list[str]:
+    return [
+        f'{key} = "{material}": no such material{nearest(material, description.materials)}'
+        for material in dict.fromkeys(materials)
+        if material not in description.materials
+    ]
+
+
+def _directed(name: str, region: Region, description: ShellDescription) -> list[str]:
+    """What is missing: where plies with directions point to has no default."""
+    if (region.axis, region.axis_curve, region.axis_about) != (None, None, None):
+        return []
+    laminate = description.laminates.get(region.laminate or "")
+    names = [ply["material"] for ply in laminate.stack()] if laminate else [region.material]
+    kinds = [description.materials[n].kind for n in names if n in description.materials]
+    if "orthotropic" not in kinds:
+        return []
+    return [
+        f"regions.{name}.axis: missing, needed for the direction of its plies: expected "
+        'axis = [x, y, z], axis_curve = ".." or axis_about = {point = [..], direction = [..]}'
+    ]
+
+
+def _groups(description: ShellDescription, file: Path) -> list[str]:
+    """Names that a .msh file does not have; only gmsh knows those of a script."""
+    if file.suffix != ".msh":
+        return []
+    points, curves, surfaces = physical_groups(file)
+    if not surfaces:
+        return [
+            f'mesh.file = "{description.mesh.file}": no physical surface of it has a name, '
+            'expected one per region, like Physical Surface("skin") = {1};'
+        ]
+    found = [
+        f"regions.{name}: {file.name} has no physical surface of this name{nearest(name, surfaces)}"
+        for name in description.regions
+        if name not in (*surfaces, ALL)
+    ]
+    if ALL not in description.regions:
+        found += [
+            f"regions.{name}: missing; {file.name} has the physical surfaces {', '.join(surfaces)}"
+            for name in surfaces
+            if name not in description.regions
+        ]
+    known = [*points, *curves, *surfaces]
+    for key, name in _places(description):
+        links = () if key.startswith("links.") else description.links
+        if name not in known and name not in links:
+            found.append(
+                f'{key} = "{name}": {file.name} has no physical group of this name'
+                f"{nearest(name, (*known, *links))}"
+            )
+    for name, region in description.regions.items():
+        if region.axis_curve is not None and region.axis_curve not in curves:
+            found.append(
+                f'regions.{name}.axis_curve = "{region.axis_curve}": {file.name} has no physical '
+                f"curve of this name{nearest(region.axis_curve, curves)}"
+            )
+    return found
+
+
+def _places(description: ShellDescription) -> list[tuple[str, str]]:
+    """Key and name of every group that is asked for."""
+    tables: list[tuple[str, Any]] = [
+        *((f"stiffeners.{name}", rib) for name, rib in description.stiffeners.items()),
+        *((f"links.{name}", link) for name, link in description.links.items()),
+        *((f"supports.{name}", support) for name, support in description.supports.items()),
+        *(
+            (f"loads.{case}.{name}", load)
+            for case, loads in description.loads.items()
+            for name, load in loads.items()
+        ),
+        *((f"probes.{name}", probe) for name, probe in description.probes.items()),
+    ]
+    return [(f"{key}.at", table.at) for key, table in tables if table.at is not None]
+
+
+def _loads_on_links(description: ShellDescription) -> list[str]:
+    """Distributed loads on a reference point, which has neither length nor area."""
+    return [
+        f'loads.{case}.{name}.at = "{load.at}": a link takes `force` or `moment` only'
+        for case, loads in description.loads.items()
+        for name, load in loads.items()
+        if load.at in description.links and load.force is None and load.moment is None
+    ]

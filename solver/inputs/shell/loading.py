@@ -1,0 +1,149 @@
+"""Tables of a shell description: what holds it, what loads it, what is asked."""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from ..common.table import Table, Vector, unit
+
+Freedom = Literal["ux", "uy", "uz", "rx", "ry", "rz"]
+FREEDOMS: tuple[Freedom, ...] = ("ux", "uy", "uz", "rx", "ry", "rz")
+HELD: dict[str, tuple[Freedom, ...]] = {
+    "all": FREEDOMS,
+    "symmetry-x": ("ux", "ry", "rz"),
+    "symmetry-y": ("uy", "rx", "rz"),
+    "symmetry-z": ("uz", "rx", "ry"),
+}
+ON_CELLS = ("force_per_area", "pressure")
+RESULTANTS = ("N11", "N22", "N12", "M11", "M22", "M12", "T1", "T2")
+Asked = Literal[
+    "ux", "uy", "uz", "rx", "ry", "rz", "N11", "N22", "N12", "M11", "M22", "M12", "T1", "T2"
+]
+
+
+def _as_list(value: object) -> object:
+    """Let one word stand for a list of one."""
+    return [value] if isinstance(value, str) else value
+
+
+class Link(Table):
+    """`[links.NAME]`: a reference point of six degrees of freedom for a group of nodes."""
+
+    at: str = Field(description="physical point, curve or surface")
+    kind: Literal["rigid", "average"] = Field(
+        description="rigid: the group moves as one with the point; average: the point follows "
+        "the mean motion of the group, and what loads it is spread over the group"
+    )
+    point: Vector | None = Field(
+        default=None,
+        description="the reference point; absent: centre of the group",
+        json_schema_extra=unit("m"),
+    )
+
+
+class Support(Table):
+    """`[supports.NAME]`: degrees of freedom that are held at 0."""
+
+    at: str = Field(description="physical point, curve or surface, or a link")
+    fixed: (
+        Literal["all", "symmetry-x", "symmetry-y", "symmetry-z"]
+        | Annotated[list[Freedom], Field(min_length=1)]
+    ) = Field(
+        description="displacements and rotations along and about x, y, z; symmetry-x: the plane "
+        "normal to x is a mirror"
+    )
+
+    @property
+    def freedoms(self) -> list[str]:
+        """The degrees of freedom by name."""
+        if isinstance(self.fixed, str):
+            return list(HELD[self.fixed])
+        return [freedom for freedom in FREEDOMS if freedom in self.fixed]
+
+
+class Load(Table):
+    """`[loads.CASE.NAME]`: one load of a case; one of the values below."""
+
+    at: str | None = Field(
+        default=None,
+        description="physical point, curve or surface, or a link; absent: the whole shell, for "
+        "gravity, pressure and force_per_area",
+    )
+    force: Vector | None = Field(
+        default=None,
+        description="total force, shared by length of a curve, by area of a surface, or equally "
+        "by points",
+        json_schema_extra=unit("N"),
+    )
+    moment: Vector | None = Field(
+        default=None, description="total moment, shared likewise", json_schema_extra=unit("N m")
+    )
+    force_per_length: Vector | None = Field(
+        default=None, description="on a curve", json_schema_extra=unit("N/m")
+    )
+    force_per_area: Vector | None = Field(
+        default=None, description="on a surface", json_schema_extra=unit("N/m2")
+    )
+    pressure: float | None = Field(
+        default=None,
+        description="on a surface, along the normal e3 of its region",
+        json_schema_extra=unit("Pa"),
+    )
+    sine: Vector | None = Field(
+        default=None,
+        description="with force_per_area or pressure: [a, b, c] varies them like "
+        "sin(pi x/a) sin(pi y/b) sin(pi z/c); a 0 leaves its factor out",
+        json_schema_extra=unit("m"),
+    )
+    gravity: Vector | None = Field(
+        default=None,
+        description="acceleration of gravity, on the whole shell",
+        json_schema_extra=unit("m/s2"),
+    )
+
+    @model_validator(mode="after")
+    def _one_load(self) -> Self:
+        given = self.model_dump(exclude_none=True, exclude={"at", "sine"})
+        if len(given) != 1:
+            raise ValueError(
+                "expected one of `force`, `moment`, `force_per_length`, `force_per_area`, "
+                f"`pressure`, `gravity`, found {', '.join(given) or 'none'}"
+            )
+        if "gravity" in given and self.at is not None:
+            raise ValueError("expected no `at` with `gravity`: it acts on the whole shell")
+        if self.at is None and not set(given) & {"gravity", *ON_CELLS}:
+            raise ValueError(f"expected `at` with `{next(iter(given))}`")
+        if self.sine is not None and not set(given) & set(ON_CELLS):
+            raise ValueError("expected `sine` with `force_per_area` or `pressure` only")
+        return self
+
+
+class Probe(Table):
+    """`[probes.NAME]`: numbers to show for each load case."""
+
+    at: str | None = Field(
+        default=None, description="physical point, curve or surface: the mean over it; or a link"
+    )
+    near: Vector | None = Field(
+        default=None,
+        description="instead: the nearest node, or for resultants the nearest cell",
+        json_schema_extra=unit("m"),
+    )
+    what: Annotated[list[Asked], Field(min_length=1), BeforeValidator(_as_list)] = Field(
+        description="displacements, rotations, or resultants in laminate axes"
+    )
+
+    @model_validator(mode="after")
+    def _one_place(self) -> Self:
+        if (self.at is None) == (self.near is None):
+            raise ValueError("expected either `at` or `near`")
+        return self
+
+
+class Frequencies(Table):
+    """`[frequencies]`: natural frequencies and modes."""
+
+    count: int = Field(default=6, ge=1, le=1000, description="how many, from the lowest")
+    free: bool = Field(
+        default=False, description="true: without the supports; then six of them are 0"
+    )

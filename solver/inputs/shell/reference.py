@@ -1,0 +1,102 @@
+"""The manual of shell descriptions, generated from the models.
+
+python -m plymotion.solver.inputs.shell.reference > docs/shell-description.md
+"""
+
+from ..common.material import MATERIAL_TABLES
+from ..common.page import chapters
+from .description import (
+    AxisAbout,
+    Elements,
+    Laminate,
+    Mesh,
+    Ply,
+    Region,
+    ShellDescription,
+    Stiffener,
+)
+from .loading import Frequencies, Link, Load, Probe, Support
+
+HEAD = """\
+# The shell description
+
+A laminated plate or shell is one TOML file, checked before anything is computed: unknown keys,
+names that do not exist and values out of bounds are errors that name file, key, value and
+expectation. Ready ones lie in `cases/shells/`. This page is generated from solver/inputs/shell/ by
+`make docs`; axes, signs and what the numbers mean are in [shells.md](shells.md).
+
+    plymotion shell cases/shells/plate.toml
+
+Units are SI; degrees only in keys that end in `_deg`.
+
+```toml
+format = 1
+title = "A plate of eight plies, clamped on one side"
+
+[mesh]
+file = "plate.geo"             # physical groups: surface "plate", curves "root" and "tip"
+parameters = { n = 16 }
+
+[materials.cfrp]
+kind = "orthotropic"
+E1 = 142e9
+E2 = 9.8e9
+E3 = 9.8e9
+G12 = 6.0e9
+G13 = 6.0e9
+G23 = 4.8e9
+nu12 = 0.42
+nu13 = 0.42
+nu23 = 0.42
+rho = 1600.0
+
+[laminates.skin]               # [0/45/-45/90]s, bottom ply first
+material = "cfrp"
+angles_deg = [0, 45, -45, 90]
+ply_thickness = 0.125e-3
+symmetric = true
+
+[regions.plate]
+laminate = "skin"
+axis = [1, 0, 0]               # 0 deg lies along x
+
+[supports.root]
+at = "root"
+fixed = "all"
+
+[loads.bending.tip]
+at = "tip"
+force = [0, 0, 10.0]
+
+[loads.weight.all]
+gravity = [0, 0, -9.81]
+
+[probes.tip]
+at = "tip"
+what = ["uz", "ry"]
+
+[frequencies]
+count = 4
+```
+
+## Meshes
+
+Three-node triangles in space, from gmsh: a `.msh` of any version, a `.geo` script, or a Python file
+with a function `build(gmsh, parameters)` that fills the current model and may leave the meshing to
+Plymotion. Every surface belongs to exactly one physical surface: its name is the region's. Physical
+points and curves are what supports, loads and probes stand on. Surfaces that meet must share their
+nodes there (`BooleanFragments`, or points and curves used by both); a node may carry any number of
+surfaces, as at a stiffener.
+"""
+
+
+def shell_page() -> str:
+    """Return docs/shell-description.md."""
+    shell = (ShellDescription, Mesh, Laminate, Ply, Region, AxisAbout, Elements, Stiffener)
+    loading = (Link, Support, Load, Probe, Frequencies)
+    page = "\n".join([HEAD, *chapters((*shell, *loading, *MATERIAL_TABLES))])
+    return page.rstrip("\n") + "\n"
+
+
+if __name__ == "__main__":
+    print(shell_page(), end="")
