@@ -20,12 +20,12 @@ from matplotlib.ticker import NullFormatter
 from mechanism_samples import Sample, bricard, chain, four_bars, pendulum
 
 from plymotion.solver.ahead import compile_ahead
-from plymotion.solver.constraints.treatment import IMPLICIT, Treatment
+from plymotion.solver.dynamics.constraints.treatment import IMPLICIT, Treatment
+from plymotion.solver.dynamics.model import Model
+from plymotion.solver.dynamics.system import assemble, energies
 from plymotion.solver.integrate import Solution, integrate
-from plymotion.solver.model import Model
 from plymotion.solver.report.style import COLOURS, house_style
 from plymotion.solver.singularity import SingularityMonitor
-from plymotion.solver.system import assemble, energies
 
 REFERENCE = Path("tests/reference/dynamics")
 CSV = Path("build/benchmarks/constraints.csv")

@@ -16,7 +16,7 @@ from mechanism_samples import Sample, chain
 from stability_samples import hand
 
 from plymotion.solver.ahead import compile_ahead
-from plymotion.solver.constraints.treatment import Treatment
+from plymotion.solver.dynamics.constraints.treatment import Treatment
 from plymotion.solver.errors import InputError
 from plymotion.solver.integrate import INTEGRATORS, Solution, integrate
 

@@ -7,8 +7,8 @@ import numpy as np
 from solver_exudyn import Plane
 from solver_problems import SHIPPED, Problem
 
+from plymotion.solver.dynamics.model import Model
 from plymotion.solver.math.arrays import Array
-from plymotion.solver.model import Model
 from plymotion.solver.package import read_package
 
 BEAM, CRANK, LINK = 0, 1, 2  # bodies of the problem

@@ -9,10 +9,10 @@ import numpy as np
 from solver_methods import Method
 from solver_problems import Problem
 
-from plymotion.solver.constraints.treatment import treated, treatment_of
+from plymotion.solver.dynamics.constraints.treatment import treated, treatment_of
+from plymotion.solver.dynamics.model import Model
 from plymotion.solver.integrate import Integrator, Solution, StopRequest, integrate
 from plymotion.solver.math.arrays import Array
-from plymotion.solver.model import Model
 from plymotion.solver.run import make_integrator, output_times
 
 REFERENCE = Method("reference", "rk8", "projection", (1e-10,))

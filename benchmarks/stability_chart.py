@@ -19,7 +19,8 @@ from constraint_runs import new_run, prepared
 from matplotlib.lines import Line2D
 from mechanism_samples import pendulum
 
-from plymotion.solver.constraints.treatment import Treatment
+from plymotion.solver.dynamics.constraints.treatment import Treatment
+from plymotion.solver.dynamics.system import assemble, constraint_rates
 from plymotion.solver.integrate import (
     INTEGRATORS,
     ConstrainedSystem,
@@ -29,7 +30,6 @@ from plymotion.solver.integrate import (
 )
 from plymotion.solver.package.common.container import temporary_sibling
 from plymotion.solver.report.style import INK, WARNING, Canvas, colour, house_style
-from plymotion.solver.system import assemble, constraint_rates
 
 H = 0.02  # s, of the pendulum's runs
 T_END = 4.0

@@ -31,18 +31,18 @@ from stiffening_samples import (  # noqa: E402
     soft_pendulum,
 )
 
-from plymotion.solver.assemble import (  # noqa: E402
+from plymotion.solver.dynamics.model import Model  # noqa: E402
+from plymotion.solver.dynamics.system import derivative_into  # noqa: E402
+from plymotion.solver.dynamics.tables import (  # noqa: E402
     JointTable,
     MarkerTable,
     assemble_model,
     flexible_body,
 )
+from plymotion.solver.dynamics.workspace import Work, new_work  # noqa: E402
 from plymotion.solver.math.arrays import Array  # noqa: E402
 from plymotion.solver.math.compiled import COMPILED, jit  # noqa: E402
 from plymotion.solver.math.laws import polynomial  # noqa: E402
-from plymotion.solver.model import Model  # noqa: E402
-from plymotion.solver.system import derivative_into  # noqa: E402
-from plymotion.solver.workspace import Work, new_work  # noqa: E402
 
 BATCHES = 41
 CASES = (

@@ -6,23 +6,23 @@ from multiprocessing import get_context
 
 import numpy as np
 
-from .assemble import ForceTable, JointTable, MarkerTable, assemble_model, rigid_body
-from .bodies.floating_frame import centrifugal_matrix
-from .bodies.marker import single_motion
 from .closures import right_hand_side
-from .coordinates import moved, position_rates
-from .forces.table import KINDS as FORCE_KINDS
-from .forces.table import element_wrench
+from .dynamics.bodies.floating_frame import centrifugal_matrix
+from .dynamics.bodies.marker import single_motion
+from .dynamics.coordinates import moved, position_rates
+from .dynamics.forces.table import KINDS as FORCE_KINDS
+from .dynamics.forces.table import element_wrench
+from .dynamics.joints.table import KINDS
+from .dynamics.model import Model
+from .dynamics.projection import projected
+from .dynamics.system import assemble, derivative, energies, law_at
+from .dynamics.tables import ForceTable, JointTable, MarkerTable, assemble_model, rigid_body
 from .integrate import RungeKutta8, integrate
-from .joints.table import KINDS
 from .marching import CompiledAlpha, Marching, Radau
 from .math.arrays import Array
 from .math.compiled import COMPILED
 from .math.laws import polynomial
 from .math.rotations import rotation_matrix, vector_to_matrix
-from .model import Model
-from .projection import projected
-from .system import assemble, derivative, energies, law_at
 
 
 def compile_ahead() -> str:

@@ -4,15 +4,21 @@ from collections.abc import Callable
 
 import numpy as np
 
-from .coordinates import moved, position_rates
+from .dynamics.coordinates import moved, position_rates
+from .dynamics.model import Model
+from .dynamics.projection import projected
+from .dynamics.system import (
+    accelerations,
+    assemble,
+    by_blocks,
+    dense_derivative_into,
+    derivative_into,
+)
+from .dynamics.workspace import new_work
 from .integrate.base import Derivative
 from .integrate.constrained import ConstrainedSystem
 from .march.explicit import fill_stages
 from .math.arrays import Array
-from .model import Model
-from .projection import projected
-from .system import accelerations, assemble, by_blocks, dense_derivative_into, derivative_into
-from .workspace import new_work
 
 
 class RightHandSide:

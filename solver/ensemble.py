@@ -11,11 +11,11 @@ from typing import Any, get_type_hints
 
 import numpy as np
 
-from .constraints.treatment import Treatment
+from .dynamics.constraints.treatment import Treatment
+from .dynamics.model import Model
+from .dynamics.plan import Plan
 from .integrate import Solution, integrate
 from .math.arrays import Array
-from .model import Model
-from .plan import Plan
 from .preparation import Watch
 from .run import make_integrator
 

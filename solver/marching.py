@@ -6,9 +6,12 @@ from typing import Any
 import numpy as np
 
 from .closures import right_hand_side
-from .constraints.treatment import Treatment
+from .dynamics.constraints.treatment import Treatment
+from .dynamics.forces.table import FIRST_LOAD
+from .dynamics.model import Model
+from .dynamics.system import by_blocks, derivative_into
+from .dynamics.workspace import new_work
 from .errors import InputError
-from .forces.table import FIRST_LOAD
 from .integrate import Integrator
 from .integrate.alpha_scheme import scheme
 from .integrate.base import FIRST_STEPS, Dense
@@ -23,9 +26,6 @@ from .march.radau import advance
 from .march.tableau import MU
 from .math.arrays import Array
 from .math.compiled import COMPILED
-from .model import Model
-from .system import by_blocks, derivative_into
-from .workspace import new_work
 
 # Steps of one call, between which Ctrl-C is heard without loss.
 CHUNK = 200 if COMPILED else 5

@@ -4,10 +4,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .bodies.floating_frame import centrifugal_matrix
+from .dynamics.bodies.floating_frame import centrifugal_matrix
+from .dynamics.model import GROUND, Model
 from .integrate import Integrator, StopRequest
 from .math.arrays import Array
-from .model import GROUND, Model
 
 SPIN_CODE = "spin-above-clamped-frequency"
 

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 
 from . import findings, ply_stress, reactions, recover, shell_stress
+from .dynamics.freedom import degrees_of_freedom
+from .dynamics.model import Model
 from .energy_monitor import JUMP_CODE
-from .freedom import degrees_of_freedom
 from .integrate import Solution
 from .math.arrays import Array
 from .mechanism import BuiltMechanism
-from .model import Model
 from .monitor import SPIN_CODE, SpinMonitor
 from .package import ModalPackage
 from .results import BodyGeometry, RunResult, Signal, signal_summary

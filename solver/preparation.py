@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from .constraints.treatment import Treatment, treated, treatment_of
+from .dynamics.constraints.treatment import Treatment, treated, treatment_of
+from .dynamics.model import Model
 from .energy_monitor import JUMP_CODE
 from .equilibrium import starting_state
 from .findings import Finding, finding
@@ -14,7 +15,6 @@ from .initial import redundancy
 from .integrate import Integrator, Solution, StopRequest
 from .math.arrays import Array
 from .mechanism import BuiltMechanism, build
-from .model import Model
 from .monitor import SPIN_CODE, SpinMonitor
 from .package import ModalPackage
 from .signals import Sensor, sensors

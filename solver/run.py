@@ -10,7 +10,8 @@ import numpy as np
 from tqdm import tqdm
 
 from .closures import constrained_system, projection, right_hand_side
-from .constraints.treatment import IMPLICIT, Treatment, treatment_of
+from .dynamics.constraints.treatment import IMPLICIT, Treatment, treatment_of
+from .dynamics.model import Model
 from .errors import InputError, PackageError
 from .integrate import (
     Integrator,
@@ -23,7 +24,6 @@ from .integrate import (
 )
 from .marching import CompiledAlpha, Radau, has_elements, marches
 from .math.arrays import Array
-from .model import Model
 from .outcome import RunSpec, collect
 from .package import ModalPackage, read_package
 from .preparation import Watch, prepare

@@ -10,14 +10,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .constraints.scaling import scaled_jacobian
-from .constraints.treatment import PASSES_SINGULAR
+from .dynamics.constraints.scaling import scaled_jacobian
+from .dynamics.constraints.treatment import PASSES_SINGULAR
+from .dynamics.model import Model
+from .dynamics.system import assemble
 from .energy_monitor import EnergyMonitor
 from .integrate import Integrator, StopRequest
 from .integrate.base import Dense
 from .math.arrays import Array
-from .model import Model
-from .system import assemble
 
 SINGULAR_CODE = "singular-position"
 BRANCH_CODE = "branch-change"

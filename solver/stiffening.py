@@ -11,18 +11,18 @@ from typing import Any
 
 import numpy as np
 
-from .bodies.marker import single_motion
-from .bodies.motion import place
-from .bodies.second_order import stiffening_matrix
+from .dynamics.bodies.marker import single_motion
+from .dynamics.bodies.motion import place
+from .dynamics.bodies.second_order import stiffening_matrix
+from .dynamics.forces.table import FIRST_LOAD, element_wrench
+from .dynamics.model import Model
+from .dynamics.system import accelerations, assemble, law_at
 from .findings import Finding, finding
-from .forces.table import FIRST_LOAD, element_wrench
 from .math.arrays import Array
 from .math.rotations import rotation_matrix
 from .mechanism import BuiltMechanism, build
-from .model import Model
 from .monitor import SpinMonitor
 from .recover import stiffened
-from .system import accelerations, assemble, law_at
 
 BUCKLING_CODE = "buckling-by-motion"
 INDEFINITE_CODE = "stiffened-mass-indefinite"

@@ -15,9 +15,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from .assemble import Body, JointTable, MarkerTable, rigid_body
+from .dynamics.model import GROUND, Model
+from .dynamics.tables import Body, JointTable, MarkerTable, rigid_body
 from .math.arrays import Array
-from .model import GROUND, Model
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,9 @@ import numpy as np
 from mechanism_samples import Sample
 
 from plymotion.solver.closures import constrained_system, projection, right_hand_side
-from plymotion.solver.constraints.treatment import IMPLICIT, Treatment, treated
+from plymotion.solver.dynamics.constraints.treatment import IMPLICIT, Treatment, treated
+from plymotion.solver.dynamics.model import Model
+from plymotion.solver.dynamics.system import assemble, constraint_rates, energies
 from plymotion.solver.initial import consistent_state, redundancy
 from plymotion.solver.integrate import (
     Integrator,
@@ -16,9 +18,7 @@ from plymotion.solver.integrate import (
     new_integrator,
 )
 from plymotion.solver.marching import CompiledAlpha, Radau
-from plymotion.solver.model import Model
 from plymotion.solver.singularity import SingularityMonitor
-from plymotion.solver.system import assemble, constraint_rates, energies
 
 
 @dataclass

@@ -4,14 +4,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plymotion.solver.assemble import Body, ForceTable, JointTable, MarkerTable, assemble_model
 from plymotion.solver.closures import right_hand_side
+from plymotion.solver.dynamics.model import Model
+from plymotion.solver.dynamics.system import assemble, energies
+from plymotion.solver.dynamics.tables import (
+    Body,
+    ForceTable,
+    JointTable,
+    MarkerTable,
+    assemble_model,
+)
 from plymotion.solver.integrate import integrate, new_integrator
 from plymotion.solver.math.laws import polynomial
 from plymotion.solver.math.rotations import rotation_matrix, skew, vector_to_matrix
-from plymotion.solver.model import Model
 from plymotion.solver.package import from_stations
-from plymotion.solver.system import assemble, energies
 
 
 @dataclass(frozen=True)

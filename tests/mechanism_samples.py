@@ -9,11 +9,17 @@ from itertools import pairwise
 
 import numpy as np
 
-from plymotion.solver.assemble import Body, JointTable, MarkerTable, assemble_model, rigid_body
-from plymotion.solver.bodies.marker import marker_motion
+from plymotion.solver.dynamics.bodies.marker import marker_motion
+from plymotion.solver.dynamics.model import Model
+from plymotion.solver.dynamics.tables import (
+    Body,
+    JointTable,
+    MarkerTable,
+    assemble_model,
+    rigid_body,
+)
 from plymotion.solver.initial import Start
 from plymotion.solver.math.rotations import frame_from_axis
-from plymotion.solver.model import Model
 
 GROUND = -1
 Z = (0.0, 0.0, 1.0)

@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 from mechanism_samples import GRAVITY, GROUND, Sample
 
-from plymotion.solver.assemble import JointTable, MarkerTable, assemble_model, flexible_body
+from plymotion.solver.dynamics.model import Model
+from plymotion.solver.dynamics.tables import JointTable, MarkerTable, assemble_model, flexible_body
 from plymotion.solver.initial import Start
 from plymotion.solver.integrate import Integrator
-from plymotion.solver.model import Model
 from plymotion.solver.package import read_package
 
 HAND = Path(__file__).parent / "packages/double-pendulum/hand.isotropic.vtkhdf"

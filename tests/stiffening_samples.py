@@ -7,13 +7,13 @@ import numpy as np
 from beam_samples import Beam, reduced
 
 from plymotion.preprocess.beam.section_mass import SectionMass
-from plymotion.solver.assemble import JointTable, MarkerTable, assemble_model, flexible_body
-from plymotion.solver.bodies.marker import marker_motion
+from plymotion.solver.dynamics.bodies.marker import marker_motion
+from plymotion.solver.dynamics.model import Model
+from plymotion.solver.dynamics.system import derivative
+from plymotion.solver.dynamics.tables import JointTable, MarkerTable, assemble_model, flexible_body
 from plymotion.solver.initial import Start, consistent_state
 from plymotion.solver.math.laws import polynomial
-from plymotion.solver.model import Model
 from plymotion.solver.package import ModalPackage
-from plymotion.solver.system import derivative
 
 GRAVITY = (0.0, -9.81, 0.0)
 

@@ -7,8 +7,19 @@ and differences for its stiffness. Here modal stiffness and damping are the ones
 
 import numpy as np
 
-from ..coordinates import move, rates_into
-from ..elimination import solve
+from ..dynamics.coordinates import move, rates_into
+from ..dynamics.elimination import solve
+from ..dynamics.model import Model
+from ..dynamics.system import (
+    accelerate,
+    evaluate,
+    evaluate_rates,
+    flatten,
+    inflate,
+    largest_left,
+    row_products,
+)
+from ..dynamics.workspace import PHI, PHI_T
 from ..integrate.alpha_scheme import (
     HYSTERESIS,
     MAX_FACTOR,
@@ -20,17 +31,6 @@ from ..integrate.alpha_scheme import (
 )
 from ..math.arrays import Array
 from ..math.compiled import inlined, lean
-from ..model import Model
-from ..system import (
-    accelerate,
-    evaluate,
-    evaluate_rates,
-    flatten,
-    inflate,
-    largest_left,
-    row_products,
-)
-from ..workspace import PHI, PHI_T
 from .alpha_course import POWER, POWER_LAST, AlphaCourse
 from .course import (
     ARRIVED,

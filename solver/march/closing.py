@@ -8,14 +8,14 @@ The metric is that of the step, s^2 M + s D + K: a change in the metric of the m
 and the same for velocities with Phi_q dv = -Phidot.
 """
 
-from ..coordinates import move
-from ..elimination import solve
+from ..dynamics.coordinates import move
+from ..dynamics.elimination import solve
+from ..dynamics.model import Model
+from ..dynamics.projection import CLOSED, TOLERABLE
+from ..dynamics.system import evaluate, evaluate_rates, flatten, largest, largest_left
+from ..dynamics.workspace import PHI, Work
 from ..math.arrays import Array
 from ..math.compiled import inlined, lean
-from ..model import Model
-from ..projection import CLOSED, TOLERABLE
-from ..system import evaluate, evaluate_rates, flatten, largest, largest_left
-from ..workspace import PHI, Work
 from .pencil import Frozen, Pencil, factorise_pencil, freeze
 
 MAX_ITERATIONS = 4

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from ..dynamics.model import Model
 from ..math.arrays import Array
 from ..math.compiled import inlined
-from ..model import Model
 from .course import Course, Options
 from .residual import rest
 from .tableau import A_INVERSE, ERROR, POWERS, T_INVERSE, A, C, T

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from ..assemble import Body, assemble_model, flexible_body, rigid_body
+from ..dynamics.model import Model
+from ..dynamics.tables import Body, assemble_model, flexible_body, rigid_body
 from ..initial import Start
 from ..math.rotations import matrix_to_parameters
-from ..model import Model
 from ..package import Interface, ModalPackage
 from ..virtual import VirtualBodies, through_virtual_bodies
 from .forces import force_tables

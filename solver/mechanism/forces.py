@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ..assemble import ForceTable
+from ..dynamics.tables import ForceTable
 from .laws import law_of
 from .places import Places, axes
 

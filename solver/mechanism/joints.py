@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..assemble import JointTable
+from ..dynamics.tables import JointTable
 from ..errors import InputError
 from ..math.arrays import Array
 from .laws import law_of, shifted

@@ -4,11 +4,11 @@ from typing import Any
 
 import numpy as np
 
-from ..assemble import MarkerTable
+from ..dynamics.model import GROUND
+from ..dynamics.tables import MarkerTable
 from ..errors import InputError, nearest
 from ..math.arrays import Array
 from ..math.rotations import frame_from_axis, vector_to_matrix
-from ..model import GROUND
 from ..package import Interface, ModalPackage
 
 

@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from ..bodies.marker import Marker
-from ..joints.table import KINDS
+from ..dynamics.bodies.marker import Marker
+from ..dynamics.joints.table import KINDS
+from ..dynamics.system import law_at
 from ..math.arrays import Array
 from ..mechanism import BuiltJoint
-from ..system import law_at
 from .recording import Recording
 
 _DISPLACEMENTS = {"x": 0, "y": 1, "z": 2}

@@ -4,11 +4,11 @@ from functools import cached_property
 
 import numpy as np
 
-from ..bodies.marker import Marker, marker_motion
+from ..dynamics.bodies.marker import Marker, marker_motion
+from ..dynamics.model import Model
+from ..dynamics.system import accelerations, assemble
 from ..math.arrays import Array
-from ..model import Model
 from ..reactions import joint_reactions
-from ..system import accelerations, assemble
 
 
 class Recording:

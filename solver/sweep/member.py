@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from .. import findings, recover
+from ..dynamics.freedom import degrees_of_freedom
 from ..ensemble import integrate_members, structure
 from ..errors import InputError, PackageError
-from ..freedom import degrees_of_freedom
 from ..integrate import Solution
 from ..math.arrays import Array
 from ..monitor import SPIN_CODE

@@ -8,7 +8,7 @@ from flexible_samples import momenta, simulate, total_energy
 from shell_specs import CFRP, plate
 
 from plymotion.preprocess.body import build_body
-from plymotion.solver.assemble import assemble_model, flexible_body
+from plymotion.solver.dynamics.tables import assemble_model, flexible_body
 
 
 def panel(mass_form: str, reference: dict[str, Any]) -> dict[str, Any]:

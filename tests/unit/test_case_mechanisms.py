@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from plymotion.solver.__main__ import main
+from plymotion.solver.dynamics.system import law_at
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.mechanism import build
-from plymotion.solver.system import law_at
 
 SOURCE = """
 format = 1

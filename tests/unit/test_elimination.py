@@ -13,12 +13,12 @@ from flexible_samples import (
 )
 from scipy.linalg import eigh
 
-from plymotion.solver.assemble import JointTable, MarkerTable, assemble_model
-from plymotion.solver.elimination import factorise, solve
+from plymotion.solver.dynamics.elimination import factorise, solve
+from plymotion.solver.dynamics.model import Model
+from plymotion.solver.dynamics.system import dense, dense_derivative_into, derivative_into, evaluate
+from plymotion.solver.dynamics.tables import JointTable, MarkerTable, assemble_model
+from plymotion.solver.dynamics.workspace import new_factors, new_work
 from plymotion.solver.math.laws import polynomial
-from plymotion.solver.model import Model
-from plymotion.solver.system import dense, dense_derivative_into, derivative_into, evaluate
-from plymotion.solver.workspace import new_factors, new_work
 
 
 def blocks(model: Model, whole: np.ndarray) -> np.ndarray:

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from sweep_samples import FORCE, MASS, ball_plan
 
+from plymotion.solver.dynamics.model import Model
+from plymotion.solver.dynamics.plan import Plan
 from plymotion.solver.ensemble import integrate_members, member, stack_models, structure
 from plymotion.solver.integrate import Solution, integrate
-from plymotion.solver.model import Model
-from plymotion.solver.plan import Plan
 from plymotion.solver.preparation import prepare
 from plymotion.solver.run import make_integrator
 

@@ -6,12 +6,11 @@ from constraint_runs import prepared
 from flexible_samples import random_mechanism, random_state
 from mechanism_samples import bricard, chain, four_bars
 
-from plymotion.solver.assemble import JointTable, MarkerTable, assemble_model, rigid_body
 from plymotion.solver.closures import right_hand_side
-from plymotion.solver.constraints.treatment import Treatment, treated
-from plymotion.solver.coordinates import moved
-from plymotion.solver.projection import project, projected
-from plymotion.solver.system import (
+from plymotion.solver.dynamics.constraints.treatment import Treatment, treated
+from plymotion.solver.dynamics.coordinates import moved
+from plymotion.solver.dynamics.projection import project, projected
+from plymotion.solver.dynamics.system import (
     accelerations,
     assemble,
     by_blocks,
@@ -19,7 +18,8 @@ from plymotion.solver.system import (
     derivative,
     derivative_into,
 )
-from plymotion.solver.workspace import new_work
+from plymotion.solver.dynamics.tables import JointTable, MarkerTable, assemble_model, rigid_body
+from plymotion.solver.dynamics.workspace import new_work
 
 # Closed loops with surplus rows, of bodies with inertia about every axis.
 LOOPS = {

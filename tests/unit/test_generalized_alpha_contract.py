@@ -8,7 +8,7 @@ from constraint_runs import new_run, prepared
 from mechanism_samples import chain, pendulum
 
 from plymotion.solver.closures import constrained_system
-from plymotion.solver.constraints.treatment import Treatment
+from plymotion.solver.dynamics.constraints.treatment import Treatment
 from plymotion.solver.integrate import StopRequest, integrate, new_constrained_integrator
 
 BOTH = pytest.mark.parametrize("formulation", ["ggl", "index3"])

@@ -8,7 +8,7 @@ from constraint_runs import new_run, prepared, run
 from mechanism_samples import chain, four_bars, pendulum
 
 from plymotion.solver.closures import constrained_system
-from plymotion.solver.constraints.treatment import Treatment
+from plymotion.solver.dynamics.constraints.treatment import Treatment
 from plymotion.solver.errors import InputError
 from plymotion.solver.integrate import StopRequest, integrate, new_constrained_integrator
 

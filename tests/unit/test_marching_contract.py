@@ -14,8 +14,8 @@ from mechanism_samples import chain, pendulum
 
 from plymotion.solver import marching
 from plymotion.solver.__main__ import main
-from plymotion.solver.assemble import ForceTable, MarkerTable, assemble_model, rigid_body
-from plymotion.solver.constraints.treatment import Treatment
+from plymotion.solver.dynamics.constraints.treatment import Treatment
+from plymotion.solver.dynamics.tables import ForceTable, MarkerTable, assemble_model, rigid_body
 from plymotion.solver.errors import InputError
 from plymotion.solver.integrate import StopRequest, integrate
 from plymotion.solver.marching import CompiledAlpha, Radau
@@ -260,7 +260,7 @@ import numpy as np
 from constraint_runs import new_run, prepared
 from march_samples import two_bodies
 from plymotion.solver.math.compiled import COMPILED
-from plymotion.solver.constraints.treatment import Treatment
+from plymotion.solver.dynamics.constraints.treatment import Treatment
 from plymotion.solver.integrate import integrate
 from plymotion.solver.math.laws import polynomial
 rows = []

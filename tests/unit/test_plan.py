@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from mechanism_samples import bricard, chain, four_bars
 
-from plymotion.solver.plan import Plan, make_plan, positive_inertia
+from plymotion.solver.dynamics.plan import Plan, make_plan, positive_inertia
 
 
 def _hinged(pairs: list[tuple[int, int]], seed: int | None = None) -> Plan:

@@ -3,7 +3,12 @@
 import pytest
 from mechanism_samples import pendulum
 
-from plymotion.solver.constraints.treatment import TREATMENTS, Treatment, treated, treatment_of
+from plymotion.solver.dynamics.constraints.treatment import (
+    TREATMENTS,
+    Treatment,
+    treated,
+    treatment_of,
+)
 from plymotion.solver.errors import InputError
 
 

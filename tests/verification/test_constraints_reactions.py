@@ -6,17 +6,17 @@ from constraint_runs import prepared, run
 from flexible_samples import body_of, random_marker, random_points, random_state
 from mechanism_samples import bricard, chain, four_bars, pendulum
 
-from plymotion.solver.assemble import (
+from plymotion.solver.dynamics.constraints.treatment import TREATMENTS, Treatment
+from plymotion.solver.dynamics.system import accelerations, assemble
+from plymotion.solver.dynamics.tables import (
     ForceTable,
     JointTable,
     MarkerTable,
     assemble_model,
     rigid_body,
 )
-from plymotion.solver.constraints.treatment import TREATMENTS, Treatment
 from plymotion.solver.math import laws
 from plymotion.solver.reactions import acting, joint_reactions, momentum_balance, momentum_rates
-from plymotion.solver.system import accelerations, assemble
 
 KINDS = ("revolute", "fixed", "spherical", "universal", "cylindrical", "prismatic", "planar")
 

@@ -8,10 +8,10 @@ from constraint_runs import new_run, prepared, run
 from mechanism_samples import bricard, chain, four_bars
 from scipy.integrate import solve_ivp
 
-from plymotion.solver.constraints.treatment import Treatment
+from plymotion.solver.dynamics.constraints.treatment import Treatment
+from plymotion.solver.dynamics.system import by_blocks, derivative
 from plymotion.solver.integrate import integrate, new_integrator
 from plymotion.solver.singularity import BRANCH_CODE, SINGULAR_CODE, SingularityMonitor
-from plymotion.solver.system import by_blocks, derivative
 
 ALL_JOINTS = ["foot 0", "foot 1", "left 0", "right 0"]
 

@@ -15,8 +15,8 @@ from flexible_samples import (
     total_energy,
 )
 
-from plymotion.solver.assemble import assemble_model
-from plymotion.solver.system import assemble, derivative
+from plymotion.solver.dynamics.system import assemble, derivative
+from plymotion.solver.dynamics.tables import assemble_model
 
 TIMES = np.linspace(0.0, 1.0, 11)
 

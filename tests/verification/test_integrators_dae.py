@@ -5,7 +5,7 @@ import pytest
 from constraint_runs import new_run, prepared, run
 from mechanism_samples import bricard, chain, pendulum
 
-from plymotion.solver.constraints.treatment import Treatment
+from plymotion.solver.dynamics.constraints.treatment import Treatment
 from plymotion.solver.integrate import (
     INTEGRATORS,
     ConstrainedSystem,

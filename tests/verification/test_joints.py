@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from flexible_samples import body_of, random_marker, random_points, random_state
 
-from plymotion.solver.assemble import JointTable, assemble_model
-from plymotion.solver.joints.table import DRIVES, KINDS
+from plymotion.solver.dynamics.joints.table import DRIVES, KINDS
+from plymotion.solver.dynamics.system import assemble
+from plymotion.solver.dynamics.tables import JointTable, assemble_model
 from plymotion.solver.math import laws
 from plymotion.solver.math.rotations import parameter_rate
-from plymotion.solver.system import assemble
 
 LAW = laws.polynomial([0.1, 0.7, 0.3, -0.2])
 

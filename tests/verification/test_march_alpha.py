@@ -7,7 +7,7 @@ from march_samples import two_bodies
 from mechanism_samples import chain, pendulum
 from stability_samples import hand, stepped
 
-from plymotion.solver.constraints.treatment import Treatment
+from plymotion.solver.dynamics.constraints.treatment import Treatment
 from plymotion.solver.integrate import integrate
 from plymotion.solver.math.laws import polynomial
 

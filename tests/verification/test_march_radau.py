@@ -9,12 +9,12 @@ from march_samples import stretching_rod, two_bodies
 from mechanism_samples import bricard, chain, four_bars, pendulum
 from stability_samples import amplitude, hand, stepped
 
-from plymotion.solver.assemble import ForceTable
-from plymotion.solver.constraints.treatment import Treatment
+from plymotion.solver.dynamics.constraints.treatment import Treatment
+from plymotion.solver.dynamics.system import assemble, energies
+from plymotion.solver.dynamics.tables import ForceTable
 from plymotion.solver.integrate import integrate
 from plymotion.solver.marching import has_elements
 from plymotion.solver.math.laws import polynomial
-from plymotion.solver.system import assemble, energies
 
 DRIVE = polynomial([0.0, 0.0, 3.0, -2.0])
 BUSHING = (40.0, 30.0, 20.0, 3.0, 2.0, 1.0, 10.0, 20.0, 30.0, 1.0, 2.0, 3.0)

@@ -5,20 +5,20 @@ import pytest
 from flexible_samples import body_of, random_points
 from scipy.optimize import brentq
 
-from plymotion.solver.assemble import (
+from plymotion.solver.dynamics.bodies.marker import marker_motion
+from plymotion.solver.dynamics.system import accelerations, assemble
+from plymotion.solver.dynamics.tables import (
     ForceTable,
     JointTable,
     MarkerTable,
     assemble_model,
     rigid_body,
 )
-from plymotion.solver.bodies.marker import marker_motion
 from plymotion.solver.equilibrium import equilibrium
 from plymotion.solver.errors import InputError
 from plymotion.solver.initial import Start, consistent_state
 from plymotion.solver.math import laws
 from plymotion.solver.math.rotations import frame_from_axis, matrix_to_parameters, vector_to_matrix
-from plymotion.solver.system import accelerations, assemble
 
 GRAVITY = (0.0, -9.81, 0.0)
 

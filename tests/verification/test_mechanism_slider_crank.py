@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from flexible_samples import simulate
 
-from plymotion.solver.assemble import (
+from plymotion.solver.dynamics.tables import (
     Body,
     JointTable,
     MarkerTable,

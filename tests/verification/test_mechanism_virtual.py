@@ -5,12 +5,12 @@ from copy import deepcopy
 import numpy as np
 import pytest
 
+from plymotion.solver.dynamics.system import assemble
 from plymotion.solver.initial import consistent_state
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.mechanism import build
 from plymotion.solver.run import execute, read_run
-from plymotion.solver.system import assemble
 
 REACTIONS = {
     f"{joint}_{component}": {

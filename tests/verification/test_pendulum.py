@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from flexible_samples import simulate, total_energy
 
-from plymotion.solver.assemble import (
+from plymotion.solver.dynamics.tables import (
     Body,
     JointTable,
     MarkerTable,
@@ -45,7 +45,7 @@ def _at_rest(model):
 
 
 def _tip(model, y):
-    from plymotion.solver.bodies.marker import marker_motion
+    from plymotion.solver.dynamics.bodies.marker import marker_motion
 
     return np.array([marker_motion(model, 2, state).x for state in y])
 

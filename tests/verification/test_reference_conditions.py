@@ -22,11 +22,11 @@ from flexible_samples import momenta, simulate, total_energy
 
 from plymotion.preprocess.beam.section_mass import SectionMass
 from plymotion.preprocess.beam.stations import mass_stations
-from plymotion.solver.assemble import assemble_model, flexible_body
+from plymotion.solver.dynamics.model import Model
+from plymotion.solver.dynamics.system import assemble
+from plymotion.solver.dynamics.tables import assemble_model, flexible_body
 from plymotion.solver.math.rotations import rotation_matrix, skew
-from plymotion.solver.model import Model
 from plymotion.solver.package.body.invariants import free_body_mass, rigid_motions
-from plymotion.solver.system import assemble
 
 EVERYWHERE = [{"kind": "attachment", "at": name} for name in ("root", "mid", "tip")]
 by_reference = pytest.mark.parametrize("reference", REFERENCES, ids=NAMES)

@@ -3,7 +3,7 @@
 import numpy as np
 from flexible_samples import momenta, simulate, total_energy
 
-from plymotion.solver.assemble import assemble_model, flexible_body
+from plymotion.solver.dynamics.tables import assemble_model, flexible_body
 from plymotion.solver.package import read_package
 
 

@@ -9,10 +9,10 @@ from constraint_runs import new_run, prepared
 from mechanism_samples import pendulum
 from stability_samples import stepped
 
-from plymotion.solver.constraints.treatment import Treatment
+from plymotion.solver.dynamics.constraints.treatment import Treatment
+from plymotion.solver.dynamics.system import assemble, constraint_rates
 from plymotion.solver.integrate import integrate
 from plymotion.solver.integrate.advice import of_feedback
-from plymotion.solver.system import assemble, constraint_rates
 
 H = 0.02
 

@@ -19,7 +19,8 @@ from beam_samples import (
 
 from plymotion.preprocess.beam.section_mass import SectionMass
 from plymotion.preprocess.modes.reference import solve_definite
-from plymotion.solver.assemble import (
+from plymotion.solver.dynamics.system import assemble
+from plymotion.solver.dynamics.tables import (
     GROUND,
     JointTable,
     MarkerTable,
@@ -28,7 +29,6 @@ from plymotion.solver.assemble import (
 )
 from plymotion.solver.math.rotations import frame_from_axis
 from plymotion.solver.package.body.invariants import rigid_motions
-from plymotion.solver.system import assemble
 
 EVERYWHERE = [{"kind": "attachment", "at": name} for name in ("root", "mid", "tip")]
 by_reference = pytest.mark.parametrize("reference", REFERENCES, ids=NAMES)

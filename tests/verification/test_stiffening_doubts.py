@@ -9,10 +9,10 @@ import pytest
 from beam_samples import CLAMPED, reduced
 from stiffening_samples import CHORD, rectangle, soft_modes, soft_pendulum
 
+from plymotion.solver.dynamics.system import assemble, derivative
 from plymotion.solver.mechanism import build
 from plymotion.solver.monitor import SpinMonitor
 from plymotion.solver.stiffening import geometric_stiffness, stiffening_findings
-from plymotion.solver.system import assemble, derivative
 
 K, MASS = rectangle(70e9, 0.3, 2700.0, 0.004, 0.02)
 LENGTH = 0.5
@@ -92,7 +92,7 @@ import numpy as np
 sys.path[:0] = {path!r}
 from stiffening_samples import CHORD, soft_modes, soft_pendulum
 from plymotion.solver.math.compiled import COMPILED
-from plymotion.solver.system import assemble, derivative, energies
+from plymotion.solver.dynamics.system import assemble, derivative, energies
 assert COMPILED == {compiled}
 pendulum = soft_pendulum(CHORD, soft_modes(2, axial=True), elements=8)
 y = pendulum.y0 + 0.01 * np.random.default_rng(0).normal(size=pendulum.y0.size)

@@ -9,18 +9,24 @@ from beam_samples import CHORD, CLAMPED, MEAN_AXIS, NAMES, REFERENCES, coupled_s
 from flexible_samples import momenta, total_energy
 from stiffening_samples import on_interface
 
-from plymotion.solver.assemble import (
+from plymotion.solver.dynamics.bodies.marker import marker_motion
+from plymotion.solver.dynamics.bodies.second_order import stiffening_matrix
+from plymotion.solver.dynamics.system import (
+    accelerations,
+    assemble,
+    constraint_rates,
+    derivative,
+    energies,
+)
+from plymotion.solver.dynamics.tables import (
     JointTable,
     MarkerTable,
     assemble_model,
     flexible_body,
     rigid_body,
 )
-from plymotion.solver.bodies.marker import marker_motion
-from plymotion.solver.bodies.second_order import stiffening_matrix
 from plymotion.solver.math.rotations import matrix_to_parameters, rotation_matrix
 from plymotion.solver.reactions import momentum_balance
-from plymotion.solver.system import accelerations, assemble, constraint_rates, derivative, energies
 
 GRAVITY = (0.3, -9.81, 2.0)
 

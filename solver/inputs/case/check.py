@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...constraints.treatment import treatment_of
+from ...dynamics.constraints.treatment import treatment_of
 from ...errors import InputError, nearest
 from ..common.material import check_materials
 from .check_bodies import check_bodies, interfaces

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from ...constraints.treatment import Treatment
+from ...dynamics.constraints.treatment import Treatment
 from ..common.table import Table, unit
 
 

@@ -1,0 +1,1 @@
+"""Equations of motion of a mechanism: bodies, joints, forces, constraints and their solution."""

@@ -1,0 +1,162 @@
+"""Geometric stiffening: what second-order displacements add to a floating body.
+
+A mass station stands at b = x + phi q + 1/2 q' h q. The equations are those of a linear body
+(floating_frame.py) with the moments of the mass so displaced:
+
+    sum m b                    S0 + S q + 1/2 q Z0 q
+    its slope by q             C = S + Z0 q
+    sum m b_a b_b              + 1/2 q (Z1_ab + Z1_ba) q
+    D_ab = sum m b_a db_b/dq   + Z1_ab q
+    M_qq                       + E q + (E q)' less what is counted twice, E = G3 + G4 q
+
+Energy and both momenta are kept whatever the motion is, for all of them belong to one kinetic
+energy. Terms of third and higher order in q are left out of the last two moments; M_qq is
+complete, a sum of squares over the stations, which keeps the mass matrix positive definite
+(docs/stiffening.md). Point masses are stations like others, but theirs are complete: they may be
+heavier than the body, and sit where it moves most.
+"""
+
+import numpy as np
+
+from ...math.arrays import Array
+from ...math.compiled import inlined, jit
+from ...math.triple import Triple, column, cross3, sum3, times3
+from ..model import Model
+from ..workspace import Work
+from .contractions import add_elastic, contract
+
+
+@inlined
+def add_moments(model: Model, work: Work, i: int, q: Array, q_d: Array) -> None:
+    """Add to the moments of body i, filled for a linear one, what its bending changes."""
+    m = model.n_mode[i]
+    first, B, P, twist = work.first, work.B, work.P, work.twist
+    for row in range(12):
+        if model.Z_used[i, row]:
+            start = 12 * model.second_start[i] + row * m * m
+            slope = work.C[row] if row < 3 else work.D[row - 3]
+            by_q, mixed, by_q_d = contract(model.Z, start, q, q_d, slope)
+            if row < 3:
+                first[0, row] += 0.5 * by_q
+                first[1, row] += mixed
+                first[2, row] += by_q_d
+            else:
+                a, b = (row - 3) // 3, (row - 3) % 3
+                B[a, b] += 0.5 * by_q
+                B[b, a] += 0.5 * by_q
+                P[a, b] += mixed
+                if b != a:
+                    twist[3 - a - b] += by_q_d if b == (a + 1) % 3 else -by_q_d
+
+
+@inlined
+def add_carried(model: Model, work: Work, i: int, q: Array, q_d: Array) -> None:
+    """Add to the moments of body i what `add_moments` leaves out of its point masses.
+
+    A point stands at x + u + e, u = phi q, e = 1/2 q' H q; the sums so far are those of its mass
+    without u e', e u' and e e'.
+    """
+    m = model.n_mode[i]
+    D, R, B, P = work.D, work.R, work.B, work.P
+    for p in range(model.carried_start[i], model.carried_start[i + 1]):
+        k, mass = model.carried_marker[p], model.carried_mass[p]
+        J_m, s = work.J_m[k], model.marker_start[k]
+        e, e_d, e_dd = bend_marker(model, k, 0, q, q_d, J_m)
+        u = (0.0, 0.0, 0.0)
+        u_d = (0.0, 0.0, 0.0)
+        for n in range(m):
+            phi = _shape(model, s, m, n)
+            u, u_d = sum3(u, times3(q[n], phi)), sum3(u_d, times3(q_d[n], phi))
+        turn = cross3(sum3(u, e), e_dd)
+        for a in range(3):
+            work.twist[a] += mass * turn[a]
+            for b in range(3):
+                B[a, b] += mass * (u[a] * e[b] + e[a] * (u[b] + e[b]))
+                P[a, b] += mass * (u[a] * e_d[b] + e[a] * (u_d[b] + e_d[b]))
+        for n in range(m):
+            slope = column(J_m, 6 + n)
+            whole = sum3(_shape(model, s, m, n), slope)
+            for a in range(3):
+                for b in range(3):
+                    D[3 * a + b, n] += mass * (u[a] * slope[b] + e[a] * whole[b])
+                    R[3 * a + b, n] += mass * (u_d[a] * slope[b] + e_d[a] * whole[b])
+
+
+@inlined
+def _shape(model: Model, s: int, m: int, n: int) -> Triple:
+    """Return the translation of a marker per unit of mode n; its m modes stand from s on."""
+    return (
+        model.marker_phi[s + n],
+        model.marker_phi[s + m + n],
+        model.marker_phi[s + 2 * m + n],
+    )
+
+
+@inlined
+def add_modal_inertia(model: Model, work: Work, i: int, q: Array, q_d: Array) -> None:
+    """Add to M_qq of body i, filled for a linear one, and to f what its bending changes."""
+    three, four = model.third_start[i], model.fourth_start[i]
+    add_elastic(work.M[i], work.f[i], q, q_d, model.G3, three, model.G4, four)
+
+
+@inlined
+def bend_marker(
+    model: Model, k: int, row: int, q: Array, q_d: Array, J_m: Array
+) -> tuple[Triple, Triple, Triple]:
+    """Return what bending adds to a vector of marker k and to its rates.
+
+    1/2 q' H q, q' H q_d and q_d' H q_d of the translation (`row` 0) or of the rotation vector
+    (`row` 3), body components. The columns of the modes in J_m (6, n) become H q there.
+    """
+    m = q.shape[0]
+    h = model.marker_second[k] + row * m * m
+    used = model.marker_H_used[k]
+    x = y = z = (0.0, 0.0, 0.0)
+    for a in range(row, row + 3):
+        for n in range(6, 6 + m):
+            J_m[a, n] = 0.0
+    if used[row]:
+        x = contract(model.marker_H, h, q, q_d, J_m[row, 6 : 6 + m])
+    if used[row + 1]:
+        y = contract(model.marker_H, h + m * m, q, q_d, J_m[row + 1, 6 : 6 + m])
+    if used[row + 2]:
+        z = contract(model.marker_H, h + 2 * m * m, q, q_d, J_m[row + 2, 6 : 6 + m])
+    return (
+        (0.5 * x[0], 0.5 * y[0], 0.5 * z[0]),
+        (x[1], y[1], z[1]),
+        (x[2], y[2], z[2]),
+    )
+
+
+@jit
+def second_order_first_moment(model: Model, i: int, q: Array) -> Array:
+    """Return what bending adds to sum m b of stiffened body i, 1/2 q Z0 q, (3,) [kg m]."""
+    m = q.shape[0]
+    out, slope = np.zeros(3), np.zeros(m)
+    for a in range(3):
+        start = 12 * model.second_start[i] + a * m * m
+        out[a] = 0.5 * contract(model.Z, start, q, q, slope)[0]
+    return out
+
+
+def stiffening_matrix(model: Model, i: int, w: Array, w_d: Array, a_B: Array, q_dd: Array) -> Array:
+    """Return the geometric stiffness of stiffened body i's own inertia loads, (m, m) [N m].
+
+    What the elastic forces gain with q while all accelerations are held: positive where the
+    motion pulls at the body, negative where it presses.
+
+    Parameters
+    ----------
+    w, w_d : (3,) spin and its rate, body components
+    a_B : (3,) acceleration of the frame origin less gravity, body components [m/s2]
+    q_dd : (m,) modal accelerations
+    """
+    m = int(model.n_mode[i])
+    two, three = int(model.second_start[i]), int(model.third_start[i])
+    Z = model.Z[12 * two : 12 * (two + m * m)].reshape(12, m, m)
+    G3 = model.G3[three : three + m**3].reshape(m, m, m)
+    # acceleration of a station by its place: w_d x x + w x (w x x)
+    turning = np.array([[0.0, -w_d[2], w_d[1]], [w_d[2], 0.0, -w_d[0]], [-w_d[1], w_d[0], 0.0]])
+    turning += np.outer(w, w) - (w @ w) * np.eye(3)
+    found = np.tensordot(a_B, Z[:3], 1) + np.tensordot(turning.T, Z[3:].reshape(3, 3, m, m), 2)
+    return np.asarray(found + np.tensordot(q_dd, G3, 1))

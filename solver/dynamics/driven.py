@@ -1,0 +1,52 @@
+"""Frames that joints to the ground drive: known functions of time, no unknowns.
+
+A frame is driven where joints to the ground that see no mode take all of its six freedoms, and
+nothing twice: a blade on a hub of prescribed speed, a beam clamped to the wall.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..math.arrays import Array, IntArray
+
+# Kinds of joints that together leave a body no freedom whatever its place, all at one marker.
+COMPLETE = (
+    ("fixed",),
+    ("revolute", "rotation_drive"),
+    ("prismatic", "translation_drive"),
+    ("cylindrical", "rotation_drive", "translation_drive"),
+)
+
+
+class Stand(NamedTuple):
+    """A joint as seen from here: its kind and where it holds on."""
+
+    kind: str
+    bodies: tuple[int, int]  # of its two markers; -1: ground
+    rigid: bool  # its marker on the body moves with the frame, whatever the modes do
+    x: Array  # (3,) of that marker
+    A: Array  # (3, 3)
+
+
+def driven_frames(joints: Sequence[Stand]) -> IntArray:
+    """Return, by joint, the body whose frame it drives, alone or with others; -1: none."""
+    out = np.full(len(joints), -1, dtype=np.int64)
+    at_body: dict[int, list[int]] = {}
+    for k, joint in enumerate(joints):
+        if joint.rigid and min(joint.bodies) < 0 <= max(joint.bodies):
+            at_body.setdefault(max(joint.bodies), []).append(k)
+    for body, found in at_body.items():
+        kinds = tuple(sorted(joints[k].kind for k in found))
+        if kinds not in (tuple(sorted(c)) for c in COMPLETE):
+            continue
+        first = joints[found[0]]
+        same = all(
+            np.allclose(joints[k].x, first.x, rtol=0.0, atol=1e-12)
+            and np.allclose(joints[k].A, first.A, rtol=0.0, atol=1e-12)
+            for k in found
+        )
+        if same:
+            out[found] = body
+    return out

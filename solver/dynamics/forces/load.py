@@ -1,0 +1,21 @@
+"""Force or torque from outside on marker two, its direction fixed in the axes of marker one."""
+
+from ...math.arrays import Array
+from ...math.compiled import jit
+from ...math.triple import dot3, times3, triple
+from ..bodies.motion import from_axes, spin, velocity
+from .wrench import Wrench
+
+
+@jit
+def force(one: Array, two: Array, direction: Array, size: float) -> Wrench:
+    """`size` [N] along `direction` (3,): global if marker one is of the ground, else following."""
+    load = times3(size, from_axes(one, triple(direction)))
+    return Wrench(load, (0.0, 0.0, 0.0), 0.0, dot3(load, velocity(two)))
+
+
+@jit
+def torque(one: Array, two: Array, direction: Array, size: float) -> Wrench:
+    """`size` [N m] about `direction` (3,), as in `force`."""
+    load = times3(size, from_axes(one, triple(direction)))
+    return Wrench((0.0, 0.0, 0.0), load, 0.0, dot3(load, spin(two)))

@@ -1,0 +1,27 @@
+"""Drive: the rotation of marker two about the common z axis is given in time; one row."""
+
+import numpy as np
+
+from ...math.arrays import Array
+from ...math.compiled import jit
+from ...math.triple import cross3, minus3, sum3, times3
+from ..bodies.motion import axis, spin
+from .rows import orthogonal_axes
+
+ROWS = "r"
+
+
+@jit
+def rotation_drive(
+    rows: Array, k: int, one: Array, two: Array, f: float, f_d: float, f_dd: float
+) -> None:
+    """Row k: sin(angle - f) = 0 with f and its rates of time [rad, rad/s, rad/s2].
+
+    The axis a of marker one, turned by f + 90 deg about z, stays orthogonal to
+    x of marker two: smooth for any number of turns, no branch of an arc tangent.
+    """
+    z, y, x = axis(one, 2), axis(one, 1), axis(one, 0)
+    a = minus3(times3(np.cos(f), y), times3(np.sin(f), x))
+    turning = cross3(spin(one), z)
+    turning_rate = sum3(times3(f_dd, z), times3(f_d, turning))
+    orthogonal_axes(rows, k, one, two, a, axis(two, 0), times3(f_d, z), turning_rate)

@@ -1,0 +1,15 @@
+"""Drive: the place of marker two along the z axis of marker one is given in time; one row."""
+
+from ...math.arrays import Array
+from ...math.compiled import jit
+from .rows import along_axis
+
+ROWS = "d"
+
+
+@jit
+def translation_drive(
+    rows: Array, k: int, one: Array, two: Array, f: float, f_d: float, f_dd: float
+) -> None:
+    """Row k: origin of marker two at f along z of marker one, f and its rates of time [m, s]."""
+    along_axis(rows, k, one, two, 2, f, f_d, f_dd)

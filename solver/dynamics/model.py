@@ -1,0 +1,97 @@
+"""The frozen model: everything the step loop reads, as flat arrays.
+
+Readable descriptions (case.py, package/) are compiled once into a `Model`;
+inside a step no object per body is touched. Bodies stand end to end with
+offsets; markers and joints are tables, point masses part of their bodies. A body without modes is
+rigid. The ground is body -1 and has no coordinates.
+
+State: y = [positions | velocities | work]
+  positions of a body   r_G (3), p (4 Euler parameters), q (m)
+  velocities of a body  rdot_G (3), w_B (3), qdot (m)
+  work                  done on the system by drives, dampers, actuators and loads [J]
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..math.arrays import Array
+from .plan import Plan
+
+IntArray = NDArray[np.int64]
+
+GROUND = -1
+
+
+class Model(NamedTuple):
+    """Arrays of one mechanism; built by assemble.py, read by system.py."""
+
+    n_body: int  # nb, moving bodies
+    n_pos: int  # position coordinates
+    n_vel: int  # velocity coordinates
+    n_constraint: int  # constraint equations
+    # bodies (nb); mode_start and square_start have nb + 1 entries
+    n_mode: IntArray  # modes of each body
+    pos_start: IntArray  # first position coordinate
+    vel_start: IntArray  # first velocity coordinate
+    mode_start: IntArray  # running sum of n_mode
+    square_start: IntArray  # running sum of n_mode squared
+    mass: Array  # (nb,)                     [kg]
+    S0: Array  # (nb, 3)                     [kg m]
+    T00: Array  # (nb, 3, 3)                 [kg m2]
+    J0: Array  # (nb, 3, 3)                  [kg m2]
+    S: Array  # flat (3, m) per body         [kg m]
+    T01: Array  # flat (9, m) per body       [kg m2]
+    T11: Array  # flat (9 m, m) per body     [kg m2]
+    J_psi: Array  # flat (3, m) per body     [kg m2]
+    M_qq: Array  # flat (m, m) per body
+    K_qq: Array  # flat (m, m) per body
+    D_qq: Array  # flat (m, m) per body
+    gravity_G: Array  # (3,)                 [m/s2]
+    # markers (nk): frames fixed to a body's interface or to the ground
+    marker_body: IntArray
+    marker_x: Array  # (nk, 3) rest position, body (ground: global) components [m]
+    marker_A: Array  # (nk, 3, 3) marker axes to body axes
+    marker_start: IntArray  # (nk,) start of its rows in marker_phi
+    marker_phi: Array  # flat (3, m) per marker
+    marker_psi: Array  # flat (3, m) per marker
+    # joints (nj): constraint rows joint_row[j] .. joint_row[j + 1]
+    joint_kind: IntArray
+    joint_marker: IntArray  # (nj, 2)
+    joint_row: IntArray  # (nj + 1,)
+    joint_law: IntArray  # (nj,) of a drive; -1: none
+    joint_length: Array  # (nj,) of a distance            [m]
+    # force elements (nf)
+    force_kind: IntArray
+    force_marker: IntArray  # (nf, 2)
+    force_law: IntArray  # (nf,) of an actuator or load; -1: none
+    force_parameters: Array  # (nf, N_PARAMETER)
+    # laws of time (nl): pieces law_start[l] .. law_start[l + 1]
+    law_start: IntArray  # (nl + 1,)
+    law_time: Array  # (n_piece,)                         [s]
+    law_coefficient: Array  # (n_piece, N_COEFFICIENT)
+    # constraint treatment (dynamics/constraints/treatment.py)
+    inertia_scale: Array  # (n_vel,) inertia of each velocity coordinate, for scaling only
+    redundant: int  # constraint equations that follow from the others
+    alpha: float  # feedback of velocity violations, Eq. (13)   [1/s]
+    beta: float  # of position violations                      [1/s]
+    penalty: float  # of the augmented Lagrangian, times each row's mass; 0: none
+    multiplier_tolerance: float  # of its iteration, relative
+    multiplier_iterations: int  # at most
+    pair_used: NDArray[np.int8]  # (nb, 9) which pairs 3 a + b of T01 and T11 do not vanish
+    plan: Plan  # structure of the linear algebra
+    # geometric stiffening (dynamics/bodies/second_order.py): nothing for linear bodies
+    second_start: IntArray  # (nb + 1,) running sum of n_mode squared of stiffened bodies
+    third_start: IntArray  # (nb + 1,) the same cubed
+    fourth_start: IntArray  # (nb + 1,) to the fourth
+    Z: Array  # flat (12 m, m) per body: Z0 (3, m), Z1 (3, 3, m)   [kg m, kg m2]
+    Z_used: NDArray[np.int8]  # (nb, 12) which tables (m, m) of them do not vanish
+    G3: Array  # flat (m, m m) per body        [kg m2]
+    G4: Array  # flat (m m m, m) per body, rows i, j, l and columns k of G4_ij,kl -> ik,jl [kg m2]
+    marker_second: IntArray  # (nk,) start of its tables in marker_H; -1: a linear marker
+    marker_H: Array  # flat (6 m, m) per marker: translation (3, m), rotation (3, m)
+    marker_H_used: NDArray[np.int8]  # (nk, 6) which tables (m, m) of them do not vanish
+    carried_start: IntArray  # (nb + 1,) point masses that bending draws in, body by body
+    carried_marker: IntArray
+    carried_mass: Array  # [kg]

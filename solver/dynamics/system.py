@@ -1,0 +1,440 @@
+"""Equations of motion of the whole system and their solution for accelerations."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..math.arrays import Array
+from ..math.compiled import inlined, jit, lean
+from ..math.laws import law_value
+from ..math.rotations import rotation_matrix
+from ..math.triple import Triple, cross3, minus3, sum3
+from .bodies.floating_frame import evaluate_bodies
+from .bodies.marker import evaluate_markers
+from .bodies.motion import place
+from .bodies.second_order import second_order_first_moment
+from .constraints.augmented_lagrangian import augmented_lagrangian
+from .constraints.baumgarte import stabilised
+from .constraints.minimum_norm import minimum_norm
+from .constraints.saddle_point import saddle_point
+from .coordinates import rates_into
+from .elimination import factorise, solve
+from .forces.table import FIRST_LOAD, element_wrench
+from .joints.table import joint_rows
+from .model import Model
+from .workspace import GAMMA, PHI, PHI_T, Work, new_work
+
+# Least pivot of a constraint row over its diagonal entry, below which rows count as dependent
+# and the penalty takes part: an elimination without it would lose more than half of the digits.
+REGULAR = 1e-7
+
+
+class Equations(NamedTuple):
+    """One evaluation of the equations of motion at (t, y), as dense arrays."""
+
+    M: Array  # (n_vel, n_vel) mass matrix
+    f: Array  # (n_vel,) loads, quadratic velocity terms, elastic and damping forces
+    Phi_q: Array  # (n_c, n_vel) d Phidot / d velocities
+    C: Array  # (n_c, 12) the same by the velocities of each joint's two markers (joints/rows.py)
+    Phi: Array  # (n_c,)
+    Phi_t: Array  # (n_c,)
+    gamma: Array  # (n_c,) gamma* of Eq. (11)
+    power: Array  # (1,) of dampers, actuators and loads [W]
+    potential: Array  # (1,) energy stored in force elements [J]
+
+
+@lean
+def evaluate(model: Model, work: Work, t: float, y: Array) -> None:
+    """Fill mass matrices, forces and constraints at time t and state y; nothing is allocated.
+
+    Paper: Eq. (5), Eq. (6), Eq. (8), Eq. (9), Eq. (12) with the sign of s of Eq. (6):
+    M a + Phi_q' lambda = f.
+    """
+    work.power[0] = work.power[1] = 0.0
+    evaluate_bodies(model, work, y)
+    evaluate_markers(model, work, y)
+    _add_forces(model, work, t)
+    _evaluate_joints(model, work, t)
+
+
+@inlined
+def _evaluate_joints(model: Model, work: Work, t: float) -> None:
+    """Fill the rows of all joints and the Jacobians at the bodies."""
+    rows, plan = work.rows, model.plan
+    for k in range(model.joint_kind.shape[0]):
+        one = work.motion[model.joint_marker[k, 0]]
+        two = work.motion[model.joint_marker[k, 1]]
+        begin, end = model.joint_row[k], model.joint_row[k + 1]
+        drive, drive_d, drive_dd = 0.0, 0.0, 0.0
+        if model.joint_law[k] >= 0:
+            drive, drive_d, drive_dd = law_at(model, model.joint_law[k], t)
+        length = model.joint_length[k]
+        joint_rows(rows, begin, model.joint_kind[k], one, two, drive, drive_d, drive_dd, length)
+        for side in range(2):
+            body = model.marker_body[model.joint_marker[k, side]]
+            if body >= 0:
+                first, n = plan.side_row[k, side], plan.size[body]
+                J_m = work.J_m[model.joint_marker[k, side]]
+                _fill_jacobian(work.J[body], first, rows[begin:end], 6 * side, J_m, n)
+
+
+@inlined
+def _fill_jacobian(J: Array, first: int, C: Array, begin: int, J_m: Array, n: int) -> None:
+    """J (n, r) from column `first`: C of one side times the marker's Jacobian, transposed."""
+    for p in range(C.shape[0]):
+        v0, v1, v2 = C[p, begin], C[p, begin + 1], C[p, begin + 2]
+        w0, w1, w2 = C[p, begin + 3], C[p, begin + 4], C[p, begin + 5]
+        for j in range(n):
+            J[j, first + p] = (
+                v0 * J_m[0, j]
+                + v1 * J_m[1, j]
+                + v2 * J_m[2, j]
+                + w0 * J_m[3, j]
+                + w1 * J_m[4, j]
+                + w2 * J_m[5, j]
+            )
+
+
+@inlined
+def law_at(model: Model, law: int, t: float) -> tuple[float, float, float]:
+    """Value and rates of a law at t; zeros where there is none."""
+    if law < 0:
+        return 0.0, 0.0, 0.0
+    return law_value(model.law_start, model.law_time, model.law_coefficient, law, t)
+
+
+@inlined
+def _add_forces(model: Model, work: Work, t: float) -> None:
+    """Add the force elements to f, their power and their stored energy."""
+    for k in range(model.force_kind.shape[0]):
+        one = work.motion[model.force_marker[k, 0]]
+        two = work.motion[model.force_marker[k, 1]]
+        size = 0.0
+        if model.force_law[k] >= 0:
+            size, _, _ = law_at(model, model.force_law[k], t)
+        wrench = element_wrench(model.force_kind[k], one, two, model.force_parameters[k], size)
+        work.power[0] += wrench.power
+        work.power[1] += wrench.potential
+        _push(model, work, model.force_marker[k, 1], wrench.force, wrench.moment, 1.0)
+        if model.force_kind[k] < FIRST_LOAD:
+            arm = cross3(minus3(place(two), place(one)), wrench.force)
+            moment = sum3(wrench.moment, arm)
+            _push(model, work, model.force_marker[k, 0], wrench.force, moment, -1.0)
+
+
+@inlined
+def _push(model: Model, work: Work, k: int, force: Triple, moment: Triple, sign: float) -> None:
+    """Add force and moment, global components, times `sign` at marker k to f."""
+    body = model.marker_body[k]
+    if body < 0:
+        return
+    for j in range(model.plan.size[body]):
+        for a in range(3):
+            push = work.J_m[k, a, j] * force[a] + work.J_m[k, 3 + a, j] * moment[a]
+            work.f[body, j] += sign * push
+
+
+@jit
+def assemble(model: Model, t: float, y: Array) -> Equations:
+    """Return the equations at time t and state y as dense arrays of their own."""
+    work = new_work(model)
+    evaluate(model, work, t, y)
+    return dense(model, work)
+
+
+@jit
+def dense(model: Model, work: Work) -> Equations:
+    """Return the last evaluation as dense arrays."""
+    n_vel, n_c = model.n_vel, model.n_constraint
+    M, f = np.zeros((n_vel, n_vel)), np.empty(n_vel)
+    Phi_q = np.zeros((n_c, n_vel))
+    rows, plan = work.rows, model.plan
+    for i in range(model.n_body):
+        j = model.vel_start[i]
+        for a in range(plan.size[i]):
+            f[j + a] = work.f[i, a]
+            for b in range(a + 1):
+                M[j + a, j + b] = M[j + b, j + a] = work.M[i, a, b]
+    for k in range(model.joint_kind.shape[0]):
+        for side in range(2):
+            body = model.marker_body[model.joint_marker[k, side]]
+            if body >= 0:
+                j, first = model.vel_start[body], plan.side_row[k, side]
+                for p in range(model.joint_row[k + 1] - model.joint_row[k]):
+                    for a in range(plan.size[body]):
+                        Phi_q[model.joint_row[k] + p, j + a] += work.J[body, a, first + p]
+    return Equations(
+        M,
+        f,
+        Phi_q,
+        rows[:, :PHI].copy(),
+        rows[:, PHI].copy(),
+        rows[:, PHI_T].copy(),
+        rows[:, GAMMA].copy(),
+        work.power[:1].copy(),
+        work.power[1:].copy(),
+    )
+
+
+def constraint_rates(model: Model, equations: Equations, y: Array) -> Array:
+    """Return Phidot (n_c,) in state y, of which `equations` are."""
+    velocities = y[model.n_pos : model.n_pos + model.n_vel]
+    return equations.Phi_q @ velocities + equations.Phi_t
+
+
+def respond(model: Model, equations: Equations, f: Array, gamma: Array) -> tuple[Array, Array]:
+    """Return what answers f (n_vel,) and gamma (n_c,): accelerations and multipliers.
+
+    M a + Phi_q' lambda = f and Phi_q a = gamma, in the way of the model's treatment, by dense
+    linear algebra. Impulses and small motions answer in the same way as accelerations.
+    """
+    if model.penalty > 0.0 and model.n_constraint > 0:
+        return augmented_lagrangian(
+            equations.M,
+            f,
+            equations.Phi_q,
+            gamma,
+            model.inertia_scale,
+            model.penalty,
+            model.multiplier_tolerance,
+            model.multiplier_iterations,
+        )
+    if model.redundant > 0:
+        return minimum_norm(
+            equations.M, f, equations.Phi_q, gamma, model.inertia_scale, model.redundant
+        )
+    return saddle_point(equations.M, f, equations.Phi_q, gamma)
+
+
+def accelerations(model: Model, equations: Equations, y: Array) -> tuple[Array, Array]:
+    """Return accelerations (n_vel,) and multipliers (n_c,) in state y. Paper: Eq. (13), Eq. (14).
+
+    The multipliers of constraint i push with -Phi_q[i] lambda_i. Those of redundant
+    constraints are the ones of least norm.
+    """
+    Phi_d = constraint_rates(model, equations, y)
+    gamma = stabilised(equations.gamma, equations.Phi, Phi_d, model.alpha, model.beta)
+    return respond(model, equations, equations.f, gamma)
+
+
+@inlined
+def row_products(model: Model, J: Array, a: Array, out: Array) -> None:
+    """Fill out (n_c,) with Phi_q a, for J (nb, n, r) and a (nb, n)."""
+    plan = model.plan
+    out[:] = 0.0
+    for k in range(model.joint_kind.shape[0]):
+        begin = model.joint_row[k]
+        for side in range(2):
+            body = model.marker_body[model.joint_marker[k, side]]
+            if body >= 0:
+                first = plan.side_row[k, side]
+                for p in range(model.joint_row[k + 1] - begin):
+                    for j in range(plan.size[body]):
+                        out[begin + p] += J[body, j, first + p] * a[body, j]
+
+
+@inlined
+def flatten(model: Model, x: Array, out: Array, first: int) -> None:
+    """Fill out from `first` on with x (nb, n), body after body: n_vel numbers."""
+    for i in range(model.n_body):
+        j = first + model.vel_start[i]
+        for k in range(model.plan.size[i]):
+            out[j + k] = x[i, k]
+
+
+@inlined
+def inflate(model: Model, a: Array, first: int, x: Array) -> None:
+    """Fill x (nb, n) with n_vel numbers of a, from `first` on."""
+    for i in range(model.n_body):
+        j = first + model.vel_start[i]
+        for k in range(model.plan.size[i]):
+            x[i, k] = a[j + k]
+
+
+@lean
+def largest(a: Array) -> float:
+    """Return the largest absolute value of a; nan if there is one."""
+    found = 0.0
+    for x in a:
+        if abs(x) > found or x != x:
+            found = abs(x)
+    return found
+
+
+@inlined
+def largest_left(model: Model, work: Work, J: Array, x: Array) -> float:
+    """Largest row of Phi + Phi_q x: more than rounding, if no x closes rows that contradict."""
+    row_products(model, J, x, work.left)
+    for k in range(model.n_constraint):
+        work.left[k] += work.rows[k, PHI]
+    return largest(work.left)
+
+
+@inlined
+def evaluate_rates(model: Model, work: Work, y: Array) -> None:
+    """Fill work.left with Phidot (n_c,) in state y, of the last evaluation."""
+    inflate(model, y, model.n_pos, work.acceleration)
+    row_products(model, work.J, work.acceleration, work.left)
+    for k in range(model.n_constraint):
+        work.left[k] += work.rows[k, PHI_T]
+
+
+@inlined
+def prepare(model: Model, work: Work) -> None:
+    """Factorise the mass matrix of the last evaluation with its constraints.
+
+    Where constraint rows depend on each other, or nearly so, the penalty of the augmented
+    Lagrangian takes part, if the treatment has one: 1 / penalty on the diagonal of S, over the
+    mass that the row moves.
+    """
+    work.softness[:] = 0.0
+    _factorise_mass(model, work)
+    if model.penalty > 0.0 and work.factors.regular[0] < REGULAR:
+        soften(model, work.J, work.softness)
+        _factorise_mass(model, work)
+
+
+@lean
+def soften(model: Model, J: Array, softness: Array) -> None:
+    """Fill softness (n_c,): 1 / penalty, over the mass that each row of J (nb, n, r) moves."""
+    plan = model.plan
+    softness[:] = 0.0
+    for i in range(model.n_body):
+        v, first = model.vel_start[i], plan.row_start[i]
+        for p in range(plan.row_start[i + 1] - first):
+            mobility = 0.0
+            for k in range(plan.size[i]):
+                mobility += J[i, k, p] ** 2 / model.inertia_scale[v + k]
+            softness[plan.body_row[first + p]] += mobility
+    for k in range(softness.shape[0]):
+        softness[k] = (softness[k] if softness[k] > 0.0 else 1.0) / model.penalty
+
+
+@inlined
+def _factorise_mass(model: Model, work: Work) -> None:
+    for i in range(model.n_body):
+        n = model.plan.size[i]
+        for a in range(n):
+            for b in range(a + 1):
+                work.factors.L[i, a, b] = work.M[i, a, b]
+    factorise(model.plan, work.factors, work.J, work.softness)
+
+
+@inlined
+def answer(model: Model, work: Work) -> None:
+    """Fill work.acceleration and multipliers with what answers work.load and work.gamma.
+
+    After `prepare`. With a penalty in use the multipliers are iterated, lambda += (S + 1/P)^-1
+    (Phi_q a - gamma): Bayo's augmented Lagrangian (constraints/augmented_lagrangian.py), written
+    for the multipliers. Redundant rows share them at least norm.
+    """
+    a, left = work.acceleration, work.left
+    solve(model.plan, work.factors, work.load, work.gamma, a, work.multipliers)
+    if model.n_constraint == 0 or not work.softness[0] > 0.0:
+        return
+    change, multipliers = work.change, work.change_multipliers
+    work.load[:] = 0.0
+    for _ in range(model.multiplier_iterations):
+        row_products(model, work.J, a, left)
+        for k in range(left.shape[0]):
+            left[k] = work.gamma[k] - left[k]
+        solve(model.plan, work.factors, work.load, left, change, multipliers)
+        for k in range(left.shape[0]):
+            work.multipliers[k] += multipliers[k]
+        size, whole = 0.0, 0.0
+        for i in range(model.n_body):
+            v = model.vel_start[i]
+            for k in range(model.plan.size[i]):
+                a[i, k] += change[i, k]
+                size += model.inertia_scale[v + k] * change[i, k] ** 2
+                whole += model.inertia_scale[v + k] * a[i, k] ** 2
+        if size <= model.multiplier_tolerance**2 * whole:
+            break
+
+
+def by_blocks(model: Model) -> bool:
+    """Tell whether the bodies can be eliminated one by one, under the model's treatment."""
+    return bool(model.plan.structured) and (model.redundant == 0 or model.penalty > 0.0)
+
+
+@inlined
+def accelerate(model: Model, work: Work, y: Array) -> None:
+    """Fill work.acceleration and multipliers after an evaluation in state y. Paper: Eq. (13).
+
+    For models that are solved `by_blocks`.
+    """
+    if model.alpha != 0.0 or model.beta != 0.0:
+        evaluate_rates(model, work, y)
+    for k in range(model.n_constraint):
+        work.gamma[k] = (
+            work.rows[k, GAMMA]
+            - 2.0 * model.alpha * work.left[k]
+            - model.beta * model.beta * work.rows[k, PHI]
+        )
+    prepare(model, work)
+    for i in range(model.n_body):
+        for k in range(model.plan.size[i]):
+            work.load[i, k] = work.f[i, k]
+    answer(model, work)
+
+
+@lean
+def derivative_into(model: Model, work: Work, t: float, y: Array, out: Array) -> None:
+    """Fill out (n,) with dy/dt: the index-1 system. Paper: Eq. (14).
+
+    The last entry is the power of drives and dampers, so that the energy
+    balance is integrated as accurately as the motion.
+    """
+    evaluate(model, work, t, y)
+    accelerate(model, work, y)
+    rates_into(model, y, out)
+    power = work.power[0]
+    for k in range(model.n_constraint):
+        power += work.multipliers[k] * work.rows[k, PHI_T]
+    out[model.n_pos + model.n_vel] = power
+    flatten(model, work.acceleration, out, model.n_pos)
+
+
+def dense_derivative_into(model: Model, work: Work, t: float, y: Array, out: Array) -> None:
+    """As `derivative_into` for any model, by dense linear algebra."""
+    evaluate(model, work, t, y)
+    equations = dense(model, work)
+    acceleration, multipliers = accelerations(model, equations, y)
+    rates_into(model, y, out)
+    out[model.n_pos : model.n_pos + model.n_vel] = acceleration
+    out[-1] = multipliers @ equations.Phi_t + equations.power[0]
+
+
+def derivative(model: Model, t: float, y: Array) -> Array:
+    """Return dy/dt, (n,), in an array of its own; see `derivative_into`."""
+    out = np.empty(y.shape[0])
+    fill = derivative_into if by_blocks(model) else dense_derivative_into
+    fill(model, new_work(model), t, y, out)
+    return out
+
+
+@jit
+def energies(model: Model, equations: Equations, y: Array) -> Array:
+    """Return kinetic, strain and potential energy, (3,) [J]. Paper: Eq. (1), Eq. (3).
+
+    `equations` are those of state y.
+
+    Potential energy is that of weight, zero for a mass point at the global origin, and of springs.
+    """
+    velocities = y[model.n_pos : model.n_pos + model.n_vel]
+    out = np.zeros(3)
+    out[2] = equations.potential[0]
+    out[0] = 0.5 * velocities @ (equations.M @ velocities)
+    for i in range(model.n_body):
+        a = model.pos_start[i]
+        m = model.n_mode[i]
+        one = model.mode_start[i]
+        two = model.square_start[i]
+        q = y[a + 7 : a + 7 + m]
+        out[1] += 0.5 * q @ (model.K_qq[two : two + m * m].reshape(m, m) @ q)
+        first = model.S0[i] + model.S[3 * one : 3 * (one + m)].reshape(3, m) @ q
+        if model.second_start[i + 1] > model.second_start[i]:
+            first += second_order_first_moment(model, i, q)
+        centre = model.mass[i] * y[a : a + 3] + rotation_matrix(y[a + 3 : a + 7]) @ first
+        out[2] -= model.gravity_G @ centre
+    return out

@@ -1,0 +1,382 @@
+"""Compile readable tables of bodies, markers and joints into a frozen `Model`."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..math.arrays import Array
+from ..math.laws import N_COEFFICIENT, Law
+from ..package.body.invariants import inertia_at_rest
+from ..package.body.schema import Invariants, ModalPackage, SecondOrder
+from .driven import Stand, driven_frames
+from .forces.table import KINDS as FORCE_KINDS
+from .forces.table import N_PARAMETER
+from .joints.table import KINDS, NAMES, ROWS
+from .model import GROUND, Model
+from .plan import make_plan, positive_inertia
+
+# Second-order tables below this share of the others are rounding: bending in a plane moves no
+# station out of it.
+NOTHING = 1e-12
+
+
+@dataclass(frozen=True)
+class Body:
+    """Inertia and elasticity of one body, in its own frame; rigid if it has no modes."""
+
+    name: str
+    invariants: Invariants
+    mass: Array  # (m, m) modal mass
+    stiffness: Array  # (m, m)
+    damping: Array  # (m, m)
+    second_order: SecondOrder | None = None  # geometric stiffening; None: a linear body
+
+
+def rigid_body(name: str, mass: float, centre_B: Array, inertia_B: Array) -> Body:
+    """Return a rigid body of given mass, mass centre (3,) and inertia about it (3, 3)."""
+    centre = np.asarray(centre_B, dtype=float)
+    empty = np.zeros((0, 0))
+    invariants = Invariants(
+        mass=mass,
+        S0_B=mass * centre,
+        S_B=np.zeros((3, 0)),
+        T00_B=mass * np.outer(centre, centre),
+        T01_B=np.zeros((3, 3, 0)),
+        T11_B=np.zeros((3, 3, 0, 0)),
+        J0_B=np.asarray(inertia_B, dtype=float),
+        J_psi_B=np.zeros((3, 0)),
+        mass_form="lumped",
+    )
+    return Body(name, invariants, empty, empty, empty)
+
+
+def flexible_body(name: str, package: ModalPackage, *, stiffening: bool = False) -> Body:
+    """Return the body that a modal package describes, of second order with `stiffening`.
+
+    A package without second-order data gives a linear body all the same.
+    """
+    second = package.second_order if stiffening else None
+    return Body(name, package.invariants, package.mass, package.stiffness, package.damping, second)
+
+
+@dataclass(frozen=True)
+class MarkerTable:
+    """One marker: body index (GROUND = -1), rest frame, and its mode shapes."""
+
+    body: int
+    x: Array  # (3,) body components; global for the ground [m]
+    A: Array = field(default_factory=lambda: np.eye(3))
+    phi: Array = field(default_factory=lambda: np.zeros((3, 0)))
+    psi: Array = field(default_factory=lambda: np.zeros((3, 0)))
+    H: Array | None = None  # (3, m, m) second-order translation, of a stiffened body
+    H_psi: Array | None = None  # (3, m, m) second-order rotation vector
+
+
+@dataclass(frozen=True)
+class JointTable:
+    """One joint between two markers; kind is a key of `joints.table.KINDS`."""
+
+    name: str
+    kind: str
+    marker_1: int
+    marker_2: int
+    law: Law | None = None  # of a drive
+    length: float = 0.0  # of a distance [m]
+
+
+@dataclass(frozen=True)
+class ForceTable:
+    """One force element between two markers; kind is a key of `forces.table.KINDS`."""
+
+    name: str
+    kind: str
+    marker_1: int
+    marker_2: int
+    parameters: tuple[float, ...] = ()  # forces.table.PARAMETERS
+    law: Law | None = None  # of an actuator or a load
+
+
+def assemble_model(
+    bodies: list[Body],
+    markers: list[MarkerTable],
+    joints: list[JointTable],
+    point_masses: Sequence[tuple[int, float]] = (),
+    gravity_G: Array | tuple[float, float, float] = (0.0, 0.0, 0.0),
+    alpha: float = 5.0,
+    beta: float = 5.0,
+    forces: Sequence[ForceTable] = (),
+) -> Model:
+    """Lay the tables end to end.
+
+    Parameters
+    ----------
+    point_masses : pairs of (marker index, mass [kg])
+    gravity_G : (3,) [m/s2]
+    alpha, beta : Baumgarte's constants, Eq. (13) [1/s]
+    """
+    n_mode = np.array([b.mass.shape[0] for b in bodies], dtype=np.int64)
+    for marker in markers:
+        expected = 0 if marker.body == GROUND else int(n_mode[marker.body])
+        if marker.phi.shape != (3, expected) or marker.psi.shape != (3, expected):
+            raise ValueError(
+                f"marker shapes {marker.phi.shape}, {marker.psi.shape}: expected (3, {expected})"
+            )
+    kinds = np.array([KINDS[j.kind] for j in joints], dtype=np.int64)
+    parameters = np.zeros((len(forces), N_PARAMETER))
+    for k, element in enumerate(forces):
+        parameters[k, : len(element.parameters)] = element.parameters
+    laws: list[Law] = []
+    joint_law, force_law = _numbered(joints, laws), _numbered(forces, laws)
+    carrying = [_with_points(i, body, markers, point_masses) for i, body in enumerate(bodies)]
+    inv = [b.invariants for b in carrying]
+    second = [b.second_order for b in carrying]
+    stiffened = np.array([n if s else 0 for n, s in zip(n_mode, second, strict=True)], dtype=int)
+    Z = [np.concatenate([s.Z0_B, *s.Z1_B]) if s else np.zeros((12, 0, 0)) for s in second]
+    marker_H = [_marker_second_order(bodies, marker) for marker in markers]
+    used = [_of_motion(H, m) for H, m in zip(marker_H, markers, strict=True)]
+    carried = [_carried(i, markers, used, point_masses) for i in range(len(bodies))]
+    marker_second = _starts(np.array([H.size for H in marker_H], dtype=np.int64))[:-1]
+    joint_marker = _pairs([(j.marker_1, j.marker_2) for j in joints])
+    force_marker = _pairs([(e.marker_1, e.marker_2) for e in forces])
+    marker_body = np.array([m.body for m in markers], dtype=np.int64)
+    marker_size = [m.phi.size for m in markers]
+    joint_row = _starts(np.array([len(ROWS[NAMES[k]]) for k in kinds], dtype=np.int64))
+    return Model(
+        n_body=len(bodies),
+        n_pos=int((7 + n_mode).sum()),
+        n_vel=int((6 + n_mode).sum()),
+        n_constraint=int(joint_row[-1]),
+        n_mode=n_mode,
+        pos_start=_starts(7 + n_mode)[:-1],
+        vel_start=_starts(6 + n_mode)[:-1],
+        mode_start=_starts(n_mode),
+        square_start=_starts(n_mode**2),
+        mass=np.array([i.mass for i in inv]),
+        S0=_stack([i.S0_B for i in inv], (3,)),
+        T00=_stack([i.T00_B for i in inv], (3, 3)),
+        J0=_stack([i.J0_B for i in inv], (3, 3)),
+        S=_flat([i.S_B for i in inv]),
+        T01=_flat([i.T01_B for i in inv]),
+        T11=_flat([i.T11_B.transpose(0, 1, 3, 2) for i in inv]),
+        J_psi=_flat([i.J_psi_B for i in inv]),
+        M_qq=_flat([b.mass for b in carrying]),
+        K_qq=_flat([b.stiffness for b in bodies]),
+        D_qq=_flat([b.damping for b in bodies]),
+        gravity_G=np.asarray(gravity_G, dtype=float),
+        marker_body=marker_body,
+        marker_x=_stack([m.x for m in markers], (3,)),
+        marker_A=_stack([m.A for m in markers], (3, 3)),
+        marker_start=_starts(np.array(marker_size, dtype=np.int64))[:-1],
+        marker_phi=_flat([m.phi for m in markers]),
+        marker_psi=_flat([m.psi for m in markers]),
+        joint_kind=kinds,
+        joint_marker=joint_marker,
+        joint_row=joint_row,
+        joint_law=joint_law,
+        joint_length=np.array([j.length for j in joints], dtype=float),
+        force_kind=np.array([FORCE_KINDS[e.kind] for e in forces], dtype=np.int64),
+        force_marker=force_marker,
+        force_law=force_law,
+        force_parameters=parameters,
+        law_start=_starts(np.array([len(law.times) for law in laws], dtype=np.int64)),
+        law_time=np.concatenate([np.zeros(0), *[law.times for law in laws]]),
+        law_coefficient=np.concatenate(
+            [np.zeros((0, N_COEFFICIENT)), *[law.coefficients for law in laws]]
+        ),
+        inertia_scale=_inertia_scale(bodies, markers, point_masses),
+        redundant=0,
+        alpha=float(alpha),
+        beta=float(beta),
+        penalty=0.0,
+        multiplier_tolerance=0.0,
+        multiplier_iterations=0,
+        pair_used=np.array([_pairs_used(i) for i in inv], dtype=np.int8).reshape(-1, 9),
+        plan=make_plan(
+            n_mode,
+            marker_body,
+            joint_marker,
+            joint_row,
+            force_marker,
+            structured=all(_positive(b) for b in carrying),
+            uncoupled=[_uncoupled(b) for b in carrying],
+            driven=driven_frames([_stand(j, markers, marker_H) for j in joints]),
+        ),
+        second_start=_starts(stiffened**2),
+        third_start=_starts(stiffened**3),
+        fourth_start=_starts(stiffened**4),
+        Z=_flat(Z),
+        Z_used=np.array([_of_moments(T) for T in Z], dtype=np.int8).reshape(-1, 12),
+        G3=_flat([s.G3 for s in second if s]),
+        G4=_flat([s.G4.transpose(0, 2, 3, 1) for s in second if s]),
+        marker_second=np.where([H.size > 0 for H in marker_H], marker_second, -1).astype(np.int64),
+        marker_H=_flat(marker_H),
+        marker_H_used=np.array(used, dtype=np.int8).reshape(-1, 6),
+        carried_start=_starts(np.array([len(c) for c in carried], dtype=np.int64)),
+        carried_marker=np.array([k for c in carried for k, _ in c], dtype=np.int64),
+        carried_mass=np.array([mass for c in carried for _, mass in c], dtype=float),
+    )
+
+
+def _uncoupled(body: Body) -> bool:
+    """Tell whether mass, stiffness and damping of the modes are diagonal, whatever the state."""
+    matrices = (body.mass, body.stiffness, body.damping)
+    return body.second_order is None and all(
+        np.count_nonzero(a) == np.count_nonzero(np.diag(a)) for a in matrices
+    )
+
+
+def _stand(joint: JointTable, markers: list[MarkerTable], H: Sequence[Array]) -> Stand:
+    """Return a joint as the search for driven frames sees it."""
+    pair = (joint.marker_1, joint.marker_2)
+    bodies = (markers[pair[0]].body, markers[pair[1]].body)
+    k = pair[0] if bodies[0] >= 0 else pair[1]
+    one = markers[k]
+    rigid = not (one.phi.any() or one.psi.any() or H[k].any())
+    return Stand(joint.kind, bodies, rigid, one.x, one.A)
+
+
+def _with_points(
+    index: int,
+    body: Body,
+    markers: list[MarkerTable],
+    point_masses: Sequence[tuple[int, float]],
+) -> Body:
+    """Return a body with the point masses that its markers carry among its mass stations.
+
+    A mass point moves with its marker, x + phi q, and 1/2 q' H q on a stiffened body: one station
+    more in the sums of invariants.py and second_order.py of package/body/, no cost at run time.
+    """
+    for k, m in point_masses:
+        if markers[k].body != index:
+            continue
+        inv, x, phi = body.invariants, markers[k].x, markers[k].phi
+        body = replace(
+            body,
+            mass=body.mass + m * phi.T @ phi,
+            invariants=replace(
+                inv,
+                mass=inv.mass + m,
+                S0_B=inv.S0_B + m * x,
+                S_B=inv.S_B + m * phi,
+                T00_B=inv.T00_B + m * np.outer(x, x),
+                T01_B=inv.T01_B + m * np.einsum("a,bi->abi", x, phi),
+                T11_B=inv.T11_B + m * np.einsum("ai,bj->abij", phi, phi),
+            ),
+            second_order=_with_point(body.second_order, markers[k], m),
+        )
+    return body
+
+
+def _with_point(second: SecondOrder | None, marker: MarkerTable, m: float) -> SecondOrder | None:
+    if second is None or marker.H is None:
+        return second
+    H, phi = marker.H, marker.phi
+    return replace(
+        second,
+        Z0_B=second.Z0_B + m * H,
+        Z1_B=second.Z1_B + m * np.einsum("a,bij->abij", marker.x, H),
+        G3=second.G3 + m * np.einsum("ai,ajk->ijk", phi, H),
+        G4=second.G4 + m * np.einsum("aij,akl->ijkl", H, H),
+    )
+
+
+def _carried(
+    index: int,
+    markers: list[MarkerTable],
+    used: list[list[bool]],
+    point_masses: Sequence[tuple[int, float]],
+) -> list[tuple[int, float]]:
+    """Return the point masses of a body, marker and mass, that move in second order."""
+    return [(k, m) for k, m in point_masses if markers[k].body == index and any(used[k][:3])]
+
+
+def _marker_second_order(bodies: list[Body], marker: MarkerTable) -> Array:
+    """Second-order tables of a marker, (6, m, m); of a linear body none."""
+    if marker.body == GROUND or bodies[marker.body].second_order is None:
+        return np.zeros((6, 0, 0))
+    if marker.H is None or marker.H_psi is None:
+        name = bodies[marker.body].name
+        raise ValueError(f"a marker on {name} has no H, H_psi: a stiffened body needs them")
+    return np.concatenate([marker.H, marker.H_psi])
+
+
+def _of_moments(Z: Array) -> list[bool]:
+    """Tell which tables of Z0, Z1 (12, m, m) are more than rounding errors of the others."""
+    return [*_used(Z[:3], 0.0), *_used(Z[3:], 0.0)]
+
+
+def _of_motion(H: Array, marker: MarkerTable) -> list[bool]:
+    """Tell the same of a marker's tables (6, m, m); of rotations beside the square of the first."""
+    turn = float(np.abs(marker.psi).max(initial=0.0))
+    return [*_used(H[:3], 0.0), *_used(H[3:], turn**2)]
+
+
+def _used(T: Array, scale: float) -> list[bool]:
+    """Tell which tables of T (r, m, m) have an entry above rounding."""
+    largest = np.abs(T).max(axis=(1, 2), initial=0.0)
+    return [bool(x > NOTHING * max(scale, largest.max())) for x in largest]
+
+
+def _pairs_used(invariants: Invariants) -> list[bool]:
+    """Tell for each pair 3 a + b of axes whether T01 or T11 has an entry there."""
+    T01, T11 = invariants.T01_B, invariants.T11_B.transpose(0, 1, 3, 2)
+    used = np.abs(T01).max(axis=2, initial=0.0) + np.abs(T11).max(axis=(2, 3), initial=0.0)
+    return [bool(u) for u in (used > 0.0).ravel()]
+
+
+def _positive(body: Body) -> bool:
+    inv = body.invariants
+    T = inv.T01_B
+    coupling = np.array([T[1, 2] - T[2, 1], T[2, 0] - T[0, 2], T[0, 1] - T[1, 0]]) + inv.J_psi_B
+    J = inertia_at_rest(inv)
+    return positive_inertia(inv.mass, J, coupling, inv.S0_B, inv.S_B, body.mass)
+
+
+def _pairs(markers: list[tuple[int, int]]) -> np.ndarray:
+    return np.array(markers, dtype=np.int64).reshape(-1, 2)
+
+
+def _inertia_scale(
+    bodies: list[Body],
+    markers: list[MarkerTable],
+    point_masses: Sequence[tuple[int, float]],
+) -> Array:
+    """Return a typical inertia of each velocity coordinate, (n_vel,) [kg, kg m2, modal mass].
+
+    The mean of a body's three inertias serves all of its rotations: a thin rod has next to none
+    about its axis, which must not make that rotation count for more than the others.
+    """
+    scale = []
+    for i, body in enumerate(bodies):
+        carried = [(m, markers[k].x) for k, m in point_masses if markers[k].body == i]
+        mass = body.invariants.mass + sum(m for m, _ in carried)
+        trace = np.trace(body.invariants.J0_B) + 2.0 * np.trace(body.invariants.T00_B)
+        rotary = (trace + sum(2.0 * m * (x @ x) for m, x in carried)) / 3.0
+        # a mass point has no rotary inertia: its rotations are held by joints, or nothing is
+        scale += [mass] * 3 + [rotary or mass] * 3 + list(np.diag(body.mass))
+    return np.array(scale, dtype=float)
+
+
+def _numbered(tables: Sequence[JointTable] | Sequence[ForceTable], laws: list[Law]) -> np.ndarray:
+    """Return the number of the law of each, -1 where it has none, and collect the laws."""
+    numbers = []
+    for table in tables:
+        numbers.append(-1 if table.law is None else len(laws))
+        if table.law is not None:
+            laws.append(table.law)
+    return np.array(numbers, dtype=np.int64)
+
+
+def _starts(sizes: np.ndarray) -> np.ndarray:
+    return np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64)
+
+
+def _stack(arrays: list[Array], shape: tuple[int, ...]) -> Array:
+    return np.ascontiguousarray(np.array(arrays, dtype=float).reshape(-1, *shape))
+
+
+def _flat(arrays: list[Array]) -> Array:
+    if not arrays:
+        return np.zeros(0)
+    return np.concatenate([np.ascontiguousarray(a, dtype=float).reshape(-1) for a in arrays])

@@ -1,0 +1,118 @@
+"""Memory of one evaluation of the equations of motion: allocated once, filled every time."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..math.arrays import Array
+from ..math.compiled import jit
+from .bodies.motion import N_MOTION, stand
+from .model import Model
+
+# A constraint row: coefficients C of v_1, w_1, v_2, w_2 in global components, then these.
+PHI, PHI_T, GAMMA = 12, 13, 14
+N_ROW = 15
+
+
+class Factors(NamedTuple):
+    """Bodies eliminated from [K Phi_q'; Phi_q 0], K of one block per body (elimination.py)."""
+
+    L: Array  # (nb, n, n) unit lower triangles of each body's block
+    pivot: Array  # (nb, n) reciprocals of the diagonal
+    W: Array  # (nb, n, r) L^-T Phi_q'
+    P: Array  # (nb, 7, 6) factors of the rows that drive a frame, and the order of these
+    S: Array  # profile of Phi_q K^-1 Phi_q', then its unit lower triangle
+    S_pivot: Array  # (n_p,) reciprocals of its diagonal
+    regular: Array  # (1,) least pivot over its diagonal entry before elimination
+    z: Array  # (nb, n)
+    mu: Array  # (n_p,) in the order of elimination
+
+
+class Work(NamedTuple):
+    """What an evaluation fills; bodies' arrays are as wide as the largest body."""
+
+    A: Array  # (nb, 3, 3) rotation matrices A_GB
+    M: Array  # (nb, n, n) mass matrices, lower triangles
+    f: Array  # (nb, n) loads, quadratic velocity terms, elastic and damping forces
+    J: Array  # (nb, n, r) Jacobian of the rows at each body, transposed
+    power: Array  # (2,) of dampers, actuators and loads [W]; energy in force elements [J]
+    rows: Array  # (n_c, N_ROW) of the constraints, laid out as above
+    # markers (nk)
+    motion: Array  # (nk, 24) (dynamics/bodies/motion.py)
+    J_m: Array  # (nk, 6, n) Jacobians of velocity and angular velocity
+    # of one body at a time
+    D: Array  # (9, m)
+    R: Array  # (9, m)
+    B: Array  # (3, 3)
+    P: Array  # (3, 3)
+    # solution
+    factors: Factors  # of the mass matrix
+    load: Array  # (nb, n) right-hand side
+    acceleration: Array  # (nb, n)
+    gamma: Array  # (n_c,) right-hand side of the constraint rows
+    multipliers: Array  # (n_c,)
+    left: Array  # (n_c,) what a solution leaves of gamma
+    softness: Array  # (n_c,) reciprocals of the penalties in use
+    change: Array  # (nb, n) of accelerations and multipliers, where these are iterated
+    change_multipliers: Array  # (n_c,)
+    # of one body at a time
+    C: Array  # (3, m) slope of the first moment of mass by the modes
+    first: Array  # (3, 3) first moment of mass, its rate, its second rate at steady modal rates
+    twist: Array  # (3,) rate of the moment of momentum in the body at steady modal rates
+
+
+@jit
+def new_factors(model: Model, one: Any) -> Factors:
+    """Return memory for factors, of the type of `one` (float or complex)."""
+    plan = model.plan
+    nb, n, r = model.n_body, plan.widest, plan.most_rows
+    n_p = plan.first.shape[0]
+    return Factors(
+        np.zeros((nb, n, n)) * one,
+        np.zeros((nb, n)) * one,
+        np.zeros((nb, n, r)) * one,
+        np.zeros((nb, 7, 6)) * one,
+        np.zeros(plan.profile_start[n_p]) * one,
+        np.zeros(n_p) * one,
+        np.ones(1),
+        np.zeros((nb, n)) * one,
+        np.zeros(n_p) * one,
+    )
+
+
+@jit
+def new_work(model: Model) -> Work:
+    """Return the memory for evaluations of a model; ground markers are filled once for all."""
+    plan = model.plan
+    nb, n, r, m = model.n_body, plan.widest, plan.most_rows, plan.most_modes
+    n_c, nk = model.n_constraint, model.marker_body.shape[0]
+    work = Work(
+        np.zeros((nb, 3, 3)),
+        np.zeros((nb, n, n)),
+        np.zeros((nb, n)),
+        np.zeros((nb, n, r)),
+        np.zeros(2),
+        np.zeros((n_c, N_ROW)),
+        np.zeros((nk, N_MOTION)),
+        np.zeros((nk, 6, n)),
+        np.zeros((9, m)),
+        np.zeros((9, m)),
+        np.zeros((3, 3)),
+        np.zeros((3, 3)),
+        new_factors(model, 1.0),
+        np.zeros((nb, n)),
+        np.zeros((nb, n)),
+        np.zeros(n_c),
+        np.zeros(n_c),
+        np.zeros(n_c),
+        np.zeros(n_c),
+        np.zeros((nb, n)),
+        np.zeros(n_c),
+        np.zeros((3, m)),
+        np.zeros((3, 3)),
+        np.zeros(3),
+    )
+    for k in range(nk):
+        if model.marker_body[k] < 0:
+            stand(work.motion[k], model.marker_x[k], model.marker_A[k])
+    return work
