@@ -23,7 +23,7 @@ from plymotion.solver.ahead import compile_ahead
 from plymotion.solver.dynamics.constraints.treatment import IMPLICIT, Treatment
 from plymotion.solver.dynamics.model import Model
 from plymotion.solver.dynamics.system import assemble, energies
-from plymotion.solver.integrate import Solution, integrate
+from plymotion.solver.integrators.generic import Solution, integrate
 from plymotion.solver.report.style import COLOURS, house_style
 from plymotion.solver.singularity import SingularityMonitor
 

@@ -18,7 +18,7 @@ from stability_samples import hand
 from plymotion.solver.ahead import compile_ahead
 from plymotion.solver.dynamics.constraints.treatment import Treatment
 from plymotion.solver.errors import InputError
-from plymotion.solver.integrate import INTEGRATORS, Solution, integrate
+from plymotion.solver.integrators.generic import INTEGRATORS, Solution, integrate
 
 TOLERANCES = [10.0**-k for k in np.arange(2.0, 11.1, 0.5)]
 PROJECTED = [(name, "projection", {}) for name in INTEGRATORS]

@@ -11,7 +11,7 @@ from solver_problems import Problem, chain
 from solver_runs import limit, prepared
 from tqdm import tqdm
 
-from plymotion.solver.integrate import integrate
+from plymotion.solver.integrators.generic import integrate
 from plymotion.solver.run import make_integrator
 
 LINKS = (8, 16, 32, 64, 128, 256)

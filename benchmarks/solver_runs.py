@@ -11,7 +11,7 @@ from solver_problems import Problem
 
 from plymotion.solver.dynamics.constraints.treatment import treated, treatment_of
 from plymotion.solver.dynamics.model import Model
-from plymotion.solver.integrate import Integrator, Solution, StopRequest, integrate
+from plymotion.solver.integrators.generic import Integrator, Solution, StopRequest, integrate
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.run import make_integrator, output_times
 

@@ -21,7 +21,7 @@ from mechanism_samples import pendulum
 
 from plymotion.solver.dynamics.constraints.treatment import Treatment
 from plymotion.solver.dynamics.system import assemble, constraint_rates
-from plymotion.solver.integrate import (
+from plymotion.solver.integrators.generic import (
     INTEGRATORS,
     ConstrainedSystem,
     Integrator,

@@ -6,7 +6,6 @@ from multiprocessing import get_context
 
 import numpy as np
 
-from .closures import right_hand_side
 from .dynamics.bodies.floating_frame import centrifugal_matrix
 from .dynamics.bodies.marker import single_motion
 from .dynamics.coordinates import moved, position_rates
@@ -17,8 +16,9 @@ from .dynamics.model import Model
 from .dynamics.projection import projected
 from .dynamics.system import assemble, derivative, energies, law_at
 from .dynamics.tables import ForceTable, JointTable, MarkerTable, assemble_model, rigid_body
-from .integrate import RungeKutta8, integrate
-from .marching import CompiledAlpha, Marching, Radau
+from .integrators.closures import right_hand_side
+from .integrators.generic import RungeKutta8, integrate
+from .integrators.stepping import CompiledAlpha, Marching, Radau
 from .math.arrays import Array
 from .math.compiled import COMPILED
 from .math.laws import polynomial

@@ -14,7 +14,7 @@ import numpy as np
 from .dynamics.constraints.treatment import Treatment
 from .dynamics.model import Model
 from .dynamics.plan import Plan
-from .integrate import Solution, integrate
+from .integrators.generic import Solution, integrate
 from .math.arrays import Array
 from .preparation import Watch
 from .run import make_integrator

@@ -6,7 +6,7 @@ import numpy as np
 
 from .dynamics.bodies.floating_frame import centrifugal_matrix
 from .dynamics.model import GROUND, Model
-from .integrate import Integrator, StopRequest
+from .integrators.generic import Integrator, StopRequest
 from .math.arrays import Array
 
 SPIN_CODE = "spin-above-clamped-frequency"

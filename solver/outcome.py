@@ -10,7 +10,7 @@ from . import findings, ply_stress, reactions, recover, shell_stress
 from .dynamics.freedom import degrees_of_freedom
 from .dynamics.model import Model
 from .energy_monitor import JUMP_CODE
-from .integrate import Solution
+from .integrators.generic import Solution
 from .math.arrays import Array
 from .mechanism import BuiltMechanism
 from .monitor import SPIN_CODE, SpinMonitor

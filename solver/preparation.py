@@ -12,7 +12,7 @@ from .energy_monitor import JUMP_CODE
 from .equilibrium import starting_state
 from .findings import Finding, finding
 from .initial import redundancy
-from .integrate import Integrator, Solution, StopRequest
+from .integrators.generic import Integrator, Solution, StopRequest
 from .math.arrays import Array
 from .mechanism import BuiltMechanism, build
 from .monitor import SPIN_CODE, SpinMonitor

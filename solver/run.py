@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
-from .closures import constrained_system, projection, right_hand_side
 from .dynamics.constraints.treatment import IMPLICIT, Treatment, treatment_of
 from .dynamics.model import Model
 from .errors import InputError, PackageError
-from .integrate import (
+from .integrators.closures import constrained_system, projection, right_hand_side
+from .integrators.generic import (
     Integrator,
     Solution,
     StopRequest,
@@ -22,7 +22,7 @@ from .integrate import (
     new_constrained_integrator,
     new_integrator,
 )
-from .marching import CompiledAlpha, Radau, has_elements, marches
+from .integrators.stepping import CompiledAlpha, Radau, has_elements, marches
 from .math.arrays import Array
 from .outcome import RunSpec, collect
 from .package import ModalPackage, read_package

@@ -15,8 +15,8 @@ from .dynamics.constraints.treatment import PASSES_SINGULAR
 from .dynamics.model import Model
 from .dynamics.system import assemble
 from .energy_monitor import EnergyMonitor
-from .integrate import Integrator, StopRequest
-from .integrate.base import Dense
+from .integrators.generic import Integrator, StopRequest
+from .integrators.generic.base import Dense
 from .math.arrays import Array
 
 SINGULAR_CODE = "singular-position"

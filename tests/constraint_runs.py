@@ -5,19 +5,19 @@ from dataclasses import dataclass
 import numpy as np
 from mechanism_samples import Sample
 
-from plymotion.solver.closures import constrained_system, projection, right_hand_side
 from plymotion.solver.dynamics.constraints.treatment import IMPLICIT, Treatment, treated
 from plymotion.solver.dynamics.model import Model
 from plymotion.solver.dynamics.system import assemble, constraint_rates, energies
 from plymotion.solver.initial import consistent_state, redundancy
-from plymotion.solver.integrate import (
+from plymotion.solver.integrators.closures import constrained_system, projection, right_hand_side
+from plymotion.solver.integrators.generic import (
     Integrator,
     Solution,
     integrate,
     new_constrained_integrator,
     new_integrator,
 )
-from plymotion.solver.marching import CompiledAlpha, Radau
+from plymotion.solver.integrators.stepping import CompiledAlpha, Radau
 from plymotion.solver.singularity import SingularityMonitor
 
 

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plymotion.solver.closures import right_hand_side
 from plymotion.solver.dynamics.model import Model
 from plymotion.solver.dynamics.system import assemble, energies
 from plymotion.solver.dynamics.tables import (
@@ -14,7 +13,8 @@ from plymotion.solver.dynamics.tables import (
     MarkerTable,
     assemble_model,
 )
-from plymotion.solver.integrate import integrate, new_integrator
+from plymotion.solver.integrators.closures import right_hand_side
+from plymotion.solver.integrators.generic import integrate, new_integrator
 from plymotion.solver.math.laws import polynomial
 from plymotion.solver.math.rotations import rotation_matrix, skew, vector_to_matrix
 from plymotion.solver.package import from_stations

@@ -12,7 +12,7 @@ from .. import findings, recover
 from ..dynamics.freedom import degrees_of_freedom
 from ..ensemble import integrate_members, structure
 from ..errors import InputError, PackageError
-from ..integrate import Solution
+from ..integrators.generic import Solution
 from ..math.arrays import Array
 from ..monitor import SPIN_CODE
 from ..package import ModalPackage

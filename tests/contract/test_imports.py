@@ -105,7 +105,7 @@ def lint(folder: Path) -> subprocess.CompletedProcess[str]:
         ("preprocess/planted.py", "from petsc4py import PETSc", "door"),
         ("solver/dynamics/bodies/planted.py", "from .. import joints", "dynamics"),
         ("solver/math/planted.py", "from .. import package", "layers"),
-        ("solver/integrate/planted.py", "from .. import bodies", "integrators"),
+        ("solver/integrators/generic/planted.py", "from ... import dynamics", "integrators"),
         ("solver/package/planted.py", "import scipy", "package"),
     ],
 )

@@ -5,8 +5,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
-from plymotion.solver.integrate import INTEGRATORS, integrate, new_integrator
-from plymotion.solver.integrate.bdf_formula import (
+from plymotion.solver.integrators.generic import INTEGRATORS, integrate, new_integrator
+from plymotion.solver.integrators.generic.bdf_formula import (
     corrector,
     error_weights,
     interpolation,

@@ -6,7 +6,6 @@ from constraint_runs import prepared
 from flexible_samples import random_mechanism, random_state
 from mechanism_samples import bricard, chain, four_bars
 
-from plymotion.solver.closures import right_hand_side
 from plymotion.solver.dynamics.constraints.treatment import Treatment, treated
 from plymotion.solver.dynamics.coordinates import moved
 from plymotion.solver.dynamics.projection import project, projected
@@ -20,6 +19,7 @@ from plymotion.solver.dynamics.system import (
 )
 from plymotion.solver.dynamics.tables import JointTable, MarkerTable, assemble_model, rigid_body
 from plymotion.solver.dynamics.workspace import new_work
+from plymotion.solver.integrators.closures import right_hand_side
 
 # Closed loops with surplus rows, of bodies with inertia about every axis.
 LOOPS = {

@@ -5,7 +5,7 @@ from constraint_runs import prepared
 from mechanism_samples import pendulum
 
 from plymotion.solver.dynamics.constraints.treatment import treatment_of
-from plymotion.solver.integrate import integrate
+from plymotion.solver.integrators.generic import integrate
 from plymotion.solver.run import make_integrator
 
 

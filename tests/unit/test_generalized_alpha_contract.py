@@ -7,9 +7,9 @@ import pytest
 from constraint_runs import new_run, prepared
 from mechanism_samples import chain, pendulum
 
-from plymotion.solver.closures import constrained_system
 from plymotion.solver.dynamics.constraints.treatment import Treatment
-from plymotion.solver.integrate import StopRequest, integrate, new_constrained_integrator
+from plymotion.solver.integrators.closures import constrained_system
+from plymotion.solver.integrators.generic import StopRequest, integrate, new_constrained_integrator
 
 BOTH = pytest.mark.parametrize("formulation", ["ggl", "index3"])
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from plymotion.solver.integrate import (
+from plymotion.solver.integrators.generic import (
     INTEGRATORS,
     Gear,
     RungeKutta8,

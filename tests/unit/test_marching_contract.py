@@ -12,13 +12,13 @@ from constraint_runs import new_run, prepared
 from march_samples import torn, two_bodies
 from mechanism_samples import chain, pendulum
 
-from plymotion.solver import marching
 from plymotion.solver.__main__ import main
 from plymotion.solver.dynamics.constraints.treatment import Treatment
 from plymotion.solver.dynamics.tables import ForceTable, MarkerTable, assemble_model, rigid_body
 from plymotion.solver.errors import InputError
-from plymotion.solver.integrate import StopRequest, integrate
-from plymotion.solver.marching import CompiledAlpha, Radau
+from plymotion.solver.integrators import stepping as marching
+from plymotion.solver.integrators.generic import StopRequest, integrate
+from plymotion.solver.integrators.stepping import CompiledAlpha, Radau
 from plymotion.solver.math.laws import polynomial
 
 ALL = pytest.mark.parametrize(

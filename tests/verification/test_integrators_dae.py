@@ -6,7 +6,7 @@ from constraint_runs import new_run, prepared, run
 from mechanism_samples import bricard, chain, pendulum
 
 from plymotion.solver.dynamics.constraints.treatment import Treatment
-from plymotion.solver.integrate import (
+from plymotion.solver.integrators.generic import (
     INTEGRATORS,
     ConstrainedSystem,
     integrate,

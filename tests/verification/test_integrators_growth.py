@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plymotion.solver.integrate import Gear, integrate
+from plymotion.solver.integrators.generic import Gear, integrate
 
 REFERENCE = Path(__file__).parents[1] / "reference" / "integrators" / "bdf_growth.toml"
 TABLE = tomllib.loads(REFERENCE.read_text())

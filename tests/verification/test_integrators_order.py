@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from plymotion.solver.integrate import Gear, RungeKutta5, RungeKutta8, integrate, new_integrator
+from plymotion.solver.integrators.generic import (
+    Gear,
+    RungeKutta5,
+    RungeKutta8,
+    integrate,
+    new_integrator,
+)
 
 
 def exact(t):

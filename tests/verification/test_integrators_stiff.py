@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from plymotion.solver.integrate import Gear, RungeKutta5, RungeKutta8, integrate
+from plymotion.solver.integrators.generic import Gear, RungeKutta5, RungeKutta8, integrate
 
 
 def van_der_pol(t, y):

@@ -8,7 +8,7 @@ from mechanism_samples import chain, pendulum
 from stability_samples import hand, stepped
 
 from plymotion.solver.dynamics.constraints.treatment import Treatment
-from plymotion.solver.integrate import integrate
+from plymotion.solver.integrators.generic import integrate
 from plymotion.solver.math.laws import polynomial
 
 SAMPLES = {

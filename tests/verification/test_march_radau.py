@@ -12,8 +12,8 @@ from stability_samples import amplitude, hand, stepped
 from plymotion.solver.dynamics.constraints.treatment import Treatment
 from plymotion.solver.dynamics.system import assemble, energies
 from plymotion.solver.dynamics.tables import ForceTable
-from plymotion.solver.integrate import integrate
-from plymotion.solver.marching import has_elements
+from plymotion.solver.integrators.generic import integrate
+from plymotion.solver.integrators.stepping import has_elements
 from plymotion.solver.math.laws import polynomial
 
 DRIVE = polynomial([0.0, 0.0, 3.0, -2.0])

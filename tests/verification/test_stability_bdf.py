@@ -8,7 +8,7 @@ from constraint_runs import new_run, prepared
 from stability_samples import amplitude, hand, stepped
 
 from plymotion.solver.dynamics.constraints.treatment import Treatment
-from plymotion.solver.integrate import Gear, integrate
+from plymotion.solver.integrators.generic import Gear, integrate
 
 INDEX_1 = Treatment("index1")
 

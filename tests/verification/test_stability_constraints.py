@@ -11,8 +11,8 @@ from stability_samples import stepped
 
 from plymotion.solver.dynamics.constraints.treatment import Treatment
 from plymotion.solver.dynamics.system import assemble, constraint_rates
-from plymotion.solver.integrate import integrate
-from plymotion.solver.integrate.advice import of_feedback
+from plymotion.solver.integrators.generic import integrate
+from plymotion.solver.integrators.generic.advice import of_feedback
 
 H = 0.02
 

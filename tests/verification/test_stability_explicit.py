@@ -6,7 +6,7 @@ from constraint_runs import new_run, prepared
 from stability_samples import amplitude, hand, stepped
 
 from plymotion.solver.dynamics.constraints.treatment import Treatment
-from plymotion.solver.integrate import Gear, RungeKutta5, RungeKutta8, integrate
+from plymotion.solver.integrators.generic import Gear, RungeKutta5, RungeKutta8, integrate
 
 INDEX_1 = Treatment("index1")
 METHODS = {"rk5": RungeKutta5, "rk8": RungeKutta8}

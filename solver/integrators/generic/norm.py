@@ -5,7 +5,7 @@ from math import sqrt
 
 import numpy as np
 
-from ..math.arrays import Array
+from ...math.arrays import Array
 
 
 class ErrorNorm:

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.linalg.lapack import dgetrf, dgetrs
 
-from ..math.arrays import Array
+from ...math.arrays import Array
 
 REGULARISATION = 1e-9  # e, in scaled equations
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..math.arrays import Array
+from ...math.arrays import Array
 from .base import Dense, Derivative, Integrator
 from .bdf_formula import corrector, error_weights, interpolation, predictor
 from .jacobian import difference_jacobian, increments

@@ -4,12 +4,12 @@ Implicit steps need no accelerations: they ask how far M vdot + Phi_q' lambda = 
 Phi_q vdot = gamma are from being met. That spares a factorisation of the mass matrix.
 """
 
-from ..dynamics.coordinates import rates_into
-from ..dynamics.model import Model
-from ..dynamics.system import evaluate, evaluate_rates
-from ..dynamics.workspace import GAMMA, PHI, PHI_T, Work
-from ..math.arrays import Array
-from ..math.compiled import inlined, lean
+from ...dynamics.coordinates import rates_into
+from ...dynamics.model import Model
+from ...dynamics.system import evaluate, evaluate_rates
+from ...dynamics.workspace import GAMMA, PHI, PHI_T, Work
+from ...math.arrays import Array
+from ...math.compiled import inlined, lean
 
 
 @lean

@@ -20,13 +20,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..dynamics.elimination import factorise, solve
-from ..dynamics.model import Model
-from ..dynamics.system import REGULAR, soften
-from ..dynamics.workspace import Factors, Work, new_factors
-from ..math.arrays import Array
-from ..math.compiled import inlined, jit, lean
-from ..math.rotations import along_parameters
+from ...dynamics.elimination import factorise, solve
+from ...dynamics.model import Model
+from ...dynamics.system import REGULAR, soften
+from ...dynamics.workspace import Factors, Work, new_factors
+from ...math.arrays import Array
+from ...math.compiled import inlined, jit, lean
+from ...math.rotations import along_parameters
 
 
 class Pencil(NamedTuple):

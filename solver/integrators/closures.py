@@ -4,21 +4,21 @@ from collections.abc import Callable
 
 import numpy as np
 
-from .dynamics.coordinates import moved, position_rates
-from .dynamics.model import Model
-from .dynamics.projection import projected
-from .dynamics.system import (
+from ..dynamics.coordinates import moved, position_rates
+from ..dynamics.model import Model
+from ..dynamics.projection import projected
+from ..dynamics.system import (
     accelerations,
     assemble,
     by_blocks,
     dense_derivative_into,
     derivative_into,
 )
-from .dynamics.workspace import new_work
-from .integrate.base import Derivative
-from .integrate.constrained import ConstrainedSystem
-from .march.explicit import fill_stages
-from .math.arrays import Array
+from ..dynamics.workspace import new_work
+from ..math.arrays import Array
+from .compiled.explicit import fill_stages
+from .generic.base import Derivative
+from .generic.constrained import ConstrainedSystem
 
 
 class RightHandSide:
@@ -39,7 +39,7 @@ class RightHandSide:
     def stages(
         self, A: Array, C: Array, t: float, y: Array, h: float, K: Array, point: Array
     ) -> None:
-        """Fill the stages K of an explicit step in one call; see march/explicit.py."""
+        """Fill the stages K of an explicit step in one call; see compiled/explicit.py."""
         fill_stages(self._model, self._work, A, C, t, y, h, K, point)
 
 

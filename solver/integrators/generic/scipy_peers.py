@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 import numpy as np
 from scipy.integrate import BDF, DOP853, LSODA, Radau
 
-from ..math.arrays import Array
+from ...math.arrays import Array
 from .base import Dense
 from .peer import Peer
 

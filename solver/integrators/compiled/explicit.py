@@ -1,10 +1,10 @@
 """Stages of an explicit Runge-Kutta step, all in one call."""
 
-from ..dynamics.model import Model
-from ..dynamics.system import derivative_into
-from ..dynamics.workspace import Work
-from ..math.arrays import Array
-from ..math.compiled import lean
+from ...dynamics.model import Model
+from ...dynamics.system import derivative_into
+from ...dynamics.workspace import Work
+from ...math.arrays import Array
+from ...math.compiled import lean
 
 
 @lean

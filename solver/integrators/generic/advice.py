@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..math.arrays import Array
+from ...math.arrays import Array
 
 # Of |h w| on average, above which an explicit method's steps are limited by stability.
 LIMITED_ABOVE = {"RungeKutta5": 0.8, "RungeKutta8": 2.0, "ScipyDop853": 2.0}

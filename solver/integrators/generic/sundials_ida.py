@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InputError
-from ..math.arrays import Array
+from ...errors import InputError
+from ...math.arrays import Array
 from .alpha_scheme import check_formulation
 from .base import Dense
 from .constrained import ConstrainedSystem

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..math.arrays import Array
+from ...math.arrays import Array
 from . import advice
 from .norm import ErrorNorm
 

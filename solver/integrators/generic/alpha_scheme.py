@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from ..errors import did_you_mean
+from ...errors import did_you_mean
 
 FORMULATIONS = ("ggl", "index3")
 SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 2.0

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..math.arrays import Array
+from ...math.arrays import Array
 from .alpha_scheme import (
     HYSTERESIS,
     MAX_FACTOR,

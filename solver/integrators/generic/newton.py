@@ -6,7 +6,7 @@ from math import isfinite
 import numpy as np
 from scipy.linalg.lapack import dgetrf, dgetrs
 
-from ..math.arrays import Array
+from ...math.arrays import Array
 from .base import Counters, Derivative
 from .norm import ErrorNorm
 

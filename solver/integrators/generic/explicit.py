@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 from scipy.integrate import DOP853, RK45
 
-from ..math.arrays import Array
+from ...math.arrays import Array
 from .base import Dense, Integrator
 
 SAFETY = 0.9

@@ -4,10 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..dynamics.model import Model
-from ..dynamics.workspace import Work, new_work
-from ..math.arrays import Array, IntArray
-from ..math.compiled import jit
+from ...dynamics.model import Model
+from ...dynamics.workspace import Work, new_work
+from ...math.arrays import Array, IntArray
+from ...math.compiled import jit
 from .course import NEXT, TIME
 from .pencil import Frozen, Pencil, new_frozen, new_pencil
 

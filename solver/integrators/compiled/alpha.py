@@ -1,16 +1,16 @@
 """Generalized-alpha on a Lie group: the step loop for mechanisms, compiled whole.
 
-The method and its letters are those of integrate/generalized_alpha.py, which takes any closures
+The method and its letters are those of generic/generalized_alpha.py, which takes any closures
 and differences for its stiffness. Here modal stiffness and damping are the ones of the bodies
 (pencil.py), and the cost of a step is linear in their number.
 """
 
 import numpy as np
 
-from ..dynamics.coordinates import move, rates_into
-from ..dynamics.elimination import solve
-from ..dynamics.model import Model
-from ..dynamics.system import (
+from ...dynamics.coordinates import move, rates_into
+from ...dynamics.elimination import solve
+from ...dynamics.model import Model
+from ...dynamics.system import (
     accelerate,
     evaluate,
     evaluate_rates,
@@ -19,8 +19,10 @@ from ..dynamics.system import (
     largest_left,
     row_products,
 )
-from ..dynamics.workspace import PHI, PHI_T
-from ..integrate.alpha_scheme import (
+from ...dynamics.workspace import PHI, PHI_T
+from ...math.arrays import Array
+from ...math.compiled import inlined, lean
+from ..generic.alpha_scheme import (
     HYSTERESIS,
     MAX_FACTOR,
     MAX_ITERATIONS,
@@ -29,8 +31,6 @@ from ..integrate.alpha_scheme import (
     TOLERANCE,
     Scheme,
 )
-from ..math.arrays import Array
-from ..math.compiled import inlined, lean
 from .alpha_course import POWER, POWER_LAST, AlphaCourse
 from .course import (
     ARRIVED,
@@ -259,7 +259,7 @@ def _size(model: Model, options: Options, course: AlphaCourse) -> float:
 
 @inlined
 def _error(model: Model, options: Options, scheme: Scheme, course: AlphaCourse, h: float) -> float:
-    """Local error of positions and velocities; see integrate/generalized_alpha.py."""
+    """Local error of positions and velocities; see generic/generalized_alpha.py."""
     n_pos, n_vel, last, real = model.n_pos, model.n_vel, course.clock[TAKEN], course.real
     frozen, factors, plan = course.frozen, course.real.factors, model.plan
     both = course.both

@@ -5,27 +5,27 @@ from typing import Any
 
 import numpy as np
 
+from ..dynamics.constraints.treatment import Treatment
+from ..dynamics.forces.table import FIRST_LOAD
+from ..dynamics.model import Model
+from ..dynamics.system import by_blocks, derivative_into
+from ..dynamics.workspace import new_work
+from ..errors import InputError
+from ..math.arrays import Array
+from ..math.compiled import COMPILED
 from .closures import right_hand_side
-from .dynamics.constraints.treatment import Treatment
-from .dynamics.forces.table import FIRST_LOAD
-from .dynamics.model import Model
-from .dynamics.system import by_blocks, derivative_into
-from .dynamics.workspace import new_work
-from .errors import InputError
-from .integrate import Integrator
-from .integrate.alpha_scheme import scheme
-from .integrate.base import FIRST_STEPS, Dense
-from .integrate.explicit import Powers
-from .integrate.hermite import Hermite
-from .march import course as codes
-from .march.alpha import advance_alpha
-from .march.alpha_course import new_alpha_course
-from .march.closing import close
-from .march.course import Options, new_course
-from .march.radau import advance
-from .march.tableau import MU
-from .math.arrays import Array
-from .math.compiled import COMPILED
+from .compiled import course as codes
+from .compiled.alpha import advance_alpha
+from .compiled.alpha_course import new_alpha_course
+from .compiled.closing import close
+from .compiled.course import Options, new_course
+from .compiled.radau import advance
+from .compiled.tableau import MU
+from .generic import Integrator
+from .generic.alpha_scheme import scheme
+from .generic.base import FIRST_STEPS, Dense
+from .generic.explicit import Powers
+from .generic.hermite import Hermite
 
 # Steps of one call, between which Ctrl-C is heard without loss.
 CHUNK = 200 if COMPILED else 5
@@ -155,7 +155,7 @@ class Marching(Integrator):
 
 
 class Radau(Marching):
-    """Radau IIA of order 5 for mechanisms (march/radau.py): L-stable, so that modes stiffer than
+    """Radau IIA of order 5 for mechanisms (compiled/radau.py): L-stable, so that modes stiffer than
     the motion are damped, not followed; every step is brought back onto the constraints unless
     `closed` is false.
     """
@@ -208,7 +208,7 @@ class Radau(Marching):
 
 
 class CompiledAlpha(Marching):
-    """Generalized-alpha for mechanisms (march/alpha.py); the method is that of GeneralizedAlpha.
+    """Generalized-alpha for mechanisms (compiled/alpha.py); the method is that of GeneralizedAlpha.
 
     Its matrices know the stiffness of bodies, not of force elements.
     """

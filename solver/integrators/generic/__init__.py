@@ -3,8 +3,8 @@
 from inspect import signature
 from typing import Any
 
-from ..errors import did_you_mean
-from ..math.arrays import Array
+from ...errors import did_you_mean
+from ...math.arrays import Array
 from . import advice
 from .base import Counters, Derivative, Integrator
 from .constrained import ConstrainedSystem

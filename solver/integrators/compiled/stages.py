@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from ..dynamics.model import Model
-from ..math.arrays import Array
-from ..math.compiled import inlined
+from ...dynamics.model import Model
+from ...math.arrays import Array
+from ...math.compiled import inlined
 from .course import Course, Options
 from .residual import rest
 from .tableau import A_INVERSE, ERROR, POWERS, T_INVERSE, A, C, T
@@ -158,7 +158,7 @@ def interpolate(course: Course, x: float, out: Array) -> None:
 
 @inlined
 def norm(options: Options, a: Array, weight: Array) -> float:
-    """Largest of the blocks' root mean squares, nan if there is one; see integrate/norm.py."""
+    """Largest of the blocks' root mean squares, nan if there is one; see generic/norm.py."""
     largest = 0.0
     for b in range(options.block_starts.shape[0] - 1):
         s = 0.0

@@ -5,7 +5,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..math.arrays import Array
+from ...math.arrays import Array
 from .base import Integrator
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..math.arrays import Array
+from ...math.arrays import Array
 from .base import Derivative
 
 ROOT_EPSILON = float(np.sqrt(np.finfo(float).eps))

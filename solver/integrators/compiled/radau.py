@@ -6,9 +6,9 @@ Equations II, section IV.8, is the source of the transformation, the error estim
 control of steps.
 """
 
-from ..dynamics.model import Model
-from ..math.arrays import Array
-from ..math.compiled import lean
+from ...dynamics.model import Model
+from ...math.arrays import Array
+from ...math.compiled import lean
 from .closing import close
 from .course import (
     ARRIVED,

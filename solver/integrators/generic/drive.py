@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..math.arrays import Array
+from ...math.arrays import Array
 from .base import Counters, Integrator
 
 

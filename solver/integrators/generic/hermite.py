@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ..math.arrays import Array
+from ...math.arrays import Array
 
 
 class Hermite:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
-from ..math.arrays import Array
+from ...math.arrays import Array
 from .base import Derivative
 
 
