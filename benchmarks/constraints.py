@@ -24,8 +24,8 @@ from plymotion.solver.dynamics.constraints.treatment import IMPLICIT, Treatment
 from plymotion.solver.dynamics.model import Model
 from plymotion.solver.dynamics.system import assemble, energies
 from plymotion.solver.integrators.generic import Solution, integrate
+from plymotion.solver.monitors.singularity import SingularityMonitor
 from plymotion.solver.report.style import COLOURS, house_style
-from plymotion.solver.singularity import SingularityMonitor
 
 REFERENCE = Path("tests/reference/dynamics")
 CSV = Path("build/benchmarks/constraints.csv")

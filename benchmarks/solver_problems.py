@@ -10,12 +10,12 @@ import numpy as np
 from plymotion.solver.dynamics.bodies.marker import marker_motion
 from plymotion.solver.dynamics.model import GROUND, Model
 from plymotion.solver.dynamics.tables import JointTable, MarkerTable, assemble_model, flexible_body
-from plymotion.solver.equilibrium import starting_state
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.load import merge
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.math.rotations import frame_from_axis
 from plymotion.solver.mechanism import build
+from plymotion.solver.mechanism.equilibrium import starting_state
 from plymotion.solver.package import Interface, ModalPackage, read_package
 
 SHIPPED = Path("tests/packages")

@@ -8,17 +8,17 @@ import numpy as np
 
 from .dynamics.constraints.treatment import Treatment, treated, treatment_of
 from .dynamics.model import Model
-from .energy_monitor import JUMP_CODE
-from .equilibrium import starting_state
 from .findings import Finding, finding
-from .initial import redundancy
 from .integrators.generic import Integrator, Solution, StopRequest
 from .math.arrays import Array
 from .mechanism import BuiltMechanism, build
-from .monitor import SPIN_CODE, SpinMonitor
+from .mechanism.equilibrium import starting_state
+from .mechanism.initial import redundancy
+from .monitors.energy import JUMP_CODE
+from .monitors.singularity import SINGULAR_CODE, SingularityMonitor
+from .monitors.spin import SPIN_CODE, SpinMonitor
 from .package import ModalPackage
 from .signals import Sensor, sensors
-from .singularity import SINGULAR_CODE, SingularityMonitor
 
 Watch = Callable[[Integrator], StopRequest | None]
 

@@ -21,8 +21,8 @@ from .findings import Finding, finding
 from .math.arrays import Array
 from .math.rotations import rotation_matrix
 from .mechanism import BuiltMechanism, build
-from .monitor import SpinMonitor
-from .recover import stiffened
+from .monitors.spin import SpinMonitor
+from .signals.recover import stiffened
 
 BUCKLING_CODE = "buckling-by-motion"
 INDEFINITE_CODE = "stiffened-mass-indefinite"

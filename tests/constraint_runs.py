@@ -8,7 +8,6 @@ from mechanism_samples import Sample
 from plymotion.solver.dynamics.constraints.treatment import IMPLICIT, Treatment, treated
 from plymotion.solver.dynamics.model import Model
 from plymotion.solver.dynamics.system import assemble, constraint_rates, energies
-from plymotion.solver.initial import consistent_state, redundancy
 from plymotion.solver.integrators.closures import constrained_system, projection, right_hand_side
 from plymotion.solver.integrators.generic import (
     Integrator,
@@ -18,7 +17,8 @@ from plymotion.solver.integrators.generic import (
     new_integrator,
 )
 from plymotion.solver.integrators.stepping import CompiledAlpha, Radau
-from plymotion.solver.singularity import SingularityMonitor
+from plymotion.solver.mechanism.initial import consistent_state, redundancy
+from plymotion.solver.monitors.singularity import SingularityMonitor
 
 
 @dataclass

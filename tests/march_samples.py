@@ -7,8 +7,8 @@ from flexible_samples import Points, body_of, random_points
 from mechanism_samples import GRAVITY, GROUND, Rods, Sample
 
 from plymotion.solver.dynamics.tables import ForceTable, JointTable, MarkerTable, assemble_model
-from plymotion.solver.initial import Start
 from plymotion.solver.math.laws import Law, polynomial
+from plymotion.solver.mechanism.initial import Start
 
 N_MODE = 2
 

@@ -18,8 +18,8 @@ from plymotion.solver.dynamics.tables import (
     assemble_model,
     rigid_body,
 )
-from plymotion.solver.initial import Start
 from plymotion.solver.math.rotations import frame_from_axis
+from plymotion.solver.mechanism.initial import Start
 
 GROUND = -1
 Z = (0.0, 0.0, 1.0)

@@ -13,8 +13,8 @@ from mechanism_samples import GRAVITY, GROUND, Sample
 
 from plymotion.solver.dynamics.model import Model
 from plymotion.solver.dynamics.tables import JointTable, MarkerTable, assemble_model, flexible_body
-from plymotion.solver.initial import Start
 from plymotion.solver.integrators.generic import Integrator
+from plymotion.solver.mechanism.initial import Start
 from plymotion.solver.package import read_package
 
 HAND = Path(__file__).parent / "packages/double-pendulum/hand.isotropic.vtkhdf"

@@ -11,8 +11,8 @@ from plymotion.solver.dynamics.bodies.marker import marker_motion
 from plymotion.solver.dynamics.model import Model
 from plymotion.solver.dynamics.system import derivative
 from plymotion.solver.dynamics.tables import JointTable, MarkerTable, assemble_model, flexible_body
-from plymotion.solver.initial import Start, consistent_state
 from plymotion.solver.math.laws import polynomial
+from plymotion.solver.mechanism.initial import Start, consistent_state
 from plymotion.solver.package import ModalPackage
 
 GRAVITY = (0.0, -9.81, 0.0)

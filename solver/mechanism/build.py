@@ -7,13 +7,13 @@ import numpy as np
 
 from ..dynamics.model import Model
 from ..dynamics.tables import Body, assemble_model, flexible_body, rigid_body
-from ..initial import Start
 from ..math.rotations import matrix_to_parameters
 from ..package import Interface, ModalPackage
-from ..virtual import VirtualBodies, through_virtual_bodies
 from .forces import force_tables
+from .initial import Start
 from .joints import BuiltJoint, joint_tables
 from .places import Places
+from .virtual import VirtualBodies, through_virtual_bodies
 
 
 @dataclass(frozen=True)

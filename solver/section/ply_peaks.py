@@ -7,8 +7,8 @@ import numpy as np
 from ..math.arrays import Array
 from ..package.section.recovery_data import strengths
 from ..package.section.schema import Ply, SectionRecovery
-from ..ply_stress import unit_stress_M
 from ..strength import criteria_of
+from ..strength.beam_bodies import unit_stress_M
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ import numpy as np
 from ..math.arrays import Array
 from ..math.rotations import matrix_to_vector, vector_to_matrix
 from ..mechanism import BuiltMechanism
-from ..recover import elastic_motion, stiffened
 from .recording import Recording
+from .recover import elastic_motion, stiffened
 
 POINT_UNITS = {
     "position": "m",

@@ -8,7 +8,7 @@ from ..dynamics.bodies.marker import Marker, marker_motion
 from ..dynamics.model import Model
 from ..dynamics.system import accelerations, assemble
 from ..math.arrays import Array
-from ..reactions import joint_reactions
+from .reactions import joint_reactions
 
 
 class Recording:

@@ -10,7 +10,7 @@ from ..math.arrays import Array, IntArray
 from ..package import ModalPackage
 from ..package.body.schema import BodyRecovery
 from ..package.section.schema import RESULTANTS, STRESSES, SectionRecovery
-from ..ply_stress import unit_stress_M
+from ..strength.beam_bodies import unit_stress_M
 from .recording import Recording
 
 Values = Callable[[Recording], Array]

@@ -8,19 +8,19 @@ from typing import Any
 
 import numpy as np
 
-from .. import findings, recover
+from .. import findings
 from ..dynamics.freedom import degrees_of_freedom
 from ..ensemble import integrate_members, structure
 from ..errors import InputError, PackageError
 from ..integrators.generic import Solution
 from ..math.arrays import Array
-from ..monitor import SPIN_CODE
+from ..monitors.spin import SPIN_CODE
 from ..package import ModalPackage
 from ..preparation import Prepared, prepare
-from ..reactions import momentum_balance
 from ..results import Signal, relative_balance, signal_summary
 from ..run import output_times
-from ..signals import Recording
+from ..signals import Recording, recover
+from ..signals.reactions import momentum_balance
 from .plan import Plan
 
 PENDING, FINISHED, STOPPED, FAILED = "pending", "finished", "stopped", "failed"

@@ -15,7 +15,7 @@ import pytest
 from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
-from plymotion.solver.monitor import SPIN_CODE
+from plymotion.solver.monitors.spin import SPIN_CODE
 from plymotion.solver.run import execute, read_run
 
 CASE = "cases/double-pendulum/case.toml"

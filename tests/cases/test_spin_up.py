@@ -8,7 +8,7 @@ import pytest
 
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
-from plymotion.solver.monitor import SPIN_CODE
+from plymotion.solver.monitors.spin import SPIN_CODE
 from plymotion.solver.run import execute, read_run
 from plymotion.solver.stiffening import BUCKLING_CODE, MATTERS_CODE, MISSING_CODE
 

@@ -15,7 +15,7 @@ from case_samples import HEAD, SOLVER, rigid
 from sweep_samples import FORCE, MASS, ball, ball_plan, checked
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.monitor import SPIN_CODE
+from plymotion.solver.monitors.spin import SPIN_CODE
 from plymotion.solver.run import execute, read_run
 from plymotion.solver.sweep import command, engine
 from plymotion.solver.sweep.engine import compute_by_workers

@@ -22,7 +22,7 @@ from plymotion.solver.package import read_package, validate, write_package
 from plymotion.solver.package.body.invariants import free_body_mass, rigid_motions
 from plymotion.solver.package.body.plausibility import plausibility_findings
 from plymotion.solver.package.shell.schema import ply_stress
-from plymotion.solver.shell_stress import shell_ply_stress
+from plymotion.solver.strength.shell_bodies import shell_ply_stress
 
 Record = Callable[[str, Any], None]
 PARTS = ("mesh", "materials", "laminates", "regions", "elements", "stiffeners")

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from case_samples import HEAD, SOLVER
 
-from plymotion.solver import ply_stress
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.mechanism import build
 from plymotion.solver.run import read_run
 from plymotion.solver.signals import Recording, sensors
+from plymotion.solver.strength import beam_bodies as ply_stress
 
 TEXT = """
 [bodies.arm]

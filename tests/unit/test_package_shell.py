@@ -11,11 +11,15 @@ from package_samples import same
 from panel_sample import THICKNESS, WIDTH, E, panel
 from recovery_samples import STEEL_STRENGTH
 
-from plymotion.solver import ply_stress
 from plymotion.solver.errors import PackageError
 from plymotion.solver.package import read_package, validate, write_package
 from plymotion.solver.package.body.laminate_data import CellResultants, LaminateData
-from plymotion.solver.shell_stress import shell_ply_stress, shell_resultants, shell_strength
+from plymotion.solver.strength import beam_bodies as ply_stress
+from plymotion.solver.strength.shell_bodies import (
+    shell_ply_stress,
+    shell_resultants,
+    shell_strength,
+)
 
 
 @pytest.fixture

@@ -16,7 +16,12 @@ from plymotion.solver.dynamics.tables import (
     rigid_body,
 )
 from plymotion.solver.math import laws
-from plymotion.solver.reactions import acting, joint_reactions, momentum_balance, momentum_rates
+from plymotion.solver.signals.reactions import (
+    acting,
+    joint_reactions,
+    momentum_balance,
+    momentum_rates,
+)
 
 KINDS = ("revolute", "fixed", "spherical", "universal", "cylindrical", "prismatic", "planar")
 

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from plymotion.solver.dynamics.constraints.treatment import Treatment
 from plymotion.solver.dynamics.system import by_blocks, derivative
 from plymotion.solver.integrators.generic import integrate, new_integrator
-from plymotion.solver.singularity import BRANCH_CODE, SINGULAR_CODE, SingularityMonitor
+from plymotion.solver.monitors.singularity import BRANCH_CODE, SINGULAR_CODE, SingularityMonitor
 
 ALL_JOINTS = ["foot 0", "foot 1", "left 0", "right 0"]
 

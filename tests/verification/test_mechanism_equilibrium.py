@@ -14,11 +14,11 @@ from plymotion.solver.dynamics.tables import (
     assemble_model,
     rigid_body,
 )
-from plymotion.solver.equilibrium import equilibrium
 from plymotion.solver.errors import InputError
-from plymotion.solver.initial import Start, consistent_state
 from plymotion.solver.math import laws
 from plymotion.solver.math.rotations import frame_from_axis, matrix_to_parameters, vector_to_matrix
+from plymotion.solver.mechanism.equilibrium import equilibrium
+from plymotion.solver.mechanism.initial import Start, consistent_state
 
 GRAVITY = (0.0, -9.81, 0.0)
 

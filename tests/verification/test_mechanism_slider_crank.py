@@ -13,10 +13,10 @@ from plymotion.solver.dynamics.tables import (
     assemble_model,
     rigid_body,
 )
-from plymotion.solver.initial import Start, consistent_state
 from plymotion.solver.math import laws
 from plymotion.solver.math.rotations import frame_from_axis
 from plymotion.solver.mechanism import BuiltJoint
+from plymotion.solver.mechanism.initial import Start, consistent_state
 from plymotion.solver.package.body.schema import Invariants
 from plymotion.solver.signals.joints import joint_coordinate, reaction
 from plymotion.solver.signals.recording import Recording

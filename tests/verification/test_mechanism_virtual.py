@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from plymotion.solver.dynamics.system import assemble
-from plymotion.solver.initial import consistent_state
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.mechanism import build
+from plymotion.solver.mechanism.initial import consistent_state
 from plymotion.solver.run import execute, read_run
 
 REACTIONS = {

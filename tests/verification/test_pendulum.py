@@ -13,8 +13,8 @@ from plymotion.solver.dynamics.tables import (
     assemble_model,
     rigid_body,
 )
-from plymotion.solver.initial import Start, consistent_state
 from plymotion.solver.math import laws
+from plymotion.solver.mechanism.initial import Start, consistent_state
 from plymotion.solver.package import from_stations
 
 NOTHING = np.zeros((3, 0))

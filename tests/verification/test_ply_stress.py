@@ -24,8 +24,8 @@ from plymotion.preprocess.beam.spec import read_spec
 from plymotion.solver.package import ModalPackage, SectionData, validate, write_package
 from plymotion.solver.package.section.recovery_data import strengths
 from plymotion.solver.package.section.schema import SectionRecovery
-from plymotion.solver.ply_stress import body_strength, ply_stress, resultants
 from plymotion.solver.strength import PLY_CRITERIA
+from plymotion.solver.strength.beam_bodies import body_strength, ply_stress, resultants
 
 LENGTH, WIDTH, HEIGHT = 0.5, 0.02, 0.05
 E, NU, RHO = STEEL["E"], STEEL["nu"], STEEL["rho"]

@@ -11,7 +11,7 @@ from stiffening_samples import CHORD, rectangle, soft_modes, soft_pendulum
 
 from plymotion.solver.dynamics.system import assemble, derivative
 from plymotion.solver.mechanism import build
-from plymotion.solver.monitor import SpinMonitor
+from plymotion.solver.monitors.spin import SpinMonitor
 from plymotion.solver.stiffening import geometric_stiffness, stiffening_findings
 
 K, MASS = rectangle(70e9, 0.3, 2700.0, 0.004, 0.02)

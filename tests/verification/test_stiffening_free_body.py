@@ -26,7 +26,7 @@ from plymotion.solver.dynamics.tables import (
     rigid_body,
 )
 from plymotion.solver.math.rotations import matrix_to_parameters, rotation_matrix
-from plymotion.solver.reactions import momentum_balance
+from plymotion.solver.signals.reactions import momentum_balance
 
 GRAVITY = (0.3, -9.81, 2.0)
 

@@ -7,7 +7,7 @@ from flexible_samples import simulate
 from stiffening_samples import CHORD, CLAMPED, soft_modes, soft_pendulum
 
 from plymotion.solver.dynamics.system import accelerations, assemble
-from plymotion.solver.monitor import SpinMonitor
+from plymotion.solver.monitors.spin import SpinMonitor
 from plymotion.solver.stiffening import geometric_stiffness
 
 

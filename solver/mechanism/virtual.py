@@ -15,9 +15,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from .dynamics.model import GROUND, Model
-from .dynamics.tables import Body, JointTable, MarkerTable, rigid_body
-from .math.arrays import Array
+from ..dynamics.model import GROUND, Model
+from ..dynamics.tables import Body, JointTable, MarkerTable, rigid_body
+from ..math.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -13,13 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from .math.arrays import Array, IntArray
-from .package.body.schema import BodyRecovery, ModalPackage
-from .package.common.strengths import PlyStrength, YieldStrength
-from .package.section.recovery_data import strengths
-from .package.section.schema import STRESSES, Ply, SectionRecovery
-from .strength import Criterion, Verdict, criteria_of
-from .strength.search import PeakSearch
+from ..math.arrays import Array, IntArray
+from ..package.body.schema import BodyRecovery, ModalPackage
+from ..package.common.strengths import PlyStrength, YieldStrength
+from ..package.section.recovery_data import strengths
+from ..package.section.schema import STRESSES, Ply, SectionRecovery
+from . import Criterion, Verdict, criteria_of
+from .search import PeakSearch
 
 
 @dataclass(frozen=True)

@@ -15,15 +15,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .math.arrays import Array, IntArray
-from .package.body.laminate_data import CellResultants, LaminateData
-from .package.body.schema import ModalPackage
-from .package.section.recovery_data import strengths
-from .package.section.schema import Ply
-from .package.shell.schema import LEVELS
-from .ply_stress import BodyStrength, Failure
-from .strength import criteria_of
-from .strength.search import BLOCK, ROUND_OFF, PeakSearch
+from ..math.arrays import Array, IntArray
+from ..package.body.laminate_data import CellResultants, LaminateData
+from ..package.body.schema import ModalPackage
+from ..package.section.recovery_data import strengths
+from ..package.section.schema import Ply
+from ..package.shell.schema import LEVELS
+from . import criteria_of
+from .beam_bodies import BodyStrength, Failure
+from .search import BLOCK, ROUND_OFF, PeakSearch
 
 STRIPS = 20  # across the body's x, of which each tells its highest exposure
 AT_ONCE = 2_000_000  # numbers in memory

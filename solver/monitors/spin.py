@@ -4,10 +4,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .dynamics.bodies.floating_frame import centrifugal_matrix
-from .dynamics.model import GROUND, Model
-from .integrators.generic import Integrator, StopRequest
-from .math.arrays import Array
+from ..dynamics.bodies.floating_frame import centrifugal_matrix
+from ..dynamics.model import GROUND, Model
+from ..integrators.generic import Integrator, StopRequest
+from ..math.arrays import Array
 
 SPIN_CODE = "spin-above-clamped-frequency"
 

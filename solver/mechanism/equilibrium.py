@@ -11,14 +11,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from .dynamics.constraints.minimum_norm import RANK_TOLERANCE
-from .dynamics.constraints.scaling import row_masses, scaled_jacobian
-from .dynamics.coordinates import moved
-from .dynamics.model import Model
-from .dynamics.system import Equations, assemble
-from .errors import InputError
+from ..dynamics.constraints.minimum_norm import RANK_TOLERANCE
+from ..dynamics.constraints.scaling import row_masses, scaled_jacobian
+from ..dynamics.coordinates import moved
+from ..dynamics.model import Model
+from ..dynamics.system import Equations, assemble
+from ..errors import InputError
+from ..math.arrays import Array
 from .initial import Start, consistent_state
-from .math.arrays import Array
 
 _TOLERANCE = 1e-10  # of the unbalanced accelerations, over the largest that the loads give
 _NEUTRAL = 1e-6  # [1/s2] stiffness over inertia that counts as none

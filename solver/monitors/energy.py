@@ -4,9 +4,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .dynamics.model import Model
-from .dynamics.system import Equations, energies
-from .math.arrays import Array
+from ..dynamics.model import Model
+from ..dynamics.system import Equations, energies
+from ..math.arrays import Array
 
 JUMP_CODE = "energy-jump"
 JUMP = 1e-3  # of the energy in play, within one step

@@ -4,15 +4,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .dynamics.bodies.marker import marker_motion
-from .dynamics.constraints.minimum_norm import RANK_TOLERANCE
-from .dynamics.constraints.scaling import scaled_jacobian
-from .dynamics.coordinates import moved
-from .dynamics.joints.table import KINDS, NAMES, ROWS
-from .dynamics.model import Model
-from .dynamics.system import Equations, accelerations, assemble, law_at
-from .errors import InputError
-from .math.arrays import Array
+from ..dynamics.bodies.marker import marker_motion
+from ..dynamics.constraints.minimum_norm import RANK_TOLERANCE
+from ..dynamics.constraints.scaling import scaled_jacobian
+from ..dynamics.coordinates import moved
+from ..dynamics.joints.table import KINDS, NAMES, ROWS
+from ..dynamics.model import Model
+from ..dynamics.system import Equations, accelerations, assemble, law_at
+from ..errors import InputError
+from ..math.arrays import Array
 
 _POSITION_TOLERANCE = 1e-12
 _VELOCITY_TOLERANCE = 1e-9

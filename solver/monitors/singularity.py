@@ -10,14 +10,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .dynamics.constraints.scaling import scaled_jacobian
-from .dynamics.constraints.treatment import PASSES_SINGULAR
-from .dynamics.model import Model
-from .dynamics.system import assemble
-from .energy_monitor import EnergyMonitor
-from .integrators.generic import Integrator, StopRequest
-from .integrators.generic.base import Dense
-from .math.arrays import Array
+from ..dynamics.constraints.scaling import scaled_jacobian
+from ..dynamics.constraints.treatment import PASSES_SINGULAR
+from ..dynamics.model import Model
+from ..dynamics.system import assemble
+from ..integrators.generic import Integrator, StopRequest
+from ..integrators.generic.base import Dense
+from ..math.arrays import Array
+from .energy import EnergyMonitor
 
 SINGULAR_CODE = "singular-position"
 BRANCH_CODE = "branch-change"
