@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from plymotion.solver.ahead import compile_ahead
-from plymotion.solver.run import execute, read_run
+from plymotion.solver.run.execution import execute, read_run
 
 RUN = Path("build/double-pendulum/runs/isotropic.json")
 T_END = 0.1

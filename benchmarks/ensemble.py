@@ -88,7 +88,7 @@ def _time_run(repository: Path, t_end: float) -> dict[str, Any]:
     """Time the case's run `isotropic` in this process, by whatever code is imported."""
     from plymotion.solver.inputs.case import load_case
     from plymotion.solver.inputs.case.specs import write_case
-    from plymotion.solver.run import execute, read_run
+    from plymotion.solver.run.execution import execute, read_run
 
     case = load_case(repository / "cases" / CASE / "case.toml")
     with tempfile.TemporaryDirectory() as folder:

@@ -13,7 +13,7 @@ import numpy as np
 
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
-from plymotion.solver.run import execute, read_run
+from plymotion.solver.run.execution import execute, read_run
 
 CASE = Path("cases/double-pendulum/case.toml")
 REFERENCE = Path("tests/reference/dynamics/double_pendulum.toml")

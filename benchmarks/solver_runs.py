@@ -13,7 +13,7 @@ from plymotion.solver.dynamics.constraints.treatment import treated, treatment_o
 from plymotion.solver.dynamics.model import Model
 from plymotion.solver.integrators.generic import Integrator, Solution, StopRequest, integrate
 from plymotion.solver.math.arrays import Array
-from plymotion.solver.run import make_integrator, output_times
+from plymotion.solver.run.execution import make_integrator, output_times
 
 REFERENCE = Method("reference", "rk8", "projection", (1e-10,))
 Follow = Callable[[Integrator], "StopRequest | None"]

@@ -121,7 +121,11 @@ def measure_ensemble() -> dict[str, Any]:
     try:
         ensemble = importlib.import_module("ensemble")
     except ModuleNotFoundError as error:
-        if error.name not in ("ensemble", "plymotion.solver.sweep", "plymotion.solver.ensemble"):
+        if error.name not in (
+            "ensemble",
+            "plymotion.solver.sweep",
+            "plymotion.solver.run.ensemble",
+        ):
             raise
         return {}
     return dict(ensemble.measure())

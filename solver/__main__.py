@@ -112,7 +112,7 @@ def _check(options: argparse.Namespace) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from .run import INCOMPLETE, run_file
+    from .run.execution import INCOMPLETE, run_file
 
     summary = run_file(options.run, options.out, progress=not options.quiet)
     cost = summary["cost"]

@@ -13,7 +13,7 @@ import numpy as np
 from ..math.arrays import Array
 from ..package.common.container import get_text, new_file, open_file, set_text
 from ..results import ResultError
-from ..run import output_times
+from ..run.execution import output_times
 from .member import CHECKS, COST, MEASURES, Row
 from .plan import Plan
 

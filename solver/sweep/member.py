@@ -8,17 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from .. import findings
+from ..checks import findings
 from ..dynamics.freedom import degrees_of_freedom
-from ..ensemble import integrate_members, structure
 from ..errors import InputError, PackageError
 from ..integrators.generic import Solution
 from ..math.arrays import Array
 from ..monitors.spin import SPIN_CODE
 from ..package import ModalPackage
-from ..preparation import Prepared, prepare
 from ..results import Signal, relative_balance, signal_summary
-from ..run import output_times
+from ..run.ensemble import integrate_members, structure
+from ..run.execution import output_times
+from ..run.preparation import Prepared, prepare
 from ..signals import Recording, recover
 from ..signals.reactions import momentum_balance
 from .plan import Plan

@@ -12,7 +12,7 @@ from plymotion import __version__
 
 from ..errors import InputError, PackageError
 from ..package import ModalPackage
-from ..run import package_of
+from ..run.execution import package_of
 
 ROWS = 1  # version of what is computed of a member: raised when its numbers change their meaning
 # Their files say nothing about the motion of a mechanism.

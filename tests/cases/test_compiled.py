@@ -27,7 +27,7 @@ print(json.dumps([missed, loaded]))
 """
 RUN = """
 from pathlib import Path
-from plymotion.solver.run import execute, read_run
+from plymotion.solver.run.execution import execute, read_run
 spec = read_run(Path(NAME))
 spec.mechanism["solver"].update(OPTIONS)
 result, summary = execute(spec, progress=False)

@@ -16,7 +16,7 @@ from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.monitors.spin import SPIN_CODE
-from plymotion.solver.run import execute, read_run
+from plymotion.solver.run.execution import execute, read_run
 
 CASE = "cases/double-pendulum/case.toml"
 SHIPPED = "tests/packages/double-pendulum"
@@ -199,7 +199,7 @@ def test_plain_numpy_gives_the_same_motion(build, repository):
     """The compiled path and plain NumPy are one set of formulas."""
     code = (
         "import sys, json; from pathlib import Path\n"
-        "from plymotion.solver.run import execute, read_run\n"
+        "from plymotion.solver.run.execution import execute, read_run\n"
         "from plymotion.solver.math.compiled import COMPILED\n"
         "spec = read_run(Path('runs/isotropic.json'))\n"
         "spec.mechanism['solver']['t_end'] = 0.02\n"

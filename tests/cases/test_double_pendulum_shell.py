@@ -11,7 +11,7 @@ from plymotion.solver.dynamics.tables import assemble_model, flexible_body
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.package import read_package, validate
-from plymotion.solver.run import execute, read_run
+from plymotion.solver.run.execution import execute, read_run
 
 CASE = "cases/double-pendulum-shell/case.toml"
 SHIPPED = "tests/packages/double-pendulum-shell"

@@ -35,7 +35,7 @@ def test_ctrl_c_keeps_the_part(repository, tmp_path):
     spec["mechanism"]["solver"] |= {"t_end": 1e4, "output_step": 0.05}
     file.write_text(json.dumps(spec))
     ready = (
-        "import sys, plymotion.solver.run as r\n"
+        "import sys, plymotion.solver.run.execution as r\n"
         "from plymotion.solver.__main__ import main\n"
         "step = r._Progress.__call__\n"
         "def told(self, i):\n"

@@ -6,11 +6,11 @@ from dataclasses import replace as _replace
 import numpy as np
 import pytest
 
+from plymotion.solver.checks.stiffening import BUCKLING_CODE, MATTERS_CODE, MISSING_CODE
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.monitors.spin import SPIN_CODE
-from plymotion.solver.run import execute, read_run
-from plymotion.solver.stiffening import BUCKLING_CODE, MATTERS_CODE, MISSING_CODE
+from plymotion.solver.run.execution import execute, read_run
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,7 @@ from sweep_samples import FORCE, MASS, ball, ball_plan, checked
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.monitors.spin import SPIN_CODE
-from plymotion.solver.run import execute, read_run
+from plymotion.solver.run.execution import execute, read_run
 from plymotion.solver.sweep import command, engine
 from plymotion.solver.sweep.engine import compute_by_workers
 from plymotion.solver.sweep.file import read_sweep
@@ -228,7 +228,7 @@ def test_ctrl_c_within_a_member(tmp_path):
     file.write_text(json.dumps(table))
     code = (
         "import sys\n"
-        "from plymotion.solver.preparation import Prepared\n"
+        "from plymotion.solver.run.preparation import Prepared\n"
         "from plymotion.solver.__main__ import main\n"
         "watch = Prepared.watch\n"
         "def told(self, i):\n"

@@ -8,7 +8,7 @@ from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.mechanism import build
-from plymotion.solver.run import read_run
+from plymotion.solver.run.execution import read_run
 from plymotion.solver.signals import Recording, sensors
 from plymotion.solver.strength import beam_bodies as ply_stress
 

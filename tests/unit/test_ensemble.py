@@ -6,10 +6,10 @@ from sweep_samples import FORCE, MASS, ball_plan
 
 from plymotion.solver.dynamics.model import Model
 from plymotion.solver.dynamics.plan import Plan
-from plymotion.solver.ensemble import integrate_members, member, stack_models, structure
 from plymotion.solver.integrators.generic import Solution, integrate
-from plymotion.solver.preparation import prepare
-from plymotion.solver.run import make_integrator
+from plymotion.solver.run.ensemble import integrate_members, member, stack_models, structure
+from plymotion.solver.run.execution import make_integrator
+from plymotion.solver.run.preparation import prepare
 
 FIELDS = tuple(name for name in Model._fields if name != "plan") + Plan._fields
 

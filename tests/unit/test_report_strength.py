@@ -13,14 +13,14 @@ from plymotion.preprocess.beam.line import BeamLine
 from plymotion.preprocess.beam.resultants import mode_resultants
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
-from plymotion.solver.outcome import RunSpec
 from plymotion.solver.package import ModalPackage
 from plymotion.solver.report import make_report
 from plymotion.solver.report.exposure import draw_exposure
 from plymotion.solver.report.story import read_story
 from plymotion.solver.report.style import house_style
 from plymotion.solver.results import write_result, write_summary
-from plymotion.solver.run import execute, read_run
+from plymotion.solver.run.execution import execute, read_run
+from plymotion.solver.run.outcome import RunSpec
 
 pytest.importorskip("matplotlib")
 

@@ -10,7 +10,7 @@ from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.mechanism import build
 from plymotion.solver.mechanism.initial import consistent_state
-from plymotion.solver.run import execute, read_run
+from plymotion.solver.run.execution import execute, read_run
 
 REACTIONS = {
     f"{joint}_{component}": {

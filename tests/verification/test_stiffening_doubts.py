@@ -9,10 +9,10 @@ import pytest
 from beam_samples import CLAMPED, reduced
 from stiffening_samples import CHORD, rectangle, soft_modes, soft_pendulum
 
+from plymotion.solver.checks.stiffening import geometric_stiffness, stiffening_findings
 from plymotion.solver.dynamics.system import assemble, derivative
 from plymotion.solver.mechanism import build
 from plymotion.solver.monitors.spin import SpinMonitor
-from plymotion.solver.stiffening import geometric_stiffness, stiffening_findings
 
 K, MASS = rectangle(70e9, 0.3, 2700.0, 0.004, 0.02)
 LENGTH = 0.5

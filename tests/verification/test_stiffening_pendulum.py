@@ -6,9 +6,9 @@ import numpy as np
 from flexible_samples import simulate
 from stiffening_samples import CHORD, CLAMPED, soft_modes, soft_pendulum
 
+from plymotion.solver.checks.stiffening import geometric_stiffness
 from plymotion.solver.dynamics.system import accelerations, assemble
 from plymotion.solver.monitors.spin import SpinMonitor
-from plymotion.solver.stiffening import geometric_stiffness
 
 
 def test_clamped_frames_complete_with_the_error_of_large_rotations(repository):

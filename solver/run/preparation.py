@@ -6,19 +6,19 @@ from typing import Any
 
 import numpy as np
 
-from .dynamics.constraints.treatment import Treatment, treated, treatment_of
-from .dynamics.model import Model
-from .findings import Finding, finding
-from .integrators.generic import Integrator, Solution, StopRequest
-from .math.arrays import Array
-from .mechanism import BuiltMechanism, build
-from .mechanism.equilibrium import starting_state
-from .mechanism.initial import redundancy
-from .monitors.energy import JUMP_CODE
-from .monitors.singularity import SINGULAR_CODE, SingularityMonitor
-from .monitors.spin import SPIN_CODE, SpinMonitor
-from .package import ModalPackage
-from .signals import Sensor, sensors
+from ..checks.findings import Finding, finding
+from ..dynamics.constraints.treatment import Treatment, treated, treatment_of
+from ..dynamics.model import Model
+from ..integrators.generic import Integrator, Solution, StopRequest
+from ..math.arrays import Array
+from ..mechanism import BuiltMechanism, build
+from ..mechanism.equilibrium import starting_state
+from ..mechanism.initial import redundancy
+from ..monitors.energy import JUMP_CODE
+from ..monitors.singularity import SINGULAR_CODE, SingularityMonitor
+from ..monitors.spin import SPIN_CODE, SpinMonitor
+from ..package import ModalPackage
+from ..signals import Sensor, sensors
 
 Watch = Callable[[Integrator], StopRequest | None]
 

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
-from .dynamics.constraints.treatment import IMPLICIT, Treatment, treatment_of
-from .dynamics.model import Model
-from .errors import InputError, PackageError
-from .integrators.closures import constrained_system, projection, right_hand_side
-from .integrators.generic import (
+from ..dynamics.constraints.treatment import IMPLICIT, Treatment, treatment_of
+from ..dynamics.model import Model
+from ..errors import InputError, PackageError
+from ..integrators.closures import constrained_system, projection, right_hand_side
+from ..integrators.generic import (
     Integrator,
     Solution,
     StopRequest,
@@ -22,12 +22,12 @@ from .integrators.generic import (
     new_constrained_integrator,
     new_integrator,
 )
-from .integrators.stepping import CompiledAlpha, Radau, has_elements, marches
-from .math.arrays import Array
+from ..integrators.stepping import CompiledAlpha, Radau, has_elements, marches
+from ..math.arrays import Array
+from ..package import ModalPackage, read_package
+from ..results import RunResult, write_result, write_summary
 from .outcome import RunSpec, collect
-from .package import ModalPackage, read_package
 from .preparation import Watch, prepare
-from .results import RunResult, write_result, write_summary
 
 INCOMPLETE = 3  # exit code of a run that ended early with a result
 

@@ -6,20 +6,20 @@ from typing import Any
 
 import numpy as np
 
-from . import findings
-from .dynamics.freedom import degrees_of_freedom
-from .dynamics.model import Model
-from .integrators.generic import Solution
-from .math.arrays import Array
-from .mechanism import BuiltMechanism
-from .monitors.energy import JUMP_CODE
-from .monitors.spin import SPIN_CODE, SpinMonitor
-from .package import ModalPackage
-from .results import BodyGeometry, RunResult, Signal, signal_summary
-from .signals import Recording, Sensor, reactions, recover
-from .stiffening import stiffening_findings
-from .strength import beam_bodies as ply_stress
-from .strength import shell_bodies as shell_stress
+from ..checks import findings
+from ..checks.stiffening import stiffening_findings
+from ..dynamics.freedom import degrees_of_freedom
+from ..dynamics.model import Model
+from ..integrators.generic import Solution
+from ..math.arrays import Array
+from ..mechanism import BuiltMechanism
+from ..monitors.energy import JUMP_CODE
+from ..monitors.spin import SPIN_CODE, SpinMonitor
+from ..package import ModalPackage
+from ..results import BodyGeometry, RunResult, Signal, signal_summary
+from ..signals import Recording, Sensor, reactions, recover
+from ..strength import beam_bodies as ply_stress
+from ..strength import shell_bodies as shell_stress
 
 VTK_LINE = 3
 BALANCED_TIMES = 101  # at most, at which reactions are held against momenta

@@ -11,13 +11,13 @@ from typing import Any, get_type_hints
 
 import numpy as np
 
-from .dynamics.constraints.treatment import Treatment
-from .dynamics.model import Model
-from .dynamics.plan import Plan
-from .integrators.generic import Solution, integrate
-from .math.arrays import Array
+from ..dynamics.constraints.treatment import Treatment
+from ..dynamics.model import Model
+from ..dynamics.plan import Plan
+from ..integrators.generic import Solution, integrate
+from ..math.arrays import Array
+from .execution import make_integrator
 from .preparation import Watch
-from .run import make_integrator
 
 FIELDS = get_type_hints(Model)  # name -> int, float or an array type
 

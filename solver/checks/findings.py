@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from .math.arrays import Array
-from .mechanism import BuiltMechanism
+from ..math.arrays import Array
+from ..mechanism import BuiltMechanism
 
 Finding = dict[str, str]
 

@@ -11,18 +11,18 @@ from typing import Any
 
 import numpy as np
 
-from .dynamics.bodies.marker import single_motion
-from .dynamics.bodies.motion import place
-from .dynamics.bodies.second_order import stiffening_matrix
-from .dynamics.forces.table import FIRST_LOAD, element_wrench
-from .dynamics.model import Model
-from .dynamics.system import accelerations, assemble, law_at
+from ..dynamics.bodies.marker import single_motion
+from ..dynamics.bodies.motion import place
+from ..dynamics.bodies.second_order import stiffening_matrix
+from ..dynamics.forces.table import FIRST_LOAD, element_wrench
+from ..dynamics.model import Model
+from ..dynamics.system import accelerations, assemble, law_at
+from ..math.arrays import Array
+from ..math.rotations import rotation_matrix
+from ..mechanism import BuiltMechanism, build
+from ..monitors.spin import SpinMonitor
+from ..signals.recover import stiffened
 from .findings import Finding, finding
-from .math.arrays import Array
-from .math.rotations import rotation_matrix
-from .mechanism import BuiltMechanism, build
-from .monitors.spin import SpinMonitor
-from .signals.recover import stiffened
 
 BUCKLING_CODE = "buckling-by-motion"
 INDEFINITE_CODE = "stiffened-mass-indefinite"

@@ -1,0 +1,1 @@
+"""One run of a mechanism: prepare, integrate, judge, write."""
