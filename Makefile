@@ -27,13 +27,14 @@ FE_PYTHON = . ./$(FENICSX) && PYTHONPATH=. "$$FENICSX_PYTHON"
 
 PREPROCESS_SOURCES := $(shell find preprocess meshes -name '*.py' -o -name '*.geo' -o -name '*.dat')
 SOLVER_SOURCES := $(shell find solver -name '*.py')
-PACKAGE_SOURCES := $(filter solver/package/% solver/math/% solver/errors.py,$(SOLVER_SOURCES))
-HOT_SOURCES := $(shell grep -lE '@jit|@inlined|NamedTuple' -r solver --include='*.py')
-REPORT_SOURCES := $(filter solver/report% solver/results%,$(SOLVER_SOURCES))
-SECTION_SOURCES := $(filter solver/section% solver/fenicsx_side% solver/inputs% solver/strength%, \
-    $(SOLVER_SOURCES))
-RUN_SOURCES := $(filter-out solver/report% solver/inputs% solver/section% \
-    solver/shell% solver/fenicsx_side%,$(SOLVER_SOURCES))
+# By rooms of solver/ (docs/architecture.md): each list names the rooms that a step depends on.
+rooms = $(filter $(addprefix solver/,$(addsuffix %,$(1))),$(SOLVER_SOURCES))
+PACKAGE_SOURCES := $(call rooms,errors math package)
+HOT_SOURCES := $(call rooms,math dynamics integrators)
+RUN_SOURCES := $(filter-out $(call rooms,__main__ commands report),$(SOLVER_SOURCES))
+REPORT_SOURCES := $(call rooms,report results)
+SECTION_SOURCES := $(call rooms,commands/section commands/fenicsx_side inputs strength)
+SHELL_SOURCES := $(call rooms,commands/shell commands/fenicsx_side inputs strength)
 
 ##@ Set-up
 
@@ -65,7 +66,7 @@ ifneq ($(filter fenicsx,$(MAKECMDGOALS)),)
 $(FENICSX): FORCE
 endif
 FENICSX_TOOLS := $(addprefix tools/,find_fenicsx.py fenicsx_sources.py interpreters.py) \
-    $(addprefix solver/fenicsx_side/,interpreter.py fenicsx_probe.py)
+    $(addprefix solver/commands/fenicsx_side/,interpreter.py fenicsx_probe.py)
 $(FENICSX): $(FENICSX_TOOLS) | $(LIGHT)
 	@$(PY) tools/find_fenicsx.py $@
 
@@ -227,8 +228,6 @@ $(SECTION_FOLDER)/%.txt: cases/sections/%.toml $(SECTION_INPUTS) $(FENICSX) $(LI
 SHELLS := $(patsubst cases/shells/%.toml,%,$(wildcard cases/shells/*.toml))
 SHELL_FOLDER := build/shells
 SHELL_FILES := $(foreach name,$(SHELLS),$(SHELL_FOLDER)/$(name)/$(name).vtkhdf)
-SHELL_SOURCES := $(filter solver/shell% solver/fenicsx_side% solver/inputs% solver/strength%, \
-    $(SOLVER_SOURCES))
 SHELL_INPUTS := $(wildcard cases/shells/*) $(PREPROCESS_SOURCES) $(PACKAGE_SOURCES) $(SHELL_SOURCES)
 SHELL_COMMAND := $(PY) -m plymotion.solver shell --out $(SHELL_FOLDER)
 

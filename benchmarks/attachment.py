@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from plymotion.solver.ahead import compile_ahead
+from plymotion.solver.commands.compile import compile_ahead
 from plymotion.solver.run.execution import execute, read_run
 
 RUN = Path("build/double-pendulum/runs/isotropic.json")

@@ -19,7 +19,7 @@ from matplotlib import pyplot as plt
 from matplotlib.ticker import NullFormatter
 from mechanism_samples import Sample, bricard, chain, four_bars, pendulum
 
-from plymotion.solver.ahead import compile_ahead
+from plymotion.solver.commands.compile import compile_ahead
 from plymotion.solver.dynamics.constraints.treatment import IMPLICIT, Treatment
 from plymotion.solver.dynamics.model import Model
 from plymotion.solver.dynamics.system import assemble, energies

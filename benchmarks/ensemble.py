@@ -143,10 +143,10 @@ def _time(file: Path, count: int) -> dict[str, Any]:
     """Compute `count` members in this process; CPU times [s]."""
     import numpy as np
 
+    from plymotion.solver.commands.sweep.engine import compute_here
+    from plymotion.solver.commands.sweep.member import Packages, Row, compute
+    from plymotion.solver.commands.sweep.plan import read_plan
     from plymotion.solver.math.compiled import COMPILED
-    from plymotion.solver.sweep.engine import compute_here
-    from plymotion.solver.sweep.member import Packages, Row, compute
-    from plymotion.solver.sweep.plan import read_plan
 
     plan = read_plan(file)
     numbers = np.unique(np.linspace(0, len(plan.members) - 1, count).astype(int)).tolist()

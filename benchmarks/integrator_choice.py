@@ -15,7 +15,7 @@ from constraint_runs import new_run, prepared
 from mechanism_samples import Sample, chain
 from stability_samples import hand
 
-from plymotion.solver.ahead import compile_ahead
+from plymotion.solver.commands.compile import compile_ahead
 from plymotion.solver.dynamics.constraints.treatment import Treatment
 from plymotion.solver.errors import InputError
 from plymotion.solver.integrators.generic import INTEGRATORS, Solution, integrate

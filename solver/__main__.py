@@ -9,10 +9,10 @@ from typing import Any
 
 from plymotion import __version__
 
+from .commands.section.options import add_section_command
+from .commands.shell.options import add_shell_command
+from .commands.sweep.options import add_sweep_command
 from .errors import InputError, PackageError
-from .section.options import add_section_command
-from .shell.options import add_shell_command
-from .sweep.options import add_sweep_command
 
 INTERRUPTED = 130  # what a shell reports of a program ended by Ctrl-C
 
@@ -129,7 +129,7 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _compile(options: argparse.Namespace) -> int:
-    from .ahead import compile_ahead
+    from .commands.compile import compile_ahead
 
     print(compile_ahead())
     return 0
@@ -186,7 +186,7 @@ def _validate(options: argparse.Namespace) -> int:
 
 
 def _experimental(options: argparse.Namespace) -> int:
-    from .experimental import experimental_package, load_measurement
+    from .commands.measured_modes import experimental_package, load_measurement
     from .package import write_package
 
     package = experimental_package(load_measurement(options.file))
@@ -198,19 +198,19 @@ def _experimental(options: argparse.Namespace) -> int:
 
 
 def _section(options: argparse.Namespace) -> int:
-    from .section.command import run_section
+    from .commands.section.command import run_section
 
     return run_section(options)
 
 
 def _shell(options: argparse.Namespace) -> int:
-    from .shell.command import run_shell
+    from .commands.shell.command import run_shell
 
     return run_shell(options)
 
 
 def _sweep(options: argparse.Namespace) -> int:
-    from .sweep.command import run_sweep
+    from .commands.sweep.command import run_sweep
 
     return run_sweep(options)
 

@@ -1,7 +1,7 @@
 """Where FEniCSx can come from: Debian's packages, conda, or a wheel.
 
 Each source is a function that installs what is missing and returns the report
-of the probe (solver/fenicsx_side/interpreter.py), or a line that says why it cannot.
+of the probe (solver/commands/fenicsx_side/interpreter.py), or a line that says why it cannot.
 """
 
 import platform
@@ -10,7 +10,13 @@ from pathlib import Path
 
 from interpreters import first, run, say
 
-from plymotion.solver.fenicsx_side.interpreter import SYSTEM_PYTHON, Report, probe, reasons, usable
+from plymotion.solver.commands.fenicsx_side.interpreter import (
+    SYSTEM_PYTHON,
+    Report,
+    probe,
+    reasons,
+    usable,
+)
 
 ROOT = Path(__file__).resolve().parent.parent
 APT_INSTALL = str(ROOT / "tools" / "apt_install.sh")

@@ -13,7 +13,13 @@ from pathlib import Path
 from fenicsx_sources import ROOT, SYSTEM_PACKAGES, from_conda, from_system, from_wheel
 from interpreters import say
 
-from plymotion.solver.fenicsx_side.interpreter import Report, present, probe, reasons, usable
+from plymotion.solver.commands.fenicsx_side.interpreter import (
+    Report,
+    present,
+    probe,
+    reasons,
+    usable,
+)
 
 ADVICE = f"""\
 setup: no FEniCSx here and none could be installed. One of these helps:

@@ -61,7 +61,7 @@ def ahead():
     """Everything compiled, as `make` does before its first run."""
     kept = _python(
         "import numba\n"
-        "from plymotion.solver.ahead import compile_ahead\n"
+        "from plymotion.solver.commands.compile import compile_ahead\n"
         "compile_ahead()\n"
         "print(numba.config.CACHE_DIR)\n"
     )

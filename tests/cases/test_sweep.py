@@ -15,12 +15,12 @@ from case_samples import HEAD, SOLVER, rigid
 from sweep_samples import FORCE, MASS, ball, ball_plan, checked
 
 from plymotion.solver.__main__ import main
+from plymotion.solver.commands.sweep import command, engine
+from plymotion.solver.commands.sweep.engine import compute_by_workers
+from plymotion.solver.commands.sweep.file import read_sweep
+from plymotion.solver.commands.sweep.member import Packages, compute
 from plymotion.solver.monitors.spin import SPIN_CODE
 from plymotion.solver.run.execution import execute, read_run
-from plymotion.solver.sweep import command, engine
-from plymotion.solver.sweep.engine import compute_by_workers
-from plymotion.solver.sweep.file import read_sweep
-from plymotion.solver.sweep.member import Packages, compute
 
 BRIEF = """
 [variants.brief.solver]
@@ -298,7 +298,7 @@ def test_a_worker_that_dies_takes_one_member_with_it(tmp_path, monkeypatch):
 
 def test_a_defect_is_told_and_the_others_go_on(tmp_path, monkeypatch):
     """An error that no input explains: its words in the row, the traceback for us."""
-    from plymotion.solver.sweep import member
+    from plymotion.solver.commands.sweep import member
 
     prepare = member.prepare
 
@@ -394,7 +394,7 @@ def test_what_is_no_sweep_file(text, tmp_path, capsys):
     ],
 )
 def test_figures(vary, shape, tmp_path, monkeypatch):
-    from plymotion.solver.sweep import figure
+    from plymotion.solver.commands.sweep import figure
 
     drawn = []
     for name in ("_curves", "_map", "_points"):

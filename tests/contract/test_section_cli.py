@@ -14,9 +14,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from plymotion.solver.commands.fenicsx_side import interpreter
+from plymotion.solver.commands.fenicsx_side.interpreter import find_interpreter
 from plymotion.solver.errors import InputError
-from plymotion.solver.fenicsx_side import interpreter
-from plymotion.solver.fenicsx_side.interpreter import find_interpreter
 from plymotion.solver.package.section.io import read_section
 
 BAR = """

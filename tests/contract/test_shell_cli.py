@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from plymotion.solver.commands.fenicsx_side.interpreter import find_interpreter
 from plymotion.solver.errors import InputError
-from plymotion.solver.fenicsx_side.interpreter import find_interpreter
 from plymotion.solver.package.shell.io import read_shell
 
 STRIP = """

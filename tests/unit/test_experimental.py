@@ -8,8 +8,8 @@ import pytest
 from beam_samples import CLAMPED, MEAN_AXIS, Beam, reduced
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.experimental.measurement import INERTIAS
-from plymotion.solver.experimental.tables import (
+from plymotion.solver.commands.measured_modes.measurement import INERTIAS
+from plymotion.solver.commands.measured_modes.tables import (
     MeasuredFile,
     MeasuredInterface,
     MeasuredMode,

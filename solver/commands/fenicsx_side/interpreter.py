@@ -1,0 +1,110 @@
+"""The Python that has FEniCSx: found by really importing what the preprocessor needs."""
+
+import json
+import os
+import shlex
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import plymotion
+
+from ...errors import InputError
+
+SYSTEM_PYTHON = "/usr/bin/python3"
+PROBE = Path(__file__).with_name("fenicsx_probe.py")
+CHOICE = Path("build") / "fenicsx.env"  # of a checkout; `make fenicsx` writes it
+
+Report = dict[str, Any]  # {"python": path, "dolfinx": version, "problems": {module: reason}}
+
+
+def probe(python: str) -> Report:
+    """What an interpreter really imports; a problem "python" if it does not start."""
+    try:
+        done = subprocess.run([python, str(PROBE)], capture_output=True, text=True, timeout=300)
+    except (OSError, subprocess.TimeoutExpired) as error:
+        return {"python": python, "problems": {"python": f"does not start: {error}"}}
+    for line in reversed(done.stdout.splitlines()):
+        if line.startswith("{"):
+            report: Report = json.loads(line)
+            return report
+    reason = (done.stderr.strip().splitlines() or ["no output"])[-1]
+    return {"python": python, "problems": {"python": f"does not start: {reason}"}}
+
+
+def usable(report: Report) -> bool:
+    """True if everything that the preprocessor needs was imported."""
+    return not report["problems"]
+
+
+def reasons(report: Report) -> str:
+    """The problems of a report in one line: what is missing, then what is broken."""
+    problems: dict[str, str] = report["problems"]
+    missing = [name for name, why in problems.items() if "ModuleNotFoundError" in why]
+    others = [f"{name}: {why}" for name, why in problems.items() if name not in missing]
+    return "; ".join([*([f"no {', '.join(missing)}"] if missing else []), *others])
+
+
+def checkouts() -> list[Path]:
+    """The checkouts that this code or the current folder is, if any."""
+    here = Path(plymotion.__file__).resolve().parent.parent
+    known = dict.fromkeys((here, Path.cwd()))
+    return [folder for folder in known if (folder / "plymotion" / "preprocess").is_dir()]
+
+
+def candidates(folders: list[Path]) -> list[str]:
+    """Interpreters to look at, without doubles: on PATH, the system's, the checkouts' own."""
+    own = [str(path) for folder in folders for path in sorted(folder.glob(".fenicsx-*/bin/python"))]
+    return list(dict.fromkeys(filter(None, [shutil.which("python3"), SYSTEM_PYTHON, *own])))
+
+
+def present(folders: list[Path]) -> tuple[Report | None, list[Report]]:
+    """The first interpreter that has everything, or None, and those that will not do."""
+    refused: list[Report] = []
+    for python in candidates(folders):
+        report = probe(python)
+        if usable(report):
+            return report, refused
+        refused.append(report)
+    return None, refused
+
+
+def recorded(folder: Path) -> str | None:
+    """The interpreter that `make fenicsx` has found for a checkout and that is still there."""
+    try:
+        words = shlex.split((folder / CHOICE).read_text(encoding="utf-8"))
+    except OSError:
+        return None
+    values = dict(word.split("=", 1) for word in words if "=" in word)
+    python = values.get("FENICSX_PYTHON", "")
+    return python if python and Path(python).exists() else None
+
+
+def find_interpreter() -> str:
+    """The Python to run the preprocessor with.
+
+    $FENICSX_PYTHON if it is set; what `make fenicsx` recorded; the first of `candidates`.
+
+    Raises
+    ------
+    InputError
+        None has FEniCSx; the message says what is missing where, and what to do.
+    """
+    if wish := os.environ.get("FENICSX_PYTHON"):
+        report = probe(wish)
+        if not usable(report):
+            raise InputError(f"FENICSX_PYTHON = {wish}: cannot use FEniCSx: {reasons(report)}")
+        return wish
+    folders = checkouts()
+    for folder in folders:
+        if python := recorded(folder):
+            return python  # it has been probed when it was recorded
+    found, refused = present(folders)
+    if found is None:
+        tried = "".join(f"\n  {report['python']}: {reasons(report)}" for report in refused)
+        raise InputError(
+            "no Python with FEniCSx here; run `make fenicsx` in a checkout of Plymotion, or set "
+            f"FENICSX_PYTHON to one with real-scalar DOLFINx, slepc4py and gmsh. Tried:{tried}"
+        )
+    return str(found["python"])

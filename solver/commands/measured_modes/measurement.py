@@ -1,0 +1,151 @@
+"""Read a modal test: nodes with masses, frequencies, shapes, named places."""
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from pydantic import ValidationError
+
+from ...errors import InputError, nearest
+from ...inputs.common import lines, read_toml
+from ...math.arrays import Array, IntArray
+from .columns import read_columns
+from .tables import MeasuredFile
+
+INERTIAS = {
+    "Jxx": (0, 0),
+    "Jyy": (1, 1),
+    "Jzz": (2, 2),
+    "Jxy": (0, 1),
+    "Jxz": (0, 2),
+    "Jyz": (1, 2),
+}
+TRANSLATIONS, ROTATIONS = ("ux", "uy", "uz"), ("rx", "ry", "rz")
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """What was measured, modes rising in frequency; n nodes, m modes.
+
+    Attributes
+    ----------
+    table : the file's keys, checked
+    node_ids : (n,)
+    nodes_B : (n, 3) positions [m]
+    node_mass : (n,) [kg]
+    node_inertia_B : (n, 3, 3) about the node [kg m2]
+    shapes_B : (m, n, 6) displacements and rotations, any scale; zero where not measured
+    turns : whether rotations were measured, in every mode
+    frequencies : (m,) [rad/s]
+    damping_ratios : (m,)
+    labels : m names
+    sha256 : of every file by name
+    """
+
+    table: MeasuredFile
+    node_ids: IntArray
+    nodes_B: Array
+    node_mass: Array
+    node_inertia_B: Array
+    shapes_B: Array
+    turns: bool
+    frequencies: Array
+    damping_ratios: Array
+    labels: tuple[str, ...]
+    sha256: dict[str, str]
+
+    def rows(self, interface: str) -> list[int]:
+        """Rows of the nodes of an interface."""
+        ids = self.node_ids.tolist()
+        return [ids.index(node) for node in self.table.interfaces[interface].nodes]
+
+
+def load_measurement(file: Path) -> Measurement:
+    """Read a file of measured modes and the CSV files beside it.
+
+    Raises
+    ------
+    InputError : names file, key or line and column, value and expectation.
+    """
+    table = read_toml(file, "file of measured modes")
+    try:
+        keys = MeasuredFile.model_validate(table)
+    except ValidationError as error:
+        raise InputError("\n".join(lines(error, MeasuredFile, str(file)))) from error
+    nodes_file = file.parent / keys.nodes
+    node_ids, columns = read_columns(nodes_file, ("x", "y", "z", "mass"), tuple(INERTIAS))
+    if not (columns["mass"] >= 0.0).all() or not columns["mass"].sum() > 0.0:
+        raise InputError(f"{nodes_file}: column 'mass': expected masses >= 0 with a sum > 0")
+    problems = _unknown_nodes(file, keys, node_ids)
+    if problems:
+        raise InputError("\n".join(problems))
+    inertia = np.zeros((len(node_ids), 3, 3))
+    for name, (i, j) in INERTIAS.items():
+        inertia[:, i, j] = inertia[:, j, i] = columns.get(name, 0.0)
+    still = keys.interfaces[keys.reference.at].nodes if keys.reference.at else []
+    modes = sorted(keys.modes, key=lambda mode: mode.frequency_hz)
+    shapes, turns = [], True
+    for mode in modes:
+        shape, turned = _shape(file.parent / mode.shape, node_ids, still)
+        shapes.append(shape)
+        turns = turns and turned
+    names = [file.name, keys.nodes, *(mode.shape for mode in modes)]
+    return Measurement(
+        table=keys,
+        node_ids=node_ids,
+        nodes_B=np.column_stack([columns[axis] for axis in "xyz"]),
+        node_mass=columns["mass"],
+        node_inertia_B=inertia,
+        shapes_B=np.array(shapes),
+        turns=turns,
+        frequencies=2.0 * np.pi * np.array([mode.frequency_hz for mode in modes]),
+        damping_ratios=np.array([mode.damping_ratio for mode in modes]),
+        labels=tuple(mode.label or Path(mode.shape).stem for mode in modes),
+        sha256={n: hashlib.sha256((file.parent / n).read_bytes()).hexdigest() for n in names},
+    )
+
+
+def _unknown_nodes(file: Path, keys: MeasuredFile, node_ids: IntArray) -> list[str]:
+    """Return one line for each place that is not there."""
+    known = set(node_ids.tolist())
+    named = [(f"lines[{i}]", nodes) for i, nodes in enumerate(keys.lines)]
+    named += [(f"interfaces.{n}.nodes", i.nodes) for n, i in keys.interfaces.items()]
+    found = [
+        f"{file}: {key} = {nodes}: {keys.nodes} has no node {node}"
+        for key, nodes in named
+        for node in nodes
+        if node not in known
+    ]
+    at = keys.reference.at
+    if at is not None and at not in keys.interfaces:
+        hint = nearest(at, keys.interfaces)
+        found.append(f'{file}: reference.at = "{at}": no such interface{hint}')
+    return found
+
+
+def _shape(file: Path, node_ids: IntArray, still: list[int]) -> tuple[Array, bool]:
+    """Shape (n, 6) from a file, zero for what has no column; whether it has all rotations.
+
+    Nodes `still` were held and may be left out.
+    """
+    ids, columns = read_columns(file, (), TRANSLATIONS + ROTATIONS)
+    if not any(name in columns for name in TRANSLATIONS):
+        raise InputError(f"{file}: expected a column {', '.join(TRANSLATIONS)}, or several")
+    known, measured = node_ids.tolist(), ids.tolist()
+    strange = sorted(set(measured) - set(known))
+    missing = sorted(set(known) - set(measured) - set(still))
+    if strange:
+        raise InputError(f"{file}: node {strange[0]}: expected one of the nodes of the test")
+    if missing:
+        raise InputError(
+            f"{file}: node {missing[0]}{' and others' if len(missing) > 1 else ''}: missing; "
+            "expected every node of the test"
+        )
+    shape = np.zeros((len(known), 6))
+    rows = [known.index(node) for node in measured]
+    for j, name in enumerate(TRANSLATIONS + ROTATIONS):
+        shape[rows, j] = columns.get(name, 0.0)
+    if not np.abs(shape[:, :3]).max() > 0.0:
+        raise InputError(f"{file}: expected a shape that moves, found zeros only")
+    return shape, all(name in columns for name in ROTATIONS)

@@ -1,0 +1,75 @@
+"""Which sections a batch is made of: files, a folder, a pattern, a list, or a study."""
+
+import glob
+from collections.abc import Iterable
+from pathlib import Path
+
+from ...errors import InputError
+from ...inputs.common import read_toml
+from ...inputs.section.study import Entry, study_variants
+
+
+def entries_of(files: Iterable[Path]) -> list[Entry]:
+    """One entry for each description, named after its file.
+
+    Raises
+    ------
+    InputError : two have the same name, and so would have the same results.
+    """
+    known: dict[str, Path] = {}
+    for file in files:
+        other = known.setdefault(file.stem, file)
+        if other is not file:
+            raise InputError(
+                f"{file}: its results would overwrite those of {other}: rename one of the files"
+            )
+    return [Entry(name, file) for name, file in known.items()]
+
+
+def read_list(place: str) -> list[Entry]:
+    """Read a batch list.
+
+    Parameters
+    ----------
+    place : a folder of descriptions (*.toml), a pattern such as "sections/box-*.toml", a study
+        (see study.py), or a text file with the name of a description in each line,
+        beside itself; `#` starts a comment
+
+    Raises
+    ------
+    InputError : there is no such thing, it names nothing, or it is wrong.
+    """
+    path = Path(place)
+    if path.is_dir():
+        found = entries_of(sorted(path.glob("*.toml")))
+    elif glob.has_magic(place):
+        found = entries_of(Path(name) for name in sorted(glob.glob(place, recursive=True)))
+    elif path.suffix == ".toml":
+        found = _study_entries(path)
+    else:
+        found = entries_of(path.parent / name for name in _names(path))
+    if not found:
+        raise InputError(f"{place}: it names no section; expected descriptions (*.toml)")
+    return found
+
+
+def _names(path: Path) -> list[str]:
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (FileNotFoundError, UnicodeDecodeError) as error:
+        raise InputError(
+            f"{path}: no batch list; expected a folder, a pattern, a study (.toml) or a text file"
+        ) from error
+    return [name for line in text.splitlines() if (name := line.split("#")[0].strip())]
+
+
+def _study_entries(path: Path) -> list[Entry]:
+    table = read_toml(path, "batch list")
+    if "mesh" in table:
+        raise InputError(f"{path}: this is a section description: give it without --batch")
+    study, variants = study_variants(path, table)
+    return [
+        Entry(base.name + suffix, base.file, changes)
+        for base in entries_of(path.parent / name for name in study.sections)
+        for suffix, changes in variants
+    ]

@@ -1,0 +1,196 @@
+"""The mesh of a section with its plies, layer directions and centres."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.collections import LineCollection
+from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
+
+from ....math.arrays import Array
+from ....package.section.schema import SectionFile
+from ....report.style import INK, WARNING, Canvas
+from .detail import Detail, detail_of, nearest_to_mean, normal, outer_cells
+from .drawing import Shape, fill, frame
+from .ply_colours import is_isotropic, ply_colours, ply_legend
+
+WIDTH = 8.0  # inches
+SIDE = 2.75  # of the column beside sections that are not wide
+MARGIN = np.array([0.17, 0.11])  # round the mesh, for the names of regions; share of its size
+MOST_NAMES = 14  # of regions
+MANY_CELLS = 1500  # from here on with finer lines
+DASHED = (0, (4, 2))  # the window of the detail
+HAIR = 0.008  # thickness of a wall, share of the size: drawn without lines of the mesh
+ARROW = 0.085  # length of a layer direction, share of the size
+TURNING = math.radians(10.0)  # layer directions that differ more are shown at several places
+ROUND_OFF = 1e-6  # coordinates below this share of the size are shown as 0
+CENTRES = (  # name, field, marker, size: those that coincide are seen one in the other
+    ("shear centre", "shear_centre", "o", 13.0),
+    ("tension centre", "tension_centre", "s", 8.5),
+    ("mass centre", "mass_centre", "D", 4.0),
+)
+
+
+def draw_mesh(section: SectionFile, shape: Shape, path: Path) -> Path:
+    """Draw mesh, plies, directions and centres; the file appears only when it is complete."""
+    colours, row = ply_colours(section)
+    faces = [colours[row[ply]].colour for ply in section.mesh.ply]
+    detail = detail_of(section, shape)
+    low, high = _shown(section, shape)
+    width, height = high - low
+    beside = width < 1.5 * height
+    if beside:
+        tall = min((WIDTH - SIDE - 0.7) * height / width, 6.5) + 0.75
+        canvas = Canvas(WIDTH, max(tall, 4.9 if detail else 3.6) + 0.3)
+        grid = canvas.figure.add_gridspec(1, 2, width_ratios=[WIDTH - SIDE, SIDE])
+        parts = grid[1].subgridspec(3, 1, height_ratios=[2.3 if detail else 0.01, 1.4, 1.1])
+    else:
+        tall = max((WIDTH - 0.9) * height / width, 0.8) + 0.5
+        low_part = 2.2 if detail else 1.4
+        canvas = Canvas(WIDTH, tall + low_part + 0.4)
+        grid = canvas.figure.add_gridspec(2, 1, height_ratios=[tall, low_part])
+        parts = grid[1].subgridspec(1, 3, width_ratios=[2.3 if detail else 0.01, 2.6, 2.6])
+    room = {"w_pad": 0.08, "h_pad": 0.1, "rect": (0.0, 0.02, 1.0, 0.98)}
+    canvas.figure.set_layout_engine("constrained", **room)
+    canvas.figure.suptitle(section.name, x=0.012, ha="left", fontsize=11, fontweight="bold")
+    axes = canvas.figure.add_subplot(grid[0])
+    _cells(axes, section, shape, faces, detail)
+    _directions(axes, section, shape)
+    _centres(axes, section, shape)
+    frame(axes, low, high)
+    axes.set_xlabel(f"$x_2$ [{shape.unit}]     ($x_1$ towards you)")
+    axes.set_ylabel(f"$x_3$ [{shape.unit}]")
+    if detail:
+        (x, y), (w, h) = detail.low, detail.high - detail.low
+        axes.add_patch(Rectangle((x, y), w, h, fill=False, ec=INK, lw=0.8, ls=DASHED))
+        _enlarged(canvas.figure.add_subplot(parts[0]), section, shape, detail, faces)
+    ply_legend(canvas.figure.add_subplot(parts[1]), colours)
+    _centre_legend(canvas.figure.add_subplot(parts[2]), section, shape)
+    return canvas.save(path)
+
+
+def _shown(section: SectionFile, shape: Shape) -> tuple[Array, Array]:
+    """Corners of the drawing: mesh, reference point and centres, with a margin."""
+    points = [shape.scale * getattr(section, field) for _, field, _, _ in CENTRES]
+    low = np.min([*points, np.zeros(2), shape.low], axis=0)
+    high = np.max([*points, np.zeros(2), shape.high], axis=0)
+    low = np.minimum(low - 0.05 * shape.size, shape.low - MARGIN * shape.size)
+    return low, np.maximum(high + 0.05 * shape.size, shape.high + MARGIN * shape.size)
+
+
+def _cells(
+    axes: Any, section: SectionFile, shape: Shape, faces: list[Any], detail: Detail | None
+) -> None:
+    if detail and detail.thickness < HAIR * shape.size:  # lines would leave no colour
+        fill(axes, shape, facecolors=faces, edgecolors="face", linewidths=0.3)
+        width = 0.2
+    else:
+        line = 0.1 if len(faces) > MANY_CELLS else 0.3
+        fill(axes, shape, facecolors=faces, edgecolors=(1.0, 1.0, 1.0, 0.6), linewidths=line)
+        width = 0.6
+    borders = LineCollection(shape.borders(section.mesh.region), colors=INK, linewidths=width)
+    axes.add_collection(borders, autolim=False)
+
+
+def _directions(axes: Any, section: SectionFile, shape: Shape) -> None:
+    """Draw y2 outside the outermost ply of every region that has a direction; name regions."""
+    mesh = section.mesh
+    names = len(mesh.regions) <= MOST_NAMES
+    for region, name in enumerate(mesh.regions):
+        outer = outer_cells(section, region)
+        if not len(outer):
+            continue
+        middles = shape.middles[outer]
+        if is_isotropic(section, int(mesh.ply[outer[0]])):
+            if names:
+                inside = shape.middles[mesh.region == region]
+                _name(axes, inside[nearest_to_mean(inside)], name)
+            continue
+        places = _places(mesh.layer_direction[outer], middles, 1.6 * ARROW * shape.size)
+        for i, place in enumerate(places):
+            y2 = mesh.layer_direction[outer[place]]
+            y3 = normal(y2)
+            foot = middles[place] + 0.028 * shape.size * y3
+            _arrow(axes, foot - ARROW / 2 * shape.size * y2, foot + ARROW / 2 * shape.size * y2)
+            if i == 0 and names:  # beside the tail of an upright arrow, where less is drawn
+                away = 0.033 * y3 - 0.4 * ARROW * abs(y3[0]) * y2
+                _name(axes, foot + shape.size * away, f"{name}  $y_2$", y3)
+
+
+def _arrow(axes: Any, tail: Array, tip: Array) -> None:
+    style = {"arrowstyle": "-|>", "color": INK, "lw": 1.0, "mutation_scale": 8}
+    axes.annotate("", tip, tail, arrowprops={**style, "shrinkA": 0, "shrinkB": 0}, zorder=4)
+
+
+def _name(axes: Any, place: Array, text: str, y3: Array | None = None) -> None:
+    across = 0.0 if y3 is None else float(y3[0])
+    side = "left" if across > 0.5 else "right" if across < -0.5 else "center"
+    box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.6}
+    axes.text(*place, text, fontsize=7.5, color=INK, ha=side, va="center", bbox=box, zorder=5)
+
+
+def _places(y2: Array, points: Array, apart: float) -> list[int]:
+    """Rows where a layer direction is drawn: one, or several where it turns."""
+    first = nearest_to_mean(points)
+    turn = np.arccos(np.clip(y2 @ y2[first], -1.0, 1.0))
+    if turn.max() < TURNING:
+        return [first]
+    places = [first]
+    gap = np.linalg.norm(points - points[first], axis=1)
+    while len(places) < 6 and gap.max() > apart:
+        places.append(int(np.argmax(gap)))
+        gap = np.minimum(gap, np.linalg.norm(points - points[places[-1]], axis=1))
+    return places
+
+
+def _centres(axes: Any, section: SectionFile, shape: Shape) -> None:
+    axes.plot(0, 0, "+", color=INK, markersize=17, markeredgewidth=1.0, zorder=6)
+    for _, field, marker, size in CENTRES:
+        axes.plot(*(shape.scale * getattr(section, field)), **_mark(marker, size), zorder=6)
+
+
+def _mark(marker: str, size: float) -> dict[str, Any]:
+    line = {"color": "none", "markeredgecolor": WARNING, "markeredgewidth": 1.3}
+    return {"marker": marker, "markersize": size, "markerfacecolor": "none", **line}
+
+
+def _centre_legend(axes: Any, section: SectionFile, shape: Shape) -> None:
+    axes.set_axis_off()
+    handles = [Line2D([], [], marker="+", color="none", markeredgecolor=INK, markersize=13)]
+    labels = ["reference point  (0, 0)"]
+    for name, field, marker, size in CENTRES:
+        place = shape.scale * getattr(section, field)
+        place = np.where(np.abs(place) < ROUND_OFF * shape.size, 0.0, place)
+        handles.append(Line2D([], [], **_mark(marker, min(size, 10.0))))
+        labels.append(f"{name}  ({place[0]:.4g}, {place[1]:.4g})".replace("-", "\N{MINUS SIGN}"))
+    axes.legend(
+        handles,
+        labels,
+        title=f"Points ($x_2$, $x_3$) [{shape.unit}]",
+        loc="upper left",
+        title_fontsize=8.5,
+        labelspacing=0.7,
+        alignment="left",
+        borderpad=0.0,
+        borderaxespad=0.0,
+    )
+
+
+def _enlarged(
+    axes: Any, section: SectionFile, shape: Shape, detail: Detail, faces: list[Any]
+) -> None:
+    fill(axes, shape, facecolors=faces, edgecolors="white", linewidths=0.4)
+    borders = LineCollection(shape.borders(section.mesh.region), colors=INK, linewidths=0.9)
+    axes.add_collection(borders, autolim=False)
+    frame(axes, detail.low, detail.high)
+    axes.set_xticks([])
+    axes.set_yticks([])
+    for spine in axes.spines.values():
+        spine.set_visible(True)
+        spine.set(color=INK, linewidth=0.8, linestyle=DASHED)
+    for axis, name in ((detail.y2, "$y_2$"), (normal(detail.y2), "$y_3$")):
+        _arrow(axes, detail.foot, detail.foot + 0.55 * detail.thickness * axis)
+        place = detail.foot + 0.8 * detail.thickness * axis
+        axes.text(*place, name, fontsize=8.5, color=INK, ha="center", va="center", zorder=5)

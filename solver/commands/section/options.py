@@ -1,0 +1,129 @@
+"""Arguments of the command `plymotion section`."""
+
+import argparse
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from ...errors import did_you_mean
+from ...package.common.shares import shard
+from .conventions import CODES
+
+FOLDER = Path("build") / "sections"
+
+DESCRIPTION = """\
+Stiffness, mass, centres and stresses of beam cross-sections. FILE describes one (TOML,
+docs/section-description.md), or is a section file (.vtkhdf) to show again. FEniCSx is looked for
+in $FENICSX_PYTHON, where `make fenicsx` found it, python3 and /usr/bin/python3.
+"""
+EPILOG = """\
+Writes DIR/<name>/<name>.vtkhdf, a section file with mesh, plies, warping and stress recovery that
+ParaView opens, and figures beside it. What is there and was made from the same description,
+options and sources is not made again; so an interrupted batch goes on where it was.
+
+A batch (LIST) is a folder of descriptions, a pattern in quotes, a text file with one description a
+line, or a study in TOML: `sections` to vary and [[sweep]] tables of a key and its values (or a CSV
+file with a row of numbers for each). It leaves DIR/summary.csv and .json.
+
+K relates [F1 F2 F3 M1 M2 M3] to [extension, shear 2, shear 3, twist, bending 2, bending 3] at the
+origin of the description; --order gives it as other codes have it (docs/conventions.md).
+
+exit code: 0 done; 2 something is wrong with the input, the other sections of a batch are made;
+130 interrupted, what is complete is kept.
+"""
+
+
+def add_section_command(commands: Any, run: Callable[[argparse.Namespace], int]) -> None:
+    """Add `section` to the subcommands of an argument parser; `run` is what it does."""
+    parser = commands.add_parser(
+        "section",
+        help="analyse beam cross-sections",
+        description=DESCRIPTION,
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    what = parser.add_argument_group("what to make")
+    what.add_argument("files", nargs="*", type=Path, metavar="FILE", help="section description")
+    what.add_argument("--batch", metavar="LIST", help="many sections, see below")
+    what.add_argument(
+        "--shard", type=shard, metavar="k/N", help="only the k-th of N shares of LIST"
+    )
+    what.add_argument(
+        "--accuracy",
+        type=_accuracy,
+        metavar="A",
+        help="refine until the estimated error of K, scaled by sqrt(Kii Kjj), is below A",
+    )
+    what.add_argument("--no-estimate", action="store_true", help="no error estimate: quicker")
+    what.add_argument(
+        "--figures",
+        action=argparse.BooleanOptionalAction,
+        help="draw figures (default: for FILE without --json)",
+    )
+    what.add_argument("--force", action="store_true", help="make also what has not changed")
+    what.add_argument(
+        "--check", action="store_true", help="check descriptions, write DIR/<name>/<name>.json only"
+    )
+    how = parser.add_argument_group("how and where")
+    how.add_argument(
+        "--out", type=Path, default=FOLDER, metavar="DIR", help=f"folder (default {FOLDER})"
+    )
+    how.add_argument(
+        "--jobs", type=_count, default=1, metavar="N", help="sections at a time (default 1)"
+    )
+    how.add_argument("--quiet", action="store_true", help="no progress")
+    shown = parser.add_argument_group("what to show")
+    shown.add_argument("--json", action="store_true", help="numbers as JSON on standard output")
+    shown.add_argument(
+        "--order",
+        type=_code,
+        default="plymotion",
+        metavar="CODE",
+        help=f"order and signs of K and M: {', '.join(CODES)}",
+    )
+    shown.add_argument(
+        "--loads",
+        type=_loads,
+        metavar="F1,F2,F3,M1,M2,M3",
+        help="also the stresses and margins of every ply under these resultants [N, N m]; write "
+        "--loads=-1,... if the first is negative",
+    )
+    parser.set_defaults(command=run)
+
+
+def _code(text: str) -> str:
+    code = {"anba": "anba4"}.get(text, text)
+    if code not in CODES:
+        hint = did_you_mean(code, CODES)
+        raise argparse.ArgumentTypeError(f"{text!r}: expected one of {', '.join(CODES)}{hint}")
+    return code
+
+
+def _accuracy(text: str) -> float:
+    value = _number(text)
+    if not 0.0 < value < 1.0:
+        raise argparse.ArgumentTypeError(f"{text!r}: expected a number from 0 to 1, such as 1e-3")
+    return value
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r}: expected a whole number from 1")
+    return int(text)
+
+
+def _loads(text: str) -> list[float]:
+    values = [_number(part) for part in text.split(",")]
+    if len(values) != 6 or not all(map(math.isfinite, values)):
+        raise argparse.ArgumentTypeError(
+            f"{text!r}: expected six numbers with commas, F1,F2,F3,M1,M2,M3 [N, N m]"
+        )
+    return values
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan

@@ -1,0 +1,131 @@
+"""What is worth knowing of a shell file: extremes of its load cases, balance of forces, plies."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...math.arrays import Array
+from ...package.common.strengths import PlyStrength, YieldStrength
+from ...package.section.recovery_data import strengths
+from ...package.shell.schema import ShellFile, ShellLaminate
+from .ply_extremes import PlyExtreme, Reserve, ply_extremes
+
+
+@dataclass(frozen=True)
+class LaminatePlies:
+    """Extremes of the plies of one laminate under one load case."""
+
+    laminate: str
+    plies: list[PlyExtreme]  # bottom one first
+
+
+@dataclass(frozen=True)
+class CaseFindings:
+    """What a load case does to a shell."""
+
+    name: str
+    largest: float  # |u| of the node that moves most       [m]
+    node: int  # its row
+    rotation_deg: float  # largest of all nodes             [deg]
+    load_G: Array  # (6,) about the origin                  [N, N m]
+    reactions_G: Array  # (6,) sum of all, about the origin  [N, N m]
+    imbalance: float  # |load + reactions| over the larger of their parts [-]
+    laminates: list[LaminatePlies]
+
+    @property
+    def weakest(self) -> tuple[LaminatePlies, PlyExtreme, Reserve] | None:
+        """Laminate, ply and criterion of the least strength ratio; None without strengths."""
+        known = [
+            (laminate, ply, reserve)
+            for laminate in self.laminates
+            for ply in laminate.plies
+            for reserve in ply.reserves
+        ]
+        return min(known, key=lambda entry: entry[2].ratio, default=None)
+
+
+def case_findings(shell: ShellFile) -> list[CaseFindings]:
+    """Look at every load case. Raises MaterialError for strengths that cannot be used."""
+    known = strengths(shell)
+    found = []
+    for row, name in enumerate(shell.cases.names):
+        motion = shell.cases.displacements_G[row]
+        size = np.linalg.norm(motion[:, :3], axis=1)
+        node = int(np.argmax(size))
+        load = shell.cases.loads_G[row]
+        reactions = total_reaction(shell, row)
+        found.append(
+            CaseFindings(
+                name,
+                float(size[node]),
+                node,
+                float(np.degrees(np.linalg.norm(motion[:, 3:], axis=1).max(initial=0.0))),
+                load,
+                reactions,
+                imbalance(shell, load, reactions),
+                [_plies(shell, row, number, known) for number in _used(shell)],
+            )
+        )
+    return found
+
+
+def total_reaction(shell: ShellFile, case: int) -> Array:
+    """Sum of the reactions of all supports about the origin, (6,) [N, N m]."""
+    each = shell.cases.reactions_G[case]
+    force, moment = each[:, :3], each[:, 3:] + np.cross(shell.supports.points_G, each[:, :3])
+    return np.concatenate([force.sum(axis=0), moment.sum(axis=0)])
+
+
+def imbalance(shell: ShellFile, load: Array, reactions: Array) -> float:
+    """|load + reactions| over the largest of both, moments by the size of the shell; 0 to 1."""
+    size = float(np.linalg.norm(np.ptp(shell.mesh.nodes_G, axis=0)))
+    size += float(np.linalg.norm(shell.mesh.nodes_G, axis=1).max())  # arms about the origin
+    scale = np.repeat([1.0, 1.0 / size], 3)
+    largest = max(np.abs(load * scale).max(), np.abs(reactions * scale).max())
+    rest = np.abs((load + reactions) * scale).max()
+    return float(rest / largest) if largest > 0.0 else 0.0
+
+
+def stacking(laminate: ShellLaminate) -> str:
+    """The angles of a laminate as laminators write them, [0/45/-45/90]s."""
+    plies = laminate.plies
+    n = len(plies)
+    words = [f"{ply.angle_deg:g}" for ply in plies]
+    same = [
+        (ply.material, ply.angle_deg, round((ply.top - ply.bottom) / laminate.thickness, 9))
+        for ply in plies
+    ]
+    if n > 1 and n % 2 == 0 and same == same[::-1]:
+        return f"[{_repeated(words[: n // 2])}s"
+    return f"[{_repeated(words)}"
+
+
+def _repeated(words: list[str]) -> str:
+    """Words with slashes, the closing bracket and how often they follow each other."""
+    n = len(words)
+    for period in range(1, n // 2 + 1):
+        if n % period == 0 and words == words[:period] * (n // period):
+            return f"{'/'.join(words[:period])}]{n // period}"
+    return f"{'/'.join(words)}]"
+
+
+def _used(shell: ShellFile) -> list[int]:
+    """Rows of the laminates that have cells."""
+    return sorted(set(shell.mesh.laminate[np.unique(shell.mesh.region)].tolist()))
+
+
+def _plies(
+    shell: ShellFile, case: int, number: int, known: Mapping[str, PlyStrength | YieldStrength]
+) -> LaminatePlies:
+    laminate = shell.laminates[number]
+    cells = np.flatnonzero(shell.mesh.laminate[shell.mesh.region] == number)
+    extremes = ply_extremes(
+        [ply.material for ply in laminate.plies],
+        [ply.angle_deg for ply in laminate.plies],
+        laminate.stress_M,
+        shell.cases.resultants_E[case, cells],
+        cells,
+        known,
+    )
+    return LaminatePlies(laminate.name, extremes)

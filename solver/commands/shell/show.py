@@ -1,0 +1,192 @@
+"""A shell file as text for the screen."""
+
+from typing import Any
+
+import numpy as np
+
+from ...math.arrays import Array
+from ...package.shell.schema import SHELL_RESULTANTS, ShellFile, ShellLaminate
+from .findings import CaseFindings, case_findings, stacking
+from .ply_extremes import PlyExtreme
+
+ROUND_OFF = 1e-10  # of sqrt(K_ii K_jj): smaller entries are shown as 0
+LINEAR_DEG = 10.0  # rotations from which a linear answer is worth a word
+SHOWN_STRESSES = (0, 1, 5, 4, 3)  # 33 is 0
+UNITS = {"u": "m", "r": "rad", "N": "N/m", "M": "N", "T": "N/m"}  # by first letter
+
+
+def shell_text(shell: ShellFile) -> str:
+    """Return what a user wants to know of a shell first, at most 100 columns wide."""
+    title = title_of(shell)
+    lines = [f"{shell.name}: {title}" if title else shell.name, ""]
+    lines += _mesh(shell)
+    for laminate in shell.laminates:
+        lines += ["", *laminate_lines(laminate)]
+    for case in case_findings(shell):
+        lines += ["", *_case(shell, case)]
+    lines += ["", *_modes(shell), *_effort(shell)]
+    lines += [f"warning [{w['code']}] {w['message']}" for w in shell.warnings]
+    return "\n".join(lines)
+
+
+def title_of(shell: ShellFile) -> str:
+    """The line that the description gives the shell; empty if it is not there."""
+    spec = shell.provenance.get("spec", {})
+    return str(spec.get("title", "")) if isinstance(spec, dict) else ""
+
+
+def laminate_lines(laminate: ShellLaminate) -> list[str]:
+    """Return lay-up, stiffness, mass and character of a laminate."""
+    materials = list(dict.fromkeys(ply.material for ply in laminate.plies))
+    bottom, top = laminate.plies[0].bottom, laminate.plies[-1].top
+    lines = [
+        f"Laminate {laminate.name}",
+        f"{'Plies':16}{len(laminate.plies)}, bottom to top {_short(stacking(laminate))} of "
+        f"{', '.join(materials)}",
+        f"{'Thickness':16}{laminate.thickness:.6g} m, from z = {bottom:.6g} to {top:.6g} m",
+        f"{'Mass':16}{laminate.mass[0]:.6g} kg/m2, first moment "
+        f"{_number(laminate.mass[1], laminate.mass[0] * laminate.thickness)} kg/m, second "
+        f"{laminate.mass[2]:.6g} kg",
+        *_character(laminate.report),
+        "Stiffness A, B, D: N, M per unit strain and curvature",
+        *_matrix(laminate.ABD, SHELL_RESULTANTS[:6], ("e11", "e22", "g12", "k11", "k22", "k12")),
+        "Transverse shear Ds: T per unit shear strain",
+        *_matrix(laminate.Ds, SHELL_RESULTANTS[6:], ("g13", "g23")),
+    ]
+    return lines
+
+
+def _short(text: str, width: int = 60) -> str:
+    return text if len(text) <= width else f"{text[: width - 3]}..."
+
+
+def _character(report: dict[str, Any]) -> list[str]:
+    lines = []
+    if "symmetric" in report and "balanced" in report:
+        words = [
+            "symmetric" if report["symmetric"] else "not symmetric",
+            "balanced" if report["balanced"] else "not balanced",
+        ]
+        lines.append(f"{'Lay-up':16}{', '.join(words)}")
+    for key, label in (("membrane", "Stretching"), ("bending", "Bending")):
+        of = report.get(key)
+        if isinstance(of, dict):
+            moduli = ", ".join(f"{name} {of[name] / 1e9:.4g} GPa" for name in ("Ex", "Ey", "Gxy"))
+            lines.append(f"{label:16}{moduli}, nuxy {of['nuxy']:.4g}")
+    return lines
+
+
+def _matrix(K: Array, rows: tuple[str, ...], columns: tuple[str, ...]) -> list[str]:
+    size = np.sqrt(np.abs(np.diag(K)))
+    shown = np.where(np.abs(K) < ROUND_OFF * np.outer(size, size), 0.0, K)
+    lines = [" " * 11 + "".join(f"{name:>13}" for name in columns)]
+    for name, row in zip(rows, shown, strict=True):
+        numbers = "".join(f"{value:13.5e}" if value else f"{0:>13}" for value in row)
+        lines.append(f"{f'{name} [{UNITS[name[0]]}]':11}{numbers}")
+    return lines
+
+
+def _mesh(shell: ShellFile) -> list[str]:
+    mesh = shell.mesh
+    mass = np.array([laminate.mass[0] for laminate in shell.laminates])
+    of_cell = mass[mesh.laminate[mesh.region]]
+    return [
+        f"{'Mesh':16}{len(mesh.nodes_G)} nodes, {len(mesh.cells)} triangles in "
+        f"{_short(', '.join(mesh.regions), 50)}",
+        f"{'Area, mass':16}{mesh.area.sum():.6g} m2, {of_cell @ mesh.area:.6g} kg",
+    ]
+
+
+def _case(shell: ShellFile, case: CaseFindings) -> list[str]:
+    row = shell.cases.names.index(case.name)
+    x, y, z = shell.mesh.nodes_G[case.node]
+    lines = [
+        f"Load case {case.name}",
+        f"{'Deflection':16}at most {case.largest:.6g} m, at ({x:.4g}, {y:.4g}, {z:.4g}) m",
+        f"{'Strain energy':16}{shell.cases.energy[row]:.6g} J",
+        f"{'Load':16}{_six(case.load_G)}",
+    ]
+    for name, reaction in zip(shell.supports.names, shell.cases.reactions_G[row], strict=True):
+        label = f"Reaction {name}"
+        if len(label) > 15:
+            lines.append(label)
+            label = ""
+        lines.append(f"{label:16}{_six(reaction)}")
+    lines.append(f"{'Out of balance':16}{case.imbalance:.1e} of the load")
+    if case.rotation_deg > LINEAR_DEG:
+        lines.append(
+            f"{'Note':16}rotations up to {case.rotation_deg:.3g} deg: this is linear statics, "
+            f"right up to about {LINEAR_DEG:g} deg"
+        )
+    probes = zip(shell.probes.names, shell.probes.quantities, shell.probes.values[row], strict=True)
+    lines += [
+        f"{'Probe':16}{name} {quantity} = {value:.6g} {UNITS[quantity[0]]}"
+        for name, quantity, value in probes
+    ]
+    for laminate in case.laminates:
+        lines += _plies(laminate.laminate, laminate.plies)
+    weakest = case.weakest
+    if weakest is not None and np.isfinite(weakest[2].ratio):
+        of, ply, reserve = weakest
+        x, y, z = shell.mesh.nodes_G[shell.mesh.cells[reserve.cell]].mean(axis=0)
+        lines.append(
+            f"{'Least strength':16}ratio R = {reserve.ratio:.4g} by {reserve.criterion} "
+            f"({reserve.mode}), {of.laminate} ply {ply.ply + 1}, {reserve.level},"
+        )
+        lines.append(f"{'':16}near ({x:.4g}, {y:.4g}, {z:.4g}) m")
+    return lines
+
+
+def _six(values: Array) -> str:
+    size = max(float(np.abs(values).max()), np.finfo(float).tiny)
+    cells = "".join(f"{_number(value, size):>12}" for value in values)
+    return f"{cells[:36]} N {cells[36:]} N m"
+
+
+def _number(value: float, size: float) -> str:
+    return "0" if abs(value) < ROUND_OFF * size else f"{value:.5g}"
+
+
+def _plies(laminate: str, plies: list[PlyExtreme]) -> list[str]:
+    """Return the highest stress of every ply, with its least strength ratio."""
+    names = ("s11", "s22", "s12", "s13", "s23")
+    width = max(8, *(len(ply.material) for ply in plies))
+    lines = [
+        f"Plies of {laminate}: stress of largest size [MPa] in ply axes, least strength ratio R",
+        f"{'ply':>5} {'material':{width}}{'angle':>8}"
+        + "".join(f"{name:>12}" for name in names)
+        + f"{'R':>12}",
+    ]
+    size = max(float(np.abs(ply.stress_M).max()) for ply in plies)
+    for ply in plies:
+        least = min((reserve.ratio for reserve in ply.reserves), default=None)
+        shown = np.where(np.abs(ply.stress_M) < ROUND_OFF * size, 0.0, ply.stress_M) / 1e6
+        numbers = "".join(f"{shown[i]:12.4g}" for i in SHOWN_STRESSES)
+        ratio = f"{least:12.4g}" if least is not None else f"{'-':>12}"
+        angle = f"{ply.angle_deg:8.4g}"
+        lines.append(f"{ply.ply + 1:>5} {ply.material:{width}}{angle}{numbers}{ratio}")
+    return lines
+
+
+def _modes(shell: ShellFile) -> list[str]:
+    modes = shell.modes
+    if modes is None:
+        return []
+    lines = []
+    if modes.n_zero:
+        lines.append(f"{'Modes':16}{modes.n_zero} without strain energy, 0 Hz")
+    elastic = modes.frequencies_hz[modes.n_zero :]
+    for first in range(0, len(elastic), 6):
+        label = "Frequencies" if first == 0 else ""
+        some = "".join(f"{value:12.6g}" for value in elastic[first : first + 6])
+        lines.append(f"{label:16}{some.lstrip() if first == 0 else some[2:]} Hz")
+    return lines
+
+
+def _effort(shell: ShellFile) -> list[str]:
+    words = []
+    if (dofs := shell.provenance.get("dofs")) is not None:
+        words.append(f"{dofs} unknowns")
+    if (seconds := shell.provenance.get("seconds")) is not None:
+        words.append(f"{seconds:.2f} s")
+    return [f"{'Effort':16}{', '.join(words)}"] if words else []

@@ -1,0 +1,112 @@
+"""A shell file as plain data for programs: `plymotion shell FILE --json`."""
+
+import math
+from typing import Any
+
+from ...package.shell.schema import SHELL_STRESSES, ShellFile, ShellLaminate
+from .findings import CaseFindings, case_findings, stacking
+from .ply_extremes import PlyExtreme
+from .show import title_of
+
+
+def shell_json(shell: ShellFile) -> dict[str, Any]:
+    """Return the numbers of a shell as plain data, SI."""
+    modes = shell.modes
+    table: dict[str, Any] = {
+        "name": shell.name,
+        "title": title_of(shell),
+        "nodes": len(shell.mesh.nodes_G),
+        "cells": len(shell.mesh.cells),
+        "area": float(shell.mesh.area.sum()),
+        "laminates": {laminate.name: _laminate(laminate) for laminate in shell.laminates},
+        "regions": {
+            name: shell.laminates[row].name
+            for name, row in zip(shell.mesh.regions, shell.mesh.laminate.tolist(), strict=True)
+        },
+        "cases": {case.name: _case(shell, case) for case in case_findings(shell)},
+        "frequencies_hz": None,
+        "dofs": shell.provenance.get("dofs"),
+        "seconds": shell.provenance.get("seconds"),
+        "warnings": list(shell.warnings),
+    }
+    if modes is not None:
+        table["frequencies_hz"] = modes.frequencies_hz[modes.n_zero :].tolist()
+        table["zero_modes"] = modes.n_zero
+    return table
+
+
+def _laminate(laminate: ShellLaminate) -> dict[str, Any]:
+    ABD = laminate.ABD
+    return {
+        "stacking": stacking(laminate),
+        "plies": [
+            {
+                "material": ply.material,
+                "angle_deg": ply.angle_deg,
+                "bottom": ply.bottom,
+                "top": ply.top,
+            }
+            for ply in laminate.plies
+        ],
+        "thickness": laminate.thickness,
+        "A": ABD[:3, :3].tolist(),
+        "B": ABD[:3, 3:].tolist(),
+        "D": ABD[3:, 3:].tolist(),
+        "Ds": laminate.Ds.tolist(),
+        "mass": laminate.mass.tolist(),
+        "report": laminate.report,
+    }
+
+
+def _case(shell: ShellFile, case: CaseFindings) -> dict[str, Any]:
+    row = shell.cases.names.index(case.name)
+    probes: dict[str, dict[str, float]] = {}
+    values = shell.probes.values[row].tolist()
+    for name, quantity, value in zip(
+        shell.probes.names, shell.probes.quantities, values, strict=True
+    ):
+        probes.setdefault(name, {})[quantity] = value
+    reactions = shell.cases.reactions_G[row].tolist()
+    return {
+        "deflection": {
+            "largest": case.largest,
+            "node": int(shell.mesh.node_ids[case.node]),
+            "at": shell.mesh.nodes_G[case.node].tolist(),
+        },
+        "rotation_deg": case.rotation_deg,
+        "energy": float(shell.cases.energy[row]),
+        "load": case.load_G.tolist(),
+        "reactions": dict(zip(shell.supports.names, reactions, strict=True)),
+        "reaction_sum": case.reactions_G.tolist(),
+        "imbalance": case.imbalance,
+        "residual": float(shell.cases.residual[row]),
+        "probes": probes,
+        "plies": {
+            laminate.laminate: [_ply(shell, ply) for ply in laminate.plies]
+            for laminate in case.laminates
+        },
+        "strength_ratio": None if case.weakest is None else _finite(case.weakest[2].ratio),
+    }
+
+
+def _finite(ratio: float) -> float | None:
+    """The ratio; None without any stress, for which JSON has no number."""
+    return ratio if math.isfinite(ratio) else None
+
+
+def _ply(shell: ShellFile, ply: PlyExtreme) -> dict[str, Any]:
+    return {
+        "ply": ply.ply,
+        "material": ply.material,
+        "angle_deg": ply.angle_deg,
+        "stress": dict(zip(SHELL_STRESSES, ply.stress_M.tolist(), strict=True)),
+        "reserves": {
+            reserve.criterion: {
+                "ratio": _finite(reserve.ratio),
+                "mode": reserve.mode,
+                "level": reserve.level,
+                "at": shell.mesh.nodes_G[shell.mesh.cells[reserve.cell]].mean(axis=0).tolist(),
+            }
+            for reserve in ply.reserves
+        },
+    }

@@ -1,0 +1,231 @@
+"""sweep.h5: everything that a sweep leaves, in one file; the layout is in docs/sweeps.md."""
+
+import csv
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from ...math.arrays import Array
+from ...package.common.container import get_text, new_file, open_file, set_text
+from ...results import ResultError
+from ...run.execution import output_times
+from .member import CHECKS, COST, MEASURES, Row
+from .plan import Plan
+
+FORMAT = "plymotion sweep"
+FORMAT_VERSION = (1, 0)
+TEXTS = ("key", "status", "message", "code", "warnings")
+
+
+@dataclass(frozen=True)
+class SweepResult:
+    """A sweep in memory: k members, p parameters; NaN where a member has nothing to tell."""
+
+    case: str
+    name: str
+    title: str
+    run: str
+    design: str
+    parameter_names: tuple[str, ...]  # (p)
+    parameter_units: tuple[str, ...]
+    values: Array  # (k, p)
+    t: Array  # (n_t,) of the histories [s]
+    signal_units: dict[str, str]
+    signal_words: dict[str, str]  # descriptions
+    rows: tuple[Row, ...]  # (k)
+
+    def signal(self, name: str, measure: str) -> Array:
+        """Return the "final", "min", "t_min", "max" or "t_max" of a signal, (k,)."""
+        return np.array([_number(r.signals.get(name, {}).get(measure)) for r in self.rows])
+
+    def history(self, name: str) -> Array:
+        """Return a signal over time, (k, n_t)."""
+        nothing = np.full(self.t.size, np.nan)
+        return np.array([row.histories.get(name, nothing) for row in self.rows])
+
+    def count(self, *states: str) -> int:
+        """Return how many members have one of these states."""
+        return sum(row.status in states for row in self.rows)
+
+
+def result_of(plan: Plan, rows: Sequence[Row]) -> SweepResult:
+    """Return the result of a plan so far."""
+    solver, tables = plan.mechanism["solver"], plan.mechanism["signals"]
+    units = {n: s["unit"] for row in rows for n, s in row.signals.items()}
+    return SweepResult(
+        case=plan.case,
+        name=plan.name,
+        title=plan.title,
+        run=plan.run,
+        design=plan.design,
+        parameter_names=tuple(p.name for p in plan.parameters),
+        parameter_units=tuple(p.unit for p in plan.parameters),
+        values=np.array([m.values for m in plan.members], dtype=float),
+        t=output_times(solver["t_end"], solver["output_step"]) if plan.histories else np.zeros(0),
+        signal_units={name: units.get(name, "") for name in plan.signals},
+        signal_words={
+            n: tables[n].get("description", "")
+            for n in dict.fromkeys((*plan.signals, *plan.histories))
+        },
+        rows=tuple(rows),
+    )
+
+
+def write_sweep(path: Path, result: SweepResult) -> None:
+    """Write sweep.h5; the file appears only when it is complete."""
+    with new_file(path) as file:
+        set_text(file, "format", FORMAT)
+        file.attrs["format_version"] = np.array(FORMAT_VERSION, dtype=np.int64)
+        for name in ("case", "name", "title", "run", "design"):
+            set_text(file, {"name": "sweep"}.get(name, name), getattr(result, name))
+        set_text(file, "units", "SI")
+        parameters = file.create_group("parameters")
+        _texts(parameters, "name", result.parameter_names)
+        _texts(parameters, "unit", result.parameter_units)
+        parameters["values"] = result.values
+        members = file.create_group("members")
+        rows = result.rows
+        for name in TEXTS:
+            words = [" ".join(r.warnings) if name == "warnings" else getattr(r, name) for r in rows]
+            _texts(members, name, words)
+        members["t_end"] = np.array([row.t_end for row in rows])
+        set_text(members["t_end"], "unit", "s")
+        for group, names in (("checks", CHECKS), ("cost", COST)):
+            for name in names:
+                file[f"{group}/{name}"] = [getattr(row, group).get(name, np.nan) for row in rows]
+        for name, unit in result.signal_units.items():
+            signal = file.create_group(f"signals/{name}")
+            set_text(signal, "unit", unit)
+            set_text(signal, "description", result.signal_words[name])
+            for measure in MEASURES:
+                signal[measure] = result.signal(name, measure)
+        histories = [n for n in result.signal_words if any(n in row.histories for row in rows)]
+        if result.t.size:
+            file["histories/t"] = result.t
+            for name in histories:
+                file.create_dataset(
+                    f"histories/{name}",
+                    data=result.history(name),
+                    compression="gzip",
+                    shuffle=True,
+                )
+                set_text(file[f"histories/{name}"], "description", result.signal_words[name])
+
+
+def read_sweep(path: Path) -> SweepResult:
+    """Read sweep.h5.
+
+    Raises
+    ------
+    ResultError
+        When the file is missing, truncated, foreign, newer or incomplete.
+    """
+    with open_file(path, ResultError) as file:
+        found = get_text(file, "format")
+        if found != FORMAT:
+            raise ResultError(f"{path}: attribute format: expected {FORMAT!r}, this is {found!r}")
+        major, minor = (int(v) for v in file.attrs["format_version"])
+        if major > FORMAT_VERSION[0]:
+            raise ResultError(
+                f"{path}: written by a newer Plymotion: format {major}.{minor}, "
+                f"this reader knows {FORMAT_VERSION[0]}.x"
+            )
+        return _load(file)
+
+
+def _load(file: h5py.File) -> SweepResult:
+    signals = file.get("signals", {})
+    histories = file.get("histories", {})
+    texts = {name: _words(file[f"members/{name}"]) for name in TEXTS}
+    t_end = file["members/t_end"][()]
+    numbers = {
+        group: {name: file[f"{group}/{name}"][()] for name in names}
+        for group, names in (("checks", CHECKS), ("cost", COST))
+    }
+    measured = {n: {m: g[m][()] for m in MEASURES} for n, g in signals.items()}
+    units = {n: get_text(g, "unit") for n, g in signals.items()}
+    series = {n: d[()] for n, d in histories.items() if n != "t"}
+    rows = []
+    for k, key in enumerate(texts["key"]):
+        told = not np.isnan(t_end[k])
+        rows.append(
+            Row(
+                key=key,
+                status=texts["status"][k],
+                message=texts["message"][k],
+                code=texts["code"][k],
+                t_end=float(t_end[k]),
+                signals={
+                    n: {"unit": units[n]} | {m: _value(v[k]) for m, v in table.items()}
+                    for n, table in measured.items()
+                    if told
+                },
+                histories={n: v[k] for n, v in series.items() if told},
+                checks={n: float(v[k]) for n, v in numbers["checks"].items() if told},
+                cost={n: float(v[k]) for n, v in numbers["cost"].items() if told},
+                warnings=tuple(texts["warnings"][k].split()),
+            )
+        )
+    words = {n: get_text(d, "description") for n, d in histories.items() if n != "t"}
+    words |= {n: get_text(g, "description") for n, g in signals.items()}
+    return SweepResult(
+        case=get_text(file, "case"),
+        name=get_text(file, "sweep"),
+        title=get_text(file, "title"),
+        run=get_text(file, "run"),
+        design=get_text(file, "design"),
+        parameter_names=tuple(_words(file["parameters/name"])),
+        parameter_units=tuple(_words(file["parameters/unit"])),
+        values=file["parameters/values"][()],
+        t=histories["t"][()] if histories else np.zeros(0),
+        signal_units=units,
+        signal_words=words,
+        rows=tuple(rows),
+    )
+
+
+def sweep_csv(result: SweepResult) -> str:
+    """Return the table of a sweep: a line for each member, a head with units."""
+    stream = io.StringIO(newline="")
+    writer = csv.writer(stream)
+    names = zip(result.parameter_names, result.parameter_units, strict=True)
+    head = ["member", *(f"{name} [{unit}]" if unit else name for name, unit in names)]
+    head += ["status", "code", "t_end [s]"]
+    for name, unit in result.signal_units.items():
+        head += [f"{name} {m} [{'s' if m.startswith('t_') else unit}]" for m in MEASURES]
+    writer.writerow([*head, *CHECKS, *COST, "warnings", "message"])
+    for k, row in enumerate(result.rows):
+        line: list[Any] = [k, *result.values[k], row.status, row.code, _blank(row.t_end)]
+        for name in result.signal_units:
+            line += [_blank(row.signals.get(name, {}).get(m)) for m in MEASURES]
+        line += [_blank(row.checks.get(name)) for name in CHECKS]
+        line += [_blank(row.cost.get(name)) for name in COST]
+        writer.writerow([*line, " ".join(row.warnings), row.message])
+    return stream.getvalue()
+
+
+def _texts(group: h5py.Group, name: str, words: Sequence[str]) -> None:
+    raw = [word.encode() for word in words]
+    size = max([1, *map(len, raw)])
+    group[name] = np.array(raw, dtype=h5py.string_dtype("utf-8", size))
+
+
+def _words(dataset: h5py.Dataset) -> list[str]:
+    return [word.decode("utf-8") if isinstance(word, bytes) else str(word) for word in dataset[()]]
+
+
+def _number(value: float | None) -> float:
+    return np.nan if value is None else float(value)
+
+
+def _value(number: float) -> float | None:
+    return None if np.isnan(number) else float(number)
+
+
+def _blank(value: float | None) -> float | str:
+    return "" if value is None or np.isnan(value) else value

@@ -1,0 +1,155 @@
+"""What a sweep computes: its members, their numbers and their packages."""
+
+import hashlib
+import json
+from copy import deepcopy
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from plymotion import __version__
+
+from ...errors import InputError, PackageError
+from ...package import ModalPackage
+from ...run.execution import package_of
+
+ROWS = 1  # version of what is computed of a member: raised when its numbers change their meaning
+# Rooms of solver/ that have no part in the motion of a mechanism.
+ASIDE = ("__main__.py", "commands", "report")
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """What is varied."""
+
+    name: str
+    keys: tuple[str, ...]
+    unit: str
+
+
+@dataclass(frozen=True)
+class Member:
+    """One point of the design."""
+
+    values: tuple[float, ...]
+    changes: dict[str, Any]  # dotted keys of the mechanism
+    packages: dict[str, int]  # body -> number in the list of packages
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A sweep as `check` wrote it."""
+
+    file: Path
+    case: str
+    name: str
+    title: str
+    run: str
+    design: str
+    parameters: tuple[Parameter, ...]
+    signals: tuple[str, ...]
+    histories: tuple[str, ...]
+    mechanism: dict[str, Any]
+    packages: tuple[dict[str, str], ...]  # file, inputs_sha256
+    members: tuple[Member, ...]
+
+    def mechanism_of(self, number: int) -> dict[str, Any]:
+        """Return the mechanism of one member."""
+        mechanism = deepcopy(self.mechanism)
+        for key, value in self.members[number].changes.items():
+            here: Any = mechanism
+            *way, last = key.split(".")
+            for part in way:
+                here = here[int(part)] if isinstance(here, list) else here[part]
+            here[int(last) if isinstance(here, list) else last] = value
+        return mechanism
+
+    def package_file(self, number: int) -> Path:
+        """Return where a package lies."""
+        return self.file.parent.parent / self.packages[number]["file"]
+
+    def package(self, number: int) -> ModalPackage:
+        """Read a package. Raises PackageError: unreadable, or built from other inputs."""
+        entry = self.packages[number]
+        whose = f"a member of sweep {self.name} of case {self.case}"
+        remedy = f"make {self.case}-sweep-{self.name}"
+        return package_of(self.package_file(number), entry.get("inputs_sha256"), whose, remedy)
+
+    def keys(self) -> list[str]:
+        """Return the hash of what each member's numbers depend on.
+
+        Its mechanism, the content of its packages, what is kept, and the solver.
+        """
+        common = [ROWS, __version__, solver_sha256(), self.signals, self.histories]
+        contents = [_content(self.package_file(k)) for k in range(len(self.packages))]
+        found = []
+        for number, member in enumerate(self.members):
+            own = {body: contents[k] for body, k in member.packages.items()}
+            text = json.dumps([*common, self.mechanism_of(number), own], sort_keys=True)
+            found.append(hashlib.sha256(text.encode()).hexdigest())
+        return found
+
+
+def read_plan(file: Path) -> Plan:
+    """Read build/<case>/sweeps/<name>.json.
+
+    Raises
+    ------
+    InputError
+        Not such a file.
+    PackageError
+        None of its packages can be read; if only some are missing, members fail instead.
+    """
+    try:
+        table = json.loads(file.read_text(encoding="utf-8"))
+        plan = Plan(
+            file=file,
+            case=table["case"],
+            name=table["sweep"],
+            title=table["title"],
+            run=table["run"],
+            design=table["design"],
+            parameters=tuple(
+                Parameter(p["name"], tuple(p["keys"]), p["unit"]) for p in table["parameters"]
+            ),
+            signals=tuple(table["signals"]),
+            histories=tuple(table["histories"]),
+            mechanism=table["mechanism"],
+            packages=tuple(table["packages"]),
+            members=tuple(
+                Member(tuple(m["values"]), m["changes"], m["packages"]) for m in table["members"]
+            ),
+        )
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise InputError(
+            f"{file}: not a sweep file ({error}); expected one written by "
+            "`python -m plymotion.solver check`"
+        ) from error
+    if plan.packages and not any(plan.package_file(k).is_file() for k in range(len(plan.packages))):
+        raise PackageError(
+            f"{plan.package_file(0)}: no such file, nor any other package of the sweep: "
+            f"run `make {plan.case}-sweep-{plan.name}`"
+        )
+    return plan
+
+
+@cache
+def solver_sha256() -> str:
+    """Return the hash of the sources that a member's motion depends on."""
+    here = Path(__file__).resolve().parents[2]
+    digest = hashlib.sha256()
+    for source in sorted(here.rglob("*.py")):
+        inside = source.relative_to(here)
+        if inside.parts[0] not in ASIDE:
+            digest.update(inside.as_posix().encode())
+            digest.update(source.read_bytes())
+    return digest.hexdigest()
+
+
+def _content(file: Path) -> str:
+    """Return the hash of a package's file, nothing if it is not there."""
+    try:
+        return hashlib.sha256(file.read_bytes()).hexdigest()
+    except OSError:
+        return ""
