@@ -18,7 +18,7 @@ def _model(kind, rng, grounded):
     bodies = [body_of(p) for p in points]
     one = random_marker(rng, -1, 0) if grounded else random_marker(rng, 0, 3)
     two = random_marker(rng, 1, 2)
-    joint = JointTable("joint", kind, 0, 1, LAW if kind in DRIVES else None, length=1.3)
+    joint = JointTable("joint", kind, 0, 1, LAW if kind in DRIVES else None, parameters=(1.3,))
     return assemble_model(bodies, [one, two], [joint])
 
 
