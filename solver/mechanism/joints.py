@@ -51,8 +51,9 @@ def _numbers(name: str, joint: dict[str, Any], shift: Array) -> tuple[float, ...
     """Return the numbers of a joint in the order of its kernel."""
     kind = JOINTS[joint["kind"]]
     given = {key.name: joint[key.name] for key in kind.keys if isinstance(key, Number)}
+    given["between"] = joint["between"]
     try:
         complete = kind.complete(given, shift)
     except InputError as error:
-        raise InputError(f"joints.{name}: its places {joint['between']} {error}") from error
+        raise InputError(f"joints.{name}{error}") from error
     return tuple(complete[key] for key in kind.parameters)

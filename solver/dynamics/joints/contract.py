@@ -125,6 +125,7 @@ class Number:
     above: float | None = None  # bounds: above, or from `least` on; up to `most`
     least: float | None = None
     most: float | None = None
+    not_zero: bool = False
 
 
 @dataclass(frozen=True)
@@ -141,8 +142,8 @@ Complete = Callable[[Mapping[str, Any], Array], Numbers]
 
 
 def as_given(values: Mapping[str, Any], shift: Array) -> Numbers:
-    """Return numbers as they stand in the case file."""
-    return {name: float(value) for name, value in values.items()}
+    """Return the numbers as they stand in the case file."""
+    return {key: float(value) for key, value in values.items() if key != "between"}
 
 
 @dataclass(frozen=True)
@@ -154,9 +155,10 @@ class Joint(Constraint):
     meaning : half a line, for docs/case-reference.md
     keys : of the case file, behind `kind` and `between`
     coordinates : that it leaves free and a signal can measure
-    complete : f(numbers, shift) -> numbers of the kernel, from those of the case file (None: not
-        given) and the way `shift` (3,) from place one to two at the given start, in axes of marker
-        one [m]; an InputError goes on "joints.NAME: its places [...] ..."
+    complete : f(values, shift) -> numbers of the kernel, from the `Number`s of the case file by
+        name (None: not given), its `between`, and the way `shift` (3,) from place one to two at
+        the given start, in axes of marker one [m]; the text of an InputError goes on "joints.NAME"
+    derived : names of numbers of the kernel that are no keys, behind those that are; of `complete`
     order : place in the manual and in lists; those of equal order follow by name
     """
 
@@ -164,6 +166,7 @@ class Joint(Constraint):
     keys: tuple[Key, ...] = ()
     coordinates: tuple[Coordinate, ...] = ()
     complete: Complete = as_given
+    derived: tuple[str, ...] = ()
     order: int = 100
 
     def __post_init__(self) -> None:
@@ -176,5 +179,5 @@ class Joint(Constraint):
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """Names of the numbers, in the order of the keys."""
-        return tuple(key.name for key in self.keys if isinstance(key, Number))
+        """Names of the kernel's numbers: keys in their order, then `derived`."""
+        return (*(key.name for key in self.keys if isinstance(key, Number)), *self.derived)

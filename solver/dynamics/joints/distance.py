@@ -42,7 +42,10 @@ def length_of(values: Mapping[str, Any], shift: Array) -> Numbers:
     given = values["length"]
     length = float(np.linalg.norm(shift)) if given is None else float(given)
     if length < LEAST:
-        raise InputError("coincide at the start; expected a `length`, or a spherical joint")
+        raise InputError(
+            f": its places {values['between']} coincide at the start; expected a `length`, or a "
+            "spherical joint"
+        )
     return {"length": length}
 
 

@@ -27,9 +27,10 @@ KINDS = {name: number for number, name in enumerate(NAMES)}
 ROWS = {name: constraint.units for name, constraint in CONSTRAINTS.items()}
 RIGID = tuple(k for k, name in enumerate(NAMES) if len(CONSTRAINTS[name].removes) == len(FREEDOMS))
 N_PARAMETER = max(len(joint.parameters) for joint in JOINTS.values())
-COORDINATES: dict[str, Coordinate] = {
-    c.name: c for joint in JOINTS.values() for c in joint.coordinates
-}
+COORDINATES: dict[str, Coordinate] = by_name(
+    [(c.name, c) for c in dict.fromkeys(c for joint in JOINTS.values() for c in joint.coordinates)],
+    "coordinate of joints",
+)
 
 
 def _call(constraint: Constraint) -> Call:

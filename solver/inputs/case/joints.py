@@ -17,6 +17,12 @@ def _of_some_length(vector: list[float]) -> list[float]:
     return vector
 
 
+def _not_zero(value: float | None) -> float | None:
+    if value == 0.0:
+        raise ValueError("expected a number other than 0")
+    return value
+
+
 GlobalDirection = Annotated[Vector, AfterValidator(_of_some_length)]
 Z = [0.0, 0.0, 1.0]
 
@@ -54,7 +60,8 @@ def _field(key: Key) -> tuple[Any, FieldInfo]:
         description=key.meaning,
         json_schema_extra=unit(key.unit),
     )
-    return (float | None if default is None else float), number
+    kind: Any = float | None if default is None else float
+    return (Annotated[kind, AfterValidator(_not_zero)] if key.not_zero else kind), number
 
 
 def _table(joint: Joint) -> type[JointTable]:
