@@ -98,7 +98,7 @@ def random_mechanism(seed: int, loops: int) -> Model:
     pairs = [(int(rng.integers(-1, k)), k) for k in range(len(bodies))]
     for k, (one, two) in enumerate([*pairs, *LOOPS[:loops]]):
         kind = TREE[k % 3] if k < len(pairs) else "distance"
-        joints.append(JointTable(f"{k}", kind, marker(one), marker(two), length=1.0))
+        joints.append(JointTable(f"{k}", kind, marker(one), marker(two), parameters=(1.0,)))
     drive = polynomial([0.3, 1.0, 2.0])
     joints.append(JointTable("drive", "rotation_drive", marker(-1), marker(4), drive))
     spring = ForceTable("spring", "spring", marker(0), marker(3), (50.0, 1.0, 0.5))

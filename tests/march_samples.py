@@ -70,7 +70,7 @@ def torn() -> Sample:
     rod = rods.rod((0, 0, 0), (1, 0, 0))
     rods.joint("foot", "revolute", GROUND, rod, (0, 0, 0))
     ends = rods.marker(GROUND, (1, 1, 0)), rods.marker(rod, (1, 0, 0))
-    rods.joints.append(JointTable("held", "distance", *ends, length=1.0))
+    rods.joints.append(JointTable("held", "distance", *ends, parameters=(1.0,)))
     ends = rods.marker(GROUND, (0, 0, 0)), rods.marker(rod, (0, 0, 0))
     drive = polynomial([0.0, 0.0, 0.0, 5.0])
     rods.joints.append(JointTable("drive", "rotation_drive", *ends, drive))

@@ -139,7 +139,7 @@ def pendulum() -> Sample:
     """
     body = rigid_body("bob", 1.0, np.zeros(3), 0.1 * np.eye(3))
     markers = [MarkerTable(GROUND, np.zeros(3)), MarkerTable(0, np.zeros(3))]
-    joints = [JointTable("rod", "distance", 0, 1, length=1.0)]
+    joints = [JointTable("rod", "distance", 0, 1, parameters=(1.0,))]
     model = assemble_model([body], markers, joints, gravity_G=GRAVITY)
     positions = np.array([-1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
     start = Start(positions, np.zeros(6), np.zeros(6, dtype=bool))

@@ -11,7 +11,7 @@ from ..dynamics.bodies.marker import single_motion
 from ..dynamics.coordinates import moved, position_rates
 from ..dynamics.forces.table import KINDS as FORCE_KINDS
 from ..dynamics.forces.table import element_wrench
-from ..dynamics.joints.table import KINDS
+from ..dynamics.joints.table import KINDS, N_PARAMETER
 from ..dynamics.model import Model
 from ..dynamics.projection import projected
 from ..dynamics.system import assemble, derivative, energies, law_at
@@ -74,7 +74,7 @@ def _compile_shared() -> None:
     body = rigid_body("body", 1.0, np.zeros(3), np.eye(3))
     markers = [MarkerTable(-1, np.zeros(3)), MarkerTable(0, np.zeros(3))]
     law = polynomial([0.0])
-    joints = [JointTable(kind, kind, 0, 1, law, 1.0) for kind in KINDS]
+    joints = [JointTable(kind, kind, 0, 1, law, (1.0,) * N_PARAMETER) for kind in KINDS]
     forces = [ForceTable(kind, kind, 0, 1, law=law) for kind in FORCE_KINDS]
     model = assemble_model([body], markers, joints, [(1, 1.0)], alpha=0.0, forces=forces)
     y = np.zeros(model.n_pos + model.n_vel + 1)

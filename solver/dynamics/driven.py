@@ -11,19 +11,13 @@ import numpy as np
 
 from ..math.arrays import Array, IntArray
 
-# Kinds of joints that together leave a body no freedom whatever its place, all at one marker.
-COMPLETE = (
-    ("fixed",),
-    ("revolute", "rotation_drive"),
-    ("prismatic", "translation_drive"),
-    ("cylindrical", "rotation_drive", "translation_drive"),
-)
+FREEDOMS = 6
 
 
 class Stand(NamedTuple):
-    """A joint as seen from here: its kind and where it holds on."""
+    """A joint or drive as seen from here: what it takes and where it holds on."""
 
-    kind: str
+    removes: tuple[str, ...] | None  # freedoms that its rows take, one each; None: others as well
     bodies: tuple[int, int]  # of its two markers; -1: ground
     rigid: bool  # its marker on the body moves with the frame, whatever the modes do
     x: Array  # (3,) of that marker
@@ -38,8 +32,9 @@ def driven_frames(joints: Sequence[Stand]) -> IntArray:
         if joint.rigid and min(joint.bodies) < 0 <= max(joint.bodies):
             at_body.setdefault(max(joint.bodies), []).append(k)
     for body, found in at_body.items():
-        kinds = tuple(sorted(joints[k].kind for k in found))
-        if kinds not in (tuple(sorted(c)) for c in COMPLETE):
+        taken = [joints[k].removes for k in found]
+        freedoms = [freedom for removes in taken if removes is not None for freedom in removes]
+        if None in taken or not len(freedoms) == len(set(freedoms)) == FREEDOMS:
             continue
         first = joints[found[0]]
         same = all(

@@ -61,7 +61,7 @@ class Model(NamedTuple):
     joint_marker: IntArray  # (nj, 2)
     joint_row: IntArray  # (nj + 1,)
     joint_law: IntArray  # (nj,) of a drive; -1: none
-    joint_length: Array  # (nj,) of a distance            [m]
+    joint_parameters: Array  # (nj, N_PARAMETER), see joints/table.py
     # force elements (nf)
     force_kind: IntArray
     force_marker: IntArray  # (nf, 2)

@@ -68,8 +68,17 @@ def _evaluate_joints(model: Model, work: Work, t: float) -> None:
         drive, drive_d, drive_dd = 0.0, 0.0, 0.0
         if model.joint_law[k] >= 0:
             drive, drive_d, drive_dd = law_at(model, model.joint_law[k], t)
-        length = model.joint_length[k]
-        joint_rows(rows, begin, model.joint_kind[k], one, two, drive, drive_d, drive_dd, length)
+        joint_rows(
+            rows,
+            begin,
+            model.joint_kind[k],
+            one,
+            two,
+            drive,
+            drive_d,
+            drive_dd,
+            model.joint_parameters[k],
+        )
         for side in range(2):
             body = model.marker_body[model.joint_marker[k, side]]
             if body >= 0:

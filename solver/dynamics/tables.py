@@ -12,7 +12,8 @@ from ..package.body.schema import Invariants, ModalPackage, SecondOrder
 from .driven import Stand, driven_frames
 from .forces.table import KINDS as FORCE_KINDS
 from .forces.table import N_PARAMETER
-from .joints.table import KINDS, NAMES, ROWS
+from .joints.table import CONSTRAINTS, KINDS, NAMES, ROWS
+from .joints.table import N_PARAMETER as N_JOINT_PARAMETER
 from .model import GROUND, Model
 from .plan import make_plan, positive_inertia
 
@@ -82,7 +83,7 @@ class JointTable:
     marker_1: int
     marker_2: int
     law: Law | None = None  # of a drive
-    length: float = 0.0  # of a distance [m]
+    parameters: tuple[float, ...] = ()  # numbers of its kind: joints/contract.py
 
 
 @dataclass(frozen=True)
@@ -123,9 +124,6 @@ def assemble_model(
                 f"marker shapes {marker.phi.shape}, {marker.psi.shape}: expected (3, {expected})"
             )
     kinds = np.array([KINDS[j.kind] for j in joints], dtype=np.int64)
-    parameters = np.zeros((len(forces), N_PARAMETER))
-    for k, element in enumerate(forces):
-        parameters[k, : len(element.parameters)] = element.parameters
     laws: list[Law] = []
     joint_law, force_law = _numbered(joints, laws), _numbered(forces, laws)
     carrying = [_with_points(i, body, markers, point_masses) for i, body in enumerate(bodies)]
@@ -174,11 +172,11 @@ def assemble_model(
         joint_marker=joint_marker,
         joint_row=joint_row,
         joint_law=joint_law,
-        joint_length=np.array([j.length for j in joints], dtype=float),
+        joint_parameters=_filled([j.parameters for j in joints], N_JOINT_PARAMETER),
         force_kind=np.array([FORCE_KINDS[e.kind] for e in forces], dtype=np.int64),
         force_marker=force_marker,
         force_law=force_law,
-        force_parameters=parameters,
+        force_parameters=_filled([e.parameters for e in forces], N_PARAMETER),
         law_start=_starts(np.array([len(law.times) for law in laws], dtype=np.int64)),
         law_time=np.concatenate([np.zeros(0), *[law.times for law in laws]]),
         law_coefficient=np.concatenate(
@@ -218,6 +216,14 @@ def assemble_model(
     )
 
 
+def _filled(lists: Sequence[Sequence[float]], columns: int) -> Array:
+    """Return lists of numbers as rows (n, columns), filled up with zeros."""
+    out = np.zeros((len(lists), columns))
+    for row, numbers in zip(out, lists, strict=True):
+        row[: len(numbers)] = numbers
+    return out
+
+
 def _uncoupled(body: Body) -> bool:
     """Tell whether mass, stiffness and damping of the modes are diagonal, whatever the state."""
     matrices = (body.mass, body.stiffness, body.damping)
@@ -233,7 +239,9 @@ def _stand(joint: JointTable, markers: list[MarkerTable], H: Sequence[Array]) ->
     k = pair[0] if bodies[0] >= 0 else pair[1]
     one = markers[k]
     rigid = not (one.phi.any() or one.psi.any() or H[k].any())
-    return Stand(joint.kind, bodies, rigid, one.x, one.A)
+    kind = CONSTRAINTS[joint.kind]
+    known = kind.removes if len(kind.removes) == len(kind.units) else None
+    return Stand(known, bodies, rigid, one.x, one.A)
 
 
 def _with_points(

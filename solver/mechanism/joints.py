@@ -3,16 +3,13 @@
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
+from ..dynamics.joints.contract import Displacement, DrivenBy, Number
+from ..dynamics.joints.table import JOINTS
 from ..dynamics.tables import JointTable
 from ..errors import InputError
 from ..math.arrays import Array
 from .laws import law_of, shifted
 from .places import Places, axes
-
-# Keys of a case that drive a joint -> kind of the drive by the kind of the joint.
-_ROTATIONS = ("revolute", "planar")
 
 
 @dataclass(frozen=True)
@@ -36,34 +33,27 @@ def joint_tables(
         key = f"joints.{name}.between"
         one, two = (places.marker(key, place, A_GM) for place in joint["between"])
         shift = places.shift(one, two)
-        length = _length(name, joint, shift) if kind == "distance" else 0.0
         first = len(tables)
-        tables.append(JointTable(name, kind, one, two, length=length))
-        for drive_kind, label, drive in _drives(name, joint):
-            start = shift[2] if drive_kind == "translation_drive" else 0.0
-            law = shifted(law_of(drive), float(start))
-            tables.append(JointTable(label, drive_kind, one, two, law))
+        tables.append(JointTable(name, kind, one, two, parameters=_numbers(name, joint, shift)))
+        for driven in JOINTS[kind].keys:
+            if not isinstance(driven, DrivenBy) or joint.get(driven.name) is None:
+                continue
+            coordinate = driven.drive.coordinate
+            start = shift[coordinate.axis] if isinstance(coordinate, Displacement) else 0.0
+            law = shifted(law_of(joint[driven.name]), float(start))
+            label = f"{name} ({driven.name.replace('_', ' ')})"
+            tables.append(JointTable(label, driven.drive.kind, one, two, law))
         built[name] = BuiltJoint(kind, tuple(range(first, len(tables))), shift)
     return tables, built
 
 
-def _drives(name: str, joint: dict[str, Any]) -> list[tuple[str, str, dict[str, Any]]]:
-    """Return kind, label and table of each drive of a joint."""
-    found = []
-    if joint.get("drive") is not None:
-        kind = "rotation_drive" if joint["kind"] in _ROTATIONS else "translation_drive"
-        found.append((kind, f"{name} (drive)", joint["drive"]))
-    for kind, word in (("rotation_drive", "rotation"), ("translation_drive", "translation")):
-        if joint.get(kind) is not None:
-            found.append((kind, f"{name} ({word} drive)", joint[kind]))
-    return found
-
-
-def _length(name: str, joint: dict[str, Any], shift: Array) -> float:
-    length = float(np.linalg.norm(shift)) if joint["length"] is None else float(joint["length"])
-    if length < 1e-9:
-        raise InputError(
-            f"joints.{name}: its places {joint['between']} coincide at the start; expected a "
-            "`length`, or a spherical joint"
-        )
-    return length
+def _numbers(name: str, joint: dict[str, Any], shift: Array) -> tuple[float, ...]:
+    """Return the numbers of a joint in the order of its kernel."""
+    kind = JOINTS[joint["kind"]]
+    given = {key.name: joint[key.name] for key in kind.keys if isinstance(key, Number)}
+    given["between"] = joint["between"]
+    try:
+        complete = kind.complete(given, shift)
+    except InputError as error:
+        raise InputError(f"joints.{name}{error}") from error
+    return tuple(complete[key] for key in kind.parameters)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..dynamics.bodies.floating_frame import centrifugal_matrix
+from ..dynamics.joints.table import RIGID
 from ..dynamics.model import GROUND, Model
 from ..integrators.generic import Integrator, StopRequest
 from ..math.arrays import Array
@@ -24,7 +25,7 @@ class CarriedMass:
 def carried_masses(model: Model) -> list[CarriedMass]:
     """Rigid bodies fixed at the interfaces of flexible bodies; point masses are in T11 already."""
     found = []
-    for joint in np.flatnonzero(model.joint_kind == 1):
+    for joint in np.flatnonzero(np.isin(model.joint_kind, RIGID)):
         for side in (0, 1):
             marker, other = (int(model.joint_marker[joint, s]) for s in (side, 1 - side))
             body = int(model.marker_body[other])

@@ -6,22 +6,22 @@ from typing import Any
 import numpy as np
 
 from ..dynamics.bodies.marker import Marker
-from ..dynamics.joints.table import KINDS
+from ..dynamics.joints.contract import Angle, Displacement, Drive
+from ..dynamics.joints.table import CONSTRAINTS, COORDINATES, NAMES
 from ..dynamics.system import law_at
 from ..math.arrays import Array
 from ..mechanism import BuiltJoint
 from .recording import Recording
 
-_DISPLACEMENTS = {"x": 0, "y": 1, "z": 2}
-ROTATION = KINDS["rotation_drive"]
-
 
 def joint_coordinate(joint: BuiltJoint, coordinate: str) -> Callable[[Recording], Array]:
     """Return what gives a coordinate (k,) of a joint from its given start [rad or m]."""
-    if coordinate in _DISPLACEMENTS:
-        axis = _DISPLACEMENTS[coordinate]
+    found = COORDINATES[coordinate]
+    if isinstance(found, Displacement):
+        axis = found.axis
         return lambda recording: _shifts(recording, joint)[:, axis] - joint.shift[axis]
-    return lambda recording: _angles(recording, joint, second=coordinate == "angle_2")
+    angle = found
+    return lambda recording: _angles(recording, joint, angle)
 
 
 def reaction(joint: BuiltJoint, table: dict[str, Any]) -> Callable[[Recording], Array]:
@@ -49,22 +49,20 @@ def _shifts(recording: Recording, joint: BuiltJoint) -> Array:
     return np.array([a.A.T @ (b.x - a.x) for a, b in zip(one, two, strict=True)])
 
 
-def _angles(recording: Recording, joint: BuiltJoint, *, second: bool) -> Array:
-    """Return the angle (k,) about the first axis, or the second of a universal, unwrapped [rad].
+def _angles(recording: Recording, joint: BuiltJoint, angle: Angle) -> Array:
+    """Return an angle (k,), unwrapped [rad].
 
     The turns between two output times follow from the rates at both: correct as long as the
     mean of these is good to half a turn.
     """
     one, two = _ends(recording, joint)
-    if second:
-        pairs = [_angle(b, a, 2, 1, 2) for a, b in zip(one, two, strict=True)]
-    else:
-        pairs = [_angle(a, b, 0, 1, 0) for a, b in zip(one, two, strict=True)]
-    angle, rate = np.array(pairs).T
+    frames, arms = (one, two) if angle.frame == 1 else (two, one)
+    pairs = [_angle(f, a, angle.x, angle.y, angle.arm) for f, a in zip(frames, arms, strict=True)]
+    found, rate = np.array(pairs).T
     steps = 0.5 * (rate[1:] + rate[:-1]) * np.diff(recording.t)
-    off = np.diff(angle) - steps
+    off = np.diff(found) - steps
     steps += off - 2.0 * np.pi * np.round(off / (2.0 * np.pi))
-    first = angle[0] + _turns(recording, joint, angle[0])
+    first = found[0] + _turns(recording, joint, angle, found[0])
     return np.concatenate([[first], first + np.cumsum(steps)])
 
 
@@ -76,11 +74,12 @@ def _angle(frame: Marker, arm: Marker, i: int, j: int, k: int) -> tuple[float, f
     return float(np.arctan2(v, u)), float(n @ (arm.w - frame.w))
 
 
-def _turns(recording: Recording, joint: BuiltJoint, angle: float) -> float:
-    """Whole turns [rad] that a drive starts with."""
+def _turns(recording: Recording, joint: BuiltJoint, angle: Angle, found: float) -> float:
+    """Whole turns [rad] that a drive of the angle starts with."""
     model = recording.model
     for row in joint.rows[1:]:
-        if model.joint_kind[row] == ROTATION:
+        drive = CONSTRAINTS[NAMES[model.joint_kind[row]]]
+        if isinstance(drive, Drive) and drive.coordinate == angle:
             start, _, _ = law_at(model, model.joint_law[row], recording.t[0])
-            return float(2.0 * np.pi * np.round((start - angle) / (2.0 * np.pi)))
+            return float(2.0 * np.pi * np.round((start - found) / (2.0 * np.pi)))
     return 0.0

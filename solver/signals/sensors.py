@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ..dynamics.joints.table import COORDINATES
 from ..math.arrays import Array
 from ..mechanism import BuiltMechanism
 from .joints import joint_coordinate, reaction
@@ -52,7 +53,7 @@ def _measuring(built: BuiltMechanism, name: str, table: dict[str, Any]) -> tuple
     if kind == "joint":
         coordinate = table["coordinate"]
         values = joint_coordinate(built.joints[table["joint"]], coordinate)
-        return "rad" if coordinate.startswith("angle") else "m", values
+        return COORDINATES[coordinate].unit, values
     if kind == "reaction":
         vectors = reaction(built.joints[table["joint"]], table)
         unit = "N" if table["quantity"] == "force" else "N m"

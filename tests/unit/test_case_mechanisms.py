@@ -248,7 +248,7 @@ def test_default_lengths_are_the_distances_at_the_start(tmp_path):
     )
     model = _built(tmp_path, source).model
     assert model.force_parameters[0, 2] == pytest.approx(np.sqrt(1.0 + 0.25))
-    assert model.joint_length[5] == pytest.approx(np.sqrt(9.25))
+    assert model.joint_parameters[5, 0] == pytest.approx(np.sqrt(9.25))
 
 
 def test_direction_of_a_load_is_a_unit_vector(tmp_path):

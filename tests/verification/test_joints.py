@@ -2,13 +2,15 @@
 
 import numpy as np
 import pytest
+from case_samples import rigid, run_text
 from flexible_samples import body_of, random_marker, random_points, random_state
 
-from plymotion.solver.dynamics.joints.table import DRIVES, KINDS
+from plymotion.solver.dynamics.joints.contract import FREEDOMS
+from plymotion.solver.dynamics.joints.table import CONSTRAINTS, DRIVES, KINDS
 from plymotion.solver.dynamics.system import assemble
-from plymotion.solver.dynamics.tables import JointTable, assemble_model
+from plymotion.solver.dynamics.tables import JointTable, MarkerTable, assemble_model, rigid_body
 from plymotion.solver.math import laws
-from plymotion.solver.math.rotations import parameter_rate
+from plymotion.solver.math.rotations import matrix_to_parameters, parameter_rate, vector_to_matrix
 
 LAW = laws.polynomial([0.1, 0.7, 0.3, -0.2])
 
@@ -18,7 +20,7 @@ def _model(kind, rng, grounded):
     bodies = [body_of(p) for p in points]
     one = random_marker(rng, -1, 0) if grounded else random_marker(rng, 0, 3)
     two = random_marker(rng, 1, 2)
-    joint = JointTable("joint", kind, 0, 1, LAW if kind in DRIVES else None, length=1.3)
+    joint = JointTable("joint", kind, 0, 1, LAW if kind in DRIVES else None, parameters=(1.3,))
     return assemble_model(bodies, [one, two], [joint])
 
 
@@ -84,3 +86,66 @@ def test_printed_eq_11_misses_the_mixed_term():
     mixed = (later.Phi_q - equations.Phi_q) @ v / 1e-6  # Phi_qt qdot
     printed = equations.gamma + 2 * mixed - 2 * equations.Phi_q @ v
     assert np.abs(printed - equations.gamma).max() > 0.1
+
+
+@pytest.mark.parametrize("kind", list(KINDS))
+def test_rows_remove_what_the_joint_says(kind):
+    """Between coincident frames: which velocities of marker two in its axes the rows hold."""
+    A = vector_to_matrix(np.array([0.4, -1.1, 0.7]))
+    body = rigid_body("body", 1.0, np.zeros(3), np.eye(3))
+    markers = [MarkerTable(-1, np.zeros(3), A), MarkerTable(0, np.zeros(3), np.eye(3))]
+    law = laws.polynomial([0.0]) if kind in DRIVES else None
+    joint = JointTable("joint", kind, 0, 1, law, parameters=(1.0,))
+    model = assemble_model([body], markers, [joint])
+    y = np.zeros(model.n_pos + model.n_vel + 1)
+    y[3:7] = matrix_to_parameters(A)
+    of_two = assemble(model, 0.0, y).C[:, 6:]
+    C = np.hstack([of_two[:, :3] @ A, of_two[:, 3:] @ A])
+    rank = np.linalg.matrix_rank(C, tol=1e-9)
+    held = [
+        freedom
+        for freedom, unit in zip(FREEDOMS, np.eye(6), strict=True)
+        if rank and np.linalg.matrix_rank(np.vstack([C, unit]), tol=1e-9) == rank
+    ]
+    constraint = CONSTRAINTS[kind]
+    assert set(constraint.removes) <= set(held)
+    if len(constraint.removes) == len(constraint.units):
+        assert set(constraint.removes) == set(held)
+
+
+@pytest.mark.parametrize("lead", [0.05, -0.02])
+def test_nut_falls_along_a_screw(lead, tmp_path):
+    """Weight turns the nut: z = -g t^2 / 2 over 1 + J (2 pi / lead)^2 / m, for many turns."""
+    text = (
+        "gravity = [0.0, 0.0, -9.81]\n[ground.O]\nposition = [0.0, 0.0, 0.3]\n"
+        + rigid("nut", 2.0, [0.1, 0.1, 1e-4], {"a": (0, 0, 0)})
+        + '[joints.thread]\nkind = "screw"\nbetween = ["ground.O", "nut.a"]\n'
+        + f"lead = {lead}\n"
+        + "".join(
+            f'[signals.{name}]\nkind = "joint"\njoint = "thread"\ncoordinate = "{name}"\n'
+            for name in ("z", "angle")
+        )
+    )
+    t, s, summary = run_text(tmp_path, text, t_end=1.0, step=0.01)
+    per = 2.0 * np.pi / lead
+    z = -0.5 * 9.81 * t**2 / (1.0 + 1e-4 * per**2 / 2.0)
+    assert abs(z[-1] / lead) > 10.0
+    np.testing.assert_allclose(s["z"], z, atol=1e-9)
+    np.testing.assert_allclose(s["angle"], per * z, atol=1e-7)
+    assert summary["completed"]
+
+
+def test_driven_screw_moves_by_its_lead(tmp_path):
+    """Both bodies free to move, the pair without external force: the mass centre stays."""
+    text = (
+        rigid("spindle", 1.0, 0.01, {"a": (0, 0, 0)})
+        + rigid("nut", 3.0, 0.02, {"a": (0, 0, 0)})
+        + '[joints.thread]\nkind = "screw"\nbetween = ["spindle.a", "nut.a"]\n'
+        + "axis = [1.0, 0.0, 0.0]\nlead = 0.1\ndrive = { polynomial = [0.0, 0.0, 20.0] }\n"
+        + '[signals.z]\nkind = "joint"\njoint = "thread"\ncoordinate = "z"\n'
+        + '[signals.nut]\nkind = "position"\nat = "nut.a"\ncomponent = "x"\n'
+        + '[signals.spindle]\nkind = "position"\nat = "spindle.a"\ncomponent = "x"\n'
+    )
+    t, s, _ = run_text(tmp_path, text, t_end=1.0, step=0.05)
+    np.testing.assert_allclose(s["z"], 0.1 * 20.0 * t**2 / (2.0 * np.pi), atol=1e-9)
+    np.testing.assert_allclose(3.0 * s["nut"] + s["spindle"], 0.0, atol=1e-9)

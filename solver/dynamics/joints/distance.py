@@ -1,12 +1,19 @@
 """Distance: two points stay a given length apart, like the ends of a massless rod; one row."""
 
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ...errors import InputError
 from ...math.arrays import Array
 from ...math.compiled import jit
 from ...math.triple import dot3, minus3
 from ..bodies.motion import acceleration, place, velocity
 from ..workspace import GAMMA, PHI, PHI_T
+from .contract import Joint, Number, Numbers
 
-ROWS = "d"
+LEAST = 1e-9  # length [m] below which the places coincide
 
 
 @jit
@@ -28,3 +35,27 @@ def distance(rows: Array, k: int, one: Array, two: Array, length: float) -> None
         rows[k, 9 + j] = 0.0
         gamma -= d[j] * d_dd[j]
     rows[k, GAMMA] = gamma / length
+
+
+def length_of(values: Mapping[str, Any], shift: Array) -> Numbers:
+    """Return the given length, else the distance at the given start [m]."""
+    given = values["length"]
+    length = float(np.linalg.norm(shift)) if given is None else float(given)
+    if length < LEAST:
+        raise InputError(
+            f": its places {values['between']} coincide at the start; expected a `length`, or a "
+            "spherical joint"
+        )
+    return {"length": length}
+
+
+JOINT = Joint(
+    kind="distance",
+    meaning="two places a fixed length apart, a massless rod",
+    rows=distance,
+    units="d",
+    removes=(),
+    keys=(Number("length", "m", "absent: the distance in the given starting position", above=0.0),),
+    complete=length_of,
+    order=9,
+)

@@ -6,9 +6,8 @@ from ...math.arrays import Array
 from ...math.compiled import jit
 from ...math.triple import cross3, minus3, sum3, times3
 from ..bodies.motion import axis, spin
+from .contract import ANGLE, Drive
 from .rows import orthogonal_axes
-
-ROWS = "r"
 
 
 @jit
@@ -25,3 +24,12 @@ def rotation_drive(
     turning = cross3(spin(one), z)
     turning_rate = sum3(times3(f_dd, z), times3(f_d, turning))
     orthogonal_axes(rows, k, one, two, a, axis(two, 0), times3(f_d, z), turning_rate)
+
+
+ROTATION_DRIVE = Drive(
+    kind="rotation_drive",
+    rows=rotation_drive,
+    units="r",
+    removes=("about z",),
+    coordinate=ANGLE,
+)

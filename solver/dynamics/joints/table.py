@@ -1,50 +1,49 @@
-"""The kinds of joints: their rows, and the branch that the step loop takes."""
+"""The joints and drives of this folder by name and number, and the call of their kernels."""
 
 from ...math.arrays import Array
+from ...math.catalogue import by_name, catalogue
 from ...math.compiled import jit
-from .cylindrical import ROWS as CYLINDRICAL
-from .cylindrical import cylindrical
-from .distance import ROWS as DISTANCE
-from .distance import distance
-from .fixed import ROWS as FIXED
-from .fixed import fixed
-from .planar import ROWS as PLANAR
-from .planar import planar
-from .point_on_line import ROWS as POINT_ON_LINE
-from .point_on_line import point_on_line
-from .prismatic import ROWS as PRISMATIC
-from .prismatic import prismatic
-from .revolute import ROWS as REVOLUTE
-from .revolute import revolute
-from .rotation_drive import ROWS as ROTATION_DRIVE
-from .rotation_drive import rotation_drive
-from .spherical import ROWS as SPHERICAL
-from .spherical import spherical
-from .translation_drive import ROWS as TRANSLATION_DRIVE
-from .translation_drive import translation_drive
-from .universal import ROWS as UNIVERSAL
-from .universal import universal
+from ...math.dispatch import Call, dispatched
+from . import __name__ as _package
+from . import __path__ as _path
+from .contract import FREEDOMS, OF_A_LAW, Constraint, Coordinate, Drive, Joint
 
-# In the order of the branches of `joint_rows`. The unit of each row: d distance [m], r angle [rad].
-ROWS = {
-    "revolute": REVOLUTE,
-    "fixed": FIXED,
-    "rotation_drive": ROTATION_DRIVE,
-    "translation_drive": TRANSLATION_DRIVE,
-    "spherical": SPHERICAL,
-    "universal": UNIVERSAL,
-    "cylindrical": CYLINDRICAL,
-    "prismatic": PRISMATIC,
-    "planar": PLANAR,
-    "point_on_line": POINT_ON_LINE,
-    "distance": DISTANCE,
-}
-NAMES = tuple(ROWS)
+_found = catalogue(_package, _path, Constraint)
+JOINTS: dict[str, Joint] = by_name(
+    [
+        (joint.kind, joint)
+        for joint in sorted(
+            (c for c in _found if isinstance(c, Joint)), key=lambda joint: (joint.order, joint.kind)
+        )
+    ],
+    "joint",
+)
+DRIVES: dict[str, Drive] = by_name([(c.kind, c) for c in _found if isinstance(c, Drive)], "drive")
+CONSTRAINTS: dict[str, Constraint] = {**JOINTS, **DRIVES}
+
+# A number holds within one process: models are built anew in each.
+NAMES = tuple(CONSTRAINTS)
 KINDS = {name: number for number, name in enumerate(NAMES)}
-DRIVES = ("rotation_drive", "translation_drive")
+ROWS = {name: constraint.units for name, constraint in CONSTRAINTS.items()}
+RIGID = tuple(k for k, name in enumerate(NAMES) if len(CONSTRAINTS[name].removes) == len(FREEDOMS))
+N_PARAMETER = max(len(joint.parameters) for joint in JOINTS.values())
+COORDINATES: dict[str, Coordinate] = by_name(
+    [(c.name, c) for c in dict.fromkeys(c for joint in JOINTS.values() for c in joint.coordinates)],
+    "coordinate of joints",
+)
+
+
+def _call(constraint: Constraint) -> Call:
+    """Return the kernel and its arguments as those of `joint_rows`."""
+    if isinstance(constraint, Joint):
+        more = [f"parameters[{k}]" for k in range(len(constraint.parameters))]
+    else:
+        more = list(OF_A_LAW)
+    return constraint.rows, ["rows", "k", "one", "two", *more]
 
 
 @jit
+@dispatched("kind", [_call(constraint) for constraint in CONSTRAINTS.values()])
 def joint_rows(
     rows: Array,
     k: int,
@@ -54,32 +53,10 @@ def joint_rows(
     f: float,
     f_d: float,
     f_dd: float,
-    length: float,
+    parameters: Array,
 ) -> None:
     """Fill the rows of one joint, beginning at row k.
 
-    `f`, `f_d`, `f_dd` are a drive's law and its rates at the present time, `length` is the
-    parameter of a distance [m]; other kinds take no notice of them.
+    `f`, `f_d`, `f_dd` are a drive's law and its rates at the present time, `parameters`
+    (N_PARAMETER,) the numbers of the joint; kinds that have none ignore them.
     """
-    if kind == 0:
-        revolute(rows, k, one, two)
-    elif kind == 1:
-        fixed(rows, k, one, two)
-    elif kind == 2:
-        rotation_drive(rows, k, one, two, f, f_d, f_dd)
-    elif kind == 3:
-        translation_drive(rows, k, one, two, f, f_d, f_dd)
-    elif kind == 4:
-        spherical(rows, k, one, two)
-    elif kind == 5:
-        universal(rows, k, one, two)
-    elif kind == 6:
-        cylindrical(rows, k, one, two)
-    elif kind == 7:
-        prismatic(rows, k, one, two)
-    elif kind == 8:
-        planar(rows, k, one, two)
-    elif kind == 9:
-        point_on_line(rows, k, one, two)
-    else:
-        distance(rows, k, one, two, length)

@@ -2,9 +2,8 @@
 
 from ...math.arrays import Array
 from ...math.compiled import jit
+from .contract import Drive, Z
 from .rows import along_axis
-
-ROWS = "d"
 
 
 @jit
@@ -13,3 +12,12 @@ def translation_drive(
 ) -> None:
     """Row k: origin of marker two at f along z of marker one, f and its rates of time [m, s]."""
     along_axis(rows, k, one, two, 2, f, f_d, f_dd)
+
+
+TRANSLATION_DRIVE = Drive(
+    kind="translation_drive",
+    rows=translation_drive,
+    units="d",
+    removes=("z",),
+    coordinate=Z,
+)

@@ -5,24 +5,15 @@ from pathlib import Path
 import numpy as np
 
 from ...dynamics.constraints.treatment import treatment_of
+from ...dynamics.joints.table import JOINTS
 from ...errors import InputError, nearest
 from ..common.material import check_materials
 from .check_bodies import check_bodies, interfaces
 from .forces import Bushing, ForceLoad, TorqueLoad
-from .joints import UniversalJoint, drives
+from .joints import drives
 from .laws import RotationDrive
 from .schema import BeamBody, Mechanism, RigidBody, ShellBody
 from .signals import JointSignal, PlyStressSignal, PointSignal, ReactionSignal, ResultantSignal
-
-# Coordinates that a kind of joint leaves free and a signal can measure.
-COORDINATES = {
-    "revolute": ("angle",),
-    "universal": ("angle", "angle_2"),
-    "cylindrical": ("angle", "z"),
-    "prismatic": ("z",),
-    "planar": ("angle", "x", "y"),
-    "point_on_line": ("z",),
-}
 
 
 def cross_check(mechanism: Mechanism, folder: Path) -> list[str]:
@@ -91,8 +82,9 @@ def _joints(mechanism: Mechanism) -> list[str]:
     for name, joint in mechanism.joints.items():
         key = f"joints.{name}"
         found += _between(f"{key}.between", joint.between, mechanism, one_body=False)
-        if isinstance(joint, UniversalJoint):
-            found += _right_angle(f"{key}.axis_2", joint.axis, joint.axis_2)
+        axis, axis_2 = getattr(joint, "axis", None), getattr(joint, "axis_2", None)
+        if axis is not None and axis_2 is not None:
+            found += _right_angle(f"{key}.axis_2", axis, axis_2)
         for drive_key, drive in drives(joint).items():
             times = drive.table.times if drive.table else None
             if times and times[-1] < mechanism.solver.t_end:
@@ -153,7 +145,7 @@ def _signal(
             return [f'{key}.joint = "{signal.joint}": no such joint{hint}']
         if isinstance(signal, JointSignal):
             kind = mechanism.joints[signal.joint].kind
-            free = COORDINATES.get(kind, ())
+            free = [coordinate.name for coordinate in JOINTS[kind].coordinates]
             if signal.coordinate not in free:
                 return [
                     f'{key}.coordinate = "{signal.coordinate}": joint {signal.joint} is '

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from ..common.table import Table, unit
-from .joints import Direction, Z
+from .joints import GlobalDirection, Z
 from .laws import LoadLaw
 
 NONE = [0.0, 0.0, 0.0]
@@ -46,7 +46,7 @@ class RotarySpring(_Element):
     """
 
     kind: Literal["rotary_spring"]
-    axis: Direction = Field(
+    axis: GlobalDirection = Field(
         default=Z, description="axis at the start, global", json_schema_extra=unit("-")
     )
     stiffness: float = Field(default=0.0, ge=0, description="k", json_schema_extra=unit("N m/rad"))
@@ -68,12 +68,12 @@ class Bushing(_Element):
     """
 
     kind: Literal["bushing"]
-    axis: Direction = Field(
+    axis: GlobalDirection = Field(
         default=Z,
         description="third axis at the start, global; fixed in the first place",
         json_schema_extra=unit("-"),
     )
-    axis_1: Direction | None = Field(
+    axis_1: GlobalDirection | None = Field(
         default=None,
         description="first axis, at a right angle to `axis`; absent: the global axis farthest "
         "from `axis`, made orthogonal",
@@ -93,7 +93,7 @@ class Bushing(_Element):
 
 class _Load(Table):
     at: str = Field(description='"BODY.INTERFACE"')
-    direction: Direction = Field(
+    direction: GlobalDirection = Field(
         description="at the start, global; only the direction counts", json_schema_extra=unit("-")
     )
     frame: Literal["global", "following"] = Field(

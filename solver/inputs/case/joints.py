@@ -1,9 +1,12 @@
-"""`[joints.NAME]` of a case file: every kind of joint and what may drive it."""
+"""`[joints.NAME]` of a case file: a table for each joint of dynamics/joints, made from its keys."""
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, Field, create_model
+from pydantic.fields import FieldInfo
 
+from ...dynamics.joints.contract import Angle, Direction, DrivenBy, Joint, Key
+from ...dynamics.joints.table import JOINTS
 from ..common.table import Table, Vector, unit
 from .laws import RotationDrive, TranslationDrive
 
@@ -14,141 +17,70 @@ def _of_some_length(vector: list[float]) -> list[float]:
     return vector
 
 
-Direction = Annotated[Vector, AfterValidator(_of_some_length)]
+def _not_zero(value: float | None) -> float | None:
+    if value == 0.0:
+        raise ValueError("expected a number other than 0")
+    return value
+
+
+GlobalDirection = Annotated[Vector, AfterValidator(_of_some_length)]
 Z = [0.0, 0.0, 1.0]
 
 
-class _Between(Table):
+class JointTable(Table):
+    """Keys of every joint."""
+
     between: list[str] = Field(
         min_length=2,
         max_length=2,
         description='two places: "BODY.INTERFACE" or "ground.POINT"; motion counts from the first',
     )
+    kind: str
 
 
-class RevoluteJoint(_Between):
-    """`[joints.NAME]` with kind = "revolute": a hinge, one rotation."""
-
-    kind: Literal["revolute"]
-    axis: Direction = Field(
-        default=Z, description="hinge axis at the start, global", json_schema_extra=unit("-")
+def _field(key: Key) -> tuple[Any, FieldInfo]:
+    """Return type and field of a key."""
+    default: Any = None
+    if isinstance(key, DrivenBy):
+        law: Any = RotationDrive if isinstance(key.drive.coordinate, Angle) else TranslationDrive
+        drive: FieldInfo = Field(default=default, description=key.meaning)
+        return law | None, drive
+    if isinstance(key, Direction):
+        default = ... if key.required else Z
+        direction: FieldInfo = Field(
+            default=default, description=key.meaning, json_schema_extra=unit("-")
+        )
+        return GlobalDirection, direction
+    default = ... if key.required else key.default
+    number: FieldInfo = Field(
+        default=default,
+        gt=key.above,
+        ge=key.least,
+        le=key.most,
+        description=key.meaning,
+        json_schema_extra=unit(key.unit),
     )
-    drive: RotationDrive | None = Field(default=None, description="prescribed rotation")
+    kind: Any = float | None if default is None else float
+    return (Annotated[kind, AfterValidator(_not_zero)] if key.not_zero else kind), number
 
 
-class FixedJoint(_Between):
-    """`[joints.NAME]` with kind = "fixed": no relative motion."""
-
-    kind: Literal["fixed"]
-
-
-class SphericalJoint(_Between):
-    """`[joints.NAME]` with kind = "spherical": a common point, three rotations."""
-
-    kind: Literal["spherical"]
+def _table(joint: Joint) -> type[JointTable]:
+    fields: dict[str, Any] = {"kind": (Literal[joint.kind], ...)}
+    fields |= {key.name: _field(key) for key in joint.keys}
+    title = f'`[joints.NAME]` with kind = "{joint.kind}": {joint.meaning}.'
+    name = f"{joint.kind.title().replace('_', '')}Joint"
+    return create_model(name, __base__=JointTable, __doc__=title, **fields)
 
 
-class UniversalJoint(_Between):
-    """`[joints.NAME]` with kind = "universal": a common point and a cross with two axes."""
-
-    kind: Literal["universal"]
-    axis: Direction = Field(
-        default=Z,
-        description="arm of the cross in the first place, at the start, global",
-        json_schema_extra=unit("-"),
-    )
-    axis_2: Direction = Field(
-        description="arm in the second place, at a right angle to `axis`",
-        json_schema_extra=unit("-"),
-    )
+JOINT_TABLES: tuple[type[JointTable], ...] = tuple(_table(joint) for joint in JOINTS.values())
+if TYPE_CHECKING:
+    CaseJoint = JointTable
+else:
+    CaseJoint = Annotated[Union[(*JOINT_TABLES,)], Field(discriminator="kind")]
 
 
-class CylindricalJoint(_Between):
-    """`[joints.NAME]` with kind = "cylindrical": rotation about an axis, motion along it."""
-
-    kind: Literal["cylindrical"]
-    axis: Direction = Field(
-        default=Z, description="axis at the start, global", json_schema_extra=unit("-")
-    )
-    rotation_drive: RotationDrive | None = Field(default=None, description="prescribed rotation")
-    translation_drive: TranslationDrive | None = Field(
-        default=None, description="prescribed displacement"
-    )
-
-
-class PrismaticJoint(_Between):
-    """`[joints.NAME]` with kind = "prismatic": motion along an axis, no rotation."""
-
-    kind: Literal["prismatic"]
-    axis: Direction = Field(
-        default=Z, description="axis at the start, global", json_schema_extra=unit("-")
-    )
-    drive: TranslationDrive | None = Field(default=None, description="prescribed displacement")
-
-
-class PlanarJoint(_Between):
-    """`[joints.NAME]` with kind = "planar": motion in a plane, rotation about its normal."""
-
-    kind: Literal["planar"]
-    axis: Direction = Field(
-        default=Z,
-        description="normal of the plane at the start, global",
-        json_schema_extra=unit("-"),
-    )
-    drive: RotationDrive | None = Field(default=None, description="prescribed rotation")
-
-
-class PointOnLineJoint(_Between):
-    """`[joints.NAME]` with kind = "point_on_line": the second place on a line of the first."""
-
-    kind: Literal["point_on_line"]
-    axis: Direction = Field(
-        default=Z,
-        description="line through the first place at the start, global",
-        json_schema_extra=unit("-"),
-    )
-    drive: TranslationDrive | None = Field(default=None, description="prescribed displacement")
-
-
-class DistanceJoint(_Between):
-    """`[joints.NAME]` with kind = "distance": two places a fixed length apart, a massless rod."""
-
-    kind: Literal["distance"]
-    length: float | None = Field(
-        default=None,
-        gt=0,
-        description="absent: the distance in the given starting position",
-        json_schema_extra=unit("m"),
-    )
-
-
-JOINT_TABLES: tuple[type[Table], ...] = (
-    RevoluteJoint,
-    FixedJoint,
-    SphericalJoint,
-    UniversalJoint,
-    CylindricalJoint,
-    PrismaticJoint,
-    PlanarJoint,
-    PointOnLineJoint,
-    DistanceJoint,
-)
-Joint = Annotated[
-    RevoluteJoint
-    | FixedJoint
-    | SphericalJoint
-    | UniversalJoint
-    | CylindricalJoint
-    | PrismaticJoint
-    | PlanarJoint
-    | PointOnLineJoint
-    | DistanceJoint,
-    Field(discriminator="kind"),
-]
-
-
-def drives(joint: Table) -> dict[str, RotationDrive | TranslationDrive]:
+def drives(joint: JointTable) -> dict[str, RotationDrive | TranslationDrive]:
     """Return the drives of a joint by their keys."""
-    names = ("drive", "rotation_drive", "translation_drive")
-    found = {name: getattr(joint, name, None) for name in names}
+    names = [key.name for key in JOINTS[joint.kind].keys if isinstance(key, DrivenBy)]
+    found = {name: getattr(joint, name) for name in names}
     return {name: drive for name, drive in found.items() if drive is not None}

@@ -1,12 +1,18 @@
 """`[signals.NAME]` of a case file: one number along the run."""
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from ...dynamics.joints.table import COORDINATES
 from ..common.table import Name, Pair, Table, unit
 
 Component = Literal["x", "y", "z", "magnitude"]
+COORDINATE_NAMES = tuple(sorted(COORDINATES))
+if TYPE_CHECKING:
+    JointCoordinate = str
+else:
+    JointCoordinate = Literal[COORDINATE_NAMES]
 
 
 class _Measured(Table):
@@ -60,10 +66,9 @@ class JointSignal(_Measured):
 
     kind: Literal["joint"]
     joint: Name = Field(description="name of a joint")
-    coordinate: Literal["angle", "angle_2", "x", "y", "z"] = Field(
-        description="angle [rad] about the axis, over any number of turns; angle_2 [rad] about "
-        "`axis_2` of a universal; displacement [m] along the axes of the joint, z its `axis`. "
-        "All from the given starting position"
+    coordinate: JointCoordinate = Field(
+        description="; ".join(dict.fromkeys(COORDINATES[name].meaning for name in COORDINATE_NAMES))
+        + ". All from the given starting position"
     )
 
 

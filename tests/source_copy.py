@@ -1,0 +1,46 @@
+"""A copy of the sources with a file more, and programs that run on it."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+HALVES = ("solver", "preprocess", "meshes")
+BLOCK = re.compile(r"```(?:python|c)\n(?:#|//) (\S+)\n(.*?)```", re.S)
+
+
+def recipe_files(repository: Path) -> dict[str, str]:
+    """File -> text, of the complete examples in CONTRIBUTING.md."""
+    return dict(BLOCK.findall((repository / "CONTRIBUTING.md").read_text("utf-8")))
+
+
+def copy_with(repository: Path, folder: Path, files: dict[str, str]) -> Path:
+    """Copy the sources into a folder, add files that they do not have yet, return the folder."""
+    unwanted = shutil.ignore_patterns("__pycache__")
+    for half in HALVES:
+        shutil.copytree(repository / half, folder / half, ignore=unwanted)
+    (folder / "plymotion").mkdir()
+    shutil.copy(repository / "plymotion/__init__.py", folder / "plymotion")
+    for half in HALVES:
+        (folder / "plymotion" / half).symlink_to(Path("..") / half)
+    for name, text in files.items():
+        file = folder / name
+        assert not file.exists(), name
+        file.write_text(text, encoding="utf-8")
+    return folder
+
+
+def run_python(copy: Path, repository: Path, *arguments: str) -> str:
+    """Run Python on the copy, with the helpers of tests/; return what it prints."""
+    path = os.pathsep.join([str(copy), str(repository / "tests")])
+    done = subprocess.run(
+        [sys.executable, *arguments],
+        cwd=copy,
+        env={**os.environ, "PYTHONPATH": path, "PLYMOTION_COMPILED": "0"},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
