@@ -8,7 +8,7 @@ import numpy as np
 from ...errors import did_you_mean
 from ...math.arrays import Array
 from ..common.array_checks import finite, mesh_cells, positive_definite, rows_of, symmetric
-from ..common.dataset import defined_sizes, encoded, misshaped, missing_or_mistyped
+from ..common.dataset import check_datasets, defined_sizes, misshaped, missing_or_mistyped
 from ..common.finding import Finding, Reporter
 from .layout import (
     SECTION_FILE_LAYOUT,
@@ -38,11 +38,8 @@ def section_layout_findings(group: h5py.Group) -> list[Finding]:
 def check_shapes(path: Path, section: SectionFile) -> None:
     """Raise PackageError for the first array of a wrong type or shape."""
     values = section_values(section, str(path))
-    sizes = section_sizes(values)
-    for spec in SECTION_FILE_LAYOUT:
-        if spec.path in values:
-            where = f"{path}: /{SECTION_GROUP}/{spec.path}"
-            encoded(where, spec, values[spec.path], sizes)
+    where = f"{path}: /{SECTION_GROUP}"
+    check_datasets(where, SECTION_FILE_LAYOUT, values, section_sizes(values))
 
 
 def section_content_findings(section: SectionFile) -> list[Finding]:
