@@ -12,7 +12,7 @@ from ..common.finding import raise_first
 from ..common.identity import json_text, write_checksum, write_identity
 from ..common.vtk_view import create_grid, describe, part_view
 from ..section.recovery_data import RECOVERY_LAYOUT, recovery_sizes, recovery_values
-from .checks import content_findings
+from .checks import check_shapes, content_findings
 from .laminate_data import CELL_LAYOUT, LAMINATE_LAYOUT, laminate_values
 from .layout import (
     BODY_LAYOUT,
@@ -44,6 +44,7 @@ def write_package(path: str | Path, package: ModalPackage) -> None:
     path = Path(path)
     if path.suffix != ".vtkhdf":
         raise PackageError(f"{path}: a modal package ends in .vtkhdf (ParaView goes by the name)")
+    check_shapes(path, package)
     raise_first(path, content_findings(package))
     with new_file(path) as file:
         write_identity(file, MODAL_PACKAGE, package.body)
