@@ -13,7 +13,7 @@ from ..common.identity import json_text
 from ..common.object_file import new_object_file
 from ..common.vtk_view import create_grid, describe, part_view
 from ..section.recovery_data import RECOVERY_LAYOUT, recovery_sizes, recovery_values
-from .checks import content_findings
+from .checks import check_shapes, content_findings
 from .laminate_data import CELL_LAYOUT, LAMINATE_LAYOUT, laminate_values
 from .layout import (
     BODY_LAYOUT,
@@ -42,6 +42,7 @@ def write_package(path: str | Path, package: ModalPackage) -> None:
         message names file and dataset, nothing is written.
     """
     path = Path(path)
+    check_shapes(path, package)
     raise_first(path, content_findings(package))
     with new_object_file(path, MODAL_PACKAGE, package.body, "a modal package") as (file, group):
         provenance = json_text(f"{path}: provenance", package.provenance)
