@@ -1,14 +1,16 @@
 """What the files of a folder supply: one file adds one thing, and no list names it again."""
 
 import pkgutil
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from importlib import import_module
 from typing import TypeVar
 
 Thing = TypeVar("Thing")
 
 
-def catalogue(package: str, path: Iterable[str], kind: type[Thing]) -> list[Thing]:
+def catalogue(
+    package: str, path: Iterable[str], kind: type[Thing], besides: Collection[str] = ()
+) -> list[Thing]:
     """Return the objects of type `kind` at the top level of a package's modules.
 
     Modules are imported in the order of their names; an object counts in the module that makes
@@ -17,9 +19,10 @@ def catalogue(package: str, path: Iterable[str], kind: type[Thing]) -> list[Thin
     Parameters
     ----------
     package, path : `__name__` and `__path__` of the package
+    besides : modules that supply nothing and are not imported
     """
     found: list[Thing] = []
-    for module in sorted(info.name for info in pkgutil.iter_modules(list(path))):
+    for module in sorted({info.name for info in pkgutil.iter_modules(list(path))} - {*besides}):
         for value in vars(import_module(f"{package}.{module}")).values():
             if isinstance(value, kind) and not any(value is other for other in found):
                 found.append(value)

@@ -12,40 +12,7 @@ from plymotion.solver.dynamics.joints.table import JOINTS
 # Joints that other files build mechanisms with: virtual bodies, compiling ahead.
 USED = {"fixed", "revolute"}
 
-JOINT_CASE = """
-import sys
-from pathlib import Path
-
-import numpy as np
-from case_samples import rigid, run_text
-
-import plymotion
-from plymotion.solver.errors import InputError
-
-folder = Path(sys.argv[1])
-assert plymotion.__file__.startswith(str(Path.cwd())), plymotion.__file__
-text = (
-    "gravity = [0.0, 0.0, -9.81]\\n[ground.O]\\nposition = [0.0, 0.0, 0.0]\\n"
-    + rigid("ball", 2.0, 0.1, {"a": (0, 0, 0)}, position=(1, 0, 0))
-    + '[joints.floor]\\nkind = "point_on_plane"\\nbetween = ["ground.O", "ball.a"]\\n'
-    + "axis = [0.0, 1.0, 1.0]\\n"
-    + '[signals.y]\\nkind = "position"\\nat = "ball.a"\\ncomponent = "y"\\n'
-    + '[signals.own]\\nkind = "joint"\\njoint = "floor"\\ncoordinate = "x"\\n'
-    + '[signals.push]\\nkind = "reaction"\\njoint = "floor"\\nquantity = "force"\\n'
-    + 'component = "magnitude"\\n'
-)
-t, s, _ = run_text(folder, text, t_end=1.0, step=0.1)
-# Down the plane of 45 degrees with g / sqrt(2); its y component is half of g.
-np.testing.assert_allclose(s["y"], 0.5 * 0.5 * 9.81 * t**2, atol=1e-9)
-np.testing.assert_allclose(s["push"], 2.0 * 9.81 / np.sqrt(2.0), rtol=1e-9)
-assert s["own"][0] == 0.0
-try:
-    run_text(folder, text.replace("axis =", "axes ="), t_end=1.0, step=0.1)
-except InputError as error:
-    assert "joints.floor.axes: unknown key; did you mean 'axis'" in str(error), error
-else:
-    raise AssertionError("an unknown key was accepted")
-"""
+PROGRAMS = Path(__file__).resolve().parent.parent / "recipes"
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +24,7 @@ def copy(repository, tmp_path_factory) -> Path:
 
 
 def test_a_joint(copy, repository, tmp_path):
-    run_python(copy, repository, "-c", JOINT_CASE, str(tmp_path))
+    run_python(copy, repository, str(PROGRAMS / "joint.py"), str(tmp_path))
     page = run_python(copy, repository, "-m", "plymotion.solver", "check", "--reference")
     assert '## `[joints.NAME]` with kind = "point_on_plane": the second place in a plane' in page
     tests = str(repository / "tests/verification/test_joints.py")
@@ -74,6 +41,17 @@ def test_a_joint(copy, repository, tmp_path):
         tests,
     )
     assert re.search(r"\b[3-9] passed", printed), printed
+
+
+def test_a_section_shape(copy, repository, tmp_path):
+    run_python(copy, repository, str(PROGRAMS / "section_shape.py"), str(tmp_path))
+    page = run_python(copy, repository, "-m", "plymotion.solver.inputs.section.reference")
+    assert '### `shape = "square-tube"`' in page
+    assert "| `side` | number | m | > 0 | required | outer width and height |" in page
+
+
+def test_a_criterion(copy, repository):
+    run_python(copy, repository, str(PROGRAMS / "criterion.py"))
 
 
 @pytest.mark.parametrize("kind", sorted(set(JOINTS) - USED))

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.inputs.section.shapes.airfoil import contour
+from plymotion.solver.inputs.section.shapes.contour import contour
 from plymotion.solver.inputs.section.shapes.library import SHAPES, expand, shape, walls
 from plymotion.solver.inputs.section.shapes.spacing import (
     along,

@@ -19,13 +19,13 @@ class MeshTable(Table):
 
 
 class ShapeMesh(MeshTable):
-    """A shape of the library; its sizes are the fields of the model made from shapes.py."""
+    """A shape of the library; its sizes are the fields of the model made from shapes/."""
 
     shape: str
 
     @property
     def values(self) -> dict[str, Any]:
-        """Sizes as shapes.py takes them."""
+        """Sizes as the shape takes them."""
         return self.model_dump(exclude={"shape", "degree"}, exclude_none=True)
 
 

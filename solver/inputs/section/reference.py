@@ -180,8 +180,7 @@ def _shapes() -> list[str]:
         out += [f"### `{head}`", "", meaning, ""]
         out += [line for line in keys(model) if not line.startswith(("| `degree`", "| `shape`"))]
         out += ["", "| region | y2 | thickness |", "|---|---|---|"]
-        some = {"webs": [0.2, 0.5]} if name == "airfoil" else {}
-        for wall in walls(name, some) if some else SHAPES[name].walls:
+        for wall in walls(name, SHAPES[name].example):
             thickness = f"`{wall.thickness}`" if wall.stacked else "its own; no rows for plies"
             out.append(f"| `{wall.region}` | {_direction(wall.direction)} | {thickness} |")
         out.append("")

@@ -1,34 +1,23 @@
 """The library of parametric sections: from sizes and plies to the mesh that a shape needs."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ....errors import InputError, did_you_mean
-from .airfoil import airfoil
-from .solids import ellipse, rectangle, split_rectangle, tube
-from .table import SHAPES, WEB, Parameter, Shape, Wall
-from .walls import box, channel, i_section, two_cell
+from ....math.catalogue import by_name, catalogue
+from . import __name__ as _package
+from . import __path__ as _path
+from .contract import Parameter, Shape, Values, Wall
 
 __all__ = ["SHAPES", "Parameter", "Shape", "Wall", "expand", "shape", "walls"]
 
 Layers = Mapping[str, Sequence[float]]
-Values = dict[str, Any]
 
-MESHES: dict[str, Callable[[Values, dict[str, list[float]]], dict[str, Any]]] = {
-    "rectangle": rectangle,
-    "strip": rectangle,
-    "split-rectangle": split_rectangle,
-    "ellipse": ellipse,
-    "tube": tube,
-    "box": box,
-    "two-cell": two_cell,
-    "i": i_section,
-    "channel": channel,
-    "airfoil": airfoil,
-}
-
-_SKIN = {"curve": "outer"}
+_found = catalogue(_package, _path, Shape, besides=("library", "mesh"))
+SHAPES = by_name(
+    [(s.name, s) for s in sorted(_found, key=lambda shape: (shape.order, shape.name))], "shape"
+)
 
 
 def shape(name: str) -> Shape:
@@ -41,16 +30,9 @@ def shape(name: str) -> Shape:
 
 
 def walls(name: str, values: Mapping[str, Any]) -> tuple[Wall, ...]:
-    """Regions of a shape; those of an airfoil depend on the number of its webs."""
-    if name != "airfoil":
-        return shape(name).walls
-    n = len(_numbers(values.get("webs", ())))
-    if n == 0:
-        return (Wall("skin", _SKIN, "skin"),)
-    caps = [Wall(f"cap-{side}", _SKIN, "cap") for side in ("upper", "lower")] if n > 1 else []
-    webs = [Wall(f"web-{i}", WEB.direction, "web") for i in range(1, n + 1)]
-    rear = Wall("skin-rear", _SKIN, "skin_rear")
-    return (Wall("skin-front", _SKIN, "skin"), *caps, rear, *webs)
+    """Regions of a shape of these sizes."""
+    found = shape(name)
+    return found.walls if found.walls_of is None else found.walls_of(values)
 
 
 def expand(name: str, values: Mapping[str, Any], layers: Layers | None = None) -> dict[str, Any]:
@@ -83,7 +65,7 @@ def expand(name: str, values: Mapping[str, Any], layers: Layers | None = None) -
                 f"{', '.join(regions)}{did_you_mean(region, regions)}"
             )
     plies = {region: list((layers or {}).get(region, ())) or [1.0] for region in regions}
-    return {"script": shape(name).script, **MESHES[name](table, plies)}
+    return {"script": shape(name).script, **shape(name).mesh(table, plies)}
 
 
 def _checked(shape: Shape, values: Mapping[str, Any]) -> Values:

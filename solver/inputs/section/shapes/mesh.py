@@ -8,7 +8,7 @@ from typing import Any
 from ....errors import InputError, nearest
 from ..description import Region
 from ..mesh_table import ShapeMesh
-from .library import Wall, expand, walls
+from .library import Wall, expand, shape, walls
 
 ALL = "all"  # stands for every wall or region without a table of its own
 ADD_UP = 1e-6  # relative difference of plies and wall that rounding may make
@@ -43,8 +43,9 @@ def shape_mesh(
         that do not fit together.
     """
     values = mesh.values
-    if "contour" in values and (folder / values["contour"]).is_file():  # else one of the library
-        values["contour"] = str(folder / values["contour"])
+    for key in (parameter.key for parameter in shape(mesh.shape).parameters if parameter.text):
+        if key in values and (folder / values[key]).is_file():  # else one of the library
+            values[key] = str(folder / values[key])
     found: list[str] = []
     of_shape = walls(mesh.shape, values)
     names = [wall.region for wall in of_shape]

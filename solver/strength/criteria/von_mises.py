@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from ..math.arrays import Array
-from ..package.common.strengths import YieldStrength
+from ...math.arrays import Array
+from ...package.common.strengths import YieldStrength
+from .contract import Criterion
 from .ray import Verdict
 
 MODES = ("yield",)
@@ -27,3 +28,6 @@ def von_mises(stress: Array, strength: YieldStrength) -> Verdict:
     """
     used = equivalent_stress(stress) / strength.yield_stress
     return Verdict(used, used, np.zeros(used.shape, dtype=np.int64), MODES)
+
+
+CRITERION = Criterion("von-mises", YieldStrength, von_mises, order=1)

@@ -15,8 +15,9 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from ..math.arrays import Array
-from ..package.common.strengths import PlyStrength
+from ...math.arrays import Array
+from ...package.common.strengths import PlyStrength
+from .contract import Criterion
 from .ray import Verdict
 
 MODES = ("fibre", "matrix", "through thickness", "shear 23", "shear 13", "shear 12")
@@ -84,3 +85,6 @@ def _weights(strength: PlyStrength) -> Array:
     for (i, j), added in worst.items():
         w[[i, j]] += 0.5 * added
     return w
+
+
+CRITERION = Criterion("tsai-hill", PlyStrength, tsai_hill, convex_bound=tsai_hill_bound, order=2)

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from ..math.arrays import Array
-from ..package.common.strengths import PlyStrength
+from ...math.arrays import Array
+from ...package.common.strengths import PlyStrength
+from .contract import Criterion
 from .ray import Verdict
 
 NORMAL = ("11", "22", "33")
@@ -34,3 +35,6 @@ def max_stress(stress_M: Array, strength: PlyStrength) -> Verdict:
     used = exhausted(stress_M, strength)
     highest = used.max(axis=-1)
     return Verdict(highest, highest, np.argmax(used, axis=-1), MODES)
+
+
+CRITERION = Criterion("max-stress", PlyStrength, max_stress, order=1)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..math.arrays import Array, IntArray
+from ...math.arrays import Array, IntArray
 
 
 @dataclass(frozen=True)

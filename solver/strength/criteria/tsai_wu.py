@@ -7,8 +7,9 @@ and F_ij = F12_star sqrt(F_ii F_jj) for each pair of normal stresses
 
 import numpy as np
 
-from ..math.arrays import Array
-from ..package.common.strengths import PlyStrength
+from ...math.arrays import Array
+from ...package.common.strengths import PlyStrength
+from .contract import Criterion
 from .ray import Verdict, exposure
 
 MODES = ("fibre", "matrix", "through thickness", "shear 23", "shear 13", "shear 12")
@@ -46,3 +47,6 @@ def tsai_wu(stress_M: Array, strength: PlyStrength) -> Verdict:
     with np.errstate(divide="ignore", invalid="ignore"):
         shares = s * force / found[..., None] + s * F_i
     return Verdict(found, a + b, np.argmax(np.nan_to_num(shares), axis=-1), MODES)
+
+
+CRITERION = Criterion("tsai-wu", PlyStrength, tsai_wu, order=3)

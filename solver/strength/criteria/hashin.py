@@ -16,8 +16,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..math.arrays import Array
-from ..package.common.strengths import PlyStrength
+from ...math.arrays import Array
+from ...package.common.strengths import PlyStrength
+from .contract import Criterion
 from .ray import Verdict, exposure, governing
 
 # Shear along the fibre alone counts the same for fibre and matrix: it is the matrix that gives way.
@@ -77,3 +78,6 @@ def _conditions(
         _Condition((np.maximum(s11, 0.0) / strength.Xt) ** 2 + along, none, fibre),
         _Condition(none, np.maximum(-s11, 0.0) / strength.Xc, ~fibre),
     ]
+
+
+CRITERION = Criterion("hashin", PlyStrength, hashin, convex_bound=hashin_bound, order=4)

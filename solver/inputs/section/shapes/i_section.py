@@ -1,0 +1,39 @@
+"""I section."""
+
+from typing import Any
+
+from .contract import Plies, Shape, Values
+from .spacing import faces, rows
+from .walled import BOTTOM, FLANGES, ROWS, ROWS_WEB, TOP, WEB, flanged, half_lines
+
+
+def mesh(values: Values, plies: Plies) -> dict[str, Any]:
+    """I section."""
+    sizes, thickness = flanged(values)
+    density, web = values["density"], thickness["wall_web"]
+    lengths = {
+        "top": 0.25 * (sizes["top_width"] - web),
+        "bottom": 0.25 * (sizes["bottom_width"] - web),
+        "web": 0.5 * (sizes["height"] - thickness["wall_top"] - thickness["wall_bottom"]),
+    }
+    return {
+        "parameters": {
+            **sizes,
+            **thickness,
+            **half_lines(lengths, thickness, density),
+            "rows_top": rows(faces(plies["top"]), ROWS, "inner", density),
+            "rows_bottom": rows(faces(plies["bottom"]), ROWS, "inner", density),
+            "rows_web": rows(faces(plies["web"]), ROWS_WEB, "both", density),
+        }
+    }
+
+
+SHAPE = Shape(
+    name="i",
+    script="i",
+    meaning="I section, its web on the x3 axis, origin half way up; sharp corners",
+    parameters=FLANGES,
+    walls=(TOP, WEB, BOTTOM),
+    mesh=mesh,
+    order=8,
+)

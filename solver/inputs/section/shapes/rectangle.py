@@ -1,0 +1,31 @@
+"""Solid rectangle."""
+
+from typing import Any
+
+from .contract import Plies, Shape, Values, Wall
+from .solid import COUNTS, RECTANGLE, STACK, counts, solid_rows
+from .spacing import cosine, faces
+
+
+def mesh(values: Values, plies: Plies) -> dict[str, Any]:
+    """Solid rectangle: rows from the top."""
+    n_2, n_3 = counts(values)
+    return {
+        "parameters": {
+            "width": values["width"],
+            "height": values["height"],
+            "columns": cosine(n_2, values["grading"]),
+            "rows": solid_rows(faces(plies["section"]), n_3, values["grading"]),
+        }
+    }
+
+
+SHAPE = Shape(
+    name="rectangle",
+    script="rectangle",
+    meaning="solid rectangle about the origin; plies from top to bottom",
+    parameters=(*RECTANGLE, *COUNTS),
+    walls=(Wall("section", STACK, "height"),),
+    mesh=mesh,
+    order=1,
+)

@@ -1,0 +1,53 @@
+"""What solid shapes have in common: sizes, counts of elements, rows by plies."""
+
+import math
+from typing import Any
+
+from ....errors import InputError
+from .contract import DENSITY, Parameter, Values, size
+from .spacing import cosine
+
+RECTANGLE = (
+    size("width", "along x2", required=True),
+    size("height", "along x3", required=True),
+)
+COUNTS = (
+    Parameter("elements_2", "-", "elements along the width; default: by the sizes", least=1),
+    Parameter("elements_3", "-", "elements along the height; default: by the sizes", least=1),
+    Parameter("grading", "-", "spacing, 0: equal, 1: cosine", 0.5, least=0.0, most=1.0),
+    DENSITY,
+)
+STACK = {"vector": [1.0, 0.0]}  # plies parallel to x2, the outermost on top
+
+
+def counts(values: Values) -> tuple[int, int]:
+    """Numbers of elements that keep the stiffness of an off-axis ply within about 1e-4."""
+    short = 10
+    width, height = values["width"], values["height"]
+    slenderness = max(width, height) / min(width, height)
+    long = 2 * math.ceil(short * min(slenderness, 50.0) ** 0.5 / 2)
+    defaults = (long, short) if width >= height else (short, long)
+    n_2, n_3 = (
+        count(key, values[key]) or math.ceil(default * values["density"])
+        for key, default in zip(("elements_2", "elements_3"), defaults, strict=True)
+    )
+    return n_2, n_3
+
+
+def count(key: str, value: Any) -> int | None:
+    """Return a number of elements; None if it is not given."""
+    if value is not None and value != int(value):
+        raise InputError(f"{key} = {value!r}: expected a whole number from 1")
+    return None if value is None else int(value)
+
+
+def solid_rows(ends: list[float], n: int, grading: float) -> list[float]:
+    """n rows, or as many as it takes to give every ply at least one."""
+    if len(ends) == 1:
+        return cosine(n, grading)
+    lines = [0.0]
+    for end in ends:
+        start = lines[-1]
+        in_ply = max(1, math.ceil((end - start) * n - 1e-9))
+        lines += [start + (end - start) * i / in_ply for i in range(1, in_ply + 1)]
+    return [*lines[1:-1], 1.0]

@@ -1,0 +1,107 @@
+"""What shapes of flat walls have in common: sizes, regions, rows by plies, lines at corners."""
+
+import math
+from typing import Any
+
+from ....errors import InputError
+from .contract import DENSITY, Parameter, Plies, Values, Wall, size
+from .spacing import along, faces, rows, united
+
+ROWS = 5  # of a wall at corners that has fewer plies
+ROWS_WEB = 6  # of a web, with corners on both of its faces
+
+
+def wall(key: str, meaning: str) -> Parameter:
+    """Return the thickness of one wall."""
+    return size(f"wall_{key}", f"thickness of the {meaning}; default: wall")
+
+
+WALL = size("wall", "thickness of every wall without one of its own")
+TOP = Wall("top", {"vector": [1.0, 0.0]}, "wall_top")
+RIGHT = Wall("right", {"vector": [0.0, -1.0]}, "wall_right")
+BOTTOM = Wall("bottom", {"vector": [-1.0, 0.0]}, "wall_bottom")
+LEFT = Wall("left", {"vector": [0.0, 1.0]}, "wall_left")
+WEB = Wall("web", {"vector": [0.0, -1.0]}, "wall_web")  # outermost ply on its right face
+
+OUTER = (
+    size("width", "outer width, along x2", required=True),
+    size("height", "outer height, along x3", required=True),
+)
+SIDES = (
+    wall("top", "top"),
+    wall("right", "right side"),
+    wall("bottom", "bottom"),
+    wall("left", "left side"),
+)
+FLANGES = (
+    size("height", "outer height, along x3", required=True),
+    size("top_width", "width of the top flange, along x2", required=True),
+    size("bottom_width", "width of the bottom flange; default: top_width"),
+    WALL,
+    wall("top", "top flange"),
+    wall("web", "web"),
+    wall("bottom", "bottom flange"),
+    DENSITY,
+)
+
+
+def wall_thickness(values: Values, key: str) -> float:
+    """Thickness of a wall: its own, or that of all."""
+    value = values.get(key) or values.get("wall")
+    if value is None:
+        other = "" if key == "wall" else f" of every wall, or {key}"
+        raise InputError(f"wall: missing, expected the thickness{other} [m]")
+    return float(value)
+
+
+def fits(thickness: dict[str, float], keys: tuple[str, ...], space: float, what: str) -> None:
+    """Raise InputError unless walls leave space between them."""
+    if not math.fsum(thickness[key] for key in keys) < space:
+        others = " and ".join(f"{key} = {thickness[key]:g}" for key in keys[1:])
+        raise InputError(
+            f"{keys[0]} = {thickness[keys[0]]:g}: expected, with {others}, less than {what}, "
+            f"{space:g} [m]"
+        )
+
+
+def half_lines(
+    lengths: dict[str, float], thickness: dict[str, float], density: float
+) -> dict[str, Any]:
+    """Elements of lines between a corner and a middle: elements_*, growth_*, graded_*, even_*."""
+    thinnest = min(thickness.values())
+    return {
+        f"{name}_{key}": value
+        for key, length in lengths.items()
+        for name, value in along(length, thinnest, density).items()
+    }
+
+
+def box_walls(values: Values) -> dict[str, float]:
+    """Thickness of the four walls of a box, which leave space between them."""
+    keys = ("wall_top", "wall_right", "wall_bottom", "wall_left")
+    thickness = {key: wall_thickness(values, key) for key in keys}
+    fits(thickness, ("wall_top", "wall_bottom"), values["height"], "the height")
+    fits(thickness, ("wall_left", "wall_right"), values["width"], "the width")
+    return thickness
+
+
+def skin_rows(plies: Plies, density: float) -> list[float]:
+    """Rows of walls that meet in mitres: the plies of all of them."""
+    ends = united(faces(plies[region]) for region in ("top", "right", "bottom", "left"))
+    return rows(ends, ROWS, "inner", density)
+
+
+def flanged(values: Values) -> tuple[dict[str, float], dict[str, float]]:
+    """Sizes and walls of I and channel."""
+    keys = ("wall_top", "wall_web", "wall_bottom")
+    thickness = {key: wall_thickness(values, key) for key in keys}
+    sizes = {"height": values["height"], "top_width": values["top_width"]}
+    sizes["bottom_width"] = values["bottom_width"] or values["top_width"]
+    fits(thickness, ("wall_top", "wall_bottom"), sizes["height"], "the height")
+    for key in ("top_width", "bottom_width"):
+        if not thickness["wall_web"] < sizes[key]:
+            raise InputError(
+                f"wall_web = {thickness['wall_web']:g}: expected less than {key}, "
+                f"{sizes[key]:g} [m]"
+            )
+    return sizes, thickness

@@ -1,0 +1,13 @@
+"""Recipes of CONTRIBUTING.md that need FEniCSx: a new section shape is meshed and solved."""
+
+from pathlib import Path
+
+from source_copy import copy_with, recipe_files, run_python
+
+PROGRAMS = Path(__file__).resolve().parent.parent / "recipes"
+
+
+def test_a_section_shape(tmp_path: Path) -> None:
+    repository = PROGRAMS.parent.parent
+    copy = copy_with(repository, tmp_path, recipe_files(repository))
+    run_python(copy, repository, str(PROGRAMS / "section_stiffness.py"))
