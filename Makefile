@@ -33,8 +33,8 @@ PACKAGE_SOURCES := $(call rooms,errors math package)
 HOT_SOURCES := $(call rooms,math dynamics integrators)
 RUN_SOURCES := $(filter-out $(call rooms,__main__ commands report),$(SOLVER_SOURCES))
 REPORT_SOURCES := $(call rooms,report results)
-SECTION_SOURCES := $(call rooms,commands/section commands/fenicsx_side inputs strength)
-SHELL_SOURCES := $(call rooms,commands/shell commands/fenicsx_side inputs strength)
+SECTION_SOURCES := $(call rooms,commands/section commands/described commands/fenicsx_side inputs strength)
+SHELL_SOURCES := $(call rooms,commands/shell commands/described commands/fenicsx_side inputs strength)
 
 ##@ Set-up
 

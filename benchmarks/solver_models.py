@@ -20,7 +20,8 @@ from solver_runs import largest, solve, warm_up
 from tqdm import tqdm
 
 from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.specs import body_spec, dump, inputs_sha256, write_if_changed
+from plymotion.solver.inputs.case.specs import dump, write_if_changed
+from plymotion.solver.package.common.plain_data import inputs_sha256
 
 FOLDER = Path("build/benchmarks/bodies")
 FENICSX = Path(os.environ.get("PLYMOTION_FENICSX", "build/fenicsx.env"))
@@ -61,8 +62,7 @@ class Variant:
 
 def write_spec(case: Path, run: str, body: str, variant: Variant) -> Path:
     """Write the specification of a body as the case has it but for the variant."""
-    mechanism = load_case(case).runs[run]
-    spec: dict[str, Any] = body_spec(body, mechanism.bodies[body], mechanism, case.parent)
+    spec: dict[str, Any] = dict(load_case(case).bodies[run][body].content)
     modes = []
     for choice in spec["modes"]:
         if choice["kind"] == "attachment" and not variant.attachment:

@@ -123,7 +123,7 @@ def measure_ensemble() -> dict[str, Any]:
     except ModuleNotFoundError as error:
         if error.name not in (
             "ensemble",
-            "plymotion.solver.sweep",
+            "plymotion.solver.commands.sweep",
             "plymotion.solver.run.ensemble",
         ):
             raise

@@ -1,35 +1,19 @@
-"""Build the modal package of one body from its specification.
-
-A shell, `"kind": "shell"`, is described in shell/body_spec.py; a beam is
-
-    {"body": "arm", "kind": "beam", "length": 0.545, "elements": 16,
-     "x2_axis": [0, 1, 0],                       section's x2 in body axes
-     "section": {...},                           see section/analysis.py
-     "mass_form": "consistent",                  or "lumped": of modes and invariants
-     "reference": {"kind": "clamped", "at": "root"},    or chord (two places), mean-axis (none)
-     "modes": [{"kind": "bending-xy", "count": 4},
-               {"kind": "attachment", "at": "mid", "directions": ["y"]},
-               {"kind": "static-axial"}],
-     "interfaces": {"root": {"at": "start"}, "mid": {"at": 0.5}, "tip": {"at": "end"}},
-     "damping_ratio": 0.0}
-
-Lengths in m. `inputs_sha256` and `case` may be added; they go to the provenance.
-"""
+"""Build the modal package of one body from its specification."""
 
 import functools
 import json
 import time
-from datetime import UTC, datetime
 from typing import Any
 
-from .. import __version__
 from ..solver.package.body.schema import ModalPackage, SectionData
+from ..solver.package.common.plain_data import canonical
+from ..solver.package.common.table_form import SpecError
 from ..solver.package.section.recovery_data import thinned
 from ..solver.package.section.schema import SectionFile
 from .beam.body import beam_model, beam_modes, beam_package, mode_warnings
-from .beam.spec import SpecError, read_spec
-from .fenicsx import eigenpairs, versions
-from .fingerprint import canonical, fingerprint
+from .beam.spec import read_spec
+from .fenicsx import eigenpairs
+from .provenance import body_provenance
 from .section import analyse
 
 # Stresses of a package are recovered at the points of this rule: four in a quadrilateral.
@@ -41,11 +25,11 @@ def build_body(spec: dict[str, Any]) -> ModalPackage:
 
     Parameters
     ----------
-    spec : plain JSON as in the text at the top of this file
+    spec : plain JSON, see solver/package/body/specification.py
 
     Raises
     ------
-    SpecError : the specification has an unknown, missing or impossible entry
+    SpecError : an unknown or missing key, or a value of another type
     ModeError : fewer modes of a kind than asked for
     Errors of the analysis (material, mesh) pass through.
     """
@@ -60,15 +44,15 @@ def _build_beam(spec: dict[str, Any]) -> ModalPackage:
     """Analyse the section, solve the modes and collect the package of one beam.
 
     The eigenproblem and the inertia invariants use the same mass: the
-    `mass_form` of the specification, consistent by default.
+    `mass_form` of the specification.
 
     Parameters
     ----------
-    spec : plain JSON as in the text at the top of this file
+    spec : plain JSON, see solver/package/body/specification.py
 
     Raises
     ------
-    SpecError : the specification has an unknown, missing or impossible entry
+    SpecError : an unknown or missing key, or a value of another type
     ModeError : fewer modes of a kind than asked for
     Errors of the section analysis (material, mesh) pass through.
     """
@@ -87,20 +71,12 @@ def _build_beam(spec: dict[str, Any]) -> ModalPackage:
         raise SpecError(f"section: {error}") from error
     modes = beam_modes(model, eigenpairs)
     after_modes = time.perf_counter()
-    provenance = {
-        "plymotion": __version__,
-        "versions": versions(),
-        "command": "python -m plymotion.preprocess body",
-        "fingerprint": fingerprint(spec),
-        "inputs_sha256": spec.get("inputs_sha256"),
-        "case": spec.get("case"),
-        "spec": spec,
-        "ranks": 1,
-        "dofs": {"section": result.provenance["dofs"], "body": 6 * model.line.n_node},
-        "seconds": {"section": after_section - start, "modes": after_modes - after_section},
-        "warnings": [*result.warnings, *mode_warnings(model, modes)],
-        "created": datetime.now(UTC).isoformat(timespec="seconds"),
-    }
+    provenance = body_provenance(
+        spec,
+        {"section": result.provenance["dofs"], "body": 6 * model.line.n_node},
+        {"section": after_section - start, "modes": after_modes - after_section},
+        [*result.warnings, *mode_warnings(model, modes)],
+    )
     recovery = thinned(result.recovery)
     section = SectionData(name, result.K, result.M, toml_text(section_spec), recovery)
     return beam_package(model, modes, section, provenance)

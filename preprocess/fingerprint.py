@@ -7,21 +7,15 @@ format it is written in.
 
 import functools
 import hashlib
-import json
 from pathlib import Path
 from typing import Any
 
 from ..solver.package.body.schema import FORMAT_VERSION
+from ..solver.package.common.plain_data import inputs_sha256
 
 # Who asked for the body says nothing about the body: a new integrator setting
 # in the case file must not rebuild its packages.
 NOT_INPUTS = ("inputs_sha256", "case")
-PLACES = ("file", "arrays")
-
-
-def canonical(table: Any) -> str:
-    """JSON text that is the same for the same content."""
-    return json.dumps(table, sort_keys=True, separators=(",", ":"))
 
 
 def fingerprint(spec: dict[str, Any]) -> str:
@@ -30,18 +24,8 @@ def fingerprint(spec: dict[str, Any]) -> str:
     The version of DOLFINx is left out on purpose: all versions give the same numbers (to 1e-9,
     tested).
     """
-    text = canonical([_inputs(spec), list(FORMAT_VERSION), _sources_sha256()])
-    return hashlib.sha256(text.encode()).hexdigest()
-
-
-def _inputs(table: Any) -> Any:
-    """The part of a specification that is an input: a mesh counts by its content, not its place."""
-    if isinstance(table, list):
-        return [_inputs(value) for value in table]
-    if not isinstance(table, dict):
-        return table
-    left_out = (*NOT_INPUTS, *(PLACES if "sha256" in table else ()))
-    return {key: _inputs(value) for key, value in table.items() if key not in left_out}
+    inputs = {key: value for key, value in spec.items() if key not in NOT_INPUTS}
+    return inputs_sha256([inputs, list(FORMAT_VERSION), _sources_sha256()])
 
 
 @functools.cache

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import scipy.linalg
+from body_specs import CLAMPED, beam_body
 
 from plymotion.preprocess.beam.body import BeamModel, beam_model, beam_modes, beam_package
 from plymotion.preprocess.beam.section_mass import SectionMass
@@ -13,7 +14,6 @@ from plymotion.preprocess.modes import Modes
 from plymotion.solver.package import Interface, ModalPackage, SectionData
 from plymotion.solver.package.body.invariants import rigid_motions
 
-CLAMPED = {"kind": "clamped", "at": "root"}
 CHORD = {"kind": "chord", "at": ["root", "tip"]}
 MEAN_AXIS = {"kind": "mean-axis"}
 REFERENCES = (CLAMPED, CHORD, MEAN_AXIS)
@@ -76,9 +76,8 @@ def reduced(
     **changes: Any,
 ) -> Beam:
     """A straight beam of 1 m along x, unless `changes` of its specification say otherwise."""
-    spec = {
+    entries = {
         "body": "beam",
-        "kind": "beam",
         "length": 1.0,
         "elements": elements,
         "section": {},
@@ -87,7 +86,7 @@ def reduced(
         "modes": modes,
         **changes,
     }
-    model = beam_model(read_spec(spec), K, mass)
+    model = beam_model(read_spec(beam_body(**entries)), K, mass)
     found = beam_modes(model, dense)
     section = SectionData("bar", model.line.K, mass)
     return Beam(model, found, beam_package(model, found, section, {}))

@@ -8,13 +8,14 @@ import numpy as np
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.body.schema import Interface, ModalPackage, SectionData
 from ...solver.package.body.second_order import MOST_MODES, second_order_from_stations
+from ...solver.package.common.table_form import SpecError
 from ..modes import EigenSolver, Modes, reduced_modes
 from .accuracy import coarse_mesh_warnings, frequency_error
 from .line import BeamLine, node_positions
 from .reduction import held_dofs, reference_condition, static_loads
 from .resultants import shape_resultants
 from .second_order import SecondOrderFields, second_order_fields
-from .spec import BeamSpec, SpecError
+from .spec import BeamSpec
 from .spinning import spinning_loads
 from .stations import mass_stations, nodal_mass
 from .theory import section_stiffness

@@ -100,7 +100,7 @@ class BeamLine:
         return sp.coo_matrix(entries, shape=shape).tocsr()
 
 
-def section_axes(x2_axis_B: Array) -> Array:
+def section_axes(x2_axis_B: Array | list[float]) -> Array:
     """Section axes in body axes, (3, 3): columns x1 = body x, x2 as given, x3 = x1 x x2.
 
     Raises

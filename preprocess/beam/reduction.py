@@ -4,9 +4,10 @@ import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.body.invariants import rigid_motions
+from ...solver.package.body.specification import DIRECTIONS
 from ..modes import Condition, HeldDofs, MeanAxis, StaticLoad
 from .line import BeamLine
-from .spec_modes import DIRECTIONS, ModeSpec
+from .spec_modes import ModeSpec
 
 # Dofs of the reference nodes that do not move in the frame: the clamped one has all six of a node;
 # the x axis of the chord runs through both its nodes, and there is no twist at the first.

@@ -1,25 +1,23 @@
-"""The reference condition and the modes that a beam specification asks for."""
+"""The reference condition and the modes of a body specification, as beams and shells use them."""
 
 from dataclasses import dataclass
 from typing import Any
 
-from ...solver.package.body.schema import REFERENCE_CONDITIONS
-from ..modes import CHOICES, ModeRequest
-from .spec_values import SpecError, count, expected, known_keys, one_of
-
-DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")  # forces along and moments about the body axes
-SPINNING = ("spinning-xy", "spinning-xz")
-STATIC = ("attachment", "static-axial", *SPINNING)
+from ...solver.errors import did_you_mean
+from ...solver.package.body.specification import ReferenceTable
+from ...solver.package.common.table_form import SpecError, expected
+from ..modes import ModeRequest
 
 
 @dataclass(frozen=True)
 class Reference:
-    """What ties the body frame to the beam.
+    """What ties the body frame to the body.
 
     Attributes
     ----------
     kind : one of REFERENCE_CONDITIONS
-    places : names of the places that carry the frame, with their fractions of the length
+    places : names of the interfaces that carry the frame, with their fractions of the length of a
+        beam, or their numbers in a shell
     """
 
     kind: str
@@ -35,7 +33,7 @@ class ModeSpec:
     eigenmodes : kinds and counts
     attachments : interface and direction (one of DIRECTIONS) of each unit load
     static_axial : whether the shape under a load that rises along the beam is wanted
-    spinning : plane (one of SPINNING) and number of the shapes of a spinning beam
+    spinning : plane and number of the shapes of a spinning beam
     """
 
     eigenmodes: tuple[ModeRequest, ...] = ()
@@ -44,68 +42,36 @@ class ModeSpec:
     spinning: tuple[tuple[str, int], ...] = ()
 
 
-def read_reference(entry: Any, places: dict[str, float]) -> Reference:
-    """Check the entry `reference`; `places` are the names it may use. Raises SpecError."""
-    if not isinstance(entry, dict):
-        raise SpecError(expected("reference", entry, "{'kind': 'clamped', 'at': interface}"))
-    known_keys(entry, ("kind", "at"), "reference")
-    kind = one_of(entry.get("kind", "clamped"), REFERENCE_CONDITIONS, "reference.kind")
-    at = entry.get("at", "start" if kind == "clamped" else None)
-    names: list[Any] = [at]
-    if kind == "mean-axis":
-        if at is not None:
-            wish = "no such key with kind 'mean-axis', which no place carries"
-            raise SpecError(expected("reference.at", at, wish))
-        names = []
-    elif kind == "chord":
-        if not isinstance(at, list) or len(at) != 2:
-            raise SpecError(expected("reference.at", at, "two places: ['root', 'tip']"))
-        names = at
-    known = tuple(places)
-    checked = [one_of(name, known, "reference.at") for name in names]
-    found = tuple((name, places[name]) for name in checked)
-    if kind == "chord" and abs(found[0][1] - found[1][1]) < 1e-9:
-        raise SpecError(expected("reference.at", names, "two different places"))
-    return Reference(kind, found)
+def read_reference(table: ReferenceTable, places: dict[str, float]) -> Reference:
+    """Find the interfaces that carry the frame; `places` has them all. Raises SpecError."""
+    at = table.get("at", [])
+    names = [at] if isinstance(at, str) else at
+    for name in names:
+        _known(name, places, "reference.at")
+    return Reference(table["kind"], tuple((name, places[name]) for name in names))
 
 
-def read_modes(entries: Any, interfaces: dict[str, float]) -> ModeSpec:
-    """Check the entry `modes`. Raises SpecError."""
-    if isinstance(entries, dict):
-        entries = [entries]
-    if not isinstance(entries, list):
-        raise SpecError(expected("modes", entries, "a list of {'kind': ..., 'count': ...}"))
+def read_modes(tables: list[Any], places: dict[str, float]) -> ModeSpec:
+    """Sort the modes that are asked for. Raises SpecError: a load at an unknown interface."""
     eigenmodes: list[ModeRequest] = []
     attachments: list[tuple[str, str]] = []
     static_axial = False
     spinning: list[tuple[str, int]] = []
-    for i, entry in enumerate(entries):
-        where = f"modes[{i}]"
-        if not isinstance(entry, dict):
-            raise SpecError(expected(where, entry, "{'kind': ..., 'count': ...}"))
-        kind = one_of(entry.get("kind", "lowest"), (*CHOICES, *STATIC), f"{where}.kind")
+    for i, table in enumerate(tables):
+        kind = table["kind"]
         if kind == "attachment":
-            attachments += _attachments(entry, interfaces, where)
+            _known(table["at"], places, f"modes[{i}].at")
+            attachments += [(table["at"], direction) for direction in table["directions"]]
         elif kind == "static-axial":
-            known_keys(entry, ("kind",), where)
             static_axial = True
+        elif kind.startswith("spinning-"):
+            spinning.append((kind, table["count"]))
         else:
-            known_keys(entry, ("kind", "count"), where)
-            number = count(entry.get("count"), f"{where}.count")
-            if kind in SPINNING:
-                spinning.append((kind, number))
-            else:
-                eigenmodes.append(ModeRequest(kind, number))
+            eigenmodes.append(ModeRequest(kind, table["count"]))
     return ModeSpec(tuple(eigenmodes), tuple(attachments), static_axial, tuple(spinning))
 
 
-def _attachments(
-    entry: dict[str, Any], interfaces: dict[str, float], where: str
-) -> list[tuple[str, str]]:
-    known_keys(entry, ("kind", "at", "directions"), where)
-    at = one_of(entry.get("at"), tuple(interfaces), f"{where}.at")
-    directions = entry.get("directions", list(DIRECTIONS))
-    if not isinstance(directions, list) or not directions:
-        wish = f"a list of {', '.join(DIRECTIONS)}"
-        raise SpecError(expected(f"{where}.directions", directions, wish))
-    return [(at, one_of(direction, DIRECTIONS, f"{where}.directions")) for direction in directions]
+def _known(name: str, places: dict[str, float], key: str) -> None:
+    if name not in places:
+        wish = f"one of the interfaces {', '.join(places)}"
+        raise SpecError(expected(key, name, wish) + did_you_mean(name, places))

@@ -4,8 +4,6 @@ import numpy as np
 
 from ...solver.math.arrays import Array
 
-THEORIES = ("timoshenko", "classical")
-
 _REMAINING_SHEAR = 1e-4  # per row and column: 1e-8 of the shear compliance is as good as none
 
 

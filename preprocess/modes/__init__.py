@@ -1,13 +1,12 @@
 """Modes of a body: eigenmodes under a reference condition, and static shapes of loads."""
 
 from .eigenmodes import ModeRequest
-from .kinds import CHOICES, KINDS, Participation
+from .kinds import KINDS, Participation
 from .reduced import Modes, reduced_modes
 from .reference import Algebra, Condition, EigenSolver, HeldDofs, MeanAxis, ModeError
 from .static import StaticLoad
 
 __all__ = [
-    "CHOICES",
     "KINDS",
     "Algebra",
     "Condition",

@@ -14,7 +14,7 @@ SPARE = 4
 
 @dataclass(frozen=True)
 class ModeRequest:
-    """How many modes of which kind: one of CHOICES."""
+    """How many modes of which kind: "lowest" or one of KINDS."""
 
     kind: str
     count: int

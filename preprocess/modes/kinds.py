@@ -22,7 +22,6 @@ from ...solver.math.arrays import Array, IntArray
 # Component (of ux uy uz rx ry rz) whose motion names and signs the mode.
 COMPONENTS = {"bending-xy": 1, "bending-xz": 2, "torsion": 3, "axial": 0}
 KINDS = tuple(COMPONENTS)
-CHOICES = ("lowest", *KINDS)
 
 COINCIDENT = 1e-8  # relative distance of eigenvalues that count as one
 TIE = 1e-6  # shares of modal mass or work closer than this are equal: the earlier kind, load wins

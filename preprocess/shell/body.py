@@ -1,16 +1,13 @@
 """From a laminated shell to the modal package of a body."""
 
 import time
-from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
 
-from ... import __version__
 from ...solver.package.body.schema import ModalPackage
-from .. import fenicsx
-from ..fingerprint import fingerprint
 from ..modes import Modes, reduced_modes
+from ..provenance import body_provenance
 from .body_spec import ShellBodySpec, read_shell_body
 from .interfaces import interfaces, node_shapes, places
 from .problem import ShellProblem
@@ -28,11 +25,11 @@ def build_shell_body(spec: dict[str, Any]) -> ModalPackage:
 
     Parameters
     ----------
-    spec : plain JSON as in body_spec.py
+    spec : plain JSON, see solver/package/body/specification.py
 
     Raises
     ------
-    SpecError : the specification has an unknown, missing or impossible entry
+    SpecError : an unknown or missing key, or a value of another type
     ModeError : fewer modes of a kind than asked for
     ShellError, LaminateError, MaterialError : what the description of the shell says wrongly
     """
@@ -43,20 +40,12 @@ def build_shell_body(spec: dict[str, Any]) -> ModalPackage:
     assembled = time.perf_counter()
     modes = shell_modes(model)
     solved = time.perf_counter()
-    provenance = {
-        "plymotion": __version__,
-        "versions": fenicsx.versions(),
-        "command": "python -m plymotion.preprocess body",
-        "fingerprint": fingerprint(spec),
-        "inputs_sha256": spec.get("inputs_sha256"),
-        "case": spec.get("case"),
-        "spec": spec,
-        "ranks": 1,
-        "dofs": {"body": model.problem.freedom.n_dof},
-        "seconds": {"shell": assembled - start, "modes": solved - assembled},
-        "warnings": [*model.problem.warnings, *modes.warnings],
-        "created": datetime.now(UTC).isoformat(timespec="seconds"),
-    }
+    provenance = body_provenance(
+        spec,
+        {"body": model.problem.freedom.n_dof},
+        {"shell": assembled - start, "modes": solved - assembled},
+        [*model.problem.warnings, *modes.warnings],
+    )
     return shell_package(model, modes, provenance)
 
 

@@ -13,10 +13,11 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from ...solver.math.arrays import Array, IntArray
+from ...solver.package.body.specification import LINK_KINDS
 from .assembly import DOFS
 from .errors import ShellError
 from .flat_nodes import FlatNodes, turning
-from .links import KINDS, Link, averaged, carried
+from .links import Link, averaged, carried
 from .mesh import ShellMesh
 from .supports import COMPONENTS, Support
 
@@ -208,7 +209,7 @@ def _followed(
         T = sp.csr_matrix(sp.diags(keep) + sp.csr_matrix(entries, shape=(n_dof, n_dof)))
         dependent.append(last)
     # rigid links first: an average may be taken over nodes that one of them carries
-    for kind in KINDS:
+    for kind in LINK_KINDS:
         rows, columns, values = [], [], []
         for number, link in enumerate(links):
             if link.kind != kind:

@@ -18,12 +18,12 @@ import numpy as np
 
 from ...solver.errors import did_you_mean
 from ...solver.math.arrays import Array
+from ...solver.package.body.specification import LINK_KINDS
 from .axes import vector
 from .errors import ShellError
 from .groups import Group, group
 from .mesh import ShellMesh
 
-KINDS = ("rigid", "average")
 OPEN = 1e-8  # second moment about an axis over the largest, from which a rotation is left open
 
 
@@ -32,7 +32,7 @@ class Link:
     """A reference point and its group of nodes."""
 
     name: str
-    kind: str  # one of KINDS
+    kind: str  # one of LINK_KINDS
     group: Group
     point_G: Array  # (3,)                                  [m]
 
@@ -47,10 +47,10 @@ def read_links(table: Mapping[str, Any], mesh: ShellMesh, where: str) -> list[Li
     for name, entry in table.items():
         place = f"{where}.{name}"
         kind = entry.get("kind")
-        if kind not in KINDS:
+        if kind not in LINK_KINDS:
             raise ShellError(
-                f"{place}.kind = {kind!r}: expected one of {', '.join(KINDS)}"
-                + did_you_mean(str(kind), KINDS)
+                f"{place}.kind = {kind!r}: expected one of {', '.join(LINK_KINDS)}"
+                + did_you_mean(str(kind), LINK_KINDS)
             )
         of = group(mesh, str(entry.get("at")), f"{place}.at")
         point = entry.get("point")

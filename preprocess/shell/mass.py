@@ -13,13 +13,13 @@ other rotations, so that without m1 the matrix is diagonal in all axes.
 import numpy as np
 
 from ...solver.math.arrays import Array
+from ...solver.package.body.schema import MASS_FORMS
 from .drilling.excess import excess_rotation
 from .drilling.tie import LINEAR
 from .errors import ShellError
 from .stiffness import AT_A_TIME, MEMBRANE, to_G
 from .triangles import Triangles
 
-FORMS = ("consistent", "lumped")
 THIRDS = np.eye(3) / 3.0
 
 
@@ -40,8 +40,8 @@ def element_mass(t: Triangles, mass: Array, form: str = "consistent") -> Array:
     ShellError
         for another form
     """
-    if form not in FORMS:
-        raise ShellError(f"mass form {form!r}: expected one of {', '.join(FORMS)}")
+    if form not in MASS_FORMS:
+        raise ShellError(f"mass form {form!r}: expected one of {', '.join(MASS_FORMS)}")
     m = np.asarray(mass, dtype=float).reshape(-1, 3)
     M_G = np.empty((len(t), 18, 18))
     for first in range(0, len(t), AT_A_TIME):

@@ -10,9 +10,9 @@ from functools import cached_property, partial
 import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
+from ...solver.package.body.specification import DIRECTIONS
+from ...solver.package.common.table_form import SpecError, expected
 from .. import fenicsx
-from ..beam.spec_modes import DIRECTIONS
-from ..beam.spec_values import SpecError, expected
 from ..modes import Algebra, Condition, HeldDofs, MeanAxis, StaticLoad
 from .assembly import DOFS
 from .body_spec import ShellBodySpec

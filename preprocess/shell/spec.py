@@ -18,10 +18,10 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from ...solver.errors import did_you_mean
+from ...solver.package.body.schema import MASS_FORMS
 from .choice import Choice
 from .errors import ShellError
 from .loads import KEYS as LOAD
-from .mass import FORMS
 from .mesh import KEYS as MESH
 from .stiffeners import KEYS as STIFFENER
 
@@ -82,10 +82,10 @@ def elements(table: Mapping[str, Any], where: str) -> Elements:
     """Plate, membrane, drilling and mass. Raises ShellError for a name that does not exist."""
     _keys(table, (*Choice._fields, "mass_form"), where)
     form = table.get("mass_form", "consistent")
-    if form not in FORMS:
+    if form not in MASS_FORMS:
         raise ShellError(
-            f"{where}.mass_form = {form!r}: expected one of {', '.join(FORMS)}"
-            + did_you_mean(str(form), FORMS)
+            f"{where}.mass_form = {form!r}: expected one of {', '.join(MASS_FORMS)}"
+            + did_you_mean(str(form), MASS_FORMS)
         )
     given = {key: table[key] for key in Choice._fields if key in table}
     try:

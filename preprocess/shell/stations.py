@@ -15,9 +15,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...solver.math.arrays import Array
+from ...solver.package.common.table_form import SpecError
 from ..beam.element import MASS_POINTS, BeamElement, gauss
 from ..beam.section_mass import SectionMass
-from ..beam.spec_values import SpecError
 from ..beam.stations import Stations
 from .links import carried, cross_matrix
 from .mesh import ShellMesh

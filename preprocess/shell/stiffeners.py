@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
+from ...solver.package.common.plain_data import canonical
 from ..beam.element import BeamElement
-from ..fingerprint import canonical
 from ..section import analyse
 from .axes import vector
 from .errors import ShellError

@@ -8,7 +8,7 @@ through here, so that Euler parameters keep their length.
 import numpy as np
 
 from ..math.arrays import Array
-from ..math.compiled import inlined, jit, lean
+from ..math.compiled import inlined, lean
 from ..math.rotations import along_parameters
 from .model import Model
 
@@ -27,7 +27,6 @@ def rates_into(model: Model, y: Array, out: Array) -> None:
             out[a + 7 + k] = y[j + 6 + k]
 
 
-@jit
 def position_rates(model: Model, positions: Array, velocities: Array) -> Array:
     """Return the rates (n_pos,) of positions (n_pos,) at velocities (n_vel,)."""
     out = np.empty(model.n_pos)
@@ -35,7 +34,6 @@ def position_rates(model: Model, positions: Array, velocities: Array) -> Array:
     return out
 
 
-@jit
 def moved(model: Model, positions: Array, step: Array) -> Array:
     """Return positions (n_pos,) moved by a step (n_vel,) of the velocity coordinates.
 

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..math.arrays import Array
+from ..math.compiled import structure
 from .plan import Plan
 
 IntArray = NDArray[np.int64]
@@ -24,6 +25,7 @@ IntArray = NDArray[np.int64]
 GROUND = -1
 
 
+@structure
 class Model(NamedTuple):
     """Arrays of one mechanism; built by assemble.py, read by system.py."""
 

@@ -15,8 +15,10 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from ..math.arrays import Array, IntArray
+from ..math.compiled import structure
 
 
+@structure
 class Plan(NamedTuple):
     """Integers that follow from bodies, markers and joints alone."""
 

@@ -3,8 +3,8 @@
 import numpy as np
 
 from ..math.arrays import Array
-from ..math.compiled import jit, rebound
-from .coordinates import moved
+from ..math.compiled import lean, rebound
+from .coordinates import move
 from .model import Model
 from .system import (
     answer,
@@ -24,53 +24,62 @@ CLOSED = 1e-12  # |Phi| that needs no correction [m, rad]
 TOLERABLE = 1e-9  # |Phi| that may be left where rounding allows no better [m, rad]
 
 
-@jit
-def project(model: Model, work: Work, t: float, y: Array) -> bool:
+@lean
+def project(model: Model, work: Work, t: float, y: Array, step: Array, before: Array) -> bool:
     """Move y (n,) onto the constraints, in place; tell whether that succeeded.
 
     Positions: minimise dq' M dq / 2 subject to Phi(q + dq) = 0, by Newton's method;
     M dq + Phi_q' mu = 0, Phi_q dq = -Phi. Velocities: M dv + Phi_q' nu = 0,
     Phi_q dv = -Phidot, which by Gauss takes away kinetic energy only. Euler parameters come
     out with length one.
+
+    Parameters
+    ----------
+    step, before : (n_vel,), (n_pos,) memory
     """
-    n_pos, n_vel = model.n_pos, model.n_vel
-    step = np.zeros(n_vel)
-    y[:n_pos] = moved(model, y[:n_pos], step)
+    n_pos, n_vel, n_c = model.n_pos, model.n_vel, model.n_constraint
+    step[:] = 0.0
+    move(model, y, step)
     evaluate(model, work, t, y)
     violation = largest(work.rows[:, PHI])
     for _ in range(MAX_ITERATIONS):
         if not violation > CLOSED:
             break
-        _respond(model, work, -work.rows[:, PHI], step)
-        before = y[:n_pos].copy()
-        y[:n_pos] = moved(model, before, step)
+        for k in range(n_c):
+            work.gamma[k] = -work.rows[k, PHI]
+        _respond(model, work, step)
+        for i in range(n_pos):
+            before[i] = y[i]
+        move(model, y, step)
         evaluate(model, work, t, y)
         left = largest(work.rows[:, PHI])
         if not left < violation:
-            y[:n_pos] = before
+            for i in range(n_pos):
+                y[i] = before[i]
             evaluate(model, work, t, y)
             break
         violation = left
     evaluate_rates(model, work, y)
-    _respond(model, work, -work.left, step)
+    for k in range(n_c):
+        work.gamma[k] = -work.left[k]
+    _respond(model, work, step)
     for i in range(n_vel):
         y[n_pos + i] += step[i]
     return bool(violation < TOLERABLE)
 
 
-@jit
-def _respond(model: Model, work: Work, gamma: Array, step: Array) -> None:
-    """Fill step (n_vel,) with the least motion that changes the constraints by gamma (n_c,)."""
+@lean
+def _respond(model: Model, work: Work, step: Array) -> None:
+    """Fill step (n_vel,) with the least motion that changes the constraints by work.gamma."""
     work.load[:] = 0.0
-    work.gamma[:] = gamma
     prepare(model, work)
     answer(model, work)
     flatten(model, work.acceleration, step, 0)
 
 
-def _dense_respond(model: Model, work: Work, gamma: Array, step: Array) -> None:
+def _dense_respond(model: Model, work: Work, step: Array) -> None:
     """As `_respond` for any model, by dense linear algebra."""
-    step[:], _ = respond(model, dense(model, work), np.zeros(model.n_vel), gamma)
+    step[:], _ = respond(model, dense(model, work), np.zeros(model.n_vel), work.gamma)
 
 
 _dense_project = rebound(project, _respond=_dense_respond)
@@ -83,4 +92,5 @@ def projected(model: Model, t: float, y: Array, work: Work | None = None) -> tup
     """
     out = y.copy()
     method = project if by_blocks(model) else _dense_project
-    return out, method(model, work or new_work(model), t, out)
+    step, before = np.empty(model.n_vel), np.empty(model.n_pos)
+    return out, method(model, work or new_work(model), t, out, step, before)

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..math.arrays import Array
-from ..math.compiled import inlined, jit, lean
+from ..math.compiled import inlined, lean
 from ..math.laws import law_value
 from ..math.rotations import rotation_matrix
 from ..math.triple import Triple, cross3, minus3, sum3
@@ -143,7 +143,6 @@ def _push(model: Model, work: Work, k: int, force: Triple, moment: Triple, sign:
             work.f[body, j] += sign * push
 
 
-@jit
 def assemble(model: Model, t: float, y: Array) -> Equations:
     """Return the equations at time t and state y as dense arrays of their own."""
     work = new_work(model)
@@ -151,7 +150,6 @@ def assemble(model: Model, t: float, y: Array) -> Equations:
     return dense(model, work)
 
 
-@jit
 def dense(model: Model, work: Work) -> Equations:
     """Return the last evaluation as dense arrays."""
     n_vel, n_c = model.n_vel, model.n_constraint
@@ -422,7 +420,6 @@ def derivative(model: Model, t: float, y: Array) -> Array:
     return out
 
 
-@jit
 def energies(model: Model, equations: Equations, y: Array) -> Array:
     """Return kinetic, strain and potential energy, (3,) [J]. Paper: Eq. (1), Eq. (3).
 

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..math.arrays import Array
-from ..math.compiled import jit
+from ..math.compiled import structure
 from .bodies.motion import N_MOTION, stand
 from .model import Model
 
@@ -14,6 +14,7 @@ PHI, PHI_T, GAMMA = 12, 13, 14
 N_ROW = 15
 
 
+@structure
 class Factors(NamedTuple):
     """Bodies eliminated from [K Phi_q'; Phi_q 0], K of one block per body (elimination.py)."""
 
@@ -28,6 +29,7 @@ class Factors(NamedTuple):
     mu: Array  # (n_p,) in the order of elimination
 
 
+@structure
 class Work(NamedTuple):
     """What an evaluation fills; bodies' arrays are as wide as the largest body."""
 
@@ -61,7 +63,6 @@ class Work(NamedTuple):
     twist: Array  # (3,) rate of the moment of momentum in the body at steady modal rates
 
 
-@jit
 def new_factors(model: Model, one: Any) -> Factors:
     """Return memory for factors, of the type of `one` (float or complex)."""
     plan = model.plan
@@ -80,7 +81,6 @@ def new_factors(model: Model, one: Any) -> Factors:
     )
 
 
-@jit
 def new_work(model: Model) -> Work:
     """Return the memory for evaluations of a model; ground markers are filled once for all."""
     plan = model.plan

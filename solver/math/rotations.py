@@ -8,16 +8,17 @@ here divides by p'p, so that an integrator's drift of the norm is harmless.
 import numpy as np
 
 from .arrays import Array
-from .compiled import jit, lean
+from .compiled import inlined, lean
+from .triple import Triple, about
+
+Quadruple = tuple[float, float, float, float]
 
 
-@jit
 def skew(a: Array) -> Array:
     """Return the matrix a~ with a~ b = a x b, (3, 3)."""
     return np.array(((0.0, -a[2], a[1]), (a[2], 0.0, -a[0]), (-a[1], a[0], 0.0)))
 
 
-@jit
 def cross(a: Array, b: Array) -> Array:
     """Return a x b, (3,)."""
     return np.array(
@@ -25,13 +26,11 @@ def cross(a: Array, b: Array) -> Array:
     )
 
 
-@jit
 def dot(a: Array, b: Array) -> float:
     """Return a . b of two vectors (3,)."""
     return float(a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
 
 
-@jit
 def rotation_matrix(p: Array) -> Array:
     """Return A_GB (3, 3) of Euler parameters p (4,), a rotation for any p != 0."""
     A_GB = np.empty((3, 3))
@@ -39,7 +38,7 @@ def rotation_matrix(p: Array) -> Array:
     return A_GB
 
 
-@jit
+@lean
 def rotation_into(p: Array, A_GB: Array) -> None:
     """Fill A_GB (3, 3) with the rotation of Euler parameters p (4,)."""
     e0, e1, e2, e3 = p[0], p[1], p[2], p[3]
@@ -55,7 +54,6 @@ def rotation_into(p: Array, A_GB: Array) -> None:
     A_GB[2, 2] = 1.0 - s * (e1 * e1 + e2 * e2)
 
 
-@jit
 def parameter_rate(p: Array, w_B: Array) -> Array:
     """Return pdot (4,) of a body with angular velocity w_B (3,), body components [rad/s].
 
@@ -64,10 +62,8 @@ def parameter_rate(p: Array, w_B: Array) -> Array:
     return 0.5 * np.array(along_parameters(p, 0, w_B[0], w_B[1], w_B[2]))
 
 
-@lean
-def along_parameters(
-    p: Array, a: int, w0: float, w1: float, w2: float
-) -> tuple[float, float, float, float]:
+@inlined
+def along_parameters(p: Array, a: int, w0: float, w1: float, w2: float) -> Quadruple:
     """Return E w for Euler parameters p[a:a+4]: 2 pdot at angular velocity w in body axes."""
     e0, e1, e2, e3 = p[a], p[a + 1], p[a + 2], p[a + 3]
     return (
@@ -78,8 +74,8 @@ def along_parameters(
     )
 
 
-@jit
-def tangent_coefficients(s: float) -> tuple[float, float, float, float]:
+@lean
+def tangent_coefficients(s: float) -> Quadruple:
     """Return a = (1 - cos x)/x2, b = (x - sin x)/x3 and da/ds, db/ds at s = x2.
 
     Both are entire functions of s: below 0.05 their series (error < 1e-17)
@@ -103,7 +99,6 @@ def tangent_coefficients(s: float) -> tuple[float, float, float, float]:
     return a, b, da, db
 
 
-@jit
 def _about(v: Array, c0: float, c1: float, c2: float) -> Array:
     """Return c0 I + c1 v~ + c2 v v', (3, 3)."""
     return np.array(
@@ -115,7 +110,6 @@ def _about(v: Array, c0: float, c1: float, c2: float) -> Array:
     )
 
 
-@jit
 def vector_to_matrix(theta: Array) -> Array:
     """Return exp(theta~) (3, 3), the rotation by |theta| about theta (3,) [rad]."""
     s = dot(theta, theta)
@@ -123,7 +117,6 @@ def vector_to_matrix(theta: Array) -> Array:
     return _about(theta, 1.0 - s * a, 1.0 - s * b, a)
 
 
-@jit
 def tangent_map(theta: Array) -> Array:
     """Return T (3, 3) with angular velocity = T thetadot, in the axes that theta starts from."""
     s = dot(theta, theta)
@@ -131,35 +124,61 @@ def tangent_map(theta: Array) -> Array:
     return _about(theta, 1.0 - s * b, a, b)
 
 
-@jit
 def matrix_to_parameters(A_GB: Array) -> Array:
     """Return Euler parameters (4,) of a rotation matrix (3, 3), e0 >= 0."""
-    trace = np.trace(A_GB)
+    x, y, z = np.asarray(A_GB, dtype=float).T.tolist()
+    return np.array(parameters_of(tuple(x), tuple(y), tuple(z)))
+
+
+@lean
+def parameters_of(x: Triple, y: Triple, z: Triple) -> Quadruple:
+    """Return Euler parameters of the rotation with columns x, y, z, e0 >= 0."""
+    trace = x[0] + y[1] + z[2]
+    o0, o1, o2 = y[2] - z[1], z[0] - x[2], x[1] - y[0]
     # The largest of the four squares is the safe one to divide by.
-    squares = np.array([trace, A_GB[0, 0], A_GB[1, 1], A_GB[2, 2]])
-    k = int(np.argmax(squares))
-    p = np.empty(4)
-    off = np.array([A_GB[2, 1] - A_GB[1, 2], A_GB[0, 2] - A_GB[2, 0], A_GB[1, 0] - A_GB[0, 1]])
-    if k == 0:
-        p[0] = 1.0 + trace
-        p[1:] = off
+    largest = max(max(trace, x[0]), max(y[1], z[2]))
+    if trace == largest:
+        p0, p1, p2, p3 = 1.0 + trace, o0, o1, o2
+    elif x[0] == largest:
+        p0, p1, p2, p3 = o0, 1.0 + 2.0 * x[0] - trace, x[1] + y[0], x[2] + z[0]
+    elif y[1] == largest:
+        p0, p1, p2, p3 = o1, y[0] + x[1], 1.0 + 2.0 * y[1] - trace, y[2] + z[1]
     else:
-        i = k - 1
-        p[1:] = A_GB[:, i] + A_GB[i, :]
-        p[1 + i] = 1.0 + 2.0 * A_GB[i, i] - trace
-        p[0] = off[i]
-    p /= np.linalg.norm(p)
-    return p if p[0] >= 0 else -p
+        p0, p1, p2, p3 = o2, z[0] + x[2], z[1] + y[2], 1.0 + 2.0 * z[2] - trace
+    scale = 1.0 / np.sqrt(p0 * p0 + p1 * p1 + p2 * p2 + p3 * p3)
+    if p0 < 0.0:
+        scale = -scale
+    return scale * p0, scale * p1, scale * p2, scale * p3
 
 
-@jit
 def matrix_to_vector(A: Array) -> Array:
     """Return the rotation vector (3,) of a rotation matrix (3, 3), up to half a turn [rad]."""
-    p = matrix_to_parameters(A)
-    half_sine = np.sqrt(p[1] ** 2 + p[2] ** 2 + p[3] ** 2)
+    x, y, z = np.asarray(A, dtype=float).T.tolist()
+    return np.array(vector_of(tuple(x), tuple(y), tuple(z)))
+
+
+@lean
+def vector_of(x: Triple, y: Triple, z: Triple) -> Triple:
+    """Return the rotation vector of the rotation with columns x, y, z, up to half a turn [rad]."""
+    p0, p1, p2, p3 = parameters_of(x, y, z)
+    half_sine = np.sqrt(p1 * p1 + p2 * p2 + p3 * p3)
     # near no rotation: theta / sin(theta / 2) -> 2
-    factor = 2.0 * np.arctan2(half_sine, p[0]) / half_sine if half_sine > 1e-12 else 2.0
-    return factor * p[1:]
+    factor = 2.0 * np.arctan2(half_sine, p0) / half_sine if half_sine > 1e-12 else 2.0
+    return factor * p1, factor * p2, factor * p3
+
+
+@lean
+def moment_of_gradient(theta: Triple, g: Triple) -> Triple:
+    """Return T^-T g: the moment whose power is that of g on the rate of a rotation vector theta.
+
+    T = c0 1 + c1 theta~ + c2 theta theta' is the tangent map of theta. Its inverse divides by one
+    along theta and by c0^2 + c1^2 theta'theta = 2 c1 across.
+    """
+    s = theta[0] * theta[0] + theta[1] * theta[1] + theta[2] * theta[2]
+    a, b, _, _ = tangent_coefficients(s)
+    c0 = 1.0 - s * b
+    c2 = (1.0 - 0.5 * c0 / a) / s if s > 1e-8 else 1.0 / 12.0
+    return about(theta, 0.5 * c0 / a, 0.5, c2, g)
 
 
 def frame_from_axis(axis: Array) -> Array:

@@ -6,54 +6,54 @@ Arrays of three numbers cost an allocation each; tuples stay in registers where 
 from typing import Any
 
 from .arrays import Array
-from .compiled import lean
+from .compiled import inlined
 
 Triple = tuple[float, float, float]
 
 
-@lean
+@inlined
 def triple(a: Any) -> Triple:
     """Return the three numbers of an array (3,)."""
     return a[0], a[1], a[2]
 
 
-@lean
+@inlined
 def column(A: Array, j: int) -> Triple:
     """Return column j of A (3, n)."""
     return A[0, j], A[1, j], A[2, j]
 
 
-@lean
+@inlined
 def cross3(a: Triple, b: Triple) -> Triple:
     """Return a x b."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-@lean
+@inlined
 def dot3(a: Triple, b: Triple) -> float:
     """Return a . b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@lean
+@inlined
 def sum3(a: Triple, b: Triple) -> Triple:
     """Return a + b."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
-@lean
+@inlined
 def minus3(a: Triple, b: Triple) -> Triple:
     """Return a - b."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-@lean
+@inlined
 def times3(s: float, a: Triple) -> Triple:
     """Return s a."""
     return s * a[0], s * a[1], s * a[2]
 
 
-@lean
+@inlined
 def turned(A: Array, a: Triple) -> Triple:
     """Return A a of a matrix (3, 3)."""
     return (
@@ -63,7 +63,7 @@ def turned(A: Array, a: Triple) -> Triple:
     )
 
 
-@lean
+@inlined
 def turned_back(A: Array, a: Triple) -> Triple:
     """Return A' a of a matrix (3, 3)."""
     return (
@@ -73,7 +73,7 @@ def turned_back(A: Array, a: Triple) -> Triple:
     )
 
 
-@lean
+@inlined
 def about(v: Triple, c0: float, c1: float, c2: float, x: Triple) -> Triple:
     """Return c0 x + c1 v x x + c2 v (v . x): rotations and tangent maps of a vector v."""
     c, along = cross3(v, x), c2 * dot3(v, x)
@@ -84,13 +84,13 @@ def about(v: Triple, c0: float, c1: float, c2: float, x: Triple) -> Triple:
     )
 
 
-@lean
+@inlined
 def put_column(out: Array, i: int, j: int, a: Triple) -> None:
     """Write a into column j of an array, from row i on."""
     out[i, j], out[i + 1, j], out[i + 2, j] = a[0], a[1], a[2]
 
 
-@lean
+@inlined
 def tangent_rate(theta: Triple, theta_d: Triple, b: float, da: float, db: float) -> Triple:
     """Return (dT/dt) thetadot of the tangent map T of theta, at rates theta_d [rad/s].
 

@@ -23,6 +23,16 @@ def runs(repository, tmp_path_factory):
     return case_runs(repository, "actuated-beam", tmp_path_factory.mktemp("build"))
 
 
+@pytest.fixture(scope="module")
+def layup_1(runs):
+    """One run for all tests: both extremes lie before 4.6 s, the later ones are smaller."""
+    return run_case(runs / "layup-1.json", t_end=4.6)
+
+
+def _until(t_end, t, signals):
+    return {name: values[t <= t_end] for name, values in signals.items()}
+
+
 def _frequency(repository, name) -> float:
     """First frequency [Hz] of the clamped beam with its tip mass, the middle held."""
     package = read_package(repository / f"tests/packages/actuated-beam/beam.{name}.vtkhdf")
@@ -42,9 +52,8 @@ def test_first_frequency(repository, reference):
     assert [_frequency(repository, f"layup-{k}") > 2.5 for k in (1, 2, 3)] == [True] * 3
 
 
-def test_extremes_of_the_tip_deflection(runs, reference):
-    # both extremes lie before 4.6 s; the later ones are smaller (make actuated-beam: 6 s)
-    t, s, summary = run_case(runs / "layup-1.json", t_end=4.6)
+def test_extremes_of_the_tip_deflection(layup_1, reference):
+    t, s, summary = layup_1
     tip = s["tip_deflection"]
     assert summary["completed"]
     for pick, which in ((np.argmin, "min"), (np.argmax, "max")):
@@ -53,7 +62,7 @@ def test_extremes_of_the_tip_deflection(runs, reference):
         assert t[k] == pytest.approx(reference[f"t_{which}"], abs=reference["t_tolerance"])
 
 
-def test_middle_follows_the_crank(runs):
+def test_middle_follows_the_crank(runs, layup_1):
     """Rigid kinematics of crank and link: what the beam is like does not matter there."""
     t, s, _ = run_case(runs / "layup-3.json", t_end=0.6)
     x = 0.025 * (np.cos(3.14 * t) - 1.0)
@@ -61,12 +70,12 @@ def test_middle_follows_the_crank(runs):
     np.testing.assert_allclose(s["mid_deflection"], expected, atol=1e-6)
     # bending-twist coupling: lay-up 3 twists while it bends, lay-up 1 does not
     assert np.abs(s["tip_twist"]).max() > 1e-3
-    _, uncoupled, _ = run_case(runs / "layup-1.json", t_end=0.6)
+    uncoupled = _until(0.6, *layup_1[:2])
     assert np.abs(uncoupled["tip_twist"]).max() < 1e-8
 
 
-def test_hinged_root_hardly_bends_statically(runs):
+def test_hinged_root_hardly_bends_statically(runs, layup_1):
     """A hinge at the root takes away what the clamp held: the deflection is all dynamics."""
-    _, clamped, _ = run_case(runs / "layup-1.json", t_end=0.8)
+    clamped = _until(0.8, *layup_1[:2])
     _, hinged, _ = run_case(runs / "layup-1-root.json", t_end=0.8)
     assert np.abs(hinged["tip_deflection"]).max() < 0.25 * np.abs(clamped["tip_deflection"]).max()

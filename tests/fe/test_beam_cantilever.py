@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from body_specs import beam_body
 from section_specs import rectangle_spec
 
 from plymotion.preprocess.beam.line import BeamLine
@@ -26,17 +27,15 @@ HZ = np.array(REFERENCE["frequencies_hz"])
 
 def strip(length_factor: float = 1.0) -> dict[str, Any]:
     geometry = REFERENCE["geometry"]
-    return {
-        "body": "strip",
-        "kind": "beam",
-        "length": length_factor * geometry["length"],
-        "elements": 32,
-        "section": rectangle_spec(
+    return beam_body(
+        body="strip",
+        length=length_factor * geometry["length"],
+        elements=32,
+        section=rectangle_spec(
             geometry["width"], geometry["height"], REFERENCE["material"], **REFERENCE["layup"]
         ),
-        "modes": [{"kind": "bending-xz", "count": 3}, {"kind": "torsion", "count": 1}],
-        "interfaces": {"root": {"at": "start"}, "tip": {"at": "end"}},
-    }
+        modes=[{"kind": "bending-xz", "count": 3}, {"kind": "torsion", "count": 1}],
+    )
 
 
 def flatwise_hz(spec: dict[str, Any]) -> Any:

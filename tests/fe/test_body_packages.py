@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from body_specs import beam_body
 from section_specs import rectangle_spec
 
 from plymotion.preprocess.body import build_body, toml_text
@@ -21,9 +22,8 @@ MASS = 0.545 * 0.06 * 0.015 * 2700.0
 
 
 def arm(**changes: Any) -> dict[str, Any]:
-    return {
+    entries = {
         "body": "arm",
-        "kind": "beam",
         "length": 0.545,
         "elements": 16,
         "x2_axis": [0, 1, 0],
@@ -37,6 +37,7 @@ def arm(**changes: Any) -> dict[str, Any]:
         "case": "double-pendulum",
         **changes,
     }
+    return beam_body(**entries)
 
 
 @pytest.mark.parametrize("mass_form", ["consistent", "lumped"])
@@ -128,7 +129,7 @@ def test_command_line(tmp_path: Path) -> None:
     # The libraries below may have words of their own on a bare machine (hwloc without /sys).
     errors = [line for line in first.stderr.splitlines() if line.startswith("error: ")]
     assert len(errors) == 3, first.stderr
-    assert "arm.bad.json: elements: expected a whole number of at least 1, found 0" in errors[0]
+    assert "arm.bad.json: elements: expected at least 2, one between" in errors[0]
     assert "arm.metal.json" in errors[1]
     assert "section.materials.m.E = -1" in errors[1]
     assert "broken.json: not JSON" in errors[2]

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from body_specs import beam_body
 
 from plymotion.preprocess.beam.body import beam_model
 from plymotion.preprocess.beam.resultants import mode_resultants
@@ -83,15 +84,8 @@ BOX = box(30.0, 0.0, 30.0, 0.0, 30.0, 0.0)
 
 
 def body_spec(section: dict[str, Any], modes: list[dict[str, Any]]) -> dict[str, Any]:
-    return {
-        "body": "arm",
-        "kind": "beam",
-        "length": LENGTH,
-        "elements": 40,
-        "section": copy.deepcopy(section),
-        "modes": modes,
-        "interfaces": {"root": {"at": "start"}, "tip": {"at": "end"}},
-    }
+    section = copy.deepcopy(section)
+    return beam_body(body="arm", length=LENGTH, elements=40, section=section, modes=modes)
 
 
 def held_statically(section: dict[str, Any], load_E: np.ndarray) -> tuple[ModalPackage, Any]:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.linalg
+from body_specs import beam_body
 from section_specs import rectangle_spec
 
 from plymotion.preprocess.body import build_body
@@ -18,16 +19,8 @@ ALUMINIUM = {"kind": "isotropic", "E": 70e9, "nu": 0.3, "rho": 2700.0}
 
 
 def bar(modes: list[dict[str, Any]], width: float = 0.01, **changes: Any) -> dict[str, Any]:
-    return {
-        "body": "bar",
-        "kind": "beam",
-        "length": 0.5,
-        "elements": 20,
-        "section": rectangle_spec(width, 0.01, ALUMINIUM),
-        "modes": modes,
-        "interfaces": {"root": {"at": "start"}, "tip": {"at": "end"}},
-        **changes,
-    }
+    entries = {"body": "bar", "length": 0.5, "elements": 20, "modes": modes, **changes}
+    return beam_body(section=rectangle_spec(width, 0.01, ALUMINIUM), **entries)
 
 
 def test_square_section_separates_the_planes(record: Callable[[str, Any], None]) -> None:

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from body_specs import CLAMPED, beam_body, shell_body
 from section_specs import rectangle_spec
 from shell_specs import CFRP, METAL, box, plate
 
-from plymotion.preprocess.beam.spec_values import SpecError
 from plymotion.preprocess.body import build_body
 from plymotion.preprocess.body_packages import BodyPackages
 from plymotion.preprocess.modes import ModeError
@@ -18,15 +18,15 @@ from plymotion.preprocess.shell.analysis import analyse
 from plymotion.preprocess.shell.body import shell_model, shell_modes, shell_package
 from plymotion.preprocess.shell.body_spec import read_shell_body
 from plymotion.preprocess.shell.errors import ShellError
-from plymotion.solver.package import read_package, validate, write_package
+from plymotion.solver.package import ModalPackage, read_package, validate, write_package
 from plymotion.solver.package.body.invariants import free_body_mass, rigid_motions
 from plymotion.solver.package.body.plausibility import plausibility_findings
+from plymotion.solver.package.common.table_form import SpecError
 from plymotion.solver.package.shell.schema import ply_stress
 from plymotion.solver.strength.shell_bodies import shell_ply_stress
 
 Record = Callable[[str, Any], None]
 PARTS = ("mesh", "materials", "laminates", "regions", "elements", "stiffeners")
-CLAMPED = {"kind": "clamped", "at": "root"}
 LENGTH, WIDTH, THICKNESS = 0.675, 0.04, 0.010
 ENDS = {"plate": ("left", "right"), "box": ("root", "tip")}
 
@@ -34,17 +34,19 @@ ENDS = {"plate": ("left", "right"), "box": ("root", "tip")}
 def body(shell: dict[str, Any], **changes: Any) -> dict[str, Any]:
     """A specification with interfaces at both ends."""
     root, tip = ENDS[shell["name"]]
-    return {
-        "body": "hand",
-        "kind": "shell",
+    entries = {
         "shell": {key: shell[key] for key in PARTS if key in shell},
-        "mass_form": "consistent",
-        "reference": CLAMPED,
         "modes": [{"kind": "lowest", "count": 6}],
         "interfaces": {"root": {"at": root}, "tip": {"at": tip}},
         "damping_ratio": 0.01,
         **changes,
     }
+    return shell_body(body="hand", **entries)
+
+
+def built(spec: dict[str, Any]) -> ModalPackage:
+    """The package, from a specification whose changes need not be complete."""
+    return build_body(shell_body(**spec))
 
 
 def hand(n: tuple[int, int] = (24, 4), **changes: Any) -> dict[str, Any]:
@@ -74,7 +76,7 @@ def test_package_is_sound(tmp_path: Path, mass_form: str, reference: dict[str, A
     spec = skewed(1e-3, mass_form=mass_form, reference=reference, modes=modes)
     spec["interfaces"]["mid"] = {"at": "centre"}
     spec["interfaces"]["edge"] = {"at": "top", "link": "average", "position": [0.1, 0.0, 0.2]}
-    package = build_body(spec)
+    package = built(spec)
     write_package(tmp_path / "a.vtkhdf", package)
     assert [f for f in validate(tmp_path / "a.vtkhdf") if f.level != "note"] == []
     assert package.mode_kinds[:5] == ("fixed_normal",) * 5
@@ -91,12 +93,12 @@ def test_package_is_sound(tmp_path: Path, mass_form: str, reference: dict[str, A
 def test_chord_of_a_hollow_body(tmp_path: Path) -> None:
     """Its ends are centres of rims, where the mesh has no node."""
     spec = body(box(), reference={"kind": "chord", "at": ["root", "tip"]})
-    write_package(tmp_path / "box.vtkhdf", build_body(spec))
+    write_package(tmp_path / "box.vtkhdf", built(spec))
     assert [f for f in validate(tmp_path / "box.vtkhdf") if f.level != "note"] == []
 
 
 def test_body_without_modes_is_rigid() -> None:
-    package = build_body(hand((4, 2), modes=[]))
+    package = built(hand((4, 2), modes=[]))
     assert package.n_mode == 0
     assert package.invariants.mass == pytest.approx(LENGTH * WIDTH * THICKNESS * METAL["rho"])
 
@@ -123,7 +125,7 @@ def test_energy_of_the_package_is_that_of_the_model(
     offset = {"offset": 1e-3} if make is skewed else {}
     spec = make(mass_form=mass_form, reference={"kind": "mean-axis"}, **offset)
     spec["modes"] = [{"kind": "lowest", "count": 3}, {"kind": "attachment", "at": "tip"}]
-    model = shell_model(read_shell_body(spec))
+    model = shell_model(read_shell_body(shell_body(**spec)))
     modes = shell_modes(model)
     package = shell_package(model, modes, {})
     problem, mesh = model.problem, model.problem.mesh
@@ -145,18 +147,10 @@ def test_a_plate_is_a_beam(record: Record) -> None:
     spec = hand((48, 4), modes=[{"kind": "bending-xy", "count": 2}])
     spec["modes"].append({"kind": "bending-xz", "count": 3})
     spec["shell"]["materials"] = {"metal": metal}
-    shell = build_body(spec)
+    shell = built(spec)
+    section = rectangle_spec(WIDTH, THICKNESS, metal)
     beam = build_body(
-        {
-            "body": "hand",
-            "kind": "beam",
-            "length": LENGTH,
-            "elements": 24,
-            "section": rectangle_spec(WIDTH, THICKNESS, metal),
-            "reference": CLAMPED,
-            "modes": spec["modes"],
-            "interfaces": {"root": {"at": "start"}, "tip": {"at": "end"}},
-        }
+        beam_body(body="hand", length=LENGTH, elements=24, section=section, modes=spec["modes"])
     )
     assert shell.mode_labels == ("along z 1", "along y 1", "along z 2", "along z 3", "along y 2")
     ratio = shell.frequencies / beam.frequencies
@@ -186,7 +180,7 @@ def _shift(S_B: np.ndarray, centre: np.ndarray) -> np.ndarray:
 
 
 def test_rigid_interface_moves_as_one() -> None:
-    package = build_body(skewed(modes=[{"kind": "lowest", "count": 6}]))
+    package = built(skewed(modes=[{"kind": "lowest", "count": 6}]))
     for place in package.interfaces:
         rows = np.searchsorted(package.node_ids, place.node_ids)
         assert np.array_equal(package.node_ids[rows], place.node_ids)
@@ -205,7 +199,7 @@ def test_rigid_interface_moves_as_one() -> None:
 def test_mean_axis_has_no_rigid_motion() -> None:
     spec = body(box(), reference={"kind": "mean-axis"}, modes=[{"kind": "lowest", "count": 8}])
     spec["modes"].append({"kind": "attachment", "at": "tip"})
-    package = build_body(spec)
+    package = built(spec)
     M = free_body_mass(package)
     size = np.sqrt(np.diag(M))
     assert np.abs(M[:6, 6:] / np.outer(size[:6], size[6:])).max() < 1e-9
@@ -223,7 +217,7 @@ def test_attachment_is_the_static_answer(link: str, record: Record) -> None:
     spec = skewed(1e-3, modes=[{"kind": "lowest", "count": 1}])
     spec["modes"].append({"kind": "attachment", "at": "tip", "directions": ["z"]})
     spec["interfaces"]["tip"]["link"] = link
-    package = build_body(spec)
+    package = built(spec)
     statics = analyse(
         {
             "name": "plate",
@@ -254,7 +248,7 @@ def test_static_axial_stretches_like_a_spinning_bar() -> None:
     metal = {**METAL, "nu": 0.0}
     spec = hand((32, 2), modes=[{"kind": "static-axial"}])
     spec["shell"]["materials"] = {"metal": metal}
-    package = build_body(spec)
+    package = built(spec)
     tip = next(i for i in package.interfaces if i.name == "tip")
     # modal force of m x is the first moment of the shape: T01 about the root
     load = package.invariants.T01_B[0, 0]
@@ -266,7 +260,7 @@ def test_static_axial_stretches_like_a_spinning_bar() -> None:
 def test_a_thin_free_shell_keeps_its_six_rigid_motions_apart() -> None:
     shell = plate((20, 8), 2e-4, 1.0, 0.4)
     spec = body(shell, reference={"kind": "mean-axis"}, modes=[{"kind": "lowest", "count": 5}])
-    package = build_body(spec)
+    package = built(spec)
     assert package.frequencies[0] > 1.0
     assert [f for f in plausibility_findings(package) if f.level != "note"] == []
 
@@ -291,7 +285,6 @@ def test_same_package_from_a_file_of_the_command(tmp_path: Path) -> None:
         ({"mass": "x"}, SpecError, "mass: unknown key"),
         ({"interfaces": {"root": {"at": "lfet"}}}, ShellError, "lfet"),
         ({"interfaces": {"root": {"at": "left", "link": "stiff"}}}, SpecError, "link"),
-        ({"interfaces": {"root": {"at": "left", "link": "average"}}}, SpecError, "carries the"),
         ({"reference": {"kind": "clamped", "at": "tpi"}}, SpecError, "tip"),
         ({"modes": [{"kind": "torsion", "count": 1}]}, SpecError, "lowest"),
         ({"modes": [{"kind": "lowest", "count": 5000}]}, ModeError, "5000"),
@@ -307,4 +300,4 @@ def test_what_is_wrong_is_named(
     del spec["interfaces"]["tip"]
     spec["interfaces"]["tip"] = {"at": "bottom", "link": "average"}
     with pytest.raises(error, match=words):
-        build_body({**spec, **changes})
+        built({**spec, **changes})

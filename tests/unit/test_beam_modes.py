@@ -9,7 +9,6 @@ from beam_samples import CHORD, CLAMPED, MEAN_AXIS, NAMES, REFERENCES, dense, re
 
 from plymotion.preprocess.beam.accuracy import coarse_mesh_warnings
 from plymotion.preprocess.beam.line import BeamLine, section_axes
-from plymotion.preprocess.beam.spec_modes import DIRECTIONS
 from plymotion.preprocess.beam.stations import mass_stations
 from plymotion.preprocess.modes import (
     KINDS,
@@ -20,6 +19,7 @@ from plymotion.preprocess.modes import (
     Modes,
     reduced_modes,
 )
+from plymotion.solver.package.body.specification import DIRECTIONS
 
 STIFFNESS = np.diag([7e7, 2e7, 2e7, 3e3, 6e3, 1.5e3])
 MASS = 2.7 * np.diag([1, 1, 1, 1.1e-4, 9e-5, 2e-5])

@@ -8,7 +8,6 @@ import pytest
 from plymotion.preprocess.beam.spec import read_spec
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.specs import body_spec, inputs_sha256
 from plymotion.solver.package import read_package
 
 CASE = """
@@ -51,8 +50,7 @@ def written(folder: Path, modes: str = BENDING, reference: str = CLAMPED) -> Pat
 
 
 def spec_of(file: Path) -> dict:
-    mechanism = load_case(file).runs["one"]
-    return body_spec("bar", mechanism.bodies["bar"], mechanism, file.parent)
+    return load_case(file).bodies["one"]["bar"].content
 
 
 @pytest.mark.parametrize(
@@ -129,6 +127,5 @@ def test_packages_of_clamped_bodies_stay_the_same(repository: Path) -> None:
     case = load_case(repository / "cases/double-pendulum/case.toml")
     folder = repository / "tests/packages/double-pendulum"
     package = read_package(folder / "arm.isotropic.vtkhdf")
-    mechanism = case.runs["isotropic"]
-    spec = body_spec("arm", mechanism.bodies["arm"], mechanism, case.file.parent)
-    assert inputs_sha256(spec) == package.provenance["inputs_sha256"]
+    found = case.bodies["isotropic"]["arm"].inputs_sha256
+    assert found == package.provenance["inputs_sha256"]

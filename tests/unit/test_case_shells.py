@@ -8,7 +8,8 @@ import pytest
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.specs import inputs_sha256, write_case
+from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.package.common.plain_data import inputs_sha256
 
 DESCRIPTION = """
 format = 1

@@ -8,7 +8,7 @@ from mechanism_samples import bricard, chain, four_bars
 
 from plymotion.solver.dynamics.constraints.treatment import Treatment, treated
 from plymotion.solver.dynamics.coordinates import moved
-from plymotion.solver.dynamics.projection import project, projected
+from plymotion.solver.dynamics.projection import projected
 from plymotion.solver.dynamics.system import (
     accelerations,
     assemble,
@@ -124,7 +124,7 @@ def test_projection_leaves_no_trace_in_the_next_evaluation():
     work, out = new_work(model), np.empty(y.size)
     off = y + 1e-3 * np.random.default_rng(1).normal(size=y.size)
     expected = derivative(model, 0.0, y)
-    project(model, work, 0.0, off)
+    off, _ = projected(model, 0.0, off, work)
     derivative_into(model, work, 0.0, y, out)
     np.testing.assert_array_equal(out, expected)
 

@@ -261,7 +261,7 @@ from constraint_runs import new_run, prepared
 from march_samples import two_bodies
 from plymotion.solver.math.compiled import COMPILED
 from plymotion.solver.dynamics.constraints.treatment import Treatment
-from plymotion.solver.integrate import integrate
+from plymotion.solver.integrators.generic import integrate
 from plymotion.solver.math.laws import polynomial
 rows = []
 for name, treatment in (("radau", "projection"), ("radau", "baumgarte"), ("march", "ggl")):

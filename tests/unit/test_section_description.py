@@ -346,7 +346,7 @@ def test_gmsh_meshes_are_handed_over(own, monkeypatch):
     assert spec["regions"]["core"] == {"plies": [{"material": "cfrp", "angle_deg": 0.0}]}
     monkeypatch.chdir(own.parent)
     assert load_section(own)["mesh"]["file"] == "own.msh"  # relative to the working directory
-    assert source_files(own) == [own, own.parent / "own.msh"]
+    assert source_files(tomllib.loads(own.read_text()), own) == [own, own.parent / "own.msh"]
 
 
 def test_all_stands_for_the_other_physical_surfaces(own):

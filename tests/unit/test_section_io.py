@@ -80,7 +80,7 @@ def test_same_section_gives_the_same_bytes(tmp_path: Path) -> None:
 
 
 def test_manual_has_every_dataset_with_its_shape_type_unit_frame_and_meaning(file: Path) -> None:
-    table = PAGE.split("## Datasets")[1].split("## What ParaView sees")[0]
+    table = PAGE.split("## Datasets")[1].split("## The view for ParaView")[0]
     documented = {row[0]: [cell.strip() for cell in row[1:]] for row in ROW.findall(table)}
     section = rectangle()
     sizes = {

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.linalg
+from body_specs import beam_body
 from recovery_samples import (
     PLY,
     PLY_STRENGTH,
@@ -157,19 +158,10 @@ def body(
 ) -> tuple[BeamModel, ModalPackage]:
     """A cantilever of isotropic stiffness with its lowest modes of bending in both planes."""
     kinds = ("bending-xy", "bending-xz")
-    spec = read_spec(
-        {
-            "body": "arm",
-            "kind": "beam",
-            "length": LENGTH,
-            "elements": elements,
-            "section": {},
-            "interfaces": {"root": {"at": "start"}, "tip": {"at": "end"}},
-            "modes": [{"kind": kind, "count": count} for kind in kinds],
-            **changes,
-        }
-    )
-    model = beam_model(spec, ISOTROPIC, MASS)
+    requests = [{"kind": kind, "count": count} for kind in kinds]
+    entries = {"length": LENGTH, "elements": elements, "modes": requests, **changes}
+    spec = beam_body(body="arm", section={}, **entries)
+    model = beam_model(read_spec(spec), ISOTROPIC, MASS)
     modes = beam_modes(model, dense)
     section = SectionData("bar", ISOTROPIC, MASS, "", recovery)
     return model, beam_package(model, modes, section, {})
@@ -233,8 +225,9 @@ def test_section_axes_turn_with_the_section(x2_axis: list[float]) -> None:
 
 
 def test_package_of_a_beam_is_sound(tmp_path: Any) -> None:
-    for changes in ({}, {"reference": {"at": "middle"}, "mass_form": "lumped"}):
-        interfaces = {"middle": {"at": 0.5}, "tip": {"at": "end"}}
+    middle = {"kind": "clamped", "at": "middle"}
+    for changes in ({}, {"reference": middle, "mass_form": "lumped"}):
+        interfaces = {"root": {"at": "start"}, "middle": {"at": 0.5}, "tip": {"at": "end"}}
         _, package = body(LAMINATE, 3, 16, interfaces=interfaces, **changes)
         write_package(tmp_path / "a.vtkhdf", package)
         assert [f for f in validate(tmp_path / "a.vtkhdf") if f.level != "note"] == []

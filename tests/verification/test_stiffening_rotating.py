@@ -4,11 +4,10 @@ import tomllib
 
 import numpy as np
 import pytest
-from beam_samples import CHORD, CLAMPED, MEAN_AXIS, reduced
+from beam_samples import CHORD, CLAMPED, reduced
 from stiffening_samples import steady_spin
 
 from plymotion.preprocess.beam.section_mass import SectionMass
-from plymotion.preprocess.beam.spec import SpecError
 from plymotion.solver.package import read_package
 
 # Slender to the limit of a Bernoulli beam that cannot be stretched: EI = rhoA = L = 1.
@@ -61,14 +60,12 @@ def test_chord_of_four_modes(table):
 
 
 def test_spinning_shapes_in_a_chord_frame():
-    """They are static shapes like others, in both planes; of a mean axis they are none."""
+    """They are static shapes like others, in both planes."""
     modes = [{"kind": f"spinning-{plane}", "count": 3} for plane in ("xy", "xz")]
     package = reduced(CHORD, modes, elements=10, K=K, mass=MASS).package
     expected = {f"spinning-{plane} {k}" for plane in ("xy", "xz") for k in (1, 2, 3)}
     assert set(package.mode_labels) == expected
     assert set(package.mode_kinds) == {"attachment"}
-    with pytest.raises(SpecError, match="clamped or chord"):
-        reduced(MEAN_AXIS, modes, K=K, mass=MASS)
 
 
 def test_three_flap_modes_of_twelve_vibrations(table):

@@ -1,29 +1,12 @@
-"""Which sections a batch is made of: files, a folder, a pattern, a list, or a study."""
+"""Which sections a batch is made of: a folder, a pattern, a list, or a study."""
 
 import glob
-from collections.abc import Iterable
 from pathlib import Path
 
 from ...errors import InputError
 from ...inputs.common import read_toml
-from ...inputs.section.study import Entry, study_variants
-
-
-def entries_of(files: Iterable[Path]) -> list[Entry]:
-    """One entry for each description, named after its file.
-
-    Raises
-    ------
-    InputError : two have the same name, and so would have the same results.
-    """
-    known: dict[str, Path] = {}
-    for file in files:
-        other = known.setdefault(file.stem, file)
-        if other is not file:
-            raise InputError(
-                f"{file}: its results would overwrite those of {other}: rename one of the files"
-            )
-    return [Entry(name, file) for name, file in known.items()]
+from ...inputs.section.study import study_variants
+from ..described.entries import Entry, entries_of
 
 
 def read_list(place: str) -> list[Entry]:

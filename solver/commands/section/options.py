@@ -8,6 +8,7 @@ from typing import Any
 
 from ...errors import did_you_mean
 from ...package.common.shares import shard
+from ..described.options import add_command, add_out, add_shared
 from .conventions import CODES
 
 FOLDER = Path("build") / "sections"
@@ -36,13 +37,8 @@ exit code: 0 done; 2 something is wrong with the input, the other sections of a 
 
 def add_section_command(commands: Any, run: Callable[[argparse.Namespace], int]) -> None:
     """Add `section` to the subcommands of an argument parser; `run` is what it does."""
-    parser = commands.add_parser(
-        "section",
-        help="analyse beam cross-sections",
-        description=DESCRIPTION,
-        epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    texts = {"description": DESCRIPTION, "epilog": EPILOG}
+    parser = add_command(commands, "section", run, help="analyse beam cross-sections", **texts)
     what = parser.add_argument_group("what to make")
     what.add_argument("files", nargs="*", type=Path, metavar="FILE", help="section description")
     what.add_argument("--batch", metavar="LIST", help="many sections, see below")
@@ -56,25 +52,16 @@ def add_section_command(commands: Any, run: Callable[[argparse.Namespace], int])
         help="refine until the estimated error of K, scaled by sqrt(Kii Kjj), is below A",
     )
     what.add_argument("--no-estimate", action="store_true", help="no error estimate: quicker")
-    what.add_argument(
-        "--figures",
-        action=argparse.BooleanOptionalAction,
-        help="draw figures (default: for FILE without --json)",
-    )
-    what.add_argument("--force", action="store_true", help="make also what has not changed")
-    what.add_argument(
-        "--check", action="store_true", help="check descriptions, write DIR/<name>/<name>.json only"
-    )
+    add_shared(what, "figures", help="draw figures (default: for FILE without --json)")
+    add_shared(what, "force", "check")
     how = parser.add_argument_group("how and where")
-    how.add_argument(
-        "--out", type=Path, default=FOLDER, metavar="DIR", help=f"folder (default {FOLDER})"
-    )
+    add_out(how, FOLDER)
     how.add_argument(
         "--jobs", type=_count, default=1, metavar="N", help="sections at a time (default 1)"
     )
-    how.add_argument("--quiet", action="store_true", help="no progress")
+    add_shared(how, "quiet")
     shown = parser.add_argument_group("what to show")
-    shown.add_argument("--json", action="store_true", help="numbers as JSON on standard output")
+    add_shared(shown, "json")
     shown.add_argument(
         "--order",
         type=_code,
@@ -89,7 +76,6 @@ def add_section_command(commands: Any, run: Callable[[argparse.Namespace], int])
         help="also the stresses and margins of every ply under these resultants [N, N m]; write "
         "--loads=-1,... if the first is negative",
     )
-    parser.set_defaults(command=run)
 
 
 def _code(text: str) -> str:

@@ -5,6 +5,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from ..described.options import add_command, add_out, add_shared
+
 FOLDER = Path("build") / "shells"
 
 DESCRIPTION = """\
@@ -25,28 +27,14 @@ what is complete is kept.
 
 def add_shell_command(commands: Any, run: Callable[[argparse.Namespace], int]) -> None:
     """Add `shell` to the subcommands of an argument parser; `run` is what it does."""
-    parser = commands.add_parser(
-        "shell",
-        help="load cases and frequencies of laminated shells",
-        description=DESCRIPTION,
-        epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    texts = {"description": DESCRIPTION, "epilog": EPILOG}
+    title = "load cases and frequencies of laminated shells"
+    parser = add_command(commands, "shell", run, help=title, **texts)
     parser.add_argument(
         "files", nargs="+", type=Path, metavar="FILE", help="shell description or shell file"
     )
-    parser.add_argument(
-        "--out", type=Path, default=FOLDER, metavar="DIR", help=f"folder (default {FOLDER})"
-    )
-    parser.add_argument(
-        "--check", action="store_true", help="check descriptions, write DIR/<name>/<name>.json only"
-    )
-    parser.add_argument("--json", action="store_true", help="numbers as JSON on standard output")
-    parser.add_argument(
-        "--figures",
-        action=argparse.BooleanOptionalAction,
-        help="draw deflected shapes and modes (default: without --json)",
-    )
-    parser.add_argument("--force", action="store_true", help="make also what has not changed")
-    parser.add_argument("--quiet", action="store_true", help="no progress")
-    parser.set_defaults(command=run)
+    add_out(parser, FOLDER)
+    add_shared(parser, "check", "json")
+    what = "draw deflected shapes and modes (default: without --json)"
+    add_shared(parser, "figures", help=what)
+    add_shared(parser, "force", "quiet")

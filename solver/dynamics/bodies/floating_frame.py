@@ -161,7 +161,6 @@ def _inertia(
         f[3 + a] = arm[a] - spin[a] + 2.0 * (coriolis[a] - trace_P * w[a]) - work.twist[a]
 
 
-@jit
 def centrifugal_matrix(w: Array, T11: Array, m: int) -> Array:
     """Return w_a w_b sum m (delta_ab phi_i.phi_j - phi_ia phi_jb), (m, m) [kg m2/s2].
 

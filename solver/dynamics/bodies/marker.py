@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...math.arrays import Array
-from ...math.compiled import inlined, jit, lean
+from ...math.compiled import inlined, lean
 from ...math.rotations import rotation_into, tangent_coefficients
 from ...math.triple import (
     about,
@@ -75,7 +75,6 @@ def marker_motion(model: Model, k: int, y: Array) -> Marker:
     )
 
 
-@jit
 def single_motion(model: Model, k: int, y: Array) -> tuple[Array, Array]:
     """Return the row of motion.py (24,) and the Jacobian (6, n) of marker k in state y."""
     body = model.marker_body[k]

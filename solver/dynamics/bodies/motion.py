@@ -4,26 +4,26 @@ One row is one argument where compiled: joints and force elements are called wit
 """
 
 from ...math.arrays import Array
-from ...math.compiled import lean
+from ...math.compiled import inlined, lean
 from ...math.triple import Triple
 
 PLACE, AXES, VELOCITY, SPIN, ACCELERATION, SPIN_RATE = 0, 3, 12, 15, 18, 21
 N_MOTION = 24
 
 
-@lean
+@inlined
 def place(m: Array) -> Triple:
     """Position x_G [m]."""
     return m[0], m[1], m[2]
 
 
-@lean
+@inlined
 def axis(m: Array, i: int) -> Triple:
     """Axis i of the marker, global components: column i of A_GM."""
     return m[3 + i], m[6 + i], m[9 + i]
 
 
-@lean
+@inlined
 def in_axes(m: Array, a: Triple) -> Triple:
     """A_GM' a: components of a global vector in the marker's axes."""
     return (
@@ -33,7 +33,7 @@ def in_axes(m: Array, a: Triple) -> Triple:
     )
 
 
-@lean
+@inlined
 def from_axes(m: Array, a: Triple) -> Triple:
     """A_GM a: global components of a vector in the marker's axes."""
     return (
@@ -43,31 +43,31 @@ def from_axes(m: Array, a: Triple) -> Triple:
     )
 
 
-@lean
+@inlined
 def velocity(m: Array) -> Triple:
     """Velocity [m/s]."""
     return m[12], m[13], m[14]
 
 
-@lean
+@inlined
 def spin(m: Array) -> Triple:
     """Angular velocity, global components [rad/s]."""
     return m[15], m[16], m[17]
 
 
-@lean
+@inlined
 def acceleration(m: Array) -> Triple:
     """Acceleration at zero coordinate accelerations [m/s2]."""
     return m[18], m[19], m[20]
 
 
-@lean
+@inlined
 def spin_rate(m: Array) -> Triple:
     """Rate of the angular velocity at zero coordinate accelerations [rad/s2]."""
     return m[21], m[22], m[23]
 
 
-@lean
+@inlined
 def put(m: Array, part: int, a: Triple) -> None:
     """Write a into three numbers of the row, from `part` on."""
     m[part], m[part + 1], m[part + 2] = a[0], a[1], a[2]

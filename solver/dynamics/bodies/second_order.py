@@ -19,7 +19,7 @@ heavier than the body, and sit where it moves most.
 import numpy as np
 
 from ...math.arrays import Array
-from ...math.compiled import inlined, jit
+from ...math.compiled import inlined
 from ...math.triple import Triple, column, cross3, sum3, times3
 from ..model import Model
 from ..workspace import Work
@@ -128,7 +128,6 @@ def bend_marker(
     )
 
 
-@jit
 def second_order_first_moment(model: Model, i: int, q: Array) -> Array:
     """Return what bending adds to sum m b of stiffened body i, 1/2 q Z0 q, (3,) [kg m]."""
     m = q.shape[0]

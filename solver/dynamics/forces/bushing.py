@@ -1,10 +1,8 @@
 """Bushing: springs and dampers on all six relative motions of two markers."""
 
-import numpy as np
-
 from ...math.arrays import Array
 from ...math.compiled import jit
-from ...math.rotations import matrix_to_vector, tangent_map
+from ...math.rotations import moment_of_gradient, vector_of
 from ...math.triple import cross3, dot3, minus3, triple
 from ..bodies.motion import axis, from_axes, in_axes, place, velocity
 from ..bodies.motion import spin as spin_of
@@ -23,11 +21,13 @@ def bushing(one: Array, two: Array, stiffness: Array, damping: Array) -> Wrench:
     turning = spin_of(one)
     offset = in_axes(one, d)
     speed = in_axes(one, minus3(minus3(velocity(two), velocity(one)), cross3(turning, d)))
-    theta = matrix_to_vector(_relative(one, two))
+    x, y, z = in_axes(one, axis(two, 0)), in_axes(one, axis(two, 1)), in_axes(one, axis(two, 2))
+    theta = vector_of(x, y, z)
     spin = in_axes(one, minus3(spin_of(two), turning))
-    elastic = np.linalg.solve(tangent_map(theta).T.copy(), stiffness[3:] * theta)
     k, c = triple(stiffness[:3]), triple(damping[:3])
-    t, c_t = triple(elastic), triple(damping[3:])
+    k_t, c_t = triple(stiffness[3:]), triple(damping[3:])
+    gradient = (k_t[0] * theta[0], k_t[1] * theta[1], k_t[2] * theta[2])
+    t = moment_of_gradient(theta, gradient)
     force = (
         -k[0] * offset[0] - c[0] * speed[0],
         -k[1] * offset[1] - c[1] * speed[1],
@@ -40,12 +40,3 @@ def bushing(one: Array, two: Array, stiffness: Array, damping: Array) -> Wrench:
         potential += 0.5 * stiffness[i] * offset[i] ** 2 + 0.5 * stiffness[3 + i] * theta[i] ** 2
         power -= damping[i] * speed[i] ** 2
     return Wrench(from_axes(one, force), from_axes(one, moment), potential, power)
-
-
-@jit
-def _relative(one: Array, two: Array) -> Array:
-    """Axes of marker two in those of marker one, (3, 3)."""
-    A = np.empty((3, 3))
-    for j in range(3):
-        A[0, j], A[1, j], A[2, j] = in_axes(one, axis(two, j))
-    return A

@@ -1,13 +1,12 @@
 """What types and bounds of a case cannot tell: names that exist, values that fit together."""
 
-from pathlib import Path
-
 import numpy as np
 
 from ...dynamics.constraints.treatment import treatment_of
 from ...dynamics.joints.table import JOINTS
 from ...errors import InputError, nearest
 from ..common.material import check_materials
+from .body_specs import BodySpec, BodySpecs
 from .check_bodies import check_bodies, interfaces
 from .forces import Bushing, ForceLoad, TorqueLoad
 from .joints import drives
@@ -16,9 +15,10 @@ from .schema import BeamBody, Mechanism, RigidBody, ShellBody
 from .signals import JointSignal, PlyStressSignal, PointSignal, ReactionSignal, ResultantSignal
 
 
-def cross_check(mechanism: Mechanism, folder: Path) -> list[str]:
-    """Return one line per finding; `folder` is that of the case file."""
-    found = check_materials(mechanism.materials) + check_bodies(mechanism, folder)
+def cross_check(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodySpec], list[str]]:
+    """Return the specifications of the flexible bodies by name, and one line per finding."""
+    bodies, wrong = check_bodies(mechanism, specs)
+    found = check_materials(mechanism.materials) + wrong
     found += _joints(mechanism) + _two_drives(mechanism) + _forces(mechanism)
     for name, mass in mechanism.masses.items():
         found += check_place(f"masses.{name}.at", mass.at, mechanism, ground=False)
@@ -28,7 +28,7 @@ def cross_check(mechanism: Mechanism, folder: Path) -> list[str]:
         treatment_of(mechanism.solver.model_dump())
     except InputError as error:
         found.append(str(error))
-    return found
+    return bodies, found
 
 
 def check_place(key: str, place: str, mechanism: Mechanism, *, ground: bool) -> list[str]:

@@ -9,6 +9,7 @@ from pydantic import ValidationError
 
 from ...errors import InputError, nearest
 from ..common import lines, read_toml
+from .body_specs import BodySpec, BodySpecs
 from .check import cross_check
 from .laws import FOLDER
 from .schema import CaseFile, Mechanism
@@ -17,12 +18,23 @@ from .sweep_members import CheckedSweep, check_sweep
 
 @dataclass(frozen=True)
 class Case:
-    """A checked case: its top, one mechanism per run, and the members of its sweeps."""
+    """A checked case.
+
+    Attributes
+    ----------
+    name : of its folder
+    file : where it comes from
+    top : what is beside the mechanism
+    runs : mechanism by run
+    bodies : specifications of the flexible bodies by run and name
+    sweeps : with all their members
+    """
 
     name: str
     file: Path
     top: CaseFile
     runs: dict[str, Mechanism]
+    bodies: dict[str, dict[str, BodySpec]]
     sweeps: dict[str, CheckedSweep] = field(default_factory=dict)
 
 
@@ -64,7 +76,9 @@ def load_case(file: Path, *, coarse: bool = False) -> Case:
         merge(merged, quick)
         return merged
 
+    specs = BodySpecs(file.parent)
     runs: dict[str, Mechanism] = {}
+    bodies: dict[str, dict[str, BodySpec]] = {}
     for name, run in top.runs.items():
         merged = merged_with(f"runs.{name}", run.variants)
         try:
@@ -72,7 +86,8 @@ def load_case(file: Path, *, coarse: bool = False) -> Case:
         except ValidationError as error:
             problems += lines(error, Mechanism, str(file))
             continue
-        problems += [f"{file}: {p}" for p in cross_check(mechanism, file.parent)]
+        bodies[name], found = cross_check(mechanism, specs)
+        problems += [f"{file}: {problem}" for problem in found]
         runs[name] = mechanism
     for name, figure in top.figures.items():
         for run_name in figure.runs:
@@ -95,14 +110,14 @@ def load_case(file: Path, *, coarse: bool = False) -> Case:
             problems.append(f'{file}: {key}.run = "{sweep.run}": no such run{hint}')
         elif sweep.run in runs:
             merged = merged_with(key, [*top.runs[sweep.run].variants, *sweep.variants])
-            found = check_sweep(f"{file}: {key}", sweep, merged, file.parent)
-            if isinstance(found, list):
-                problems += found
+            checked = check_sweep(f"{file}: {key}", sweep, merged, specs)
+            if isinstance(checked, list):
+                problems += checked
             else:
-                sweeps[name] = found
+                sweeps[name] = checked
     if problems:
         raise InputError("\n".join(dict.fromkeys(problems)))
-    return Case(file.resolve().parent.name, file, top, runs, sweeps)
+    return Case(file.resolve().parent.name, file, top, runs, bodies, sweeps)
 
 
 def merge(base: dict[str, Any], over: dict[str, Any]) -> None:

@@ -5,18 +5,22 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError
+from ...package.body.specification import ShellSpecification
 from ..common import read_toml
 from ..common.gmsh_file import physical_groups
+from ..common.table import plain_table
 from ..shell.expand import shell_spec
 from .modes import ModeChoice, SpinningChoice, check_modes
-from .schema import Mechanism, ShellBody
+from .schema import ShellBody
 
 # What a description says of its own analysis; a body is held and loaded by its mechanism.
 LEFT_OUT = ("links", "supports", "loads", "probes", "frequencies")
 
 
-def shell_body_spec(name: str, body: ShellBody, folder: Path) -> dict[str, Any]:
-    """Return what the preprocessor needs to build one shell body, plain JSON, SI and degrees.
+def shell_body_spec(
+    name: str, body: ShellBody, folder: Path
+) -> tuple[ShellSpecification, list[Path]]:
+    """Return the specification of a shell, and the files beside the case file it is made from.
 
     Parameters
     ----------
@@ -25,29 +29,34 @@ def shell_body_spec(name: str, body: ShellBody, folder: Path) -> dict[str, Any]:
     Raises
     ------
     InputError
-        What is wrong with the description, one line each.
+        What is wrong with the body, one line each.
     """
-    return {
+    key = f"bodies.{name}"
+    try:
+        shell = _shell(body, folder)
+    except InputError as error:
+        lines = [f"{key}.shell: {line}" for line in str(error).splitlines()]
+        raise InputError("\n".join(lines)) from error
+    mesh = Path(shell["mesh"]["file"])
+    if found := _groups(key, body, mesh) + _check_motion(key, body):
+        raise InputError("\n".join(found))
+    spec: ShellSpecification = {
         "body": name,
         "kind": "shell",
-        "shell": _shell(body, folder),
+        "shell": shell,
         "mass_form": body.mass_form,
-        "reference": body.reference.model_dump(exclude_none=True),
-        "modes": [m.model_dump() for m in body.modes],
+        "reference": plain_table(body.reference),
+        "modes": [plain_table(mode) for mode in body.modes],
         "damping_ratio": body.damping_ratio,
-        "interfaces": {k: v.model_dump(exclude_none=True) for k, v in body.interfaces.items()},
+        "interfaces": {k: plain_table(v) for k, v in body.interfaces.items()},
     }
+    return spec, [folder / body.shell, mesh]
 
 
-def check_shell(key: str, body: ShellBody, folder: Path) -> list[str]:
-    """Return what is wrong with a shell body; `key` names it."""
-    try:
-        spec = _shell(body, folder)
-    except InputError as error:
-        return [f"{key}.shell: {line}" for line in str(error).splitlines()]
-    found = _groups(key, body, Path(spec["mesh"]["file"]))
+def _check_motion(key: str, body: ShellBody) -> list[str]:
+    """Return what is wrong with the interfaces that carry the frame, and with the modes."""
     places = {name: float(i) for i, name in enumerate(body.interfaces)}
-    found += check_modes(key, body.reference, body.modes, places)
+    found = check_modes(key, body.reference, body.modes, places)
     for place in body.reference.places:
         if place in body.interfaces and body.interfaces[place].link != "rigid":
             found.append(
@@ -69,16 +78,7 @@ def check_shell(key: str, body: ShellBody, folder: Path) -> list[str]:
     return found
 
 
-def shell_sources(mechanism: Mechanism, folder: Path) -> list[Path]:
-    """Return the files that the shells of a mechanism are made from."""
-    found = []
-    for body in mechanism.bodies.values():
-        if isinstance(body, ShellBody):
-            found += [folder / body.shell, Path(_shell(body, folder)["mesh"]["file"])]
-    return found
-
-
-def _shell(body: ShellBody, folder: Path) -> dict[str, Any]:
+def _shell(body: ShellBody, folder: Path) -> Any:
     file = folder / body.shell
     table = read_toml(file, "shell description")
     table = {key: value for key, value in table.items() if key not in LEFT_OUT}

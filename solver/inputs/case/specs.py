@@ -10,7 +10,6 @@ A file is rewritten only when its content changes, so that make rebuilds no
 package after an edit that does not concern it.
 """
 
-import hashlib
 import json
 import os
 from collections.abc import Iterable
@@ -18,59 +17,12 @@ from pathlib import Path
 from typing import Any
 
 from ...package.common.container import temporary_sibling
+from .body_specs import BodySpec
 from .joints import drives
 from .load import Case
-from .schema import BeamBody, Mechanism, PackageBody, ShellBody
-from .sections import section_sources, section_spec
-from .shells import shell_body_spec, shell_sources
+from .schema import Mechanism, PackageBody
 from .sweep_members import CheckedSweep
 from .sweep_table import sweep_content
-
-
-def body_spec(
-    name: str, body: BeamBody | ShellBody, mechanism: Mechanism, folder: Path
-) -> dict[str, Any]:
-    """Return what the preprocessor needs to build one flexible body, plain JSON, SI and degrees.
-
-    `folder` is that of the case file.
-    """
-    if isinstance(body, ShellBody):
-        return shell_body_spec(name, body, folder)
-    return {
-        "body": name,
-        "kind": "beam",
-        "length": body.length,
-        "elements": body.elements,
-        "x2_axis": body.x2_axis,
-        "section": section_spec(body, mechanism, folder),
-        "theory": body.theory,
-        "mass_form": body.mass_form,
-        "reference": body.reference.model_dump(exclude_none=True),
-        "modes": [m.model_dump() for m in body.modes],
-        "damping_ratio": body.damping_ratio,
-        "interfaces": {k: v.model_dump() for k, v in body.interfaces.items()},
-    }
-
-
-def inputs_sha256(spec: dict[str, Any]) -> str:
-    """Return the hash of a body's specification.
-
-    Where a mesh file lies says nothing about the body: its content has a hash in the
-    specification. Numbers count to twelve digits: the last ones of a cosine in the spacing of a
-    mesh are the machine's.
-    """
-    part = "shell" if spec["kind"] == "shell" else "section"
-    mesh = {k: v for k, v in spec[part]["mesh"].items() if k not in ("file", "arrays")}
-    content = {**spec, part: {**spec[part], "mesh": mesh}}
-    return hashlib.sha256(json.dumps(_rounded(content), sort_keys=True).encode()).hexdigest()
-
-
-def _rounded(data: Any) -> Any:
-    if isinstance(data, dict):
-        return {key: _rounded(value) for key, value in data.items()}
-    if isinstance(data, list | tuple):
-        return [_rounded(value) for value in data]
-    return float(f"{data:.12g}") if isinstance(data, float) else data
 
 
 def write_case(case: Case, out: Path, packages: Path | None = None) -> None:
@@ -83,7 +35,7 @@ def write_case(case: Case, out: Path, packages: Path | None = None) -> None:
     files = _BodyFiles(case, out, packages)
     run_packages: dict[str, list[str]] = {}
     for run, mechanism in case.runs.items():
-        table = files.packages(mechanism, "bodies", run)
+        table = files.packages(mechanism, case.bodies[run], "bodies", run)
         run_packages[run] = sorted(os.path.relpath(out / t["file"]) for t in table.values())
         write_if_changed(
             out / "runs" / f"{run}.json",
@@ -130,10 +82,9 @@ class _BodyFiles:
         self.case, self.out, self.ready = case, out, packages
         self.specs: list[Path] = []
         self._known: dict[str, tuple[Path, Path]] = {}  # hash -> specification, package
-        self._hashes: dict[str, tuple[str, dict[str, Any]]] = {}
 
     def packages(
-        self, mechanism: Mechanism, folder: str, run: str = ""
+        self, mechanism: Mechanism, specs: dict[str, BodySpec], folder: str, run: str = ""
     ) -> dict[str, dict[str, str]]:
         """Return the packages of the bodies of a mechanism: file from `out`, hash of its inputs.
 
@@ -146,13 +97,13 @@ class _BodyFiles:
             if isinstance(body, PackageBody):
                 file = (self.case.file.parent / body.package).resolve()
                 table[name] = {"file": os.path.relpath(file, self.out)}
-            elif isinstance(body, BeamBody | ShellBody):
-                digest, spec = self._spec(name, body, mechanism)
+            elif name in specs:
+                digest = specs[name].inputs_sha256
                 if digest not in self._known:
                     stem = f"{name}.{run or digest[:12]}"
                     file = self.out / folder / f"{stem}.json"
                     package = (self.ready or self.out / folder) / f"{stem}.vtkhdf"
-                    write_if_changed(file, dump({**spec, "inputs_sha256": digest}))
+                    write_if_changed(file, dump({**specs[name].content, "inputs_sha256": digest}))
                     self._known[digest] = file, package
                     self.specs.append(file)
                 package = self._known[digest][1]
@@ -166,23 +117,15 @@ class _BodyFiles:
         """Return the specifications of bodies."""
         return [self._known[digest][0] for digest in digests]
 
-    def _spec(
-        self, name: str, body: BeamBody | ShellBody, mechanism: Mechanism
-    ) -> tuple[str, dict[str, Any]]:
-        """Return hash and specification; the members of a sweep share most of them."""
-        parts = (body, mechanism.sections, mechanism.materials)
-        key = f"{name} {parts!r}"
-        if key not in self._hashes:
-            spec = body_spec(name, body, mechanism, self.case.file.parent)
-            self._hashes[key] = inputs_sha256(spec), spec
-        return self._hashes[key]
-
 
 def _sweep(
     case: Case, name: str, sweep: CheckedSweep, files: _BodyFiles
 ) -> tuple[dict[str, Any], list[Path]]:
     """Return the content of sweeps/<name>.json, and the specifications of its bodies."""
-    tables = [files.packages(member, "sweeps/bodies") for member in sweep.members]
+    tables = [
+        files.packages(member, bodies, "sweeps/bodies")
+        for member, bodies in zip(sweep.members, sweep.bodies, strict=True)
+    ]
     content = sweep_content(case.name, name, sweep, tables)
     digests = dict.fromkeys(
         t["inputs_sha256"] for table in tables for t in table.values() if "inputs_sha256" in t
@@ -212,15 +155,10 @@ def _write_rules(
     for run, needed in run_packages.items():
         text.append(f"{base}/{run}/summary.json: {base}/runs/{run}.json {' '.join(needed)}")
     folder = case.file.parent
-    sources = {
-        source
-        for mechanism in (*case.runs.values(), *(s.base for s in case.sweeps.values()))
-        for source in (
-            *section_sources(mechanism, folder),
-            *shell_sources(mechanism, folder),
-            *_law_sources(mechanism, folder),
-        )
-    }
+    mechanisms = [*case.runs.values(), *(s.base for s in case.sweeps.values())]
+    bodies = [*case.bodies.values(), *(b for s in case.sweeps.values() for b in s.bodies)]
+    sources = {file for specs in bodies for spec in specs.values() for file in spec.sources}
+    sources |= {file for mechanism in mechanisms for file in _law_sources(mechanism, folder)}
     for file in sorted(os.path.relpath(source) for source in sources):
         # Its own rule has no recipe: a file that is gone makes the rules anew.
         text += [f"{base}/case.mk: {file}", f"{file}:"]

@@ -1,7 +1,6 @@
 """The members of a sweep: every point of its design as a checked mechanism."""
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
@@ -9,6 +8,7 @@ from pydantic import ValidationError
 from ...errors import nearest
 from ...math.arrays import Array
 from ..common import lines
+from .body_specs import BodySpec, BodySpecs
 from .check import cross_check
 from .laws import FOLDER
 from .schema import Mechanism
@@ -26,10 +26,11 @@ class CheckedSweep:
     parameters: list[Parameter]
     points: Array  # (k, p)
     members: list[Mechanism]  # (k)
+    bodies: list[dict[str, BodySpec]]  # (k) specifications of their flexible bodies by name
 
 
 def check_sweep(
-    where: str, sweep: Sweep, merged: dict[str, Any], folder: Path
+    where: str, sweep: Sweep, merged: dict[str, Any], specs: BodySpecs
 ) -> CheckedSweep | list[str]:
     """Return the members of a sweep, or one line per finding.
 
@@ -37,14 +38,14 @@ def check_sweep(
     ----------
     where : file and key of the sweep
     merged : mechanism as the user wrote it, variants applied
-    folder : of the case file
+    specs : of the case
     """
-    context = {FOLDER: folder}
+    context = {FOLDER: specs.folder}
     try:
         base = Mechanism.model_validate(merged, context=context)
     except ValidationError as error:
         return lines(error, Mechanism, where)
-    found = [f"{where}: {line}" for line in cross_check(base, folder)]
+    found = [f"{where}: {line}" for line in cross_check(base, specs)[1]]
     for key in ("signals", "histories"):
         for name in getattr(sweep, key):
             if name not in base.signals:
@@ -65,7 +66,7 @@ def check_sweep(
         return found
     points = sweep.points()
     defaults = base.model_dump()
-    members, problems = [], dict[str, None]()
+    members, bodies, problems = [], list[dict[str, BodySpec]](), dict[str, None]()
     for values in points:
         changes = {
             key: float(value)
@@ -77,9 +78,11 @@ def check_sweep(
         except ValidationError as error:
             problems |= dict.fromkeys(lines(error, Mechanism, where))
             continue
-        problems |= dict.fromkeys(f"{where}: {line}" for line in cross_check(member, folder))
+        own, wrong = cross_check(member, specs)
+        problems |= dict.fromkeys(f"{where}: {line}" for line in wrong)
         members.append(member)
+        bodies.append(own)
     if problems:
         more = [f"{where}: ... and {len(problems) - TOLD} more"] if len(problems) > TOLD else []
         return [*list(problems)[:TOLD], *more]
-    return CheckedSweep(sweep, base, parameters, points, members)
+    return CheckedSweep(sweep, base, parameters, points, members, bodies)

@@ -2,7 +2,7 @@
 
 import itertools
 from collections.abc import Iterator
-from copy import deepcopy
+from copy import copy
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -209,21 +209,19 @@ def changed(table: dict[str, Any], defaults: Any, changes: dict[str, float]) -> 
 
     `defaults` is the whole mechanism, for lists that the user left out.
     """
-    found = deepcopy(table)
+    found = dict(table)
     for key, value in changes.items():
         *way, last = key.split(".")
         here: Any = found
         there: Any = defaults
         for part in way:
             there = there[int(part)] if isinstance(there, list) else there[part]
-            if isinstance(here, list):
-                here = here[int(part)]
-            else:
-                here = here.setdefault(part, deepcopy(there) if isinstance(there, list) else {})
-        if isinstance(here, list):
-            here[int(last)] = value
-        else:
-            here[last] = value
+            place: Any = int(part) if isinstance(here, list) else part
+            if isinstance(here, dict):
+                here.setdefault(part, there if isinstance(there, list) else {})
+            here[place] = copy(here[place])  # what does not change is shared with `table`
+            here = here[place]
+        here[int(last) if isinstance(here, list) else last] = value
     return found
 
 

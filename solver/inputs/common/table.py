@@ -15,6 +15,11 @@ class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True)
 
 
+def plain_table(table: BaseModel) -> Any:
+    """Return a table as plain data; keys that are absent and have no default are left out."""
+    return table.model_dump(exclude_none=True)
+
+
 def unit(name: str) -> dict[str, Any]:
     """Return what the manual shows as the unit of a key."""
     return {"unit": name}

@@ -18,7 +18,7 @@ from typing import Any
 from ...errors import InputError, nearest
 from ..common import read_toml
 from ..common.material import check_materials, plain
-from .description import Region, SectionDescription, checked, describe
+from .description import Region, SectionDescription, checked
 from .mesh_file import file_mesh
 from .mesh_table import ShapeMesh
 from .shapes.mesh import shape_mesh
@@ -42,11 +42,16 @@ def load_section(file: Path, folder: Path = BUILD) -> dict[str, Any]:
     return section_spec(read_toml(file, "section description"), file, folder)
 
 
-def source_files(file: Path) -> list[Path]:
-    """Return what a section is made from: its description, and a mesh or contour of its own."""
-    mesh = describe(file).mesh
-    names = [getattr(mesh, key, None) for key in ("file", "contour")]
-    beside = [file.parent / name for name in names if name is not None]
+def source_files(table: dict[str, Any], file: Path) -> list[Path]:
+    """Return what a section is made from: its description, and a mesh or contour of its own.
+
+    Parameters
+    ----------
+    table : the description, which `section_spec` accepts
+    file : where it comes from
+    """
+    mesh = table["mesh"]
+    beside = [file.parent / mesh[key] for key in ("file", "contour") if key in mesh]
     return [file, *(path for path in beside if path.is_file())]
 
 

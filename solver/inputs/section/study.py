@@ -19,7 +19,6 @@ import itertools
 import re
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -59,21 +58,6 @@ class Study(Table):
         default="product", description="all combinations of the sweeps, or one value of each"
     )
     sweep: list[Sweep] = Field(default=[], description="what is varied")
-
-
-@dataclass(frozen=True)
-class Entry:
-    """One section of a batch."""
-
-    name: str
-    file: Path  # its description
-    changes: dict[str, Any] = field(default_factory=dict)  # dotted key -> value
-
-    @property
-    def where(self) -> str:
-        """File and changes, for messages."""
-        changes = ", ".join(f"{key} = {value}" for key, value in self.changes.items())
-        return f"{self.file} with {changes}" if changes else str(self.file)
 
 
 def study_variants(path: Path, table: dict[str, Any]) -> tuple[Study, Variants]:

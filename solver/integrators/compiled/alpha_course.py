@@ -7,7 +7,7 @@ import numpy as np
 from ...dynamics.model import Model
 from ...dynamics.workspace import Work, new_work
 from ...math.arrays import Array, IntArray
-from ...math.compiled import jit
+from ...math.compiled import structure
 from .course import NEXT, TIME
 from .pencil import Frozen, Pencil, new_frozen, new_pencil
 
@@ -15,6 +15,7 @@ from .pencil import Frozen, Pencil, new_frozen, new_pencil
 POWER, POWER_LAST = 3, 4
 
 
+@structure
 class AlphaCourse(NamedTuple):
     """Memory of a run. Rates are laid out as y: their velocity entries are accelerations."""
 
@@ -45,7 +46,6 @@ class AlphaCourse(NamedTuple):
     counts: IntArray  # (6,) see course.py
 
 
-@jit
 def new_alpha_course(
     model: Model, t: float, y: Array, rate: Array, multipliers: Array, first_step: float
 ) -> AlphaCourse:

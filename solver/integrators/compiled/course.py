@@ -7,7 +7,7 @@ import numpy as np
 from ...dynamics.model import Model
 from ...dynamics.workspace import Work, new_work
 from ...math.arrays import Array, IntArray
-from ...math.compiled import inlined, jit
+from ...math.compiled import inlined, structure
 from .pencil import Frozen, Pencil, new_frozen, new_pencil
 
 # What a call comes back with; and, of an attempt refused, that a shorter one follows.
@@ -23,6 +23,7 @@ SMALLEST = 1e-300  # step, whatever the time [s]
 MAX_NOT_FINITE = 25  # attempts in a row
 
 
+@structure
 class Options(NamedTuple):
     """What does not change during a run."""
 
@@ -77,6 +78,7 @@ def count_step(clock: Array, counts: IntArray, h: float, t_new: float) -> None:
     counts[BAD] = 0
 
 
+@structure
 class Course(NamedTuple):
     """Memory of a run, which a call takes up where the last one left it."""
 
@@ -102,7 +104,6 @@ class Course(NamedTuple):
     counts: IntArray  # (6,)
 
 
-@jit
 def new_course(
     model: Model, t: float, y: Array, rate: Array, multipliers: Array, first_step: float
 ) -> Course:

@@ -25,10 +25,11 @@ from ...dynamics.model import Model
 from ...dynamics.system import REGULAR, soften
 from ...dynamics.workspace import Factors, Work, new_factors
 from ...math.arrays import Array
-from ...math.compiled import inlined, jit, lean
+from ...math.compiled import inlined, lean, structure
 from ...math.rotations import along_parameters
 
 
+@structure
 class Pencil(NamedTuple):
     """Factors for one s, and a right-hand side with its answer."""
 
@@ -42,6 +43,7 @@ class Pencil(NamedTuple):
     mu: Array  # (n_c,)
 
 
+@structure
 class Frozen(NamedTuple):
     """Mass matrix, Jacobian and Euler parameters at one place of a step."""
 
@@ -51,7 +53,6 @@ class Frozen(NamedTuple):
     p: Array  # (nb, 4)
 
 
-@jit
 def new_pencil(model: Model, one: Any) -> Pencil:
     """Return memory of the type of `one`."""
     nb, n, n_c = model.n_body, model.plan.widest, model.n_constraint
@@ -68,7 +69,6 @@ def new_pencil(model: Model, one: Any) -> Pencil:
     )
 
 
-@jit
 def new_frozen(model: Model) -> Frozen:
     """Return memory."""
     nb, n, r = model.n_body, model.plan.widest, model.plan.most_rows

@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 from ...errors import did_you_mean
+from ...math.compiled import structure
 
 FORMULATIONS = ("ggl", "index3")
 SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 2.0
@@ -11,6 +12,7 @@ MAX_ITERATIONS = 8
 TOLERANCE = 0.05  # of the local error allowed, left over by Newton's iteration
 
 
+@structure
 class Scheme(NamedTuple):
     """Coefficients for one spectral radius rho at infinity."""
 

@@ -1,5 +1,7 @@
 """What must hold before the solver may use a package: layout and numbers."""
 
+from pathlib import Path
+
 import h5py
 import numpy as np
 
@@ -11,7 +13,7 @@ from ..common.array_checks import (
     rotations,
     symmetric,
 )
-from ..common.dataset import defined_sizes, misshaped, missing_or_mistyped
+from ..common.dataset import defined_sizes, encoded, misshaped, missing_or_mistyped
 from ..common.finding import Finding
 from ..section.recovery_checks import check_recovery
 from ..section.recovery_data import RECOVERY_LAYOUT, RECOVERY_SIZED_BY
@@ -20,16 +22,20 @@ from .laminate_data import CELL_LAYOUT, CELL_SIZED_BY, LAMINATE_LAYOUT, LAMINATE
 from .layout import (
     BODY_LAYOUT,
     BODY_RECOVERY_LAYOUT,
+    GROUP,
     INTERFACE_LAYOUT,
     SECTION_LAYOUT,
+    body_sizes,
     body_values,
 )
 from .recovery_checks import check_stations
+from .scales import critical_damping, modal_mass_sizes
 from .schema import MASS_FORMS, MODE_KINDS, REFERENCE_CONDITIONS, ModalPackage
 from .second_order import (
     INTERFACE_SECOND_ORDER_LAYOUT,
     SECOND_ORDER_LAYOUT,
     check_second_order,
+    second_order_values,
 )
 
 INTERFACE_KINDS = ("node", "average")
@@ -78,8 +84,20 @@ def layout_findings(group: h5py.Group) -> list[Finding]:
     return findings
 
 
+def check_shapes(path: Path, package: ModalPackage) -> None:
+    """Raise PackageError for the first array of the body of a wrong type or shape."""
+    sizes, values = body_sizes(package), body_values(package)
+    layout = BODY_LAYOUT
+    if package.second_order is not None:
+        values |= second_order_values(package.second_order)
+        layout += SECOND_ORDER_LAYOUT
+    for spec in layout:
+        if spec.path in values:
+            encoded(f"{path}: /{GROUP}/{spec.path}", spec, values[spec.path], sizes)
+
+
 def content_findings(package: ModalPackage) -> list[Finding]:
-    """Check the numbers that the solver relies on, of a package in memory."""
+    """Check the numbers that the solver relies on, of a package whose shapes are right."""
     bad: list[Finding] = []
 
     def error(dataset: str, message: str) -> None:
@@ -105,9 +123,10 @@ def content_findings(package: ModalPackage) -> list[Finding]:
     if bad:
         return bad  # every other test would only repeat it
 
-    for name in ("mass", "stiffness", "damping"):
-        symmetric(f"modes/{name}", getattr(package, name), error)
-    positive_definite("modes/mass", package.mass, error)
+    largest_damping = float(critical_damping(package).max(initial=0.0))
+    for name, scale in (("mass", 0.0), ("stiffness", 0.0), ("damping", largest_damping)):
+        symmetric(f"modes/{name}", getattr(package, name), error, scale)
+    positive_definite("modes/mass", package.mass, error, modal_mass_sizes(package))
     if np.any(np.asarray(package.node_mass) < 0):
         row = int(np.argmin(package.node_mass))
         error("nodal/mass", f"expected masses >= 0, row {row} is {package.node_mass[row]:.6g} kg")

@@ -110,6 +110,7 @@ def _energy(package: ModalPackage, found: CellResultants, area: Array) -> Iterat
     stiffness = np.diag(package.stiffness)
     with np.errstate(divide="ignore", invalid="ignore"):
         factor = np.where(stiffness > 0.0, energy / stiffness, 0.0)
+    factor[[kind == "rigid" for kind in package.mode_kinds]] = 0.0  # rounding over rounding
     if package.n_mode and factor.max() > ENERGY:
         i = int(np.argmax(factor))
         text = f"mode {i + 1}: their strain energy is {factor[i]:.3g} times that of modes/stiffness"

@@ -1,16 +1,15 @@
 """Read a modal package and refuse what the solver could not rely on (docs/format.md)."""
 
-import warnings
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
 
-from ...errors import PackageError
-from ..common.container import get_text, open_file
-from ..common.dataset import read_dataset
-from ..common.finding import raise_first
-from ..common.identity import checksum_findings, identity_notes, json_table
+from ..common.container import get_text
+from ..common.dataset import DatasetSpec, read_datasets
+from ..common.identity import json_table
+from ..common.object_file import read_object_file
 from ..section.recovery_data import RECOVERY_LAYOUT, recovery_from
 from .checks import content_findings, layout_findings
 from .laminate_data import (
@@ -43,21 +42,13 @@ def read_package(path: str | Path) -> ModalPackage:
         When the file is missing, truncated, foreign, newer, incomplete,
         altered, or its numbers cannot be used; names file and dataset.
     """
-    path = Path(path)
-    with open_file(path, PackageError) as file:
-        for note in identity_notes(path, file, MODAL_PACKAGE):
-            warnings.warn(note.message, UserWarning, stacklevel=2)
-        raise_first(path, layout_findings(file[GROUP]))
-        raise_first(path, checksum_findings(file, MODAL_PACKAGE))
-        package = load(file)
-    raise_first(path, content_findings(package))
-    return package
+    return read_object_file(path, MODAL_PACKAGE, layout_findings, load, content_findings)
 
 
 def load(file: h5py.File) -> ModalPackage:
     """Read all arrays of a file whose layout has been checked."""
     group = file[GROUP]
-    data = {s.path: read_dataset(group[s.path], s) for s in BODY_LAYOUT if s.path in group}
+    data = read_datasets(group, BODY_LAYOUT)
     invariants = {
         s.path.split("/")[1]: data[s.path] for s in BODY_LAYOUT if s.path.startswith("invariants/")
     }
@@ -84,12 +75,7 @@ def load(file: h5py.File) -> ModalPackage:
             Interface(
                 name=g.name.rsplit("/", 1)[1],
                 kind=get_text(g, "kind", "node"),
-                **{s.path: read_dataset(g[s.path], s) for s in INTERFACE_LAYOUT},
-                **{
-                    s.path: read_dataset(g[s.path], s)
-                    for s in INTERFACE_SECOND_ORDER_LAYOUT
-                    if s.path in g
-                },
+                **read_datasets(g, (*INTERFACE_LAYOUT, *INTERFACE_SECOND_ORDER_LAYOUT)),
             )
             for g in _ordered(group, "interfaces")
         ),
@@ -109,33 +95,29 @@ def load(file: h5py.File) -> ModalPackage:
 def _second_order(group: h5py.Group) -> SecondOrder | None:
     if "second_order" not in group:
         return None
-    return SecondOrder(
-        **{s.path.split("/")[1]: read_dataset(group[s.path], s) for s in SECOND_ORDER_LAYOUT}
-    )
+    return SecondOrder(**_by_name(group, SECOND_ORDER_LAYOUT))
 
 
 def _section(file: h5py.File, group: h5py.Group) -> SectionData:
     recovery = None
     if "recovery" in group:
-        data = {s.path: read_dataset(group[s.path], s) for s in RECOVERY_LAYOUT}
+        data = read_datasets(group, RECOVERY_LAYOUT)
         recovery = recovery_from(data, f"{file.filename}: {group.name}")
     return SectionData(
         name=group.name.rsplit("/", 1)[1],
         recovery=recovery,
-        **{s.path: read_dataset(group[s.path], s) for s in SECTION_LAYOUT},
+        **read_datasets(group, SECTION_LAYOUT),
     )
 
 
 def _body_recovery(group: h5py.Group) -> BodyRecovery | None:
     if "recovery" not in group:
         return None
-    return BodyRecovery(
-        **{s.path.split("/")[1]: read_dataset(group[s.path], s) for s in BODY_RECOVERY_LAYOUT}
-    )
+    return BodyRecovery(**_by_name(group, BODY_RECOVERY_LAYOUT))
 
 
 def _laminate(file: h5py.File, group: h5py.Group) -> LaminateData:
-    data = {s.path: read_dataset(group[s.path], s) for s in LAMINATE_LAYOUT}
+    data = read_datasets(group, LAMINATE_LAYOUT)
     name = group.name.rsplit("/", 1)[1]
     return laminate_from(name, data, f"{file.filename}: {group.name}")
 
@@ -143,9 +125,12 @@ def _laminate(file: h5py.File, group: h5py.Group) -> LaminateData:
 def _cell_resultants(group: h5py.Group) -> CellResultants | None:
     if "cell_resultants" not in group:
         return None
-    return CellResultants(
-        **{s.path.split("/")[1]: read_dataset(group[s.path], s) for s in CELL_LAYOUT}
-    )
+    return CellResultants(**_by_name(group, CELL_LAYOUT))
+
+
+def _by_name(group: h5py.Group, layout: tuple[DatasetSpec, ...]) -> dict[str, Any]:
+    """Values by the last part of their path."""
+    return {path.rsplit("/", 1)[-1]: value for path, value in read_datasets(group, layout).items()}
 
 
 def _ordered(group: h5py.Group, parent: str) -> list[h5py.Group]:

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ...math.definite import is_positive_definite
 from ..common.array_checks import finite, rotations, rows_of
 from ..common.finding import Finding, Reporter
 from ..section.schema import RESULTANTS
@@ -29,8 +30,7 @@ def recovery_findings(package: ModalPackage) -> Iterator[Finding]:
     if package.recovery is None and all(s.recovery is None for s in package.sections):
         return
     for section in package.sections:
-        scale = 1.0 / np.sqrt(np.maximum(np.diag(section.K), 1e-300))
-        if not np.linalg.eigvalsh(section.K * np.outer(scale, scale))[0] > 0.0:
+        if not is_positive_definite(section.K):
             path = f"/modal_package/sections/{section.name}/K"
             yield Finding("warning", path, "not positive definite: stresses cannot belong to it")
             return
@@ -59,7 +59,8 @@ def _energy(package: ModalPackage) -> Iterator[Finding]:
     """Compare F6' K^-1 F6 along the beam with the modal stiffness.
 
     Not of attachment modes: what they are made of between a few stations, and the shear that a
-    classical beam leaves out, are no small part of their energy.
+    classical beam leaves out, are no small part of their energy. Nor of rigid motions, which have
+    none but rounding.
     """
     found = package.recovery
     if found is None or not package.n_mode:
@@ -71,8 +72,8 @@ def _energy(package: ModalPackage) -> Iterator[Finding]:
     stiffness = np.diag(package.stiffness)
     with np.errstate(divide="ignore", invalid="ignore"):
         factor = np.where(stiffness > 0.0, energy / stiffness, 1.0)
-    static = np.array([kind == "attachment" for kind in package.mode_kinds])
-    wrong = np.flatnonzero(~static & ((factor > ENERGY) | (factor < 1.0 / ENERGY)))
+    left_out = np.array([kind in ("attachment", "rigid") for kind in package.mode_kinds])
+    wrong = np.flatnonzero(~left_out & ((factor > ENERGY) | (factor < 1.0 / ENERGY)))
     if wrong.size:
         i = int(wrong[0])
         text = f"mode {i + 1}: their strain energy is {factor[i]:.3g} times that of modes/stiffness"

@@ -6,18 +6,19 @@ layout.py and docs/format.md.
 """
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, get_args
 
 from ...math.arrays import Array, IntArray
 from ..section.schema import SectionRecovery
 from .laminate_data import CellResultants, LaminateData
+from .specification import MassForm, ReferenceKind
 
 FORMAT = "plymotion modal package"
 FORMAT_VERSION = (1, 3)
 
 MODE_KINDS = ("rigid", "fixed_normal", "constraint", "attachment", "residual", "experimental")
-REFERENCE_CONDITIONS = ("clamped", "chord", "mean-axis")
-MASS_FORMS = ("consistent", "lumped")
+REFERENCE_CONDITIONS = get_args(ReferenceKind)
+MASS_FORMS = get_args(MassForm)
 
 
 @dataclass(frozen=True)

@@ -6,18 +6,18 @@ import h5py
 import numpy as np
 
 from ...errors import PackageError
-from ..common.container import new_file, set_text
-from ..common.dataset import write_dataset
+from ..common.container import set_text
+from ..common.dataset import write_dataset, write_datasets
 from ..common.finding import raise_first
-from ..common.identity import json_text, write_checksum, write_identity
+from ..common.identity import json_text
+from ..common.object_file import new_object_file
 from ..common.vtk_view import create_grid, describe, part_view
 from ..section.recovery_data import RECOVERY_LAYOUT, recovery_sizes, recovery_values
-from .checks import content_findings
+from .checks import check_shapes, content_findings
 from .laminate_data import CELL_LAYOUT, LAMINATE_LAYOUT, laminate_values
 from .layout import (
     BODY_LAYOUT,
     BODY_RECOVERY_LAYOUT,
-    GROUP,
     INTERFACE_LAYOUT,
     MODAL_PACKAGE,
     SECTION_LAYOUT,
@@ -42,28 +42,22 @@ def write_package(path: str | Path, package: ModalPackage) -> None:
         message names file and dataset, nothing is written.
     """
     path = Path(path)
-    if path.suffix != ".vtkhdf":
-        raise PackageError(f"{path}: a modal package ends in .vtkhdf (ParaView goes by the name)")
+    check_shapes(path, package)
     raise_first(path, content_findings(package))
-    with new_file(path) as file:
-        write_identity(file, MODAL_PACKAGE, package.body)
+    with new_object_file(path, MODAL_PACKAGE, package.body, "a modal package") as (file, group):
         provenance = json_text(f"{path}: provenance", package.provenance)
         try:
             set_text(file, "provenance", provenance)
         except ValueError as cause:
             raise PackageError(f"{path}: provenance: {cause}") from cause
-        group = file.create_group(GROUP)
         _write_body(path, group, package)
         _write_view(file, group)
-        write_checksum(file, MODAL_PACKAGE)
 
 
 def _write_body(path: Path, group: h5py.Group, package: ModalPackage) -> None:
     set_text(group, "reference_condition", package.reference_condition)
     sizes, values = body_sizes(package), body_values(package)
-    for spec in BODY_LAYOUT:
-        if spec.path in values:
-            write_dataset(path, group, spec, values[spec.path], sizes)
+    write_datasets(path, group, BODY_LAYOUT, values, sizes)
     set_text(group["invariants"], "mass_form", package.invariants.mass_form)
     for index, interface in enumerate(package.interfaces):
         sub = _named_group(path, group, "interfaces", interface.name, index)

@@ -6,9 +6,11 @@ import numpy as np
 
 from ...errors import did_you_mean
 from ...math.arrays import Array, IntArray
+from ...math.definite import REGULAR, smallest_eigenvalue
 from .finding import Reporter
 
 SYMMETRY = 1e-9  # largest |K - K'| over largest |K|
+ROUNDING = 1e-13  # of the terms of a sum: no more than this is left where they cancel
 ORTHONORMAL = 1e-9  # largest entry of |A'A - 1|
 
 
@@ -20,31 +22,37 @@ def finite(path: str, value: object, error: Reporter) -> None:
         error(path, f"expected finite numbers, entry {list(index)} is {array[index]}")
 
 
-def symmetric(path: str, matrix: Array, error: Reporter) -> None:
-    """Report the pair of entries that differ most."""
+def symmetric(path: str, matrix: Array, error: Reporter, scale: float = 0.0) -> None:
+    """Report the pair of entries that differ most.
+
+    `scale`: size of the terms that the entries are sums of; they may cancel.
+    """
     matrix = np.asarray(matrix)
     if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not matrix.size:
-        return  # the layout check says it better
+        return  # the layout check reports it
     gap = np.abs(matrix - matrix.T)
-    if gap.max() > SYMMETRY * np.abs(matrix).max():
+    if gap.max() > max(SYMMETRY * np.abs(matrix).max(), ROUNDING * scale):
         i, j = (int(v) for v in np.unravel_index(np.argmax(gap), gap.shape))
         pair = f"entries [{i}, {j}] and [{j}, {i}] are {matrix[i, j]:.6g} and {matrix[j, i]:.6g}"
         error(path, f"expected a symmetric matrix, {pair}")
 
 
-def positive_definite(path: str, matrix: Array, error: Reporter) -> None:
-    """Report a matrix with an eigenvalue that is not above round-off."""
+def positive_definite(path: str, matrix: Array, error: Reporter, size: Array | None = None) -> None:
+    """Report a matrix that has an eigenvalue at or below zero, rounding included.
+
+    `size` (n,): square roots of the diagonal that the data would make; see `to_unit_diagonal`.
+    """
     matrix = np.asarray(matrix)
     if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not matrix.size:
         return
     try:
-        values = np.linalg.eigvalsh((matrix + matrix.T) / 2)
+        smallest = smallest_eigenvalue(matrix, size)
     except np.linalg.LinAlgError as cause:
         error(path, f"its eigenvalues cannot be computed ({cause})")
         return
-    if values[0] <= np.finfo(float).eps * len(values) * abs(values[-1]):
-        text = f"expected a positive definite matrix, smallest eigenvalue is {values[0]:.6g}"
-        error(path, text)
+    if not smallest > REGULAR:
+        text = f"expected a positive definite matrix, smallest eigenvalue is {smallest:.6g}"
+        error(path, f"{text} after scaling to a unit diagonal")
 
 
 def one_of(path: str, values: Iterable[str], known: tuple[str, ...], error: Reporter) -> None:

@@ -98,6 +98,38 @@ def write_dataset(
         set_text(dataset, key, getattr(spec, key))
 
 
+def write_datasets(
+    path: Path,
+    group: h5py.Group,
+    specs: Iterable[DatasetSpec],
+    values: Mapping[str, Any],
+    sizes: Mapping[str, int],
+) -> None:
+    """Write those datasets of a layout table that have a value, by path."""
+    for spec in specs:
+        if spec.path in values:
+            write_dataset(path, group, spec, values[spec.path], sizes)
+
+
+def read_datasets(group: h5py.Group, specs: Iterable[DatasetSpec]) -> dict[str, Any]:
+    """Return the values of those datasets of a layout table that are there, by path."""
+    return {spec.path: read_dataset(group[spec.path], spec) for spec in specs if spec.path in group}
+
+
+def check_datasets(
+    where: str, specs: Iterable[DatasetSpec], values: Mapping[str, Any], sizes: Mapping[str, int]
+) -> None:
+    """Raise PackageError for the first value of a wrong type or shape; `where`: file and group."""
+    for spec in specs:
+        if spec.path in values:
+            encoded(f"{where}/{spec.path}", spec, values[spec.path], sizes)
+
+
+def declared_sizes(values: Mapping[str, Any], defining: Mapping[str, str]) -> dict[str, int]:
+    """Return size by symbol, the length of the value that defines each."""
+    return {symbol: len(values[path]) for symbol, path in defining.items() if path in values}
+
+
 def read_dataset(dataset: h5py.Dataset, spec: DatasetSpec) -> Any:
     """Return the value of a dataset whose type and shape have been checked."""
     if spec.type != "text":

@@ -8,7 +8,7 @@ import numpy as np
 from ...errors import did_you_mean
 from ...math.arrays import Array
 from ..common.array_checks import finite, mesh_cells, positive_definite, rows_of, symmetric
-from ..common.dataset import defined_sizes, encoded, misshaped, missing_or_mistyped
+from ..common.dataset import check_datasets, defined_sizes, misshaped, missing_or_mistyped
 from ..common.finding import Finding, Reporter
 from .layout import (
     SECTION_FILE_LAYOUT,
@@ -38,11 +38,8 @@ def section_layout_findings(group: h5py.Group) -> list[Finding]:
 def check_shapes(path: Path, section: SectionFile) -> None:
     """Raise PackageError for the first array of a wrong type or shape."""
     values = section_values(section, str(path))
-    sizes = section_sizes(values)
-    for spec in SECTION_FILE_LAYOUT:
-        if spec.path in values:
-            where = f"{path}: /{SECTION_GROUP}/{spec.path}"
-            encoded(where, spec, values[spec.path], sizes)
+    where = f"{path}: /{SECTION_GROUP}"
+    check_datasets(where, SECTION_FILE_LAYOUT, values, section_sizes(values))
 
 
 def section_content_findings(section: SectionFile) -> list[Finding]:
@@ -86,14 +83,13 @@ def section_plausibility_findings(section: SectionFile) -> list[Finding]:
 
 
 def _definite(path: str, matrix: Array, error: Reporter) -> None:
-    """Test in units of its own diagonal: entries of N and N m2 differ by any power of ten."""
+    """Report an entry of the diagonal that is not above 0, or else what the eigenvalues show."""
     diagonal = np.diag(matrix)
     if not np.all(diagonal > 0.0):
         i = int(np.argmin(diagonal))
         error(path, f"expected a diagonal above 0, entry [{i}, {i}] is {diagonal[i]:.6g}")
         return
-    scale = 1.0 / np.sqrt(diagonal)
-    positive_definite(path, matrix * np.outer(scale, scale), error)
+    positive_definite(path, matrix, error)
 
 
 def _mesh(section: SectionFile, error: Reporter) -> None:

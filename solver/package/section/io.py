@@ -1,24 +1,16 @@
 """Write and read a section file: HDF5 that is a valid VTKHDF file too (docs/section-file.md)."""
 
-import warnings
 from pathlib import Path
-from typing import Any
 
 import h5py
 import numpy as np
 
-from ...errors import PackageError
-from ..common.container import get_text, new_file, open_file, set_long_text
-from ..common.dataset import read_dataset, write_dataset
+from ..common.container import get_text, set_long_text
+from ..common.dataset import read_datasets, write_datasets
 from ..common.finding import raise_first
-from ..common.identity import (
-    checksum_findings,
-    identity_notes,
-    json_table,
-    json_text,
-    write_checksum,
-    write_identity,
-)
+from ..common.identity import json_table, json_text
+from ..common.object_file import new_object_file, read_object_file
+from ..common.reported import warnings_from
 from ..common.vtk_view import create_grid, describe, part_view, plane_view
 from .checks import check_shapes, section_content_findings, section_layout_findings
 from .layout import SECTION_FILE, SECTION_FILE_LAYOUT, SECTION_GROUP, section_sizes, section_values
@@ -41,55 +33,28 @@ def write_section(path: str | Path, section: SectionFile) -> None:
         and dataset, nothing is written.
     """
     path = Path(path)
-    if path.suffix != ".vtkhdf":
-        raise PackageError(f"{path}: a section file ends in .vtkhdf (ParaView goes by the name)")
     check_shapes(path, section)
     raise_first(path, section_content_findings(section))
     values = section_values(section, str(path))
-    sizes = section_sizes(values)
-    with new_file(path) as file:
-        write_identity(file, SECTION_FILE, section.name)
-        provenance = json_text(f"{path}: provenance", section.provenance)
-        set_long_text(file, "provenance", provenance)
-        group = file.create_group(SECTION_GROUP)
-        for spec in SECTION_FILE_LAYOUT:
-            if spec.path in values:
-                write_dataset(path, group, spec, values[spec.path], sizes)
+    with new_object_file(path, SECTION_FILE, section.name, "a section file") as (file, group):
+        set_long_text(file, "provenance", json_text(f"{path}: provenance", section.provenance))
+        write_datasets(path, group, SECTION_FILE_LAYOUT, values, section_sizes(values))
         _write_view(file, group, section)
-        write_checksum(file, SECTION_FILE)
 
 
 def read_section(path: str | Path) -> SectionFile:
-    """Read a section file and check that its numbers can be used.
-
-    A newer minor version of the format gives a warning only.
-
-    Raises
-    ------
-    PackageError
-        When the file is missing, truncated, foreign, newer, incomplete, altered, or its numbers
-        cannot be used; names file and dataset.
-    """
-    path = Path(path)
-    with open_file(path, PackageError) as file:
-        for note in identity_notes(path, file, SECTION_FILE):
-            warnings.warn(note.message, UserWarning, stacklevel=2)
-        raise_first(path, section_layout_findings(file[SECTION_GROUP]))
-        raise_first(path, checksum_findings(file, SECTION_FILE))
-        section = load_section(file)
-    raise_first(path, section_content_findings(section))
-    return section
+    """Read a section file and check that its numbers can be used; see `read_object_file`."""
+    return read_object_file(
+        path, SECTION_FILE, section_layout_findings, load_section, section_content_findings
+    )
 
 
 def load_section(file: h5py.File) -> SectionFile:
     """Read all arrays of a file whose layout has been checked."""
     group = file[SECTION_GROUP]
-    data: dict[str, Any] = {
-        s.path: read_dataset(group[s.path], s) for s in SECTION_FILE_LAYOUT if s.path in group
-    }
+    data = read_datasets(group, SECTION_FILE_LAYOUT)
     mesh = {name: data[f"mesh/{name}"] for name in ("nodes", "connectivity", "offsets", "region")}
     mesh |= {name: data[f"mesh/{name}"] for name in ("regions", "ply", "layer_direction", "fibre")}
-    reported = zip(data["warnings/codes"], data["warnings/messages"], strict=True)
     return SectionFile(
         name=get_text(file, SECTION_FILE.title),
         K=data["K"],
@@ -101,7 +66,7 @@ def load_section(file: h5py.File) -> SectionFile:
         mesh=SectionMeshData(cell_types=data["mesh/cell_types"].astype(np.int64), **mesh),
         warping=data["warping"],
         recovery=recovery_from(data, f"{file.filename}: {group.name}"),
-        warnings=tuple({"code": code, "message": message} for code, message in reported),
+        warnings=warnings_from(data),
         provenance=json_table(f"{file.filename}: provenance", get_text(file, "provenance", "{}")),
     )
 

@@ -6,8 +6,9 @@ integration points, `w` warnings.
 
 from typing import Any
 
-from ..common.dataset import DatasetSpec, F, I, T, spec
+from ..common.dataset import DatasetSpec, F, I, T, declared_sizes, spec
 from ..common.identity import FileFormat
+from ..common.reported import WARNINGS_LAYOUT, WARNINGS_SIZED_BY, warning_values
 from .recovery_data import RECOVERY_LAYOUT, RECOVERY_SIZED_BY, recovery_values
 from .schema import SECTION_FORMAT, SECTION_FORMAT_VERSION, SectionFile
 
@@ -44,8 +45,7 @@ SECTION_FILE_LAYOUT: tuple[DatasetSpec, ...] = (
         "warping", "6, n, 3", F, "m/N, 1/N", "section", "displacement of nodes per unit resultant"
     ),
     *RECOVERY_LAYOUT,
-    spec("warnings/codes", "w", T, "-", "-", "a word for each warning of the analysis"),
-    spec("warnings/messages", "w", T, "-", "-", "the warning for people"),
+    *WARNINGS_LAYOUT,
 )
 
 # The dataset whose first axis defines each size.
@@ -55,7 +55,7 @@ SECTION_SIZED_BY = {
     "c": "mesh/cell_types",
     "r": "mesh/regions",
     **RECOVERY_SIZED_BY,
-    "w": "warnings/codes",
+    **WARNINGS_SIZED_BY,
 }
 
 
@@ -72,8 +72,7 @@ def section_values(section: SectionFile, where: str = "section") -> dict[str, An
         "tension_centre": section.tension_centre,
         "mass_centre": section.mass_centre,
         "warping": section.warping,
-        "warnings/codes": [warning["code"] for warning in section.warnings],
-        "warnings/messages": [warning["message"] for warning in section.warnings],
+        **warning_values(section.warnings),
     }
     if section.error_estimate is not None:
         values["error_estimate"] = section.error_estimate
@@ -86,4 +85,4 @@ def section_values(section: SectionFile, where: str = "section") -> dict[str, An
 
 def section_sizes(values: dict[str, Any]) -> dict[str, int]:
     """Return the sizes that the arrays of a section declare."""
-    return {symbol: len(values[path]) for symbol, path in SECTION_SIZED_BY.items()}
+    return declared_sizes(values, SECTION_SIZED_BY)

@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 
 from ..common.array_checks import finite, mesh_cells, one_of, rotations, rows_of, symmetric
-from ..common.dataset import defined_sizes, encoded, misshaped, missing_or_mistyped
+from ..common.dataset import check_datasets, defined_sizes, misshaped, missing_or_mistyped
 from ..common.finding import Finding
 from .layout import SHELL_GROUP, SHELL_LAYOUT, SHELL_SIZED_BY, TRIANGLE, shell_sizes, shell_values
 from .schema import SHELL_MOTIONS, SHELL_RESULTANTS, ShellFile
@@ -30,10 +30,7 @@ def shell_layout_findings(group: h5py.Group) -> list[Finding]:
 def check_shell_shapes(path: Path, shell: ShellFile) -> None:
     """Raise PackageError for the first array of a wrong type or shape."""
     values = shell_values(shell, str(path))
-    sizes = shell_sizes(values)
-    for spec in SHELL_LAYOUT:
-        if spec.path in values:
-            encoded(f"{path}: /{SHELL_GROUP}/{spec.path}", spec, values[spec.path], sizes)
+    check_datasets(f"{path}: /{SHELL_GROUP}", SHELL_LAYOUT, values, shell_sizes(values))
 
 
 def shell_content_findings(shell: ShellFile) -> list[Finding]:

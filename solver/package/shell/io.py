@@ -1,24 +1,17 @@
 """Write and read a shell results file: HDF5 that is a valid VTKHDF file too."""
 
-import warnings
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
 
-from ...errors import PackageError
-from ..common.container import get_text, new_file, open_file, set_long_text
-from ..common.dataset import read_dataset, write_dataset
+from ..common.container import get_text, set_long_text
+from ..common.dataset import read_datasets, write_datasets
 from ..common.finding import raise_first
-from ..common.identity import (
-    checksum_findings,
-    identity_notes,
-    json_table,
-    json_text,
-    write_checksum,
-    write_identity,
-)
+from ..common.identity import json_table, json_text
+from ..common.object_file import new_object_file, read_object_file
+from ..common.reported import warnings_from
 from ..common.vtk_view import create_grid, describe, part_view
 from .checks import check_shell_shapes, shell_content_findings, shell_layout_findings
 from .layout import CASES, SHELL_FILE, SHELL_GROUP, SHELL_LAYOUT, shell_sizes, shell_values
@@ -46,52 +39,24 @@ def write_shell(path: str | Path, shell: ShellFile) -> None:
         nothing is written.
     """
     path = Path(path)
-    if path.suffix != ".vtkhdf":
-        raise PackageError(f"{path}: a shell file ends in .vtkhdf (ParaView goes by the name)")
     check_shell_shapes(path, shell)
     raise_first(path, shell_content_findings(shell))
     values = shell_values(shell, str(path))
-    sizes = shell_sizes(values)
-    with new_file(path) as file:
-        write_identity(file, SHELL_FILE, shell.name)
+    with new_object_file(path, SHELL_FILE, shell.name, "a shell file") as (file, group):
         set_long_text(file, "provenance", json_text(f"{path}: provenance", shell.provenance))
-        group = file.create_group(SHELL_GROUP)
-        for spec in SHELL_LAYOUT:
-            if spec.path in values:
-                write_dataset(path, group, spec, values[spec.path], sizes)
+        write_datasets(path, group, SHELL_LAYOUT, values, shell_sizes(values))
         _write_view(file, group, shell)
-        write_checksum(file, SHELL_FILE)
 
 
 def read_shell(path: str | Path) -> ShellFile:
-    """Read a shell results file and check that its numbers can be used.
-
-    A newer minor version of the format gives a warning only.
-
-    Raises
-    ------
-    PackageError
-        When the file is missing, truncated, foreign, newer, incomplete, altered, or its numbers
-        cannot be used; names file and dataset.
-    """
-    path = Path(path)
-    with open_file(path, PackageError) as file:
-        for note in identity_notes(path, file, SHELL_FILE):
-            warnings.warn(note.message, UserWarning, stacklevel=2)
-        raise_first(path, shell_layout_findings(file[SHELL_GROUP]))
-        raise_first(path, checksum_findings(file, SHELL_FILE))
-        shell = _load(file)
-    raise_first(path, shell_content_findings(shell))
-    return shell
+    """Read a shell results file and check that its numbers can be used; see `read_object_file`."""
+    return read_object_file(path, SHELL_FILE, shell_layout_findings, _load, shell_content_findings)
 
 
 def _load(file: h5py.File) -> ShellFile:
     group, where = file[SHELL_GROUP], file.filename
-    data: dict[str, Any] = {
-        s.path: read_dataset(group[s.path], s) for s in SHELL_LAYOUT if s.path in group
-    }
+    data = read_datasets(group, SHELL_LAYOUT)
     names = ("nodes_G", "node_ids", "region", "regions", "laminate", "A_GE", "area")
-    reported = zip(data["warnings/codes"], data["warnings/messages"], strict=True)
     modes = None
     if "modes/frequencies" in data:
         modes = ShellModes(
@@ -115,7 +80,7 @@ def _load(file: h5py.File) -> ShellFile:
         ),
         probes=ShellProbes(data["probes/names"], data["probes/quantities"], data["probes/values"]),
         modes=modes,
-        warnings=tuple({"code": code, "message": message} for code, message in reported),
+        warnings=warnings_from(data),
         provenance=json_table(f"{where}: provenance", get_text(file, "provenance", "{}")),
     )
 

@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from ..common.dataset import DatasetSpec, F, I, T, spec
+from ..common.dataset import DatasetSpec, F, I, T, declared_sizes, spec
 from ..common.identity import FileFormat, json_text
+from ..common.reported import WARNINGS_LAYOUT, WARNINGS_SIZED_BY, warning_values
 from .schema import SHELL_FORMAT, SHELL_FORMAT_VERSION, ShellFile
 
 SHELL_GROUP = "shell"
@@ -66,8 +67,7 @@ SHELL_LAYOUT: tuple[DatasetSpec, ...] = (
     spec("modes/shapes_G", "m, n, 6", F, "m, rad", "G", "unit modal mass", optional=True),
     spec("modes/resultants_E", "m, c, 8", F, "N/m, N", "E", "as of cases", optional=True),
     spec("modes/n_zero", "", I, "-", "-", "modes without strain energy, the first", optional=True),
-    spec("warnings/codes", "w", T, "-", "-", "a word for each warning of the analysis"),
-    spec("warnings/messages", "w", T, "-", "-", "the warning for people"),
+    *WARNINGS_LAYOUT,
 )
 
 # The dataset whose first axis defines each size.
@@ -83,7 +83,7 @@ SHELL_SIZED_BY = {
     "l": "cases/names",
     "o": "probes/names",
     "m": "modes/frequencies",
-    "w": "warnings/codes",
+    **WARNINGS_SIZED_BY,
 }
 CASES = ("names", "displacements_G", "resultants_E", "link_motions_G", "loads_G", "reactions_G")
 
@@ -113,8 +113,7 @@ def shell_values(shell: ShellFile, where: str = "shell") -> dict[str, Any]:
         "links/names": shell.links.names,
         "links/points_G": shell.links.points_G,
         "links/kinds": shell.links.kinds,
-        "warnings/codes": [warning["code"] for warning in shell.warnings],
-        "warnings/messages": [warning["message"] for warning in shell.warnings],
+        **warning_values(shell.warnings),
     }
     for name in ("nodes_G", "node_ids", "region", "regions", "laminate", "A_GE", "area"):
         values[f"mesh/{name}"] = getattr(mesh, name)
@@ -134,4 +133,4 @@ def shell_values(shell: ShellFile, where: str = "shell") -> dict[str, Any]:
 
 def shell_sizes(values: dict[str, Any]) -> dict[str, int]:
     """Return the sizes that the arrays of a shell declare."""
-    return {symbol: len(values[path]) for symbol, path in SHELL_SIZED_BY.items() if path in values}
+    return declared_sizes(values, SHELL_SIZED_BY)

@@ -1,4 +1,4 @@
-"""Have section files made: check descriptions, hand their specifications to workers, wait."""
+"""Have results files made: check descriptions, hand their specifications to workers, wait."""
 
 import json
 from collections.abc import Callable, Sequence
@@ -8,22 +8,21 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError
-from ...inputs.common import read_toml
-from ...inputs.section.changes import changed
-from ...inputs.section.expand import section_spec
-from ...inputs.section.study import Entry
 from ...package.common.container import temporary_sibling
 from ...package.common.shares import by_mesh, mesh_key
 from ..fenicsx_side.crew import outcomes
 from ..fenicsx_side.interpreter import find_interpreter
+from .entries import Entry
+
+SpecOf = Callable[[Entry], dict[str, Any]]  # checks a description; raises InputError
 
 
 @dataclass(frozen=True)
 class Made:
-    """What became of one section."""
+    """What became of one description."""
 
     entry: Entry
-    file: Path  # the section file
+    file: Path  # the results file
     status: str  # "built", "unchanged", "failed"
     error: str = ""  # for the user, naming the description
     defect: str = ""  # traceback of an error that is none of the user's
@@ -31,21 +30,23 @@ class Made:
 
 @dataclass(frozen=True)
 class Request:
-    """A section that is to be made."""
+    """A results file that is to be made."""
 
     entry: Entry
-    spec: Path  # what the FE side reads; the section file appears beside it
+    spec: Path  # what the FE side reads; the results file appears beside it
     title: str
     mesh: str  # equal for equal meshes
 
 
-def write_specs(entries: Sequence[Entry], folder: Path) -> tuple[list[Request], list[Made]]:
+def write_specs(
+    entries: Sequence[Entry], folder: Path, spec_of: SpecOf
+) -> tuple[list[Request], list[Made]]:
     """Check descriptions and write folder/<name>/<name>.json; those that are wrong have failed."""
     requests, failed = [], []
     for entry in entries:
         spec_file = folder / entry.name / f"{entry.name}.json"
         try:
-            spec = _spec(entry, folder)
+            spec = spec_of(entry)
         except InputError as error:
             failed.append(Made(entry, spec_file.with_suffix(".vtkhdf"), "failed", str(error)))
             continue
@@ -56,32 +57,21 @@ def write_specs(entries: Sequence[Entry], folder: Path) -> tuple[list[Request], 
     return requests, failed
 
 
-def _spec(entry: Entry, folder: Path) -> dict[str, Any]:
-    table = read_toml(entry.file, "section description")
-    if not entry.changes:
-        return section_spec(table, entry.file, folder)
-    try:
-        spec = section_spec(changed(table, entry.changes, entry.file), entry.file, folder)
-    except InputError as error:
-        found = str(error).splitlines()
-        raise InputError("\n".join(f"{entry.name}: {line}" for line in found)) from error
-    return spec | {"name": entry.name}
-
-
-def make_sections(
+def make_files(
     requests: Sequence[Request],
+    command: str,
     options: Sequence[str],
     *,
     jobs: int,
     done: Callable[[Made], None],
     progress: Callable[[str], None],
 ) -> None:
-    """Make the section files on `jobs` workers.
+    """Make the results files on `jobs` workers.
 
     Parameters
     ----------
-    options : of the preprocessor's command `section`
-    done : told of each section as it comes
+    command, options : of the preprocessor
+    done : told of each file as it comes
     progress : told what a worker begins
 
     Raises
@@ -93,7 +83,7 @@ def make_sections(
     by_spec = {str(request.spec): request.entry for request in requests}
     groups = by_mesh((request.spec, request.mesh) for request in requests)
     python = find_interpreter()
-    lines = outcomes(groups, python, "section", options, jobs=jobs, progress=progress)
+    lines = outcomes(groups, python, command, options, jobs=jobs, progress=progress)
     with closing(lines) as found:
         for line in found:
             entry = by_spec[line["spec"]]

@@ -1,0 +1,1 @@
+"""What the commands `section` and `shell` share: a results file for each description."""

@@ -1,0 +1,67 @@
+"""Specifications of the flexible bodies of a case: built once, checked once, kept for writing."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from pydantic import BaseModel
+
+from ...package.body.specification import Specification
+from ...package.common.plain_data import inputs_sha256
+from .beams import beam_spec
+from .schema import BeamBody, Mechanism, Placed, ShellBody
+from .shells import shell_body_spec
+
+STATE = set(Placed.model_fields)  # where a body starts says nothing about its package
+
+
+@dataclass(frozen=True)
+class BodySpec:
+    """What the preprocessor needs to build one flexible body.
+
+    Attributes
+    ----------
+    content : plain JSON, SI and degrees
+    inputs_sha256 : hash of the content
+    sources : files beside the case file that it is made from
+    """
+
+    content: Specification
+    inputs_sha256: str
+    sources: tuple[Path, ...]
+
+
+@dataclass(frozen=True)
+class BodySpecs:
+    """Specifications of a case; runs and members of sweeps with the same body share one.
+
+    Attributes
+    ----------
+    folder : of the case file, where relative paths start
+    """
+
+    folder: Path
+    _known: dict[tuple[str, ...], BodySpec] = field(default_factory=dict)
+
+    def of(self, name: str, body: BeamBody | ShellBody, mechanism: Mechanism) -> BodySpec:
+        """Return the specification of a body, whose section and material exist.
+
+        Raises
+        ------
+        InputError
+            Lines that begin with the key: what is wrong with the body.
+        """
+        parts: list[BaseModel] = []
+        if isinstance(body, BeamBody):
+            parts.append(mechanism.sections[body.section])
+            if body.material is not None:
+                parts.append(mechanism.materials[body.material])
+        own = body.model_dump_json(exclude=STATE)
+        key = (name, own, *(part.model_dump_json() for part in parts))
+        if key not in self._known:
+            content, sources = (
+                beam_spec(name, body, mechanism, self.folder)
+                if isinstance(body, BeamBody)
+                else shell_body_spec(name, body, self.folder)
+            )
+            self._known[key] = BodySpec(content, inputs_sha256(content), tuple(sources))
+        return self._known[key]

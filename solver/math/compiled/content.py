@@ -1,0 +1,107 @@
+"""Digests of what a compiled function is made of: its own code, what it takes in, what it runs on.
+
+Two functions of one digest are compiled to the same code, wherever their files are.
+"""
+
+import hashlib
+import importlib.metadata
+import os
+import platform
+import sys
+from functools import cache
+from pathlib import Path
+from types import CodeType, ModuleType
+from typing import Any
+
+import numpy as np
+
+
+def digest(*texts: str | bytes) -> str:
+    """Return the digest of texts, each apart from the next."""
+    found = hashlib.sha256()
+    for text in texts:
+        data = text.encode() if isinstance(text, str) else text
+        found.update(str(len(data)).encode() + b":" + data)
+    return found.hexdigest()[:40]
+
+
+@cache
+def environment() -> str:
+    """Return the digest of what all functions are compiled by and for."""
+    import llvmlite
+    import llvmlite.binding as llvm
+
+    machinery = [path.read_bytes() for path in sorted(Path(__file__).parent.glob("*.py"))]
+    settings = sorted(f"{k}={v}" for k, v in os.environ.items() if k.startswith("NUMBA_"))
+    return digest(
+        importlib.metadata.version("numba"),
+        llvmlite.__version__,
+        sys.version,
+        platform.machine(),
+        llvm.get_default_triple(),
+        llvm.get_host_cpu_name(),
+        llvm.get_host_cpu_features().flatten(),
+        *settings,
+        *machinery,
+    )
+
+
+def content(function: Any) -> str:
+    """Return the digest of a function: bytecode, constants, and the globals that it reads.
+
+    Of a function compiled by itself only the name counts; one that becomes code of its callers
+    counts in full.
+    """
+    code, known = function.__code__, function.__globals__
+    found = [_code(code, function.__doc__), repr(function.__defaults__)]
+    for name in sorted(_names(code)):
+        if name in known:
+            found.append(f"{name}={_value(known[name], code)}")
+    for name, cell in zip(code.co_freevars, function.__closure__ or (), strict=True):
+        found.append(f"{name}={_value(cell.cell_contents, code)}")
+    return digest(*found)
+
+
+def _names(code: CodeType) -> set[str]:
+    inner = [c for c in code.co_consts if isinstance(c, CodeType)]
+    return set(code.co_names).union(*(_names(c) for c in inner))
+
+
+def _code(code: CodeType, words: str | None = None) -> str:
+    """Digest of code without its place in a file and its docstring `words`."""
+    constants = [_code(c) if isinstance(c, CodeType) else _constant(c) for c in code.co_consts]
+    if words is not None and code.co_consts[:1] == (words,):
+        constants[0] = ""
+    return digest(
+        code.co_code,
+        repr((code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars)),
+        repr((code.co_argcount, code.co_kwonlyargcount, code.co_flags)),
+        getattr(code, "co_exceptiontable", b""),
+        *constants,
+    )
+
+
+def _constant(value: Any) -> str:
+    return f"{type(value).__name__}:{value!r}"
+
+
+def _value(value: Any, code: CodeType) -> str:
+    """What a global is, as far as it enters compiled code."""
+    if isinstance(value, ModuleType):
+        read = sorted(name for name in _names(code) if hasattr(value, name))
+        parts = [f"{name}={_value(getattr(value, name), code)}" for name in read]
+        return digest(value.__name__, *parts)
+    if isinstance(value, np.ndarray):
+        return digest(value.dtype.str, repr(value.shape), np.ascontiguousarray(value).tobytes())
+    if isinstance(value, np.generic | bool | int | float | complex | str | bytes | None):
+        return _constant(value)
+    if isinstance(value, tuple):
+        return digest("tuple", type(value).__name__, *(_value(v, code) for v in value))
+    if hasattr(value, "content_as_callee"):
+        return str(value.content_as_callee())
+    if isinstance(value, type):
+        return f"class {value.__module__}.{value.__qualname__}{getattr(value, '_fields', '')}"
+    if isinstance(getattr(value, "__code__", None), CodeType):
+        return _code(value.__code__)
+    module, name = getattr(value, "__module__", ""), getattr(value, "__name__", "")
+    return f"{type(value).__name__} {module}.{name}"

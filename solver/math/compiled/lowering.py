@@ -1,0 +1,188 @@
+"""Parts in LLVM's language: Numba's passes up to there, with what belongs to the result."""
+
+import gc
+import operator
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FunctionType
+from typing import Any, NamedTuple
+
+from numba.core import types
+from numba.core.codegen import CodeLibrary
+from numba.core.compiler import CompilerBase, DefaultPassBuilder, Flags, compile_extra
+from numba.core.cpu import FastMathOptions
+from numba.core.registry import cpu_target
+from numba.cpython import numbers
+from numba.np import arrayobj
+
+from . import arithmetic
+from .parts import FAST_MATH, Part, Unit
+from .substitutes import BUILTINS, POWER
+
+# Passes for what no part contains: closures, `with`, `raise`, literal loops, reports.
+_UNUSED = {
+    "WithLifting",
+    "InlineClosureLikes",
+    "RewriteDynamicRaises",
+    "MakeFunctionToJitFunction",
+    "InlineInlinables",
+    "FindLiterallyCalls",
+    "LiteralUnroll",
+    "LiteralPropagationSubPipelinePass",
+    "InlineOverloads",
+    "NoPythonSupportedFeatureValidation",
+    "AnnotateTypes",
+    "DumpParforDiagnostics",
+}
+
+
+class _Pipeline(CompilerBase):  # type: ignore[misc]
+    """Numba's passes for plain functions of numbers and arrays."""
+
+    def define_pipelines(self) -> list[Any]:
+        manager = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        manager.passes[:] = [p for p in manager.passes if p[0].__name__ not in _UNUSED]
+        manager._finalized = False
+        manager.finalize()
+        return [manager]
+
+
+class Modules(CodeLibrary):  # type: ignore[misc]
+    """Modules of LLVM as Numba makes them, and what they are to be linked with."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(cpu_target.target_context.codegen(), name)
+        self.texts: list[str] = []
+        self.linked: dict[int, Any] = {}
+        self.needed: dict[str, Unit] = {}  # units called, by symbol
+
+    def add_linking_library(self, library: Any) -> None:
+        """Note a library whose code is called."""
+        self.linked[id(library)] = library
+
+    def add_ir_module(self, ir_module: Any) -> None:
+        """Note a module of this function."""
+        self.texts.append(str(ir_module))
+
+    def all_texts(self) -> list[str]:
+        """Return the modules of this function and of all that becomes part of it."""
+        found: dict[int, list[str]] = {}
+        self._collect(found)
+        return [text for texts in found.values() for text in texts]
+
+    def all_needed(self) -> dict[str, Unit]:
+        """Return the units that this function and its parts call."""
+        needed = dict(self.needed)
+        for library in self.linked.values():
+            if isinstance(library, Modules):
+                needed |= library.all_needed()
+        return needed
+
+    def _collect(self, found: dict[int, list[str]]) -> None:
+        if id(self) in found:
+            return
+        found[id(self)] = self.texts
+        for library in self.linked.values():
+            if isinstance(library, Modules):
+                library._collect(found)
+            else:
+                found[id(library)] = [library.get_llvm_str()]
+
+    def finalize(self) -> None:
+        """Do nothing: machine.py does."""
+
+    def get_function(self, name: str) -> Any:
+        """Refuse."""
+        raise NotImplementedError
+
+    def get_llvm_str(self) -> str:
+        """Return the text of the modules."""
+        return "\n".join(self.texts)
+
+    def get_asm_str(self) -> str:
+        """Refuse."""
+        raise NotImplementedError
+
+
+class Lowered(NamedTuple):
+    """A part in LLVM's language, for one set of argument types."""
+
+    modules: Modules
+    description: Any  # Numba's, of the function
+    result: Any  # its type
+
+
+_lowered: dict[Any, Lowered] = {}
+
+
+@contextmanager
+def fast_compilation() -> Iterator[None]:
+    """No search for garbage while compiling, and no branches for negative indices."""
+    collecting, fixed = gc.isenabled(), getattr(arrayobj, "fix_integer_index", None)
+
+    def as_it_is(context: Any, builder: Any, kind: Any, index: Any, size: Any) -> Any:
+        return context.cast(builder, index, kind, types.intp if kind.signed else types.uintp)
+
+    gc.disable()
+    if fixed is not None:
+        arrayobj.fix_integer_index = as_it_is
+    try:
+        yield
+    finally:
+        if fixed is not None:
+            arrayobj.fix_integer_index = fixed
+        if collecting:
+            gc.enable()
+
+
+def _flags() -> Any:
+    flags = Flags()
+    flags.no_compile = flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
+    flags.error_model = "numpy"
+    flags.fastmath = FastMathOptions(FAST_MATH)
+    flags.forceinline = True
+    flags.nrt = False
+    return flags
+
+
+def _with_builtins(function: Any) -> Any:
+    """Return a function whose `min` and `max` are those of substitutes.py."""
+    known = BUILTINS | function.__globals__
+    return FunctionType(
+        function.__code__, known, function.__name__, function.__defaults__, function.__closure__
+    )
+
+
+def lower(part: Part, kinds: tuple[Any, ...]) -> Lowered:
+    """Return a part in LLVM's language, for argument types."""
+    key = part, kinds
+    if key not in _lowered:
+        modules = Modules(part.name)
+        done = compile_extra(
+            cpu_target.typing_context,
+            cpu_target.target_context,
+            _with_builtins(part.function),
+            kinds,
+            None,
+            _flags(),
+            {},
+            library=modules,
+            pipeline_class=_Pipeline,
+        )
+        _lowered[key] = Lowered(modules, done.fndesc, done.signature.return_type)
+    return _lowered[key]
+
+
+def _power_code(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
+    """Raise a number to an integer power; Numba's own function raises an error for zero."""
+    if not isinstance(context.active_code_library, Modules):
+        return numbers.int_power_impl(context, builder, sig, arguments)
+    lowered = lower(POWER, sig.args)
+    context.active_code_library.add_linking_library(lowered.modules)
+    return context.call_internal(builder, lowered.description, sig, arguments)
+
+
+cpu_target.target_context.insert_func_defn(
+    [(_power_code, f, (types.float64, types.int64)) for f in (operator.pow, operator.ipow)]
+)
+arithmetic.register(cpu_target.target_context)

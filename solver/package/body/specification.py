@@ -1,0 +1,148 @@
+"""What a body is built from: build/<case>/bodies/<name>.json, from the case to the preprocessor.
+
+`plymotion check` writes such a file complete: it has checked every value and filled in every
+default. The preprocessor checks keys and types only (common/table_form.py). SI units and degrees.
+
+    {"body": "arm", "kind": "beam", "length": 0.545, "elements": 16,
+     "x2_axis": [0.0, 1.0, 0.0],                 section's x2 in body axes
+     "section": {...},                           see preprocess/section/analysis.py
+     "theory": "timoshenko",                     or "classical": without shear
+     "mass_form": "consistent",                  or "lumped": of modes and invariants
+     "reference": {"kind": "clamped", "at": "root"},    or chord (two places), mean-axis (none)
+     "modes": [{"kind": "bending-xy", "count": 4},
+               {"kind": "attachment", "at": "mid", "directions": ["y"]},
+               {"kind": "static-axial"}],
+     "damping_ratio": 0.0,
+     "interfaces": {"root": {"at": "start"}, "mid": {"at": 0.5}, "tip": {"at": "end"}}}
+
+    {"body": "hand", "kind": "shell",
+     "shell": {"mesh": {...}, "materials": {...}, "laminates": {...}, "regions": {...},
+               "elements": {...}, "stiffeners": {...}},     see preprocess/shell/spec.py
+     "mass_form": ..., "reference": ..., "modes": ..., "damping_ratio": ...,
+     "interfaces": {"root": {"at": "left edge", "link": "rigid", "rotation_deg": [0, 0, 0]},
+                    "tip": {"at": "right edge", "link": "average", "position": [0.7, 0.0, 0.0],
+                            "rotation_deg": [0.0, 0.0, 90.0]}}}
+
+A shell's body axes are those of its mesh. `inputs_sha256` and `case` may be added; they go to the
+provenance of the package.
+"""
+
+from typing import Any, Literal, NotRequired, TypedDict, get_args
+
+Theory = Literal["timoshenko", "classical"]
+MassForm = Literal["consistent", "lumped"]
+ReferenceKind = Literal["clamped", "chord", "mean-axis"]
+ModeKind = Literal["lowest", "bending-xy", "bending-xz", "torsion", "axial"]
+ShellModeKind = Literal["lowest", "bending-xy", "bending-xz", "axial"]
+SpinningKind = Literal["spinning-xy", "spinning-xz"]
+Direction = Literal["x", "y", "z", "rx", "ry", "rz"]  # along and about the body axes
+LinkKind = Literal["rigid", "average"]
+
+DIRECTIONS: tuple[Direction, ...] = get_args(Direction)
+LINK_KINDS: tuple[LinkKind, ...] = get_args(LinkKind)
+
+
+class ReferenceTable(TypedDict):
+    """What ties the body frame to the body: one interface, two, or none."""
+
+    kind: ReferenceKind
+    at: NotRequired[str | list[str]]
+
+
+class Eigenmodes(TypedDict):
+    """The lowest vibration modes of a kind."""
+
+    kind: ModeKind
+    count: int
+
+
+class ShellEigenmodes(TypedDict):
+    """The same of a shell: a kind is the direction in which most moves, and no torsion."""
+
+    kind: ShellModeKind
+    count: int
+
+
+class Attachment(TypedDict):
+    """Static shapes under unit loads at an interface."""
+
+    kind: Literal["attachment"]
+    at: str
+    directions: list[Direction]
+
+
+class StaticAxial(TypedDict):
+    """The static shape under a load that rises along the body."""
+
+    kind: Literal["static-axial"]
+
+
+class SpinningModes(TypedDict):
+    """Static shapes of a spinning beam."""
+
+    kind: SpinningKind
+    count: int
+
+
+class BeamInterfaceTable(TypedDict):
+    """A place on a beam: an end, or a fraction of the length."""
+
+    at: Literal["start", "end"] | float
+
+
+class ShellInterfaceTable(TypedDict):
+    """A physical group of a shell's mesh."""
+
+    at: str
+    link: LinkKind
+    position: NotRequired[list[float]]
+    rotation_deg: list[float]
+
+
+class ShellTable(TypedDict):
+    """A shell that nothing holds or loads."""
+
+    mesh: dict[str, Any]
+    materials: dict[str, Any]
+    laminates: dict[str, Any]
+    regions: dict[str, Any]
+    elements: dict[str, Any]
+    stiffeners: NotRequired[dict[str, Any]]
+
+
+class _Provenance(TypedDict):
+    inputs_sha256: NotRequired[str]
+    case: NotRequired[str]
+
+
+class BeamSpecification(_Provenance):
+    """A beam."""
+
+    body: str
+    kind: Literal["beam"]
+    length: float
+    elements: int
+    x2_axis: list[float]
+    section: dict[str, Any]
+    theory: Theory
+    mass_form: MassForm
+    reference: ReferenceTable
+    modes: list[Eigenmodes | Attachment | StaticAxial | SpinningModes]
+    damping_ratio: float
+    interfaces: dict[str, BeamInterfaceTable]
+
+
+class ShellSpecification(_Provenance):
+    """A laminated shell."""
+
+    body: str
+    kind: Literal["shell"]
+    shell: ShellTable
+    mass_form: MassForm
+    reference: ReferenceTable
+    modes: list[ShellEigenmodes | Attachment | StaticAxial]
+    damping_ratio: float
+    interfaces: dict[str, ShellInterfaceTable]
+
+
+Specification = BeamSpecification | ShellSpecification

@@ -1,0 +1,73 @@
+"""Write and read a file that holds one object: identity, data, checksum, and checks in between."""
+
+import contextlib
+import warnings
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TypeVar
+
+import h5py
+
+from ...errors import PackageError
+from .container import new_file, open_file
+from .finding import Finding, raise_first
+from .identity import FileFormat, checksum_findings, identity_notes, write_checksum, write_identity
+
+Object = TypeVar("Object")
+
+
+@contextlib.contextmanager
+def new_object_file(
+    path: Path, known: FileFormat, name: str, what: str
+) -> Iterator[tuple[h5py.File, h5py.Group]]:
+    """Open a new file and its group for data; it appears under `path` only when it is complete.
+
+    Parameters
+    ----------
+    name : of the object
+    what : kind of file in words, for the message
+
+    Raises
+    ------
+    PackageError : the path does not end in .vtkhdf.
+    """
+    if path.suffix != ".vtkhdf":
+        raise PackageError(f"{path}: {what} ends in .vtkhdf (ParaView goes by the name)")
+    with new_file(path) as file:
+        write_identity(file, known, name)
+        yield file, file.create_group(known.group)
+        write_checksum(file, known)
+
+
+def read_object_file(
+    path: str | Path,
+    known: FileFormat,
+    layout_findings: Callable[[h5py.Group], list[Finding]],
+    load: Callable[[h5py.File], Object],
+    content_findings: Callable[[Object], list[Finding]],
+) -> Object:
+    """Read the object of a file and check that its numbers can be used.
+
+    A newer minor version of the format gives a warning only.
+
+    Parameters
+    ----------
+    layout_findings : checks presence, type and shape of the datasets
+    load : reads a file whose layout has been checked
+    content_findings : checks the numbers
+
+    Raises
+    ------
+    PackageError
+        When the file is missing, truncated, foreign, newer, incomplete, altered, or its numbers
+        cannot be used; names file and dataset.
+    """
+    path = Path(path)
+    with open_file(path, PackageError) as file:
+        for note in identity_notes(path, file, known):
+            warnings.warn(note.message, UserWarning, stacklevel=3)
+        raise_first(path, layout_findings(file[known.group]))
+        raise_first(path, checksum_findings(file, known))
+        found = load(file)
+    raise_first(path, content_findings(found))
+    return found

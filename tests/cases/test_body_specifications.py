@@ -1,0 +1,35 @@
+"""Specifications of all cases: complete, shared between runs, and those of the shipped packages."""
+
+from pathlib import Path
+
+import pytest
+
+from plymotion.solver.inputs.case import Case, load_case
+from plymotion.solver.package import read_package
+from plymotion.solver.package.body.specification import BeamSpecification, ShellSpecification
+from plymotion.solver.package.common.table_form import check_form
+
+FORMS = {"beam": BeamSpecification, "shell": ShellSpecification}
+CASES = ("double-pendulum", "double-pendulum-shell", "rotating-blade", "actuated-beam", "spin-up")
+
+
+@pytest.fixture(scope="module", params=CASES)
+def case(request: pytest.FixtureRequest, repository: Path) -> Case:
+    return load_case(repository / "cases" / request.param / "case.toml")
+
+
+def test_preprocessor_finds_every_key(case: Case) -> None:
+    for bodies in case.bodies.values():
+        for spec in bodies.values():
+            check_form(spec.content, FORMS[spec.content["kind"]])
+
+
+def test_hash_is_that_of_the_shipped_packages(case: Case, repository: Path) -> None:
+    specs = {spec.inputs_sha256 for bodies in case.bodies.values() for spec in bodies.values()}
+    files = (repository / "tests/packages" / case.name).glob("*.vtkhdf")
+    assert {read_package(file).provenance["inputs_sha256"] for file in files} == specs
+
+
+def test_runs_share_the_specification_of_a_body(repository: Path) -> None:
+    bodies = load_case(repository / "cases/double-pendulum/case.toml").bodies
+    assert bodies["isotropic-soft-free"]["arm"] is bodies["isotropic-soft-following"]["arm"]
