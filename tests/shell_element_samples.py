@@ -9,9 +9,9 @@ from scipy.sparse.linalg import spsolve
 from plymotion.preprocess.shell.choice import Choice
 from plymotion.preprocess.shell.stiffness import element_stiffness
 from plymotion.preprocess.shell.triangles import Triangles, triangles
+from plymotion.solver.package.shell import elements
 
-PLATES = ("dkmt", "dst", "dkt", "mitc3")
-MEMBRANES = ("opt", "allman", "cst")
+PLATES, MEMBRANES = tuple(elements.PLATES), tuple(elements.MEMBRANES)
 
 
 class Plain(NamedTuple):

@@ -8,7 +8,8 @@ import sys
 from pathlib import Path
 
 HALVES = ("solver", "preprocess", "meshes")
-BLOCK = re.compile(r"```(?:python|c)\n(?:#|//) (\S+)\n(.*?)```", re.S)
+BLOCK = re.compile(r"```python\n# (\S+)\n(.*?)```", re.S)
+LINE = re.compile(r"```python\n# in (\w+) of (\S+)\n(.*?)```", re.S)
 
 
 def recipe_files(repository: Path) -> dict[str, str]:
@@ -16,8 +17,13 @@ def recipe_files(repository: Path) -> dict[str, str]:
     return dict(BLOCK.findall((repository / "CONTRIBUTING.md").read_text("utf-8")))
 
 
-def copy_with(repository: Path, folder: Path, files: dict[str, str]) -> Path:
-    """Copy the sources into a folder, add files that they do not have yet, return the folder."""
+def recipe_lines(repository: Path) -> list[tuple[str, str, str]]:
+    """Table, file and lines that an example of CONTRIBUTING.md adds to it."""
+    return LINE.findall((repository / "CONTRIBUTING.md").read_text("utf-8"))
+
+
+def copy_with_recipes(repository: Path, folder: Path) -> Path:
+    """Copy the sources into a folder, follow all recipes there, return the folder."""
     unwanted = shutil.ignore_patterns("__pycache__")
     for half in HALVES:
         shutil.copytree(repository / half, folder / half, ignore=unwanted)
@@ -25,10 +31,14 @@ def copy_with(repository: Path, folder: Path, files: dict[str, str]) -> Path:
     shutil.copy(repository / "plymotion/__init__.py", folder / "plymotion")
     for half in HALVES:
         (folder / "plymotion" / half).symlink_to(Path("..") / half)
-    for name, text in files.items():
+    for name, text in recipe_files(repository).items():
         file = folder / name
         assert not file.exists(), name
         file.write_text(text, encoding="utf-8")
+    for table, name, lines in recipe_lines(repository):
+        text = (folder / name).read_text("utf-8")
+        assert text.count(f"{table} = {{\n") == 1, (table, name)
+        (folder / name).write_text(text.replace(f"{table} = {{\n", f"{table} = {{\n{lines}"))
     return folder
 
 

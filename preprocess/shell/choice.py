@@ -6,7 +6,7 @@ from typing import NamedTuple
 from ...solver.errors import did_you_mean
 from .drilling import DRILLINGS
 from .errors import ShellError
-from .membranes import MEMBRANES, WITH_ROTATIONS
+from .membranes import MEMBRANES
 from .plates import PLATES
 
 
@@ -15,12 +15,12 @@ class Choice(NamedTuple):
 
     Attributes
     ----------
-    plate : "dkmt", "dst", "dkt" or "mitc3"
-    membrane : "opt", "allman" or "cst"
+    plate : key of PLATES
+    membrane : key of MEMBRANES
     beta0 : factor of the higher-order stiffness of "opt", or "felippa": from the membrane
         stiffness of the laminate
-    drilling : "none", "fictitious", "tie", or "auto": "tie" for a membrane without rotations
-        of its own, otherwise "none"
+    drilling : key of DRILLINGS, "none", or "auto": "tie" for a membrane without rotations of its
+        own, otherwise "none"
     drilling_factor : factor of the drilling stiffness, to the laminate's A66
     """
 
@@ -34,7 +34,7 @@ class Choice(NamedTuple):
         """Name of the drilling stiffness with "auto" decided."""
         if self.drilling != "auto":
             return self.drilling
-        return "none" if self.membrane in WITH_ROTATIONS else "tie"
+        return "none" if MEMBRANES[self.membrane].rotations else "tie"
 
     def checked(self) -> "Choice":
         """Itself, or `ShellError` that names key, value and expectation."""

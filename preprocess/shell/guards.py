@@ -10,11 +10,13 @@ from scipy.spatial import cKDTree
 from ...solver.math.arrays import Array
 from .assembly import DOFS
 from .choice import Choice
+from .drilling import DRILLINGS
 from .errors import ShellError
 from .freedom import Freedom
 from .links import Link
+from .membranes import MEMBRANES
 from .mesh import ShellMesh
-from .plates import SHEAR_RATIO_LIMIT, shear_ratio
+from .plates import PLATES, shear_ratio
 from .regions import Region
 
 Warnings = list[dict[str, str]]
@@ -40,10 +42,11 @@ def model_warnings(
     """All doubts about mesh and elements."""
     sides = Sides(mesh, regions)
     found = [*_slivers(mesh), *_unmerged(mesh, links), *_turned(mesh, sides)]
-    if choice.membrane == "cst":
+    if MEMBRANES[choice.membrane].stiff_in_plane:
         found += _narrow_walls(mesh, sides)
-    if choice.plate == "dst":
-        found += _thick_for_dst(mesh, regions)
+    limit = PLATES[choice.plate].shear_ratio_limit
+    if limit is not None:
+        found += _thick_for_dst(mesh, regions, limit)
     return found
 
 
@@ -150,7 +153,7 @@ def _narrow_walls(mesh: ShellMesh, sides: Sides) -> Warnings:
     return [_warning("cst-in-plane-bending", text)]
 
 
-def _thick_for_dst(mesh: ShellMesh, regions: Sequence[Region]) -> Warnings:
+def _thick_for_dst(mesh: ShellMesh, regions: Sequence[Region], limit: float) -> Warnings:
     worst, place = 0.0, ""
     for region in regions:
         ratio = shear_ratio(region.triangles, region.stiffness.D[None], region.stiffness.Ds[None])
@@ -158,11 +161,11 @@ def _thick_for_dst(mesh: ShellMesh, regions: Sequence[Region]) -> Warnings:
         if ratio[cell].max() > worst:
             worst = float(ratio[cell].max())
             place = _at(mesh.points_G[mesh.cells[region.cells[cell]]].mean(axis=0))
-    if worst <= SHEAR_RATIO_LIMIT:
+    if worst <= limit:
         return []
     text = (
         f"plate = dst with sides short for the thickness (12 D / (Ds L^2) = {worst:.2g} at "
-        f"{place}, at most {SHEAR_RATIO_LIMIT:g} is safe): it does not converge there, and "
+        f"{place}, at most {limit:g} is safe): it does not converge there, and "
         "refinement makes it worse; use plate = dkmt"
     )
     return [_warning("dst-thick", text)]
@@ -172,7 +175,8 @@ def drilling_motions(freedom: Freedom, regions: Sequence[Region], choice: Choice
     """Motions (n_dof,) that the drilling stiffness of the paper leaves free: in a flat part, all
     nodes turn about the normal by the same angle and nothing moves.
     """
-    if choice.membrane != "cst" or choice.drilling_form() != "fictitious":
+    drilling = DRILLINGS.get(choice.drilling_form())
+    if MEMBRANES[choice.membrane].rotations or drilling is None or not drilling.turns_free:
         return []
     mesh = freedom.mesh
     normals = Sides(mesh, regions).normals_G

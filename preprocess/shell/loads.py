@@ -31,7 +31,6 @@ from .triangles import POINTS
 KINDS = ("force", "moment", "force_per_length", "force_per_area", "pressure", "gravity")
 KEYS = ("at", *KINDS, "sine")
 ON_CELLS = ("force_per_area", "pressure")
-BOW = {"opt": 1.5, "allman": 1.0, "cst": 0.0}  # a of each membrane
 
 
 class Loads:
@@ -41,7 +40,7 @@ class Loads:
     ----------
     regions : all of the mesh, for areas and normals
     mass : called for the mass matrix when there is gravity
-    membrane : of the elements, whose sides may bow
+    bow : of the membrane's sides (membranes/contract.py)
     """
 
     def __init__(
@@ -49,10 +48,10 @@ class Loads:
         freedom: Freedom,
         regions: Sequence[Region],
         mass: Callable[[], Any],
-        membrane: str = "cst",
+        bow: float = 0.0,
     ) -> None:
         self.freedom, self.mesh = freedom, freedom.mesh
-        self.regions, self._mass, self._bow = regions, mass, BOW[membrane]
+        self.regions, self._mass, self._bow = regions, mass, bow
 
     def case(self, table: Mapping[str, Any], where: str) -> Array:
         """Forces and moments on all degrees of freedom, (n_dof,) [N, N m].

@@ -16,6 +16,7 @@ from .guards import drilling_motions, model_warnings
 from .links import read_links
 from .loads import Loads
 from .mass import element_mass
+from .membranes import MEMBRANES
 from .mesh import ShellMesh, shell_mesh
 from .regions import Region, read_regions
 from .resultants import element_resultants
@@ -62,7 +63,8 @@ class ShellProblem:
         self.stiffeners = read_stiffeners(
             spec.get("stiffeners", {}), self.mesh, self.regions, f"{where}.stiffeners"
         )
-        plain = self.choice.membrane == "cst" and self.choice.drilling_form() == "none"
+        membrane = MEMBRANES[self.choice.membrane]
+        plain = not membrane.rotations and self.choice.drilling_form() == "none"
         self.flat = flat_nodes(self.mesh, self.regions, self.stiffeners) if plain else None
         self.freedom = Freedom(self.mesh, self.links, self.supports, self.flat)
         self.warnings = model_warnings(self.mesh, self.regions, self.links, self.choice)
@@ -86,7 +88,8 @@ class ShellProblem:
     @cached_property
     def loads(self) -> Loads:
         """What turns descriptions of loads into nodal forces."""
-        return Loads(self.freedom, self.regions, lambda: self.M, self.choice.membrane)
+        bow = MEMBRANES[self.choice.membrane].bow
+        return Loads(self.freedom, self.regions, lambda: self.M, bow)
 
     def loose(self, freedom: Freedom) -> tuple[list[Array], list[Array]]:
         """Rigid motions that are free, and mechanisms of the drilling stiffness."""

@@ -35,8 +35,8 @@ def element_strains(t: Triangles, laminate: Stiffness, choice: Choice, u_G: Arra
         A, _, D, Ds = (a[some] if len(a) > 1 else a for a in given)
         part = t[some]
         u_m, u_b = own_displacements(part, u_G[some])
-        plate = PLATES[choice.plate](part, D, Ds)
-        membrane = MEMBRANES[choice.membrane](part, A, choice.beta0)
+        plate = PLATES[choice.plate].strains(part, D, Ds)
+        membrane = MEMBRANES[choice.membrane].strains(part, A, choice.beta0)
         strains[some, :3] = membrane.mean_strain @ u_m
         strains[some, 3:6] = plate.curvature.mean(axis=1) @ u_b
         if plate.shear.shape[1]:

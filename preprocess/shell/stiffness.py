@@ -76,12 +76,12 @@ def cell_stiffness(laminate: Stiffness) -> tuple[Array, Array, Array, Array]:
 
 
 def _stiffness(t: Triangles, A: Array, B: Array, D: Array, Ds: Array, choice: Choice) -> Array:
-    membrane = MEMBRANES[choice.membrane](t, A, choice.beta0)
-    plate = PLATES[choice.plate](t, D, Ds)
+    membrane = MEMBRANES[choice.membrane].strains(t, A, choice.beta0)
+    plate = PLATES[choice.plate].strains(t, D, Ds)
     K_m = membrane_stiffness(t, A, membrane)
     form = choice.drilling_form()
     if form != "none":
-        K_m += DRILLINGS[form](t, A, choice.drilling_factor)
+        K_m += DRILLINGS[form].stiffness(t, A, choice.drilling_factor)
     K_b = plate_stiffness(t, D, Ds, plate)
     K_mb = coupling_stiffness(t, B, membrane, plate) if B.any() else None
     return to_G(t.A_GE, together(K_m, K_b, K_mb))

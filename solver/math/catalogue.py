@@ -29,6 +29,17 @@ def catalogue(
     return found
 
 
+def listed(named: Iterable[tuple[str, Thing]], names: Iterable[str], what: str) -> dict[str, Thing]:
+    """Return things by name in the order of a list kept elsewhere.
+
+    Raises ValueError : things and list differ.
+    """
+    found, names = by_name(named, what), list(names)
+    if set(found) != set(names):
+        raise ValueError(f"{what}: the files supply {sorted(found)}, the list has {sorted(names)}")
+    return {name: found[name] for name in names}
+
+
 def by_name(named: Iterable[tuple[str, Thing]], what: str) -> dict[str, Thing]:
     """Return a table of things by name; raises ValueError for a name that occurs twice."""
     table: dict[str, Thing] = {}

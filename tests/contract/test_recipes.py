@@ -1,26 +1,34 @@
 """The recipes of CONTRIBUTING.md: one new file is enough, and nothing else names a kind."""
 
 import re
+import shutil
 from pathlib import Path
 
 import pytest
-from source_copy import copy_with, recipe_files, run_python
+from source_copy import copy_with_recipes, recipe_files, recipe_lines, run_python
 
 from plymotion.solver.dynamics.joints.contract import DrivenBy
 from plymotion.solver.dynamics.joints.table import JOINTS
+from plymotion.solver.package.shell import elements
 
 # Joints that other files build mechanisms with: virtual bodies, compiling ahead.
 USED = {"fixed", "revolute"}
 
+REFUSED = """
+try:
+    import plymotion.preprocess.shell.plates
+except ValueError as error:
+    print(error)
+"""
 PROGRAMS = Path(__file__).resolve().parent.parent / "recipes"
 
 
 @pytest.fixture(scope="module")
 def copy(repository, tmp_path_factory) -> Path:
     """The sources with all examples of CONTRIBUTING.md."""
-    files = recipe_files(repository)
-    assert len(files) >= 1
-    return copy_with(repository, tmp_path_factory.mktemp("recipes"), files)
+    assert len(recipe_files(repository)) == 4
+    assert len(recipe_lines(repository)) == 1
+    return copy_with_recipes(repository, tmp_path_factory.mktemp("recipes"))
 
 
 def test_a_joint(copy, repository, tmp_path):
@@ -52,6 +60,28 @@ def test_a_section_shape(copy, repository, tmp_path):
 
 def test_a_criterion(copy, repository):
     run_python(copy, repository, str(PROGRAMS / "criterion.py"))
+
+
+def test_a_shell_element(copy, repository):
+    run_python(copy, repository, str(PROGRAMS / "shell_element.py"))
+    page = run_python(copy, repository, "-m", "plymotion.solver.inputs.shell.reference")
+    assert "centroid is linear, with the shear strain of its centroid" in page
+
+
+def test_a_shell_element_without_its_line_is_refused(repository, tmp_path):
+    copy = copy_with_recipes(repository, tmp_path)
+    file = copy / "solver/package/shell/elements.py"
+    shutil.copy(repository / "solver/package/shell/elements.py", file)
+    message = run_python(copy, repository, "-c", REFUSED)
+    assert "plates: the files supply ['centroid', 'dkmt', 'dkt', 'dst', 'mitc3']" in message
+
+
+def test_the_page_on_shells_has_a_line_for_each_element(repository):
+    page = (repository / "docs/shells.md").read_text("utf-8")
+    for name in (*elements.PLATES, *elements.MEMBRANES):
+        assert page.count(f"\n| `{name}` | ") == 1, name
+    for name in elements.DRILLINGS:
+        assert f"`{name}` (" in page, name
 
 
 @pytest.mark.parametrize("kind", sorted(set(JOINTS) - USED))

@@ -2,12 +2,12 @@
 
 from pathlib import Path
 
-from source_copy import copy_with, recipe_files, run_python
+from source_copy import copy_with_recipes, run_python
 
 PROGRAMS = Path(__file__).resolve().parent.parent / "recipes"
 
 
 def test_a_section_shape(tmp_path: Path) -> None:
     repository = PROGRAMS.parent.parent
-    copy = copy_with(repository, tmp_path, recipe_files(repository))
+    copy = copy_with_recipes(repository, tmp_path)
     run_python(copy, repository, str(PROGRAMS / "section_stiffness.py"))

@@ -5,7 +5,8 @@ import pytest
 from shell_element_samples import assembled, grid, isotropic, solved
 
 from plymotion.preprocess.shell.choice import Choice
-from plymotion.preprocess.shell.plates import SHEAR_RATIO_LIMIT, shear_ratio
+from plymotion.preprocess.shell.plates import shear_ratio
+from plymotion.preprocess.shell.plates.dst import SHEAR_RATIO_LIMIT
 from plymotion.preprocess.shell.stiffness import element_stiffness
 from plymotion.preprocess.shell.triangles import triangles
 

@@ -18,7 +18,8 @@ from shell_element_samples import (
 )
 
 from plymotion.preprocess.shell.choice import Choice
-from plymotion.preprocess.shell.plates import SHEAR_RATIO_LIMIT, shear_ratio
+from plymotion.preprocess.shell.plates import shear_ratio
+from plymotion.preprocess.shell.plates.dst import SHEAR_RATIO_LIMIT
 from plymotion.preprocess.shell.resultants import element_resultants, element_strains
 from plymotion.preprocess.shell.triangles import triangles
 

@@ -1,19 +1,13 @@
-"""Stiffness against the rotation about the normal: one file a form, all with the same contract.
+"""Stiffness against the rotation about the normal: one file a form; see contract.py."""
 
-    f(t: Triangles, A (c|1, 3, 3) [N/m], factor) -> (c, 9, 9)
+from ....solver.math.catalogue import catalogue, listed
+from ....solver.package.shell import elements
+from .contract import Drilling
 
-in the membrane's degrees of freedom (u, v, tz) of corners 1, 2, 3.
-"""
-
-from collections.abc import Callable
-
-from ....solver.math.arrays import Array
-from ..triangles import Triangles
-from .fictitious import fictitious
-from .tie import tie
-
-Drilling = Callable[[Triangles, Array, float], Array]
-
-DRILLINGS: dict[str, Drilling] = {"fictitious": fictitious, "tie": tie}
+DRILLINGS = listed(
+    [(drilling.name, drilling) for drilling in catalogue(__name__, __path__, Drilling)],
+    elements.DRILLINGS,
+    "drilling stiffnesses",
+)
 
 __all__ = ["DRILLINGS", "Drilling"]

@@ -4,6 +4,7 @@ import numpy as np
 
 from ....solver.math.arrays import Array
 from ..triangles import Triangles
+from .contract import Drilling
 
 DIFFERENCES = 1.5 * np.eye(3) - 0.5  # [1 -1/2 -1/2; ..]
 
@@ -22,3 +23,6 @@ def fictitious(t: Triangles, A: Array, factor: float) -> Array:
     K = np.zeros((len(t), 9, 9))
     K[:, 2::3, 2::3] = (factor * A[..., 2, 2] * t.area)[:, None, None] * DIFFERENCES
     return K
+
+
+DRILLING = Drilling("fictitious", fictitious, turns_free=True)

@@ -4,6 +4,7 @@ import numpy as np
 
 from ....solver.math.arrays import Array
 from ..triangles import Triangles
+from .contract import Drilling
 from .excess import excess_rotation
 
 LINEAR = (1.0 + np.eye(3)) / 12.0  # mean of l_i l_j
@@ -21,3 +22,6 @@ def tie(t: Triangles, A: Array, factor: float) -> Array:
     T = excess_rotation(t)
     weight = (factor * A[..., 2, 2] * t.area)[:, None, None]
     return np.asarray(np.swapaxes(T, 1, 2) @ (weight * (LINEAR @ T)))
+
+
+DRILLING = Drilling("tie", tie)

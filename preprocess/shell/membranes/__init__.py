@@ -1,22 +1,14 @@
-"""Stretching of a flat triangle: one file an element, all with the same contract.
+"""Stretching of a flat triangle: one file an element; contract.py says what it supplies."""
 
-    f(t: Triangles, A (c|1, 3, 3) [N/m], beta0) -> MembraneStrains
-
-in the membrane's degrees of freedom (u, v, tz) of corners 1, 2, 3. `beta0` matters to "opt" alone.
-"""
-
-from collections.abc import Callable
-
-from ....solver.math.arrays import Array
-from ..triangles import Triangles
-from .allman import allman
-from .cst import cst
-from .opt import opt
+from ....solver.math.catalogue import catalogue, listed
+from ....solver.package.shell import elements
+from .contract import Membrane
 from .strains import MembraneStrains
 
-Membrane = Callable[[Triangles, Array, float | str], MembraneStrains]
+MEMBRANES = listed(
+    [(membrane.name, membrane) for membrane in catalogue(__name__, __path__, Membrane)],
+    elements.MEMBRANES,
+    "membranes",
+)
 
-MEMBRANES: dict[str, Membrane] = {"opt": opt, "allman": allman, "cst": cst}
-WITH_ROTATIONS = frozenset({"opt", "allman"})  # which give stiffness to tz
-
-__all__ = ["MEMBRANES", "WITH_ROTATIONS", "Membrane", "MembraneStrains"]
+__all__ = ["MEMBRANES", "Membrane", "MembraneStrains"]

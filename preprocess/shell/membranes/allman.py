@@ -6,6 +6,7 @@ from ....solver.math.arrays import Array
 from ..drilling.excess import excess_rotation
 from ..sides import bulge_slopes
 from ..triangles import END, START, Triangles
+from .contract import Membrane
 from .strains import MembraneStrains, linear_strain
 
 # Of A66, against equal rotations of all corners. A warped shell feels it: with a hundredth of this
@@ -42,3 +43,6 @@ def allman(t: Triangles, A: Array, beta0: float | str) -> MembraneStrains:
 def _ending() -> list[int]:
     """The side that ends at each corner; side i starts at corner i."""
     return [END.index(corner) for corner in START]
+
+
+MEMBRANE = Membrane("allman", allman, rotations=True, bow=1.0)

@@ -2,6 +2,7 @@
 
 from ....solver.math.arrays import Array
 from ..triangles import Triangles
+from .contract import Membrane
 from .strains import MembraneStrains, linear_strain
 
 
@@ -12,3 +13,6 @@ def cst(t: Triangles, A: Array, beta0: float | str) -> MembraneStrains:
     times too stiff: a wall needs many of them over its height.
     """
     return MembraneStrains(linear_strain(t)[:, None], None)
+
+
+MEMBRANE = Membrane("cst", cst, rotations=False, stiff_in_plane=True)

@@ -5,6 +5,7 @@ import numpy as np
 from ....solver.math.arrays import Array
 from ..drilling.excess import excess_rotation
 from ..triangles import END, START, Triangles
+from .contract import Membrane
 from .strains import MembraneStrains, linear_strain
 
 ALPHA_B = 1.5
@@ -81,3 +82,6 @@ def best_beta0(A: Array) -> Array:
         + 4 * (5 * a - 6 * ab + 5 * b) * s**2
     )
     return np.maximum(256.0 * np.linalg.det(A) / W - 1.5, LOWEST)
+
+
+MEMBRANE = Membrane("opt", opt, rotations=True, bow=1.5)

@@ -1,22 +1,14 @@
-"""Bending of a flat triangle: one file an element, all with the same contract.
+"""Bending of a flat triangle: one file an element; contract.py says what it supplies."""
 
-    f(t: Triangles, D (c|1, 3, 3) [N m], Ds (c|1, 2, 2) [N/m]) -> PlateStrains
-
-in the plate's degrees of freedom (w, bx, by) of corners 1, 2, 3.
-"""
-
-from collections.abc import Callable
-
-from ....solver.math.arrays import Array
-from ..triangles import Triangles
-from .dkmt import dkmt
-from .dkt import dkt
-from .dst import SHEAR_RATIO_LIMIT, dst
-from .mitc3 import mitc3
+from ....solver.math.catalogue import catalogue, listed
+from ....solver.package.shell import elements
+from .contract import Plate
 from .strains import PlateStrains, shear_ratio
 
-Plate = Callable[[Triangles, Array, Array], PlateStrains]
+PLATES = listed(
+    [(plate.name, plate) for plate in catalogue(__name__, __path__, Plate)],
+    elements.PLATES,
+    "plates",
+)
 
-PLATES: dict[str, Plate] = {"dkmt": dkmt, "dst": dst, "dkt": dkt, "mitc3": mitc3}
-
-__all__ = ["PLATES", "SHEAR_RATIO_LIMIT", "Plate", "PlateStrains", "shear_ratio"]
+__all__ = ["PLATES", "Plate", "PlateStrains", "shear_ratio"]

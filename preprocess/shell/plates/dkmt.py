@@ -2,6 +2,7 @@
 
 from ....solver.math.arrays import Array
 from ..triangles import Triangles
+from .contract import Plate
 from .strains import PlateStrains, curvature, edge_shear, shear_ratio, side_differences
 
 
@@ -22,3 +23,6 @@ def dkmt(t: Triangles, D: Array, Ds: Array) -> PlateStrains:
     phi = shear_ratio(t, D, Ds)
     An = side_differences(t) * (1.5 / (t.length * (1.0 + phi)))[..., None]
     return PlateStrains(curvature(t, An), edge_shear(t, (-2.0 / 3.0 * phi)[..., None] * An))
+
+
+PLATE = Plate("dkmt", dkmt)

@@ -4,6 +4,7 @@ import numpy as np
 
 from ....solver.math.arrays import Array
 from ..triangles import Triangles
+from .contract import Plate
 from .strains import PlateStrains, curvature, side_differences
 
 
@@ -18,3 +19,6 @@ def dkt(t: Triangles, D: Array, Ds: Array) -> PlateStrains:
     """
     An = side_differences(t) * (1.5 / t.length)[..., None]
     return PlateStrains(curvature(t, An), np.empty((len(t), 0, 2, 9)))
+
+
+PLATE = Plate("dkt", dkt)

@@ -4,6 +4,7 @@ import numpy as np
 
 from ....solver.math.arrays import Array
 from ..triangles import END, START, Triangles
+from .contract import Plate
 from .strains import PlateStrains, curvature, side_differences
 
 # `shear_ratio` above which the incompatible sides of this element show: of constant curvature on
@@ -48,3 +49,6 @@ def moment_slopes(t: Triangles, D: Array) -> Array:
     k_x = np.stack([C * xx, S * xy, C * xy + S * xx], axis=1)  # curvature differentiated by x
     k_y = np.stack([C * xy, S * yy, C * yy + S * xy], axis=1)
     return np.asarray(D[:, [0, 2]] @ k_x + D[:, [2, 1]] @ k_y)
+
+
+PLATE = Plate("dst", dst, shear_ratio_limit=SHEAR_RATIO_LIMIT)

@@ -2,6 +2,7 @@
 
 from ....solver.math.arrays import Array
 from ..triangles import Triangles
+from .contract import Plate
 from .strains import PlateStrains, curvature, edge_shear, side_differences
 
 
@@ -13,3 +14,6 @@ def mitc3(t: Triangles, D: Array, Ds: Array) -> PlateStrains:
     """
     side = side_differences(t) * (-1.0 / t.length)[..., None]
     return PlateStrains(curvature(t, None), edge_shear(t, side))
+
+
+PLATE = Plate("mitc3", mitc3)

@@ -4,11 +4,12 @@ docs/shell-description.md is generated from here (`make docs`).
 """
 
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, ValidationError, model_validator
 
 from ...errors import InputError
+from ...package.shell.elements import DRILLINGS, MEMBRANES, PLATES, in_words
 from ..common import lines, read_toml
 from ..common.lay_up import Angle, LayUp, LayUpPly
 from ..common.material import Material
@@ -161,27 +162,31 @@ class Region(Table):
         return self
 
 
+if TYPE_CHECKING:
+    Plate = str
+    Membrane = str
+    Drilling = str
+else:
+    Plate = Literal[tuple(PLATES)]
+    Membrane = Literal[tuple(MEMBRANES)]
+    Drilling = Literal[("auto", "none", *DRILLINGS)]
+
+
 class Elements(Table):
     """`[elements]`: which triangle; the defaults are the best of them."""
 
-    plate: Literal["dkmt", "dst", "dkt", "mitc3"] = Field(
-        default="dkmt",
-        description="bending and transverse shear: dkmt converges for laminates of any "
-        "thickness, dst is the paper's, dkt has no shear, mitc3 is the simplest",
+    plate: Plate = Field(
+        default="dkmt", description=f"bending and transverse shear: {in_words(PLATES)}"
     )
-    membrane: Literal["opt", "allman", "cst"] = Field(
-        default="opt",
-        description="stretching: opt and allman carry the rotation about the normal, cst (the "
-        "paper's) is too stiff in in-plane bending",
-    )
+    membrane: Membrane = Field(default="opt", description=f"stretching: {in_words(MEMBRANES)}")
     beta0: Annotated[float, Field(gt=0)] | Literal["felippa"] = Field(
         default=0.5, description="opt only: size of its higher-order stiffness"
     )
-    drilling: Literal["auto", "none", "fictitious", "tie"] = Field(
+    drilling: Drilling = Field(
         default="auto",
-        description="stiffness of the rotation about the normal: the paper's fictitious one, a "
-        "tie to the rotation of the membrane; auto: tie for cst, none for the others. "
-        "none with cst: nodes in a flat surface have five degrees of freedom",
+        description=f"stiffness of the rotation about the normal: {', '.join(DRILLINGS.values())}; "
+        "auto: tie for cst, none for the others. none with cst: nodes in a flat surface have five "
+        "degrees of freedom",
     )
     drilling_factor: float = Field(default=1e-2, gt=0, description="of the drilling stiffness")
     mass_form: Literal["consistent", "lumped"] = Field(

@@ -1,0 +1,36 @@
+"""What the file of a drilling stiffness supplies.
+
+It is one file of this folder with an object of class `Drilling`, and a line in `DRILLINGS` of
+solver/package/shell/elements.py, from which descriptions and their manual take the names.
+
+    stiffness(t, A, factor) -> (c, 9, 9) [N/m, N, N m]
+
+    t       c flat triangles in their own axes E (triangles.py)
+    A       (c|1, 3, 3) stretching stiffness in E [N/m]
+    factor  number above 0, `drilling_factor` of the description
+
+in the degrees of freedom (u, v, tz) of corners 1, 2, 3, tz the rotation about e3; symmetric, added
+to the membrane's.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from ....solver.math.arrays import Array
+from ..triangles import Triangles
+
+
+@dataclass(frozen=True)
+class Drilling:
+    """Stiffness against the rotation about the normal.
+
+    Attributes
+    ----------
+    name : in `[elements]` of a shell description
+    stiffness : see above
+    turns_free : a flat part keeps a motion without energy, all nodes turning alike: a warning
+    """
+
+    name: str
+    stiffness: Callable[[Triangles, Array, float], Array]
+    turns_free: bool = False
