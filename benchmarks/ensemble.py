@@ -13,6 +13,7 @@ there: in plain NumPy as it was before anything was compiled whole, with its rk8
 """
 
 import argparse
+import importlib
 import io
 import json
 import os
@@ -86,9 +87,14 @@ def _before(t_end: float) -> float | None:
 
 def _time_run(repository: Path, t_end: float) -> dict[str, Any]:
     """Time the case's run `isotropic` in this process, by whatever code is imported."""
-    from plymotion.solver.inputs.case import load_case
-    from plymotion.solver.inputs.case.specs import write_case
-    from plymotion.solver.run.execution import execute, read_run
+    old = (repository / "solver" / "run.py").is_file()  # before the rooms of today
+    cases = "plymotion.solver.case" if old else "plymotion.solver.inputs.case"
+    load_case = importlib.import_module(cases).load_case
+    write_case = importlib.import_module(f"{cases}.specs").write_case
+    module = "plymotion.solver.run" if old else "plymotion.solver.run.execution"
+    execute, read_run = (
+        getattr(importlib.import_module(module), n) for n in ("execute", "read_run")
+    )
 
     case = load_case(repository / "cases" / CASE / "case.toml")
     with tempfile.TemporaryDirectory() as folder:

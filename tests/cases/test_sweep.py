@@ -19,7 +19,7 @@ from plymotion.solver.commands.sweep import command, engine
 from plymotion.solver.commands.sweep.engine import compute_by_workers
 from plymotion.solver.commands.sweep.file import read_sweep
 from plymotion.solver.commands.sweep.member import Packages, compute
-from plymotion.solver.monitors.spin import SPIN_CODE
+from plymotion.solver.results.codes.motion import SPIN
 from plymotion.solver.run.execution import execute, read_run
 
 BRIEF = """
@@ -158,7 +158,7 @@ def test_spin_beyond_a_linear_body_stops_a_member(repository, tmp_path):
     assert sweep(file) == 3
     rows = result(file).rows
     assert [row.status for row in rows] == ["finished", "stopped"]
-    assert rows[1].code == SPIN_CODE
+    assert rows[1].code == SPIN.name
     assert "What helps" in rows[1].message
     assert rows[1].t_end == 0.0
 
@@ -217,6 +217,25 @@ def test_an_interruption_keeps_what_is_complete(tmp_path, monkeypatch, capsys):
     np.testing.assert_allclose(
         result(file).signal("x", "final"), 1 + np.arange(1, 9) / 20, atol=1e-9
     )
+
+
+def test_an_interruption_between_members_keeps_those_before(tmp_path, monkeypatch):
+    """Ctrl-C while the second member of a portion is prepared: the first is not lost."""
+    from plymotion.solver.commands.sweep import member
+
+    prepare = member.prepare
+
+    def interrupted(mechanism, packages, signals):
+        if len(calls) == 1:
+            raise KeyboardInterrupt
+        calls.append(1)
+        return prepare(mechanism, packages, signals)
+
+    calls = []
+    monkeypatch.setattr(member, "prepare", interrupted)
+    plan = ball_plan(tmp_path, f"{MASS} = [1, 2, 3]")
+    rows = compute(plan, Packages(plan), range(3), plan.keys())
+    assert [row.status for row in rows] == ["finished", "pending", "pending"]
 
 
 def test_ctrl_c_within_a_member(tmp_path):
