@@ -92,9 +92,7 @@ def _time_run(repository: Path, t_end: float) -> dict[str, Any]:
     load_case = importlib.import_module(cases).load_case
     write_case = importlib.import_module(f"{cases}.specs").write_case
     module = "plymotion.solver.run" if old else "plymotion.solver.run.execution"
-    execute, read_run = (
-        getattr(importlib.import_module(module), n) for n in ("execute", "read_run")
-    )
+    runs = importlib.import_module(module)
 
     case = load_case(repository / "cases" / CASE / "case.toml")
     with tempfile.TemporaryDirectory() as folder:
@@ -104,7 +102,7 @@ def _time_run(repository: Path, t_end: float) -> dict[str, Any]:
         table["mechanism"]["solver"] |= {"t_end": t_end, **OF_BEFORE}
         file.write_text(json.dumps(table), encoding="utf-8")
         begin = time.process_time()
-        _, summary = execute(read_run(file), progress=False)
+        _, summary = runs.execute(runs.read_run(file), progress=False)
         seconds = time.process_time() - begin
     if summary["status"] != "finished":
         raise RuntimeError(f"revision {BEFORE}: {summary}")

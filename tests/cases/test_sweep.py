@@ -116,6 +116,7 @@ def test_failed_members_do_not_stop_the_others(tmp_path, capsys):
     assert "forces.push.law.polynomial.3 = 1e+300: " in out
 
 
+@pytest.mark.provokes("input")
 def test_a_member_that_cannot_be_assembled_fails_alone(tmp_path, capsys):
     bar = {"a": (0, 0, 0), "b": (1, 0, 0)}
     text = HEAD + (
@@ -294,6 +295,7 @@ def test_workers_give_the_same(tmp_path):
     assert [r.message for r in together.rows] == [r.message for r in alone.rows]
 
 
+@pytest.mark.provokes("worker-lost")
 def test_a_worker_that_dies_takes_one_member_with_it(tmp_path, monkeypatch):
     plan = ball_plan(tmp_path, f"{FORCE} = [1.0, 2.0, 3.0, 4.0]")
     give = engine._Worker.give
@@ -315,6 +317,7 @@ def test_a_worker_that_dies_takes_one_member_with_it(tmp_path, monkeypatch):
     assert rows[1].code == "worker-lost"
 
 
+@pytest.mark.provokes("defect")
 def test_a_defect_is_told_and_the_others_go_on(tmp_path, monkeypatch):
     """An error that no input explains: its words in the row, the traceback for us."""
     from plymotion.solver.commands.sweep import member
@@ -370,6 +373,7 @@ def test_a_damaged_file_is_computed_anew(tmp_path, capsys):
     assert result(file).rows[0].status == "finished"
 
 
+@pytest.mark.provokes("package")
 def test_missing_packages(repository, tmp_path, capsys):
     """One that is missing fails its members; with none at all there is nothing to do."""
     folder = pendulum(repository, tmp_path)

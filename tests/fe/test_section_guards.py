@@ -125,6 +125,7 @@ def test_parts_that_touch_in_one_node(mesh: Mesher) -> None:
         mesh(text)
 
 
+@pytest.mark.provokes("unmerged-nodes")
 def test_a_slit_is_warned_of(mesh: Mesher, tmp_path: Path) -> None:
     """Three squares around a corner, the fourth side left open by nodes of its own."""
     nodes = [(0, 0), (1, 0), (2, 0), (0, 1), (1, 1), (2, 1), (0, 2), (1, 2), (2, 2), (2, 1)]
@@ -191,6 +192,7 @@ def test_cell_without_area(tmp_path: Path) -> None:
         by_hand(tmp_path, nodes, cells, 2)
 
 
+@pytest.mark.provokes("sliver-elements")
 @pytest.mark.parametrize(
     ("nodes", "cells", "kind"),
     [

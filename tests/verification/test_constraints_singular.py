@@ -92,6 +92,7 @@ def test_treatments_that_divide_by_zero_end_with_the_cause(name, integrator):
 MISFIT = 1e-7  # m: the branches turn into each other where the exact mechanism passes
 
 
+@pytest.mark.provokes("branch-change")
 def test_a_turn_onto_another_branch_keeps_the_energy_and_is_seen():
     """Told to warn only, a run follows the misfit round the corner within 20 microseconds."""
     done = run(four_bars(1, MISFIT), "index1", [0.0, 1.5], "rk8", rtol=1e-9, stop=False)

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...math.arrays import Array
-from ..common.finding import Finding
+from ..common.remark import Remark
 from .invariants import free_body_mass, inertia_at_rest
 from .laminate_checks import laminate_findings
 from .recovery_checks import recovery_findings
@@ -17,9 +17,9 @@ CONSISTENCY = 1e-6  # relative: numbers that the same FE model gave twice
 LUMPED_T11 = 0.05  # relative: lumped invariants against a modal mass that may be consistent
 
 
-def plausibility_findings(package: ModalPackage) -> list[Finding]:
+def plausibility_findings(package: ModalPackage) -> list[Remark]:
     """Return what is impossible (error) or suspicious (warning) in a body."""
-    findings: list[Finding] = []
+    findings: list[Remark] = []
     try:
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             for check in CHECKS:
@@ -34,8 +34,8 @@ def plausibility_findings(package: ModalPackage) -> list[Finding]:
     return findings
 
 
-def _finding(level: str, dataset: str, message: str) -> Finding:
-    return Finding(level, f"/modal_package/{dataset}", message)
+def _finding(level: str, dataset: str, message: str) -> Remark:
+    return Remark(level, f"/modal_package/{dataset}", message)
 
 
 def _eigenvalues(matrix: Array) -> Array:
@@ -44,7 +44,7 @@ def _eigenvalues(matrix: Array) -> Array:
     return np.asarray(np.linalg.eigvalsh(matrix), dtype=np.float64)
 
 
-def _mass(package: ModalPackage) -> Iterator[Finding]:
+def _mass(package: ModalPackage) -> Iterator[Remark]:
     nodal, total = float(np.sum(package.node_mass)), package.invariants.mass
     if abs(nodal - total) > TOTAL_MASS * total:
         text = f"expected the sum of nodal/mass, {nodal:.9g} kg, found {total:.9g} kg"
@@ -64,7 +64,7 @@ def centre_inertia(package: ModalPackage) -> Array:
     return inertia_at_rest(inv) - inv.mass * (c @ c * np.eye(3) - np.outer(c, c))
 
 
-def _inertia(package: ModalPackage) -> Iterator[Finding]:
+def _inertia(package: ModalPackage) -> Iterator[Remark]:
     inv = package.invariants
     for name in ("T00_B", "J0_B"):
         matrix = getattr(inv, name)
@@ -82,7 +82,7 @@ def _inertia(package: ModalPackage) -> Iterator[Finding]:
         yield _finding("error", "invariants/T00_B", text)
 
 
-def _free_body_mass(package: ModalPackage) -> Iterator[Finding]:
+def _free_body_mass(package: ModalPackage) -> Iterator[Remark]:
     M = free_body_mass(package)
     scale = np.sqrt(np.maximum(np.diag(M), 1e-300))
     smallest = float(_eigenvalues(M / np.outer(scale, scale))[0])
@@ -97,7 +97,7 @@ def _free_body_mass(package: ModalPackage) -> Iterator[Finding]:
         yield _finding("warning", "modes/shapes_B", text)
 
 
-def _modal_mass(package: ModalPackage) -> Iterator[Finding]:
+def _modal_mass(package: ModalPackage) -> Iterator[Remark]:
     """Translation carries at most the modal mass; rotary inertia carries the rest."""
     translation = np.einsum("aaij->ij", package.invariants.T11_B)
     if not translation.size:
@@ -114,7 +114,7 @@ def _modal_mass(package: ModalPackage) -> Iterator[Finding]:
         yield _finding("warning" if lumped else "error", "invariants/T11_B", text)
 
 
-def _modes(package: ModalPackage) -> Iterator[Finding]:
+def _modes(package: ModalPackage) -> Iterator[Remark]:
     m = package.n_mode
     if not m:
         yield _finding("note", "modes/shapes_B", "no modes: the body is rigid")
@@ -143,14 +143,14 @@ def _modes(package: ModalPackage) -> Iterator[Finding]:
             yield _finding("warning", "modes/frequencies", text)
 
 
-def _damping(package: ModalPackage) -> Iterator[Finding]:
+def _damping(package: ModalPackage) -> Iterator[Remark]:
     values = _eigenvalues(package.damping) if package.n_mode else np.zeros(1)
     if values[0] < -1e-9 * max(np.abs(values).max(), 1e-300):
         text = f"feeds energy into the body (eigenvalue {values[0]:.3g})"
         yield _finding("warning", "modes/damping", text)
 
 
-def _interface(package: ModalPackage, interface: Interface) -> Iterator[Finding]:
+def _interface(package: ModalPackage, interface: Interface) -> Iterator[Remark]:
     where = f"interfaces/{interface.name}"
     row_of = {int(i): row for row, i in enumerate(package.node_ids)}
     rows = [row_of[int(i)] for i in interface.node_ids]

@@ -9,8 +9,8 @@ import numpy as np
 from ...errors import PackageError
 from ..common.container import get_text, open_file
 from ..common.dataset import read_dataset
-from ..common.finding import raise_first
 from ..common.identity import checksum_findings, identity_notes, json_table
+from ..common.remark import raise_first
 from ..section.recovery_data import RECOVERY_LAYOUT, recovery_from
 from .checks import content_findings, layout_findings
 from .laminate_data import (

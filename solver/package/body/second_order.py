@@ -10,7 +10,7 @@ import numpy as np
 from ...math.arrays import Array
 from ..common.array_checks import finite, positive_definite
 from ..common.dataset import DatasetSpec, F, spec
-from ..common.finding import Reporter
+from ..common.remark import Reporter
 from .schema import Interface, ModalPackage, SecondOrder
 
 MOST_MODES = 16  # G4 has m^4 numbers; a body with more modes goes without

@@ -8,8 +8,8 @@ import numpy as np
 from ...errors import PackageError
 from ..common.container import new_file, set_text
 from ..common.dataset import write_dataset
-from ..common.finding import raise_first
 from ..common.identity import json_text, write_checksum, write_identity
+from ..common.remark import raise_first
 from ..common.vtk_view import create_grid, describe, part_view
 from ..section.recovery_data import RECOVERY_LAYOUT, recovery_sizes, recovery_values
 from .checks import content_findings

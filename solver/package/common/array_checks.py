@@ -6,7 +6,7 @@ import numpy as np
 
 from ...errors import did_you_mean
 from ...math.arrays import Array, IntArray
-from .finding import Reporter
+from .remark import Reporter
 
 SYMMETRY = 1e-9  # largest |K - K'| over largest |K|
 ORTHONORMAL = 1e-9  # largest entry of |A'A - 1|

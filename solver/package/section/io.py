@@ -10,7 +10,6 @@ import numpy as np
 from ...errors import PackageError
 from ..common.container import get_text, new_file, open_file, set_long_text
 from ..common.dataset import read_dataset, write_dataset
-from ..common.finding import raise_first
 from ..common.identity import (
     checksum_findings,
     identity_notes,
@@ -19,6 +18,7 @@ from ..common.identity import (
     write_checksum,
     write_identity,
 )
+from ..common.remark import raise_first
 from ..common.vtk_view import create_grid, describe, part_view, plane_view
 from .checks import check_shapes, section_content_findings, section_layout_findings
 from .layout import SECTION_FILE, SECTION_FILE_LAYOUT, SECTION_GROUP, section_sizes, section_values

@@ -3,13 +3,6 @@
 from ..finding import Code
 
 # The end of a run.
-RUN_STOPPED = Code(
-    "run-stopped",
-    "error",
-    "a monitor ended the run; the results up to there are kept",
-    "set by the monitor named in the message",
-    'see the code in the message; `on_singular` or `on_invalid = "warn"` let the run continue',
-)
 RUN_FAILED = Code(
     "run-failed",
     "error",
@@ -63,8 +56,9 @@ FEEDBACK = Code(
     "note",
     "the feedback of the constraints (Baumgarte, augmented Lagrangian), not the motion, keeps the "
     "steps short",
-    "feedback rate times mean step above 0.06 times the order of the method",
+    "feedback rate times mean step, over the order of the method, above {limit:g}",
     'reduce `alpha` and `beta` (`frequency`), or set `constraints = "projection"`',
+    limit=0.06,
 )
 
 # Singular positions on the way.
@@ -94,7 +88,6 @@ SINGULAR_PASSED = Code(
 )
 
 CODES = (
-    RUN_STOPPED,
     RUN_FAILED,
     RUN_INTERRUPTED,
     REDUNDANT,
