@@ -2,20 +2,19 @@
 
 import json
 import time
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from tqdm import tqdm
 
+from ..checks.finished import FinishedRun, Look
 from ..dynamics.constraints.treatment import IMPLICIT, Treatment, treatment_of
 from ..dynamics.model import Model
 from ..errors import InputError, PackageError
 from ..integrators.closures import constrained_system, projection, right_hand_side
 from ..integrators.generic import (
     Integrator,
-    Solution,
     StopRequest,
     advice,
     integrate,
@@ -27,7 +26,7 @@ from ..math.arrays import Array
 from ..package import ModalPackage, read_package
 from ..results import RunResult, write_result, write_summary
 from .outcome import RunSpec, collect
-from .preparation import Watch, prepare
+from .preparation import Prepared, Watch, prepare
 
 INCOMPLETE = 3  # exit code of a run that ended early with a result
 
@@ -139,16 +138,26 @@ def make_integrator(
     return new_integrator(name, right_hand_side(model), 0.0, y0, t_end, **options)
 
 
-def feedback_hints(treatment: Treatment, solution: Solution, order: int) -> list[str]:
-    """Remarks on a run whose steps the feedback of its constraints has kept short."""
-    steps = solution.counters.steps
-    rate = {
-        "baumgarte": max(treatment.alpha, treatment.beta),
-        "augmented-lagrangian": treatment.frequency * max(treatment.ratio, 1.0),
-    }.get(treatment.name, 0.0)
-    if steps < advice.STEPS_WORTH_A_LOOK or solution.t[-1] == 0.0:
-        return []
-    return advice.of_feedback(rate, float(solution.t[-1]) / steps, order)
+def integrated(
+    prepared: Prepared, watch: Watch | None = None, look: Look | None = None
+) -> FinishedRun:
+    """Integrate a prepared mechanism from its start to `t_end`: a single run, or one of a sweep.
+
+    Numerical trouble and Ctrl-C while it steps are no exceptions but the status of the solution.
+
+    Parameters
+    ----------
+    watch : called after each step in place of the monitors, which it must call itself
+    look : at how many output times the checks look
+    """
+    solver = prepared.mechanism["solver"]
+    solution, order = prepared.refused, 0
+    if solution is None:
+        integrator = make_integrator(prepared.model, prepared.y0, solver, prepared.treatment)
+        times = output_times(solver["t_end"], solver["output_step"])
+        solution = integrate(integrator, times, watch or prepared.watch)
+        order = integrator.order
+    return prepared.finished(prepared.explained(solution), order, look or Look())
 
 
 class _Progress:
@@ -181,21 +190,13 @@ def execute(spec: RunSpec, *, progress: bool = True) -> tuple[RunResult, dict[st
         does not go with the treatment of constraints.
     """
     begin = time.perf_counter()
-    solver = spec.mechanism["solver"]
     prepared = prepare(spec.mechanism, spec.packages)
-    solution = prepared.refused
-    if solution is None:
-        integrator = make_integrator(prepared.model, prepared.y0, solver, prepared.treatment)
-        follow = _Progress(prepared.watch, solver["t_end"], spec.run, progress)
-        times = output_times(solver["t_end"], solver["output_step"])
-        solution = integrate(integrator, times, follow)
+    follow = _Progress(prepared.watch, spec.mechanism["solver"]["t_end"], spec.run, progress)
+    try:
+        finished = integrated(prepared, follow)
+    finally:
         follow.bar.close()
-        hints = feedback_hints(prepared.treatment, solution, integrator.order)
-        solution = replace(solution, hints=(*solution.hints, *hints))
-    solution = prepared.explained(solution)
-    solve_s = time.perf_counter() - begin
-    built, measured, spin = prepared.built, prepared.measured, prepared.spin
-    return collect(spec, built, measured, spin, solution, solve_s, prepared.noticed())
+    return collect(spec, prepared.measured, finished, time.perf_counter() - begin)
 
 
 def run_file(file: Path, out: Path, *, progress: bool = True) -> dict[str, Any]:

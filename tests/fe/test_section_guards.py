@@ -125,6 +125,7 @@ def test_parts_that_touch_in_one_node(mesh: Mesher) -> None:
         mesh(text)
 
 
+@pytest.mark.provokes("unmerged-nodes")
 def test_a_slit_is_warned_of(mesh: Mesher, tmp_path: Path) -> None:
     """Three squares around a corner, the fourth side left open by nodes of its own."""
     nodes = [(0, 0), (1, 0), (2, 0), (0, 1), (1, 1), (2, 1), (0, 2), (1, 2), (2, 2), (2, 1)]
@@ -199,6 +200,7 @@ def test_area_that_is_rounding_is_no_fold(slope: float, tmp_path: Path) -> None:
         by_hand(tmp_path, nodes, [range(6)], 9)
 
 
+@pytest.mark.provokes("sliver-elements")
 @pytest.mark.parametrize(
     ("nodes", "cells", "kind"),
     [
