@@ -6,11 +6,9 @@ from typing import Any
 import numpy as np
 
 from ..dynamics.constraints.treatment import Treatment
-from ..dynamics.forces.table import FIRST_LOAD
 from ..dynamics.model import Model
 from ..dynamics.system import by_blocks, derivative_into
 from ..dynamics.workspace import new_work
-from ..errors import InputError
 from ..math.arrays import Array
 from ..math.compiled import COMPILED
 from .closures import right_hand_side
@@ -35,47 +33,20 @@ TROUBLE = {
     codes.ILL: "the equations are not finite (inf or nan)",
     codes.OFF: "the step cannot be projected onto the constraints",
 }
-STIFF_ELEMENTS = (
-    "stiff-elements: {share:.0%} of the steps tried were refused: Newton's matrix of radau knows "
-    "the stiffness of bodies, not that of springs, bushings and dampers between them, and its "
-    "iteration converges for short steps only; gear may be cheaper"
-)
-WORTH_A_WORD = 0.3  # share of steps that were refused
-
-
-def marches(model: Model) -> bool:
-    """Tell whether the compiled loops can carry the model: each body has a mass of its own."""
-    return bool(model.plan.structured)
-
-
-def has_elements(model: Model) -> bool:
-    """Tell whether forces between markers (springs, bushings, dampers) depend on the motion."""
-    return bool(np.any(model.force_kind < FIRST_LOAD))
 
 
 class Marching(Integrator):
-    """An integrator over a compiled loop of march/: steps one by one, or many in one call.
+    """An integrator over a compiled loop: steps one by one, or many in one call.
 
     Parameters
     ----------
-    model : a mechanism of bodies with masses of their own, treated (constraints/treatment.py)
+    model : a mechanism, treated (constraints/treatment.py)
     t0, y0, t_end, others : see Integrator; `jacobian` and `project` are of no use here
-
-    Raises
-    ------
-    InputError
-        A body without a positive definite mass matrix, such as a massless virtual body.
     """
 
     strides = True
 
     def __init__(self, model: Model, t0: float, y0: Array, t_end: float, **options: Any) -> None:
-        if not marches(model):
-            raise InputError(
-                'solver.integrator = "radau": every body needs mass and inertia of its own '
-                '(massless virtual bodies of attachment = "virtual", or a body without inertia '
-                'about an axis, have none); take "gear", "rk8" or "generalized-alpha"'
-            )
         if not by_blocks(model):
             # Rows that depend on each other: of effect on Newton's matrix, not on the motion.
             model = model._replace(penalty=Treatment.penalty)
@@ -174,14 +145,6 @@ class Radau(Marching):
     ) -> None:
         self._closed = closed and model.n_constraint > 0
         super().__init__(model, t0, y0, t_end, **options)
-
-    def final_hints(self) -> tuple[str, ...]:
-        """`hints`, and a word on force elements that have kept the steps short."""
-        counters = self.counters
-        tried = counters.steps + counters.rejected
-        if has_elements(self._model) and counters.rejected > WORTH_A_WORD * max(tried, 100):
-            return (*self.hints, STIFF_ELEMENTS.format(share=counters.rejected / tried))
-        return tuple(self.hints)
 
     def _closes(self) -> bool:
         return self._closed

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..dynamics.constraints.treatment import Treatment
 from ..dynamics.model import Model
+from ..dynamics.order import Order
 from ..dynamics.plan import Plan
 from ..integrators.generic import Solution, integrate
 from ..math.arrays import Array
@@ -121,11 +122,11 @@ def integrate_members(
     return found
 
 
-def _items(model: Model) -> Iterator[tuple[str, Any]]:
+def _items(model: Model | Plan | Order) -> Iterator[tuple[str, Any]]:
     """Yield names and values of all fields, those of the plan in its place."""
     for name, value in zip(model._fields, model, strict=True):
-        if isinstance(value, Plan):
-            yield from zip((f"{name}.{part}" for part in value._fields), value, strict=True)
+        if isinstance(value, Plan | Order):
+            yield from ((f"{name}.{part}", inside) for part, inside in _items(value))
         else:
             yield name, value
 

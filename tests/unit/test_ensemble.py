@@ -5,18 +5,23 @@ import pytest
 from sweep_samples import FORCE, MASS, ball_plan
 
 from plymotion.solver.dynamics.model import Model
+from plymotion.solver.dynamics.order import Order
 from plymotion.solver.dynamics.plan import Plan
 from plymotion.solver.integrators.generic import Solution, integrate
 from plymotion.solver.run.ensemble import integrate_members, member, stack_models, structure
 from plymotion.solver.run.execution import make_integrator
 from plymotion.solver.run.preparation import prepare
 
-FIELDS = tuple(name for name in Model._fields if name != "plan") + Plan._fields
+FIELDS = (
+    tuple(name for name in Model._fields if name != "plan") + Plan._fields[:-2] + 2 * Order._fields
+)
 
 
 def leaves(model):
     """The numbers and arrays of a model, in the order of FIELDS."""
-    return (*(value for value in model if value is not model.plan), *model.plan)
+    plan = model.plan
+    own = (value for value in model if value is not plan)
+    return (*own, *plan[:-2], *plan.mass, *plan.newton)
 
 
 @pytest.fixture

@@ -7,15 +7,12 @@ import sys
 
 import numpy as np
 import pytest
-from case_samples import case_runs
 from constraint_runs import new_run, prepared
 from march_samples import torn, two_bodies
 from mechanism_samples import chain, pendulum
 
-from plymotion.solver.__main__ import main
 from plymotion.solver.dynamics.constraints.treatment import Treatment
 from plymotion.solver.dynamics.tables import ForceTable, MarkerTable, assemble_model, rigid_body
-from plymotion.solver.errors import InputError
 from plymotion.solver.integrators import stepping as marching
 from plymotion.solver.integrators.generic import StopRequest, integrate
 from plymotion.solver.integrators.stepping import CompiledAlpha, Radau
@@ -234,25 +231,6 @@ def test_without_blocks_the_norm_is_over_all():
     assert integrate(Radau(model, 0.0, y0, 0.1, block_starts=None), [0.1]).status == "finished"
 
 
-def test_a_body_without_inertia_is_refused():
-    model, y0 = prepared(chain(1), Treatment())
-    model = model._replace(plan=model.plan._replace(structured=False))
-    with pytest.raises(InputError, match=r"mass and inertia.*gear"):
-        Radau(model, 0.0, y0, 1.0)
-
-
-def test_virtual_bodies_are_refused_with_words(repository, tmp_path, capsys):
-    file = case_runs(repository, "double-pendulum", tmp_path) / "isotropic.json"
-    spec = json.loads(file.read_text())
-    spec["mechanism"]["solver"] |= {"attachment": "virtual", "integrator": "radau"}
-    file.write_text(json.dumps(spec))
-    assert main(["run", str(file), "--out", str(tmp_path / "out"), "--quiet"]) == 2
-    words = capsys.readouterr().err
-    for expected in ('solver.integrator = "radau"', 'attachment = "virtual"', '"gear"'):
-        assert expected in words
-    assert not (tmp_path / "out").exists()
-
-
 CODE = """
 import json, sys
 sys.path.insert(0, sys.argv[1])
@@ -261,7 +239,7 @@ from constraint_runs import new_run, prepared
 from march_samples import two_bodies
 from plymotion.solver.math.compiled import COMPILED
 from plymotion.solver.dynamics.constraints.treatment import Treatment
-from plymotion.solver.integrate import integrate
+from plymotion.solver.integrators.generic import integrate
 from plymotion.solver.math.laws import polynomial
 rows = []
 for name, treatment in (("radau", "projection"), ("radau", "baumgarte"), ("march", "ggl")):

@@ -52,6 +52,7 @@ from .course import (
     next_step,
     refuse,
 )
+from .elements import leave_elements
 from .pencil import factorise_pencil, freeze
 from .residual import rest
 from .stages import finite, norm
@@ -72,6 +73,7 @@ def advance_alpha(
     clock, counts, work, stage = course.clock, course.counts, course.work, course.stage
     frozen, real, plan = course.frozen, course.real, model.plan
     n_pos, n_vel, n_c = model.n_pos, model.n_vel, model.n_constraint
+    n_r = course.multipliers.shape[0]
     fixed = options.fixed_step > 0.0
     tightest = np.inf
     for i in range(options.atol.shape[0]):
@@ -113,6 +115,10 @@ def advance_alpha(
                 real.load,
                 real.gamma,
             )
+            if n_r > n_c:
+                leave_elements(model, work, course.stage_multipliers, real.load, real.gamma)
+                for k in range(n_c, n_r):
+                    real.gamma[k] *= h * h * real.softness[k]
             for i in range(real.load.shape[0]):
                 for k in range(real.load.shape[1]):
                     real.load[i, k] *= h * h
@@ -123,7 +129,7 @@ def advance_alpha(
                     real.gamma[k] = -h / scheme.to_v * work.left[k]
                 else:
                     real.gamma[k] = -work.rows[k, PHI]
-            solve(plan, real.factors, real.load, real.gamma, real.x, real.mu)
+            solve(plan, plan.newton, real.factors, real.load, real.gamma, real.x, real.mu)
             flatten(model, real.x, course.change, 0)
             for i in range(n_vel):
                 d_z = course.change[i]
@@ -132,13 +138,15 @@ def advance_alpha(
                 stage[n_pos + i] += scheme.to_v / h * d_z
                 course.stage_rate[n_pos + i] += scheme.to_a / (h * h) * d_z
                 course.stage_a[i] += d_z / (scheme.beta * h * h)
-            for k in range(n_c):
+            for k in range(n_r):
                 course.stage_multipliers[k] += real.mu[k] / (h * h)
+            for k in range(n_c, n_r):
+                real.gamma[k] = 0.0
             if scheme.stabilised:
                 row_products(model, work.J, real.x, work.left)
                 for k in range(n_c):
                     real.gamma[k] = -(work.rows[k, PHI] + work.left[k])
-                solve(plan, real.factors, course.zero, real.gamma, real.x, real.mu)
+                solve(plan, plan.newton, real.factors, course.zero, real.gamma, real.x, real.mu)
                 flatten(model, real.x, course.both, 0)
                 for i in range(n_vel):
                     course.shift[i] += course.both[i]
@@ -227,7 +235,7 @@ def _predict(model: Model, scheme: Scheme, course: AlphaCourse, h: float) -> Non
         course.stage_rate[n_pos + i] = v_d1
         course.stage_a[i] = a_1
     course.stage[n_pos + model.n_vel] = course.y[n_pos + model.n_vel]
-    for k in range(model.n_constraint):
+    for k in range(course.multipliers.shape[0]):
         course.stage_multipliers[k] = course.multipliers[k]
 
 
@@ -270,7 +278,7 @@ def _error(model: Model, options: Options, scheme: Scheme, course: AlphaCourse, 
     real.gamma[:] = 0.0
     rest(model, frozen.M, frozen.J, both, course.no_load, course.zero, real.load, real.gamma)
     real.gamma[:] = 0.0
-    solve(plan, factors, real.load, real.gamma, real.x, real.mu)
+    solve(plan, plan.newton, factors, real.load, real.gamma, real.x, real.mu)
     flatten(model, real.x, course.step, 0)
     if last > 0.0:
         for i in range(n_vel):
@@ -279,10 +287,10 @@ def _error(model: Model, options: Options, scheme: Scheme, course: AlphaCourse, 
         # what the constraints prescribe is exact at the end, but a cubic within the step
         inflate(model, course.change, 0, real.x)
         real.gamma[:] = 0.0
-        solve(plan, factors, real.load, real.gamma, real.rho, real.mu)
+        solve(plan, plan.newton, factors, real.load, real.gamma, real.rho, real.mu)
         row_products(model, frozen.J, real.x, real.gamma)
         flatten(model, real.rho, course.change, 0)
-        solve(plan, factors, course.zero, real.gamma, real.x, real.mu)
+        solve(plan, plan.newton, factors, course.zero, real.gamma, real.x, real.mu)
         for i in range(model.n_body):
             j = model.vel_start[i]
             for k in range(plan.size[i]):
@@ -316,7 +324,7 @@ def _accept(model: Model, course: AlphaCourse, h: float, power: float) -> None:
     for i in range(n + 1):
         course.y_old[i], course.y[i] = course.y[i], course.stage[i]
         course.rate_old[i], course.rate[i] = course.rate[i], course.stage_rate[i]
-    for k in range(model.n_constraint):
+    for k in range(course.multipliers.shape[0]):
         course.multipliers[k] = course.stage_multipliers[k]
 
 
