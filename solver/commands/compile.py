@@ -18,7 +18,7 @@ from ..dynamics.system import assemble, derivative, energies, law_at
 from ..dynamics.tables import ForceTable, JointTable, MarkerTable, assemble_model, rigid_body
 from ..integrators.closures import right_hand_side
 from ..integrators.generic import RungeKutta8, integrate
-from ..integrators.stepping import CompiledAlpha, Marching, Radau
+from ..integrators.stepping import GeneralizedAlpha, Marching, Radau
 from ..math.arrays import Array
 from ..math.compiled import COMPILED
 from ..math.laws import polynomial
@@ -57,7 +57,7 @@ def _compile_radau() -> None:
 def _compile_others() -> None:
     model, y = _hinge()
     RungeKutta8(right_hand_side(model), 0.0, y, 1e-3, first_step=1e-3).step()
-    _march(CompiledAlpha)
+    _march(GeneralizedAlpha)
 
 
 def _march(kind: type[Marching]) -> None:

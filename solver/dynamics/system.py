@@ -333,7 +333,7 @@ def add_inertia(model: Model, i: int, mass: complex, L: Array, softness: Array) 
     """
     for a in range(model.plan.added_start[i], model.plan.added_start[i + 1]):
         sigma, g = mass * model.added_inertia[a], model.added_direction[a]
-        for k in range(6):
+        for k in range(model.plan.size[i]):
             for j in range(k + 1):
                 L[k, j] += sigma * g[k] * g[j]
         softness[model.n_constraint + a] = -1.0 / sigma

@@ -5,12 +5,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..errors import InputError
 from ..math.arrays import Array
 from ..math.laws import N_COEFFICIENT, Law
 from ..package.body.invariants import inertia_at_rest
 from ..package.body.schema import Invariants, ModalPackage, SecondOrder
-from .bodies.added_inertia import missing_inertia
+from .bodies.added_inertia import POSITIVE, missing_inertia
 from .driven import Stand, driven_frames
 from .forces.table import KINDS as FORCE_KINDS
 from .forces.table import MOST_ROWS, N_PARAMETER, rows_in_use
@@ -148,7 +147,7 @@ def assemble_model(
     driven = driven_frames([_stand(j, markers, marker_H) for j in joints])
     added = [
         # a frame that is driven is no unknown
-        np.zeros((0, 6)) if i in driven and not n_mode[i] else _missing(body)
+        np.zeros((0, 6 + n_mode[i])) if i in driven and _is_positive(body.mass) else _missing(body)
         for i, body in enumerate(carrying)
     ]
     return Model(
@@ -202,14 +201,16 @@ def assemble_model(
         multiplier_iterations=0,
         pair_used=np.array([_pairs_used(i) for i in inv], dtype=np.int8).reshape(-1, 9),
         added_inertia=_added_inertia(added, scale, _starts(6 + n_mode)),
-        added_direction=np.concatenate([np.zeros((0, 6)), *added]),
+        added_direction=_wide(added),
         plan=make_plan(
             n_mode,
             marker_body,
             joint_marker,
             joint_row,
             force_marker,
-            uncoupled=[_uncoupled(b) for b in carrying],
+            uncoupled=[
+                _uncoupled(b) and not d[:, 6:].any() for b, d in zip(carrying, added, strict=True)
+            ],
             driven=driven,
             added=[len(directions) for directions in added],
             element_rows=[rows_in_use(e.kind, e.parameters) for e in forces],
@@ -339,23 +340,11 @@ def _pairs_used(invariants: Invariants) -> list[bool]:
 
 
 def _missing(body: Body) -> Array:
-    """Return the directions (d, 6) in which a body has no inertia.
-
-    Raises
-    ------
-    InputError : modes without a mass of their own; names the body
-    """
+    """Return the directions (d, 6 + m) in which a body has no inertia."""
     inv = body.invariants
     T = inv.T01_B
     coupling = np.array([T[1, 2] - T[2, 1], T[2, 0] - T[0, 2], T[0, 1] - T[1, 0]]) + inv.J_psi_B
-    J = inertia_at_rest(inv)
-    found = missing_inertia(inv.mass, J, coupling, inv.S0_B, inv.S_B, body.mass)
-    if found is None:
-        raise InputError(
-            f"bodies.{body.name}: its modes have no mass of their own; expected a positive "
-            "definite mass matrix of frame and modes together. Leave out modes that move the frame"
-        )
-    return found
+    return missing_inertia(inv.mass, inertia_at_rest(inv), coupling, inv.S0_B, inv.S_B, body.mass)
 
 
 def _added_inertia(directions: Sequence[Array], scale: Array, start: np.ndarray) -> Array:
@@ -365,8 +354,22 @@ def _added_inertia(directions: Sequence[Array], scale: Array, start: np.ndarray)
     found = []
     for body, j in zip(directions, start[:-1], strict=True):
         for g in body:
-            found.append(moving if g[:3].any() else scale[j + 3] or turning)
+            own = float(g**2 @ scale[j : j + g.size])
+            found.append(own or (moving if g[:3].any() else turning))
     return np.array(found, dtype=float)
+
+
+def _is_positive(M: Array) -> bool:
+    """Tell whether a modal mass matrix is positive definite; one without modes is."""
+    scale = np.sqrt(np.diag(M).clip(min=1e-300))
+    return not M.size or bool(np.linalg.eigvalsh(M / np.outer(scale, scale))[0] > POSITIVE)
+
+
+def _wide(directions: Sequence[Array]) -> Array:
+    """Return directions of several bodies as rows of one length, (n_a, widest)."""
+    widest = max((d.shape[1] for d in directions), default=6)
+    rows = [np.pad(d, ((0, 0), (0, widest - d.shape[1]))) for d in directions]
+    return np.concatenate([np.zeros((0, widest)), *rows])
 
 
 def _pairs(markers: list[tuple[int, int]]) -> np.ndarray:

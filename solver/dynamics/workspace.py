@@ -137,5 +137,5 @@ def place_added_rows(model: Model, J: Array) -> None:
     for i in range(model.n_body):
         begin = plan.row_start[i + 1] - plan.row_start[i] - plan.added_start[i]
         for a in range(plan.added_start[i], plan.added_start[i + 1]):
-            for k in range(6):
+            for k in range(plan.size[i]):
                 J[i, k, begin + a] = model.added_direction[a, k]

@@ -19,7 +19,7 @@ from .compiled.closing import close
 from .compiled.course import Options, new_course
 from .compiled.radau import advance
 from .compiled.tableau import MU
-from .generic import Integrator
+from .generic import Integrator, advice
 from .generic.alpha_scheme import scheme
 from .generic.base import FIRST_STEPS, Dense
 from .generic.explicit import Powers
@@ -170,10 +170,33 @@ class Radau(Marching):
         return inside
 
 
-class CompiledAlpha(Marching):
-    """Generalized-alpha for mechanisms (compiled/alpha.py); the method is that of GeneralizedAlpha.
+class GeneralizedAlpha(Marching):
+    """Generalized-alpha of Arnold and Bruls for M a + Phi_q' lambda = f, Phi = 0.
 
-    Its matrices know the stiffness of bodies, not of force elements.
+    Second order; q moves by the group's exponential (dynamics/coordinates.py), so that Euler
+    parameters need no constraint of their own. With spectral radius rho at infinity,
+
+        alpha_m = (2 rho - 1) / (rho + 1), alpha_f = rho / (rho + 1),
+        gamma = 1/2 + alpha_f - alpha_m, beta = (gamma + 1/2)^2 / 4,
+        (1 - alpha_m) a_1 + alpha_m a_0 = (1 - alpha_f) vdot_1 + alpha_f vdot_0,
+        z = h v_0 + h^2 ((1/2 - beta) a_0 + beta a_1),  v_1 = v_0 + h ((1 - gamma) a_0 + gamma a_1).
+
+    Formulations:
+      index3  q_1 = q_0 exp(z); Phi(q_1) = 0. Velocities satisfy the constraints to h^2 only, and
+              multipliers swing after a change of step.
+      ggl     q_1 = q_0 exp(z + p) with p = -J^-1 Phi_q' eta, J being Newton's matrix (the position
+              multiplier of Gear, Leimkuhler and Gupta); Phi(q_1) = 0 and Phidot(q_1, v_1) = 0.
+              Default.
+
+    Newton's unknowns are z and h^2 lambda: scaled so, the matrix stays well conditioned as h
+    tends to zero. rho = 1 keeps the energy of what it does not resolve, rho = 0 destroys it in
+    one step.
+
+    Parameters
+    ----------
+    formulation : "ggl" or "index3"
+    spectral_radius : rho, 0 to 1
+    others : see Integrator. With fixed_step only Newton's iteration uses the tolerances.
     """
 
     order = 2
@@ -191,6 +214,7 @@ class CompiledAlpha(Marching):
     ) -> None:
         self._scheme = scheme(formulation, spectral_radius)
         super().__init__(model, t0, y0, t_end, **options)
+        self.hints += advice.of_choice(formulation, spectral_radius)
 
     def _begin(self, rate: Array, multipliers: Array) -> Any:
         return new_alpha_course(self._model, self.t, self.y, rate, multipliers, self._h_next)

@@ -22,7 +22,7 @@ from ..integrators.generic import (
     new_constrained_integrator,
     new_integrator,
 )
-from ..integrators.stepping import CompiledAlpha, Radau
+from ..integrators.stepping import GeneralizedAlpha, Radau
 from ..math.arrays import Array
 from ..package import ModalPackage, read_package
 from ..results import RunResult, write_result, write_summary
@@ -125,9 +125,7 @@ def make_integrator(
         options["formulation"] = treatment.name
         if name == "generalized-alpha":
             options["spectral_radius"] = treatment.spectral_radius
-            made: Integrator = CompiledAlpha(model, 0.0, y0, t_end, **options)
-            made.hints += advice.of_choice(options)
-            return made
+            return GeneralizedAlpha(model, 0.0, y0, t_end, **options)
         return new_constrained_integrator(
             name, constrained_system(model), 0.0, y0, t_end, **options
         )

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from constraint_runs import new_run, prepared
-from flexible_samples import body_of, random_points
+from flexible_samples import Points, body_of, random_points
 from mechanism_samples import GRAVITY, GROUND, Sample, four_bars
 
 from plymotion.solver.dynamics.bodies.added_inertia import missing_inertia, undetermined_body
@@ -44,9 +44,10 @@ def test_directions_are_those_without_inertia():
     assert len(_missing(2.0, 2.0 * (np.eye(3) - np.outer(off, off)), 2.0 * off)) == 3
     assert len(_missing(2.0, np.zeros((3, 3)))) == 3
     assert len(_missing(0.0, np.zeros((3, 3)))) == 6
-    # modes that move the mass as the frame does have no mass of their own
+    # a mode that moves the mass as the frame does has no mass of its own
     S = np.array([[1.0], [0.0], [0.0]])
-    assert missing_inertia(1.0, np.eye(3), np.zeros((3, 1)), np.zeros(3), S, np.eye(1)) is None
+    found = missing_inertia(1.0, np.eye(3), np.zeros((3, 1)), np.zeros(3), S, np.eye(1))
+    np.testing.assert_allclose(np.abs(found), [[0, 0, 0, 0, 0, 0, 1]], atol=1e-9)
 
 
 def _pendulums(n: int) -> Sample:
@@ -101,6 +102,24 @@ def test_accelerations_and_multipliers_are_those_of_dense_linear_algebra(n):
     np.testing.assert_allclose(work.multipliers, multipliers, rtol=0.0, atol=1e-9 * size)
 
 
+def test_a_mode_that_moves_as_the_frame_does():
+    """A mass point on a mode, held at a marker that the mode moves: the frame swings, not it."""
+    phi, psi = np.zeros((1, 3, 1)), np.zeros((1, 3, 1))
+    phi[0, 0, 0] = 1.0
+    body = body_of(Points(np.ones(1), np.zeros((1, 3)), phi, psi, np.eye(3)[None]), 25.0)
+    at = MarkerTable(0, np.array([0.1, 0.0, 0.0]), np.eye(3), -0.5 * phi[0], psi[0])
+    markers = [MarkerTable(GROUND, np.zeros(3)), at]
+    model = assemble_model([body], markers, [JointTable("weld", "fixed", 0, 1)])
+    assert model.added_inertia.size == 1
+    y = np.zeros(model.n_pos + model.n_vel + 1)
+    y[3], y[7] = 1.0, 0.01
+    found, expected = np.empty(y.size), np.empty(y.size)
+    derivative_into(model, new_work(model), 0.0, y, found)
+    dense_derivative_into(model, new_work(model), 0.0, y, expected)
+    np.testing.assert_allclose(found, expected, atol=1e-12)
+    assert abs(found[model.n_pos + 6]) > 0.01
+
+
 @pytest.mark.parametrize("added", [1e-3, 1e3])
 def test_what_is_added_is_of_no_effect(added):
     model, y = prepared(_pendulums(2), Treatment("index1"))
@@ -113,7 +132,8 @@ def test_what_is_added_is_of_no_effect(added):
 
 
 @pytest.mark.parametrize(
-    ("name", "treatment"), [("radau", "projection"), ("march", "ggl"), ("march", "index3")]
+    ("name", "treatment"),
+    [("radau", "projection"), ("generalized-alpha", "ggl"), ("generalized-alpha", "index3")],
 )
 def test_implicit_runs_against_rk8(name, treatment):
     sample = _pendulums(2)

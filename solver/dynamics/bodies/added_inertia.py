@@ -18,14 +18,11 @@ from ...math.arrays import Array, IntArray
 POSITIVE = 1e-10  # least eigenvalue of a mass matrix scaled to a diagonal of one
 
 
-def missing_inertia(
-    mass: float, J: Array, M_wq: Array, S0: Array, S: Array, M_qq: Array
-) -> Array | None:
-    """Return the directions (d, 6) of the frame in which a body at rest has no inertia.
+def missing_inertia(mass: float, J: Array, M_wq: Array, S0: Array, S: Array, M_qq: Array) -> Array:
+    """Return the directions (d, 6 + m) in which a body at rest has no inertia.
 
-    Unit vectors, of translations in global and of rotations in body axes: inertia added along
-    them makes the body's mass matrix positive definite. None: not even that does, because modes
-    have no mass of their own.
+    Unit vectors by translation in global and rotation in body axes, and modes: inertia added along
+    them makes the body's mass matrix positive definite in every position.
 
     Parameters
     ----------
@@ -44,20 +41,13 @@ def missing_inertia(
     values, vectors = np.linalg.eigh(M / np.outer(scale, scale))
     null = vectors[:, values <= POSITIVE] / scale[:, None]
     if null.shape[1] == 0:
-        return np.zeros((0, 6))
-    moving = np.eye(6)[:3] if mass == 0.0 else np.zeros((0, 6))
-    # of a body with mass, what has no inertia is a rotation, about the frame or about a point
-    U, s, _ = np.linalg.svd(null[3:6])
-    turning = np.zeros((int(np.sum(s > 1e-6 * max(s[0], 1e-300))), 6))
-    turning[:, 3:] = U[:, : len(turning)].T
-    out = np.vstack([moving, turning])
-    size = np.trace(J) / 3.0
-    added = np.zeros_like(M)
-    added[:6, :6] = out.T @ np.diag([1.0] * len(moving) + [size or 1.0] * len(turning)) @ out
-    M = M + added
-    scale = np.sqrt(np.diag(M).clip(min=1e-300))
-    positive = np.linalg.eigvalsh(M / np.outer(scale, scale))[0] > POSITIVE
-    return out if positive else None
+        return np.zeros((0, len(M)))
+    moving = np.eye(len(M))[:3] if mass == 0.0 else np.zeros((0, len(M)))
+    # with mass, no motion without inertia is a translation alone: the rest says which it is
+    U, s, _ = np.linalg.svd(null[3:])
+    other = np.zeros((int(np.sum(s > 1e-6 * max(s[0], 1e-300))), len(M)))
+    other[:, 3:] = U[:, : len(other)].T
+    return np.vstack([moving, other])
 
 
 def undetermined_body(

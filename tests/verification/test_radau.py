@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from constraint_runs import new_run, prepared, run
-from march_samples import stretching_rod, two_bodies
 from mechanism_samples import bricard, chain, four_bars, pendulum
 from stability_samples import amplitude, hand, stepped
+from two_body_samples import stretching_rod, two_bodies
 
 from plymotion.solver.dynamics.constraints.treatment import Treatment
 from plymotion.solver.dynamics.system import assemble, energies
