@@ -18,7 +18,7 @@ from ..dynamics.tables import ForceTable, JointTable, MarkerTable, assemble_mode
 from ..integrators.closures import right_hand_side
 from ..integrators.compiled.pencil import factorise_pencil, new_frozen, new_pencil, solve_pencil
 from ..integrators.generic import RungeKutta8, integrate
-from ..integrators.stepping import CompiledAlpha, Marching, Radau
+from ..integrators.stepping import GeneralizedAlpha, Marching, Radau
 from ..math.arrays import Array
 from ..math.compiled import COMPILED, statistics
 from ..math.laws import polynomial
@@ -83,7 +83,7 @@ def _compile_radau() -> None:
 
 
 def _compile_alpha() -> None:
-    _march(CompiledAlpha)
+    _march(GeneralizedAlpha)
 
 
 def _march(kind: type[Marching]) -> None:

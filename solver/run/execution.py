@@ -16,12 +16,11 @@ from ..integrators.closures import constrained_system, projection, right_hand_si
 from ..integrators.generic import (
     Integrator,
     StopRequest,
-    advice,
     integrate,
     new_constrained_integrator,
     new_integrator,
 )
-from ..integrators.stepping import CompiledAlpha, Radau, has_elements, marches
+from ..integrators.stepping import GeneralizedAlpha, Radau
 from ..math.arrays import Array
 from ..package import ModalPackage, read_package
 from ..results import RunResult, write_result, write_summary
@@ -124,10 +123,7 @@ def make_integrator(
         options["formulation"] = treatment.name
         if name == "generalized-alpha":
             options["spectral_radius"] = treatment.spectral_radius
-            if marches(model) and not has_elements(model):
-                march: Integrator = CompiledAlpha(model, 0.0, y0, t_end, **options)
-                march.hints += advice.of_choice(options)
-                return march
+            return GeneralizedAlpha(model, 0.0, y0, t_end, **options)
         return new_constrained_integrator(
             name, constrained_system(model), 0.0, y0, t_end, **options
         )

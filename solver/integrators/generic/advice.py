@@ -41,13 +41,12 @@ ON_GROWTH = {
         'with max_order = 2), fewer modes, or constraints = "projection" instead of baumgarte'
     ),
     "GeneralizedAlpha": UNDAMPED,
-    "CompiledAlpha": UNDAMPED,
     "Radau": (
         "Newton's iteration finds no answer for a step this long, or constraints contradict each "
         f"other: take a shorter step ({SHORTER})"
     ),
 }
-FAIL_BEFORE_GROWTH = {"GeneralizedAlpha": True, "CompiledAlpha": True, "Radau": True}
+FAIL_BEFORE_GROWTH = {"GeneralizedAlpha": True, "Radau": True}
 COMPARISON = (
     "This code is there for comparison: take gear, radau, rk8 or generalized-alpha, which say more "
     "of their trouble"
@@ -59,8 +58,7 @@ OTHERWISE = (
 )
 OF_RADAU = (
     "Look for a jump or a singularity in the forces just after it, or for constraints that "
-    "contradict each other, loosen rtol and atol, or take gear if springs, bushings or dampers are "
-    "much stiffer than the bodies"
+    "contradict each other, or loosen rtol and atol"
 )
 
 
@@ -84,10 +82,9 @@ def on_failure(kind: type, *, not_finite: bool, fixed_step: bool, growth: float)
     return f"{words}. {borrowed}" if borrowed else str(words)
 
 
-def of_choice(options: dict[str, Any]) -> list[str]:
-    """Remarks on options of an integrator of constrained systems that are known to disappoint."""
-    rho = options.get("spectral_radius", 0.0)
-    if options.get("formulation") == "index3" and rho > HIGHEST_RADIUS:
+def of_choice(formulation: str, rho: float) -> list[str]:
+    """Remarks on options of generalized-alpha that are known to disappoint."""
+    if formulation == "index3" and rho > HIGHEST_RADIUS:
         return [
             f'undamped: spectral_radius = {rho:g} with constraints = "index3" damps too little: '
             "multipliers and the velocities that the constraints forbid swing from step to step; "
