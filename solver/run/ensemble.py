@@ -15,9 +15,9 @@ from ..dynamics.constraints.treatment import Treatment
 from ..dynamics.model import Model
 from ..dynamics.order import Order
 from ..dynamics.plan import Plan
+from ..integrators.choice import make_integrator
 from ..integrators.generic import Solution, integrate
 from ..math.arrays import Array
-from .execution import make_integrator
 from .preparation import Watch
 
 FIELDS = get_type_hints(Model)  # name -> int, float or an array type

@@ -7,9 +7,9 @@ from sweep_samples import FORCE, MASS, ball_plan
 from plymotion.solver.dynamics.model import Model
 from plymotion.solver.dynamics.order import Order
 from plymotion.solver.dynamics.plan import Plan
+from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.generic import Solution, integrate
 from plymotion.solver.run.ensemble import integrate_members, member, stack_models, structure
-from plymotion.solver.run.execution import make_integrator
 from plymotion.solver.run.preparation import prepare
 
 FIELDS = (
