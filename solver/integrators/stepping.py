@@ -1,6 +1,7 @@
 """Integrators of mechanisms whose step loop is compiled whole, behind the contract of all."""
 
 from abc import abstractmethod
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,8 @@ from .compiled.closing import close
 from .compiled.course import Options, new_course
 from .compiled.radau import advance
 from .compiled.tableau import MU
-from .generic import Integrator, advice
+from .generic import Integrator
+from .generic.advice import SHORTER, of_choice
 from .generic.alpha_scheme import scheme
 from .generic.base import FIRST_STEPS, Dense
 from .generic.explicit import Powers
@@ -45,6 +47,8 @@ class Marching(Integrator):
     """
 
     strides = True
+    takes = "model"
+    fails_before_growth = True
 
     def __init__(self, model: Model, t0: float, y0: Array, t_end: float, **options: Any) -> None:
         if not by_blocks(model):
@@ -132,6 +136,14 @@ class Radau(Marching):
     """
 
     order = 5
+    on_growth = (
+        "Newton's iteration finds no answer for a step this long, or constraints contradict each "
+        f"other: take a shorter step ({SHORTER})"
+    )
+    on_failure = (
+        "Look for a jump or a singularity in the forces just after it, or for constraints that "
+        "contradict each other, or loosen rtol and atol"
+    )
 
     def __init__(
         self,
@@ -145,6 +157,11 @@ class Radau(Marching):
     ) -> None:
         self._closed = closed and model.n_constraint > 0
         super().__init__(model, t0, y0, t_end, **options)
+
+    @classmethod
+    def settings(cls, solver: Mapping[str, Any]) -> dict[str, Any]:
+        """Whether steps go back onto the constraints."""
+        return {"closed": solver["constraints"] == "projection"}
 
     def _closes(self) -> bool:
         return self._closed
@@ -200,6 +217,13 @@ class GeneralizedAlpha(Marching):
     """
 
     order = 2
+    # What it does not damp shows in its multipliers, not in the state.
+    on_growth = (
+        "With too little damping (spectral_radius near 1) what the step does not resolve can grow "
+        'where the problem is not linear, and with constraints = "index3" the velocities that the '
+        'constraints forbid swing on: take spectral_radius = 0.8, constraints = "ggl", or a '
+        f"shorter step ({SHORTER})"
+    )
 
     def __init__(
         self,
@@ -214,7 +238,15 @@ class GeneralizedAlpha(Marching):
     ) -> None:
         self._scheme = scheme(formulation, spectral_radius)
         super().__init__(model, t0, y0, t_end, **options)
-        self.hints += advice.of_choice(formulation, spectral_radius)
+        self.hints += of_choice(formulation, spectral_radius)
+
+    @classmethod
+    def settings(cls, solver: Mapping[str, Any]) -> dict[str, Any]:
+        """Formulation and damping."""
+        return {
+            "formulation": solver["constraints"],
+            "spectral_radius": solver["spectral_radius"],
+        }
 
     def _begin(self, rate: Array, multipliers: Array) -> Any:
         return new_alpha_course(self._model, self.t, self.y, rate, multipliers, self._h_next)

@@ -9,18 +9,9 @@ import numpy as np
 from tqdm import tqdm
 
 from ..checks.finished import FinishedRun, Look
-from ..dynamics.constraints.treatment import IMPLICIT, Treatment, treatment_of
-from ..dynamics.model import Model
 from ..errors import InputError, PackageError
-from ..integrators.closures import constrained_system, projection, right_hand_side
-from ..integrators.generic import (
-    Integrator,
-    StopRequest,
-    integrate,
-    new_constrained_integrator,
-    new_integrator,
-)
-from ..integrators.stepping import GeneralizedAlpha, Radau
+from ..integrators.choice import make_integrator
+from ..integrators.generic import Integrator, StopRequest, integrate
 from ..math.arrays import Array
 from ..package import ModalPackage, read_package
 from ..results import RunResult, write_result, write_summary
@@ -88,50 +79,6 @@ def output_times(t_end: float, step: float) -> Array:
         times = np.append(times, t_end)
     times[-1] = t_end
     return times
-
-
-def tolerances(model: Model, solver: dict[str, Any]) -> Array:
-    """Return absolute tolerances (n,) of positions, velocities and the work."""
-    atol = np.full(model.n_pos + model.n_vel + 1, float(solver["atol_velocity"]))
-    atol[: model.n_pos] = solver["atol_position"]
-    return atol
-
-
-def make_integrator(
-    model: Model, y0: Array, solver: dict[str, Any], treatment: Treatment | None = None
-) -> Integrator:
-    """Return the integrator that the case asks for, ready to step from t = 0.
-
-    `treatment` is the one that the model was prepared for (`treated`); of `solver` by default.
-    `solver` may hold one key more than that of a case: `fixed_step` [s], without error control
-    (benchmarks).
-    """
-    treatment = treatment or treatment_of(solver)
-    options: dict[str, Any] = {
-        "rtol": solver["rtol"],
-        "atol": tolerances(model, solver),
-        "block_starts": [0, model.n_pos, model.n_pos + model.n_vel],
-    }
-    if solver["max_step"] is not None:
-        options["max_step"] = solver["max_step"]
-    if solver.get("fixed_step") is not None:
-        options["fixed_step"] = solver["fixed_step"]
-    name, t_end = solver["integrator"], solver["t_end"]
-    if name == "radau":
-        return Radau(model, 0.0, y0, t_end, closed=treatment.name == "projection", **options)
-    if treatment.name in IMPLICIT:
-        options["formulation"] = treatment.name
-        if name == "generalized-alpha":
-            options["spectral_radius"] = treatment.spectral_radius
-            return GeneralizedAlpha(model, 0.0, y0, t_end, **options)
-        return new_constrained_integrator(
-            name, constrained_system(model), 0.0, y0, t_end, **options
-        )
-    if name == "gear":
-        options["fixed_order" if "fixed_step" in options else "max_order"] = solver["max_order"]
-    if treatment.name == "projection" and model.n_constraint:
-        options["project"] = projection(model)
-    return new_integrator(name, right_hand_side(model), 0.0, y0, t_end, **options)
 
 
 def integrated(
