@@ -284,9 +284,9 @@ test-light: $(LIGHT) | $(COMPILED) ## Tests without FEniCSx, on two cores
 	$(PY) -m pytest tests --ignore tests/fe -n 2 -q
 
 # The lowest version that the compiler knows (solver/math/compiled/versions.py), and a NumPy for it.
-LOWEST_NUMBA := 0.61.2
+LOWEST_NUMBA := 0.62.1
 build/numba-$(LOWEST_NUMBA)/installed: | $(LIGHT)
-	$(PY) -m pip install --quiet --upgrade --target $(@D) numba==$(LOWEST_NUMBA) "numpy<2.3"
+	$(PY) -m pip install --quiet --upgrade --target $(@D) numba==$(LOWEST_NUMBA) "numpy<2.4"
 	@touch $@
 
 .PHONY: test-numba

@@ -193,7 +193,7 @@ INTERNALS = "import plymotion.solver.math.compiled.{0} as module; module.{1} = N
 @pytest.mark.parametrize(
     ("setup", "words"),
     [
-        (VERSIONS + "versions.NEWEST = (0, 61)", "knows 0.61 to 0.61"),
+        (VERSIONS + "versions.NEWEST = (0, 62)", "knows 0.62 to 0.62"),
         (VERSIONS + "versions.LOWEST = (9, 0)", "knows 9.0 to"),
         (INTERNALS.format("machine", "emitted"), "not callable"),
         (INTERNALS.format("lowering", "compile_extra"), "not callable"),
@@ -201,7 +201,7 @@ INTERNALS = "import plymotion.solver.math.compiled.{0} as module; module.{1} = N
     ],
 )
 def test_another_numba_is_left_to_njit(tmp_path, setup, words):
-    if "NEWEST" in setup and _numba_version() <= (0, 61):
+    if "NEWEST" in setup and _numba_version() <= (0, 62):
         pytest.skip("this Numba is the lowest one that is supported")
     process = _started(tmp_path / "one", tmp_path / "cache", SETUP=setup)
     out, err = process.communicate(timeout=300)
