@@ -259,8 +259,8 @@ shell-speed: $(FENICSX) ## Shells of 10 k triangles: analysis over bare eigenval
 ##@ Tests
 
 .PHONY: test
-test: ## All of it: check, test-fe, then every case in its coarse version
-	@tools/phases.sh "$(MAKE)" check test-fe test-cases
+test: ## All of it: check, test-numba, test-fe, then every case in its coarse version
+	@tools/phases.sh "$(MAKE)" check test-numba test-fe test-cases
 
 .PHONY: check
 check: lint types imports test-light ## Lint, types, import directions and the tests without FEniCSx
@@ -282,6 +282,17 @@ imports: $(LIGHT) ## Allowed directions between modules: import-linter
 .PHONY: test-light
 test-light: $(LIGHT) | $(COMPILED) ## Tests without FEniCSx, on two cores
 	$(PY) -m pytest tests --ignore tests/fe -n 2 -q
+
+# The lowest version that the compiler knows (solver/math/compiled/versions.py), and a NumPy for it.
+LOWEST_NUMBA := 0.62.1
+build/numba-$(LOWEST_NUMBA)/installed: | $(LIGHT)
+	$(PY) -m pip install --quiet --upgrade --target $(@D) numba==$(LOWEST_NUMBA) "numpy<2.4"
+	@touch $@
+
+.PHONY: test-numba
+test-numba: build/numba-$(LOWEST_NUMBA)/installed ## The compiled loops with the lowest Numba that is supported
+	PYTHONPATH=$(CURDIR)/$(<D):$(CURDIR) $(PY) -m pytest -q tests/unit/test_marching_contract.py \
+	    tests/unit/test_evaluation.py tests/unit/test_compiled_cache.py
 
 .PHONY: test-fe
 test-fe: $(LIGHT) ## FE tests on the distribution's DOLFINx and on the wheel, numbers compared

@@ -5,7 +5,7 @@ import os
 import re
 from functools import cache
 
-LOWEST, NEWEST = (0, 63), (0, 68)
+LOWEST, NEWEST = (0, 62), (0, 68)
 
 
 class UnsupportedError(Exception):

@@ -1,0 +1,252 @@
+"""The cache of compiled functions: keyed by content, shared, and never trusted blindly."""
+
+import importlib.metadata
+import os
+import pickle
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from constraint_runs import prepared
+from mechanism_samples import chain
+
+from plymotion.solver.dynamics.constraints.treatment import Treatment
+
+pytest.importorskip("numba")
+
+MODULE = """
+import numpy as np
+from plymotion.solver.math.compiled import inlined, lean
+
+FACTOR = {factor}
+
+
+@inlined
+def part(x):
+    return FACTOR * x
+
+
+@lean
+def unit(x):
+    return part(x) + {shift}
+
+
+@lean
+def entry(a):
+    total = 0.0
+    for i in range(a.shape[0]):
+        total += unit(a[i])
+    return total
+"""
+SCRIPT = """
+import os
+exec(os.environ.get("SETUP", ""))
+import numpy as np
+from plymotion.solver.math.compiled import COMPILED, statistics
+import sample
+value = complex(sample.entry(np.arange(4.0))).real
+names = sorted(name.partition(":")[2] for name in statistics.compiled)
+print(value, COMPILED, len(statistics.loaded), len(statistics.fallbacks), *names)
+"""
+
+
+def _call(folder: Path, cache: Path | None, factor=2.0, shift=1.0, **settings):
+    """Write the module in a folder and call it; return the value and what was compiled."""
+    return _read(_started(folder, cache, factor, shift, **settings))
+
+
+def _started(folder, cache, factor=2.0, shift=1.0, **settings):
+    folder.mkdir(exist_ok=True)
+    (folder / "sample.py").write_text(MODULE.format(factor=factor, shift=shift))
+    environment = {**os.environ, "PLYMOTION_COMPILED": "1", **settings}
+    path = [str(folder), *filter(None, [environment.get("PYTHONPATH")])]
+    environment["PYTHONPATH"] = os.pathsep.join(path)
+    environment.pop("PLYMOTION_CACHE", None)
+    if cache is not None:
+        environment["PLYMOTION_CACHE"] = str(cache)
+    return subprocess.Popen(
+        [sys.executable, "-c", SCRIPT],
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def _read(process):
+    out, err = process.communicate(timeout=300)
+    assert process.returncode == 0, err
+    value, compiled, loaded, fallbacks, *names = out.split()
+    return float(value), compiled == "True", int(loaded), int(fallbacks), names
+
+
+def test_same_content_in_another_folder_is_found(tmp_path):
+    cache = tmp_path / "cache"
+    assert _call(tmp_path / "one", cache) == (16.0, True, 0, 0, ["entry", "unit"])
+    assert _call(tmp_path / "two", cache) == (16.0, True, 2, 0, [])
+
+
+def test_an_edit_compiles_what_it_changes(tmp_path):
+    cache = tmp_path / "cache"
+    _call(tmp_path / "one", cache)
+    # a unit of its own: its callers only know its name
+    assert _call(tmp_path / "one", cache, shift=3.0) == (24.0, True, 1, 0, ["unit"])
+    # a global constant, of an inlined part
+    assert _call(tmp_path / "one", cache, factor=3.0) == (22.0, True, 1, 0, ["unit"])
+    # both are still there
+    assert _call(tmp_path / "one", cache) == (16.0, True, 2, 0, [])
+
+
+def test_a_result_of_another_type_compiles_the_callers(tmp_path):
+    cache = tmp_path / "cache"
+    _call(tmp_path / "one", cache)
+    assert _call(tmp_path / "one", cache, shift="(1.0 + 1.0j)")[0::4] == (16.0, ["entry", "unit"])
+
+
+def test_two_processes_at_once(tmp_path):
+    cache = tmp_path / "cache"
+    running = [_started(tmp_path / "one", cache) for _ in range(2)]
+    assert {_read(process)[0] for process in running} == {16.0}
+    assert _call(tmp_path / "one", cache)[4] == []
+    assert not list(cache.rglob(".new-*"))
+
+
+@pytest.mark.parametrize("damage", ["cut", "flipped", "empty", "gone"])
+def test_a_damaged_file_is_compiled_anew(tmp_path, damage):
+    cache = tmp_path / "cache"
+    _call(tmp_path / "one", cache)
+    for path in (cache / "code").iterdir():
+        data = bytearray(path.read_bytes())
+        if damage == "cut":
+            path.write_bytes(data[: len(data) // 2])
+        elif damage == "flipped":
+            data[-20] ^= 0xFF
+            path.write_bytes(data)
+        elif damage == "empty":
+            path.write_bytes(b"")
+        else:
+            path.unlink()
+    assert _call(tmp_path / "one", cache) == (16.0, True, 0, 0, ["entry", "unit"])
+    assert _call(tmp_path / "one", cache)[4] == []
+
+
+def test_one_lost_unit_is_compiled_before_its_caller_is_loaded(tmp_path):
+    cache = tmp_path / "cache"
+    _call(tmp_path / "one", cache)
+    for path in (cache / "code").iterdir():
+        if b":unit" in path.read_bytes().split(b"\n")[1].split(b"units")[0]:
+            path.unlink()
+    assert _call(tmp_path / "one", cache) == (16.0, True, 1, 0, ["unit"])
+
+
+def test_a_cache_that_cannot_be_written(tmp_path):
+    """A file stands where the folder would be: so even for a user who may write anywhere."""
+    (tmp_path / "cache").write_text("no folder")
+    for _ in range(2):
+        value, _, loaded, fallbacks, names = _call(tmp_path / "one", tmp_path / "cache")
+        assert (value, loaded, fallbacks, names) == (16.0, 0, 0, ["entry", "unit"])
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
+def test_a_read_only_cache(tmp_path):
+    cache = tmp_path / "cache"
+    _call(tmp_path / "one", cache)
+    for path in (cache / "code", cache):
+        path.chmod(0o500)
+    try:
+        assert _call(tmp_path / "one", cache)[4] == []
+        assert _call(tmp_path / "one", cache, shift=3.0)[4] == ["unit"]
+    finally:
+        for path in (cache, cache / "code"):
+            path.chmod(0o700)
+
+
+def test_a_home_that_is_missing(tmp_path):
+    home = tmp_path / "none"
+    found = _call(tmp_path / "one", None, HOME=str(home / "deeper"))
+    assert found[0] == 16.0
+    shutil.rmtree(home, ignore_errors=True)
+    home.write_text("a file")
+    assert _call(tmp_path / "one", None, HOME=str(home / "deeper"))[4] == ["entry", "unit"]
+
+
+def test_plain_numpy_and_njit_give_the_same(tmp_path):
+    cache = tmp_path / "cache"
+    assert _call(tmp_path / "one", cache, PLYMOTION_COMPILED="0")[:2] == (16.0, False)
+    assert not cache.exists()
+    value, _, _, fallbacks, names = _call(tmp_path / "one", cache, PLYMOTION_COMPILED="njit")
+    assert (value, fallbacks, names) == (16.0, 1, [])
+
+
+def test_no_numba_at_all(tmp_path):
+    setup = "import sys; sys.modules['numba'] = None"
+    assert _call(tmp_path / "one", tmp_path / "cache", SETUP=setup) == (16.0, False, 0, 0, [])
+
+
+VERSIONS = "from plymotion.solver.math.compiled import versions; "
+INTERNALS = "import plymotion.solver.math.compiled.{0} as module; module.{1} = None"
+
+
+@pytest.mark.parametrize(
+    ("setup", "words"),
+    [
+        (VERSIONS + "versions.NEWEST = (0, 62)", "knows 0.62 to 0.62"),
+        (VERSIONS + "versions.LOWEST = (9, 0)", "knows 9.0 to"),
+        (INTERNALS.format("machine", "emitted"), "not callable"),
+        (INTERNALS.format("lowering", "compile_extra"), "not callable"),
+        (INTERNALS.format("lowering", "BUILTINS"), "NoneType"),
+    ],
+)
+def test_another_numba_is_left_to_njit(tmp_path, setup, words):
+    if "NEWEST" in setup and _numba_version() <= (0, 62):
+        pytest.skip("this Numba is the lowest one that is supported")
+    process = _started(tmp_path / "one", tmp_path / "cache", SETUP=setup)
+    out, err = process.communicate(timeout=300)
+    assert process.returncode == 0, err
+    assert out.split()[:4] == ["16.0", "True", "0", "1"]
+    assert words in err
+    assert err.count("RuntimeWarning") == 1
+    assert "numba.njit compiles it instead" in err
+
+
+def _numba_version():
+    return tuple(int(n) for n in importlib.metadata.version("numba").split(".")[:2])
+
+
+def test_a_copy_of_a_structure_has_a_table_of_its_own():
+    from plymotion.solver.math.compiled.structures import table_of
+
+    model, _ = prepared(chain(2), Treatment("index1"))
+    table = table_of(model)
+    assert table_of(model) is table
+    copy = pickle.loads(pickle.dumps(model))
+    assert type(copy) is type(model)
+    assert table_of(copy).address != table.address
+    assert table_of(copy).text == table.text
+    other = model._replace(alpha=3.0)
+    changed = np.flatnonzero(table_of(other).words != table.words)
+    assert changed.size == 1
+    assert table_of(other).words[changed].view(float)[0] == 3.0
+
+
+def test_a_structure_of_what_cannot_be_passed_is_refused():
+    from plymotion.solver.math.compiled.structures import table_of
+
+    model, _ = prepared(chain(2), Treatment("index1"))
+    with pytest.raises(TypeError, match=r"Model\.J0.*contiguous"):
+        table_of(model._replace(J0=model.J0[:, ::2]))
+
+
+def test_calls_as_in_python(tmp_path):
+    """Keywords, arguments of other kinds, wrong numbers of them."""
+    from plymotion.solver.math.laws import law_value
+
+    pieces = (np.array([0, 1]), np.zeros(1), np.arange(8.0)[None], 0)
+    expected = law_value(*pieces, 0.5)
+    assert law_value(*pieces, t=0.5) == expected
+    assert law_value([0, 1], *pieces[1:], 0.5) == pytest.approx(expected, abs=0)
+    with pytest.raises(TypeError):
+        law_value(*pieces)
