@@ -375,7 +375,7 @@ $(STABILITY_CHART): benchmarks/stability_chart.py $(RUN_SOURCES) | $(LIGHT) $(CO
 	PYTHONPATH=.:tests $(PY) $< build/charts/stability.csv $@
 
 .PHONY: docs
-docs: $(LIGHT) ## Regenerate docs/equations.md, case-reference.md, *-description.md
+docs: $(LIGHT) ## Regenerate docs/equations.md, case-reference.md, *-description.md, warnings.md
 	$(PY) tools/equations.py docs/equations.md
 	$(PY) -m plymotion.solver check --reference > docs/case-reference.md.part
 	mv docs/case-reference.md.part docs/case-reference.md
@@ -383,6 +383,8 @@ docs: $(LIGHT) ## Regenerate docs/equations.md, case-reference.md, *-description
 	mv docs/section-description.md.part docs/section-description.md
 	$(PY) -m plymotion.solver.inputs.shell.reference > docs/shell-description.md.part
 	mv docs/shell-description.md.part docs/shell-description.md
+	$(PY) -m plymotion.solver.results.codes.page > docs/warnings.md.part
+	mv docs/warnings.md.part docs/warnings.md
 
 .PHONY: clean
 clean: ## Remove everything that was built, not the environments

@@ -13,6 +13,7 @@ there: in plain NumPy as it was before anything was compiled whole, with its rk8
 """
 
 import argparse
+import importlib
 import io
 import json
 import os
@@ -86,9 +87,12 @@ def _before(t_end: float) -> float | None:
 
 def _time_run(repository: Path, t_end: float) -> dict[str, Any]:
     """Time the case's run `isotropic` in this process, by whatever code is imported."""
-    from plymotion.solver.inputs.case import load_case
-    from plymotion.solver.inputs.case.specs import write_case
-    from plymotion.solver.run.execution import execute, read_run
+    old = (repository / "solver" / "run.py").is_file()  # before the rooms of today
+    cases = "plymotion.solver.case" if old else "plymotion.solver.inputs.case"
+    load_case = importlib.import_module(cases).load_case
+    write_case = importlib.import_module(f"{cases}.specs").write_case
+    module = "plymotion.solver.run" if old else "plymotion.solver.run.execution"
+    runs = importlib.import_module(module)
 
     case = load_case(repository / "cases" / CASE / "case.toml")
     with tempfile.TemporaryDirectory() as folder:
@@ -98,7 +102,7 @@ def _time_run(repository: Path, t_end: float) -> dict[str, Any]:
         table["mechanism"]["solver"] |= {"t_end": t_end, **OF_BEFORE}
         file.write_text(json.dumps(table), encoding="utf-8")
         begin = time.process_time()
-        _, summary = execute(read_run(file), progress=False)
+        _, summary = runs.execute(runs.read_run(file), progress=False)
         seconds = time.process_time() - begin
     if summary["status"] != "finished":
         raise RuntimeError(f"revision {BEFORE}: {summary}")

@@ -26,10 +26,9 @@ CHOICES = [
     ("radau", "projection", {}),
     *PROJECTED,
     ("gear", "projection", {"max_order": 2}),
-    ("march", "ggl", {}),
+    ("generalized-alpha", "ggl", {}),
     ("ida", "ggl", {}),
 ]
-LABELS = {"march": "generalized-alpha"}  # the loop that runs take
 OUTPUTS = 21
 LONGEST = 4.0  # s of CPU, after which no tighter tolerance is tried
 
@@ -76,7 +75,7 @@ def table(title: str, sample: Sample, t_end: float, goals: tuple[float, ...]) ->
         except InputError as error:
             print(f"| {name} | {error} |")
             continue
-        label = LABELS.get(name, name) + "".join(f", {k} = {v}" for k, v in options.items())
+        label = name + "".join(f", {k} = {v}" for k, v in options.items())
         print(f"| {label} | " + " | ".join(cells.get(g, "-") for g in goals) + " |", flush=True)
 
 

@@ -11,8 +11,8 @@ from solver_problems import Problem, chain
 from solver_runs import limit, prepared
 from tqdm import tqdm
 
+from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.generic import integrate
-from plymotion.solver.run.execution import make_integrator
 
 LINKS = (8, 16, 32, 64, 128, 256)
 EXUDYN_LINKS = (8, 16, 32, 64, 128)

@@ -62,7 +62,7 @@ CHAIN_METHODS = (
 
 def available(methods: tuple[Method, ...]) -> list[Method]:
     """Those whose integrator this version has; without scikit-sundae all but `ida`."""
-    known = {*INTEGRATORS, *CONSTRAINED, "radau"}
+    known = {*INTEGRATORS, *CONSTRAINED, "generalized-alpha", "radau"}
     if find_spec("sksundae") is None:
         known.discard("ida")
     return [m for m in methods if m.integrator in known]

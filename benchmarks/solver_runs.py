@@ -11,9 +11,10 @@ from solver_problems import Problem
 
 from plymotion.solver.dynamics.constraints.treatment import treated, treatment_of
 from plymotion.solver.dynamics.model import Model
+from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.generic import Integrator, Solution, StopRequest, integrate
 from plymotion.solver.math.arrays import Array
-from plymotion.solver.run.execution import make_integrator, output_times
+from plymotion.solver.run.execution import output_times
 
 REFERENCE = Method("reference", "rk8", "projection", (1e-10,))
 Follow = Callable[[Integrator], "StopRequest | None"]

@@ -7,7 +7,6 @@ is the median of interleaved runs: ours and theirs in turn, round after round.
 """
 
 import argparse
-import importlib
 import json
 import statistics
 import time
@@ -15,6 +14,7 @@ from collections import defaultdict
 from pathlib import Path
 from typing import Any
 
+import ensemble
 import numpy as np
 import solver_exudyn
 from solver_chain import measure as measure_chain
@@ -118,16 +118,6 @@ def _pairs(rows: list[Point]) -> list[list[float]]:
 
 def measure_ensemble() -> dict[str, Any]:
     """512 double pendulums by the sweep engine over single runs in plain NumPy."""
-    try:
-        ensemble = importlib.import_module("ensemble")
-    except ModuleNotFoundError as error:
-        if error.name not in (
-            "ensemble",
-            "plymotion.solver.commands.sweep",
-            "plymotion.solver.run.ensemble",
-        ):
-            raise
-        return {}
     return dict(ensemble.measure())
 
 

@@ -16,18 +16,19 @@ from typing import Any
 
 import numpy as np
 from constraint_runs import new_run, prepared
+from flexible_samples import Points, body_of
 from matplotlib.lines import Line2D
-from mechanism_samples import pendulum
+from mechanism_samples import Sample, pendulum
 
 from plymotion.solver.dynamics.constraints.treatment import Treatment
 from plymotion.solver.dynamics.system import assemble, constraint_rates
+from plymotion.solver.dynamics.tables import JointTable, MarkerTable, assemble_model
 from plymotion.solver.integrators.generic import (
     INTEGRATORS,
-    ConstrainedSystem,
     Integrator,
-    new_constrained_integrator,
     new_integrator,
 )
+from plymotion.solver.mechanism.initial import Start
 from plymotion.solver.package.common.container import temporary_sibling
 from plymotion.solver.report.style import INK, WARNING, Canvas, colour, house_style
 
@@ -65,6 +66,11 @@ def _seen(made: Integrator, what: Callable[[Integrator], float]) -> np.ndarray:
 
 def _amplitude(made: Integrator) -> float:
     return float(np.hypot(made.y[0], made.y[1]))
+
+
+def _of_mode(made: Integrator) -> float:
+    """Amplitude of the mode of `_spring`."""
+    return float(np.hypot(made.y[7], made.y[14]))
 
 
 def _oscillator(t: float, y: np.ndarray) -> np.ndarray:
@@ -142,25 +148,17 @@ def _bdf_rows() -> Iterator[Row]:
             )
 
 
-class _Terms:
-    """A unit mass on a unit spring, without constraints."""
-
-    def __init__(self, y: np.ndarray) -> None:
-        self.M, self.f, self.power = np.eye(1), -y[:1], np.zeros(1)
-        self.Phi_q, self.Phi, self.Phi_t = np.zeros((0, 1)), np.zeros(0), np.zeros(0)
-
-
-def _spring() -> ConstrainedSystem:
-    return ConstrainedSystem(
-        n_pos=1,
-        n_vel=1,
-        inertia_scale=np.ones(1),
-        terms=lambda t, y: _Terms(y),
-        accelerations=lambda t, y: (-y[:1], np.zeros(0)),
-        derivative=lambda t, y: np.array([y[1], -y[0], 0.0]),
-        rates=lambda q, v: v,
-        move=lambda q, step: q + step,
-    )
+def _spring() -> Sample:
+    """A unit mass on one mode of rate 1/s, its frame welded to the ground, displaced by 1 m."""
+    phi, psi = np.zeros((1, 3, 1)), np.zeros((1, 3, 1))
+    phi[0, 0, 0] = 1.0
+    body = body_of(Points(np.ones(1), np.zeros((1, 3)), phi, psi, np.eye(3)[None]), 1.0)
+    none = np.zeros((3, 1))
+    markers = [MarkerTable(-1, np.zeros(3)), MarkerTable(0, np.zeros(3), np.eye(3), none, none)]
+    model = assemble_model([body], markers, [JointTable("weld", "fixed", 0, 1)])
+    positions, rest = np.zeros(8), np.zeros(7)
+    positions[3] = positions[7] = 1.0
+    return Sample(model, Start(positions, rest, np.ones(7, dtype=bool)), ["weld"], 1)
 
 
 def _one_step_rows() -> Iterator[Row]:
@@ -182,18 +180,12 @@ def _one_step_rows() -> Iterator[Row]:
             yield Row("one-step", "radau", 0, w_h, measured, radau_theory(w_h))
     for rho in RADII:
         for w_h in points:
-            made = new_constrained_integrator(
-                "generalized-alpha",
-                _spring(),
-                0.0,
-                np.array([1.0, 0.0, 0.0]),
-                (600 if rho > 0 else 200) * w_h,
-                fixed_step=w_h,
-                spectral_radius=rho,
-                rtol=1e-10,
-                atol=1e-300,
-            )
-            measured = _per_step(_seen(made, _amplitude))
+            treatment = Treatment("ggl", spectral_radius=rho)
+            model, y0 = prepared(_spring(), treatment)
+            t_end = (600 if rho > 0 else 200) * w_h
+            options = {"fixed_step": w_h, "rtol": 1e-10, "atol": 1e-300}
+            made = new_run(model, y0, treatment, "generalized-alpha", t_end, **options)
+            measured = _per_step(_seen(made, _of_mode))
             theory = alpha_theory(rho, w_h)
             yield Row("one-step", "generalized-alpha", rho, w_h, measured, theory)
 
@@ -215,7 +207,16 @@ def _index_3_rows() -> Iterator[Row]:
         for rho in (0.0, 0.25, 0.5, 0.7, 0.8, 0.9, 0.94, 0.96, 0.97, 0.98, 0.99, 1.0):
             treatment = Treatment(formulation, spectral_radius=rho)
             model, y0 = prepared(pendulum(), treatment)
-            made = new_run(model, y0, treatment, "", T_END, fixed_step=H, rtol=1e-8, atol=1e-10)
+            made = new_run(
+                model,
+                y0,
+                treatment,
+                "generalized-alpha",
+                T_END,
+                fixed_step=H,
+                rtol=1e-8,
+                atol=1e-10,
+            )
 
             def rate(i: Integrator, model: Any = model) -> float:
                 equations = assemble(model, i.t, i.y)

@@ -66,6 +66,7 @@ def _parser() -> argparse.ArgumentParser:
     run.set_defaults(command=_run)
 
     ahead = commands.add_parser("compile", help="compile the step loop before the first run")
+    ahead.add_argument("--all", action="store_true", help="generalized-alpha as well")
     ahead.set_defaults(command=_compile)
 
     report = commands.add_parser("report", help="figures, report.html and the table of a case")
@@ -131,7 +132,7 @@ def _run(options: argparse.Namespace) -> int:
 def _compile(options: argparse.Namespace) -> int:
     from .commands.compile import compile_ahead
 
-    print(compile_ahead())
+    print(compile_ahead(everything=options.all))
     return 0
 
 

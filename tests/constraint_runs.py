@@ -16,7 +16,7 @@ from plymotion.solver.integrators.generic import (
     new_constrained_integrator,
     new_integrator,
 )
-from plymotion.solver.integrators.stepping import CompiledAlpha, Radau
+from plymotion.solver.integrators.stepping import GeneralizedAlpha, Radau
 from plymotion.solver.mechanism.initial import consistent_state, redundancy
 from plymotion.solver.monitors.singularity import SingularityMonitor
 
@@ -46,8 +46,7 @@ def new_run(
 ) -> Integrator:
     """An integrator as run.py makes it, without a case.
 
-    With the treatments that are solved with the step: generalized-alpha of integrate/, or "ida",
-    or "march", the compiled loop of generalized-alpha.
+    Treatments that are solved with the step take generalized-alpha, whatever the name, or "ida".
     """
     starts = [0, model.n_pos, model.n_pos + model.n_vel]
     options = {"block_starts": starts} | options
@@ -55,15 +54,12 @@ def new_run(
         closed = treatment.name == "projection"
         return Radau(model, 0.0, y0, t_end, closed=closed, **options)
     if treatment.name in IMPLICIT:
-        name = "ida" if integrator == "ida" else "generalized-alpha"
-        if name == "generalized-alpha":
-            options["spectral_radius"] = treatment.spectral_radius
         options["formulation"] = treatment.name
-        if integrator == "march":
-            return CompiledAlpha(model, 0.0, y0, t_end, **options)
-        return new_constrained_integrator(
-            name, constrained_system(model), 0.0, y0, t_end, **options
-        )
+        if integrator == "ida":
+            system = constrained_system(model)
+            return new_constrained_integrator("ida", system, 0.0, y0, t_end, **options)
+        options["spectral_radius"] = treatment.spectral_radius
+        return GeneralizedAlpha(model, 0.0, y0, t_end, **options)
     if treatment.name == "projection":
         options["project"] = projection(model)
     return new_integrator(integrator, right_hand_side(model), 0.0, y0, t_end, **options)

@@ -6,6 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from .petsc import PETSC_ERRORS, destroy, reason, sorted_csr, use_mumps
+from .regular import LARGEST_GROWTH, RandomLoad
 from .stack import HAS_MUMPS, Array, PETSc
 from .team import ALONE, Team
 
@@ -68,15 +69,16 @@ class Cholesky:
         columns = np.asarray(B, dtype=np.float64).reshape(self.A.shape[0], -1)
         if self._checked:
             return self._solve(columns).reshape(np.shape(B))
-        # A singular matrix passes the factorisation with one pivot of round-off size. A random
-        # right-hand side finds it; scaling by the diagonal keeps units out of the number.
         diagonal = np.zeros(self.A.shape[0])
         diagonal[self.A.indices[self._diagonal]] = np.abs(self.A.data[self._diagonal])
-        scale = np.sqrt(diagonal)
-        z = np.random.default_rng(0).standard_normal(scale.size)
-        columns = np.asfortranarray(np.column_stack([columns, scale * z]))
+        random = RandomLoad(diagonal)
+        columns = np.asfortranarray(np.column_stack([columns, random.load]))
         X = self._solve(columns)
-        self._check_condition(float(np.linalg.norm(scale * X[:, -1]) / np.linalg.norm(z)))
+        if not random.is_regular(X[:, -1]):
+            raise FactorisationError(
+                f"the matrix is singular (scaled condition above {LARGEST_GROWTH:.0e}): is every "
+                "rigid motion constrained and every part connected?"
+            )
         self._check_residual(X, columns, float(diagonal.max()))
         self._checked = True
         return X[:, :-1].reshape(np.shape(B))
@@ -104,13 +106,6 @@ class Cholesky:
                     f"status {status}): is every rigid motion constrained?"
                 )
         self._checked = False
-
-    def _check_condition(self, growth: float) -> None:
-        if not growth < 1e13:
-            raise FactorisationError(
-                f"the matrix is singular (scaled condition above {growth:.0e}): is every rigid "
-                "motion constrained and every part connected?"
-            )
 
     def _check_residual(self, X: Array, columns: Array, norm: float) -> None:
         """`norm` is the largest entry of the matrix."""

@@ -6,7 +6,9 @@ import numpy as np
 import scipy.linalg
 import scipy.sparse as sp
 
+from ...solver.math.definite import is_positive_definite
 from .petsc import PETSC_ERRORS, destroy, petsc_matrix, reason, sorted_csr, use_mumps
+from .regular import RandomLoad
 from .stack import HAS_MUMPS, Array, PETSc, SLEPc
 from .team import ALONE, Team
 
@@ -29,7 +31,7 @@ def eigenpairs(
     Parameters
     ----------
     K : (n, n) symmetric sparse; K - target M must be regular. Positive definite at target 0;
-        a structure free to move needs a negative target.
+        a body that is free to move needs a negative target.
     M : (n, n) symmetric positive semi-definite sparse (lumped masses without rotary inertia are
         allowed: massless directions have no eigenpair and are not returned).
     n_mode : number of pairs, up to the number of finite eigenvalues
@@ -43,7 +45,8 @@ def eigenpairs(
 
     Raises
     ------
-    EigenError : more pairs asked for than exist, too few converged, or a residual too large.
+    EigenError : more pairs asked for than exist, K singular at target 0, too few converged, or a
+        residual too large.
     """
     K, M = sorted_csr(K), sorted_csr(M)
     n_dof = K.shape[0]
@@ -85,7 +88,10 @@ def _krylov_schur(
         petsc_matrix(M, spd=False, team=team),
     )
     try:
-        return _solved(eps, operators, n_mode, n_krylov, target, tolerance, team, purify)
+        # a shift away from zero separates the factorised matrix from a singular one as far as the
+        # eigenvalues ask for; K alone must be definite
+        random = RandomLoad(K.diagonal()) if target == 0.0 else None
+        return _solved(eps, operators, n_mode, n_krylov, target, tolerance, team, purify, random)
     finally:
         destroy(eps, *operators)
 
@@ -99,6 +105,7 @@ def _solved(
     tolerance: float,
     team: Team,
     purify: bool,
+    random: RandomLoad | None,
 ) -> Array:
     n_dof = operators[0].getSize()[0]
     eps.setOperators(*operators)
@@ -122,7 +129,14 @@ def _solved(
     start = PETSc.Vec().createMPI((rows.stop - rows.start, n_dof), comm=team.comm)
     start.setArray(np.random.default_rng(0).standard_normal(n_dof)[rows])  # runs must reproduce
     eps.setInitialSpace([start])
+    load, vector = start.duplicate(), start.duplicate()
     try:
+        eps.setUp()
+        if random is not None:
+            load.setArray(random.load[rows])
+            ksp.solve(load, vector)
+            if not random.is_regular(team.stacked(vector.getArray())):
+                raise EigenError(_singular(target, "it is singular"))
         eps.solve()
         n_converged = eps.getConverged()
         if n_converged < n_mode:
@@ -130,20 +144,23 @@ def _solved(
                 f"{n_converged} of {n_mode} modes converged in {eps.getIterationNumber()} "
                 f"iterations (tolerance {tolerance:g})"
             )
-        vector = start.duplicate()
         X = np.empty((rows.stop - rows.start, n_mode))
         for i in range(n_mode):
             eps.getEigenvector(i, vector)
             X[:, i] = vector.getArray()
-        vector.destroy()
         return team.stacked(X)
     except PETSC_ERRORS as error:
-        raise EigenError(
-            f"K - {target:g} M cannot be factorised ({reason(error)}): is the body free to move? "
-            "A negative target is needed then"
-        ) from error
+        raise EigenError(_singular(target, reason(error))) from error
     finally:
-        destroy(start, pc, ksp, transformation)
+        destroy(start, load, vector, pc, ksp, transformation)
+
+
+def _singular(target: float, why: str) -> str:
+    matrix = f"K - ({target:g}) M" if target else "K"
+    return (
+        f"{matrix} cannot be factorised ({why}): is the body free to move? "
+        "A negative target is needed then"
+    )
 
 
 def _dense(K: sp.csr_matrix, M: sp.csr_matrix, n_mode: int, target: float) -> Array:
@@ -151,13 +168,13 @@ def _dense(K: sp.csr_matrix, M: sp.csr_matrix, n_mode: int, target: float) -> Ar
     # eigenvalue the shifted matrix is indefinite, so a positive target shifts nothing here.
     shift = min(target, 0.0)
     shifted = (K - shift * M).toarray()
+    if shift == 0.0 and not is_positive_definite(shifted):
+        raise EigenError(_singular(shift, "it is not positive definite"))
     try:
         inverse, X = scipy.linalg.eigh(M.toarray(), shifted)
     except scipy.linalg.LinAlgError as error:
-        raise EigenError(
-            "K is not positive definite: is the body free to move? A negative target is needed then"
-        ) from error
-    finite = inverse > 1e-15 * inverse[-1]
+        raise EigenError(_singular(shift, "it is not positive definite")) from error
+    finite = inverse > len(inverse) * np.finfo(float).eps * inverse[-1]
     values = np.full_like(inverse, np.inf)
     values[finite] = shift + 1.0 / inverse[finite]
     order = np.argsort(np.abs(values - target), kind="stable")[:n_mode]

@@ -1,1 +1,1 @@
-"""What is judged after a run."""
+"""What is checked after a run, by single runs and sweeps alike: one idea in each file."""

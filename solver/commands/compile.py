@@ -1,43 +1,60 @@
 """Compile the step loop before the first run, so that runs in parallel need not each do it."""
 
 import time
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 
 import numpy as np
 
-from ..dynamics.bodies.floating_frame import centrifugal_matrix
 from ..dynamics.bodies.marker import single_motion
 from ..dynamics.coordinates import moved, position_rates
 from ..dynamics.forces.table import KINDS as FORCE_KINDS
-from ..dynamics.forces.table import element_wrench
 from ..dynamics.joints.table import KINDS, N_PARAMETER
 from ..dynamics.model import Model
 from ..dynamics.projection import projected
 from ..dynamics.system import assemble, derivative, energies, law_at
 from ..dynamics.tables import ForceTable, JointTable, MarkerTable, assemble_model, rigid_body
 from ..integrators.closures import right_hand_side
+from ..integrators.compiled.pencil import factorise_pencil, new_frozen, new_pencil, solve_pencil
 from ..integrators.generic import RungeKutta8, integrate
-from ..integrators.stepping import CompiledAlpha, Marching, Radau
+from ..integrators.stepping import GeneralizedAlpha, Marching, Radau
 from ..math.arrays import Array
-from ..math.compiled import COMPILED
+from ..math.compiled import COMPILED, statistics
 from ..math.laws import polynomial
 from ..math.rotations import rotation_matrix, vector_to_matrix
 
 
-def compile_ahead() -> str:
-    """Call every compiled function once; return what was done, in words.
+def compile_ahead(*, everything: bool = False) -> str:
+    """Call every function that runs of `radau` and the explicit methods need; say what was done.
 
-    What all share comes first; then the loops, in two processes.
+    In two processes, which share what they have compiled by way of the cache. `everything`:
+    generalized-alpha as well.
     """
     if not COMPILED:
         return "Numba is not used: runs take plain NumPy"
     begin = time.perf_counter()
-    _compile_shared()
+    rounds: list[tuple[Callable[[], None], ...]] = [
+        (_compile_evaluation, _compile_matrices),
+        (_compile_radau, _compile_others),
+    ]
+    if everything:
+        rounds.append((_compile_alpha,))
+    made, kept = 0, True
     with ProcessPoolExecutor(2, get_context("spawn")) as pool:
-        for done in [pool.submit(part) for part in (_compile_radau, _compile_others)]:
-            done.result()
-    return f"step loop ready in {time.perf_counter() - begin:.1f} s"
+        for parts in rounds:
+            for done in [pool.submit(_statistics_of, part) for part in parts]:
+                count, can_be_kept = done.result()
+                made, kept = made + count, kept and can_be_kept
+    words = f"step loop ready in {time.perf_counter() - begin:.1f} s, {made} functions compiled"
+    return words if kept else f"{words}; no folder for them can be written: not kept"
+
+
+def _statistics_of(part: Callable[[], None]) -> tuple[int, bool]:
+    """Do one part; return how many functions it has compiled, and whether they can be kept."""
+    before = len(statistics.compiled)
+    part()
+    return len(statistics.compiled) - before, statistics.kept
 
 
 def _hinge() -> tuple[Model, Array]:
@@ -50,14 +67,23 @@ def _hinge() -> tuple[Model, Array]:
     return model, y
 
 
+def _compile_matrices() -> None:
+    """Newton's matrices, real and complex, and their solution."""
+    model, _ = _hinge()
+    frozen = new_frozen(model)
+    frozen.M[:], frozen.J[:] = np.eye(6), 1.0
+    for one in (1.0, 1.0 + 0.0j):
+        pencil = new_pencil(model, one)
+        factorise_pencil(model, frozen, pencil, one, one, 1.0)
+        solve_pencil(model, frozen, pencil, one)
+
+
 def _compile_radau() -> None:
     _march(Radau)
 
 
-def _compile_others() -> None:
-    model, y = _hinge()
-    RungeKutta8(right_hand_side(model), 0.0, y, 1e-3, first_step=1e-3).step()
-    _march(CompiledAlpha)
+def _compile_alpha() -> None:
+    _march(GeneralizedAlpha)
 
 
 def _march(kind: type[Marching]) -> None:
@@ -69,8 +95,22 @@ def _march(kind: type[Marching]) -> None:
     integrate(kind(model, 0.0, y, 1e-3, first_step=1e-3), [0.0, 5e-4, 1e-3])
 
 
-def _compile_shared() -> None:
-    """Evaluation, accelerations, projection, and what is called outside of the loops."""
+def _compile_others() -> None:
+    """Accelerations, projection, explicit stages, and what is called outside of the loops."""
+    model, y = _hinge()
+    projected(model, 0.0, y)
+    RungeKutta8(right_hand_side(model), 0.0, y, 1e-3, first_step=1e-3).step()
+    derivative(model, 0.0, y)
+    position_rates(model, y[:7], y[7:13])
+    moved(model, y[:7], y[7:13])
+    single_motion(model, 1, y)
+    rotation_matrix(y[3:7])
+    vector_to_matrix(y[7:10])
+    law_at(model, 0, 0.0)
+
+
+def _compile_evaluation() -> None:
+    """All kinds of joints and force elements."""
     body = rigid_body("body", 1.0, np.zeros(3), np.eye(3))
     markers = [MarkerTable(-1, np.zeros(3)), MarkerTable(0, np.zeros(3))]
     law = polynomial([0.0])
@@ -79,18 +119,4 @@ def _compile_shared() -> None:
     model = assemble_model([body], markers, joints, [(1, 1.0)], alpha=0.0, forces=forces)
     y = np.zeros(model.n_pos + model.n_vel + 1)
     y[3] = 1.0
-    equations = assemble(model, 0.0, y)
-    free = assemble_model([body], markers, [], [(1, 1.0)])
-    alone = assemble(free, 0.0, y)
-    derivative(free, 0.0, y)
-    energies(free, alone, y)
-    hinge, still = _hinge()
-    projected(hinge, 0.0, still)
-    position_rates(free, y[:7], y[7:13])
-    moved(free, y[:7], y[7:13])
-    marker, _ = single_motion(model, 1, y)
-    element_wrench(0, marker, marker, model.force_parameters[0], 0.0)
-    rotation_matrix(y[3:7])
-    vector_to_matrix(equations.gamma[:3])
-    law_at(model, 0, 0.0)
-    centrifugal_matrix(y[10:13], np.zeros(9), 1)
+    energies(model, assemble(model, 0.0, y), y)

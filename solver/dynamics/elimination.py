@@ -1,34 +1,39 @@
-"""Solution of [K Phi_q'; Phi_q 0] [a; lambda] = [f; gamma], body by body.
+"""Solution of [K J'; J -e] [a; mu] = [f; gamma], body by body, e diagonal.
+
+Rows J are constraints, with e = 0 or the reciprocal of a penalty, and other rows that stand for
+a part of K: mu = (J a - gamma) / e adds J' (1 / e) J (`Plan`). Their e is called softness.
 
 K has one symmetric block per body. Each is factorised alone from its last coordinate to its
 first, K_i = L' D L, so that modes go before the frame: modes of diagonal matrices are coupled
-with the frame only and cost little. What the bodies leave is S = Phi_q K^-1 Phi_q' of the
-constraint rows, in a profile below its diagonal (plan.py):
+with the frame only and cost little. What the bodies leave is S = J K^-1 J' + e of the rows, in a
+profile below its diagonal (order.py):
 
-    W_i = L_i^-T Phi_q,i',   S = sum W_i' D_i^-1 W_i,   S lambda = sum W_i' D_i^-1 z_i - gamma,
-    z_i = L_i^-T f_i,        a_i = L_i^-1 D_i^-1 (z_i - W_i lambda).
+    W_i = L_i^-T J_i',   S = sum W_i' D_i^-1 W_i + e,   S mu = sum W_i' D_i^-1 z_i - gamma,
+    z_i = L_i^-T f_i,    a_i = L_i^-1 D_i^-1 (z_i - W_i mu).
 
 A frame that is driven, by six rows P without modes, is no unknown: P a_f = gamma_P. Its modes
 answer what it does, f_q - K_qf a_f, and its own equation gives the six multipliers at the end,
-P' lambda_P = f_f - K_ff a_f - K_fq a_q - Phi_f' lambda. These rows are not in S.
+P' lambda_P = f_f - K_ff a_f - K_fq a_q - J_f' mu. These rows are not in S.
 
-There is no pivoting: the mass matrix of a body is positive definite, and so is S while the
-constraints are independent. The same code serves real and complex symmetric blocks.
+There is no pivoting: the mass matrix of a body is positive definite, and so is S of independent
+constraints. Rows with negative softness take added inertia away (bodies/added_inertia.py); they
+come behind the constraints at their body. The same code serves real and complex blocks.
 """
 
 from ..math.arrays import Array, IntArray
 from ..math.compiled import inlined, lean
+from .order import Order
 from .plan import Plan
 from .workspace import Factors
 
 
 @lean
-def factorise(plan: Plan, factors: Factors, J: Array, softness: Array) -> None:
-    """Factorise: L holds the lower triangles of K on entry; J (nb, n, r) is Phi_q'.
+def factorise(plan: Plan, order: Order, factors: Factors, J: Array, softness: Array) -> None:
+    """Factorise: L holds the lower triangles of K on entry; J (nb, n, r) is transposed.
 
-    `softness` (n_c,), by constraint row, is added to the diagonal of S: reciprocal penalties.
+    `softness` (n_r,), by row of `order`, is added to the diagonal of S.
     """
-    S, profile, place, start = factors.S, plan.profile_start, plan.place, plan.free_start
+    S, profile, place, start = factors.S, order.profile_start, order.place, order.free_start
     for k in range(S.shape[0]):
         S[k] = 0.0
     for row in range(softness.shape[0]):
@@ -36,14 +41,14 @@ def factorise(plan: Plan, factors: Factors, J: Array, softness: Array) -> None:
             S[profile[place[row] + 1] - 1] = softness[row]
     for i in range(plan.size.shape[0]):
         n, base, lead = plan.size[i], plan.base[i], plan.lead[i]
-        columns = plan.free_column[start[i] : start[i + 1]]
-        places = plan.free_place[start[i] : start[i + 1]]
+        columns = order.free_column[start[i] : start[i + 1]]
+        places = order.free_place[start[i] : start[i + 1]]
         L, pivot, W = factors.L[i], factors.pivot[i], factors.W[i]
         _factorise_body(n, base, lead, L, pivot)
         _reduce_body(n, base, lead, columns, places, profile, L, pivot, J[i], W, S)
         if base > 0:
             _factorise_frame(plan.driven_column[plan.driven_start[i] :], J[i], factors.P[i])
-    factors.regular[0] = _factorise_profile(plan.first, profile, S, factors.S_pivot)
+    factors.regular[0] = _factorise_profile(order, S, factors.S_pivot)
 
 
 @inlined
@@ -120,12 +125,13 @@ def _factorise_frame(columns: IntArray, J: Array, P: Array) -> None:
 
 
 @inlined
-def _factorise_profile(first: IntArray, profile: IntArray, S: Array, pivot: Array) -> float:
+def _factorise_profile(order: Order, S: Array, pivot: Array) -> float:
     """L D L' of a symmetric profile, in place.
 
-    Returns the least pivot over its diagonal entry before: small where rows depend on others.
+    Returns the least pivot of a constraint over its diagonal entry before: small where
+    constraints depend on each other.
     """
-    least = 1.0
+    first, profile, least = order.first, order.profile_start, 1.0
     for i in range(pivot.shape[0]):
         row = profile[i + 1] - 1 - i
         begin = first[i]
@@ -142,7 +148,7 @@ def _factorise_profile(first: IntArray, profile: IntArray, S: Array, pivot: Arra
             u = S[row + j]
             S[row + j] = u * pivot[j]
             d -= u * S[row + j]
-        if not abs(d) > least * abs(whole):
+        if order.constraint[i] > 0 and not abs(d) > least * abs(whole):
             least = abs(d) / abs(whole) if abs(whole) > 0.0 else 0.0
         S[row + i] = d
         pivot[i] = 1.0 / d if d != 0.0 else d
@@ -151,17 +157,27 @@ def _factorise_profile(first: IntArray, profile: IntArray, S: Array, pivot: Arra
 
 @lean
 def solve(
-    plan: Plan, factors: Factors, f: Array, gamma: Array, a: Array, multipliers: Array
+    plan: Plan,
+    order: Order,
+    factors: Factors,
+    f: Array,
+    gamma: Array,
+    a: Array,
+    multipliers: Array,
 ) -> None:
-    """Fill a (nb, n) and multipliers (n_c,) of right-hand sides f (nb, n), gamma (n_c,)."""
+    """Fill a (nb, n) and multipliers (k,) of right-hand sides f (nb, n), gamma (k,).
+
+    k is the number of rows or less; gamma of the others is zero, their multipliers stay inside.
+    """
     mu, S, pivot = factors.mu, factors.S, factors.S_pivot
-    first, profile, place, start = plan.first, plan.profile_start, plan.place, plan.free_start
+    first, profile, place, start = order.first, order.profile_start, order.place, order.free_start
+    mu[:] = 0.0
     for row in range(gamma.shape[0]):
         if place[row] >= 0:
             mu[place[row]] = -gamma[row]
     for i in range(plan.size.shape[0]):
         n, base, lead = plan.size[i], plan.base[i], plan.lead[i]
-        places = plan.free_place[start[i] : start[i + 1]]
+        places = order.free_place[start[i] : start[i + 1]]
         L, D, W, z = factors.L[i], factors.pivot[i], factors.W[i], factors.z[i]
         if base > 0:
             rows = plan.driven_row[plan.driven_start[i] :]
@@ -186,7 +202,7 @@ def solve(
             multipliers[row] = mu[place[row]]
     for i in range(plan.size.shape[0]):
         n, base, lead = plan.size[i], plan.base[i], plan.lead[i]
-        places = plan.free_place[start[i] : start[i + 1]]
+        places = order.free_place[start[i] : start[i + 1]]
         L, D, W, z = factors.L[i], factors.pivot[i], factors.W[i], factors.z[i]
         _restore(n, base, lead, places, L, D, W, z, mu, a[i])
         if base > 0:

@@ -82,6 +82,8 @@ class Model(NamedTuple):
     multiplier_tolerance: float  # of its iteration, relative
     multiplier_iterations: int  # at most
     pair_used: NDArray[np.int8]  # (nb, 9) which pairs 3 a + b of T01 and T11 do not vanish
+    added_inertia: Array  # (n_a,) what bodies without inertia of their own get  [kg, kg m2]
+    added_direction: Array  # (n_a, widest) and where: rdot_G, w_B, qdot (bodies/added_inertia.py)
     plan: Plan  # structure of the linear algebra
     # geometric stiffening (dynamics/bodies/second_order.py): nothing for linear bodies
     second_start: IntArray  # (nb + 1,) running sum of n_mode squared of stiffened bodies

@@ -84,11 +84,11 @@ def _evaluate_joints(model: Model, work: Work, t: float) -> None:
             if body >= 0:
                 first, n = plan.side_row[k, side], plan.size[body]
                 J_m = work.J_m[model.joint_marker[k, side]]
-                _fill_jacobian(work.J[body], first, rows[begin:end], 6 * side, J_m, n)
+                fill_jacobian(work.J[body], first, rows[begin:end], 6 * side, J_m, n)
 
 
 @inlined
-def _fill_jacobian(J: Array, first: int, C: Array, begin: int, J_m: Array, n: int) -> None:
+def fill_jacobian(J: Array, first: int, C: Array, begin: int, J_m: Array, n: int) -> None:
     """J (n, r) from column `first`: C of one side times the marker's Jacobian, transposed."""
     for p in range(C.shape[0]):
         v0, v1, v2 = C[p, begin], C[p, begin + 1], C[p, begin + 2]
@@ -303,9 +303,13 @@ def prepare(model: Model, work: Work) -> None:
 
 @lean
 def soften(model: Model, J: Array, softness: Array) -> None:
-    """Fill softness (n_c,): 1 / penalty, over the mass that each row of J (nb, n, r) moves."""
+    """Fill softness of constraints: 1 / penalty, over the mass that each row of J (nb, n, r) moves.
+
+    Softness (n_r,) of other rows is left alone.
+    """
     plan = model.plan
-    softness[:] = 0.0
+    for k in range(model.n_constraint):
+        softness[k] = 0.0
     for i in range(model.n_body):
         v, first = model.vel_start[i], plan.row_start[i]
         for p in range(plan.row_start[i + 1] - first):
@@ -313,7 +317,7 @@ def soften(model: Model, J: Array, softness: Array) -> None:
             for k in range(plan.size[i]):
                 mobility += J[i, k, p] ** 2 / model.inertia_scale[v + k]
             softness[plan.body_row[first + p]] += mobility
-    for k in range(softness.shape[0]):
+    for k in range(model.n_constraint):
         softness[k] = (softness[k] if softness[k] > 0.0 else 1.0) / model.penalty
 
 
@@ -324,7 +328,22 @@ def _factorise_mass(model: Model, work: Work) -> None:
         for a in range(n):
             for b in range(a + 1):
                 work.factors.L[i, a, b] = work.M[i, a, b]
-    factorise(model.plan, work.factors, work.J, work.softness)
+        add_inertia(model, i, 1.0, work.factors.L[i], work.softness)
+    factorise(model.plan, model.plan.mass, work.factors, work.J, work.softness)
+
+
+@inlined
+def add_inertia(model: Model, i: int, mass: complex, L: Array, softness: Array) -> None:
+    """Add what body i has of added inertia, times `mass`, to L (n, n), and fill its rows' softness.
+
+    Softness is that of the rows of either order of the plan.
+    """
+    for a in range(model.plan.added_start[i], model.plan.added_start[i + 1]):
+        sigma, g = mass * model.added_inertia[a], model.added_direction[a]
+        for k in range(model.plan.size[i]):
+            for j in range(k + 1):
+                L[k, j] += sigma * g[k] * g[j]
+        softness[model.n_constraint + a] = -1.0 / sigma
 
 
 @inlined
@@ -336,7 +355,8 @@ def answer(model: Model, work: Work) -> None:
     for the multipliers. Redundant rows share them at least norm.
     """
     a, left = work.acceleration, work.left
-    solve(model.plan, work.factors, work.load, work.gamma, a, work.multipliers)
+    plan = model.plan
+    solve(plan, plan.mass, work.factors, work.load, work.gamma, a, work.multipliers)
     if model.n_constraint == 0 or not work.softness[0] > 0.0:
         return
     change, multipliers = work.change, work.change_multipliers
@@ -345,7 +365,7 @@ def answer(model: Model, work: Work) -> None:
         row_products(model, work.J, a, left)
         for k in range(left.shape[0]):
             left[k] = work.gamma[k] - left[k]
-        solve(model.plan, work.factors, work.load, left, change, multipliers)
+        solve(plan, plan.mass, work.factors, work.load, left, change, multipliers)
         for k in range(left.shape[0]):
             work.multipliers[k] += multipliers[k]
         size, whole = 0.0, 0.0
@@ -360,8 +380,11 @@ def answer(model: Model, work: Work) -> None:
 
 
 def by_blocks(model: Model) -> bool:
-    """Tell whether the bodies can be eliminated one by one, under the model's treatment."""
-    return bool(model.plan.structured) and (model.redundant == 0 or model.penalty > 0.0)
+    """Tell whether the bodies can be eliminated one by one, under the model's treatment.
+
+    Not so where constraints follow from others and the treatment has no penalty.
+    """
+    return bool(model.redundant == 0 or model.penalty > 0.0)
 
 
 @inlined

@@ -9,13 +9,14 @@ from ..math.arrays import Array
 from ..math.laws import N_COEFFICIENT, Law
 from ..package.body.invariants import inertia_at_rest
 from ..package.body.schema import Invariants, ModalPackage, SecondOrder
+from .bodies.added_inertia import POSITIVE, missing_inertia
 from .driven import Stand, driven_frames
 from .forces.table import KINDS as FORCE_KINDS
-from .forces.table import N_PARAMETER
+from .forces.table import MOST_ROWS, N_PARAMETER, rows_in_use
 from .joints.table import CONSTRAINTS, KINDS, NAMES, ROWS
 from .joints.table import N_PARAMETER as N_JOINT_PARAMETER
 from .model import GROUND, Model
-from .plan import make_plan, positive_inertia
+from .plan import make_plan
 
 # Second-order tables below this share of the others are rounding: bending in a plane moves no
 # station out of it.
@@ -140,6 +141,13 @@ def assemble_model(
     marker_body = np.array([m.body for m in markers], dtype=np.int64)
     marker_size = [m.phi.size for m in markers]
     joint_row = _starts(np.array([len(ROWS[NAMES[k]]) for k in kinds], dtype=np.int64))
+    scale = _inertia_scale(bodies, markers, point_masses)
+    driven = driven_frames([_stand(j, markers, marker_H) for j in joints])
+    added = [
+        # a frame that is driven is no unknown
+        np.zeros((0, 6 + n_mode[i])) if i in driven and _is_positive(body.mass) else _missing(body)
+        for i, body in enumerate(carrying)
+    ]
     return Model(
         n_body=len(bodies),
         n_pos=int((7 + n_mode).sum()),
@@ -182,7 +190,7 @@ def assemble_model(
         law_coefficient=np.concatenate(
             [np.zeros((0, N_COEFFICIENT)), *[law.coefficients for law in laws]]
         ),
-        inertia_scale=_inertia_scale(bodies, markers, point_masses),
+        inertia_scale=scale,
         redundant=0,
         alpha=float(alpha),
         beta=float(beta),
@@ -190,15 +198,21 @@ def assemble_model(
         multiplier_tolerance=0.0,
         multiplier_iterations=0,
         pair_used=np.array([_pairs_used(i) for i in inv], dtype=np.int8).reshape(-1, 9),
+        added_inertia=_added_inertia(added, scale, _starts(6 + n_mode)),
+        added_direction=_wide(added),
         plan=make_plan(
             n_mode,
             marker_body,
             joint_marker,
             joint_row,
             force_marker,
-            structured=all(_positive(b) for b in carrying),
-            uncoupled=[_uncoupled(b) for b in carrying],
-            driven=driven_frames([_stand(j, markers, marker_H) for j in joints]),
+            uncoupled=[
+                _uncoupled(b) and not d[:, 6:].any() for b, d in zip(carrying, added, strict=True)
+            ],
+            driven=driven,
+            added=[len(directions) for directions in added],
+            element_rows=[rows_in_use(e.kind, e.parameters) for e in forces],
+            most_element_rows=MOST_ROWS,
         ),
         second_start=_starts(stiffened**2),
         third_start=_starts(stiffened**3),
@@ -333,12 +347,37 @@ def _pairs_used(invariants: Invariants) -> list[bool]:
     return [bool(u) for u in (used > 0.0).ravel()]
 
 
-def _positive(body: Body) -> bool:
+def _missing(body: Body) -> Array:
+    """Return the directions (d, 6 + m) in which a body has no inertia."""
     inv = body.invariants
     T = inv.T01_B
     coupling = np.array([T[1, 2] - T[2, 1], T[2, 0] - T[0, 2], T[0, 1] - T[1, 0]]) + inv.J_psi_B
-    J = inertia_at_rest(inv)
-    return positive_inertia(inv.mass, J, coupling, inv.S0_B, inv.S_B, body.mass)
+    return missing_inertia(inv.mass, inertia_at_rest(inv), coupling, inv.S0_B, inv.S_B, body.mass)
+
+
+def _added_inertia(directions: Sequence[Array], scale: Array, start: np.ndarray) -> Array:
+    """Return the inertia (n_a,) added in each direction: of the size of that of other bodies."""
+    moving = max((scale[j] for j in start[:-1]), default=0.0) or 1.0
+    turning = max((scale[j + 3] for j in start[:-1]), default=0.0) or 1.0
+    found = []
+    for body, j in zip(directions, start[:-1], strict=True):
+        for g in body:
+            own = float(g**2 @ scale[j : j + g.size])
+            found.append(own or (moving if g[:3].any() else turning))
+    return np.array(found, dtype=float)
+
+
+def _is_positive(M: Array) -> bool:
+    """Tell whether a modal mass matrix is positive definite; one without modes is."""
+    scale = np.sqrt(np.diag(M).clip(min=1e-300))
+    return not M.size or bool(np.linalg.eigvalsh(M / np.outer(scale, scale))[0] > POSITIVE)
+
+
+def _wide(directions: Sequence[Array]) -> Array:
+    """Return directions of several bodies as rows of one length, (n_a, widest)."""
+    widest = max((d.shape[1] for d in directions), default=6)
+    rows = [np.pad(d, ((0, 0), (0, widest - d.shape[1]))) for d in directions]
+    return np.concatenate([np.zeros((0, widest)), *rows])
 
 
 def _pairs(markers: list[tuple[int, int]]) -> np.ndarray:

@@ -5,13 +5,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..math.arrays import Array
-from ..math.compiled import structure
+from ..math.compiled import lean, structure
 from .bodies.motion import N_MOTION, stand
 from .model import Model
+from .order import Order
 
 # A constraint row: coefficients C of v_1, w_1, v_2, w_2 in global components, then these.
 PHI, PHI_T, GAMMA = 12, 13, 14
 N_ROW = 15
+# A row of a force element (forces/contract.py): coefficients C as above, then these.
+STIFFNESS, DAMPING, FORCE = 12, 13, 14
+N_ELEMENT_ROW = 15
 
 
 @structure
@@ -36,7 +40,7 @@ class Work(NamedTuple):
     A: Array  # (nb, 3, 3) rotation matrices A_GB
     M: Array  # (nb, n, n) mass matrices, lower triangles
     f: Array  # (nb, n) loads, quadratic velocity terms, elastic and damping forces
-    J: Array  # (nb, n, r) Jacobian of the rows at each body, transposed
+    J: Array  # (nb, n, r) Jacobian of the rows of plan.mass at each body, transposed
     power: Array  # (2,) of dampers, actuators and loads [W]; energy in force elements [J]
     rows: Array  # (n_c, N_ROW) of the constraints, laid out as above
     # markers (nk)
@@ -54,26 +58,28 @@ class Work(NamedTuple):
     gamma: Array  # (n_c,) right-hand side of the constraint rows
     multipliers: Array  # (n_c,)
     left: Array  # (n_c,) what a solution leaves of gamma
-    softness: Array  # (n_c,) reciprocals of the penalties in use
+    softness: Array  # (n_r,) of the rows of plan.mass: reciprocals of the penalties in use
     change: Array  # (nb, n) of accelerations and multipliers, where these are iterated
     change_multipliers: Array  # (n_c,)
     # of one body at a time
     C: Array  # (3, m) slope of the first moment of mass by the modes
     first: Array  # (3, 3) first moment of mass, its rate, its second rate at steady modal rates
     twist: Array  # (3,) rate of the moment of momentum in the body at steady modal rates
+    # of one force element at a time
+    element: Array  # (MOST_ROWS, N_ELEMENT_ROW) all rows that its kind can have
+    element_used: Array  # the same of those that it has
 
 
-def new_factors(model: Model, one: Any) -> Factors:
-    """Return memory for factors, of the type of `one` (float or complex)."""
-    plan = model.plan
-    nb, n, r = model.n_body, plan.widest, plan.most_rows
-    n_p = plan.first.shape[0]
+def new_factors(model: Model, order: Order, one: Any) -> Factors:
+    """Return memory for factors with the rows of `order`, of the type of `one`."""
+    nb, n, r = model.n_body, model.plan.widest, order.most_rows
+    n_p = order.first.shape[0]
     return Factors(
         np.zeros((nb, n, n)) * one,
         np.zeros((nb, n)) * one,
         np.zeros((nb, n, r)) * one,
         np.zeros((nb, 7, 6)) * one,
-        np.zeros(plan.profile_start[n_p]) * one,
+        np.zeros(order.profile_start[n_p]) * one,
         np.zeros(n_p) * one,
         np.ones(1),
         np.zeros((nb, n)) * one,
@@ -82,9 +88,12 @@ def new_factors(model: Model, one: Any) -> Factors:
 
 
 def new_work(model: Model) -> Work:
-    """Return the memory for evaluations of a model; ground markers are filled once for all."""
+    """Return the memory for evaluations of a model.
+
+    Ground markers and the rows of added inertia are filled once for all.
+    """
     plan = model.plan
-    nb, n, r, m = model.n_body, plan.widest, plan.most_rows, plan.most_modes
+    nb, n, r, m = model.n_body, plan.widest, plan.mass.most_rows, plan.most_modes
     n_c, nk = model.n_constraint, model.marker_body.shape[0]
     work = Work(
         np.zeros((nb, 3, 3)),
@@ -99,20 +108,34 @@ def new_work(model: Model) -> Work:
         np.zeros((9, m)),
         np.zeros((3, 3)),
         np.zeros((3, 3)),
-        new_factors(model, 1.0),
+        new_factors(model, plan.mass, 1.0),
         np.zeros((nb, n)),
         np.zeros((nb, n)),
         np.zeros(n_c),
         np.zeros(n_c),
         np.zeros(n_c),
-        np.zeros(n_c),
+        np.zeros(plan.mass.place.shape[0]),
         np.zeros((nb, n)),
         np.zeros(n_c),
         np.zeros((3, m)),
         np.zeros((3, 3)),
         np.zeros(3),
+        np.zeros((plan.most_element_rows, N_ELEMENT_ROW)),
+        np.zeros((plan.most_element_rows, N_ELEMENT_ROW)),
     )
     for k in range(nk):
         if model.marker_body[k] < 0:
             stand(work.motion[k], model.marker_x[k], model.marker_A[k])
+    place_added_rows(model, work.J)
     return work
+
+
+@lean
+def place_added_rows(model: Model, J: Array) -> None:
+    """Fill the columns of J (nb, n, r) that belong to added inertia."""
+    plan = model.plan
+    for i in range(model.n_body):
+        begin = plan.row_start[i + 1] - plan.row_start[i] - plan.added_start[i]
+        for a in range(plan.added_start[i], plan.added_start[i + 1]):
+            for k in range(plan.size[i]):
+                J[i, k, begin + a] = model.added_direction[a, k]

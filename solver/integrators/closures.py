@@ -19,9 +19,10 @@ from ..math.arrays import Array
 from .compiled.explicit import fill_stages
 from .generic.base import Derivative
 from .generic.constrained import ConstrainedSystem
+from .generic.explicit import StagedDerivative
 
 
-class RightHandSide:
+class RightHandSide(StagedDerivative):
     """f(t, y) -> dy/dt of the index-1 system, each time in the same array.
 
     For mechanisms that are solved by blocks.
@@ -39,7 +40,7 @@ class RightHandSide:
     def stages(
         self, A: Array, C: Array, t: float, y: Array, h: float, K: Array, point: Array
     ) -> None:
-        """Fill the stages K of an explicit step in one call; see compiled/explicit.py."""
+        """Fill the stages K of an explicit step in one call."""
         fill_stages(self._model, self._work, A, C, t, y, h, K, point)
 
 

@@ -1,16 +1,15 @@
 """Integrators of mechanisms whose step loop is compiled whole, behind the contract of all."""
 
 from abc import abstractmethod
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from ..dynamics.constraints.treatment import Treatment
-from ..dynamics.forces.table import FIRST_LOAD
 from ..dynamics.model import Model
 from ..dynamics.system import by_blocks, derivative_into
 from ..dynamics.workspace import new_work
-from ..errors import InputError
 from ..math.arrays import Array
 from ..math.compiled import COMPILED
 from .closures import right_hand_side
@@ -22,6 +21,7 @@ from .compiled.course import Options, new_course
 from .compiled.radau import advance
 from .compiled.tableau import MU
 from .generic import Integrator
+from .generic.advice import SHORTER, of_choice
 from .generic.alpha_scheme import scheme
 from .generic.base import FIRST_STEPS, Dense
 from .generic.explicit import Powers
@@ -35,47 +35,22 @@ TROUBLE = {
     codes.ILL: "the equations are not finite (inf or nan)",
     codes.OFF: "the step cannot be projected onto the constraints",
 }
-STIFF_ELEMENTS = (
-    "stiff-elements: {share:.0%} of the steps tried were refused: Newton's matrix of radau knows "
-    "the stiffness of bodies, not that of springs, bushings and dampers between them, and its "
-    "iteration converges for short steps only; gear may be cheaper"
-)
-WORTH_A_WORD = 0.3  # share of steps that were refused
-
-
-def marches(model: Model) -> bool:
-    """Tell whether the compiled loops can carry the model: each body has a mass of its own."""
-    return bool(model.plan.structured)
-
-
-def has_elements(model: Model) -> bool:
-    """Tell whether forces between markers (springs, bushings, dampers) depend on the motion."""
-    return bool(np.any(model.force_kind < FIRST_LOAD))
 
 
 class Marching(Integrator):
-    """An integrator over a compiled loop of march/: steps one by one, or many in one call.
+    """An integrator over a compiled loop: steps one by one, or many in one call.
 
     Parameters
     ----------
-    model : a mechanism of bodies with masses of their own, treated (constraints/treatment.py)
+    model : a mechanism, treated (constraints/treatment.py)
     t0, y0, t_end, others : see Integrator; `jacobian` and `project` are of no use here
-
-    Raises
-    ------
-    InputError
-        A body without a positive definite mass matrix, such as a massless virtual body.
     """
 
     strides = True
+    takes = "model"
+    fails_before_growth = True
 
     def __init__(self, model: Model, t0: float, y0: Array, t_end: float, **options: Any) -> None:
-        if not marches(model):
-            raise InputError(
-                'solver.integrator = "radau": every body needs mass and inertia of its own '
-                '(massless virtual bodies of attachment = "virtual", or a body without inertia '
-                'about an axis, have none); take "gear", "rk8" or "generalized-alpha"'
-            )
         if not by_blocks(model):
             # Rows that depend on each other: of effect on Newton's matrix, not on the motion.
             model = model._replace(penalty=Treatment.penalty)
@@ -161,6 +136,14 @@ class Radau(Marching):
     """
 
     order = 5
+    on_growth = (
+        "Newton's iteration finds no answer for a step this long, or constraints contradict each "
+        f"other: take a shorter step ({SHORTER})"
+    )
+    on_failure = (
+        "Look for a jump or a singularity in the forces just after it, or for constraints that "
+        "contradict each other, or loosen rtol and atol"
+    )
 
     def __init__(
         self,
@@ -175,13 +158,10 @@ class Radau(Marching):
         self._closed = closed and model.n_constraint > 0
         super().__init__(model, t0, y0, t_end, **options)
 
-    def final_hints(self) -> tuple[str, ...]:
-        """`hints`, and a word on force elements that have kept the steps short."""
-        counters = self.counters
-        tried = counters.steps + counters.rejected
-        if has_elements(self._model) and counters.rejected > WORTH_A_WORD * max(tried, 100):
-            return (*self.hints, STIFF_ELEMENTS.format(share=counters.rejected / tried))
-        return tuple(self.hints)
+    @classmethod
+    def settings(cls, solver: Mapping[str, Any]) -> dict[str, Any]:
+        """Whether steps go back onto the constraints."""
+        return {"closed": solver["constraints"] == "projection"}
 
     def _closes(self) -> bool:
         return self._closed
@@ -207,13 +187,43 @@ class Radau(Marching):
         return inside
 
 
-class CompiledAlpha(Marching):
-    """Generalized-alpha for mechanisms (compiled/alpha.py); the method is that of GeneralizedAlpha.
+class GeneralizedAlpha(Marching):
+    """Generalized-alpha of Arnold and Bruls for M a + Phi_q' lambda = f, Phi = 0.
 
-    Its matrices know the stiffness of bodies, not of force elements.
+    Second order; q moves by the group's exponential (dynamics/coordinates.py), so that Euler
+    parameters need no constraint of their own. With spectral radius rho at infinity,
+
+        alpha_m = (2 rho - 1) / (rho + 1), alpha_f = rho / (rho + 1),
+        gamma = 1/2 + alpha_f - alpha_m, beta = (gamma + 1/2)^2 / 4,
+        (1 - alpha_m) a_1 + alpha_m a_0 = (1 - alpha_f) vdot_1 + alpha_f vdot_0,
+        z = h v_0 + h^2 ((1/2 - beta) a_0 + beta a_1),  v_1 = v_0 + h ((1 - gamma) a_0 + gamma a_1).
+
+    Formulations:
+      index3  q_1 = q_0 exp(z); Phi(q_1) = 0. Velocities satisfy the constraints to h^2 only, and
+              multipliers swing after a change of step.
+      ggl     q_1 = q_0 exp(z + p) with p = -J^-1 Phi_q' eta, J being Newton's matrix (the position
+              multiplier of Gear, Leimkuhler and Gupta); Phi(q_1) = 0 and Phidot(q_1, v_1) = 0.
+              Default.
+
+    Newton's unknowns are z and h^2 lambda: scaled so, the matrix stays well conditioned as h
+    tends to zero. rho = 1 keeps the energy of what it does not resolve, rho = 0 destroys it in
+    one step.
+
+    Parameters
+    ----------
+    formulation : "ggl" or "index3"
+    spectral_radius : rho, 0 to 1
+    others : see Integrator. With fixed_step only Newton's iteration uses the tolerances.
     """
 
     order = 2
+    # What it does not damp shows in its multipliers, not in the state.
+    on_growth = (
+        "With too little damping (spectral_radius near 1) what the step does not resolve can grow "
+        'where the problem is not linear, and with constraints = "index3" the velocities that the '
+        'constraints forbid swing on: take spectral_radius = 0.8, constraints = "ggl", or a '
+        f"shorter step ({SHORTER})"
+    )
 
     def __init__(
         self,
@@ -228,6 +238,15 @@ class CompiledAlpha(Marching):
     ) -> None:
         self._scheme = scheme(formulation, spectral_radius)
         super().__init__(model, t0, y0, t_end, **options)
+        self.hints += of_choice(formulation, spectral_radius)
+
+    @classmethod
+    def settings(cls, solver: Mapping[str, Any]) -> dict[str, Any]:
+        """Formulation and damping."""
+        return {
+            "formulation": solver["constraints"],
+            "spectral_radius": solver["spectral_radius"],
+        }
 
     def _begin(self, rate: Array, multipliers: Array) -> Any:
         return new_alpha_course(self._model, self.t, self.y, rate, multipliers, self._h_next)

@@ -30,8 +30,12 @@ class BuiltMechanism:
     signal_marker: dict[str, int]  # signal of a place -> marker index
 
 
-def build(mechanism: dict[str, Any], packages: dict[str, ModalPackage]) -> BuiltMechanism:
+def build(
+    mechanism: dict[str, Any], packages: dict[str, ModalPackage], *, stiffening: bool = False
+) -> BuiltMechanism:
     """Build the model of a checked mechanism (inputs/case/schema.py, as plain data).
+
+    `stiffening` gives every body its second-order terms whatever the mechanism says.
 
     Raises
     ------
@@ -39,7 +43,8 @@ def build(mechanism: dict[str, Any], packages: dict[str, ModalPackage]) -> Built
         A place that a package does not have, a distance of no length.
     """
     places = Places(mechanism, packages)
-    bodies = _bodies(mechanism, packages)
+    stiffening = stiffening or mechanism["solver"].get("geometric_stiffening", False)
+    bodies = _bodies(mechanism, packages, stiffening=stiffening)
     joints, built_joints = joint_tables(mechanism, places)
     forces = force_tables(mechanism, places)
     masses = [
@@ -74,8 +79,9 @@ def build(mechanism: dict[str, Any], packages: dict[str, ModalPackage]) -> Built
     )
 
 
-def _bodies(mechanism: dict[str, Any], packages: dict[str, ModalPackage]) -> list[Body]:
-    stiffening = bool(mechanism["solver"].get("geometric_stiffening", False))
+def _bodies(
+    mechanism: dict[str, Any], packages: dict[str, ModalPackage], *, stiffening: bool
+) -> list[Body]:
     return [
         flexible_body(name, packages[name], stiffening=stiffening)
         if name in packages

@@ -18,6 +18,7 @@ from ..dynamics.model import Model
 from ..dynamics.system import Equations, assemble
 from ..errors import InputError
 from ..math.arrays import Array
+from .inertia import require_inertia
 from .initial import Start, consistent_state
 
 _TOLERANCE = 1e-10  # of the unbalanced accelerations, over the largest that the loads give
@@ -37,12 +38,13 @@ def starting_state(
     Raises
     ------
     InputError
-        As `consistent_state` and `equilibrium`.
+        As `consistent_state`, `equilibrium` and `require_inertia`.
     """
     y = consistent_state(model, start, joint_names)
     if kind == "equilibrium":
         found = equilibrium(model, replace(start, positions=y[: model.n_pos]), body_names)
         y = consistent_state(model, found, joint_names)
+    require_inertia(model, y, body_names)
     return y
 
 

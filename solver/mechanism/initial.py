@@ -13,6 +13,8 @@ from ..dynamics.model import Model
 from ..dynamics.system import Equations, accelerations, assemble, law_at
 from ..errors import InputError
 from ..math.arrays import Array
+from ..results.codes.course import REDUNDANT, SINGULAR_START
+from ..results.finding import Finding
 
 _POSITION_TOLERANCE = 1e-12
 _VELOCITY_TOLERANCE = 1e-9
@@ -39,15 +41,24 @@ class Redundancy:
     joints: list[str]  # those that share them
     singular_start: bool  # more equations than these lose their effect at the start
 
-    @property
-    def message(self) -> str:
-        """What a user should know of it."""
-        return (
-            f"{self.count} constraint equations follow from the others, among "
-            f"{', '.join(self.joints)}: the motion is not affected, but how these joints share "
-            "their forces is not determined; the share of least norm is reported. Joints that "
-            "leave more freedom (spherical, universal, cylindrical) remove the doubt"
-        )
+    def findings(self) -> list[Finding]:
+        """Return what a user should know of it."""
+        found = []
+        if self.count:
+            text = (
+                f"{self.count} constraint equations follow from the others, among "
+                f"{', '.join(self.joints)}: the motion is not affected, but how these joints share "
+                "their forces is not determined; the share of least norm is reported. Joints that "
+                "leave more freedom (spherical, universal, cylindrical) remove the doubt"
+            )
+            found.append(REDUNDANT.finding(text, t=0.0, value=float(self.count)))
+        if self.singular_start:
+            text = (
+                "the mechanism starts in a singular position, where it could move in more "
+                "directions than elsewhere: give velocities that say which"
+            )
+            found.append(SINGULAR_START.finding(text, t=0.0))
+        return found
 
 
 def consistent_state(model: Model, start: Start, joint_names: list[str], t: float = 0.0) -> Array:

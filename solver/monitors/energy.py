@@ -7,9 +7,8 @@ import numpy as np
 from ..dynamics.model import Model
 from ..dynamics.system import Equations, energies
 from ..math.arrays import Array
-
-JUMP_CODE = "energy-jump"
-JUMP = 1e-3  # of the energy in play, within one step
+from ..results.codes.motion import ENERGY_JUMP
+from ..results.finding import Finding
 
 
 @dataclass
@@ -39,18 +38,18 @@ class EnergyMonitor:
         )
         jump = abs(balance - self._balance)
         if not first and jump > self.largest_jump:
-            self.largest_jump, self.t_jump = jump, t
+            self.largest_jump, self.t_jump = jump, float(t)
         self._balance = balance
         return balance
 
-    @property
-    def message(self) -> str:
-        """Words on the largest jump of the run so far; nothing if it is none to speak of."""
-        share = self.largest_jump / max(self.in_play, 1e-300)
-        if share < JUMP:
-            return ""
-        return (
+    def findings(self) -> list[Finding]:
+        """Return the largest jump of the run so far, if it is above the threshold."""
+        share = float(self.largest_jump / max(self.in_play, 1e-300))
+        if share < ENERGY_JUMP.limit:
+            return []
+        text = (
             f"one step, to t = {self.t_jump:.6g} s, changed the energy balance by "
-            f"{share:.2g} of the energy in play (expected below {JUMP:g}): look for an "
-            "impact or a jump of force there; tighten rtol and atol"
+            f"{share:.2g} of the energy in play (expected below {ENERGY_JUMP.limit:g}): look for "
+            "an impact or a jump of force there; tighten rtol and atol"
         )
+        return [ENERGY_JUMP.finding(text, t=self.t_jump, value=share)]

@@ -17,11 +17,11 @@ from ..dynamics.system import assemble
 from ..integrators.generic import Integrator, StopRequest
 from ..integrators.generic.base import Dense
 from ..math.arrays import Array
+from ..results.codes.course import BRANCH, SINGULAR, SINGULAR_PASSED
+from ..results.finding import Finding
 from .energy import EnergyMonitor
 
-SINGULAR_CODE = "singular-position"
-BRANCH_CODE = "branch-change"
-NEAR, SINGULAR = 0.05, 1e-3  # smallest singular value, over the largest that it had in the run
+NEAR, AT = 0.05, 1e-3  # smallest singular value, over the largest that it had in the run
 SMALL_CHANGE = 0.5  # of the scaled Jacobian: one valley at most
 TURN = 0.2  # change of velocity within the neighbourhood of a singular position, relative
 LOSS = 1e-3  # of the energy in play, there
@@ -61,7 +61,7 @@ class SingularityMonitor:
     joint_names: list[str]
     treatment: str
     stop: bool = True
-    warnings: list[tuple[str, str]] = field(default_factory=list)  # code, message
+    findings: list[Finding] = field(default_factory=list)
     passes: list[float] = field(default_factory=list)  # times of singular positions [s]
 
     def __post_init__(self) -> None:
@@ -112,7 +112,7 @@ class SingularityMonitor:
         elif sigma < self._lowest:
             self._lowest, self._t_lowest = sigma, now.t
         request = None
-        if self._lowest < SINGULAR * self._typical and self.treatment not in PASSES_SINGULAR:
+        if self._lowest < AT * self._typical and self.treatment not in PASSES_SINGULAR:
             request = self._cannot_pass(integrator)
         if not near:
             request = request or self._came_out(integrator, last, now)
@@ -216,18 +216,15 @@ class SingularityMonitor:
             return None
         t = float(np.clip(self._t_lowest, integrator.t_old, integrator.t))
         _, names = self._smallest(t, integrator.dense_output()(t))
-        message = f"{self._where(t, names)}: a singular position. {self._advice()}"
+        text = f"{self._where(t, names)}: a singular position. {self._advice()}"
         self.passes.append(t)
-        if self.stop:
-            return StopRequest(t, message, SINGULAR_CODE)
-        self.warnings.append((SINGULAR_CODE, message))
-        return None
+        return self._found(SINGULAR.finding(text, t=t), t)
 
     def _came_out(self, integrator: Integrator, last: _State, now: _State) -> StopRequest | None:
         """Judge a passage that is complete: energy kept, velocity continued."""
         before = self._before
         assert before is not None
-        if self._lowest >= SINGULAR * self._typical:
+        if self._lowest >= AT * self._typical:
             return None
         if self.treatment in PASSES_SINGULAR:
             self.passes.append(self._t_lowest)
@@ -235,16 +232,31 @@ class SingularityMonitor:
         turn = self._turn(last)
         if loss < LOSS and turn < TURN:
             return None
-        message = (
+        text = (
             f"the run came out of the singular position at t = {self._t_lowest:.6g} s on another "
             f"branch, or with an impact: velocity turned by {turn:.2g}, energy balance changed by "
             f"{loss:.2g} of the energy in play. What follows is not the motion of the mechanism. "
             f"{self._advice()}"
         )
-        if self.stop:
-            return StopRequest(integrator.t, message, BRANCH_CODE)
-        self.warnings.append((BRANCH_CODE, message))
-        return None
+        return self._found(BRANCH.finding(text, t=self._t_lowest), integrator.t)
+
+    def _found(self, finding: Finding, t_stop: float) -> StopRequest | None:
+        """Keep a finding; return the request to stop because of it, if asked to."""
+        self.findings.append(finding)
+        return StopRequest(t_stop, finding.text, finding.code) if self.stop else None
+
+    def passed(self) -> list[Finding]:
+        """Return the singular positions that the run passed without harm, as one finding."""
+        if self.findings or not self.passes:
+            return []
+        times = ", ".join(f"{t:.4g}" for t in self.passes[:5])
+        more = " ..." if len(self.passes) > 5 else ""
+        text = (
+            f"{len(self.passes)} singular positions on the way, at t = {times}{more} s, "
+            "where the mechanism could leave in more than one direction; velocity and energy "
+            "were continued"
+        )
+        return [SINGULAR_PASSED.finding(text, t=self.passes[0], value=float(len(self.passes)))]
 
     def _turn(self, last: _State) -> float:
         """Change of velocity from the first to the last state inside, relative.

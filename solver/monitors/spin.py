@@ -9,8 +9,8 @@ from ..dynamics.joints.table import RIGID
 from ..dynamics.model import GROUND, Model
 from ..integrators.generic import Integrator, StopRequest
 from ..math.arrays import Array
-
-SPIN_CODE = "spin-above-clamped-frequency"
+from ..results.codes.motion import SPIN
+from ..results.finding import Finding
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class SpinMonitor:
     model: Model
     body_names: list[str]
     stop: bool = True
-    warnings: dict[str, str] = field(default_factory=dict)  # body -> message
+    findings: list[Finding] = field(default_factory=list)  # one for each invalid body
 
     def __post_init__(self) -> None:
         self._carried = carried_masses(self.model)
@@ -111,37 +111,40 @@ class SpinMonitor:
         """Return the bodies that are invalid in state y."""
         return [i for i in self._flexible if self.margin(i, y) <= 0.0]
 
-    def _warn(self, body: int, t: float, y: Array) -> str:
+    def _found(self, body: int, t: float, y: Array) -> Finding:
         w = self.spin(body, y)
         name = self.body_names[body]
-        message = (
+        critical = self.critical_spin(body, w)
+        text = (
             f"{name}: at t = {t:.4f} s the spin of {np.linalg.norm(w):.4g} rad/s reaches the first "
             f"frequency of the body held in its frame, with the masses it carries "
-            f"({self.critical_spin(body, w):.4g} rad/s): a linear body has no stiffness left there "
+            f"({critical:.4g} rad/s): a linear body has no stiffness left there "
             "and its motion from then on is worthless. What helps: a stiffer or shorter body "
             '(split it into several), a lower speed; on_invalid = "warn" goes on regardless'
         )
-        self.warnings[name] = message
-        return message
+        spin = float(np.linalg.norm(w))
+        self.findings.append(SPIN.finding(text, body=name, t=t, value=spin))
+        return self.findings[-1]
 
-    def at_start(self, t: float, y: Array) -> str | None:
-        """Check the start; return the message if the run should not begin."""
-        messages = [self._warn(i, t, y) for i in self.check(y)]
-        return messages[0] if messages and self.stop else None
+    def at_start(self, t: float, y: Array) -> Finding | None:
+        """Check the start; return what is found if the run should not begin."""
+        found = [self._found(i, t, y) for i in self.check(y)]
+        return found[0] if found and self.stop else None
 
     def __call__(self, integrator: Integrator) -> StopRequest | None:
         """Check the step just taken; called by `integrate`."""
         request = None
+        invalid = {finding.body for finding in self.findings}
         for i in self._flexible:
             w = self.spin(i, integrator.y)
-            if w @ w < self._safe_spin[i] ** 2 or self.body_names[i] in self.warnings:
+            if w @ w < self._safe_spin[i] ** 2 or self.body_names[i] in invalid:
                 continue
             if self.margin(i, integrator.y) > 0.0:
                 continue
             t = self._crossing(i, integrator)
-            message = self._warn(i, t, integrator.dense_output()(t))
+            found = self._found(i, t, integrator.dense_output()(t))
             if self.stop and (request is None or t < request.t_stop):
-                request = StopRequest(t, message, SPIN_CODE)
+                request = StopRequest(t, found.text, found.code)
         return request
 
     def _crossing(self, body: int, integrator: Integrator) -> float:

@@ -4,15 +4,15 @@ from ..errors import PackageError
 from .body.invariants import from_stations
 from .body.io import read_package, write_package
 from .body.schema import Interface, Invariants, ModalPackage, SectionData
-from .common.finding import Finding
+from .common.remark import Remark
 from .validate import validate
 
 __all__ = [
-    "Finding",
     "Interface",
     "Invariants",
     "ModalPackage",
     "PackageError",
+    "Remark",
     "SectionData",
     "from_stations",
     "read_package",

@@ -13,8 +13,8 @@ from .body.layout import MODAL_PACKAGE
 from .body.plausibility import plausibility_findings
 from .body.reader import load
 from .common.container import get_text, open_file
-from .common.finding import Finding
 from .common.identity import FileFormat, checksum_findings, identity_notes
+from .common.remark import Remark
 from .common.vtk_view import view_findings
 from .section.checks import (
     section_content_findings,
@@ -24,7 +24,7 @@ from .section.checks import (
 from .section.io import load_section
 from .section.layout import SECTION_FILE
 
-__all__ = ["Finding", "validate"]
+__all__ = ["Remark", "validate"]
 
 DATASET_ATTRIBUTES = ("unit", "frame", "description")
 
@@ -34,11 +34,11 @@ class _Kind:
     """How files of one format are examined, in this order."""
 
     format: FileFormat
-    layout: Callable[[h5py.Group], list[Finding]]
+    layout: Callable[[h5py.Group], list[Remark]]
     mesh: tuple[str, str]  # group of the mesh, its nodes
     load: Callable[[h5py.File], Any]
-    content: Callable[[Any], list[Finding]]
-    plausibility: Callable[[Any], list[Finding]]
+    content: Callable[[Any], list[Remark]]
+    plausibility: Callable[[Any], list[Remark]]
 
 
 _MODAL = _Kind(
@@ -59,7 +59,7 @@ _SECTION = _Kind(
 )
 
 
-def validate(path: str | Path) -> list[Finding]:
+def validate(path: str | Path) -> list[Remark]:
     """Return every finding on a modal package or a section file; no "error": it is usable.
 
     Later stages need the earlier ones: arrays of a wrong shape are not compared.
@@ -78,7 +78,7 @@ def validate(path: str | Path) -> list[Finding]:
                 return findings
             package = kind.load(file)
     except PackageError as error:
-        return [Finding("error", "/", str(error))]
+        return [Remark("error", "/", str(error))]
     content = kind.content(package)
     findings += content
     if not any(f.level == "error" for f in content):
@@ -86,22 +86,22 @@ def validate(path: str | Path) -> list[Finding]:
     return findings
 
 
-def _attributes(file: h5py.File, known: FileFormat) -> list[Finding]:
+def _attributes(file: h5py.File, known: FileFormat) -> list[Remark]:
     findings = []
     for name in (known.title, "units", "provenance"):
         if name not in file.attrs and name not in file:
-            findings.append(Finding("warning", "/", f"attribute {name}: missing"))
+            findings.append(Remark("warning", "/", f"attribute {name}: missing"))
     units = get_text(file, "units", "SI")
     if units != "SI":
         text = f"attribute units: expected 'SI', found {units!r}"
-        findings.append(Finding("error", "/", text))
+        findings.append(Remark("error", "/", text))
 
     def visit(_: str, item: h5py.HLObject) -> None:
         if isinstance(item, h5py.Dataset):
             missing = [name for name in DATASET_ATTRIBUTES if name not in item.attrs]
             if missing:
                 text = f"attribute {', '.join(missing)}: missing"
-                findings.append(Finding("warning", item.name, text))
+                findings.append(Remark("warning", item.name, text))
 
     file[known.group].visititems(visit)
     return findings

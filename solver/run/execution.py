@@ -2,32 +2,21 @@
 
 import json
 import time
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from tqdm import tqdm
 
-from ..dynamics.constraints.treatment import IMPLICIT, Treatment, treatment_of
-from ..dynamics.model import Model
+from ..checks.finished import FinishedRun, Look
 from ..errors import InputError, PackageError
-from ..integrators.closures import constrained_system, projection, right_hand_side
-from ..integrators.generic import (
-    Integrator,
-    Solution,
-    StopRequest,
-    advice,
-    integrate,
-    new_constrained_integrator,
-    new_integrator,
-)
-from ..integrators.stepping import CompiledAlpha, Radau, has_elements, marches
+from ..integrators.choice import make_integrator
+from ..integrators.generic import Integrator, StopRequest, integrate
 from ..math.arrays import Array
 from ..package import ModalPackage, read_package
 from ..results import RunResult, write_result, write_summary
 from .outcome import RunSpec, collect
-from .preparation import Watch, prepare
+from .preparation import Prepared, Watch, prepare
 
 INCOMPLETE = 3  # exit code of a run that ended early with a result
 
@@ -92,63 +81,26 @@ def output_times(t_end: float, step: float) -> Array:
     return times
 
 
-def tolerances(model: Model, solver: dict[str, Any]) -> Array:
-    """Return absolute tolerances (n,) of positions, velocities and the work."""
-    atol = np.full(model.n_pos + model.n_vel + 1, float(solver["atol_velocity"]))
-    atol[: model.n_pos] = solver["atol_position"]
-    return atol
+def integrated(
+    prepared: Prepared, watch: Watch | None = None, look: Look | None = None
+) -> FinishedRun:
+    """Integrate a prepared mechanism from its start to `t_end`: a single run, or one of a sweep.
 
+    Numerical trouble and Ctrl-C while it steps are no exceptions but the status of the solution.
 
-def make_integrator(
-    model: Model, y0: Array, solver: dict[str, Any], treatment: Treatment | None = None
-) -> Integrator:
-    """Return the integrator that the case asks for, ready to step from t = 0.
-
-    `treatment` is the one that the model was prepared for (`treated`); of `solver` by default.
-    `solver` may hold one key more than that of a case: `fixed_step` [s], without error control
-    (benchmarks).
+    Parameters
+    ----------
+    watch : called after each step in place of the monitors, which it must call itself
+    look : at how many output times the checks look
     """
-    treatment = treatment or treatment_of(solver)
-    options: dict[str, Any] = {
-        "rtol": solver["rtol"],
-        "atol": tolerances(model, solver),
-        "block_starts": [0, model.n_pos, model.n_pos + model.n_vel],
-    }
-    if solver["max_step"] is not None:
-        options["max_step"] = solver["max_step"]
-    if solver.get("fixed_step") is not None:
-        options["fixed_step"] = solver["fixed_step"]
-    name, t_end = solver["integrator"], solver["t_end"]
-    if name == "radau":
-        return Radau(model, 0.0, y0, t_end, closed=treatment.name == "projection", **options)
-    if treatment.name in IMPLICIT:
-        options["formulation"] = treatment.name
-        if name == "generalized-alpha":
-            options["spectral_radius"] = treatment.spectral_radius
-            if marches(model) and not has_elements(model):
-                march: Integrator = CompiledAlpha(model, 0.0, y0, t_end, **options)
-                march.hints += advice.of_choice(options)
-                return march
-        return new_constrained_integrator(
-            name, constrained_system(model), 0.0, y0, t_end, **options
-        )
-    if name == "gear":
-        options["fixed_order" if "fixed_step" in options else "max_order"] = solver["max_order"]
-    if treatment.name == "projection" and model.n_constraint:
-        options["project"] = projection(model)
-    return new_integrator(name, right_hand_side(model), 0.0, y0, t_end, **options)
-
-
-def feedback_hints(treatment: Treatment, solution: Solution, order: int) -> list[str]:
-    """Remarks on a run whose steps the feedback of its constraints has kept short."""
-    steps = solution.counters.steps
-    rate = {
-        "baumgarte": max(treatment.alpha, treatment.beta),
-        "augmented-lagrangian": treatment.frequency * max(treatment.ratio, 1.0),
-    }.get(treatment.name, 0.0)
-    if steps < advice.STEPS_WORTH_A_LOOK or solution.t[-1] == 0.0:
-        return []
-    return advice.of_feedback(rate, float(solution.t[-1]) / steps, order)
+    solver = prepared.mechanism["solver"]
+    solution, order = prepared.refused, 0
+    if solution is None:
+        integrator = make_integrator(prepared.model, prepared.y0, solver, prepared.treatment)
+        times = output_times(solver["t_end"], solver["output_step"])
+        solution = integrate(integrator, times, watch or prepared.watch)
+        order = integrator.order
+    return prepared.finished(prepared.explained(solution), order, look or Look())
 
 
 class _Progress:
@@ -181,21 +133,13 @@ def execute(spec: RunSpec, *, progress: bool = True) -> tuple[RunResult, dict[st
         does not go with the treatment of constraints.
     """
     begin = time.perf_counter()
-    solver = spec.mechanism["solver"]
     prepared = prepare(spec.mechanism, spec.packages)
-    solution = prepared.refused
-    if solution is None:
-        integrator = make_integrator(prepared.model, prepared.y0, solver, prepared.treatment)
-        follow = _Progress(prepared.watch, solver["t_end"], spec.run, progress)
-        times = output_times(solver["t_end"], solver["output_step"])
-        solution = integrate(integrator, times, follow)
+    follow = _Progress(prepared.watch, spec.mechanism["solver"]["t_end"], spec.run, progress)
+    try:
+        finished = integrated(prepared, follow)
+    finally:
         follow.bar.close()
-        hints = feedback_hints(prepared.treatment, solution, integrator.order)
-        solution = replace(solution, hints=(*solution.hints, *hints))
-    solution = prepared.explained(solution)
-    solve_s = time.perf_counter() - begin
-    built, measured, spin = prepared.built, prepared.measured, prepared.spin
-    return collect(spec, built, measured, spin, solution, solve_s, prepared.noticed())
+    return collect(spec, prepared.measured, finished, time.perf_counter() - begin)
 
 
 def run_file(file: Path, out: Path, *, progress: bool = True) -> dict[str, Any]:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..checks.findings import Finding, finding
+from ..checks.finished import FinishedRun, Look
 from ..dynamics.constraints.treatment import Treatment, treated, treatment_of
 from ..dynamics.model import Model
 from ..integrators.generic import Integrator, Solution, StopRequest
@@ -14,24 +14,21 @@ from ..math.arrays import Array
 from ..mechanism import BuiltMechanism, build
 from ..mechanism.equilibrium import starting_state
 from ..mechanism.initial import redundancy
-from ..monitors.energy import JUMP_CODE
-from ..monitors.singularity import SINGULAR_CODE, SingularityMonitor
-from ..monitors.spin import SPIN_CODE, SpinMonitor
+from ..monitors.singularity import SingularityMonitor
+from ..monitors.spin import SpinMonitor
 from ..package import ModalPackage
+from ..results.codes.course import SINGULAR
+from ..results.finding import Finding
 from ..signals import Sensor, sensors
 
 Watch = Callable[[Integrator], StopRequest | None]
-
-SINGULAR_START = (
-    "the mechanism starts in a singular position, where it could move in more directions than "
-    "elsewhere: give velocities that say which"
-)
 
 
 @dataclass(frozen=True)
 class Prepared:
     """What a run has before its first step, and what judges it afterwards."""
 
+    mechanism: dict[str, Any]
     built: BuiltMechanism
     treatment: Treatment
     y0: Array  # (n,)
@@ -60,11 +57,23 @@ class Prepared:
         if not cause:
             return solution
         message = f"{cause} ({solution.message})"
-        return replace(solution, message=message, code=SINGULAR_CODE)
+        return replace(solution, message=message, code=SINGULAR.name)
 
-    def noticed(self) -> list[Finding]:
-        """Return what start and run met: singular positions and jumps of energy."""
-        return [*self.notes, *_of_passage(self.passage)]
+    def finished(self, solution: Solution, order: int, look: Look) -> FinishedRun:
+        """Return the run as the checks see it; `order` is that of the integrator."""
+        passage, t_end = self.passage, solution.t[-1]
+        # Two monitors may ask for a stop in the same step; what is beyond the earlier one is cut.
+        met = [f for f in (*self.spin.findings, *passage.findings) if f.t is None or f.t <= t_end]
+        noticed = (*met, *self.notes, *passage.passed(), *passage.energy.findings())
+        return FinishedRun(
+            mechanism=self.mechanism,
+            built=self.built,
+            treatment=self.treatment,
+            solution=solution,
+            order=order,
+            noticed=noticed,
+            look=look,
+        )
 
 
 def prepare(
@@ -88,9 +97,6 @@ def prepare(
         built.model, built.start, solver["start"], built.joint_names, built.body_names
     )
     found = redundancy(built.model, y0, built.joint_names)
-    notes = [finding("redundant-constraints", found.message)] if found.count else []
-    if found.singular_start:
-        notes.append(finding("singular-start", SINGULAR_START))
     built = replace(built, model=treated(built.model, treatment)._replace(redundant=found.count))
     wanted = {
         name: table
@@ -104,37 +110,19 @@ def prepare(
         treatment.name,
         stop=solver.get("on_singular", "stop") == "stop",
     )
-    words = spin.at_start(0.0, y0)
+    invalid = spin.at_start(0.0, y0)
     passage.at_start(0.0, y0)
     refused = None
-    if words is not None:
-        refused = Solution(np.zeros(1), y0[None, :], "stopped", words, SPIN_CODE)
+    if invalid is not None:
+        refused = Solution(np.zeros(1), y0[None, :], "stopped", invalid.text, invalid.code)
     return Prepared(
+        mechanism=mechanism,
         built=built,
         treatment=treatment,
         y0=y0,
         measured=sensors(built, wanted),
         spin=spin,
         passage=passage,
-        notes=notes,
+        notes=found.findings(),
         refused=refused,
     )
-
-
-def _of_passage(passage: SingularityMonitor) -> list[Finding]:
-    """What the run met on its way: singular positions and jumps of energy."""
-    notes = [finding(code, message) for code, message in passage.warnings]
-    if passage.passes and not passage.warnings:
-        times = ", ".join(f"{t:.4g}" for t in passage.passes[:5])
-        more = " ..." if len(passage.passes) > 5 else ""
-        notes.append(
-            finding(
-                "singular-passed",
-                f"{len(passage.passes)} singular positions on the way, at t = {times}{more} s, "
-                "where the mechanism could leave in more than one direction; velocity and energy "
-                "were continued",
-            )
-        )
-    if passage.energy.message:
-        notes.append(finding(JUMP_CODE, passage.energy.message))
-    return notes

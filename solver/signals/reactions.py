@@ -1,5 +1,6 @@
 """Forces in the joints, and whether they balance the change of momentum."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,7 +25,37 @@ def joint_reactions(model: Model, t: float, y: Array, multipliers: Array) -> Arr
     multipliers through the coefficients of the joint's rows, -C' lambda: what does the same
     virtual work. Of redundant joints it is the share of least norm.
     """
-    C = assemble(model, t, y).C
+    return _joint_reactions(model, assemble(model, t, y).C, multipliers)
+
+
+def marker_loads(
+    model: Model, t: float, y: Array, C: Array, multipliers: Array
+) -> Iterator[tuple[int, Array, Array]]:
+    """Marker, force (3,) and moment (3,) at its origin on its body, of joints and force elements.
+
+    Global components [N, N m]. The step loop adds the same in its own rows (dynamics/system.py).
+
+    Parameters
+    ----------
+    C : coefficients of the joints' rows in state y (`Equations`)
+    """
+    for markers, both in zip(
+        model.joint_marker, _joint_reactions(model, C, multipliers), strict=True
+    ):
+        for marker, load in zip(markers, both, strict=True):
+            yield int(marker), load[:3], load[3:]
+    for k in range(model.force_kind.size):
+        one, two = (single_motion(model, marker, y)[0] for marker in model.force_marker[k])
+        size = law_at(model, model.force_law[k], t)[0]
+        wrench = element_wrench(model.force_kind[k], one, two, model.force_parameters[k], size)
+        force, moment = np.array(wrench.force), np.array(wrench.moment)
+        yield int(model.force_marker[k, 1]), force, moment
+        if model.force_kind[k] < FIRST_LOAD:
+            arm = np.subtract(place(two), place(one))
+            yield int(model.force_marker[k, 0]), -force, -moment - np.cross(arm, force)
+
+
+def _joint_reactions(model: Model, C: Array, multipliers: Array) -> Array:
     found = np.zeros((model.joint_kind.size, 2, 6))
     for k in range(model.joint_kind.size):
         rows = slice(int(model.joint_row[k]), int(model.joint_row[k + 1]))
@@ -92,24 +123,10 @@ def acting(model: Model, t: float, y: Array, multipliers: Array) -> tuple[Array,
         arm = model.mass[i] * y[a : a + 3] + rotation_matrix(y[a + 3 : a + 7]) @ first
         weight = model.mass[i] * model.gravity_G
         _add(total, scale, i, nothing, weight, np.cross(arm, model.gravity_G))
-    for k in range(model.force_kind.size):
-        sides = model.force_marker[k]
-        one_side, _ = single_motion(model, sides[0], y)
-        two_side, _ = single_motion(model, sides[1], y)
-        size, _, _ = law_at(model, model.force_law[k], t)
-        wrench = element_wrench(
-            model.force_kind[k], one_side, two_side, model.force_parameters[k], size
-        )
-        bodies = model.marker_body[sides]
-        force, moment = np.array(wrench.force), np.array(wrench.moment)
-        x = np.array(place(two_side))
-        _add(total, scale, bodies[1], x, force, moment)
-        if model.force_kind[k] < FIRST_LOAD:
-            _add(total, scale, bodies[0], x, -force, -moment)
-    for k, reactions in enumerate(joint_reactions(model, t, y, multipliers)):
-        for marker, reaction in zip(model.joint_marker[k], reactions, strict=True):
-            x = marker_motion(model, marker, y).x
-            _add(total, scale, model.marker_body[marker], x, reaction[:3], reaction[3:])
+    C = assemble(model, t, y).C
+    for marker, force, moment in marker_loads(model, t, y, C, multipliers):
+        x = marker_motion(model, marker, y).x
+        _add(total, scale, model.marker_body[marker], x, force, moment)
     return total, scale
 
 

@@ -15,7 +15,7 @@ import pytest
 from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
-from plymotion.solver.monitors.spin import SPIN_CODE
+from plymotion.solver.results.codes.motion import SPIN
 from plymotion.solver.run.execution import execute, read_run
 
 CASE = "cases/double-pendulum/case.toml"
@@ -72,7 +72,7 @@ def test_soft_free_run_stops_where_the_linear_hand_loses_definiteness(build, ref
     result, summary = execute(read_run(build / "runs/isotropic-soft-free.json"), progress=False)
     assert not summary["completed"]
     assert abs(summary["t_end"] - expected["crossing"]) < expected["crossing_tolerance"]
-    assert summary["warnings"][0]["code"] == SPIN_CODE
+    assert summary["warnings"][0]["code"] == SPIN.name
     assert "What helps" in summary["message"]
     assert result.t.size > 100
     assert result.t[-1] == summary["t_end"]
@@ -89,7 +89,7 @@ def test_soft_free_run_can_be_told_to_go_on(build, repository):
     )
     _, summary = execute(read_run(runs / "isotropic-soft-free.json"), progress=False)
     assert summary["completed"]
-    assert [w["code"] for w in summary["warnings"]].count(SPIN_CODE) == 1
+    assert [w["code"] for w in summary["warnings"]].count(SPIN.name) == 1
 
 
 def test_following_hand_without_gravity_shows_no_bending(build, repository):
@@ -245,4 +245,4 @@ def test_stiffened_soft_pendulum_completes_against_geometrically_exact_beams(bui
     assert summary["checks"]["momentum_balance"] < 1e-9
     codes = [warning["code"] for warning in summary["warnings"]]
     assert "elastic-rotation-large" in codes
-    assert not {SPIN_CODE, "buckling-by-motion", "stiffening-matters"} & set(codes)
+    assert not {SPIN.name, "buckling-by-motion", "stiffening-matters"} & set(codes)

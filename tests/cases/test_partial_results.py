@@ -28,6 +28,7 @@ def _checked_result(out):
     return summary, result
 
 
+@pytest.mark.provokes("run-interrupted")
 def test_ctrl_c_keeps_the_part(repository, tmp_path):
     runs = case_runs(repository, "n-four-bar", tmp_path / "build")
     file, out = runs / "n-2.json", tmp_path / "out"
@@ -60,6 +61,7 @@ def test_ctrl_c_keeps_the_part(repository, tmp_path):
     assert "n-2: interrupted at t = " in words
     summary, result = _checked_result(out)
     assert summary["status"] == "interrupted"
+    assert "run-interrupted" in [w["code"] for w in summary["warnings"]]
     assert 0.1 < result.t[-1] < 1e4  # the step that was interrupted is not kept
     np.testing.assert_allclose(np.diff(result.t[:-1]), 0.05, rtol=1e-9)
 

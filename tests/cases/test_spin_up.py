@@ -6,10 +6,9 @@ from dataclasses import replace as _replace
 import numpy as np
 import pytest
 
-from plymotion.solver.checks.stiffening import BUCKLING_CODE, MATTERS_CODE, MISSING_CODE
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
-from plymotion.solver.monitors.spin import SPIN_CODE
+from plymotion.solver.results.codes.motion import BUCKLING, MATTERS, NO_STIFFENING_DATA, SPIN
 from plymotion.solver.run.execution import execute, read_run
 
 
@@ -49,14 +48,14 @@ def test_stiffened_beam_follows_geometrically_exact_beams(build, reference, run)
     residual = np.abs(across[steady]).max()
     assert abs(residual / expected["residual"] - 1.0) < expected["residual_tolerance"]
     assert summary["checks"]["energy_drift_relative"] < 1e-6
-    assert not {SPIN_CODE, BUCKLING_CODE, MATTERS_CODE, MISSING_CODE} & set(codes)
+    assert not {SPIN.name, BUCKLING.name, MATTERS.name, NO_STIFFENING_DATA.name} & set(codes)
 
 
 def test_linear_beam_diverges_and_is_warned_of_before(build, reference):
     expected = reference["linear"]
     t, signals, summary, codes = ran(build, "linear")
-    assert {SPIN_CODE, MATTERS_CODE} <= set(codes)
-    (message,) = (w["message"] for w in summary["warnings"] if w["code"] == SPIN_CODE)
+    assert {SPIN.name, MATTERS.name} <= set(codes)
+    (message,) = (w["message"] for w in summary["warnings"] if w["code"] == SPIN.name)
     instant = float(message.partition("t = ")[2].split()[0])
     assert abs(instant - expected["unstable_from"]) < expected["unstable_tolerance"]
     tip = np.abs(signals["tip_y"])
@@ -74,5 +73,5 @@ def test_package_without_data_runs_linear_and_says_so(build):
     plain.mechanism["solver"].update(t_end=0.2)
     found, summary = execute(spec, progress=False)
     expected, _ = execute(plain, progress=False)
-    assert MISSING_CODE in [w["code"] for w in summary["warnings"]]
+    assert NO_STIFFENING_DATA.name in [w["code"] for w in summary["warnings"]]
     np.testing.assert_array_equal(found.q, expected.q)

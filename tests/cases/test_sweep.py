@@ -19,7 +19,7 @@ from plymotion.solver.commands.sweep import command, engine
 from plymotion.solver.commands.sweep.engine import compute_by_workers
 from plymotion.solver.commands.sweep.file import read_sweep
 from plymotion.solver.commands.sweep.member import Packages, compute
-from plymotion.solver.monitors.spin import SPIN_CODE
+from plymotion.solver.results.codes.motion import SPIN
 from plymotion.solver.run.execution import execute, read_run
 
 BRIEF = """
@@ -116,6 +116,7 @@ def test_failed_members_do_not_stop_the_others(tmp_path, capsys):
     assert "forces.push.law.polynomial.3 = 1e+300: " in out
 
 
+@pytest.mark.provokes("input")
 def test_a_member_that_cannot_be_assembled_fails_alone(tmp_path, capsys):
     bar = {"a": (0, 0, 0), "b": (1, 0, 0)}
     text = HEAD + (
@@ -158,7 +159,7 @@ def test_spin_beyond_a_linear_body_stops_a_member(repository, tmp_path):
     assert sweep(file) == 3
     rows = result(file).rows
     assert [row.status for row in rows] == ["finished", "stopped"]
-    assert rows[1].code == SPIN_CODE
+    assert rows[1].code == SPIN.name
     assert "What helps" in rows[1].message
     assert rows[1].t_end == 0.0
 
@@ -219,6 +220,25 @@ def test_an_interruption_keeps_what_is_complete(tmp_path, monkeypatch, capsys):
     )
 
 
+def test_an_interruption_between_members_keeps_those_before(tmp_path, monkeypatch):
+    """Ctrl-C while the second member of a portion is prepared: the first is not lost."""
+    from plymotion.solver.commands.sweep import member
+
+    prepare = member.prepare
+
+    def interrupted(mechanism, packages, signals):
+        if len(calls) == 1:
+            raise KeyboardInterrupt
+        calls.append(1)
+        return prepare(mechanism, packages, signals)
+
+    calls = []
+    monkeypatch.setattr(member, "prepare", interrupted)
+    plan = ball_plan(tmp_path, f"{MASS} = [1, 2, 3]")
+    rows = compute(plan, Packages(plan), range(3), plan.keys())
+    assert [row.status for row in rows] == ["finished", "pending", "pending"]
+
+
 def test_ctrl_c_within_a_member(tmp_path):
     """A member that runs for ever: SIGINT leaves a file with the one before."""
     vary = 'end = { keys = ["solver.t_end"], values = [0.1, 1e4] }'
@@ -275,6 +295,7 @@ def test_workers_give_the_same(tmp_path):
     assert [r.message for r in together.rows] == [r.message for r in alone.rows]
 
 
+@pytest.mark.provokes("worker-lost")
 def test_a_worker_that_dies_takes_one_member_with_it(tmp_path, monkeypatch):
     plan = ball_plan(tmp_path, f"{FORCE} = [1.0, 2.0, 3.0, 4.0]")
     give = engine._Worker.give
@@ -296,6 +317,7 @@ def test_a_worker_that_dies_takes_one_member_with_it(tmp_path, monkeypatch):
     assert rows[1].code == "worker-lost"
 
 
+@pytest.mark.provokes("defect")
 def test_a_defect_is_told_and_the_others_go_on(tmp_path, monkeypatch):
     """An error that no input explains: its words in the row, the traceback for us."""
     from plymotion.solver.commands.sweep import member
@@ -351,6 +373,7 @@ def test_a_damaged_file_is_computed_anew(tmp_path, capsys):
     assert result(file).rows[0].status == "finished"
 
 
+@pytest.mark.provokes("package")
 def test_missing_packages(repository, tmp_path, capsys):
     """One that is missing fails its members; with none at all there is nothing to do."""
     folder = pendulum(repository, tmp_path)

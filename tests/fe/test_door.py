@@ -10,9 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from shell_specs import plate
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.section.mesh import script_path
+from plymotion.preprocess.shell.problem import ShellProblem
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 N = 120
@@ -63,13 +65,41 @@ def test_more_modes_than_masses() -> None:
         fenicsx.eigenpairs(chain(), sp.csr_matrix(sp.diags(mass)), 11)
 
 
-def test_free_body_needs_a_negative_target() -> None:
-    K, M = chain(free=True), sp.identity(N, format="csr")
+@pytest.mark.parametrize("n", [3, 10, 120, 1000])
+def test_free_body_needs_a_negative_target(n: int) -> None:
+    """Few masses are solved as a dense problem, many by iteration; one pivot is rounding."""
+    K, M = chain(n, free=True), sp.identity(n, format="csr")
     with pytest.raises(fenicsx.EigenError, match="negative target"):
-        fenicsx.eigenpairs(K, M, 3)
-    values, X = fenicsx.eigenpairs(K, M, 3, target=-1e5)
+        fenicsx.eigenpairs(K, M, 2)
+    values, X = fenicsx.eigenpairs(K, M, 2, target=-1e5)
     assert abs(values[0]) < 1e-6 * values[1]
     assert np.ptp(X[:, 0]) < 1e-8 * np.abs(X[:, 0]).max()
+
+
+@pytest.mark.parametrize("slope", [0.1, 0.3, 0.7])
+def test_singular_chain_is_known_whatever_its_last_pivot(slope: float) -> None:
+    """Whether rounding leaves it exactly zero, negative or positive depends on the stiffnesses."""
+    stiffness = 1e9 * (1.0 + slope * np.sin(np.arange(N - 1)))
+    diagonal = np.concatenate([stiffness, [0.0]]) + np.concatenate([[0.0], stiffness])
+    refused(sp.csr_matrix(sp.diags([-stiffness, diagonal, -stiffness], [-1, 0, 1])))
+
+
+@pytest.mark.parametrize("thickness", [1e-2, 1e-4, 1e-6])
+def test_free_plates_are_singular_however_thin(thickness: float) -> None:
+    problem = ShellProblem(plate(8, thickness))
+    refused(problem.freedom.reduced(problem.K))
+    held = ShellProblem(plate(8, thickness, supports={"root": {"at": "left", "fixed": "all"}}))
+    K = held.freedom.reduced(held.K)
+    fenicsx.cholesky(K)
+    fenicsx.eigenpairs(K, held.freedom.reduced(held.M), 3)
+
+
+def refused(K: Any) -> None:
+    """Both factorisations say that K is singular, as that of a body that can move."""
+    with pytest.raises(fenicsx.EigenError, match="negative target"):
+        fenicsx.eigenpairs(K, sp.identity(K.shape[0], format="csr"), 3)
+    with pytest.raises(fenicsx.FactorisationError, match="rigid motion"):
+        fenicsx.cholesky(K)
 
 
 def test_target_in_the_middle() -> None:

@@ -77,6 +77,7 @@ def test_load_on_a_rigid_motion_is_refused(off_axis: Solved) -> None:
         solver.solve(load, float(np.linalg.norm(load)))
 
 
+@pytest.mark.provokes("few-digits")
 def test_a_little_work_on_a_rigid_motion_is_told(off_axis: Solved) -> None:
     """Between round-off and a wrong equation lies a warning."""
     problem, C, result = off_axis

@@ -57,6 +57,7 @@ def test_refinement_meets_the_accuracy_and_says_what_it_cost() -> None:
     assert found.warnings == ()
 
 
+@pytest.mark.provokes("accuracy-not-met")
 def test_an_accuracy_out_of_reach_is_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
     from plymotion.preprocess.section import analysis
 

@@ -160,6 +160,7 @@ def test_equal_shares_without_thickness() -> None:
     assert np.array_equal(stiffness(tube(shares, circle, rows)), K)
 
 
+@pytest.mark.provokes("plies-not-resolved")
 def test_plies_that_cross_cells_are_told() -> None:
     plies = [{"material": "carbon", "angle_deg": a} for a in (30.0, 0.0, 30.0)]
     section = analyse(tube(plies, {"circle": [0.0, 0.0]}, [0.5, 1.0]), estimate=False)

@@ -48,12 +48,12 @@ def test_solution_of_the_saddle_point(seed, one, soft, loops):
     s = 3.0 if one == 1.0 else 3.0 + 7.0j
     K = s**2 * equations.M + np.diag(rng.uniform(0.0, 5.0, n)) * (1.0 + 0.2 * s)
     softness = rng.uniform(0.01, 0.1, n_c) * s**-2 if soft else np.zeros(n_c) * one
-    factors = new_factors(model, one)
+    factors = new_factors(model, model.plan.mass, one)
     for i, (start, m) in enumerate(zip(model.vel_start, model.plan.size, strict=True)):
         block = K[start : start + m, start : start + m]
         factors.L[i] = np.nan  # only the lower triangle is read
         factors.L[i][np.tril_indices(m)] = block[np.tril_indices(m)]
-    factorise(model.plan, factors, work.J, softness)
+    factorise(model.plan, model.plan.mass, factors, work.J, softness)
     f, gamma = rng.normal(size=n) * one, rng.normal(size=n_c) * one
     if one != 1.0:
         f, gamma = f + 1j * rng.normal(size=n), gamma + 1j * rng.normal(size=n_c)
@@ -63,7 +63,7 @@ def test_solution_of_the_saddle_point(seed, one, soft, loops):
     expected = np.linalg.solve(A, np.concatenate([f, gamma]))
     a, multipliers = np.zeros_like(work.load) * one, np.zeros(n_c) * one
     for _ in range(2):  # factors serve any number of right-hand sides
-        solve(model.plan, factors, blocks(model, f), gamma, a, multipliers)
+        solve(model.plan, model.plan.mass, factors, blocks(model, f), gamma, a, multipliers)
         found = np.concatenate([whole(model, a), multipliers])
         scale = np.linalg.norm(expected)
         np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-10 * scale)
@@ -82,7 +82,7 @@ def test_least_pivot_tells_rows_that_depend_on_others():
         evaluate(model, work, 0.0, random_state(rng, model))
         for i in range(2):
             work.factors.L[i] = work.M[i]
-        factorise(model.plan, work.factors, work.J, work.softness)
+        factorise(model.plan, model.plan.mass, work.factors, work.J, work.softness)
         regular[name] = float(work.factors.regular[0])
     assert regular["once"] > 1e-4
     assert regular["twice"] < 1e-12
@@ -114,7 +114,7 @@ def test_driven_frames_are_no_unknowns(mount, uncoupled):
     model = assemble_model([blade, arm], markers, joints, gravity_G=(0.0, 0.0, -9.81))
     plan = model.plan
     assert list(plan.base) == [6, 0]
-    assert plan.first.size == 3  # rows of the tip's joint alone are left
+    assert plan.mass.first.size == 3  # rows of the tip's joint alone are left
     assert list(plan.lead) == ([6, 6] if uncoupled else [9, 8])
     y = random_state(rng, model)
     one, two = np.empty(y.size), np.empty(y.size)
@@ -154,9 +154,11 @@ def test_mechanism_without_constraints():
     evaluate(model, work, 0.0, random_state(rng, model))
     for i in range(2):
         work.factors.L[i] = work.M[i]
-    factorise(model.plan, work.factors, work.J, work.softness)
+    factorise(model.plan, model.plan.mass, work.factors, work.J, work.softness)
     assert work.factors.regular[0] == 1.0
     f = rng.normal(size=model.n_vel)
-    solve(model.plan, work.factors, blocks(model, f), work.gamma, work.acceleration, work.left)
+    order = model.plan.mass
+    loads = blocks(model, f)
+    solve(model.plan, order, work.factors, loads, work.gamma, work.acceleration, work.left)
     expected = np.linalg.solve(dense(model, work).M, f)
     np.testing.assert_allclose(whole(model, work.acceleration), expected, atol=1e-12)

@@ -128,6 +128,14 @@ def test_noise_is_turned_into_orthonormal_shapes(tmp_path: Path) -> None:
     assert (error < 0.03 * np.abs(beam.package.shapes_B).max(axis=(1, 2))).all()
 
 
+@pytest.mark.provokes("measured-shapes-coupled")
+def test_shapes_with_much_noise_are_not_orthogonal(tmp_path: Path, capsys) -> None:
+    found = imported(write_test(tmp_path, beam_of("clamped"), noise=0.2))
+    assert {w["code"] for w in found.provenance["warnings"]} == {"measured-shapes-coupled"}
+    assert "made orthogonal to the first" in capsys.readouterr().err
+
+
+@pytest.mark.provokes("measured-shape-rigid")
 def test_motion_of_the_suspension_is_taken_out(tmp_path: Path, capsys) -> None:
     beam = beam_of("mean-axis")
     found = imported(write_test(tmp_path, beam, rigid=0.2))
@@ -164,6 +172,7 @@ def test_rotation_of_an_interface_from_the_displacements_of_its_nodes(tmp_path: 
     assert found.provenance["warnings"] == []
 
 
+@pytest.mark.provokes("interface-without-rotation")
 def test_interface_without_rotations_is_doubted(tmp_path: Path) -> None:
     found = imported(write_test(tmp_path, beam_of("clamped"), rotations=False))
     codes = [w["code"] for w in found.provenance["warnings"]]
@@ -226,6 +235,7 @@ def test_same_shape_twice(tmp_path: Path, capsys) -> None:
     assert "are not independent (cosine 1.000" in capsys.readouterr().err
 
 
+@pytest.mark.provokes("measured-modal-mass")
 def test_mass_normalised_shapes_are_compared_with_the_nodes(tmp_path: Path, capsys) -> None:
     file = write_test(tmp_path, beam_of("clamped"))
     file.write_text(file.read_text().replace("nodes =", "mass_normalised = true\nnodes =", 1))

@@ -5,8 +5,8 @@ from constraint_runs import prepared
 from mechanism_samples import pendulum
 
 from plymotion.solver.dynamics.constraints.treatment import treatment_of
+from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.generic import integrate
-from plymotion.solver.run.execution import make_integrator
 
 
 @pytest.mark.parametrize(

@@ -143,6 +143,7 @@ def test_stress_operators_of_a_single_off_axis_ply() -> None:
     np.testing.assert_allclose(stress, np.tile(expected, (3, 1)), atol=1e-12)
 
 
+@pytest.mark.provokes("laminate-unsymmetric", "laminate-unbalanced")
 @pytest.mark.parametrize(
     ("angles", "symmetric", "balanced"),
     [
@@ -178,6 +179,7 @@ def test_report_gives_the_constants_of_the_ply() -> None:
         assert found.bending[key] == pytest.approx(value, rel=1e-10)
 
 
+@pytest.mark.provokes("laminate-soft-core")
 def test_report_names_a_soft_core() -> None:
     codes = {finding["code"] for finding in report(hybrid()).findings}
     assert "laminate-soft-core" in codes

@@ -15,7 +15,7 @@ from plymotion.solver.package import ModalPackage, from_stations
 from plymotion.solver.package.body.checks import content_findings
 from plymotion.solver.package.body.plausibility import plausibility_findings
 from plymotion.solver.package.body.second_order import second_order_values
-from plymotion.solver.package.common.finding import Finding
+from plymotion.solver.package.common.remark import Remark
 
 SIX = [{"kind": "lowest", "count": 6}]
 EPS = np.finfo(float).eps
@@ -34,7 +34,7 @@ def at_interface(package: ModalPackage, row: int, **changes: Any) -> ModalPackag
     return dataclasses.replace(package, interfaces=tuple(interfaces))
 
 
-def text(findings: list[Finding]) -> str:
+def text(findings: list[Remark]) -> str:
     return "\n".join(f"{f.level} {f.dataset}: {f.message}" for f in findings)
 
 

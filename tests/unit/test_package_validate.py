@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from package_samples import cantilever
 
-from plymotion.solver.package import Finding, ModalPackage, from_stations, validate, write_package
+from plymotion.solver.package import ModalPackage, Remark, from_stations, validate, write_package
 from plymotion.solver.package.body.plausibility import (
     centre_inertia,
     free_body_mass,
@@ -16,7 +16,7 @@ from plymotion.solver.package.body.plausibility import (
 )
 
 
-def found(findings: list[Finding], level: str, dataset: str) -> bool:
+def found(findings: list[Remark], level: str, dataset: str) -> bool:
     return any(f.level == level and f.dataset.endswith(dataset) for f in findings)
 
 

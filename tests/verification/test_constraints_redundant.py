@@ -44,7 +44,10 @@ def test_message_names_the_joints_of_the_loop_only():
     found, _ = _found(rods.sample((tail, (2, 1, 0))))
     assert found.count == 3
     assert found.joints == ["a", "b", "c", "d"]
-    assert "3 constraint equations follow from the others, among a, b, c, d" in found.message
+    assert (
+        "3 constraint equations follow from the others, among a, b, c, d"
+        in found.findings()[0].text
+    )
 
 
 def test_units_do_not_change_the_count():

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from plymotion.solver.dynamics.constraints.treatment import Treatment
 from plymotion.solver.dynamics.system import by_blocks, derivative
 from plymotion.solver.integrators.generic import integrate, new_integrator
-from plymotion.solver.monitors.singularity import BRANCH_CODE, SINGULAR_CODE, SingularityMonitor
+from plymotion.solver.monitors.singularity import SingularityMonitor
 
 ALL_JOINTS = ["foot 0", "foot 1", "left 0", "right 0"]
 
@@ -61,7 +61,7 @@ def test_ten_singular_passes(name, integrator, rtol, core, reference):
     assert np.linalg.norm(place[1] - goal["at_4"]) < reference["tolerance"]
     assert np.linalg.norm(place[2] - goal["exact"]) < reference["tolerance"]
     assert np.ptp(done.energy) < reference["energy_tolerance"]
-    assert not done.monitor.warnings
+    assert not done.monitor.findings
     assert len(done.monitor.passes) == 10
     np.testing.assert_allclose(done.monitor.passes, _passes(2, 10.0), atol=1e-3)
     assert abs(done.monitor.passes[0] - goal["first_pass"]) < 1e-4
@@ -72,7 +72,7 @@ def test_generalized_alpha_stays_on_the_branch(name, reference):
     """Second order: the phase at 10 s is off, the branch and the number of passes are not."""
     done = run(four_bars(1), name, [0.0, 10.0], rtol=1e-5)
     assert done.solution.status == "finished"
-    assert not done.monitor.warnings
+    assert not done.monitor.findings
     exact = _passes(1, 10.0)
     assert len(done.monitor.passes) == exact.size
     np.testing.assert_allclose(done.monitor.passes, exact, atol=0.03)
@@ -81,7 +81,7 @@ def test_generalized_alpha_stays_on_the_branch(name, reference):
 @pytest.mark.parametrize(("name", "integrator"), [("index1", "rk8"), ("baumgarte", "gear")])
 def test_treatments_that_divide_by_zero_end_with_the_cause(name, integrator):
     done = run(four_bars(1), name, [0.0, 10.0], integrator, rtol=1e-7)
-    assert (done.solution.status, done.solution.code) == ("stopped", SINGULAR_CODE)
+    assert (done.solution.status, done.solution.code) == ("stopped", "singular-position")
     assert done.solution.t[-1] == pytest.approx(_passes(1, 1.0)[0], abs=1e-4)
     message = done.solution.message
     assert "loses rank at t = 0.70" in message
@@ -92,13 +92,14 @@ def test_treatments_that_divide_by_zero_end_with_the_cause(name, integrator):
 MISFIT = 1e-7  # m: the branches turn into each other where the exact mechanism passes
 
 
+@pytest.mark.provokes("branch-change")
 def test_a_turn_onto_another_branch_keeps_the_energy_and_is_seen():
     """Told to warn only, a run follows the misfit round the corner within 20 microseconds."""
     done = run(four_bars(1, MISFIT), "index1", [0.0, 1.5], "rk8", rtol=1e-9, stop=False)
-    codes = [code for code, _ in done.monitor.warnings]
-    assert codes == [SINGULAR_CODE, BRANCH_CODE]
+    codes = [finding.code for finding in done.monitor.findings]
+    assert codes == ["singular-position", "branch-change"]
     assert np.ptp(done.energy) < 1e-6, "the energy alone would not tell"
-    assert "velocity turned by 1." in done.monitor.warnings[1][1]
+    assert "velocity turned by 1." in done.monitor.findings[1].text
 
 
 def test_a_turn_ends_runs_of_treatments_that_pass_singular_positions():
@@ -110,7 +111,7 @@ def test_a_turn_ends_runs_of_treatments_that_pass_singular_positions():
     monitor = SingularityMonitor(model, sample.names, "projection")
     monitor.at_start(0.0, y0)
     solution = integrate(made, [0.0, 1.5], monitor)
-    assert (solution.status, solution.code) == ("stopped", BRANCH_CODE)
+    assert (solution.status, solution.code) == ("stopped", "branch-change")
     assert "another branch" in solution.message
     assert "t = 0.708" in solution.message
 
@@ -153,7 +154,7 @@ def test_no_alarm_where_nothing_is_singular(make, name):
     done = run(make(), name, [0.0, 2.0], rtol=1e-6)
     assert done.solution.status == "finished"
     assert not done.monitor.passes
-    assert not done.monitor.warnings
+    assert not done.monitor.findings
 
 
 def test_forty_loops_pass_their_first_singular_position(reference):

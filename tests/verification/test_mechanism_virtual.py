@@ -51,10 +51,13 @@ def _attached(spec, how):
     return changed
 
 
-def test_same_motion_and_reactions(spec):
+@pytest.mark.parametrize("integrator", ["rk8", "radau"])
+def test_same_motion_and_reactions(spec, integrator):
     found = {}
     for how in ("marker", "virtual"):
-        result, summary = execute(_attached(spec, how), progress=False)
+        changed = _attached(spec, how)
+        changed.mechanism["solver"]["integrator"] = integrator
+        result, summary = execute(changed, progress=False)
         assert summary["completed"]
         found[how] = {s.name: s.values for s in result.signals}
         assert summary["checks"]["energy_drift_relative"] < 1e-9

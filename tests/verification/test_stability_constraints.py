@@ -68,7 +68,7 @@ def _swinging(formulation, rho, **options):
     treatment = Treatment(formulation, spectral_radius=rho)
     model, y0 = prepared(pendulum(), treatment)
     options = {"rtol": 1e-8, "atol": 1e-10} | options
-    made = new_run(model, y0, treatment, "", 4.0, **options)
+    made = new_run(model, y0, treatment, "generalized-alpha", 4.0, **options)
 
     def seen(i):
         equations = assemble(model, i.t, i.y)
@@ -101,7 +101,7 @@ def test_error_control_pays_for_index_3_without_damping():
     for rho in (1.0, 0.8):
         treatment = Treatment("index3", spectral_radius=rho)
         model, y0 = prepared(pendulum(), treatment)
-        made = new_run(model, y0, treatment, "", 1.4, rtol=1e-5, atol=1e-7)
+        made = new_run(model, y0, treatment, "generalized-alpha", 1.4, rtol=1e-5, atol=1e-7)
         assert integrate(made, [1.4]).status == "finished"
         steps[rho] = made.counters.steps
     assert steps[1.0] > 5 * steps[0.8]

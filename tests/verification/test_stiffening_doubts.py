@@ -9,8 +9,12 @@ import pytest
 from beam_samples import CLAMPED, reduced
 from stiffening_samples import CHORD, rectangle, soft_modes, soft_pendulum
 
-from plymotion.solver.checks.stiffening import geometric_stiffness, stiffening_findings
+from plymotion.solver.checks.finished import FinishedRun
+from plymotion.solver.checks.geometric_stiffness import geometric_stiffness
+from plymotion.solver.checks.stiffening import stiffening_findings
+from plymotion.solver.dynamics.constraints.treatment import Treatment
 from plymotion.solver.dynamics.system import assemble, derivative
+from plymotion.solver.integrators.generic import Solution
 from plymotion.solver.mechanism import build
 from plymotion.solver.monitors.spin import SpinMonitor
 
@@ -54,8 +58,9 @@ def found_codes(force: float, **options):
     tip = next(i for i in package.interfaces if i.name == "tip")
     pressed = np.linalg.solve(package.stiffness, force * tip.phi_B[0])  # at rest under its load
     y[0, 7 : 7 + package.n_mode] = pressed
-    found = stiffening_findings(built, mechanism, np.zeros(1), y)
-    return [f["code"] for f in found], built.model, y[0]
+    rest = Solution(np.zeros(1), y, "finished", "")
+    found = stiffening_findings(FinishedRun(mechanism, built, Treatment(), rest))
+    return [finding.code for finding in found], built.model, y[0]
 
 
 EULER = np.pi**2 * K[5, 5] / (4.0 * LENGTH**2)

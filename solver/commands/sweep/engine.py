@@ -8,6 +8,7 @@ from multiprocessing.connection import Connection, wait
 from pathlib import Path
 
 from ...errors import InputError
+from ...results.codes.members import WORKER_LOST
 from .member import FAILED, Packages, Row, compute
 from .plan import Plan, read_plan
 
@@ -122,7 +123,7 @@ def compute_by_workers(
                         raise InputError(f"--jobs {jobs}: {FRUITLESS} workers died") from None
                     if len(worker.portion) == 1:
                         number = worker.portion[0]
-                        row = Row(keys[number], status=FAILED, message=LOST, code="worker-lost")
+                        row = Row(keys[number], status=FAILED, message=LOST, code=WORKER_LOST.name)
                         report(number, row)
                     else:
                         portions.one_by_one(worker.portion)

@@ -2,25 +2,22 @@
 
 import time
 import traceback
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from ...checks import findings
-from ...dynamics.freedom import degrees_of_freedom
+from ...checks.finished import FinishedRun, Look
+from ...checks.judge import judge
 from ...errors import InputError, PackageError
-from ...integrators.generic import Solution
 from ...math.arrays import Array
-from ...monitors.spin import SPIN_CODE
 from ...package import ModalPackage
-from ...results import Signal, relative_balance, signal_summary
-from ...run.ensemble import integrate_members, structure
-from ...run.execution import output_times
-from ...run.preparation import Prepared, prepare
-from ...signals import Recording, recover
-from ...signals.reactions import momentum_balance
+from ...results import Signal, signal_summary
+from ...results.codes.members import DEFECT, INPUT, PACKAGE
+from ...run.execution import integrated, output_times
+from ...run.preparation import prepare
+from ...signals import Recording, Sensor
 from .plan import Plan
 
 PENDING, FINISHED, STOPPED, FAILED = "pending", "finished", "stopped", "failed"
@@ -34,8 +31,8 @@ CHECKS = (
     "drive_work",
 )
 COST = ("solve_s", "steps", "rejected", "evaluations", "jacobians", "factorisations")
-JUDGED_TIMES = 101  # at most, at which constraints and energies are looked at
-BALANCED_TIMES = 3  # at most, at which reactions are held against momenta
+# Every check of a single run, at fewer output times.
+LOOK = Look(balance=101, momentum=3, stiffening=41, strength=101)
 
 
 @dataclass(frozen=True)
@@ -86,7 +83,7 @@ class Packages:
 def compute(
     plan: Plan, packages: Packages, numbers: Sequence[int], keys: Sequence[str]
 ) -> list[Row]:
-    """Return the rows of some members; trouble in one is its row and no one else's.
+    """Return the rows of some members, one after the other; an error in one concerns it alone.
 
     Rows of members that an interruption (Ctrl-C) left without an end are pending.
 
@@ -94,109 +91,76 @@ def compute(
     ----------
     numbers, keys : of the members; keys go into the rows
     """
-    rows = {number: Row(key) for number, key in zip(numbers, keys, strict=True)}
-    groups: dict[str, list[_Ready]] = {}
-    for number in numbers:
-        mechanism = plan.mechanism_of(number)
-        solver = mechanism["solver"]
+    rows = [Row(key) for key in keys]
+    for k, number in enumerate(numbers):
         try:
-            kept = {*plan.signals, *plan.histories}
-            ready = _Ready(number, solver, prepare(mechanism, packages.of(number), kept))
-        except Exception as error:
-            rows[number] = _failed(rows[number], error)
-            continue
-        if ready.prepared.refused is not None:
-            rows[number] = _told(plan, ready, rows[number], ready.prepared.refused, 0.0)
-            continue
-        groups.setdefault(structure(ready.prepared.model) + repr(solver), []).append(ready)
-    for group in groups.values():
-        rows |= _group(plan, group, rows)
-        if any(not rows[ready.number].done for ready in group):
+            rows[k] = _computed(plan, packages, number, rows[k])
+        except KeyboardInterrupt:
             break
-    return [rows[number] for number in numbers]
+        except Exception as error:
+            rows[k] = _failed(rows[k], error)
+        if not rows[k].done:
+            break
+    return rows
 
 
-@dataclass(frozen=True)
-class _Ready:
-    """A member that can be integrated."""
+def _computed(plan: Plan, packages: Packages, number: int, row: Row) -> Row:
+    """Return the row of a member, integrated and judged as a single run is.
 
-    number: int
-    solver: dict[str, Any]  # its `[solver]`
-    prepared: Prepared
-
-    @property
-    def times(self) -> Array:
-        """Output times (n_t,) [s]."""
-        return output_times(self.solver["t_end"], self.solver["output_step"])
-
-
-def _group(plan: Plan, group: list[_Ready], rows: dict[int, Row]) -> dict[int, Row]:
-    """Return the rows of members of one structure with the same settings."""
-    first = group[0]
+    Pending if the integration was interrupted.
+    """
     begin = time.perf_counter()
-    solutions = integrate_members(
-        [ready.prepared.model for ready in group],
-        [ready.prepared.y0 for ready in group],
-        first.solver,
-        first.times,
-        [ready.prepared.watch for ready in group],
-        first.prepared.treatment,
-    )
-    each = (time.perf_counter() - begin) / len(group)
-    found = {}
-    # shorter than the group where the user interrupted
-    for ready, solution in zip(group, solutions, strict=False):
-        row = rows[ready.number]
-        if isinstance(solution, Exception):
-            found[ready.number] = _failed(row, solution)
-        elif solution.status != INTERRUPTED:
-            try:
-                found[ready.number] = _told(plan, ready, row, solution, each)
-            except Exception as error:
-                found[ready.number] = _failed(row, error)
-    return found
+    mechanism = plan.mechanism_of(number)
+    kept = {*plan.signals, *plan.histories}
+    prepared = prepare(mechanism, packages.of(number), kept)
+    finished = integrated(prepared, look=LOOK)
+    if finished.solution.status == INTERRUPTED:
+        return row
+    seconds = time.perf_counter() - begin
+    solver = mechanism["solver"]
+    times = output_times(solver["t_end"], solver["output_step"])
+    return _row_of(plan, row, finished, prepared.measured, times, seconds)
 
 
 def _failed(row: Row, error: Exception) -> Row:
     """Return the row of a member that ended in an error."""
     message = " ".join(str(error).split()) or type(error).__name__
     if isinstance(error, InputError | PackageError):
-        code = "package" if isinstance(error, PackageError) else "input"
-        return replace(row, status=FAILED, message=message, code=code)
+        code = PACKAGE if isinstance(error, PackageError) else INPUT
+        return replace(row, status=FAILED, message=message, code=code.name)
     message = f"{type(error).__name__}: {message}"
     return replace(
         row,
         status=FAILED,
         message=message,
-        code="defect",
+        code=DEFECT.name,
         defect="".join(traceback.format_exception(error)),
     )
 
 
-def _told(plan: Plan, ready: _Ready, row: Row, solution: Solution, seconds: float) -> Row:
-    """Return the row of a member from its solution."""
-    prepared = ready.prepared
-    solution = prepared.explained(solution)
-    model, t, y = prepared.model, solution.t, solution.y
-    recording = Recording(model, t, y)
+def _row_of(
+    plan: Plan,
+    row: Row,
+    finished: FinishedRun,
+    sensors: Mapping[str, Sensor],
+    times: Array,
+    seconds: float,
+) -> Row:
+    """Return the row of a member from its run; `times` (n_t,) are those of a complete one."""
+    solution = finished.solution
+    t = solution.t
+    recording = Recording(finished.model, t, solution.y)
     names = dict.fromkeys((*plan.signals, *plan.histories))
     series = {
         name: Signal(name, sensor.unit, sensor.description, sensor.values(recording))
-        for name, sensor in ((name, prepared.measured[name]) for name in names)
+        for name, sensor in ((name, sensors[name]) for name in names)
     }
-    times = ready.times
     kept = int(np.searchsorted(times, t[-1], side="right"))
     histories = {}
     for name in plan.histories:
         histories[name] = np.full(times.size, np.nan)
         histories[name][:kept] = series[name].values[:kept]
-    checks = _checks(prepared, solution)
-    doubts = [item["code"] for item in prepared.noticed()]
-    doubts += [SPIN_CODE for _ in prepared.spin.warnings]
-    doubts += [item["code"] for item in findings.of_checks(checks)]
-    doubts += [item["code"] for item in findings.of_motion(prepared.built, y)]
-    if solution.status != FINISHED and solution.code != SPIN_CODE:
-        doubts.append(f"run-{solution.status}")
+    judgement = judge(finished)
     counters = vars(solution.counters)
     return replace(
         row,
@@ -206,30 +170,7 @@ def _told(plan: Plan, ready: _Ready, row: Row, solution: Solution, seconds: floa
         t_end=float(t[-1]),
         signals={name: signal_summary(series[name], t) for name in plan.signals},
         histories=histories,
-        checks={name: checks[name] for name in CHECKS},
+        checks={name: judgement.numbers[name] for name in CHECKS},
         cost={name: float(counters.get(name, seconds)) for name in COST},
-        warnings=tuple(dict.fromkeys(doubts)),
+        warnings=judgement.codes,
     )
-
-
-def _checks(prepared: Prepared, solution: Solution) -> dict[str, Any]:
-    """Return what `findings.of_checks` judges, from some of the output times."""
-    model = prepared.model
-    some = _some(solution.t.size, JUDGED_TIMES)
-    t, y = solution.t[some], solution.y[some]
-    past = recover.history(model, t, y)
-    few = _some(t.size, BALANCED_TIMES)
-    balance = momentum_balance(model, t[few], y[few])
-    return {
-        "constraint_position_max": float(past.position_violation.max()),
-        "constraint_rotation_max": float(past.rotation_violation.max()),
-        "constraint_velocity_max": float(past.velocity_violation.max()),
-        "energy_drift_relative": float(np.abs(relative_balance(past.energies)).max()),
-        "drive_work": float(past.energies["drive_work"][-1]),
-        "momentum_balance": max(balance.linear, balance.angular),
-        "degrees_of_freedom": degrees_of_freedom(model, solution.y[0]),
-    }
-
-
-def _some(count: int, most: int) -> np.ndarray:
-    return np.unique(np.linspace(0, count - 1, most).astype(int))

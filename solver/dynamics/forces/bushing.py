@@ -1,22 +1,25 @@
 """Bushing: springs and dampers on all six relative motions of two markers."""
 
+from collections.abc import Sequence
+
 from ...math.arrays import Array
 from ...math.compiled import jit
 from ...math.rotations import moment_of_gradient, vector_of
 from ...math.triple import cross3, dot3, minus3, triple
 from ..bodies.motion import axis, from_axes, in_axes, place, velocity
 from ..bodies.motion import spin as spin_of
-from .wrench import Wrench
+from .contract import DAMPING, FORCE, STIFFNESS, ForceKind, Wrench
 
 
 @jit
-def bushing(one: Array, two: Array, stiffness: Array, damping: Array) -> Wrench:
+def bushing(one: Array, two: Array, parameters: Array, law: float) -> Wrench:
     """Forces against the place and rotation of marker two in the axes of marker one.
 
-    `stiffness` and `damping` (6,): along x, y, z, about x, y, z [N/m, N m/rad; N s/m, N m s/rad].
+    Stiffness (6,) along x, y, z, about x, y, z, and damping (6,) [N/m, N m/rad; N s/m, N m s/rad].
     The rotation is taken as a vector theta up to half a turn; its moments T^-T k theta are those
     of the energy theta' k theta / 2, so that nothing is lost at large angles.
     """
+    stiffness, damping = parameters[:6], parameters[6:12]
     d = minus3(place(two), place(one))
     turning = spin_of(one)
     offset = in_axes(one, d)
@@ -40,3 +43,49 @@ def bushing(one: Array, two: Array, stiffness: Array, damping: Array) -> Wrench:
         potential += 0.5 * stiffness[i] * offset[i] ** 2 + 0.5 * stiffness[3 + i] * theta[i] ** 2
         power -= damping[i] * speed[i] ** 2
     return Wrench(from_axes(one, force), from_axes(one, moment), potential, power)
+
+
+@jit
+def bushing_rows(one: Array, two: Array, parameters: Array, rows: Array) -> None:
+    """Rows 0 to 2: along the axes of marker one. Rows 3 to 5: rates of the rotation vector theta.
+
+    thetadot = T^-1 (w_2 - w_1). A damper sees w_2 - w_1 itself: beside a spring it takes the
+    spring's row all the same, which is the same at small angles; alone it has a row of its own.
+    """
+    d = minus3(place(two), place(one))
+    speed = minus3(minus3(velocity(two), velocity(one)), cross3(spin_of(one), d))
+    turning = minus3(spin_of(two), spin_of(one))
+    x, y, z = in_axes(one, axis(two, 0)), in_axes(one, axis(two, 1)), in_axes(one, axis(two, 2))
+    theta = vector_of(x, y, z)
+    for i in range(3):
+        a = axis(one, i)
+        n = cross3(a, d)
+        k, c = parameters[i], parameters[6 + i]
+        for j in range(3):
+            rows[i, j], rows[i, 3 + j] = -a[j], n[j]
+            rows[i, 6 + j], rows[i, 9 + j] = a[j], 0.0
+        rows[i, STIFFNESS], rows[i, DAMPING] = k, c
+        rows[i, FORCE] = k * dot3(a, d) + c * dot3(a, speed)
+        k, c = parameters[3 + i], parameters[9 + i]
+        if k > 0.0:
+            e = (1.0 if i == 0 else 0.0, 1.0 if i == 1 else 0.0, 1.0 if i == 2 else 0.0)
+            a = from_axes(one, moment_of_gradient(theta, e))
+        for j in range(3):
+            rows[3 + i, j] = rows[3 + i, 6 + j] = 0.0
+            rows[3 + i, 3 + j], rows[3 + i, 9 + j] = -a[j], a[j]
+        rows[3 + i, STIFFNESS], rows[3 + i, DAMPING] = k, c
+        rows[3 + i, FORCE] = k * theta[i] + c * dot3(a, turning)
+
+
+def _rows_in_use(parameters: Sequence[float]) -> list[int]:
+    return [i for i in range(6) if parameters[i] or parameters[6 + i]]
+
+
+KIND = ForceKind(
+    name="bushing",
+    parameters=tuple(f"{word} {axis}" for word in ("stiffness", "damping") for axis in range(6)),
+    wrench=bushing,
+    rows=bushing_rows,
+    most_rows=6,
+    rows_in_use=_rows_in_use,
+)

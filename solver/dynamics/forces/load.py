@@ -4,18 +4,23 @@ from ...math.arrays import Array
 from ...math.compiled import jit
 from ...math.triple import dot3, times3, triple
 from ..bodies.motion import from_axes, spin, velocity
-from .wrench import Wrench
+from .contract import ForceKind, Wrench
 
 
 @jit
-def force(one: Array, two: Array, direction: Array, size: float) -> Wrench:
-    """`size` [N] along `direction` (3,): global if marker one is of the ground, else following."""
-    load = times3(size, from_axes(one, triple(direction)))
+def force(one: Array, two: Array, parameters: Array, size: float) -> Wrench:
+    """`size` [N] along parameters[:3]: global if marker one is of the ground, else following."""
+    load = times3(size, from_axes(one, triple(parameters[:3])))
     return Wrench(load, (0.0, 0.0, 0.0), 0.0, dot3(load, velocity(two)))
 
 
 @jit
-def torque(one: Array, two: Array, direction: Array, size: float) -> Wrench:
-    """`size` [N m] about `direction` (3,), as in `force`."""
-    load = times3(size, from_axes(one, triple(direction)))
+def torque(one: Array, two: Array, parameters: Array, size: float) -> Wrench:
+    """`size` [N m] about parameters[:3], as in `force`."""
+    load = times3(size, from_axes(one, triple(parameters[:3])))
     return Wrench((0.0, 0.0, 0.0), load, 0.0, dot3(load, spin(two)))
+
+
+DIRECTION = ("direction x", "direction y", "direction z")
+FORCE = ForceKind("force", DIRECTION, force, from_outside=True)
+TORQUE = ForceKind("torque", DIRECTION, torque, from_outside=True)

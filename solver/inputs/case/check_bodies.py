@@ -3,10 +3,12 @@
 import numpy as np
 
 from ...errors import InputError, nearest
+from ...math.definite import is_positive_definite
 from .beams import check_motion
 from .body_specs import BodySpec, BodySpecs
 from .schema import BeamBody, Mechanism, PackageBody, RigidBody, ShellBody
 
+SYMMETRY = 1e-5  # of the largest entry: products of inertia may be given to five digits
 Body = BeamBody | ShellBody | RigidBody | PackageBody
 
 
@@ -24,7 +26,8 @@ def check_bodies(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, Body
                 found += str(error).splitlines()
         elif isinstance(body, RigidBody):
             inertia = np.array(body.inertia)
-            if not np.allclose(inertia, inertia.T) or np.linalg.eigvalsh(inertia)[0] <= 0:
+            gap = np.abs(inertia - inertia.T).max()
+            if gap > SYMMETRY * np.abs(inertia).max() or not is_positive_definite(inertia):
                 found.append(
                     f"bodies.{name}.inertia = {body.inertia}: expected a symmetric, "
                     "positive definite 3x3 matrix"

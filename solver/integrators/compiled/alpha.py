@@ -1,8 +1,7 @@
 """Generalized-alpha on a Lie group: the step loop for mechanisms, compiled whole.
 
-The method and its letters are those of generic/generalized_alpha.py, which takes any closures
-and differences for its stiffness. Here modal stiffness and damping are the ones of the bodies
-(pencil.py), and the cost of a step is linear in their number.
+The method and its letters are those of `GeneralizedAlpha` (integrators/stepping.py); matrices of
+Newton's iteration are those of pencil.py, made fresh with the first evaluation of each step.
 """
 
 import numpy as np
@@ -52,6 +51,7 @@ from .course import (
     next_step,
     refuse,
 )
+from .elements import leave_elements
 from .pencil import factorise_pencil, freeze
 from .residual import rest
 from .stages import finite, norm
@@ -72,6 +72,7 @@ def advance_alpha(
     clock, counts, work, stage = course.clock, course.counts, course.work, course.stage
     frozen, real, plan = course.frozen, course.real, model.plan
     n_pos, n_vel, n_c = model.n_pos, model.n_vel, model.n_constraint
+    n_r = course.multipliers.shape[0]
     fixed = options.fixed_step > 0.0
     tightest = np.inf
     for i in range(options.atol.shape[0]):
@@ -113,6 +114,10 @@ def advance_alpha(
                 real.load,
                 real.gamma,
             )
+            if n_r > n_c:
+                leave_elements(model, work, course.stage_multipliers, real.load, real.gamma)
+                for k in range(n_c, n_r):
+                    real.gamma[k] *= h * h * real.softness[k]
             for i in range(real.load.shape[0]):
                 for k in range(real.load.shape[1]):
                     real.load[i, k] *= h * h
@@ -123,7 +128,7 @@ def advance_alpha(
                     real.gamma[k] = -h / scheme.to_v * work.left[k]
                 else:
                     real.gamma[k] = -work.rows[k, PHI]
-            solve(plan, real.factors, real.load, real.gamma, real.x, real.mu)
+            solve(plan, plan.newton, real.factors, real.load, real.gamma, real.x, real.mu)
             flatten(model, real.x, course.change, 0)
             for i in range(n_vel):
                 d_z = course.change[i]
@@ -132,13 +137,15 @@ def advance_alpha(
                 stage[n_pos + i] += scheme.to_v / h * d_z
                 course.stage_rate[n_pos + i] += scheme.to_a / (h * h) * d_z
                 course.stage_a[i] += d_z / (scheme.beta * h * h)
-            for k in range(n_c):
+            for k in range(n_r):
                 course.stage_multipliers[k] += real.mu[k] / (h * h)
+            for k in range(n_c, n_r):
+                real.gamma[k] = 0.0
             if scheme.stabilised:
                 row_products(model, work.J, real.x, work.left)
                 for k in range(n_c):
                     real.gamma[k] = -(work.rows[k, PHI] + work.left[k])
-                solve(plan, real.factors, course.zero, real.gamma, real.x, real.mu)
+                solve(plan, plan.newton, real.factors, course.zero, real.gamma, real.x, real.mu)
                 flatten(model, real.x, course.both, 0)
                 for i in range(n_vel):
                     course.shift[i] += course.both[i]
@@ -227,7 +234,7 @@ def _predict(model: Model, scheme: Scheme, course: AlphaCourse, h: float) -> Non
         course.stage_rate[n_pos + i] = v_d1
         course.stage_a[i] = a_1
     course.stage[n_pos + model.n_vel] = course.y[n_pos + model.n_vel]
-    for k in range(model.n_constraint):
+    for k in range(course.multipliers.shape[0]):
         course.stage_multipliers[k] = course.multipliers[k]
 
 
@@ -259,7 +266,14 @@ def _size(model: Model, options: Options, course: AlphaCourse) -> float:
 
 @inlined
 def _error(model: Model, options: Options, scheme: Scheme, course: AlphaCourse, h: float) -> float:
-    """Local error of positions and velocities; see generic/generalized_alpha.py."""
+    """Local error of positions and velocities.
+
+    h^3 (beta + (alpha_m - alpha_f) / 2 - 1/6) vddot and, from the second step on,
+    h^3 (1/12 - (alpha_m - alpha_f)^2 / 2) vdddot; both pass the step's own matrix, which
+    takes out what is stiff or against the constraints and damped there anyway. What the
+    constraints prescribe is exact at the end of the step, but a cubic within it, off by
+    h^4 vdddot / 384.
+    """
     n_pos, n_vel, last, real = model.n_pos, model.n_vel, course.clock[TAKEN], course.real
     frozen, factors, plan = course.frozen, course.real.factors, model.plan
     both = course.both
@@ -270,7 +284,7 @@ def _error(model: Model, options: Options, scheme: Scheme, course: AlphaCourse, 
     real.gamma[:] = 0.0
     rest(model, frozen.M, frozen.J, both, course.no_load, course.zero, real.load, real.gamma)
     real.gamma[:] = 0.0
-    solve(plan, factors, real.load, real.gamma, real.x, real.mu)
+    solve(plan, plan.newton, factors, real.load, real.gamma, real.x, real.mu)
     flatten(model, real.x, course.step, 0)
     if last > 0.0:
         for i in range(n_vel):
@@ -279,10 +293,10 @@ def _error(model: Model, options: Options, scheme: Scheme, course: AlphaCourse, 
         # what the constraints prescribe is exact at the end, but a cubic within the step
         inflate(model, course.change, 0, real.x)
         real.gamma[:] = 0.0
-        solve(plan, factors, real.load, real.gamma, real.rho, real.mu)
+        solve(plan, plan.newton, factors, real.load, real.gamma, real.rho, real.mu)
         row_products(model, frozen.J, real.x, real.gamma)
         flatten(model, real.rho, course.change, 0)
-        solve(plan, factors, course.zero, real.gamma, real.x, real.mu)
+        solve(plan, plan.newton, factors, course.zero, real.gamma, real.x, real.mu)
         for i in range(model.n_body):
             j = model.vel_start[i]
             for k in range(plan.size[i]):
@@ -316,7 +330,7 @@ def _accept(model: Model, course: AlphaCourse, h: float, power: float) -> None:
     for i in range(n + 1):
         course.y_old[i], course.y[i] = course.y[i], course.stage[i]
         course.rate_old[i], course.rate[i] = course.rate[i], course.stage_rate[i]
-    for k in range(model.n_constraint):
+    for k in range(course.multipliers.shape[0]):
         course.multipliers[k] = course.stage_multipliers[k]
 
 

@@ -5,10 +5,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ...dynamics.model import Model
+from ...dynamics.system import evaluate
 from ...dynamics.workspace import Work, new_work
 from ...math.arrays import Array, IntArray
 from ...math.compiled import structure
 from .course import NEXT, TIME
+from .elements import start_forces
 from .pencil import Frozen, Pencil, new_frozen, new_pencil
 
 # Entries of `clock` after those of every loop (course.py): power at the ends of the last step.
@@ -27,13 +29,13 @@ class AlphaCourse(NamedTuple):
     y_old: Array  # (n,) at the beginning of the last step
     rate_old: Array  # (n,)
     a: Array  # (n_vel,) the algorithm's acceleration, which runs behind
-    multipliers: Array  # (n_c,)
+    multipliers: Array  # (n_r,) by row of plan.newton: of constraints, and forces of elements
     v_dd: Array  # (n_vel,) rate of the acceleration over the last step
     # the end of the step, under Newton's iteration
     stage: Array  # (n,)
     stage_rate: Array  # (n,)
     stage_a: Array  # (n_vel,)
-    stage_multipliers: Array  # (n_c,)
+    stage_multipliers: Array  # (n_r,)
     z: Array  # (n_vel,) step
     shift: Array  # (n_vel,) by the position multiplier
     step: Array  # (n_vel,) one correction, or an error
@@ -51,6 +53,7 @@ def new_alpha_course(
 ) -> AlphaCourse:
     """Return memory for a run from state y (n,) at t [s], with its rate and multipliers (n_c,)."""
     n, n_c, n_vel = y.shape[0], model.n_constraint, model.n_vel
+    n_r = model.plan.newton.place.shape[0]
     course = AlphaCourse(
         new_work(model),
         new_frozen(model),
@@ -60,12 +63,12 @@ def new_alpha_course(
         y.copy(),
         rate.copy(),
         rate[model.n_pos : model.n_pos + n_vel].copy(),
-        multipliers.copy(),
+        np.zeros(n_r),
         np.zeros(n_vel),
         np.zeros(n),
         np.zeros(n),
         np.zeros(n_vel),
-        np.zeros(n_c),
+        np.zeros(n_r),
         np.zeros(n_vel),
         np.zeros(n_vel),
         np.zeros(n_vel),
@@ -79,4 +82,7 @@ def new_alpha_course(
     )
     course.clock[TIME], course.clock[NEXT] = t, first_step
     course.clock[POWER] = rate[n - 1]
+    course.multipliers[:n_c] = multipliers
+    evaluate(model, course.work, t, y)
+    start_forces(model, course.work, course.multipliers)
     return course

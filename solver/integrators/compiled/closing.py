@@ -65,6 +65,7 @@ def close(
 @inlined
 def _answered(model: Model, real: Pencil) -> float:
     """Fill delta[:n_vel] with the least motion that changes rows by gamma; return its size."""
-    solve(model.plan, real.factors, real.load, real.gamma, real.x, real.mu)
+    plan = model.plan
+    solve(plan, plan.newton, real.factors, real.load, real.gamma, real.x, real.mu)
     flatten(model, real.x, real.delta, 0)
     return largest(real.delta[: model.n_vel])

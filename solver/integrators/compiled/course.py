@@ -5,9 +5,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ...dynamics.model import Model
+from ...dynamics.system import evaluate
 from ...dynamics.workspace import Work, new_work
 from ...math.arrays import Array, IntArray
 from ...math.compiled import inlined, structure
+from .elements import start_forces
 from .pencil import Frozen, Pencil, new_frozen, new_pencil
 
 # What a call comes back with; and, of an attempt refused, that a shorter one follows.
@@ -91,11 +93,11 @@ class Course(NamedTuple):
     y_old: Array  # (n,) state at the beginning of the last step
     Q: Array  # (3, n) polynomial of the last step
     Z: Array  # (3, n) changes at the stages
-    multipliers: Array  # (3, n_c) at the stages
-    multipliers_old: Array  # (3, n_c) at those of the last step
+    multipliers: Array  # (3, n_r) at the stages, by row of plan.newton
+    multipliers_old: Array  # (3, n_r) at those of the last step
     power: Array  # (3,) at the stages [W]
     load: Array  # (3, nb, n) what the stages leave: forces,
-    gamma: Array  # (3, n_c) constraints
+    gamma: Array  # (3, n_r) constraints and laws of elements
     r: Array  # (3, n) and kinematics
     stage: Array  # (n,)
     rate: Array  # (n,) at a stage
@@ -108,7 +110,8 @@ def new_course(
     model: Model, t: float, y: Array, rate: Array, multipliers: Array, first_step: float
 ) -> Course:
     """Return memory for a run from state y (n,) at t [s], with its rate and multipliers (n_c,)."""
-    n, n_c, nb, widest = y.shape[0], model.n_constraint, model.n_body, model.plan.widest
+    n, nb, widest = y.shape[0], model.n_body, model.plan.widest
+    n_r = model.plan.newton.place.shape[0]
     course = Course(
         new_work(model),
         new_frozen(model),
@@ -119,11 +122,11 @@ def new_course(
         y.copy(),
         np.zeros((3, n)),
         np.zeros((3, n)),
-        np.zeros((3, n_c)),
-        np.zeros((3, n_c)),
+        np.zeros((3, n_r)),
+        np.zeros((3, n_r)),
         np.zeros(3),
         np.zeros((3, nb, widest)),
-        np.zeros((3, n_c)),
+        np.zeros((3, n_r)),
         np.zeros((3, n)),
         np.zeros(n),
         np.zeros(n),
@@ -133,6 +136,8 @@ def new_course(
     )
     course.clock[TIME], course.clock[NEXT], course.clock[ERROR_LAST] = t, first_step, 1.0
     course.clock[RATE] = 1.0
+    evaluate(model, course.work, t, y)
     for k in range(3):
-        course.multipliers_old[k] = multipliers
+        course.multipliers_old[k, : model.n_constraint] = multipliers
+        start_forces(model, course.work, course.multipliers_old[k])
     return course

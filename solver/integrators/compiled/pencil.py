@@ -1,19 +1,24 @@
 """Newton's matrix of an implicit step, with the structure of a mechanism.
 
-Of the derivatives of the equations only what can be stiff is kept: modal stiffness K and damping
-D. With a rate of s per change (s = gamma / h, real or complex), a change x of positions along
-the velocity coordinates, delta v of velocities and mu of multipliers answers residuals
+Of the derivatives of the equations only what can be stiff is kept: stiffness K and damping D of
+the modes, and those of the force elements, sum g'(k + s c) g. With a rate of s per change
+(s = gamma / h, real or complex), a change x of positions along the velocity coordinates, delta v
+of velocities and mu of multipliers answers residuals
 
     R = f - M vdot - Phi_q' lambda,   c = gamma - Phi_q vdot,   rho = G^+ (G v - qdot)
 
 by one system of the same structure as that of the mass matrix:
 
-    (s^2 M + s D + K) x + Phi_q' mu = R + s M rho + D rho,
+    (s^2 M + s D + K) x + Phi_q' mu + g' m = R + s M rho + D rho,
     Phi_q x = (c + (s + 2 alpha) Phi_q rho) / (s^2 + 2 alpha s + beta^2),
+    g x - m / (k + s c) = (e + c g rho) / (k + s c),
     delta v = s x - rho,   delta q = G x + (r_q - G rho) / s,
 
 with the feedback alpha, beta of Baumgarte's treatment in c: without it in the matrix, Newton's
-iteration would converge only where steps are much shorter than 1 / alpha and 1 / beta.
+iteration would converge only where steps are much shorter than 1 / alpha and 1 / beta. Forces of
+elements are unknowns of the iteration like multipliers, m being their change and e what they
+leave of the law of the element (elements.py): an element as stiff as a constraint is a constraint
+to it.
 """
 
 from typing import Any, NamedTuple
@@ -22,11 +27,14 @@ import numpy as np
 
 from ...dynamics.elimination import factorise, solve
 from ...dynamics.model import Model
-from ...dynamics.system import REGULAR, soften
-from ...dynamics.workspace import Factors, Work, new_factors
+from ...dynamics.system import REGULAR, add_inertia, soften
+from ...dynamics.workspace import Factors, Work, new_factors, place_added_rows
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean, structure
 from ...math.rotations import along_parameters
+from .elements import freeze_elements
+
+NOTHING = 1e-100  # of stiffness and damping: an element that holds nothing in a direction
 
 
 @structure
@@ -35,45 +43,58 @@ class Pencil(NamedTuple):
 
     factors: Factors
     load: Array  # (nb, n) R
-    gamma: Array  # (n_c,) c
+    gamma: Array  # (n_r,) c of constraints and e of force elements; afterwards 0 beyond constraints
     r: Array  # (n,) r_q
     rho: Array  # (nb, n)
     x: Array  # (nb, n)
     delta: Array  # (n,) answer in the coordinates of y
-    mu: Array  # (n_c,)
+    mu: Array  # (n_r,)
+    softness: Array  # (n_r,) of the rows of plan.newton
 
 
 @structure
 class Frozen(NamedTuple):
-    """Mass matrix, Jacobian and Euler parameters at one place of a step."""
+    """Mass matrix, Jacobian, stiffness of elements and Euler parameters at one place of a step."""
 
     M: Array  # (nb, n, n) lower triangles
-    J: Array  # (nb, n, r)
-    softness: Array  # (n_c,)
+    J: Array  # (nb, n, r) of the rows of plan.newton
+    softness: Array  # (n_c,) of constraints
     p: Array  # (nb, 4)
+    stiffness: Array  # (n_e,) of the rows of force elements [N/m, N m/rad]
+    damping: Array  # (n_e,) [N s/m, N m s/rad]
 
 
 def new_pencil(model: Model, one: Any) -> Pencil:
     """Return memory of the type of `one`."""
-    nb, n, n_c = model.n_body, model.plan.widest, model.n_constraint
+    nb, n, n_r = model.n_body, model.plan.widest, model.plan.newton.place.shape[0]
     n_y = model.n_pos + model.n_vel + 1
     return Pencil(
-        new_factors(model, one),
+        new_factors(model, model.plan.newton, one),
         np.zeros((nb, n)) * one,
-        np.zeros(n_c) * one,
+        np.zeros(n_r) * one,
         np.zeros(n_y) * one,
         np.zeros((nb, n)) * one,
         np.zeros((nb, n)) * one,
         np.zeros(n_y) * one,
-        np.zeros(n_c) * one,
+        np.zeros(n_r) * one,
+        np.zeros(n_r) * one,
     )
 
 
 def new_frozen(model: Model) -> Frozen:
-    """Return memory."""
-    nb, n, r = model.n_body, model.plan.widest, model.plan.most_rows
-    n_c = model.n_constraint
-    return Frozen(np.zeros((nb, n, n)), np.zeros((nb, n, r)), np.zeros(n_c), np.zeros((nb, 4)))
+    """Return memory; the rows of added inertia are filled once for all."""
+    plan = model.plan
+    nb, n, n_e = model.n_body, plan.widest, plan.element_row.shape[0]
+    frozen = Frozen(
+        np.zeros((nb, n, n)),
+        np.zeros((nb, n, plan.newton.most_rows)),
+        np.zeros(model.n_constraint),
+        np.zeros((nb, 4)),
+        np.zeros(n_e),
+        np.zeros(n_e),
+    )
+    place_added_rows(model, frozen.J)
+    return frozen
 
 
 @inlined
@@ -92,13 +113,15 @@ def freeze(model: Model, work: Work, y: Array, frozen: Frozen) -> None:
                 J_0[a, p] = J[a, p]
         for k in range(4):
             frozen.p[i, k] = y[model.pos_start[i] + 3 + k]
+    if plan.element_row.shape[0] > 0:
+        freeze_elements(model, work, frozen.stiffness, frozen.damping, frozen.J)
 
 
 @lean
 def factorise_pencil(
     model: Model, frozen: Frozen, pencil: Pencil, mass: complex, damping: complex, stiffness: float
 ) -> None:
-    """Factorise mass M + damping D + stiffness K with the constraints.
+    """Factorise mass M + damping D + stiffness K, of modes and elements, with the constraints.
 
     Rows that depend on each other are softened as in `prepare` (system.py).
     """
@@ -112,7 +135,7 @@ def factorise_pencil(
 def _factorise(
     model: Model, frozen: Frozen, pencil: Pencil, mass: complex, damping: complex, stiffness: float
 ) -> None:
-    plan = model.plan
+    plan, softness, n_c = model.plan, pencil.softness, model.n_constraint
     for i in range(plan.size.shape[0]):
         n, m, two = plan.size[i], model.n_mode[i], model.square_start[i]
         L, M = pencil.factors.L[i], frozen.M[i]
@@ -124,9 +147,14 @@ def _factorise(
             for b in range(0 if plan.lead[i] > 6 else a, a + 1):
                 k = two + a * m + b
                 L[6 + a, 6 + b] += stiffness * model.K_qq[k] + damping * model.D_qq[k]
-    for k in range(frozen.softness.shape[0]):
-        pencil.mu[k] = frozen.softness[k] / mass
-    factorise(plan, pencil.factors, frozen.J, pencil.mu)
+        add_inertia(model, i, mass, L, softness)
+    for k in range(n_c):
+        softness[k] = frozen.softness[k] / mass
+    first = n_c + plan.added_start[model.n_body]
+    for k in range(frozen.stiffness.shape[0]):
+        hold = stiffness * frozen.stiffness[k] + damping * frozen.damping[k]
+        softness[first + k] = 1.0 / hold if abs(hold) > NOTHING else 1.0 / NOTHING
+    factorise(plan, plan.newton, pencil.factors, frozen.J, softness)
 
 
 @lean
@@ -143,6 +171,8 @@ def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> No
     n_pos, plan = model.n_pos, model.plan
     row_start, body_row = plan.row_start, plan.body_row
     fed = s + 2.0 * model.alpha
+    n_c = model.n_constraint
+    e = n_c + plan.added_start[model.n_body]  # first row of the force elements
     for i in range(plan.size.shape[0]):
         n, m, two = plan.size[i], model.n_mode[i], model.square_start[i]
         a = model.pos_start[i]
@@ -168,9 +198,24 @@ def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> No
                 w += model.D_qq[two + k * m + b] * rho[i, 6 + b]
             load[i, 6 + k] = w
     c = 1.0 / (s * s + 2.0 * model.alpha * s + model.beta**2)
-    for k in range(gamma.shape[0]):
+    for k in range(n_c):
         gamma[k] *= c
-    solve(plan, pencil.factors, load, gamma, x, pencil.mu)
+    for k in range(model.force_kind.shape[0]):
+        begin, end = plan.element_start[k], plan.element_start[k + 1]
+        for side in range(2):
+            first = plan.element_side[k, side]
+            if first >= 0:
+                body = model.marker_body[model.force_marker[k, side]]
+                J = frozen.J[body]
+                for p in range(end - begin):
+                    for b in range(plan.size[body]):
+                        lost = frozen.damping[begin + p] * rho[body, b]
+                        gamma[e + begin + p] += J[b, first + p] * lost
+    for k in range(frozen.damping.shape[0]):
+        gamma[e + k] *= pencil.softness[e + k]
+    solve(plan, plan.newton, pencil.factors, load, gamma, x, pencil.mu)
+    for k in range(n_c, gamma.shape[0]):
+        gamma[k] = 0.0
     c = 1.0 / s
     for i in range(plan.size.shape[0]):
         m = model.n_mode[i]

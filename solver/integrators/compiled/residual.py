@@ -10,6 +10,7 @@ from ...dynamics.system import evaluate, evaluate_rates
 from ...dynamics.workspace import GAMMA, PHI, PHI_T, Work
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean
+from .elements import leave_elements
 
 
 @lean
@@ -29,9 +30,10 @@ def leave(
     Parameters
     ----------
     rate : (n,) of y
-    multipliers : (n_c,)
+    multipliers : (n_r,) of constraints, and forces of elements
     load : (nb, n), f - M vdot - Phi_q' lambda
-    gamma : (n_c,), gamma - Phi_q vdot, with the feedback of Baumgarte's treatment
+    gamma : (n_r,), gamma - Phi_q vdot, with the feedback of Baumgarte's treatment, and what the
+        forces of elements leave of their law
     r : (n,), of which positions: G v - qdot
     """
     evaluate(model, work, t, y)
@@ -46,6 +48,8 @@ def leave(
             feedback = 2.0 * model.alpha * work.left[k] + model.beta**2 * work.rows[k, PHI]
             gamma[k] -= feedback
     rest(model, work.M, work.J, rate, multipliers, work.f, load, gamma)
+    if model.plan.element_row.shape[0] > 0:
+        leave_elements(model, work, multipliers, load, gamma)
     power = work.power[0]
     for k in range(model.n_constraint):
         power += multipliers[k] * work.rows[k, PHI_T]
@@ -63,7 +67,7 @@ def rest(
     load: Array,
     gamma: Array,
 ) -> None:
-    """load = f - M vdot - Phi_q' lambda (nb, n); gamma (n_c,) -= Phi_q vdot."""
+    """load = f - M vdot - Phi_q' lambda (nb, n); gamma -= Phi_q vdot."""
     plan, row_start, body_row = model.plan, model.plan.row_start, model.plan.body_row
     for i in range(plan.size.shape[0]):
         n, j = plan.size[i], model.n_pos + model.vel_start[i]

@@ -11,7 +11,6 @@ from .constrained import ConstrainedSystem
 from .drive import Solution, StopRequest, integrate
 from .explicit import RungeKutta5, RungeKutta8
 from .gear import Gear
-from .generalized_alpha import GeneralizedAlpha
 from .scipy_peers import ScipyBdf, ScipyDop853, ScipyLsoda, ScipyRadau
 from .sundials_ida import SundialsIda
 
@@ -26,7 +25,7 @@ INTEGRATORS: dict[str, type[Integrator]] = {
     "scipy-dop853": ScipyDop853,
 }
 # These see mass, forces and constraints of a mechanism, not its derivative alone.
-CONSTRAINED: dict[str, type[Any]] = {"generalized-alpha": GeneralizedAlpha, "ida": SundialsIda}
+CONSTRAINED: dict[str, type[Any]] = {"ida": SundialsIda}
 
 
 def new_integrator(
@@ -53,7 +52,6 @@ def new_constrained_integrator(
     """
     kind = _named(name, CONSTRAINED, options)
     made: Integrator = kind(system, t0, y0, t_end, **options)
-    made.hints += advice.of_choice(options)
     return made
 
 
@@ -84,7 +82,6 @@ __all__ = [
     "ConstrainedSystem",
     "Counters",
     "Gear",
-    "GeneralizedAlpha",
     "Integrator",
     "RungeKutta5",
     "RungeKutta8",

@@ -1,4 +1,4 @@
-"""Coefficients and step control of generalized-alpha, for every loop that steps with it."""
+"""Coefficients and step control of generalized-alpha."""
 
 from typing import NamedTuple
 
@@ -37,7 +37,7 @@ def check_formulation(formulation: str, possible: tuple[str, ...] = FORMULATIONS
 
 
 def scheme(formulation: str, rho: float) -> Scheme:
-    """Return the scheme of spectral radius rho, 0 to 1 (generalized_alpha.py).
+    """Return the scheme of spectral radius rho, 0 to 1 (integrators/stepping.py).
 
     Raises
     ------

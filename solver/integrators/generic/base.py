@@ -6,9 +6,9 @@ be compiled later without changing the contract.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -73,6 +73,15 @@ class Integrator(ABC):
 
     order: int
     strides = False  # has `stride(times, rows, filled)`: many steps in one call
+    takes: ClassVar[str] = "derivative"  # or "constrained", "model": its first argument
+
+    # Words on runs that fail, without the full stop.
+    on_growth: ClassVar[str] = ""  # a fixed step that makes the state grow, or fail
+    fails_before_growth: ClassVar[bool] = False  # trouble shows in Newton's iteration, not in y
+    on_failure: ClassVar[str] = advice.OTHERWISE
+    on_any_failure: ClassVar[str] = ""  # behind the others
+    # Of |h w| on average, above which stability and not accuracy limits the steps; None: nowhere.
+    limited_above: ClassVar[float | None] = None
 
     def __init__(
         self,
@@ -274,12 +283,11 @@ class Integrator(ABC):
         if not self._not_finite and self.t - self._wall[0] < NEAR * (self.t_end - self.t0):
             # Steps have crept up to where the equations end; other troubles of tiny steps follow.
             self._not_finite, self._trouble = 1, self._wall[1]
-        words = advice.on_failure(
-            type(self),
-            not_finite=self._not_finite > 0,
-            fixed_step=self.fixed_step is not None,
-            growth=self._growth,
-        )
+        unstable = self._growth > advice.GROWN or self.fails_before_growth
+        words = self.on_growth if self.fixed_step is not None and unstable else ""
+        words = words or (advice.NOT_FINITE if self._not_finite > 0 else self.on_failure)
+        if self.on_any_failure:
+            words = f"{words}. {self.on_any_failure}"
         self.message = f"{where}; last refusal: {self._trouble or 'none'}. {words}."
 
     def final_hints(self) -> tuple[str, ...]:
@@ -291,15 +299,28 @@ class Integrator(ABC):
             or self.counters.steps < advice.STEPS_WORTH_A_LOOK
         ):
             return tuple(self.hints)
-        h_mean = (self.t - self.t0) / self.counters.steps
-        order = getattr(self, "max_order", self.order)
-
-        def fastest() -> float:
-            weight = self.norm.weight(self.y, self.y)
-            return advice.fastest_rate(self.derivative, self.t, self.y, weight)
-
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            return (*self.hints, *advice.of_run(type(self), order, h_mean, fastest))
+            return (*self.hints, *self._look_back((self.t - self.t0) / self.counters.steps))
+
+    def _look_back(self, h_mean: float) -> list[str]:
+        """Remarks on a finished run of mean step `h_mean` [s]."""
+        if self.limited_above is None:
+            return []
+        rate = self._fastest_rate()
+        return [] if h_mean * rate < self.limited_above else [advice.of_stability(h_mean, rate)]
+
+    def _fastest_rate(self) -> float:
+        """Highest rate of the motion at the end of the run [1/s]; some evaluations of f."""
+        weight = self.norm.weight(self.y, self.y)
+        return advice.fastest_rate(self.derivative, self.t, self.y, weight)
+
+    @classmethod
+    def settings(cls, solver: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the options of this method alone, from the `[solver]` table of a case.
+
+        The table may hold `fixed_step` [s] besides its own keys.
+        """
+        return {}
 
     def _first_step(self, first_step: float | None) -> float:
         """Size of the first step from the sizes of y, f and the change of f along f."""

@@ -12,11 +12,32 @@ import numpy as np
 from scipy.integrate import DOP853, RK45
 
 from ...math.arrays import Array
+from .advice import SHORTER
 from .base import Dense, Integrator
 
 SAFETY = 0.9
 STIFF_TESTS = 15  # in a row, before the hint is given
 TEST_EVERY = 25  # steps, while nothing looks stiff
+
+
+class StagedDerivative(ABC):
+    """A derivative f(t, y) that also fills all stages of an explicit step in one call."""
+
+    @abstractmethod
+    def __call__(self, t: float, y: Array) -> Array:
+        """dy/dt (n,) at (t, y (n,))."""
+
+    @abstractmethod
+    def stages(
+        self, A: Array, C: Array, t: float, y: Array, h: float, K: Array, point: Array
+    ) -> None:
+        """Fill K[1:s] (rows, n) with f at the stages of a step h from (t, y); K[0] is there.
+
+        Parameters
+        ----------
+        A, C : (s, s), (s,) of the tableau
+        point : (n,) memory; holds the last stage's state at the end
+        """
 
 
 class ExplicitRungeKutta(Integrator):
@@ -38,6 +59,12 @@ class ExplicitRungeKutta(Integrator):
     integral: ClassVar[float]  # b
     min_factor: ClassVar[float]
     max_factor: ClassVar[float]
+    on_growth = (
+        "An explicit method amplifies what is faster than its step: |h w| of the highest mode must "
+        "stay below 1.0 (rk5) or 5.9 (rk8), h alpha and h beta of Baumgarte's feedback below 2. "
+        f"Take a shorter step ({SHORTER}), an implicit method (radau, generalized-alpha, or gear "
+        'with max_order = 2), fewer modes, or constraints = "projection" instead of baumgarte'
+    )
     stability_limit: ClassVar[float]  # |h lambda| near which steps are limited by stability
     _exponent: ClassVar[float]  # err grows with h to this power
     _first_same_as_last: ClassVar[bool]  # the error needs f at the new point
@@ -49,8 +76,7 @@ class ExplicitRungeKutta(Integrator):
         self._stages = [
             (i, self.A[i, :i].copy(), self._K[:i], float(self.C[i])) for i in range(1, s)
         ]
-        # a derivative may bring along a method that fills all stages in one call
-        self._fill = getattr(self._f, "stages", None)
+        self._fill = self._f.stages if isinstance(self._f, StagedDerivative) else None
         self._tableau = np.ascontiguousarray(self.A), np.ascontiguousarray(self.C)
         self._work = np.empty(self.n)
         self._f_now = self._f_start
@@ -149,6 +175,7 @@ class RungeKutta8(ExplicitRungeKutta):
     n_rows = 16
     integral, min_factor, max_factor = 0.04, 0.333, 6.0
     stability_limit = 5.4
+    limited_above = 2.0
     _exponent, _first_same_as_last = 8.0, False
 
     def _error(self, h: float, t_new: float, y_new: Array) -> float:
@@ -183,6 +210,7 @@ class RungeKutta5(ExplicitRungeKutta):
     n_rows = 7
     integral, min_factor, max_factor = 0.04, 0.2, 10.0
     stability_limit = 2.9
+    limited_above = 0.8
     _exponent, _first_same_as_last = 5.0, True
 
     def _error(self, h: float, t_new: float, y_new: Array) -> float:

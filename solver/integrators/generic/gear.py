@@ -1,6 +1,6 @@
 """Gear's method: backward differentiation formulae of variable order and step."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import accumulate
 from math import isfinite
 from typing import Any
@@ -18,6 +18,8 @@ HIGHEST_FIXED_ORDER = 6  # to show what it does; unstable from w h = 0.84 on
 KEPT = HIGHEST_FIXED_ORDER + 1  # points of the past
 SAFETY = 0.8
 MIN_FACTOR, MAX_FACTOR, MAX_FACTOR_ORDER_1 = 0.2, 2.0, 10.0
+# Of the mean |h w|: order 3 and above, kept from growing by the error control.
+GROWTH_LIMITED = (0.4, 1.0)
 HYSTERESIS = 1.2  # a smaller growth of the step is not worth new factors
 
 
@@ -45,6 +47,11 @@ class Gear(Integrator):
     """
 
     order = 1
+    on_growth = (
+        "BDF of order 3 and above amplifies undamped oscillations that the step does not resolve: "
+        "take max_order = 2 or radau, which damp all of them, or leave the step to the error "
+        "control"
+    )
 
     def __init__(
         self,
@@ -80,6 +87,25 @@ class Gear(Integrator):
         self._newton = SimplifiedNewton(
             self.derivative, self._evaluate_jacobian, self.norm, self.counters, self.n + 1
         )
+
+    @classmethod
+    def settings(cls, solver: Mapping[str, Any]) -> dict[str, Any]:
+        """Order."""
+        fixed = solver.get("fixed_step") is not None
+        return {"fixed_order" if fixed else "max_order": solver["max_order"]}
+
+    def _look_back(self, h_mean: float) -> list[str]:
+        if self.max_order < 3:
+            return []
+        w = self._fastest_rate()
+        if not GROWTH_LIMITED[0] < h_mean * w < GROWTH_LIMITED[1]:
+            return []
+        return [
+            f"order: the steps average {h_mean:.3g} s, and the fastest motion has a rate of "
+            f"{w:.3g} 1/s ({w / 2 / np.pi:.3g} Hz), which longer steps of order 3 to 5 would "
+            "amplify; if that motion is of no interest, radau or max_order = 2 damp it and may "
+            "need fewer steps; if it is, rk8 resolves it at less cost"
+        ]
 
     def _remember_past(self, t: Sequence[float] | Array, y: Array) -> None:
         times, values = np.asarray(t, dtype=float), np.asarray(y, dtype=float)

@@ -22,6 +22,10 @@ class Peer(Integrator):
     """
 
     name: ClassVar[str]
+    on_any_failure = (
+        "This code is there for comparison: take gear, radau, rk8 or generalized-alpha, which say "
+        "more of their trouble"
+    )
 
     def __init__(self, *args: Any, **options: Any) -> None:
         if options.get("fixed_step") is not None:

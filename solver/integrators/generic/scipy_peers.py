@@ -82,6 +82,7 @@ class ScipyDop853(_ScipyPeer):
     kind = DOP853
     implicit = False
     order = 8
+    limited_above = 2.0
 
     def _shift(self, t: float, y: Array) -> None:
         f = self._f_within(t, y)

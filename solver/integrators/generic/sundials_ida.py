@@ -1,5 +1,6 @@
 """SUNDIALS' IDA (BDF of variable order on F(t, y, y') = 0) behind our contract, for comparison."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -47,6 +48,7 @@ class SundialsIda(Peer):
 
     name = "ida"
     order = 1
+    takes = "constrained"
 
     def __init__(
         self,
@@ -68,6 +70,11 @@ class SundialsIda(Peer):
         self._kind = IDA
         self._system = system
         super().__init__(system.derivative, t0, y0, t_end, **options)
+
+    @classmethod
+    def settings(cls, solver: Mapping[str, Any]) -> dict[str, Any]:
+        """Formulation."""
+        return {"formulation": solver["constraints"]}
 
     def _begin(self) -> None:
         system, n = self._system, self.n

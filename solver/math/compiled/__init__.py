@@ -15,9 +15,10 @@ from importlib.util import find_spec
 from types import FunctionType
 from typing import Any, TypeVar
 
+from .statistics import statistics
 from .structures import structure
 
-__all__ = ["COMPILED", "inlined", "jit", "lean", "rebound", "structure"]
+__all__ = ["COMPILED", "inlined", "jit", "lean", "rebound", "statistics", "structure"]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 

@@ -115,22 +115,43 @@ class Lowered(NamedTuple):
 _lowered: dict[Any, Lowered] = {}
 
 
+_signatures: dict[Any, Any] = {}
+
+
+def _remembered(self: Any, context: Any, arguments: Any, keywords: Any) -> Any:
+    """Return the signature of a call of a function of Numba, searched for once.
+
+    An addition has dozens of candidates, of lists, texts and dates; all are tried every time.
+    """
+    if keywords:
+        return _search(self, context, arguments, keywords)
+    key = id(self), tuple(arguments)
+    if key not in _signatures:
+        _signatures[key] = self, _search(self, context, arguments, keywords)
+    return _signatures[key][1]
+
+
+_search = types.Function.get_call_type
+
+
+def _index_as_it_is(context: Any, builder: Any, kind: Any, index: Any, size: Any) -> Any:
+    return context.cast(builder, index, kind, types.intp if kind.signed else types.uintp)
+
+
 @contextmanager
 def fast_compilation() -> Iterator[None]:
-    """No search for garbage while compiling, and no branches for negative indices."""
-    collecting, fixed = gc.isenabled(), getattr(arrayobj, "fix_integer_index", None)
-
-    def as_it_is(context: Any, builder: Any, kind: Any, index: Any, size: Any) -> Any:
-        return context.cast(builder, index, kind, types.intp if kind.signed else types.uintp)
-
+    """No search for garbage, no second search for a signature, no branch for negative indices."""
+    # what is called is compiled in the midst of its caller: leave things as they were found
+    collecting, fixed = gc.isenabled(), arrayobj.fix_integer_index
+    search = types.Function.get_call_type
     gc.disable()
-    if fixed is not None:
-        arrayobj.fix_integer_index = as_it_is
+    arrayobj.fix_integer_index = _index_as_it_is
+    types.Function.get_call_type = _remembered
     try:
         yield
     finally:
-        if fixed is not None:
-            arrayobj.fix_integer_index = fixed
+        types.Function.get_call_type = search
+        arrayobj.fix_integer_index = fixed
         if collecting:
             gc.enable()
 

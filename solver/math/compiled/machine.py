@@ -1,5 +1,6 @@
 """Object code by LLVM, without Numba: from modules to bytes, from bytes to addresses."""
 
+import contextlib
 import struct
 from functools import cache
 from typing import Any
@@ -12,6 +13,8 @@ _SYMBOLS = 2  # kind of a section in ELF
 @cache
 def _target_machine() -> Any:
     """Return LLVM's code generator for this CPU; addresses of 64 bits, wherever code is loaded."""
+    with contextlib.suppress(RuntimeError):  # sin, cos, pow; part of libc elsewhere
+        llvm.load_library_permanently("libm.so.6")
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     return llvm.Target.from_default_triple().create_target_machine(
@@ -81,6 +84,7 @@ def undefined(code: bytes) -> list[str]:
 
 def available(symbol: str) -> bool:
     """Tell whether a library of this process has a symbol."""
+    _target_machine()  # with the libraries that it takes
     return bool(llvm.address_of_symbol(symbol))
 
 

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from . import content, doors, signatures, store
+from .statistics import statistics
 from .versions import check_choice, check_versions
 
 # Sums may be reordered and products contracted; inf and nan keep their meaning.
@@ -22,16 +23,6 @@ class Unit(NamedTuple):
     symbol: str
 
 
-class Statistics:
-    """What a process has compiled, and what it has found in the cache."""
-
-    def __init__(self) -> None:
-        self.compiled: list[str] = []
-        self.loaded: list[str] = []
-        self.fallbacks: list[str] = []  # compiled by numba.njit
-
-
-statistics = Statistics()
 _parts: dict[str, "Part"] = {}
 
 
@@ -159,7 +150,8 @@ class Part:
         result, code, needs = building.compiled_unit(self, text, symbol)
         machine.load(code, symbol)
         statistics.compiled.append(self.name)
-        store.write(self._key(text), {"name": self.name, "result": result, **needs}, code)
+        description = {"name": self.name, "result": result, **needs}
+        statistics.kept &= store.write(self._key(text), description, code)
         return Unit(self, text, result, symbol)
 
     def _door_address(self, unit: Unit) -> int:

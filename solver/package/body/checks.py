@@ -14,7 +14,7 @@ from ..common.array_checks import (
     symmetric,
 )
 from ..common.dataset import defined_sizes, encoded, misshaped, missing_or_mistyped
-from ..common.finding import Finding
+from ..common.remark import Remark
 from ..section.recovery_checks import check_recovery
 from ..section.recovery_data import RECOVERY_LAYOUT, RECOVERY_SIZED_BY
 from .laminate_checks import check_cells, check_laminate
@@ -47,7 +47,7 @@ SIZED_BY = {
 }
 
 
-def layout_findings(group: h5py.Group) -> list[Finding]:
+def layout_findings(group: h5py.Group) -> list[Remark]:
     """Compare the datasets of /modal_package with the format: presence, type, shape."""
     findings = missing_or_mistyped(group, BODY_LAYOUT)
     sizes = defined_sizes(group, SIZED_BY)
@@ -60,7 +60,7 @@ def layout_findings(group: h5py.Group) -> list[Finding]:
         for name in group.get(parent, ()):
             sub = group[parent][name]
             if not isinstance(sub, h5py.Group):
-                findings.append(Finding("error", sub.name, "expected a group"))
+                findings.append(Remark("error", sub.name, "expected a group"))
                 continue
             findings += missing_or_mistyped(sub, specs)
             findings += misshaped(sub, specs, sizes | defined_sizes(sub, count))
@@ -96,12 +96,12 @@ def check_shapes(path: Path, package: ModalPackage) -> None:
             encoded(f"{path}: /{GROUP}/{spec.path}", spec, values[spec.path], sizes)
 
 
-def content_findings(package: ModalPackage) -> list[Finding]:
+def content_findings(package: ModalPackage) -> list[Remark]:
     """Check the numbers that the solver relies on, of a package whose shapes are right."""
-    bad: list[Finding] = []
+    bad: list[Remark] = []
 
     def error(dataset: str, message: str) -> None:
-        bad.append(Finding("error", f"/modal_package/{dataset}", message))
+        bad.append(Remark("error", f"/modal_package/{dataset}", message))
 
     for path, value in body_values(package).items():
         finite(path, value, error)

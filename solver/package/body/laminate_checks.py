@@ -6,7 +6,7 @@ import numpy as np
 
 from ...math.arrays import Array
 from ..common.array_checks import finite, positive_definite, rotations, rows_of, symmetric
-from ..common.finding import Finding, Reporter
+from ..common.remark import Remark, Reporter
 from ..section.recovery_checks import check_plies
 from .laminate_data import CellResultants, LaminateData
 from .schema import ModalPackage
@@ -44,7 +44,7 @@ def check_cells(found: CellResultants, n_laminate: int, n_cell: int, error: Repo
         rotations("cell_resultants/A_BE", found.A_BE, error)
 
 
-def laminate_findings(package: ModalPackage) -> Iterator[Finding]:
+def laminate_findings(package: ModalPackage) -> Iterator[Remark]:
     """Return what is suspicious about the stresses of a shell."""
     for laminate in package.laminates:
         yield from _equilibrium(laminate)
@@ -52,7 +52,7 @@ def laminate_findings(package: ModalPackage) -> Iterator[Finding]:
         yield from _cells(package, package.cell_resultants)
 
 
-def _equilibrium(laminate: LaminateData) -> Iterator[Finding]:
+def _equilibrium(laminate: LaminateData) -> Iterator[Remark]:
     """Stresses of unit resultants, turned to laminate axes and integrated over the plies."""
     back = np.zeros((6, 8))
     for ply, operator in zip(laminate.plies, laminate.stress_M, strict=True):
@@ -70,7 +70,7 @@ def _equilibrium(laminate: LaminateData) -> Iterator[Finding]:
             f"{i + 1}, expected {float(i == j):g}"
         )
         path = f"/modal_package/laminates/{laminate.name}/plies/stress_M"
-        yield Finding("warning", path, text)
+        yield Remark("warning", path, text)
 
 
 def _turn(angle_deg: float) -> Array:
@@ -81,11 +81,11 @@ def _turn(angle_deg: float) -> Array:
     )
 
 
-def _cells(package: ModalPackage, found: CellResultants) -> Iterator[Finding]:
+def _cells(package: ModalPackage, found: CellResultants) -> Iterator[Remark]:
     where = "/modal_package/cell_resultants"
     offsets = package.offsets
     if np.any(np.diff(offsets)[found.cell] != 3):
-        yield Finding("warning", f"{where}/cell", "some of these cells are no triangles")
+        yield Remark("warning", f"{where}/cell", "some of these cells are no triangles")
         return
     corners = package.nodes_B[package.connectivity[offsets[found.cell][:, None] + np.arange(3)]]
     vector = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -94,11 +94,11 @@ def _cells(package: ModalPackage, found: CellResultants) -> Iterator[Finding]:
     off = np.linalg.norm(np.cross(vector, e3), axis=1) > NORMAL * area
     if off.any():
         text = f"row {int(np.argmax(off))}: e3 is not normal to the cell"
-        yield Finding("warning", f"{where}/A_BE", text)
+        yield Remark("warning", f"{where}/A_BE", text)
     yield from _energy(package, found, area)
 
 
-def _energy(package: ModalPackage, found: CellResultants, area: Array) -> Iterator[Finding]:
+def _energy(package: ModalPackage, found: CellResultants, area: Array) -> Iterator[Remark]:
     """The mean resultants of the cells cannot hold more energy than the mode."""
     energy = np.zeros(package.n_mode)
     for row, laminate in enumerate(package.laminates):
@@ -114,4 +114,4 @@ def _energy(package: ModalPackage, found: CellResultants, area: Array) -> Iterat
     if package.n_mode and factor.max() > ENERGY:
         i = int(np.argmax(factor))
         text = f"mode {i + 1}: their strain energy is {factor[i]:.3g} times that of modes/stiffness"
-        yield Finding("warning", "/modal_package/cell_resultants/resultants_E", text)
+        yield Remark("warning", "/modal_package/cell_resultants/resultants_E", text)

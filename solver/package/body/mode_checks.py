@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...math.arrays import Array
-from ..common.finding import Finding
+from ..common.remark import Remark
 from .scales import critical_damping
 from .schema import ModalPackage
 
@@ -14,7 +14,7 @@ LUMPED_T11 = 0.05  # relative: lumped invariants against a modal mass that may b
 NEGATIVE = 1e-9  # eigenvalue of a stiffness of unit diagonal, damping ratio: rounding makes less
 
 
-def mode_findings(package: ModalPackage) -> Iterator[Finding]:
+def mode_findings(package: ModalPackage) -> Iterator[Remark]:
     """Return what is impossible or suspicious about the modes."""
     if not package.n_mode:
         yield _finding("note", "modes/shapes_B", "no modes: the body is rigid")
@@ -32,11 +32,11 @@ def eigenvalues(matrix: Array) -> Array:
     return np.asarray(np.linalg.eigvalsh(matrix), dtype=np.float64)
 
 
-def _finding(level: str, dataset: str, message: str) -> Finding:
-    return Finding(level, f"/modal_package/{dataset}", message)
+def _finding(level: str, dataset: str, message: str) -> Remark:
+    return Remark(level, f"/modal_package/{dataset}", message)
 
 
-def _modal_mass(package: ModalPackage) -> Iterator[Finding]:
+def _modal_mass(package: ModalPackage) -> Iterator[Remark]:
     """Translation carries at most the modal mass; rotary inertia carries the rest."""
     translation = np.einsum("aaij->ij", package.invariants.T11_B)
     scale = np.sqrt(np.abs(np.diag(package.mass)))
@@ -55,7 +55,7 @@ def _modal_mass(package: ModalPackage) -> Iterator[Finding]:
         yield _finding("note", "modes/mass", text)
 
 
-def _stiffness(package: ModalPackage) -> Iterator[Finding]:
+def _stiffness(package: ModalPackage) -> Iterator[Remark]:
     """No eigenvalue below zero. That of a rigid motion is rounding of the elastic ones."""
     K, mass = package.stiffness, np.diag(package.mass)
     size, allowed = np.sqrt(np.abs(np.diag(K))), NEGATIVE
@@ -73,7 +73,7 @@ def _stiffness(package: ModalPackage) -> Iterator[Finding]:
         yield _finding("error", "modes/stiffness", text)
 
 
-def _frequencies(package: ModalPackage) -> Iterator[Finding]:
+def _frequencies(package: ModalPackage) -> Iterator[Remark]:
     if np.any(package.frequencies < 0):
         yield _finding("error", "modes/frequencies", "expected frequencies >= 0")
     found = np.sqrt(np.maximum(np.diag(package.stiffness), 0) / np.diag(package.mass))
@@ -87,7 +87,7 @@ def _frequencies(package: ModalPackage) -> Iterator[Finding]:
             yield _finding("warning", "modes/frequencies", text)
 
 
-def _damping(package: ModalPackage) -> Iterator[Finding]:
+def _damping(package: ModalPackage) -> Iterator[Remark]:
     """No negative damping ratio. A mode without stiffness is measured by the others."""
     critical = critical_damping(package)
     largest = critical.max()

@@ -7,7 +7,7 @@ import numpy as np
 from ...math.arrays import Array
 from ...math.definite import smallest_eigenvalue
 from ..common.array_checks import ROUNDING
-from ..common.finding import Finding
+from ..common.remark import Remark
 from .invariants import free_body_mass, inertia_at_rest
 from .laminate_checks import laminate_findings
 from .mode_checks import CONSISTENCY, eigenvalues, mode_findings
@@ -19,9 +19,9 @@ from .schema import Interface, ModalPackage
 TOTAL_MASS = 1e-6  # relative: nodal masses against the invariants
 
 
-def plausibility_findings(package: ModalPackage) -> list[Finding]:
+def plausibility_findings(package: ModalPackage) -> list[Remark]:
     """Return what is impossible (error) or suspicious (warning) in a body."""
-    findings: list[Finding] = []
+    findings: list[Remark] = []
     try:
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             for check in CHECKS:
@@ -36,11 +36,11 @@ def plausibility_findings(package: ModalPackage) -> list[Finding]:
     return findings
 
 
-def _finding(level: str, dataset: str, message: str) -> Finding:
-    return Finding(level, f"/modal_package/{dataset}", message)
+def _finding(level: str, dataset: str, message: str) -> Remark:
+    return Remark(level, f"/modal_package/{dataset}", message)
 
 
-def _mass(package: ModalPackage) -> Iterator[Finding]:
+def _mass(package: ModalPackage) -> Iterator[Remark]:
     nodal, total = float(np.sum(package.node_mass)), package.invariants.mass
     if abs(nodal - total) > TOTAL_MASS * total:
         text = f"expected the sum of nodal/mass, {nodal:.9g} kg, found {total:.9g} kg"
@@ -59,7 +59,7 @@ def centre_inertia(package: ModalPackage) -> Array:
     return inertia_at_rest(inv) - inv.mass * (c @ c * np.eye(3) - np.outer(c, c))
 
 
-def _inertia(package: ModalPackage) -> Iterator[Finding]:
+def _inertia(package: ModalPackage) -> Iterator[Remark]:
     inv = package.invariants
     at_rest = float(np.abs(inertia_at_rest(inv)).max())
     for name in ("T00_B", "J0_B"):
@@ -80,7 +80,7 @@ def _inertia(package: ModalPackage) -> Iterator[Finding]:
         yield _finding("error", "invariants/T00_B", text)
 
 
-def _free_body_mass(package: ModalPackage) -> Iterator[Finding]:
+def _free_body_mass(package: ModalPackage) -> Iterator[Remark]:
     M = free_body_mass(package)
     smallest = smallest_eigenvalue(M, frame_mass_sizes(M))
     if smallest < -CONSISTENCY:
@@ -94,7 +94,7 @@ def _free_body_mass(package: ModalPackage) -> Iterator[Finding]:
         yield _finding("warning", "modes/shapes_B", text)
 
 
-def _interface(package: ModalPackage, interface: Interface) -> Iterator[Finding]:
+def _interface(package: ModalPackage, interface: Interface) -> Iterator[Remark]:
     where = f"interfaces/{interface.name}"
     row_of = {int(i): row for row, i in enumerate(package.node_ids)}
     rows = [row_of[int(i)] for i in interface.node_ids]

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...math.definite import is_positive_definite
 from ..common.array_checks import finite, rotations, rows_of
-from ..common.finding import Finding, Reporter
+from ..common.remark import Remark, Reporter
 from ..section.schema import RESULTANTS
 from ..section.stress import resultants, unit_stress
 from .schema import BodyRecovery, ModalPackage, SectionData
@@ -25,21 +25,21 @@ def check_stations(recovery: BodyRecovery, n_section: int, error: Reporter) -> N
     rotations("recovery/A_BE", recovery.A_BE, error)
 
 
-def recovery_findings(package: ModalPackage) -> Iterator[Finding]:
+def recovery_findings(package: ModalPackage) -> Iterator[Remark]:
     """Return what is suspicious about stresses: sections in other units or axes than the body's."""
     if package.recovery is None and all(s.recovery is None for s in package.sections):
         return
     for section in package.sections:
         if not is_positive_definite(section.K):
             path = f"/modal_package/sections/{section.name}/K"
-            yield Finding("warning", path, "not positive definite: stresses cannot belong to it")
+            yield Remark("warning", path, "not positive definite: stresses cannot belong to it")
             return
     for section in package.sections:
         yield from _equilibrium(section)
     yield from _energy(package)
 
 
-def _equilibrium(section: SectionData) -> Iterator[Finding]:
+def _equilibrium(section: SectionData) -> Iterator[Remark]:
     if section.recovery is None:
         return
     scale = np.sqrt(np.diag(section.K))
@@ -52,10 +52,10 @@ def _equilibrium(section: SectionData) -> Iterator[Finding]:
             f"{back[i, j]:.6g}, expected {float(i == j):g}"
         )
         path = f"/modal_package/sections/{section.name}/recovery/strain_M"
-        yield Finding("warning", path, text)
+        yield Remark("warning", path, text)
 
 
-def _energy(package: ModalPackage) -> Iterator[Finding]:
+def _energy(package: ModalPackage) -> Iterator[Remark]:
     """Compare F6' K^-1 F6 along the beam with the modal stiffness.
 
     Not of attachment modes: what they are made of between a few stations, and the shear that a
@@ -77,4 +77,4 @@ def _energy(package: ModalPackage) -> Iterator[Finding]:
     if wrong.size:
         i = int(wrong[0])
         text = f"mode {i + 1}: their strain energy is {factor[i]:.3g} times that of modes/stiffness"
-        yield Finding("warning", "/modal_package/recovery/resultants_E", text)
+        yield Remark("warning", "/modal_package/recovery/resultants_E", text)

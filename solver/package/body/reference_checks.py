@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...math.arrays import Array
-from ..common.finding import Finding
+from ..common.remark import Remark
 from .invariants import free_body_mass
 from .schema import ModalPackage
 
@@ -13,7 +13,7 @@ AT_REST = 1e-9  # motion of a node that the frame is tied to, against the larges
 MOMENTUM = 1e-6  # of a mode seen from a mean axis, against that of its mass moving as one
 
 
-def reference_findings(package: ModalPackage) -> Iterator[Finding]:
+def reference_findings(package: ModalPackage) -> Iterator[Remark]:
     """Return what contradicts the reference condition of a body with modes."""
     if not package.n_mode:
         return
@@ -38,8 +38,8 @@ def reference_findings(package: ModalPackage) -> Iterator[Finding]:
             yield _finding("modes/shapes_B", text)
 
 
-def _finding(dataset: str, message: str) -> Finding:
-    return Finding("warning", f"/modal_package/{dataset}", message)
+def _finding(dataset: str, message: str) -> Remark:
+    return Remark("warning", f"/modal_package/{dataset}", message)
 
 
 def _relative_motion(package: ModalPackage) -> Array:
@@ -49,7 +49,7 @@ def _relative_motion(package: ModalPackage) -> Array:
     return np.asarray(scaled.max(axis=0))
 
 
-def _mean_axis(package: ModalPackage) -> Iterator[Finding]:
+def _mean_axis(package: ModalPackage) -> Iterator[Remark]:
     M = free_body_mass(package)
     size = np.sqrt(np.abs(np.diag(M)))
     size[3:6] = np.maximum(size[3:6], 1e-6 * size[3:6].max())  # a line of points has none about it

@@ -11,7 +11,7 @@ from ...math.arrays import Array
 from ...math.definite import is_positive_definite
 from ..common.array_checks import ROUNDING, SYMMETRY, finite, positive_definite
 from ..common.dataset import DatasetSpec, F, spec
-from ..common.finding import Reporter
+from ..common.remark import Reporter
 from .scales import body_size, second_order_sizes
 from .schema import Interface, ModalPackage, SecondOrder
 

@@ -8,9 +8,9 @@ import numpy as np
 from ...errors import PackageError
 from ..common.container import set_text
 from ..common.dataset import write_dataset, write_datasets
-from ..common.finding import raise_first
 from ..common.identity import json_text
 from ..common.object_file import new_object_file
+from ..common.remark import raise_first
 from ..common.vtk_view import create_grid, describe, part_view
 from ..section.recovery_data import RECOVERY_LAYOUT, recovery_sizes, recovery_values
 from .checks import check_shapes, content_findings

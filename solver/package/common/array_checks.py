@@ -7,7 +7,7 @@ import numpy as np
 from ...errors import did_you_mean
 from ...math.arrays import Array, IntArray
 from ...math.definite import REGULAR, smallest_eigenvalue
-from .finding import Reporter
+from .remark import Reporter
 
 SYMMETRY = 1e-9  # largest |K - K'| over largest |K|
 ROUNDING = 1e-13  # of the terms of a sum: no more than this is left where they cancel

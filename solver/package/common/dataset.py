@@ -10,7 +10,7 @@ import numpy as np
 
 from ...errors import PackageError, did_you_mean
 from .container import as_text, is_text, set_text
-from .finding import Finding
+from .remark import Remark
 
 
 @dataclass(frozen=True)
@@ -148,7 +148,7 @@ def defined_sizes(group: h5py.Group, defining: Mapping[str, str]) -> dict[str, i
     }
 
 
-def missing_or_mistyped(group: h5py.Group, specs: Iterable[DatasetSpec]) -> list[Finding]:
+def missing_or_mistyped(group: h5py.Group, specs: Iterable[DatasetSpec]) -> list[Remark]:
     """Find datasets that are not there, or hold another type than the format says."""
     found: list[str] = []
     group.visit(found.append)
@@ -161,20 +161,20 @@ def missing_or_mistyped(group: h5py.Group, specs: Iterable[DatasetSpec]) -> list
         if not isinstance(item, h5py.Dataset):
             hint = did_you_mean(spec.path, found)
             text = f"missing; expected {spec.type} {shape_text(spec.shape)}{hint}"
-            findings.append(Finding("error", where, text))
+            findings.append(Remark("error", where, text))
         elif is_text(item) != (spec.type == "text"):
-            findings.append(Finding("error", where, f"expected {spec.type}, found {item.dtype}"))
+            findings.append(Remark("error", where, f"expected {spec.type}, found {item.dtype}"))
         elif spec.type in ("int64", "uint8") and item.dtype.kind not in "iu":
             text = f"expected whole numbers ({spec.type}), found {item.dtype}"
-            findings.append(Finding("error", where, text))
+            findings.append(Remark("error", where, text))
         elif spec.type == "float64" and item.dtype.kind not in "fiu":
-            findings.append(Finding("error", where, f"expected float64, found {item.dtype}"))
+            findings.append(Remark("error", where, f"expected float64, found {item.dtype}"))
     return findings
 
 
 def misshaped(
     group: h5py.Group, specs: Iterable[DatasetSpec], sizes: Mapping[str, int]
-) -> list[Finding]:
+) -> list[Remark]:
     """Find datasets of another shape than the sizes ask for; unknown symbols are left alone."""
     known = {*sizes, *(("c+1",) if "c" in sizes else ())}
     findings = []
@@ -186,5 +186,5 @@ def misshaped(
         expected = expected_shape(spec, sizes)
         if item.shape != expected:
             text = f"expected shape {shape_text(spec.shape)} = {expected}, found {item.shape}"
-            findings.append(Finding("error", f"{group.name}/{spec.path}", text))
+            findings.append(Remark("error", f"{group.name}/{spec.path}", text))
     return findings

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...errors import PackageError
 from .container import content_sha256, get_text, kind_of_file, set_text
-from .finding import Finding
+from .remark import Remark
 
 UNITS = "SI"
 
@@ -42,7 +42,7 @@ def _checksum(file: h5py.File, known: FileFormat) -> str:
     return content_sha256(file[known.group], get_text(file, known.title), get_text(file, "units"))
 
 
-def identity_notes(path: Path, file: h5py.File, known: FileFormat) -> list[Finding]:
+def identity_notes(path: Path, file: h5py.File, known: FileFormat) -> list[Remark]:
     """Check that this is a file whose format and version we know. Raises PackageError."""
     found = get_text(file, "format")
     if found != known.format:
@@ -64,19 +64,19 @@ def identity_notes(path: Path, file: h5py.File, known: FileFormat) -> list[Findi
         return []
     newest = ".".join(map(str, known.version))
     text = f"{path}: format {major}.{minor} is newer than {newest}: parts of it are not read"
-    return [Finding("warning", "format_version", text)]
+    return [Remark("warning", "format_version", text)]
 
 
-def checksum_findings(file: h5py.File, known: FileFormat) -> list[Finding]:
+def checksum_findings(file: h5py.File, known: FileFormat) -> list[Remark]:
     """Compare the content with the checksum the writer left."""
     stored = get_text(file, "content_sha256")
     if not stored:
-        return [Finding("warning", "content_sha256", "no checksum: damage goes unnoticed")]
+        return [Remark("warning", "content_sha256", "no checksum: damage goes unnoticed")]
     actual = _checksum(file, known)
     if actual == stored:
         return []
     text = f"content was altered after writing: expected {stored[:12]}..., found {actual[:12]}..."
-    return [Finding("error", "content_sha256", text)]
+    return [Remark("error", "content_sha256", text)]
 
 
 def json_text(where: str, value: Any) -> str:

@@ -10,8 +10,8 @@ import h5py
 
 from ...errors import PackageError
 from .container import new_file, open_file
-from .finding import Finding, raise_first
 from .identity import FileFormat, checksum_findings, identity_notes, write_checksum, write_identity
+from .remark import Remark, raise_first
 
 Object = TypeVar("Object")
 
@@ -42,9 +42,9 @@ def new_object_file(
 def read_object_file(
     path: str | Path,
     known: FileFormat,
-    layout_findings: Callable[[h5py.Group], list[Finding]],
+    layout_findings: Callable[[h5py.Group], list[Remark]],
     load: Callable[[h5py.File], Object],
-    content_findings: Callable[[Object], list[Finding]],
+    content_findings: Callable[[Object], list[Remark]],
 ) -> Object:
     """Read the object of a file and check that its numbers can be used.
 

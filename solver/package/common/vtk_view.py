@@ -7,7 +7,7 @@ import numpy as np
 
 from ...math.arrays import Array
 from .container import set_text
-from .finding import Finding
+from .remark import Remark
 
 # Names in /VTKHDF and in the mesh of every format of ours; the nodes' name differs.
 CELLS = (("Connectivity", "connectivity"), ("Offsets", "offsets"), ("Types", "cell_types"))
@@ -77,19 +77,19 @@ def describe(dataset: h5py.Dataset, unit: str, frame: str) -> None:
     set_text(dataset, "frame", frame)
 
 
-def view_findings(file: h5py.File, mesh_path: str, nodes: str) -> list[Finding]:
+def view_findings(file: h5py.File, mesh_path: str, nodes: str) -> list[Remark]:
     """Check that what ParaView shows is the mesh that we read."""
     view = file.get("VTKHDF")
     if not isinstance(view, h5py.Group):
-        return [Finding("warning", "/VTKHDF", "missing: ParaView cannot open the file")]
+        return [Remark("warning", "/VTKHDF", "missing: ParaView cannot open the file")]
     mesh = file.get(mesh_path, {})
     findings = []
     for name, ours in (("Points", nodes), *CELLS):
         if name not in view:
-            findings.append(Finding("warning", f"/VTKHDF/{name}", "missing"))
+            findings.append(Remark("warning", f"/VTKHDF/{name}", "missing"))
         elif ours in mesh and not np.array_equal(view[name][()], _in_space(mesh[ours][()])):
             text = f"differs from /{mesh_path}/{ours}"
-            findings.append(Finding("error", f"/VTKHDF/{name}", text))
+            findings.append(Remark("error", f"/VTKHDF/{name}", text))
     return findings
 
 

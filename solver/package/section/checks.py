@@ -9,7 +9,7 @@ from ...errors import did_you_mean
 from ...math.arrays import Array
 from ..common.array_checks import finite, mesh_cells, positive_definite, rows_of, symmetric
 from ..common.dataset import check_datasets, defined_sizes, misshaped, missing_or_mistyped
-from ..common.finding import Finding, Reporter
+from ..common.remark import Remark, Reporter
 from .layout import (
     SECTION_FILE_LAYOUT,
     SECTION_GROUP,
@@ -27,7 +27,7 @@ UNIT = 1e-9  # deviation of a unit vector's length
 EQUILIBRIUM = 1e-6  # relative: what unit resultants integrate back to
 
 
-def section_layout_findings(group: h5py.Group) -> list[Finding]:
+def section_layout_findings(group: h5py.Group) -> list[Remark]:
     """Compare the datasets of /section with the format: presence, type, shape."""
     sizes = defined_sizes(group, SECTION_SIZED_BY)
     return missing_or_mistyped(group, SECTION_FILE_LAYOUT) + misshaped(
@@ -42,12 +42,12 @@ def check_shapes(path: Path, section: SectionFile) -> None:
     check_datasets(where, SECTION_FILE_LAYOUT, values, section_sizes(values))
 
 
-def section_content_findings(section: SectionFile) -> list[Finding]:
+def section_content_findings(section: SectionFile) -> list[Remark]:
     """Check the numbers of a section whose shapes are right."""
-    bad: list[Finding] = []
+    bad: list[Remark] = []
 
     def error(dataset: str, message: str) -> None:
-        bad.append(Finding("error", f"/{SECTION_GROUP}/{dataset}", message))
+        bad.append(Remark("error", f"/{SECTION_GROUP}/{dataset}", message))
 
     for path, value in section_values(section).items():
         finite(path, value, error)
@@ -64,7 +64,7 @@ def section_content_findings(section: SectionFile) -> list[Finding]:
     return bad
 
 
-def section_plausibility_findings(section: SectionFile) -> list[Finding]:
+def section_plausibility_findings(section: SectionFile) -> list[Remark]:
     """Say where the stresses of the unit resultants do not integrate back to them.
 
     The section's tests of numbers must have passed.
@@ -79,7 +79,7 @@ def section_plausibility_findings(section: SectionFile) -> list[Finding]:
         f"the stresses of a unit {RESULTANTS[j]} integrate to {RESULTANTS[i]} = {back[i, j]:.9g}, "
         f"expected {float(i == j):g}"
     )
-    return [Finding("warning", f"/{SECTION_GROUP}/recovery/strain_M", text)]
+    return [Remark("warning", f"/{SECTION_GROUP}/recovery/strain_M", text)]
 
 
 def _definite(path: str, matrix: Array, error: Reporter) -> None:

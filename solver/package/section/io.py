@@ -7,9 +7,9 @@ import numpy as np
 
 from ..common.container import get_text, set_long_text
 from ..common.dataset import read_datasets, write_datasets
-from ..common.finding import raise_first
 from ..common.identity import json_table, json_text
 from ..common.object_file import new_object_file, read_object_file
+from ..common.remark import raise_first
 from ..common.reported import warnings_from
 from ..common.vtk_view import create_grid, describe, part_view, plane_view
 from .checks import check_shapes, section_content_findings, section_layout_findings

@@ -7,8 +7,8 @@ import numpy as np
 
 from ...errors import did_you_mean
 from ..common.array_checks import finite, positive_definite, rotations, rows_of, symmetric
-from ..common.finding import Reporter
 from ..common.materials import MaterialError
+from ..common.remark import Reporter
 from .recovery_data import POINT_DATA, OfMaterials, strengths
 from .schema import SectionRecovery
 

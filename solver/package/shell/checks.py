@@ -7,23 +7,23 @@ import numpy as np
 
 from ..common.array_checks import finite, mesh_cells, one_of, rotations, rows_of, symmetric
 from ..common.dataset import check_datasets, defined_sizes, misshaped, missing_or_mistyped
-from ..common.finding import Finding
+from ..common.remark import Remark
 from .layout import SHELL_GROUP, SHELL_LAYOUT, SHELL_SIZED_BY, TRIANGLE, shell_sizes, shell_values
 from .schema import SHELL_MOTIONS, SHELL_RESULTANTS, ShellFile
 
 
-def shell_layout_findings(group: h5py.Group) -> list[Finding]:
+def shell_layout_findings(group: h5py.Group) -> list[Remark]:
     """Compare the datasets of /shell with the format: presence, type, shape, cells."""
     sizes = defined_sizes(group, SHELL_SIZED_BY)
     findings = missing_or_mistyped(group, SHELL_LAYOUT) + misshaped(group, SHELL_LAYOUT, sizes)
     modes = group.get("modes", {})
     if 0 < len(modes) < 4:
         text = f"expected frequencies, shapes_G, resultants_E and n_zero, found {', '.join(modes)}"
-        findings.append(Finding("error", f"{group.name}/modes", text))
+        findings.append(Remark("error", f"{group.name}/modes", text))
     types = group.get("mesh/cell_types")
     if not findings and not np.all(types[()] == TRIANGLE):
         text = f"expected triangles only, type {TRIANGLE}"
-        findings.append(Finding("error", f"{group.name}/mesh/cell_types", text))
+        findings.append(Remark("error", f"{group.name}/mesh/cell_types", text))
     return findings
 
 
@@ -33,12 +33,12 @@ def check_shell_shapes(path: Path, shell: ShellFile) -> None:
     check_datasets(f"{path}: /{SHELL_GROUP}", SHELL_LAYOUT, values, shell_sizes(values))
 
 
-def shell_content_findings(shell: ShellFile) -> list[Finding]:
+def shell_content_findings(shell: ShellFile) -> list[Remark]:
     """Check the numbers of a shell whose shapes are right."""
-    bad: list[Finding] = []
+    bad: list[Remark] = []
 
     def error(dataset: str, message: str) -> None:
-        bad.append(Finding("error", f"/{SHELL_GROUP}/{dataset}", message))
+        bad.append(Remark("error", f"/{SHELL_GROUP}/{dataset}", message))
 
     values = shell_values(shell)
     for path, value in values.items():

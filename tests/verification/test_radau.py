@@ -5,15 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from constraint_runs import new_run, prepared, run
-from march_samples import stretching_rod, two_bodies
 from mechanism_samples import bricard, chain, four_bars, pendulum
 from stability_samples import amplitude, hand, stepped
+from two_body_samples import stretching_rod, two_bodies
 
 from plymotion.solver.dynamics.constraints.treatment import Treatment
 from plymotion.solver.dynamics.system import assemble, energies
 from plymotion.solver.dynamics.tables import ForceTable
 from plymotion.solver.integrators.generic import integrate
-from plymotion.solver.integrators.stepping import has_elements
 from plymotion.solver.math.laws import polynomial
 
 DRIVE = polynomial([0.0, 0.0, 3.0, -2.0])
@@ -195,23 +194,3 @@ def test_a_singular_position_is_passed():
     assert done.monitor.passes
     assert done.position.max() < 1e-10
     assert np.ptp(done.energy) < 1e-3
-
-
-def test_stiff_bushings_between_bodies_are_named():
-    """Newton's matrix knows the bodies, not what is between them; that of gear does."""
-
-    def sample(k, c):
-        turning = ForceTable("b", "bushing", 2, 3, (0, 0, 0, k, k, k, 0, 0, 0, c, c, c))
-        return two_bodies(None, forces=[turning])
-
-    options = {"rtol": 1e-3, "atol": 1e-4}
-    _, soft = _end(sample(1e4, 1e2), 0.1, **options)
-    assert not soft.hints
-    model, stiff = _end(sample(1e6, 1e3), 0.1, **options)
-    assert has_elements(model)
-    (hint,) = stiff.hints
-    assert hint.startswith("stiff-elements: ")
-    assert "gear" in hint
-    _, gear = _end(sample(1e6, 1e3), 0.1, name="gear", max_order=2, **options)
-    assert gear.counters.evaluations < 0.3 * stiff.counters.evaluations
-    assert np.abs(stiff.y[-1] - gear.y[-1])[: model.n_pos].max() < 2e-3

@@ -1,4 +1,4 @@
-"""What a check says of a file."""
+"""What a check of the format says of a file."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ Reporter = Callable[[str, str], None]  # takes dataset and message
 
 
 @dataclass(frozen=True)
-class Finding:
+class Remark:
     """One remark on a package."""
 
     level: str  # error (unusable), warning (suspicious) or note
@@ -18,7 +18,7 @@ class Finding:
     message: str
 
 
-def raise_first(path: Path, findings: list[Finding]) -> None:
+def raise_first(path: Path, findings: list[Remark]) -> None:
     """Raise the first error among findings as PackageError, saying how many follow."""
     errors = [f for f in findings if f.level == "error"]
     if errors:

@@ -1,0 +1,23 @@
+"""The energy balance over the whole run."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..results.codes.motion import ENERGY_DRIFT
+from ..results.finding import Finding
+from .finished import FinishedRun
+
+
+def energy_findings(run: FinishedRun) -> Iterator[Finding]:
+    """Yield a finding if energy less work drifts; a locked mechanism has none to balance."""
+    size = np.abs(run.balance)
+    largest = float(size.max())
+    if largest <= ENERGY_DRIFT.limit or run.degrees_of_freedom == 0:
+        return
+    t, _ = run.at(run.look.balance)
+    text = (
+        f"the energy balance is off by {largest:.2g} of the energy "
+        f"in play (expected below {ENERGY_DRIFT.limit:g}): tighten rtol and atol"
+    )
+    yield ENERGY_DRIFT.finding(text, t=float(t[np.argmax(size)]), value=largest)

@@ -1,0 +1,34 @@
+"""Strength of the plies of every body whose package has strengths."""
+
+from collections.abc import Iterator
+
+from ..results.codes.motion import PLY_FAILURE
+from ..results.finding import Finding
+from ..strength.beam_bodies import BodyStrength, body_strength, failure_text
+from ..strength.shell_bodies import shell_strength
+from .finished import FinishedRun
+
+
+def body_strengths(run: FinishedRun) -> dict[str, BodyStrength]:
+    """Return the strength of every body whose package can tell, at the times of `look.strength`."""
+    found = {}
+    rows = run.some(run.look.strength)
+    t = run.solution.t[rows]
+    for i, name in enumerate(run.built.body_names):
+        package = run.packages.get(name)
+        if package is None:
+            continue
+        q = run.modes(i)[rows]
+        strength = body_strength(package, t, q) or shell_strength(package, t, q)
+        if strength is not None:
+            found[name] = strength
+    return found
+
+
+def strength_findings(strengths: dict[str, BodyStrength]) -> Iterator[Finding]:
+    """Yield bodies of which a ply fails."""
+    for name, strength in strengths.items():
+        worst = strength.governing
+        if worst.ratio < PLY_FAILURE.limit:
+            text = failure_text(name, worst)
+            yield PLY_FAILURE.finding(text, body=name, t=worst.time, value=worst.ratio)

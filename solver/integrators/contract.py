@@ -1,0 +1,43 @@
+"""What an integrator must supply.
+
+An integrator is a class derived from `Integrator` (generic/base.py), in a file of its own, and one
+entry of `INTEGRATORS` (choice.py).
+
+First argument, by `takes`:
+    "derivative"   f(t, y) -> (n,): y' = f. The class knows numbers, never a body; it is of use
+                   for any equation and belongs in generic/.
+    "constrained"  `ConstrainedSystem` (generic/constrained.py): mass matrix, forces and
+                   constraints as closures, for methods that solve the constraints with the step.
+    "model"        a `Model` (dynamics/model.py): for step loops that are compiled whole
+                   (`Marching`, stepping.py).
+
+It must have:
+    order : int, order of the method; sizes of first steps follow from it
+    _attempt(h, t_new) -> y (n,) at t_new, or None with `_trouble` (why) and a smaller `_h_next` [s]
+        set; or an `_advance` of its own, which takes one accepted step
+    _dense() -> callable of times () or (k,) [s] inside the last step, giving (n,) or (k, n)
+
+It sets `_h_next` [s], the size of the next step, and counts what `Counters` name; `derivative`
+counts evaluations. A step is accepted when the local error, in units of the tolerance (`norm`), is
+below 1, and after `project`, which brings it back onto the constraints. With `fixed_step` there is
+no error control.
+
+It may have:
+    settings(solver) : options of its own from the `[solver]` table
+    on_growth, fails_before_growth, on_failure, on_any_failure : words on runs that fail
+    limited_above, _look_back : hints on finished runs
+    strides, stride : many steps in one call
+"""
+
+from .generic.base import Counters, Dense, Derivative, Integrator
+from .generic.constrained import ConstrainedSystem
+from .stepping import Marching
+
+__all__ = [
+    "ConstrainedSystem",
+    "Counters",
+    "Dense",
+    "Derivative",
+    "Integrator",
+    "Marching",
+]

@@ -1,0 +1,101 @@
+"""Codes of the start, the course and the end of a run."""
+
+from ..finding import Code
+
+# The end of a run.
+RUN_FAILED = Code(
+    "run-failed",
+    "error",
+    "the integrator could not continue; the results up to there are kept",
+    "the step became too short, or a number was not finite",
+    "look for a jump or singularity in the forces just after the end; change tolerances or the "
+    "integrator as the message says",
+)
+RUN_INTERRUPTED = Code(
+    "run-interrupted",
+    "error",
+    "the user interrupted the run (Ctrl-C); the results up to there are kept",
+    "none",
+    "start the run again",
+)
+
+# Start and constraints.
+REDUNDANT = Code(
+    "redundant-constraints",
+    "note",
+    "some constraint equations follow from the others: the motion is determined, the share of "
+    "these joints in the reactions is not",
+    "rank of the scaled constraint Jacobian below its number of rows",
+    "use joints that leave more freedom (spherical, universal, cylindrical)",
+)
+SINGULAR_START = Code(
+    "singular-start",
+    "warning",
+    "the mechanism starts in a singular position, where it can move in more directions than "
+    "elsewhere",
+    "the rank of the constraint Jacobian is lower than in a position nearby",
+    "start elsewhere, or give velocities that say in which direction it moves",
+)
+LOCKED = Code(
+    "mechanism-locked",
+    "warning",
+    "the joints leave no degree of freedom at the start",
+    "no degree of freedom at t = 0",
+    "use flexible bodies, or joints that leave more freedom",
+)
+CONSTRAINT_DRIFT = Code(
+    "constraint-drift",
+    "warning",
+    "joined points move apart",
+    "distance of joined points above {limit:g} m",
+    'tighten `rtol` and `atol_position`, or set `constraints = "projection"`',
+    limit=1e-6,
+)
+FEEDBACK = Code(
+    "feedback-limits-steps",
+    "note",
+    "the feedback of the constraints (Baumgarte, augmented Lagrangian), not the motion, keeps the "
+    "steps short",
+    "feedback rate times mean step, over the order of the method, above {limit:g}",
+    'reduce `alpha` and `beta` (`frequency`), or set `constraints = "projection"`',
+    limit=0.06,
+)
+
+# Singular positions on the way.
+SINGULAR = Code(
+    "singular-position",
+    "error",
+    "the mechanism reaches a position in which its constraints lose rank, and the treatment of "
+    "the constraints cannot pass it",
+    "smallest singular value of the scaled Jacobian below 0.001 of its largest value in the run",
+    'set `constraints = "projection"`, or `"ggl"` with `integrator = "generalized-alpha"`',
+)
+BRANCH = Code(
+    "branch-change",
+    "error",
+    "the run left a singular position on another branch of motion, or with an impact: what "
+    "follows is not the motion of the mechanism",
+    "velocity turned by more than 0.2, or energy balance changed by more than 0.001 of the energy "
+    "in play, within the neighbourhood of the position",
+    "tighten `rtol` and `atol_*`; check lengths that nearly fit",
+)
+SINGULAR_PASSED = Code(
+    "singular-passed",
+    "note",
+    "the run passed singular positions with continuous velocity and energy",
+    "as `singular-position`",
+    "none needed; check that the mechanism is meant to continue in this direction",
+)
+
+CODES = (
+    RUN_FAILED,
+    RUN_INTERRUPTED,
+    REDUNDANT,
+    SINGULAR_START,
+    LOCKED,
+    CONSTRAINT_DRIFT,
+    FEEDBACK,
+    SINGULAR,
+    BRANCH,
+    SINGULAR_PASSED,
+)

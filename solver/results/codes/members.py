@@ -1,0 +1,39 @@
+"""Codes of members of a sweep that have no result."""
+
+from ..finding import Code
+
+INPUT = Code(
+    "input",
+    "error",
+    "a member of a sweep cannot be prepared: its numbers do not make a mechanism",
+    "none",
+    "correct the values named in the message",
+)
+PACKAGE = Code(
+    "package",
+    "error",
+    "the modal package of a member of a sweep cannot be read, or was built from other inputs",
+    "none",
+    "run `make` for the sweep again",
+)
+WORKER_LOST = Code(
+    "worker-lost",
+    "error",
+    "the process that computed a member of a sweep ended without a result",
+    "none",
+    "reduce `--jobs` if memory ran out",
+)
+DEFECT = Code(
+    "defect",
+    "error",
+    "a member of a sweep ended in an error of the program",
+    "none",
+    "report it with the traceback",
+)
+
+CODES = (
+    INPUT,
+    PACKAGE,
+    WORKER_LOST,
+    DEFECT,
+)

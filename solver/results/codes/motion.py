@@ -1,0 +1,116 @@
+"""Codes of what is checked in the results of a run: balances, elastic motion, strength."""
+
+from ..finding import Code
+
+# Balances.
+ENERGY_DRIFT = Code(
+    "energy-drift",
+    "warning",
+    "energy less the work of drives, loads and dampers changes during the run",
+    "change above {limit:g} of the energy in play",
+    "tighten `rtol` and `atol_*`",
+    limit=1e-3,
+)
+ENERGY_JUMP = Code(
+    "energy-jump",
+    "warning",
+    "a single step changes the energy balance visibly: an impact, a jump of a force, or a step "
+    "that is too long",
+    "change in one step above {limit:g} of the energy in play",
+    "look for an impact or a jump of a force at the time given; tighten `rtol` and `atol_*`, or "
+    "set `max_step`",
+    limit=1e-3,
+)
+MOMENTUM = Code(
+    "momentum-balance",
+    "warning",
+    "loads and reactions do not add up to the change of momentum of some body",
+    "difference above {limit:g} of the largest force or moment",
+    "do not use the reactions; look for a position in which the equations of motion are nearly "
+    "singular",
+    limit=1e-8,
+)
+
+# Elastic motion.
+SPIN = Code(
+    "spin-above-clamped-frequency",
+    "error",
+    "a linear flexible body spins faster than its first natural frequency in its own frame: it "
+    "has no stiffness left",
+    "smallest eigenvalue of the stiffness, less what spinning takes away, not above 0",
+    "set `geometric_stiffening = true`, use a stiffer or shorter body, or reduce the speed",
+)
+ROTATION = Code(
+    "elastic-rotation-large",
+    "warning",
+    "an interface of a flexible body turns so far relative to the body frame that small "
+    "rotations are a poor assumption",
+    "rotation above {limit:g} rad",
+    "use a chord or mean-axis frame, split the body, or stiffen it",
+    limit=0.1,
+)
+FEW_MODES = Code(
+    "modes-too-few",
+    "warning",
+    "the highest vibration mode of a body carries a visible share of its strain energy: the "
+    "series of modes is cut too early",
+    "share above {limit:g} of the peak strain energy",
+    "use more modes, or static modes where forces act",
+    limit=0.02,
+)
+MATTERS = Code(
+    "stiffening-matters",
+    "warning",
+    "the geometric stiffness of the loads is not small against the elastic stiffness of a linear "
+    "body",
+    "largest eigenvalue of K^-1 K_geo above {limit:g}",
+    "set `geometric_stiffening = true`",
+    limit=0.05,
+)
+BUCKLING = Code(
+    "buckling-by-motion",
+    "error",
+    "a stiffened body loses all stiffness in one of its modes under the loads of the motion and "
+    "the joints: it buckles",
+    "smallest eigenvalue of elastic plus geometric stiffness not above {limit:g}",
+    "split the body, stiffen it, or reduce the load",
+    limit=0.0,
+)
+INDEFINITE = Code(
+    "stiffened-mass-indefinite",
+    "error",
+    "a stiffened body is so far from its frame that its mass matrix is not positive definite",
+    "smallest eigenvalue of the mass matrix, scaled to a unit diagonal, not above {limit:g}",
+    "use a chord or mean-axis frame, or split the body",
+    limit=-1e-12,
+)
+NO_STIFFENING_DATA = Code(
+    "stiffening-without-data",
+    "warning",
+    "`geometric_stiffening` is set, but the package of a body has no second-order data: the body "
+    "stays linear",
+    "no group `second_order` in the package",
+    "build the package again; beams of up to 16 modes have the data",
+)
+PLY_FAILURE = Code(
+    "ply-failure",
+    "warning",
+    "a ply fails by one of the criteria; the linear material is not valid beyond that load",
+    "strength ratio below {limit:g}",
+    "use a stronger lay-up or a lower load",
+    limit=1.0,
+)
+
+CODES = (
+    ENERGY_DRIFT,
+    ENERGY_JUMP,
+    MOMENTUM,
+    SPIN,
+    ROTATION,
+    FEW_MODES,
+    MATTERS,
+    BUCKLING,
+    INDEFINITE,
+    NO_STIFFENING_DATA,
+    PLY_FAILURE,
+)

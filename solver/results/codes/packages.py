@@ -1,0 +1,183 @@
+"""Codes of warnings that the preprocessor, or `plymotion experimental`, writes into a file.
+
+Those of a body are in the provenance of its package and are repeated with every run of the body;
+those of a section or shell are in its file. The preprocessor does not import this list: a
+contract test compares codes and limits with its source.
+"""
+
+from math import nan
+
+from ..finding import Code
+
+
+def _code(name: str, meaning: str, threshold: str, remedy: str, limit: float = nan) -> Code:
+    return Code(name, "warning", meaning, threshold, remedy, limit)
+
+
+BODY_CODES = (
+    _code(
+        "mesh-coarse-for-modes",
+        "the mesh of a beam is coarse for some of its modes",
+        "estimated relative error of a frequency above {limit:g}",
+        "increase `elements`",
+        0.01,
+    ),
+    _code(
+        "static-modes-dependent",
+        "a static mode that was asked for is left out: the reference condition carries its load, "
+        "or its shape is a combination of other modes, or moves no mass",
+        "energy norm of what is new in the shape below {limit:g} of the whole",
+        "none needed; do not ask for the mode",
+        1e-6,
+    ),
+    _code(
+        "measured-shape-rigid",
+        "a measured shape of a free body contains motion of the body as a whole; it was removed",
+        "share of the mass norm above {limit:g}",
+        "check nodal masses and suspension",
+        0.1,
+    ),
+    _code(
+        "measured-modal-mass",
+        "the nodal masses give a mass-normalised measured shape another modal mass than 1",
+        "difference above {limit:g}",
+        "check nodal masses and the scale of the shapes",
+        0.1,
+    ),
+    _code(
+        "measured-shapes-coupled",
+        "two measured shapes are not orthogonal in the nodal masses; the second was made "
+        "orthogonal to the first",
+        "cosine above {limit:g}",
+        "check masses and shapes",
+        0.1,
+    ),
+    _code(
+        "interface-without-rotation",
+        "the nodes of an interface show fewer than three rotations and none was measured",
+        "rank of the nodes' places below 3",
+        "give at least three nodes off one line, or the columns `rx`, `ry`, `rz`",
+    ),
+)
+
+SHELL_CODES = (
+    _code(
+        "sliver",
+        "triangles of the mesh are very flat: results near them are poor",
+        "shape, 4 sqrt(3) area over the sum of squared sides, below {limit:g} (equilateral: 1)",
+        "mesh more evenly there",
+        0.05,
+    ),
+    _code(
+        "nodes-not-merged",
+        "pairs of nodes lie at the same place: parts that touch there are not joined",
+        "distance below {limit:g} of the size of the mesh",
+        "in gmsh, use BooleanFragments, or Coherence",
+        1e-7,
+    ),
+    _code(
+        "several-parts",
+        "the shell is in parts that nothing joins",
+        "more than one part",
+        "join the parts, or describe them as bodies of their own",
+    ),
+    _code(
+        "normals-disagree",
+        "the normals of neighbours disagree: bottom and top of the lay-up, and the direction of "
+        "pressures, change sides there",
+        "any side at which they do",
+        "turn the surface in gmsh, or set `flip = true` for its region",
+    ),
+    _code(
+        "cst-in-plane-bending",
+        "few constant-strain triangles across a wall: it is far too stiff in bending in its own "
+        "plane",
+        'fewer than {limit:g} cells across a wall with `membrane = "cst"`',
+        'use `membrane = "opt"`',
+        4.0,
+    ),
+    _code(
+        "dst-thick",
+        "the paper's triangle does not converge where its sides are short for the thickness",
+        '12 D / (Ds L^2) above {limit:g} with `plate = "dst"`',
+        'use `plate = "dkmt"`',
+        0.1,
+    ),
+    _code(
+        "drilling-fictitious-flat",
+        "a flat part keeps a motion without energy: all nodes turn about the normal",
+        'any such part with `drilling = "fictitious"`',
+        'use `drilling = "tie"`, `membrane = "opt"`, or fix the rotation at one node',
+    ),
+    _code(
+        "zero-energy-modes",
+        "modes without strain energy that are not rigid motions: mechanisms of the elements",
+        "number of modes without strain energy above that of free rigid motions",
+        "use the default elements",
+    ),
+    _code(
+        "few-digits",
+        "the equations are ill-conditioned, as those of a very thin shell or open section",
+        "residual or difference of work and energy (shell), work on rigid motions (section) above "
+        "what round-off usually leaves",
+        "trust displacements (shell) or shear stiffness (section) to fewer digits",
+    ),
+    _code(
+        "laminate-unsymmetric",
+        "a laminate couples stretching and bending: it warps when cured or heated",
+        "B above {limit:g} of sqrt(A D)",
+        "use a symmetric lay-up if the coupling is not wanted",
+        1e-6,
+    ),
+    _code(
+        "laminate-unbalanced",
+        "a laminate shears when stretched",
+        "A16 or A26 above {limit:g} of sqrt(A11 A66)",
+        "use a balanced lay-up if the coupling is not wanted",
+        1e-6,
+    ),
+    _code(
+        "laminate-soft-core",
+        "a soft core carries the transverse shear",
+        "shear correction factor below {limit:g}",
+        'keep `"energy-1d"` or `"energy-2x2"`; `"5/6"` would be too stiff',
+        0.3,
+    ),
+)
+
+SECTION_CODES = (
+    _code(
+        "unmerged-nodes",
+        "pairs of nodes lie at the same place: the section has a slit there",
+        "distance below {limit:g} of the size of the section",
+        "merge them if the slit is not meant (gmsh: Coherence)",
+        1e-7,
+    ),
+    _code(
+        "sliver-elements",
+        "cells of the mesh are very flat or crooked: stresses there are poor",
+        "sine of the flattest angle below {limit:g}, or ratio of area scales below 0.02, or of "
+        "sides above 5000",
+        "mesh more evenly there",
+        0.04,
+    ),
+    _code(
+        "plies-not-resolved",
+        "cells hold more than one ply: their stiffness is integrated across the face of the ply",
+        "any such cell",
+        "let mesh lines follow the plies",
+    ),
+    _code(
+        "degree-1-locks",
+        "linear elements are too stiff in bending and torsion by some per cent",
+        "`mesh.degree = 1`",
+        "leave `mesh.degree` at 2",
+    ),
+    _code(
+        "accuracy-not-met",
+        "the next refinement would be too large: the accuracy asked for is not reached",
+        "more than {limit:g} unknowns after the next refinement",
+        "lower the accuracy, or use a better mesh",
+        400000.0,
+    ),
+)
