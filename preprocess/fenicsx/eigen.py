@@ -45,7 +45,7 @@ def eigenpairs(
 
     Raises
     ------
-    EigenError : more pairs asked for than exist, K - target M singular, too few converged, or a
+    EigenError : more pairs asked for than exist, K singular at target 0, too few converged, or a
         residual too large.
     """
     K, M = sorted_csr(K), sorted_csr(M)
@@ -88,7 +88,9 @@ def _krylov_schur(
         petsc_matrix(M, spd=False, team=team),
     )
     try:
-        random = RandomLoad(K.diagonal() - target * M.diagonal())
+        # a shift away from zero separates the factorised matrix from a singular one as far as the
+        # eigenvalues ask for; K alone must be definite
+        random = RandomLoad(K.diagonal()) if target == 0.0 else None
         return _solved(eps, operators, n_mode, n_krylov, target, tolerance, team, purify, random)
     finally:
         destroy(eps, *operators)
@@ -103,7 +105,7 @@ def _solved(
     tolerance: float,
     team: Team,
     purify: bool,
-    random: RandomLoad,
+    random: RandomLoad | None,
 ) -> Array:
     n_dof = operators[0].getSize()[0]
     eps.setOperators(*operators)
@@ -128,12 +130,13 @@ def _solved(
     start.setArray(np.random.default_rng(0).standard_normal(n_dof)[rows])  # runs must reproduce
     eps.setInitialSpace([start])
     load, vector = start.duplicate(), start.duplicate()
-    load.setArray(random.load[rows])
     try:
         eps.setUp()
-        ksp.solve(load, vector)
-        if not random.is_regular(team.stacked(vector.getArray())):
-            raise EigenError(_singular(target, "it is singular"))
+        if random is not None:
+            load.setArray(random.load[rows])
+            ksp.solve(load, vector)
+            if not random.is_regular(team.stacked(vector.getArray())):
+                raise EigenError(_singular(target, "it is singular"))
         eps.solve()
         n_converged = eps.getConverged()
         if n_converged < n_mode:
@@ -153,9 +156,7 @@ def _solved(
 
 
 def _singular(target: float, why: str) -> str:
-    matrix = f"K - {target:g} M" if target else "K"
-    if target > 0.0:
-        return f"{matrix} cannot be factorised ({why}): choose a target that is no eigenvalue"
+    matrix = f"K - ({target:g}) M" if target else "K"
     return (
         f"{matrix} cannot be factorised ({why}): is the body free to move? "
         "A negative target is needed then"
@@ -167,9 +168,12 @@ def _dense(K: sp.csr_matrix, M: sp.csr_matrix, n_mode: int, target: float) -> Ar
     # eigenvalue the shifted matrix is indefinite, so a positive target shifts nothing here.
     shift = min(target, 0.0)
     shifted = (K - shift * M).toarray()
-    if not is_positive_definite(shifted):
+    if shift == 0.0 and not is_positive_definite(shifted):
         raise EigenError(_singular(shift, "it is not positive definite"))
-    inverse, X = scipy.linalg.eigh(M.toarray(), shifted)
+    try:
+        inverse, X = scipy.linalg.eigh(M.toarray(), shifted)
+    except scipy.linalg.LinAlgError as error:
+        raise EigenError(_singular(shift, "it is not positive definite")) from error
     finite = inverse > len(inverse) * np.finfo(float).eps * inverse[-1]
     values = np.full_like(inverse, np.inf)
     values[finite] = shift + 1.0 / inverse[finite]
