@@ -153,7 +153,8 @@ class Freedom:
         points = self.mesh.points_G
         place = points[row] if row < len(points) else self.links[row - len(points)].point_G
         centre = place + np.cross(turn, displacement) / (turn @ turn)
-        at = "({:.4g}, {:.4g}, {:.4g})".format(*np.where(abs(centre) < 1e-9, 0.0, centre))
+        centre = np.where(np.abs(centre) < FREE * self.mesh.size, 0.0, centre)
+        at = "({:.4g}, {:.4g}, {:.4g})".format(*centre)
         return f"rotation about {_axis(turn)} through {at}"
 
     def _check_fixed(self, independent: Array) -> None:
@@ -240,7 +241,8 @@ def _followed(
 
 def _axis(direction: Array) -> str:
     unit = direction / np.linalg.norm(direction)
-    unit = unit * np.sign(unit[np.argmax(np.abs(unit))])
+    # the first component among those as large as the largest, to rounding, is positive
+    unit = unit * np.sign(unit[np.argmax(np.abs(unit) > 0.999 * np.abs(unit).max())])
     for name, row in zip("xyz", np.eye(3), strict=True):
         if np.allclose(unit, row, atol=1e-6):
             return name

@@ -21,6 +21,7 @@ EXTRA = 1  # modes beyond those that are asked for, to find a gap
 TOLERANCE = 1e-10  # of the iteration: values are better by far, their errors are its square
 GAP = 1e-4  # relative distance of two values between which the modes are counted
 ZERO = 1e-6  # of the lowest elastic value: a mode below it is no vibration
+ROUNDING = 1e-13  # of |x|'|K||x|: x'Kx below it is rounding
 
 
 class Frequencies(NamedTuple):
@@ -77,12 +78,21 @@ def natural_modes(
             n_mode = min(max(n_mode, found) + EXTRA, _massive(M_free))
     except (fenicsx.EigenError, fenicsx.InertiaError) as error:
         raise ShellError(f"frequencies: {error}") from error
-    # soft_value is near the first elastic value
-    lowest = values[n_loose] if n_loose < len(values) else values[-1]
-    n_zero = int(np.count_nonzero(np.abs(values) < ZERO * abs(lowest))) if n_loose else 0
+    n_zero = _without_energy(K_free, values, X, n_loose) if n_loose else 0
     values, X = values[:wanted], X[:, :wanted]
     shapes = freedom.expanded(X)
     return Frequencies(values, shapes * _signs(shapes, freedom), n_zero, n_loose, ())
+
+
+def _without_energy(K: sp.csr_matrix, values: Array, X: Array, n_loose: int) -> int:
+    """How many of the modes X (n, m), unit modal mass, have no strain energy.
+
+    A thin shell stretches much more stiffly than it bends: what rounding leaves of a rigid
+    motion's x'Kx may be 1e-4 of the lowest elastic value, of either sign.
+    """
+    lowest = abs(values[n_loose] if n_loose < len(values) else values[-1])
+    rounding = ROUNDING * np.einsum("nm,nm->m", np.abs(X), abs(K) @ np.abs(X))
+    return int(np.count_nonzero(np.abs(values) < np.maximum(ZERO * lowest, rounding)))
 
 
 def soft_value(

@@ -52,6 +52,27 @@ def test_loose_shells_say_how_they_move(fixed: list[str], words: list[str]) -> N
         assert word in str(caught.value)
 
 
+def test_axis_of_a_loose_motion_of_a_tiny_shell() -> None:
+    """Coordinates are rounded to the size of the shell, not to a length in metres."""
+    held = {"held": {"at": "right", "fixed": ["ux", "uy", "uz", "rx", "rz"]}}
+    with pytest.raises(ShellError, match=r"rotation about y through \(1e-10, "):
+        analyse(plate(3, 1e-13, 1e-10, 1e-10, supports=held, loads=PRESS))
+
+
+@pytest.mark.parametrize("thickness", [1e-2, 1e-4, 1e-6])
+def test_rigid_motions_of_a_thin_shell_have_no_energy(thickness: float) -> None:
+    """What rounding leaves of them is up to 1e-4 of the lowest elastic value, of either sign."""
+    found = analyse(plate(20, thickness, frequencies={"count": 3, "free": True}))
+    assert found.modes is not None
+    assert found.modes.n_zero == 6
+    assert codes(found) == []
+    assert (found.modes.frequencies[:6] == 0.0).all()
+    # of a free square plate, (w L^2) sqrt(rho h / D) = 13.47 at nu = 0.3
+    D_over_mass = METAL["E"] * thickness**2 / (12 * (1 - METAL["nu"] ** 2) * METAL["rho"])
+    expected = 13.47 * np.sqrt(D_over_mass) / (2 * np.pi)
+    assert found.modes.frequencies[6] / (2 * np.pi) == pytest.approx(expected, rel=2e-2)
+
+
 def test_no_supports_at_all() -> None:
     with pytest.raises(ShellError, match="6 rigid motions are free"):
         analyse(plate(3, 0.01, loads=PRESS))
