@@ -22,6 +22,9 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from ...solver.math.arrays import Array, IntArray
+from ...solver.math.definite import smallest_eigenvalue
+
+LEAST_INERTIA = 1e-12  # smallest eigenvalue of the rigid body's mass of unit diagonal
 
 # K, M sparse and n: the n lowest values and vectors of K x = value M x, K positive definite
 EigenSolver = Callable[[Any, Any, int], tuple[Array, Array]]
@@ -108,11 +111,12 @@ class MeanAxis:
         self.K, self.M, self.rigid = sp.csr_matrix(K), sp.csr_matrix(M), rigid
         self._MR = self.M @ rigid
         inertia = rigid.T @ self._MR
-        scale = np.sqrt(np.diag(inertia).clip(min=1e-300))
-        if not np.linalg.eigvalsh(inertia / np.outer(scale, scale))[0] > 1e-12:
+        size = np.sqrt(np.abs(np.diag(inertia)))
+        size[3:] = size[3:].max()
+        if not smallest_eigenvalue(inertia, size) > LEAST_INERTIA:
             raise ModeError(
                 "reference: a mean-axis frame needs inertia about every axis, and the body has "
-                "none about one (its section's mass): expected clamped or chord"
+                "none about one (see its section's mass): expected clamped or chord"
             )
         self._inertia = scipy.linalg.cho_factor(inertia)
         # Any six dofs that stop all rigid motions do for loads in equilibrium: no reaction.

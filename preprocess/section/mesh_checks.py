@@ -26,6 +26,7 @@ TURNED = {
     ("quadrilateral", 2): [0, 3, 2, 1, 7, 6, 5, 4, 8],
 }
 COINCIDENT = 1e-7  # of the section's size: two nodes at the same place
+ROUNDING = 1e-12  # of the square of a cell's size: an area below it is none
 
 # Sliver: flattest angle, largest change of area within a cell, longest shape. The library's own
 # graded walls are long rectangles, which harm nothing; angles and folds do.
@@ -67,16 +68,19 @@ def _slopes(plain: PlainMesh, points: Array) -> tuple[Array, Array]:
     )
 
 
-def _areas(plain: PlainMesh) -> Array:
-    """Determinant of the map at the integration points of every cell, (c, q)."""
+def _area_range(plain: PlainMesh) -> tuple[Array, Array, Array]:
+    """Smallest and largest determinant of the map at the integration points of every cell, and
+    what rounding may make of a zero, (c,) each."""
     points, _ = fenicsx.quadrature(plain.cell, QUADRATURE_DEGREE)
-    return _slopes(plain, points)[1]
+    area = _slopes(plain, points)[1]
+    side = np.ptp(plain.points[plain.corners], axis=1).max(axis=1)
+    return area.min(axis=1), area.max(axis=1), ROUNDING * side**2
 
 
 def folds(plain: PlainMesh) -> bool:
     """True if the map of a cell turns over within it."""
-    area = _areas(plain)
-    return bool(np.any((area.min(axis=1) < 0.0) & (area.max(axis=1) > 0.0)))
+    low, high, rounding = _area_range(plain)
+    return bool(np.any((low < -rounding) & (high > rounding)))
 
 
 def _counter_clockwise(plain: PlainMesh, where: str) -> PlainMesh:
@@ -84,24 +88,22 @@ def _counter_clockwise(plain: PlainMesh, where: str) -> PlainMesh:
 
     A cell whose map changes its sign folds over itself: its integrals are wrong.
     """
-    area = _areas(plain)
-    low, high = area.min(axis=1), area.max(axis=1)
-    size = np.ptp(plain.points[plain.corners], axis=1).max(axis=1) ** 2
-    folded = np.flatnonzero((low < 0.0) & (high > 0.0))
+    low, high, rounding = _area_range(plain)
+    flat = np.flatnonzero(np.maximum(-low, high) <= rounding)
+    if flat.size:
+        raise SectionError(
+            f"{where}: {flat.size} of {len(low)} cells have no area, one at "
+            f"{_at(plain.middles[flat[0]])} in region {_region(plain, flat[0])!r}"
+        )
+    folded = np.flatnonzero((low < -rounding) & (high > rounding))
     if folded.size:
         raise SectionError(
-            f"{where}: {folded.size} of {len(area)} cells fold over themselves, one at "
+            f"{where}: {folded.size} of {len(low)} cells fold over themselves, one at "
             f"{_at(plain.middles[folded[0]])} in region {_region(plain, folded[0])!r}: a middle "
             "node is too far from its edge, or the corners cross; mesh finer there, or optimise "
             "the mesh (gmsh: Mesh.HighOrderOptimize = 2;)"
         )
-    flat = np.flatnonzero(np.maximum(-low, high) <= 1e-12 * size)
-    if flat.size:
-        raise SectionError(
-            f"{where}: {flat.size} of {len(area)} cells have no area, one at "
-            f"{_at(plain.middles[flat[0]])} in region {_region(plain, flat[0])!r}"
-        )
-    clockwise = high < 0.0
+    clockwise = low < -rounding
     if not clockwise.any():
         return plain
     turned = plain.cells[:, TURNED[plain.cell, plain.degree]]

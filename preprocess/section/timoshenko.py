@@ -12,6 +12,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from ...solver.math.arrays import Array
+from ...solver.math.definite import is_positive_definite
 from .errors import SectionError
 from .space import SectionSpace
 from .warping import (
@@ -104,8 +105,7 @@ def stiffness(
     K[np.ix_(SHEAR, CLASSICAL)] = F.T
     K[np.ix_(SHEAR, SHEAR)] = G
     K = 0.5 * (K + K.T)
-    scale = 1.0 / np.sqrt(np.abs(np.diag(K)))
-    if not np.linalg.eigvalsh(K * np.outer(scale, scale))[0] > 0.0:
+    if not is_positive_definite(K):
         raise SectionError("the stiffness of the section is not positive definite")
     return SectionStiffness(K, A, B, T, state.V0, V1, solver.solvability)
 

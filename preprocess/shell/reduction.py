@@ -17,6 +17,7 @@ from ..modes import Algebra, Condition, HeldDofs, MeanAxis, StaticLoad
 from .assembly import DOFS
 from .body_spec import ShellBodySpec
 from .frequencies import TOLERANCE
+from .interfaces import SAME_PLACE
 from .links import Link
 from .problem import ShellProblem
 from .stations import nodal_mass
@@ -93,7 +94,9 @@ class ShellModel:
     def _check_chord(self) -> None:
         first, second = (self.problem.links[number] for number in self.carriers)
         along = second.point_G - first.point_G
-        if np.linalg.norm(along[1:]) > ALONG * np.linalg.norm(along) or not along.any():
+        length = np.linalg.norm(along)
+        one_place = length <= SAME_PLACE * self.problem.mesh.size
+        if one_place or np.linalg.norm(along[1:]) > ALONG * length:
             wish = "two interfaces on a line along the body's x, which a chord frame's x axis is"
             shown = f"{first.name} at {_point(first)} and {second.name} at {_point(second)}"
             raise SpecError(expected("reference.at", shown, wish))
@@ -135,7 +138,7 @@ class ShellModel:
         rank = np.arange(mesh.n_node + len(self.problem.links))
         rank[mesh.file_nodes] = np.arange(mesh.n_node)
         distance = np.linalg.norm(self._places_B - self.origin_B, axis=1)
-        steps = np.round(distance / (1e-9 * mesh.size))
+        steps = np.round(distance / (SAME_PLACE * mesh.size))
         return np.lexsort([rank[self.independent_nodes], -steps])
 
     @cached_property

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
+from ...solver.math.definite import REGULAR, smallest_eigenvalue
 from ..beam.element import BeamElement
 from ..fingerprint import canonical
 from ..section import analyse
@@ -27,7 +28,7 @@ from .mesh import ShellMesh
 from .regions import Region
 
 KEYS = ("at", "section", "stiffness", "mass", "x2_axis", "offset")
-PARALLEL = 1e-6
+PARALLEL = 1e-6  # sine of the angle between x2_axis and the curve
 
 
 @dataclass(frozen=True)
@@ -128,7 +129,7 @@ def _axes(
         x2 = np.broadcast_to(vector(given, f"{where}.x2_axis"), x1.shape)
         x2 = x2 - np.einsum("li,li->l", x2, x1)[:, None] * x1
         size = np.linalg.norm(x2, axis=1)
-        if not (size > PARALLEL).all():
+        if not (size > PARALLEL * np.linalg.norm(given)).all():
             raise ShellError(f"{where}.x2_axis = {given!r}: expected a direction across the curve")
         x2 = x2 / size[:, None]
     return np.stack([x1, x2, np.cross(x1, x2)], axis=2)
@@ -163,13 +164,13 @@ def _section(entry: Mapping[str, Any], where: str) -> tuple[Array, Array]:
         found = _analysed(canonical(entry["section"]), f"{where}.section")
         return found.K, found.M
     matrices = []
-    for key, least in (("stiffness", 1e-15), ("mass", -1e-12)):
+    for key, least in (("stiffness", REGULAR), ("mass", -1e-12)):
         A = np.asarray(entry[key], dtype=float)
         if A.shape != (6, 6) or not np.allclose(A, A.T, rtol=1e-9, atol=1e-12 * np.abs(A).max()):
             raise ShellError(f"{where}.{key}: expected a symmetric matrix of 6 rows")
-        scale = np.sqrt(np.diag(A).clip(min=1e-300))
-        if not np.linalg.eigvalsh(A / np.outer(scale, scale))[0] > least:
-            raise ShellError(f"{where}.{key}: expected a positive definite matrix")
+        if not smallest_eigenvalue(A) > least:
+            kind = "definite" if key == "stiffness" else "semi-definite"
+            raise ShellError(f"{where}.{key}: expected a positive {kind} matrix")
         matrices.append(A)
     return matrices[0], matrices[1]
 

@@ -191,6 +191,14 @@ def test_cell_without_area(tmp_path: Path) -> None:
         by_hand(tmp_path, nodes, cells, 2)
 
 
+@pytest.mark.parametrize("slope", [0.1, 1 / 3, 0.7])
+def test_area_that_is_rounding_is_no_fold(slope: float, tmp_path: Path) -> None:
+    """Six nodes on a slanted line: at the points of integration the area has either sign."""
+    nodes = [(x, slope * x) for x in (0.1, 1.1, 0.7, 0.6, 0.9, 0.4)]
+    with pytest.raises(SectionError, match="1 of 1 cells have no area"):
+        by_hand(tmp_path, nodes, [range(6)], 9)
+
+
 @pytest.mark.parametrize(
     ("nodes", "cells", "kind"),
     [

@@ -296,6 +296,7 @@ def test_same_package_from_a_file_of_the_command(tmp_path: Path) -> None:
         ({"modes": [{"kind": "torsion", "count": 1}]}, SpecError, "lowest"),
         ({"modes": [{"kind": "lowest", "count": 5000}]}, ModeError, "5000"),
         ({"reference": {"kind": "chord", "at": ["root", "mid"]}}, SpecError, "along the body's x"),
+        ({"reference": {"kind": "chord", "at": ["root", "near"]}}, SpecError, "along the body's x"),
         ({"shell": {"loads": {}}}, SpecError, "shell.loads: unknown key"),
     ],
 )
@@ -304,6 +305,8 @@ def test_what_is_wrong_is_named(
 ) -> None:
     spec = hand((4, 2))
     spec["interfaces"]["mid"] = {"at": "corner-11"}
+    at_root = [1e-11, 0.5 * WIDTH, 0.0]  # the same place but for rounding
+    spec["interfaces"]["near"] = {"at": "corner-10", "position": at_root}
     del spec["interfaces"]["tip"]
     spec["interfaces"]["tip"] = {"at": "bottom", "link": "average"}
     with pytest.raises(error, match=words):

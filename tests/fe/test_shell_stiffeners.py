@@ -124,3 +124,24 @@ def test_bad_stiffeners_are_named(change: dict[str, Any], words: str) -> None:
     spec["stiffeners"]["top"] = {k: v for k, v in entry.items() if v is not None}
     with pytest.raises(ShellError, match=words):
         ShellProblem(spec)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_stiffener_without_stiffness_in_one_direction(seed: int) -> None:
+    """A matrix of rank 5: the sign of its smallest eigenvalue is rounding."""
+    spec = _strip(0.0)
+    A = np.random.default_rng(seed).normal(size=(6, 5))
+    size = np.sqrt(np.diag(spec["stiffeners"]["top"]["stiffness"]))
+    spec["stiffeners"]["top"]["stiffness"] = (size[:, None] * (A @ A.T) * size).tolist()
+    with pytest.raises(ShellError, match="stiffness: expected a positive definite matrix"):
+        ShellProblem(spec)
+
+
+def test_direction_across_the_curve_may_have_any_length() -> None:
+    spec = _strip(0.0)
+    spec["stiffeners"]["top"]["x2_axis"] = [0.0, -1e-9, 0.0]
+    top = ShellProblem(spec).stiffeners[1]
+    np.testing.assert_allclose(top.A_GE[:, :, 1], [[0.0, -1.0, 0.0]] * 40, atol=1e-12)
+    spec["stiffeners"]["top"]["x2_axis"] = [1e9, 1.0, 0.0]
+    with pytest.raises(ShellError, match="expected a direction across the curve"):
+        ShellProblem(spec)

@@ -271,6 +271,14 @@ def test_mean_axis_needs_inertia_about_every_axis() -> None:
     assert reduced(CHORD, THREE, mass=thin).package.n_mode == 3
 
 
+@pytest.mark.parametrize("left", [1e-30, 1e-24, 1e-18])
+def test_inertia_that_is_rounding_is_none(left: float) -> None:
+    """A product of inertia and moments that rounding leaves of a section of points."""
+    thin = np.diag([1.0, 1.0, 1.0, 2.0 * left, left, left])
+    with pytest.raises(ModeError, match="mean-axis frame needs inertia about every axis"):
+        reduced(MEAN_AXIS, THREE, mass=thin)
+
+
 def test_free_free_frequencies_of_a_slender_bar() -> None:
     """Bending of a free bar: (k L)^2 = 22.3733, 61.6728; torsion pi c / L."""
     E_I, m = 1.0, 1.0

@@ -97,6 +97,16 @@ BAD = {
         "axis_2 = [0.0, 1.0, 2.0]",
         r"joints\.cross\.axis_2 = \[0\.0, 1\.0, 2\.0\]: expected a vector at a right angle",
     ),
+    "inertia of a rod": (  # singular, whichever sign the rounding has
+        "inertia = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]",
+        "inertia = [[0.64, -0.288, -0.384], [-0.288, 0.7696, -0.3072], [-0.384, -0.3072, 0.5904]]",
+        r"bodies\.one\.inertia = .*expected a symmetric, positive definite 3x3 matrix",
+    ),
+    "small and unsymmetric inertia": (  # of a part of a gram and a millimetre
+        "inertia = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]",
+        "inertia = [[1e-9, 2e-10, 0], [0, 1e-9, 0], [0, 0, 1e-9]]",
+        r"bodies\.one\.inertia = .*expected a symmetric, positive definite 3x3 matrix",
+    ),
     "no law": ("ramp = { speed = 2.0, duration = 0.5 }, ", "", r"expected one law of speed, ramp"),
     "two laws": ("angle = 0.3", "speed = 1.0", r"expected one law of .*; found speed and ramp"),
     "offset without use": (

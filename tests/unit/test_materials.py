@@ -144,6 +144,13 @@ def test_isotropic_bounds(nu: float) -> None:
         material_from_dict(table, "alu")
 
 
+@pytest.mark.parametrize("ulps", [-8, -4, -1, 0, 1, 4])
+def test_constants_at_the_bound_are_refused_whatever_the_rounding(ulps: int) -> None:
+    nu12 = float(np.sqrt(142 / 9.8)) * (1.0 + ulps * np.finfo(float).eps)
+    with pytest.raises(MaterialError):
+        material_from_dict({**GRAPHITE, "nu13": 0.0, "nu23": 0.0, "nu12": nu12}, "m")
+
+
 @pytest.mark.parametrize("factor", [0.999999, 1.000001])
 def test_bound_is_where_definiteness_ends(factor: float) -> None:
     """The message's bound is the true one: the compliance is definite just below it."""

@@ -14,6 +14,7 @@ import numpy as np
 
 from ...errors import did_you_mean
 from ...math.arrays import Array
+from ...math.definite import REGULAR
 
 _UNITS = {"E": "Pa", "G": "Pa", "n": "-", "r": "kg/m3"}  # by first letter of the key
 
@@ -159,7 +160,7 @@ def _check_definite(c: Mapping[str, float], where: str) -> None:
     nu31 = c["nu13"] * c["E3"] / c["E1"]
     nu32 = c["nu23"] * c["E3"] / c["E2"]
     rest = 1 - c["nu12"] * nu21 - c["nu13"] * nu31 - c["nu23"] * nu32 - 2 * nu21 * nu32 * c["nu13"]
-    if not rest > 0.0:
+    if not rest > REGULAR:
         raise MaterialError(
             f"{where}: nu12 = {c['nu12']:g}, nu13 = {c['nu13']:g} and nu23 = {c['nu23']:g} "
             "together are too large: "
