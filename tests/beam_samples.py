@@ -10,6 +10,7 @@ from body_specs import CLAMPED, beam_body
 from plymotion.preprocess.beam.body import BeamModel, beam_model, beam_modes, beam_package
 from plymotion.preprocess.beam.section_mass import SectionMass
 from plymotion.preprocess.beam.spec import read_spec
+from plymotion.preprocess.beam.stations import Stations
 from plymotion.preprocess.modes import Modes
 from plymotion.solver.package import Interface, ModalPackage, SectionData
 from plymotion.solver.package.body.invariants import rigid_motions
@@ -32,6 +33,13 @@ def coupled_stiffness(K: np.ndarray = STIFFNESS) -> np.ndarray:
     C = A @ A.T + 6.0 * np.eye(6)
     scale = np.sqrt(np.diag(K) / np.diag(C))
     return C * np.outer(scale, scale)
+
+
+def modal_mass(stations: Stations) -> np.ndarray:
+    """Mass matrix of the modes as a sum over stations, (m, m)."""
+    phi, psi = stations.phi_B, stations.psi_B
+    translation = np.einsum("k,kai,kaj->ij", stations.m, phi, phi, optimize=True)
+    return translation + np.einsum("kai,kab,kbj->ij", psi, stations.J_B, psi, optimize=True)
 
 
 def dense(K: Any, M: Any, n_mode: int) -> tuple[np.ndarray, np.ndarray]:

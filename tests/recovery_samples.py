@@ -9,6 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from plymotion.preprocess.beam.line import BeamLine
+from plymotion.preprocess.beam.resultants import shape_resultants
+from plymotion.solver.package.body.schema import BodyRecovery
 from plymotion.solver.package.common.materials import bond, material_from_dict
 from plymotion.solver.package.section.schema import Ply, SectionRecovery
 
@@ -87,3 +90,10 @@ def rectangle_recovery(
         plies=plies,
         materials=materials,
     )
+
+
+def mode_resultants(
+    line: BeamLine, columns_B: Any, values: Any, mass_form: str, breaks: tuple[int, ...] = ()
+) -> BodyRecovery:
+    """Resultants of eigenmodes (6 n, m) of `values` (m,) [rad2/s2]."""
+    return shape_resultants(line, columns_B, columns_B * values, mass_form, breaks)

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
+from dolfinx_forms import assembled, cell_function, compile_forms
 from numpy.typing import NDArray
 
 from plymotion.preprocess import fenicsx
@@ -41,10 +42,7 @@ class UflShell:
         first /= np.linalg.norm(first, axis=1)[:, None]
 
         def of_cells(values: Any) -> Any:
-            table = np.asarray(values, dtype=float)
-            field = fenicsx.function(fenicsx.cell_space(mesh, table.shape[1:]))
-            fenicsx.set_cell_values(field, table)
-            return field
+            return cell_function(mesh, values)
 
         def laminate(name: str) -> Any:
             return of_cells([getattr(stiffness[region], name) for region in regions])
@@ -67,8 +65,7 @@ class UflShell:
         beta, dbeta = (ufl.cross(t, self.axes[2]) for t in (theta, dtheta))
         inertia = mass[0] * ufl.inner(u, du) + mass[2] * ufl.inner(theta, dtheta)
         inertia += mass[1] * (ufl.inner(u, dbeta) + ufl.inner(beta, du))
-        forms = fenicsx.compile_forms([energy * dx, inertia * dx_mass])
-        self.K, self.M = (fenicsx.assemble(form) for form in forms)
+        self.K, self.M = assembled([energy * dx, inertia * dx_mass])
         self.fixed = np.zeros(self.K.shape[0], dtype=bool)
         self._parts = {
             name: self._component(field, row)
@@ -129,7 +126,7 @@ class UflShell:
     def pressure(self, load: Callable[[Any], Any]) -> Array:
         """Right-hand side of a force per area, a UFL vector of the place."""
         place = ufl.SpatialCoordinate(self.labelled.mesh)
-        (form,) = fenicsx.compile_forms([ufl.inner(load(place), self._du) * self._dx])
+        (form,) = compile_forms([ufl.inner(load(place), self._du) * self._dx])
         vector = dolfinx.fem.petsc.assemble_vector(form)
         return np.array(vector.array)
 

@@ -7,6 +7,7 @@ from typing import Any
 import dolfinx
 import numpy as np
 import ufl
+from dolfinx_forms import assembled
 from mpi4py import MPI
 from section_specs import rectangle_spec
 
@@ -57,7 +58,7 @@ def solid() -> tuple[Any, Any, Any]:
     dx = ufl.Measure("dx", domain=mesh, metadata={"quadrature_degree": 5})
     stress = ufl.as_matrix(C.tolist()) * strain(u)
     forms = [ufl.inner(stress, strain(v)) * dx, material.rho * ufl.inner(u, v) * dx]
-    K, M = (fenicsx.assemble(form) for form in fenicsx.compile_forms(forms))
+    K, M = assembled(forms)
     return K, M, np.repeat(fenicsx.dof_coordinates(space)[:, 0] > 1e-9 * LENGTH, 3)
 
 

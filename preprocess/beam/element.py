@@ -34,7 +34,6 @@ Z[1, 5], Z[2, 4] = 1.0, -1.0
 Q = -Z.T
 
 MASS_POINTS = 4  # N' m N has degree 6 in x: four Gauss points are exact
-STIFFNESS_POINTS = 2  # B' K B has degree 2 in x
 
 
 def scaled_inverse(A: Array) -> Array:
@@ -118,17 +117,11 @@ class BeamElement:
         """Element stiffness by the inverse of the flexibility, (12, 12).
 
         Equal to the integral of Paper: Eq. (35), because the strains are those
-        of the exact static solution; see `stiffness_integral`.
+        of the exact static solution.
         """
         T_end = np.eye(6) + self.length * Q
         R = np.hstack([-np.eye(6), T_end.T])
         return R.T @ scaled_inverse(self.flexibility()) @ R
-
-    def stiffness_integral(self) -> Array:
-        """Element stiffness as int B' K B dx, (12, 12). Paper: Eq. (35)."""
-        x, w = gauss(self.length, STIFFNESS_POINTS)
-        B = self.strain(x)
-        return np.einsum("k,kai,ab,kbj->ij", w, B, self.K, B, optimize=True)
 
     def mass_matrix(self, mass: Array, mass_form: str) -> Array:
         """Element mass in the form "consistent" or "lumped", (12, 12)."""

@@ -22,13 +22,6 @@ from ...solver.package.body.schema import BodyRecovery
 from .line import BeamLine
 
 
-def mode_resultants(
-    line: BeamLine, columns_B: Array, values: Array, mass_form: str, breaks: tuple[int, ...] = ()
-) -> BodyRecovery:
-    """Resultants of eigenmodes of `values` (m,) [rad2/s2]; see `shape_resultants`."""
-    return shape_resultants(line, columns_B, columns_B * values, mass_form, breaks)
-
-
 def shape_resultants(
     line: BeamLine,
     columns_B: Array,

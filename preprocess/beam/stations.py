@@ -42,13 +42,6 @@ class Stations:
         """Sums over the stations. Paper: Eq. (2), Eq. (15)."""
         return from_stations(self.m, self.x_B, self.phi_B, self.psi_B, self.J_B, mass_form)
 
-    def modal_mass(self) -> Array:
-        """Mass matrix of the modes as a sum over stations, (n_mode, n_mode)."""
-        translation = np.einsum("k,kai,kaj->ij", self.m, self.phi_B, self.phi_B, optimize=True)
-        return translation + np.einsum(
-            "kai,kab,kbj->ij", self.psi_B, self.J_B, self.psi_B, optimize=True
-        )
-
     def participation(self) -> Array:
         """Modal mass split over the kinds of motion, (4, n_mode, n_mode).
 

@@ -9,23 +9,18 @@ from .eigen import EigenError, eigenpairs
 from .gmsh_model import MeshError, plain_from_model
 from .gmsh_script import gmsh_session, open_mesh, run_script
 from .inertia import InertiaError, negative_pivots
-from .meshing import LabelledMesh, labelled_mesh, mesh_from_geo, mesh_from_model
+from .meshing import LabelledMesh, labelled_mesh
 from .plain import EDGES, NODES, NamedNodes, PlainMesh, split, used_nodes, with_centre_nodes
 from .spaces import (
-    assemble,
     basis,
     cell_dofs,
     cell_name,
-    cell_space,
-    compile_forms,
     dof_coordinates,
-    function,
     geometry,
     original_cells,
     original_corners,
     quadrature,
     reference_nodes,
-    set_cell_values,
     vector_space,
 )
 from .stack import HAS_MUMPS, MPI, MissingFenicsx, gmsh, ufl, versions
@@ -47,22 +42,16 @@ __all__ = [
     "NamedNodes",
     "PlainMesh",
     "Team",
-    "assemble",
     "basis",
     "cell_dofs",
     "cell_name",
-    "cell_space",
     "cholesky",
-    "compile_forms",
     "dof_coordinates",
     "eigenpairs",
-    "function",
     "geometry",
     "gmsh",
     "gmsh_session",
     "labelled_mesh",
-    "mesh_from_geo",
-    "mesh_from_model",
     "negative_pivots",
     "open_mesh",
     "original_cells",
@@ -71,7 +60,6 @@ __all__ = [
     "quadrature",
     "reference_nodes",
     "run_script",
-    "set_cell_values",
     "split",
     "ufl",
     "used_nodes",

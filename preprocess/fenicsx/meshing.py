@@ -1,16 +1,12 @@
-"""Meshes: from plain arrays, a gmsh script or the current gmsh model to DOLFINx."""
+"""Meshes: from plain arrays to DOLFINx."""
 
 import inspect
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .gmsh_alone import Parameters
-from .gmsh_model import plain_from_model
-from .gmsh_script import run_script
 from .plain import PlainMesh
 from .stack import MPI, basix_ufl, dolfinx, quiet, ufl
 
@@ -45,13 +41,3 @@ def labelled_mesh(plain: PlainMesh) -> LabelledMesh:
     return LabelledMesh(
         mesh, labels.astype(np.int32), {name: i for i, name in enumerate(plain.regions, start=1)}
     )
-
-
-def mesh_from_geo(path: Path, parameters: Parameters, *, gdim: int = 2) -> LabelledMesh:
-    """Mesh a gmsh script with values for its parameters; see `run_script`."""
-    return labelled_mesh(run_script(path, parameters, gdim=gdim))
-
-
-def mesh_from_model(gdim: int = 2, where: str = "gmsh model") -> LabelledMesh:
-    """Convert the current gmsh model; every surface needs one physical group."""
-    return labelled_mesh(plain_from_model(where, gdim))

@@ -1,16 +1,15 @@
-"""Function spaces, and forms compiled and assembled by DOLFINx."""
+"""Function spaces of DOLFINx."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from .stack import Array, basix, basix_ufl, dolfinx, quiet, ufl
 
 
-def _function_space(mesh: Any, element: Any) -> Any:
+def function_space(mesh: Any, element: Any) -> Any:
+    """Function space of an element."""
     make = getattr(dolfinx.fem, "functionspace", None) or dolfinx.fem.FunctionSpace
     with quiet():
         return make(mesh, element)
@@ -28,33 +27,7 @@ def vector_space(mesh: Any, degree: int, size: int) -> Any:
         element = basix_ufl.element("Lagrange", cell_name(mesh), degree, shape=(size,))
     else:
         element = ufl.VectorElement("Lagrange", mesh.ufl_cell(), degree, dim=size)
-    return _function_space(mesh, element)
-
-
-def cell_space(mesh: Any, shape: tuple[int, ...] = ()) -> Any:
-    """One constant value (scalar, vector or tensor) in each cell; see `set_cell_values`."""
-    name = cell_name(mesh)
-    if basix_ufl is not None:
-        element = basix_ufl.element("DG", name, 0, shape=shape)
-    else:
-        family = "DQ" if name in ("quadrilateral", "hexahedron") else "DG"
-        if shape:
-            element = ufl.TensorElement(family, mesh.ufl_cell(), 0, shape=shape)
-        else:
-            element = ufl.FiniteElement(family, mesh.ufl_cell(), 0)
-    return _function_space(mesh, element)
-
-
-def function(space: Any) -> Any:
-    """A zero function of the space."""
-    return dolfinx.fem.Function(space)
-
-
-def set_cell_values(target: Any, values: Array) -> None:
-    """Set a function of `cell_space` from one value (or tensor) per cell, (n_cell, ...)."""
-    rows = cell_dofs(target.function_space)[:, 0]
-    table = target.x.array.reshape(rows.size, -1)
-    table[rows] = np.reshape(values, (rows.size, -1))
+    return function_space(mesh, element)
 
 
 def dof_coordinates(space: Any) -> Array:
@@ -68,22 +41,6 @@ def cell_dofs(space: Any) -> NDArray[np.int32]:
     if hasattr(table, "offsets"):  # AdjacencyList: all cells are of one kind
         table = np.asarray(table.array).reshape(len(table.offsets) - 1, -1)
     return np.array(table, dtype=np.int32)
-
-
-def compile_forms(forms: Sequence[Any]) -> list[Any]:
-    """Compile UFL forms; the machine code is kept on disk and shared by later processes."""
-    with quiet():
-        return [dolfinx.fem.form(form) for form in forms]
-
-
-def assemble(form: Any) -> sp.csr_matrix:
-    """Assemble a compiled bilinear form without boundary conditions into a CSR matrix."""
-    matrix = dolfinx.fem.petsc.assemble_matrix(form)
-    matrix.assemble()
-    indptr, indices, data = matrix.getValuesCSR()
-    shape = matrix.getSize()
-    matrix.destroy()
-    return sp.csr_matrix((data, indices, indptr), shape=shape)
 
 
 def quadrature(cell: str, degree: int) -> tuple[Array, Array]:

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from ...solver.errors import did_you_mean
+from ..known_keys import check_keys
 from ..materials import Orthotropic
 from .shear import ShearCorrection, shear_factors
 from .stack import Lamina, Laminate, LaminateError
@@ -36,7 +37,7 @@ def laminate_from_dict(
     ------
     LaminateError : unknown key, unknown material, no number, impossible value.
     """
-    _keys(table, KEYS, where)
+    check_keys(table, KEYS, where, LaminateError)
     listed = table.get("plies")
     if not isinstance(listed, list) or not listed:
         raise LaminateError(f"{where}.plies = {listed!r}: expected a list of plies")
@@ -54,7 +55,7 @@ def laminate_from_dict(
 
 
 def _lamina(ply: Any, materials: Mapping[str, Orthotropic], where: str) -> Lamina:
-    _keys(ply, PLY, where)
+    check_keys(ply, PLY, where, LaminateError)
     name = ply.get("material")
     if name not in materials:
         raise LaminateError(
@@ -84,14 +85,3 @@ def _number(value: Any, where: str, unit: str) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
         raise LaminateError(f"{where} = {value!r}: expected a number [{unit}]")
     return float(value)
-
-
-def _keys(table: Any, known: tuple[str, ...], where: str) -> None:
-    if not isinstance(table, Mapping):
-        raise LaminateError(f"{where} = {table!r}: expected a table")
-    for key in table:
-        if key not in known:
-            raise LaminateError(
-                f"{where}.{key}: unknown key, expected {', '.join(known)}"
-                + did_you_mean(str(key), known)
-            )

@@ -5,20 +5,20 @@ a script of the library (meshes/), from a gmsh script or mesh of the user, or as
 """
 
 import hashlib
-import importlib.util
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 
 from ...solver.math.arrays import Array
+from ...solver.package.common.plain_data import canonical
 from .. import fenicsx
 from ..fenicsx import PlainMesh
+from ..python_script import load_script
 from .errors import SectionError
 from .mesh_checks import checked, folds
 
@@ -76,7 +76,7 @@ def section_mesh(spec_mesh: Mapping[str, Any], where: str, *, refine: int = 0) -
     """
     path = _source(spec_mesh, where)
     content = hashlib.sha256(path.read_bytes()).hexdigest()
-    table = json.dumps(spec_mesh, sort_keys=True, separators=(",", ":"))
+    table = canonical(spec_mesh)
     try:
         return _made(table, str(path), content, refine)
     except (fenicsx.MeshError, SectionError) as error:
@@ -129,7 +129,9 @@ def _read(spec: Mapping[str, Any], path: Path, refine: int) -> PlainMesh:
         with fenicsx.gmsh_session() as gmsh:
             gmsh.clear()
             try:
-                _module(path).build(gmsh, parameters, spec.get("coordinates", ()), refine=refine)
+                load_script(path).build(
+                    gmsh, parameters, spec.get("coordinates", ()), refine=refine
+                )
             except ValueError as error:
                 raise fenicsx.MeshError(f"{path.name}: {error}") from error
             return fenicsx.plain_from_model(str(path))
@@ -148,16 +150,6 @@ def _script(path: Path, parameters: Mapping[str, Any], refine: int) -> PlainMesh
     if refine and folds(plain):
         return _split(fenicsx.run_script(path, parameters), refine)
     return plain
-
-
-def _module(path: Path) -> ModuleType:
-    """A Python script of the library; it is no part of the package and gets gmsh from here."""
-    spec = importlib.util.spec_from_file_location(f"plymotion_meshes_{path.stem}", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 def _arrays(path: Path) -> PlainMesh:

@@ -4,9 +4,10 @@ import argparse
 from pathlib import Path
 
 from ...solver.package.common.shares import share
+from ..analysed_files import launched_ranks
 from ..batch import build_all
 from ..telling import answer, teller
-from .batch import SectionFiles, launched_ranks
+from .batch import SectionFiles
 from .pool import build_over_ranks, mesh_groups
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from ...solver.errors import did_you_mean
+from ..known_keys import check_keys
 from .errors import SectionError
 
 REQUIRED = ("mesh", "materials", "regions")
@@ -14,7 +14,7 @@ PLY = ("material", "angle_deg", "thickness")
 
 def check_spec(spec: Mapping[str, Any], where: str) -> None:
     """Raise SectionError for a key that is unknown, missing or no table; names the nearest."""
-    _keys(spec, (*REQUIRED, *OPTIONAL), where)
+    check_keys(spec, (*REQUIRED, *OPTIONAL), where, SectionError)
     for key in REQUIRED:
         if not isinstance(spec.get(key), Mapping) or not spec[key]:
             raise SectionError(f"{where}.{key} = {spec.get(key)!r}: expected a table")
@@ -22,19 +22,10 @@ def check_spec(spec: Mapping[str, Any], where: str) -> None:
         place = f"{where}.regions.{name}"
         if not isinstance(region, Mapping) or not isinstance(region.get("plies"), list):
             raise SectionError(f"{place} = {region!r}: expected a table with a list of plies")
-        _keys(region, REGION, place)
+        check_keys(region, REGION, place, SectionError)
         for i, ply in enumerate(region["plies"]):
             if not isinstance(ply, Mapping) or "material" not in ply:
                 raise SectionError(
                     f"{place}.plies[{i}] = {ply!r}: expected a table, material = ..."
                 )
-            _keys(ply, PLY, f"{place}.plies[{i}]")
-
-
-def _keys(table: Mapping[str, Any], known: tuple[str, ...], where: str) -> None:
-    for key in table:
-        if key not in known:
-            raise SectionError(
-                f"{where}.{key}: unknown key, expected {', '.join(known)}"
-                + did_you_mean(str(key), known)
-            )
+            check_keys(ply, PLY, f"{place}.plies[{i}]", SectionError)

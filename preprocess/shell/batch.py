@@ -1,51 +1,27 @@
-"""Shell results files as a product of the batch: one specification, one file beside it."""
+"""Shell results files as a product of the batch."""
 
-import dataclasses
-from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 from ...solver.package.shell.io import write_shell
-from ...solver.package.shell.schema import SHELL_FORMAT_VERSION
+from ...solver.package.shell.schema import SHELL_FORMAT_VERSION, ShellFile
+from ..analysed_files import AnalysedFiles
 from ..fingerprint import fingerprint
-from ..section.batch import Alone, Ranks, stored_fingerprint
 
 
-class ShellFiles:
-    """One shell's specification becomes its results file.
-
-    Parameters
-    ----------
-    ranks : who works on each shell together; only rank 0 writes
-    progress : called with words while a shell is analysed
-    """
-
-    def __init__(
-        self, ranks: Ranks | None = None, progress: Callable[[str], None] | None = None
-    ) -> None:
-        self.ranks = ranks or Alone()
-        self.progress = progress
+class ShellFiles(AnalysedFiles[ShellFile]):
+    """One shell's specification becomes its results file; see `AnalysedFiles`."""
 
     def fingerprint(self, spec: dict[str, Any]) -> str:
         """Hash of all that a shell file is made from."""
         return fingerprint({"spec": spec, "format": list(SHELL_FORMAT_VERSION)})
 
-    def unchanged(self, target: Path, spec: dict[str, Any]) -> bool:
-        """True if the target was made from these very inputs; the same on all ranks."""
-        same = self.ranks.rank == 0 and stored_fingerprint(target) == self.fingerprint(spec)
-        return bool(self.ranks.agreed(same))
-
-    def make(self, spec: dict[str, Any], target: Path) -> tuple[str, Sequence[dict[str, str]]]:
-        """Analyse the shell and write its file."""
+    def analyse(self, spec: dict[str, Any], **team: Any) -> ShellFile:
+        """Analyse the shell."""
         from .analysis import analyse  # here: FEniCSx is loaded only where something is built
 
-        try:
-            team = {"team": self.ranks.team} if self.ranks.team else {}
-            shell = analyse(spec, "shell", progress=self.progress, **team)
-            provenance = {**shell.provenance, "fingerprint": self.fingerprint(spec)}
-            shell = dataclasses.replace(shell, provenance=provenance)
-            if self.ranks.rank == 0:
-                write_shell(target, shell)
-        finally:
-            self.ranks.together()
-        return f"{shell.provenance['dofs']} dofs", shell.warnings
+        return analyse(spec, "shell", progress=self.progress, **team)
+
+    def write(self, target: Path, result: ShellFile) -> None:
+        """Write the shell file."""
+        write_shell(target, result)

@@ -6,21 +6,21 @@ file, which is the same with every version of DOLFINx.
 """
 
 import hashlib
-import importlib.util
 import inspect
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
+from ...solver.package.common.plain_data import canonical
 from .. import fenicsx
 from ..fenicsx import PlainMesh
+from ..python_script import load_script
 from .errors import ShellError
 
 KEPT = 8  # meshes that a process keeps
@@ -85,7 +85,7 @@ def shell_mesh(spec_mesh: Mapping[str, Any], where: str) -> ShellMesh:
     if isinstance(scale, bool) or not isinstance(scale, int | float) or not scale > 0.0:
         raise ShellError(f"{where}.scale = {scale!r}: expected a number above 0")
     content = hashlib.sha256(path.read_bytes()).hexdigest()
-    table = json.dumps(spec_mesh, sort_keys=True, separators=(",", ":"))
+    table = canonical(spec_mesh)
     try:
         return _made(table, str(path), content)
     except (fenicsx.MeshError, ShellError) as error:
@@ -159,7 +159,7 @@ def _read(path: Path, parameters: Mapping[str, Any]) -> PlainMesh:
         return fenicsx.open_mesh(path, gdim=3)
     with fenicsx.gmsh_session() as gmsh:
         gmsh.clear()
-        build = getattr(_module(path), "build", None)
+        build = getattr(load_script(path), "build", None)
         if build is None or len(inspect.signature(build).parameters) < 2:
             raise ShellError(f"{path}: expected a function build(gmsh, parameters)")
         try:
@@ -171,13 +171,3 @@ def _read(path: Path, parameters: Mapping[str, Any]) -> PlainMesh:
         plain = fenicsx.plain_from_model(str(path), 3)
         gmsh.clear()
         return plain
-
-
-def _module(path: Path) -> ModuleType:
-    """A Python script of the user's; it gets gmsh from here."""
-    spec = importlib.util.spec_from_file_location(f"plymotion_shell_mesh_{path.stem}", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module

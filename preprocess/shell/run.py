@@ -3,8 +3,8 @@
 import argparse
 from pathlib import Path
 
+from ..analysed_files import launched_ranks
 from ..batch import build_all
-from ..section.batch import launched_ranks
 from ..telling import answer, teller
 from .batch import ShellFiles
 

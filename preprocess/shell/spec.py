@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 
 from ...solver.errors import did_you_mean
 from ...solver.package.body.schema import MASS_FORMS
+from ..known_keys import check_keys
 from .choice import Choice
 from .errors import ShellError
 from .loads import KEYS as LOAD
@@ -59,28 +60,28 @@ class Elements(NamedTuple):
 
 def check_spec(spec: Mapping[str, Any], where: str) -> None:
     """Raise ShellError for a key that is unknown, missing or no table; names the nearest."""
-    _keys(spec, (*REQUIRED, *TABLES, *OTHER), where)
+    check_keys(spec, (*REQUIRED, *TABLES, *OTHER), where, ShellError)
     for key in REQUIRED:
         if not isinstance(spec.get(key), Mapping) or not spec[key]:
             raise ShellError(f"{where}.{key} = {spec.get(key)!r}: expected a table")
     for key in TABLES:
         if key in spec and not isinstance(spec[key], Mapping):
             raise ShellError(f"{where}.{key} = {spec[key]!r}: expected a table")
-    _keys(spec["mesh"], MESH, f"{where}.mesh")
+    check_keys(spec["mesh"], MESH, f"{where}.mesh", ShellError)
     for key, known in ENTRIES.items():
         for name, entry in spec.get(key, {}).items():
-            _keys(entry, known, f"{where}.{key}.{name}")
+            check_keys(entry, known, f"{where}.{key}.{name}", ShellError)
     for case, loads in spec.get("loads", {}).items():
         if not isinstance(loads, Mapping):
             raise ShellError(f"{where}.loads.{case} = {loads!r}: expected a table of loads")
         for name, entry in loads.items():
-            _keys(entry, LOAD, f"{where}.loads.{case}.{name}")
-    _keys(spec.get("frequencies", {}), ("count", "free"), f"{where}.frequencies")
+            check_keys(entry, LOAD, f"{where}.loads.{case}.{name}", ShellError)
+    check_keys(spec.get("frequencies", {}), ("count", "free"), f"{where}.frequencies", ShellError)
 
 
 def elements(table: Mapping[str, Any], where: str) -> Elements:
     """Plate, membrane, drilling and mass. Raises ShellError for a name that does not exist."""
-    _keys(table, (*Choice._fields, "mass_form"), where)
+    check_keys(table, (*Choice._fields, "mass_form"), where, ShellError)
     form = table.get("mass_form", "consistent")
     if form not in MASS_FORMS:
         raise ShellError(
@@ -100,14 +101,3 @@ def mode_count(table: Mapping[str, Any], where: str) -> int:
     if isinstance(count, bool) or not isinstance(count, int) or count < 1:
         raise ShellError(f"{where}.count = {count!r}: expected a whole number above 0")
     return count
-
-
-def _keys(table: Any, known: tuple[str, ...], where: str) -> None:
-    if not isinstance(table, Mapping):
-        raise ShellError(f"{where} = {table!r}: expected a table")
-    for key in table:
-        if key not in known:
-            raise ShellError(
-                f"{where}.{key}: unknown key, expected {', '.join(known)}"
-                + did_you_mean(str(key), known)
-            )

@@ -54,14 +54,6 @@ def rotation_into(p: Array, A_GB: Array) -> None:
     A_GB[2, 2] = 1.0 - s * (e1 * e1 + e2 * e2)
 
 
-def parameter_rate(p: Array, w_B: Array) -> Array:
-    """Return pdot (4,) of a body with angular velocity w_B (3,), body components [rad/s].
-
-    The rate is orthogonal to p: the norm of p is an invariant of the flow.
-    """
-    return 0.5 * np.array(along_parameters(p, 0, w_B[0], w_B[1], w_B[2]))
-
-
 @inlined
 def along_parameters(p: Array, a: int, w0: float, w1: float, w2: float) -> Quadruple:
     """Return E w for Euler parameters p[a:a+4]: 2 pdot at angular velocity w in body axes."""

@@ -30,32 +30,6 @@ AT_ONCE = 2_000_000  # numbers in memory
 FIRST, MOST = 8, 512  # pairs of cell and block that are evaluated together
 
 
-def shell_resultants(package: ModalPackage, rows: IntArray, q: Array) -> Array:
-    """Resultants N, M, T of some cells in their axes, (cells, 8, t) [N/m, N].
-
-    Parameters
-    ----------
-    rows : of the package's cell resultants
-    q : (t, m) modal coordinates
-
-    Raises
-    ------
-    ValueError : the package has no resultants of cells.
-    """
-    return np.asarray(_cells(package).resultants_E[rows] @ q.T)
-
-
-def shell_ply_stress(package: ModalPackage, row: int, q: Array) -> Array:
-    """Stress in the plies of one cell in ply axes, (t, k, 3, 6) [Pa].
-
-    Ply from the bottom up; bottom, middle and top of it; 11, 22, 33, 23, 13, 12. Arguments and
-    errors as in `shell_resultants`.
-    """
-    laminate = package.laminates[_cells(package).laminate[row]]
-    (found,) = shell_resultants(package, np.array([row]), q)
-    return np.moveaxis(laminate.stress_M @ found, -1, 0)
-
-
 def shell_strength(package: ModalPackage, t: Array, q: Array) -> BodyStrength | None:
     """Find the lowest strength ratio of a shell; None without resultants or without strengths.
 
@@ -158,12 +132,6 @@ def _searches(laminate: LaminateData) -> Iterator[tuple[IntArray, PeakSearch]]:
         stress_M = laminate.stress_M[points[:, 0], points[:, 1]]
         for criterion in criteria_of(strength):
             yield points, PeakSearch(stress_M, criterion, strength)
-
-
-def _cells(package: ModalPackage) -> CellResultants:
-    if package.cell_resultants is None:
-        raise ValueError(f"{package.body}: the package has no resultants of cells")
-    return package.cell_resultants
 
 
 def _blocks(cells: CellResultants, q: Array) -> tuple[Array, IntArray]:

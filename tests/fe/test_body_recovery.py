@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 from body_specs import beam_body
+from recovery_samples import mode_resultants
 
 from plymotion.preprocess.beam.body import beam_model
-from plymotion.preprocess.beam.resultants import mode_resultants
 from plymotion.preprocess.beam.spec import read_spec
 from plymotion.preprocess.body import RECOVERY_DEGREE, build_body
 from plymotion.preprocess.section import analyse

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from dolfinx_forms import mesh_from_geo
 from shell_specs import plate
 
 from plymotion.preprocess import fenicsx
@@ -138,7 +139,7 @@ def test_cholesky_refuses_singular_and_indefinite(matrix: Any) -> None:
 @pytest.mark.parametrize(("name", "order"), [("rectangle", 9), ("ellipse", 9)])
 def test_scripts_stand_alone(name: str, order: int) -> None:
     """The scripts mesh with their own defaults, as in the gmsh window."""
-    labelled = fenicsx.mesh_from_geo(script_path(name), {})
+    labelled = mesh_from_geo(script_path(name), {})
     assert fenicsx.cell_name(labelled.mesh) == "quadrilateral"
     assert labelled.names.keys() == {"section"}
     assert set(labelled.cell_labels) == set(labelled.names.values())
@@ -148,9 +149,9 @@ def test_scripts_stand_alone(name: str, order: int) -> None:
 
 def test_script_parameters_do_not_linger() -> None:
     sizes = {"width": 3.0, "height": 2.0, "columns": [0.5, 1.0], "rows": [0.3, 0.6, 1.0]}
-    labelled = fenicsx.mesh_from_geo(script_path("rectangle"), sizes)
+    labelled = mesh_from_geo(script_path("rectangle"), sizes)
     assert labelled.n_cell == 6
-    default = fenicsx.mesh_from_geo(script_path("rectangle"), {})
+    default = mesh_from_geo(script_path("rectangle"), {})
     assert np.ptp(default.mesh.geometry.x[:, 0]) == pytest.approx(0.06)
 
 
@@ -177,12 +178,12 @@ def test_scripts_that_cannot_be_meshed(text: str | None, message: str, tmp_path:
     if text is not None:
         path.write_text(text)
     with pytest.raises(fenicsx.MeshError, match=message):
-        fenicsx.mesh_from_geo(path, {})
+        mesh_from_geo(path, {})
 
 
 def test_unknown_parameter() -> None:
     with pytest.raises(fenicsx.MeshError, match="no parameter radius"):
-        fenicsx.mesh_from_geo(script_path("ellipse"), {"radius": 1.0})
+        mesh_from_geo(script_path("ellipse"), {"radius": 1.0})
 
 
 def test_versions_are_named() -> None:

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from dolfinx_forms import assembled, cell_function, mesh_from_geo, mesh_from_model
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx import gmsh, ufl
@@ -29,12 +30,12 @@ def triangles(order: int) -> fenicsx.LabelledMesh:
         gmsh.option.setNumber("Mesh.MeshSizeMax", 0.4)
         gmsh.model.mesh.generate(2)
         gmsh.model.mesh.setOrder(order)
-        return fenicsx.mesh_from_model()
+        return mesh_from_model()
 
 
 def ellipse() -> fenicsx.LabelledMesh:
     values = {"radius_2": 2.0, "radius_3": 1.0, "elements_arc": 8, "elements_radial": 2}
-    return fenicsx.mesh_from_geo(MESHES / "ellipse.geo", values)
+    return mesh_from_geo(MESHES / "ellipse.geo", values)
 
 
 CASES = {
@@ -51,8 +52,7 @@ def assembled_by_dolfinx(space: SectionSpace, C: Any) -> list[Any]:
     """E, H, L with the strain operators written down a second time."""
     mesh = space.labelled.mesh
     V = fenicsx.vector_space(mesh, space.degree, 3)
-    stiffness = fenicsx.function(fenicsx.cell_space(mesh, (6, 6)))
-    fenicsx.set_cell_values(stiffness, C)
+    stiffness = cell_function(mesh, C)
 
     def in_section(w: Any) -> Any:
         dw = ufl.grad(w)
@@ -64,8 +64,7 @@ def assembled_by_dolfinx(space: SectionSpace, C: Any) -> list[Any]:
     dx = ufl.dx(domain=mesh, metadata={"quadrature_degree": space.quadrature_degree})
     v, u = ufl.TestFunction(V), ufl.TrialFunction(V)
     pairs = [(in_section, in_section), (in_section, along_beam), (along_beam, along_beam)]
-    forms = [ufl.inner(left(v), stiffness * right(u)) * dx for left, right in pairs]
-    return [fenicsx.assemble(form) for form in fenicsx.compile_forms(forms)]
+    return assembled([ufl.inner(left(v), stiffness * right(u)) * dx for left, right in pairs])
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -120,7 +119,7 @@ def test_curved_cells_are_told_from_straight_ones() -> None:
         labelled = make()
         nodes, cells, _ = fenicsx.geometry(labelled.mesh)
         assert is_curved(nodes[cells][..., :2], fenicsx.cell_name(labelled.mesh)) is curved
-    straight = fenicsx.mesh_from_geo(
+    straight = mesh_from_geo(
         MESHES / "rectangle.geo",
         {"width": 1.0, "height": 0.5, "columns": [0.2, 0.8, 1.0], "rows": [0.3, 1.0]},
     )

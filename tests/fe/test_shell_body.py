@@ -10,6 +10,7 @@ import pytest
 from body_specs import CLAMPED, beam_body, shell_body
 from section_specs import rectangle_spec
 from shell_specs import CFRP, METAL, box, plate
+from shell_stress import shell_ply_stress
 
 from plymotion.preprocess.body import build_body
 from plymotion.preprocess.body_packages import BodyPackages
@@ -23,7 +24,6 @@ from plymotion.solver.package.body.invariants import free_body_mass, rigid_motio
 from plymotion.solver.package.body.plausibility import plausibility_findings
 from plymotion.solver.package.common.table_form import SpecError
 from plymotion.solver.package.shell.schema import ply_stress
-from plymotion.solver.strength.shell_bodies import shell_ply_stress
 
 Record = Callable[[str, Any], None]
 PARTS = ("mesh", "materials", "laminates", "regions", "elements", "stiffeners")

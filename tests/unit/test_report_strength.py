@@ -7,10 +7,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from recovery_samples import PLY, PLY_STRENGTH, plies_of, rectangle_recovery
+from recovery_samples import (
+    PLY,
+    PLY_STRENGTH,
+    mode_resultants,
+    plies_of,
+    rectangle_recovery,
+)
 
 from plymotion.preprocess.beam.line import BeamLine
-from plymotion.preprocess.beam.resultants import mode_resultants
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.package import ModalPackage

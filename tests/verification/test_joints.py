@@ -10,7 +10,11 @@ from plymotion.solver.dynamics.joints.table import CONSTRAINTS, DRIVES, KINDS
 from plymotion.solver.dynamics.system import assemble
 from plymotion.solver.dynamics.tables import JointTable, MarkerTable, assemble_model, rigid_body
 from plymotion.solver.math import laws
-from plymotion.solver.math.rotations import matrix_to_parameters, parameter_rate, vector_to_matrix
+from plymotion.solver.math.rotations import (
+    along_parameters,
+    matrix_to_parameters,
+    vector_to_matrix,
+)
 
 LAW = laws.polynomial([0.1, 0.7, 0.3, -0.2])
 
@@ -32,7 +36,8 @@ def _moved(model, y, a, h):
         for i in range(model.n_body):
             p, j, m = model.pos_start[i], model.n_pos + model.vel_start[i], model.n_mode[i]
             out[p : p + 3] = state[j : j + 3]
-            out[p + 3 : p + 7] = parameter_rate(state[p + 3 : p + 7], state[j + 3 : j + 6])
+            rates = along_parameters(state, p + 3, *state[j + 3 : j + 6])
+            out[p + 3 : p + 7] = 0.5 * np.array(rates)
             out[p + 7 : p + 7 + m] = state[j + 6 : j + 6 + m]
         out[model.n_pos : -1] = a
         return out

@@ -13,6 +13,7 @@ from recovery_samples import (
     PLY_STRENGTH,
     STEEL,
     STEEL_STRENGTH,
+    mode_resultants,
     plies_of,
     rectangle_recovery,
 )
@@ -20,7 +21,6 @@ from recovery_samples import (
 from plymotion.preprocess.beam.body import BeamModel, beam_model, beam_modes, beam_package
 from plymotion.preprocess.beam.element import Q, Z
 from plymotion.preprocess.beam.line import BeamLine, section_axes
-from plymotion.preprocess.beam.resultants import mode_resultants
 from plymotion.preprocess.beam.spec import read_spec
 from plymotion.solver.package import ModalPackage, SectionData, validate, write_package
 from plymotion.solver.package.section.recovery_data import strengths

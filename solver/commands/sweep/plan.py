@@ -12,6 +12,7 @@ from plymotion import __version__
 
 from ...errors import InputError, PackageError
 from ...package import ModalPackage
+from ...package.common.plain_data import data_sha256
 from ...run.execution import package_of
 
 ROWS = 1  # version of what is computed of a member: raised when its numbers change their meaning
@@ -86,8 +87,7 @@ class Plan:
         found = []
         for number, member in enumerate(self.members):
             own = {body: contents[k] for body, k in member.packages.items()}
-            text = json.dumps([*common, self.mechanism_of(number), own], sort_keys=True)
-            found.append(hashlib.sha256(text.encode()).hexdigest())
+            found.append(data_sha256([*common, self.mechanism_of(number), own]))
         return found
 
 

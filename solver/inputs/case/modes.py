@@ -5,16 +5,20 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from ...errors import nearest
+from ...package.body.specification import (
+    DIRECTIONS,
+    Direction,
+    ModeKind,
+    ReferenceKind,
+    SpinningKind,
+)
 from ..common.table import Name, Table
-
-Direction = Literal["x", "y", "z", "rx", "ry", "rz"]
-ALL: list[Direction] = ["x", "y", "z", "rx", "ry", "rz"]
 
 
 class Reference(Table):
     """`[bodies.NAME.reference]`: how the body frame is tied to the deformed body."""
 
-    kind: Literal["clamped", "chord", "mean-axis"] = Field(
+    kind: ReferenceKind = Field(
         default="clamped",
         description="clamped: frame fixed to one node, its position and tangent; chord: x axis "
         "through two nodes; mean-axis: mean position of the deforming body, which has no momentum "
@@ -52,7 +56,7 @@ class Reference(Table):
 class ModeChoice(Table):
     """One entry of `modes`: the lowest vibration modes of a kind."""
 
-    kind: Literal["lowest", "bending-xy", "bending-xz", "torsion", "axial"] = Field(
+    kind: ModeKind = Field(
         description="told apart by their share of modal mass: xy bends in the body's x-y plane; "
         "of a shell: what moves most along y, z, x, and no torsion"
     )
@@ -68,7 +72,7 @@ class AttachmentChoice(Table):
     kind: Literal["attachment"]
     at: Name = Field(description="interface where the loads act: a joint, a mass, a spring")
     directions: list[Direction] = Field(
-        default=ALL,
+        default=list(DIRECTIONS),
         min_length=1,
         description="forces along and moments about the body axes",
     )
@@ -89,7 +93,7 @@ class SpinningChoice(Table):
     Static shapes of a beam, as good at rest as at speed; with geometric stiffening.
     """
 
-    kind: Literal["spinning-xy", "spinning-xz"] = Field(
+    kind: SpinningKind = Field(
         description="plane of bending: the beam spins about an axis across it"
     )
     count: int = Field(ge=1, le=8, description="how many; four give frequencies to 1e-4")

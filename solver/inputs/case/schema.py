@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field
 
+from ...package.body.specification import LinkKind, MassForm, Theory
 from ..common.material import Material
 from ..common.table import Name, Table, Vector, unit
 from ..section.mesh_table import ShapeMesh, shape_or
@@ -97,12 +98,12 @@ class BeamBody(Placed):
         json_schema_extra=unit("-"),
     )
     elements: int = Field(default=16, ge=1, le=2000, description="beam elements along the length")
-    theory: Literal["timoshenko", "classical"] = Field(
+    theory: Theory = Field(
         default="timoshenko",
         description="strains of the beam: all six, or classical without shear (nearer to a solid "
         "for vibrating wide strips with bending-twist coupling)",
     )
-    mass_form: Literal["consistent", "lumped"] = Field(
+    mass_form: MassForm = Field(
         default="consistent", description="inertia from consistent mass, or lumped (the paper)"
     )
     reference: Reference = Field(default=Reference(), description="reference condition")
@@ -119,7 +120,7 @@ class ShellInterface(Table):
     """`[bodies.NAME.interfaces.NAME]` of a shell: a physical group of its mesh."""
 
     at: str = Field(description="physical point, curve or surface of the mesh")
-    link: Literal["rigid", "average"] = Field(
+    link: LinkKind = Field(
         default="rigid",
         description="rigid: the group moves as one rigid piece; average: the interface follows "
         "the mean motion of the group, and what loads it is spread over the group",
@@ -151,7 +152,7 @@ class ShellBody(Placed):
     parameters: dict[str, bool | float | str | list[float]] = Field(
         default={}, description="of the mesh's script, over those of the description"
     )
-    mass_form: Literal["consistent", "lumped"] = Field(
+    mass_form: MassForm = Field(
         default="consistent", description="inertia from consistent mass, or lumped (the paper)"
     )
     reference: Reference = Field(default=Reference(), description="reference condition")

@@ -16,6 +16,20 @@ _BOUNDS = {
     MinLen: ("min_length", "at least"),
     MaxLen: ("max_length", "at most"),
 }
+EXAMPLE_MATERIAL = """\
+[materials.cfrp]
+kind = "orthotropic"
+E1 = 142e9
+E2 = 9.8e9
+E3 = 9.8e9
+G12 = 6.0e9
+G13 = 6.0e9
+G23 = 4.8e9
+nu12 = 0.42
+nu13 = 0.42
+nu23 = 0.42
+rho = 1600.0
+"""
 HEAD = ["| key | type | unit | bounds | default | meaning |", "|---|---|---|---|---|---|"]
 
 

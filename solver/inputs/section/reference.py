@@ -6,12 +6,13 @@ python -m plymotion.solver.inputs.section.reference > docs/section-description.m
 from typing import Any
 
 from ..common.material import MATERIAL_TABLES
-from ..common.page import chapters, keys
+from ..common.page import EXAMPLE_MATERIAL, chapters, keys
 from .description import Direction, Laminate, Ply, Region, SectionDescription
 from .mesh_table import SHAPE_MESHES, FileMesh, MeshTable
 from .shapes.library import SHAPES, walls
 
-HEAD = """\
+HEAD = (
+    """\
 # The section description
 
 A beam cross-section is one TOML file, checked before anything is computed: unknown keys, names that
@@ -34,18 +35,9 @@ shape = "box"
 width = 0.0242
 height = 0.0136
 
-[materials.cfrp]
-kind = "orthotropic"
-E1 = 142e9
-E2 = 9.8e9
-E3 = 9.8e9
-G12 = 6.0e9
-G13 = 6.0e9
-G23 = 4.8e9
-nu12 = 0.42
-nu13 = 0.42
-nu23 = 0.42
-rho = 1600.0
+"""
+    + EXAMPLE_MATERIAL
+    + """\
 
 [laminates.wall]               # [0/30]3, 0 deg outermost
 material = "cfrp"
@@ -88,6 +80,7 @@ no default:
 
 `convention` may be left out only if every angle is 0.
 """
+)
 
 OWN = """\
 ## A mesh of your own

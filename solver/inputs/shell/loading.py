@@ -4,6 +4,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from ...package.body.specification import LinkKind
 from ..common.table import Table, Vector, unit
 
 Freedom = Literal["ux", "uy", "uz", "rx", "ry", "rz"]
@@ -30,7 +31,7 @@ class Link(Table):
     """`[links.NAME]`: a reference point of six degrees of freedom for a group of nodes."""
 
     at: str = Field(description="physical point, curve or surface")
-    kind: Literal["rigid", "average"] = Field(
+    kind: LinkKind = Field(
         description="rigid: the group moves as one with the point; average: the point follows "
         "the mean motion of the group, and what loads it is spread over the group"
     )

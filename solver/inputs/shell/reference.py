@@ -4,7 +4,7 @@ python -m plymotion.solver.inputs.shell.reference > docs/shell-description.md
 """
 
 from ..common.material import MATERIAL_TABLES
-from ..common.page import chapters
+from ..common.page import EXAMPLE_MATERIAL, chapters
 from .description import (
     AxisAbout,
     Elements,
@@ -17,7 +17,8 @@ from .description import (
 )
 from .loading import Frequencies, Link, Load, Probe, Support
 
-HEAD = """\
+HEAD = (
+    """\
 # The shell description
 
 A laminated plate or shell is one TOML file, checked before anything is computed: unknown keys,
@@ -37,18 +38,9 @@ title = "A plate of eight plies, clamped on one side"
 file = "plate.geo"             # physical groups: surface "plate", curves "root" and "tip"
 parameters = { n = 16 }
 
-[materials.cfrp]
-kind = "orthotropic"
-E1 = 142e9
-E2 = 9.8e9
-E3 = 9.8e9
-G12 = 6.0e9
-G13 = 6.0e9
-G23 = 4.8e9
-nu12 = 0.42
-nu13 = 0.42
-nu23 = 0.42
-rho = 1600.0
+"""
+    + EXAMPLE_MATERIAL
+    + """\
 
 [laminates.skin]               # [0/45/-45/90]s, bottom ply first
 material = "cfrp"
@@ -88,6 +80,7 @@ points and curves are what supports, loads and probes stand on. Surfaces that me
 nodes there (`BooleanFragments`, or points and curves used by both); a node may carry any number of
 surfaces, as at a stiffener.
 """
+)
 
 
 def shell_page() -> str:

@@ -9,16 +9,11 @@ in metres and radians, and modal mass, damping and stiffness are in kg m2, N m s
 and N m: all units follow from that.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from ..common.dataset import DatasetSpec, F, I, T, spec
 from ..common.identity import FileFormat
-from ..section.recovery_data import RECOVERY_LAYOUT
-from .laminate_data import CELL_LAYOUT, LAMINATE_LAYOUT
 from .schema import FORMAT, FORMAT_VERSION, ModalPackage
-from .second_order import INTERFACE_SECOND_ORDER_LAYOUT, SECOND_ORDER_LAYOUT
 
 GROUP = "modal_package"
 MODAL_PACKAGE = FileFormat(FORMAT, FORMAT_VERSION, GROUP, "body")
@@ -88,29 +83,6 @@ BODY_RECOVERY_LAYOUT: tuple[DatasetSpec, ...] = (
     ),
     spec("recovery/A_BE", "3, 3", F, "-", "section to B", "rotation, section axes to body axes"),
 )
-
-
-def documented_layout() -> tuple[DatasetSpec, ...]:
-    """Return every dataset of the format, names of interfaces, sections, laminates as <...>."""
-    groups = (
-        ("", BODY_LAYOUT),
-        ("", tuple(replace(row, optional=True) for row in SECOND_ORDER_LAYOUT)),
-        ("interfaces/<interface>/", INTERFACE_LAYOUT),
-        (
-            "interfaces/<interface>/",
-            tuple(replace(row, optional=True) for row in INTERFACE_SECOND_ORDER_LAYOUT),
-        ),
-        ("sections/<section>/", SECTION_LAYOUT),
-        ("sections/<section>/", tuple(replace(row, optional=True) for row in RECOVERY_LAYOUT)),
-        ("", tuple(replace(row, optional=True) for row in BODY_RECOVERY_LAYOUT)),
-        ("laminates/<laminate>/", tuple(replace(row, optional=True) for row in LAMINATE_LAYOUT)),
-        ("", tuple(replace(row, optional=True) for row in CELL_LAYOUT)),
-    )
-    return tuple(
-        DatasetSpec(prefix + s.path, s.shape, s.type, s.unit, s.frame, s.description, s.optional)
-        for prefix, specs in groups
-        for s in specs
-    )
 
 
 def body_sizes(package: ModalPackage) -> dict[str, int]:

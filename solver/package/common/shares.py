@@ -5,16 +5,17 @@ orders the unknowns once.
 """
 
 import argparse
-import json
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, TypeVar
+
+from .plain_data import canonical
 
 Item = TypeVar("Item")
 
 
 def mesh_key(spec: Mapping[str, Any]) -> str:
     """Text that is equal for specifications of equal meshes."""
-    return json.dumps(spec.get("mesh"), sort_keys=True)
+    return canonical(spec.get("mesh"))
 
 
 def by_mesh(items: Iterable[tuple[Item, str]]) -> list[list[Item]]:

@@ -5,6 +5,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from ..body.specification import LINK_KINDS
 from ..common.array_checks import finite, mesh_cells, one_of, rotations, rows_of, symmetric
 from ..common.dataset import check_datasets, defined_sizes, misshaped, missing_or_mistyped
 from ..common.remark import Remark
@@ -65,5 +66,5 @@ def shell_content_findings(shell: ShellFile) -> list[Remark]:
             error("plies/laminate", f"laminate {laminate.name!r} has no plies")
     known = (*SHELL_MOTIONS, *SHELL_RESULTANTS)
     one_of("probes/quantities", shell.probes.quantities, known, error)
-    one_of("links/kinds", shell.links.kinds, ("rigid", "average"), error)
+    one_of("links/kinds", shell.links.kinds, LINK_KINDS, error)
     return bad
