@@ -1,12 +1,14 @@
 """Joints and their drives from the tables of a case."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from ..dynamics.tables import JointTable
 from ..errors import InputError
+from ..inputs.case.joints import Joint, drives
+from ..inputs.case.laws import RotationDrive, TranslationDrive
+from ..inputs.case.schema import Mechanism
 from ..math.arrays import Array
 from .laws import law_of, shifted
 from .places import Places, axes
@@ -25,16 +27,16 @@ class BuiltJoint:
 
 
 def joint_tables(
-    mechanism: dict[str, Any], places: Places
+    mechanism: Mechanism, places: Places
 ) -> tuple[list[JointTable], dict[str, BuiltJoint]]:
     """Return the joints and drives, each drive behind its joint, and where they stand."""
     tables: list[JointTable] = []
     built = {}
-    for name, joint in mechanism["joints"].items():
-        kind = joint["kind"]
-        A_GM = axes(joint.get("axis") or [0.0, 0.0, 1.0], joint.get("axis_2"))
+    for name, joint in mechanism.joints.items():
+        kind = joint.kind
+        A_GM = axes(getattr(joint, "axis", None) or [0.0, 0.0, 1.0], getattr(joint, "axis_2", None))
         key = f"joints.{name}.between"
-        one, two = (places.marker(key, place, A_GM) for place in joint["between"])
+        one, two = (places.marker(key, place, A_GM) for place in joint.between)
         shift = places.shift(one, two)
         length = _length(name, joint, shift) if kind == "distance" else 0.0
         first = len(tables)
@@ -47,23 +49,24 @@ def joint_tables(
     return tables, built
 
 
-def _drives(name: str, joint: dict[str, Any]) -> list[tuple[str, str, dict[str, Any]]]:
+def _drives(name: str, joint: Joint) -> list[tuple[str, str, RotationDrive | TranslationDrive]]:
     """Return kind, label and table of each drive of a joint."""
+    words = {"rotation_drive": "rotation drive", "translation_drive": "translation drive"}
     found = []
-    if joint.get("drive") is not None:
-        kind = "rotation_drive" if joint["kind"] in _ROTATIONS else "translation_drive"
-        found.append((kind, f"{name} (drive)", joint["drive"]))
-    for kind, word in (("rotation_drive", "rotation"), ("translation_drive", "translation")):
-        if joint.get(kind) is not None:
-            found.append((kind, f"{name} ({word} drive)", joint[kind]))
+    for key, drive in drives(joint).items():
+        kind = key
+        if key == "drive":
+            kind = "rotation_drive" if joint.kind in _ROTATIONS else "translation_drive"
+        found.append((kind, f"{name} ({words.get(key, key)})", drive))
     return found
 
 
-def _length(name: str, joint: dict[str, Any], shift: Array) -> float:
-    length = float(np.linalg.norm(shift)) if joint["length"] is None else float(joint["length"])
+def _length(name: str, joint: Joint, shift: Array) -> float:
+    given = getattr(joint, "length", None)
+    length = float(np.linalg.norm(shift)) if given is None else float(given)
     if length < 1e-9:
         raise InputError(
-            f"joints.{name}: its places {joint['between']} coincide at the start; expected a "
+            f"joints.{name}: its places {joint.between} coincide at the start; expected a "
             "`length`, or a spherical joint"
         )
     return length
