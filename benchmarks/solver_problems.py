@@ -12,6 +12,7 @@ from plymotion.solver.dynamics.model import GROUND, Model
 from plymotion.solver.dynamics.tables import JointTable, MarkerTable, assemble_model, flexible_body
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.load import merge
+from plymotion.solver.inputs.case.resolved import resolved
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.math.rotations import frame_from_axis
 from plymotion.solver.mechanism import build
@@ -56,13 +57,12 @@ def from_case(
     changes: Mapping[str, Any] | None = None,
 ) -> Problem:
     """Run of a case with the given packages, measured at the place of signal `probe`."""
-    mechanism = load_case(case).runs[run].model_dump()
-    merge(mechanism, dict(changes or {}))
+    table = load_case(case).runs[run].model_dump()
+    merge(table, dict(changes or {}))
+    mechanism = resolved(table, f"{case}, run {run}")
     built = build(mechanism, {body: read_package(file) for body, file in packages.items()})
-    solver = mechanism["solver"]
-    y0 = starting_state(
-        built.model, built.start, solver["start"], built.joint_names, built.body_names
-    )
+    start = mechanism.solver.start
+    y0 = starting_state(built.model, built.start, start, built.joint_names, built.body_names)
     return Problem(
         case.parent.name, title, built.model, y0, built.signal_marker[probe], t_end, 0.01
     )

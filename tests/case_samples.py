@@ -53,7 +53,6 @@ def case_runs(repository: Path, name: str, folder: Path, *, coarse: bool = False
 
 def run_case(file: Path, **solver):
     """Times, signals by name and summary of a run, with some keys of its solver changed."""
-    spec = read_run(file)
-    spec.mechanism["solver"] |= solver
+    spec = read_run(file).changed({f"solver.{key}": value for key, value in solver.items()})
     result, summary = execute(spec, progress=False)
     return result.t, {s.name: s.values for s in result.signals}, summary

@@ -85,7 +85,7 @@ def _twice(file: Path, run: str, packages: Path | None) -> Judged:
     plan = read_plan(build / "sweeps/s.json")
     # The mechanism of the sweep: variants of the sweep are not those of the run.
     table = json.loads((build / "runs" / f"{run}.json").read_text())
-    table["mechanism"] = plan.mechanism_of(0)
+    table["mechanism"] = plan.mechanism_of(0).model_dump()
     single = build / "runs" / "judged.json"
     single.write_text(json.dumps(table))
     _, summary = execute(read_run(single), progress=False)

@@ -3,13 +3,13 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from ..dynamics.constraints.treatment import Treatment
 from ..dynamics.freedom import degrees_of_freedom
 from ..dynamics.model import Model
+from ..inputs.case.schema import Mechanism
 from ..integrators.generic import Solution
 from ..math.arrays import Array, IntArray
 from ..mechanism import BuiltMechanism
@@ -45,7 +45,7 @@ class FinishedRun:
     noticed : findings of preparation and monitors
     """
 
-    mechanism: dict[str, Any]
+    mechanism: Mechanism
     built: BuiltMechanism
     treatment: Treatment
     solution: Solution

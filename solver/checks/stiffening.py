@@ -22,7 +22,7 @@ from .geometric_stiffness import geometric_stiffness
 
 def stiffening_findings(run: FinishedRun) -> Iterator[Finding]:
     """Yield stiffened bodies in doubt, and linear ones that should be stiffened."""
-    asked = bool(run.mechanism["solver"].get("geometric_stiffening", False))
+    asked = run.mechanism.solver.geometric_stiffening
     if asked:
         for name, package in run.packages.items():
             if package.second_order is None and package.n_mode:

@@ -1,12 +1,13 @@
 """Build the model of a mechanism, keep its names, and say where it starts."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from ..dynamics.model import Model
 from ..dynamics.tables import Body, assemble_model, flexible_body, rigid_body
+from ..inputs.case.schema import Mechanism, RigidBody
+from ..inputs.case.signals import PointSignal
 from ..math.rotations import matrix_to_parameters
 from ..package import Interface, ModalPackage
 from .forces import force_tables
@@ -31,9 +32,9 @@ class BuiltMechanism:
 
 
 def build(
-    mechanism: dict[str, Any], packages: dict[str, ModalPackage], *, stiffening: bool = False
+    mechanism: Mechanism, packages: dict[str, ModalPackage], *, stiffening: bool = False
 ) -> BuiltMechanism:
-    """Build the model of a checked mechanism (inputs/case/schema.py, as plain data).
+    """Build the model of a checked mechanism (inputs/case/schema.py).
 
     `stiffening` gives every body its second-order terms whatever the mechanism says.
 
@@ -43,34 +44,34 @@ def build(
         A place that a package does not have, a distance of no length.
     """
     places = Places(mechanism, packages)
-    stiffening = stiffening or mechanism["solver"].get("geometric_stiffening", False)
+    stiffening = stiffening or mechanism.solver.geometric_stiffening
     bodies = _bodies(mechanism, packages, stiffening=stiffening)
     joints, built_joints = joint_tables(mechanism, places)
     forces = force_tables(mechanism, places)
     masses = [
-        (places.marker(f"masses.{name}.at", mass["at"], np.eye(3)), float(mass["mass"]))
-        for name, mass in mechanism["masses"].items()
+        (places.marker(f"masses.{name}.at", mass.at, np.eye(3)), mass.mass)
+        for name, mass in mechanism.masses.items()
     ]
     signal_marker = {
-        name: places.marker(f"signals.{name}.at", signal["at"], np.eye(3))
-        for name, signal in mechanism["signals"].items()
-        if "at" in signal
+        name: places.marker(f"signals.{name}.at", signal.at, np.eye(3))
+        for name, signal in mechanism.signals.items()
+        if isinstance(signal, PointSignal)
     }
     virtual = VirtualBodies([], places.markers, joints)
-    if mechanism["solver"]["attachment"] == "virtual":
+    if mechanism.solver.attachment == "virtual":
         virtual = through_virtual_bodies(bodies, places.markers, joints)
     model = assemble_model(
         bodies + virtual.bodies,
         virtual.markers,
         virtual.joints,
         masses,
-        mechanism["gravity"],
+        np.array(mechanism.gravity),
         forces=forces,
     )
     return BuiltMechanism(
         model=virtual.scaled(model),
         start=_start(mechanism, places, virtual, model),
-        body_names=list(mechanism["bodies"]),
+        body_names=list(mechanism.bodies),
         joint_names=[joint.name for joint in virtual.joints],
         packages=packages,
         places=places.known,
@@ -80,37 +81,35 @@ def build(
 
 
 def _bodies(
-    mechanism: dict[str, Any], packages: dict[str, ModalPackage], *, stiffening: bool
+    mechanism: Mechanism, packages: dict[str, ModalPackage], *, stiffening: bool
 ) -> list[Body]:
     return [
-        flexible_body(name, packages[name], stiffening=stiffening)
-        if name in packages
-        else rigid_body(name, t["mass"], np.array(t["centre"]), np.array(t["inertia"]))
-        for name, t in mechanism["bodies"].items()
+        rigid_body(name, body.mass, np.array(body.centre), np.array(body.inertia))
+        if isinstance(body, RigidBody)
+        else flexible_body(name, packages[name], stiffening=stiffening)
+        for name, body in mechanism.bodies.items()
     ]
 
 
-def _start(
-    mechanism: dict[str, Any], places: Places, virtual: VirtualBodies, model: Model
-) -> Start:
+def _start(mechanism: Mechanism, places: Places, virtual: VirtualBodies, model: Model) -> Start:
     """Return the given start; what is not given is free to follow from joints and drives."""
     positions = np.zeros(model.n_pos)
     velocities = np.zeros(model.n_vel)
     given = np.zeros(model.n_vel, dtype=bool)
-    still = mechanism["solver"]["modes_at_start"] == "still"
+    still = mechanism.solver.modes_at_start == "still"
     frames = list(zip(places.r_start, places.A_start, strict=True))
     for i, (r, A) in enumerate([*frames, *virtual.frames(places.r_start, places.A_start)]):
         a = int(model.pos_start[i])
         positions[a : a + 3] = r
         positions[a + 3 : a + 7] = matrix_to_parameters(A)
-    for i, body in enumerate(mechanism["bodies"].values()):
+    for i, body in enumerate(mechanism.bodies.values()):
         j = int(model.vel_start[i])
         given[j : j + 6] = True
         given[j + 6 : j + 6 + int(model.n_mode[i])] = still
-        for key, offset in (("velocity", 0), ("angular_velocity", 3)):
+        for value, offset in ((body.velocity, 0), (body.angular_velocity, 3)):
             part = slice(j + offset, j + offset + 3)
-            if body[key] is None:
+            if value is None:
                 given[part] = False
             else:
-                velocities[part] = body[key]
+                velocities[part] = value
     return Start(positions, velocities, given)

@@ -1,40 +1,48 @@
 """Springs, bushings and loads from the tables of a case."""
 
-from typing import Any
-
 import numpy as np
 
 from ..dynamics.tables import ForceTable
+from ..inputs.case.forces import Bushing, Force, ForceLoad, RotarySpring, Spring, TorqueLoad
+from ..inputs.case.schema import Mechanism
 from .laws import law_of
 from .places import Places, axes
 
+_Z = [0.0, 0.0, 1.0]
 
-def force_tables(mechanism: dict[str, Any], places: Places) -> list[ForceTable]:
+
+def force_tables(mechanism: Mechanism, places: Places) -> list[ForceTable]:
     """Return the force elements in the order of the case."""
-    return [_element(name, t, places) for name, t in mechanism["forces"].items()]
+    return [_element(name, force, places) for name, force in mechanism.forces.items()]
 
 
-def _element(name: str, table: dict[str, Any], places: Places) -> ForceTable:
-    kind = table["kind"]
-    if kind in ("force", "torque"):
-        return _load(name, table, places)
-    A_GM = axes(table.get("axis") or [0.0, 0.0, 1.0], table.get("axis_1"))
+def _element(name: str, force: Force, places: Places) -> ForceTable:
+    if isinstance(force, ForceLoad | TorqueLoad):
+        return _load(name, force, places)
+    if isinstance(force, Spring):
+        A_GM = axes(_Z)
+    else:
+        A_GM = axes(force.axis, force.axis_1 if isinstance(force, Bushing) else None)
     key = f"forces.{name}.between"
-    one, two = (places.marker(key, place, A_GM) for place in table["between"])
-    if kind == "bushing":
-        words = ("stiffness", "rotary_stiffness", "damping", "rotary_damping")
-        return ForceTable(name, kind, one, two, tuple(x for word in words for x in table[word]))
-    law = law_of(table["actuator"]) if table["actuator"] is not None else None
-    rest = table["angle"] if kind == "rotary_spring" else table["length"]
+    one, two = (places.marker(key, place, A_GM) for place in force.between)
+    if isinstance(force, Bushing):
+        constants = (
+            *force.stiffness,
+            *force.rotary_stiffness,
+            *force.damping,
+            *force.rotary_damping,
+        )
+        return ForceTable(name, force.kind, one, two, constants)
+    law = law_of(force.actuator) if force.actuator is not None else None
+    rest = force.angle if isinstance(force, RotarySpring) else force.length
     if rest is None:
         rest = float(np.linalg.norm(places.shift(one, two)))
-    return ForceTable(name, kind, one, two, (table["stiffness"], table["damping"], rest), law)
+    return ForceTable(name, force.kind, one, two, (force.stiffness, force.damping, rest), law)
 
 
-def _load(name: str, table: dict[str, Any], places: Places) -> ForceTable:
-    at = places.marker(f"forces.{name}.at", table["at"], np.eye(3))
-    reference = at if table["frame"] == "following" else places.ground_axes()
-    direction = np.array(table["direction"], dtype=float)
+def _load(name: str, load: ForceLoad | TorqueLoad, places: Places) -> ForceTable:
+    at = places.marker(f"forces.{name}.at", load.at, np.eye(3))
+    reference = at if load.frame == "following" else places.ground_axes()
+    direction = np.array(load.direction, dtype=float)
     direction /= np.linalg.norm(direction)
-    law = law_of(table["law"])
-    return ForceTable(name, table["kind"], reference, at, tuple(direction.tolist()), law)
+    return ForceTable(name, load.kind, reference, at, tuple(direction.tolist()), law_of(load.law))

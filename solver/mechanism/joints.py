@@ -1,12 +1,13 @@
 """Joints and their drives from the tables of a case."""
 
 from dataclasses import dataclass
-from typing import Any
 
 from ..dynamics.joints.contract import Displacement, DrivenBy, Number
 from ..dynamics.joints.table import JOINTS
 from ..dynamics.tables import JointTable
 from ..errors import InputError
+from ..inputs.case.joints import CaseJoint, drives
+from ..inputs.case.schema import Mechanism
 from ..math.arrays import Array
 from .laws import law_of, shifted
 from .places import Places, axes
@@ -22,36 +23,36 @@ class BuiltJoint:
 
 
 def joint_tables(
-    mechanism: dict[str, Any], places: Places
+    mechanism: Mechanism, places: Places
 ) -> tuple[list[JointTable], dict[str, BuiltJoint]]:
     """Return the joints and drives, each drive behind its joint, and where they stand."""
     tables: list[JointTable] = []
     built = {}
-    for name, joint in mechanism["joints"].items():
-        kind = joint["kind"]
-        A_GM = axes(joint.get("axis") or [0.0, 0.0, 1.0], joint.get("axis_2"))
+    for name, joint in mechanism.joints.items():
+        kind = joint.kind
+        A_GM = axes(getattr(joint, "axis", None) or [0.0, 0.0, 1.0], getattr(joint, "axis_2", None))
         key = f"joints.{name}.between"
-        one, two = (places.marker(key, place, A_GM) for place in joint["between"])
+        one, two = (places.marker(key, place, A_GM) for place in joint.between)
         shift = places.shift(one, two)
         first = len(tables)
         tables.append(JointTable(name, kind, one, two, parameters=_numbers(name, joint, shift)))
-        for driven in JOINTS[kind].keys:
-            if not isinstance(driven, DrivenBy) or joint.get(driven.name) is None:
-                continue
-            coordinate = driven.drive.coordinate
+        driven_by = {key.name: key for key in JOINTS[kind].keys if isinstance(key, DrivenBy)}
+        for drive_key, drive in drives(joint).items():
+            driven = driven_by[drive_key].drive
+            coordinate = driven.coordinate
             start = shift[coordinate.axis] if isinstance(coordinate, Displacement) else 0.0
-            law = shifted(law_of(joint[driven.name]), float(start))
-            label = f"{name} ({driven.name.replace('_', ' ')})"
-            tables.append(JointTable(label, driven.drive.kind, one, two, law))
+            law = shifted(law_of(drive), float(start))
+            label = f"{name} ({drive_key.replace('_', ' ')})"
+            tables.append(JointTable(label, driven.kind, one, two, law))
         built[name] = BuiltJoint(kind, tuple(range(first, len(tables))), shift)
     return tables, built
 
 
-def _numbers(name: str, joint: dict[str, Any], shift: Array) -> tuple[float, ...]:
+def _numbers(name: str, joint: CaseJoint, shift: Array) -> tuple[float, ...]:
     """Return the numbers of a joint in the order of its kernel."""
-    kind = JOINTS[joint["kind"]]
-    given = {key.name: joint[key.name] for key in kind.keys if isinstance(key, Number)}
-    given["between"] = joint["between"]
+    kind = JOINTS[joint.kind]
+    given = {key.name: getattr(joint, key.name) for key in kind.keys if isinstance(key, Number)}
+    given["between"] = joint.between
     try:
         complete = kind.complete(given, shift)
     except InputError as error:

@@ -1,32 +1,29 @@
 """Laws of time from the tables of a case."""
 
 from dataclasses import replace
-from typing import Any
 
+from ..inputs.case.laws import LoadLaw, RotationDrive, TranslationDrive
 from ..math import laws
 from ..math.laws import Law
 
 
-def law_of(table: dict[str, Any]) -> Law:
+def law_of(given: RotationDrive | TranslationDrive | LoadLaw) -> Law:
     """Return the law of a table that has exactly one (inputs/case/laws.py)."""
-    offset = table.get("angle") or table.get("displacement") or 0.0
-    given = {key: value for key, value in table.items() if value is not None}
-    if "constant" in given:
-        return laws.polynomial([given["constant"]])
-    if "speed" in given:
-        return laws.polynomial([offset, given["speed"]])
-    if "polynomial" in given:
-        return laws.polynomial(given["polynomial"])
-    if "ramp" in given:
-        rise = given["ramp"]
-        sine = rise.get("shape") == "sine"
-        return laws.ramp(rise["speed"], rise["duration"], offset, sine=sine)
-    if "smooth_step" in given:
-        step = given["smooth_step"]
-        return laws.smooth_step(step["value"], step["duration"], step["start"])
-    points = given["table"]
-    smooth = points.get("interpolation", "spline") == "spline"
-    return laws.table(points["times"], points["values"], smooth=smooth)
+    if given.polynomial is not None:
+        return laws.polynomial(given.polynomial)
+    if given.smooth_step is not None:
+        step = given.smooth_step
+        return laws.smooth_step(step.value, step.duration, step.start)
+    if given.table is not None:
+        smooth = not isinstance(given, LoadLaw) or given.table.interpolation == "spline"
+        return laws.table(given.table.times or [], given.table.values or [], smooth=smooth)
+    if isinstance(given, LoadLaw):
+        return laws.polynomial([given.constant or 0.0])
+    offset = given.angle if isinstance(given, RotationDrive) else given.displacement
+    if given.ramp is not None:
+        rise = given.ramp
+        return laws.ramp(rise.speed, rise.duration, offset, sine=rise.shape == "sine")
+    return laws.polynomial([offset, given.speed or 0.0])
 
 
 def shifted(law: Law, by: float) -> Law:

@@ -1,12 +1,11 @@
 """Places of a mechanism: where they are at the start, and markers on them."""
 
-from typing import Any
-
 import numpy as np
 
 from ..dynamics.model import GROUND
 from ..dynamics.tables import MarkerTable
 from ..errors import InputError, nearest
+from ..inputs.case.schema import Mechanism, RigidBody
 from ..math.arrays import Array
 from ..math.rotations import frame_from_axis, vector_to_matrix
 from ..package import Interface, ModalPackage
@@ -22,21 +21,21 @@ class Places:
     r_start, A_start : (nb, 3) [m], (nb, 3, 3) frames of the bodies at the given start
     """
 
-    def __init__(self, mechanism: dict[str, Any], packages: dict[str, ModalPackage]) -> None:
-        bodies = mechanism["bodies"]
+    def __init__(self, mechanism: Mechanism, packages: dict[str, ModalPackage]) -> None:
+        bodies = mechanism.bodies
         self._ground = {
-            f"ground.{name}": np.array(point["position"], dtype=float)
-            for name, point in mechanism["ground"].items()
+            f"ground.{name}": np.array(point.position, dtype=float)
+            for name, point in mechanism.ground.items()
         }
         self.known: dict[str, tuple[int, Interface]] = {}
         for index, (name, body) in enumerate(bodies.items()):
-            if name in packages:
-                found = list(packages[name].interfaces)
+            if isinstance(body, RigidBody):
+                found = [_rigid(point, at.position) for point, at in body.interfaces.items()]
             else:
-                found = [_rigid(point, t["position"]) for point, t in body["interfaces"].items()]
+                found = list(packages[name].interfaces)
             self.known |= {f"{name}.{i.name}": (index, i) for i in found}
-        self.r_start = np.array([body["position"] for body in bodies.values()], dtype=float)
-        turns = [np.radians(np.array(b["rotation_deg"], dtype=float)) for b in bodies.values()]
+        self.r_start = np.array([body.position for body in bodies.values()], dtype=float)
+        turns = [np.radians(np.array(b.rotation_deg, dtype=float)) for b in bodies.values()]
         self.A_start = np.array([vector_to_matrix(turn) for turn in turns])
         self.markers: list[MarkerTable] = []
 

@@ -10,6 +10,7 @@ from tqdm import tqdm
 
 from ..checks.finished import FinishedRun, Look
 from ..errors import InputError, PackageError
+from ..inputs.case.resolved import resolved
 from ..integrators.choice import make_integrator
 from ..integrators.generic import Integrator, StopRequest, integrate
 from ..math.arrays import Array
@@ -31,7 +32,8 @@ def read_run(file: Path) -> RunSpec:
     """
     try:
         table = json.loads(file.read_text(encoding="utf-8"))
-        case, run, mechanism = table["case"], table["run"], table["mechanism"]
+        case, run = table["case"], table["run"]
+        mechanism = resolved(table["mechanism"], str(file))
         entries = table["packages"]
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise InputError(
@@ -93,11 +95,12 @@ def integrated(
     watch : called after each step in place of the monitors, which it must call itself
     look : at how many output times the checks look
     """
-    solver = prepared.mechanism["solver"]
+    solver = prepared.mechanism.solver
     solution, order = prepared.refused, 0
     if solution is None:
-        integrator = make_integrator(prepared.model, prepared.y0, solver, prepared.treatment)
-        times = output_times(solver["t_end"], solver["output_step"])
+        settings = solver.model_dump()
+        integrator = make_integrator(prepared.model, prepared.y0, settings, prepared.treatment)
+        times = output_times(solver.t_end, solver.output_step)
         solution = integrate(integrator, times, watch or prepared.watch)
         order = integrator.order
     return prepared.finished(prepared.explained(solution), order, look or Look())
@@ -134,7 +137,7 @@ def execute(spec: RunSpec, *, progress: bool = True) -> tuple[RunResult, dict[st
     """
     begin = time.perf_counter()
     prepared = prepare(spec.mechanism, spec.packages)
-    follow = _Progress(prepared.watch, spec.mechanism["solver"]["t_end"], spec.run, progress)
+    follow = _Progress(prepared.watch, spec.mechanism.solver.t_end, spec.run, progress)
     try:
         finished = integrated(prepared, follow)
     finally:

@@ -1,12 +1,15 @@
 """What a run leaves: histories, signals, checks and warnings from its solution."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ..checks.finished import FinishedRun
 from ..checks.judge import judge
+from ..inputs.case.resolved import changed_mechanism
+from ..inputs.case.schema import Mechanism
 from ..math.arrays import Array
 from ..mechanism import BuiltMechanism
 from ..package import ModalPackage
@@ -24,8 +27,18 @@ class RunSpec:
 
     case: str
     run: str
-    mechanism: dict[str, Any]
+    mechanism: Mechanism
     packages: dict[str, ModalPackage]
+
+    def changed(self, changes: Mapping[str, Any]) -> "RunSpec":
+        """Return the run with other values at dotted keys of its mechanism, checked as a file is.
+
+        Raises
+        ------
+        InputError
+            Values that a run file may not have.
+        """
+        return replace(self, mechanism=changed_mechanism(self.mechanism, changes))
 
 
 def collect(
@@ -84,7 +97,7 @@ def collect(
             "evaluations": counters.evaluations,
             "jacobians": counters.jacobians,
             "factorisations": counters.factorisations,
-            "integrator": spec.mechanism["solver"]["integrator"],
+            "integrator": spec.mechanism.solver.integrator,
         },
         "hints": [*solution.hints, *hints],
         "warnings": [finding.entry() for finding in judgement.findings],

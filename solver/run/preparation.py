@@ -2,13 +2,13 @@
 
 from collections.abc import Callable, Container
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from ..checks.finished import FinishedRun, Look
 from ..dynamics.constraints.treatment import Treatment, treated, treatment_of
 from ..dynamics.model import Model
+from ..inputs.case.schema import Mechanism
 from ..integrators.generic import Integrator, Solution, StopRequest
 from ..math.arrays import Array
 from ..mechanism import BuiltMechanism, build
@@ -28,7 +28,7 @@ Watch = Callable[[Integrator], StopRequest | None]
 class Prepared:
     """What a run has before its first step, and what judges it afterwards."""
 
-    mechanism: dict[str, Any]
+    mechanism: Mechanism
     built: BuiltMechanism
     treatment: Treatment
     y0: Array  # (n,)
@@ -77,7 +77,7 @@ class Prepared:
 
 
 def prepare(
-    mechanism: dict[str, Any],
+    mechanism: Mechanism,
     packages: dict[str, ModalPackage],
     signals: Container[str] | None = None,
 ) -> Prepared:
@@ -90,25 +90,23 @@ def prepare(
     InputError
         A mechanism that cannot be assembled, contradictory constraints.
     """
-    solver = mechanism["solver"]
-    treatment = treatment_of(solver)
+    solver = mechanism.solver
+    treatment = treatment_of(solver.model_dump())
     built = build(mechanism, packages)
-    y0 = starting_state(
-        built.model, built.start, solver["start"], built.joint_names, built.body_names
-    )
+    y0 = starting_state(built.model, built.start, solver.start, built.joint_names, built.body_names)
     found = redundancy(built.model, y0, built.joint_names)
     built = replace(built, model=treated(built.model, treatment)._replace(redundant=found.count))
     wanted = {
-        name: table
-        for name, table in mechanism["signals"].items()
+        name: signal
+        for name, signal in mechanism.signals.items()
         if signals is None or name in signals
     }
-    spin = SpinMonitor(built.model, built.body_names, stop=solver["on_invalid"] == "stop")
+    spin = SpinMonitor(built.model, built.body_names, stop=solver.on_invalid == "stop")
     passage = SingularityMonitor(
         built.model,
         built.joint_names,
         treatment.name,
-        stop=solver.get("on_singular", "stop") == "stop",
+        stop=solver.on_singular == "stop",
     )
     invalid = spin.at_start(0.0, y0)
     passage.at_start(0.0, y0)

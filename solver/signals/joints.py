@@ -1,7 +1,6 @@
 """What joints do: their coordinates, and the forces that they carry."""
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
@@ -9,6 +8,7 @@ from ..dynamics.bodies.marker import Marker
 from ..dynamics.joints.contract import Angle, Displacement, Drive
 from ..dynamics.joints.table import CONSTRAINTS, COORDINATES, NAMES
 from ..dynamics.system import law_at
+from ..inputs.case.signals import ReactionSignal
 from ..math.arrays import Array
 from ..mechanism import BuiltJoint
 from .recording import Recording
@@ -24,13 +24,13 @@ def joint_coordinate(joint: BuiltJoint, coordinate: str) -> Callable[[Recording]
     return lambda recording: _angles(recording, joint, angle)
 
 
-def reaction(joint: BuiltJoint, table: dict[str, Any]) -> Callable[[Recording], Array]:
+def reaction(joint: BuiltJoint, signal: ReactionSignal) -> Callable[[Recording], Array]:
     """Return what gives the force or moment (k, 3) of a joint and its drives on one side."""
 
     def vectors(recording: Recording) -> Array:
-        both = recording.reactions(joint.rows, table["side"])
-        found = both[:, :3] if table["quantity"] == "force" else both[:, 3:]
-        if table["axes"] == "joint":
+        both = recording.reactions(joint.rows, signal.side)
+        found = both[:, :3] if signal.quantity == "force" else both[:, 3:]
+        if signal.axes == "joint":
             one, _ = _ends(recording, joint)
             found = np.array([m.A.T @ v for m, v in zip(one, found, strict=True)])
         return found

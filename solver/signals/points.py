@@ -1,10 +1,10 @@
 """How places of bodies move: global motion, orientation, elastic deflection and rotation."""
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
+from ..inputs.case.signals import PointSignal
 from ..math.arrays import Array
 from ..math.rotations import matrix_to_vector, vector_to_matrix
 from ..mechanism import BuiltMechanism
@@ -23,12 +23,12 @@ POINT_UNITS = {
 
 
 def point_values(
-    built: BuiltMechanism, name: str, table: dict[str, Any]
+    built: BuiltMechanism, name: str, signal: PointSignal
 ) -> Callable[[Recording], Array]:
     """Return what gives the vectors (k, 3) of a signal of a place."""
-    kind = table["kind"]
+    kind = signal.kind
     if kind in ("deflection", "rotation"):
-        return _elastic(built, table)
+        return _elastic(built, signal)
     marker = built.signal_marker[name]
     if kind == "position":
         return lambda recording: np.array([m.x for m in recording.motions(marker)])
@@ -41,15 +41,15 @@ def point_values(
     return lambda recording: rotation_vectors([m.A for m in recording.motions(marker)])
 
 
-def _elastic(built: BuiltMechanism, table: dict[str, Any]) -> Callable[[Recording], Array]:
+def _elastic(built: BuiltMechanism, signal: PointSignal) -> Callable[[Recording], Array]:
     """Return what gives the deflection or elastic rotation (k, 3) of an interface."""
-    body, at = built.places[table["at"]]
+    body, at = built.places[signal.at]
     second_order = stiffened(built.model, body)
-    if table["kind"] == "rotation":
+    if signal.kind == "rotation":
         return lambda recording: elastic_motion(at, recording.modes(body), second_order)[1]
-    if table.get("seen_from") is None:
+    if signal.seen_from is None:
         return lambda recording: elastic_motion(at, recording.modes(body), second_order)[0]
-    _, eye = built.places[table["seen_from"]]
+    _, eye = built.places[signal.seen_from]
     arm = at.position_B - eye.position_B
 
     def seen(recording: Recording) -> Array:

@@ -1,11 +1,11 @@
 """Resultants and ply stresses at a place along a flexible body."""
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
 from ..errors import InputError, nearest
+from ..inputs.case.signals import PlyStressSignal, ResultantSignal
 from ..math.arrays import Array, IntArray
 from ..package import ModalPackage
 from ..package.body.schema import BodyRecovery
@@ -16,7 +16,7 @@ from .recording import Recording
 Values = Callable[[Recording], Array]
 
 
-def resultant_values(key: str, body: int, package: ModalPackage, table: dict[str, Any]) -> Values:
+def resultant_values(key: str, body: int, package: ModalPackage, signal: ResultantSignal) -> Values:
     """Return what gives a resultant (k,) [N or N m].
 
     Raises
@@ -24,12 +24,14 @@ def resultant_values(key: str, body: int, package: ModalPackage, table: dict[str
     InputError
         A package without resultants, a place beyond its stations; `key` is that of the case.
     """
-    _, at = _at(key, package, table["x"])
-    row = at[RESULTANTS.index(table["component"])]
+    _, at = _at(key, package, signal.x)
+    row = at[RESULTANTS.index(signal.component)]
     return lambda recording: recording.modes(body) @ row
 
 
-def ply_stress_values(key: str, body: int, package: ModalPackage, table: dict[str, Any]) -> Values:
+def ply_stress_values(
+    key: str, body: int, package: ModalPackage, signal: PlyStressSignal
+) -> Values:
     """Return what gives a stress (k,) in ply axes [Pa].
 
     Raises
@@ -37,13 +39,13 @@ def ply_stress_values(key: str, body: int, package: ModalPackage, table: dict[st
     InputError
         As in `resultant_values`; a section without stresses, no such region or ply.
     """
-    section, at = _at(key, package, table["x"])
+    section, at = _at(key, package, signal.x)
     recovery = package.sections[section].recovery
     if recovery is None:
         name = package.sections[section].name
         raise InputError(f"{key}: section {name} of {package.body} has no recovery of stresses")
-    points = _points(key, recovery, table)
-    component = STRESSES.index(table["component"])
+    points = _points(key, recovery, signal)
+    component = STRESSES.index(signal.component)
     rows = unit_stress_M(recovery)[points, component] @ at  # (p, m)
 
     def values(recording: Recording) -> Array:
@@ -76,10 +78,10 @@ def _at(key: str, package: ModalPackage, x: float) -> tuple[int, Array]:
     return int(recovery.section[last]), (1.0 - share) * F[last] + share * F[last + 1]
 
 
-def _points(key: str, recovery: SectionRecovery, table: dict[str, Any]) -> IntArray:
+def _points(key: str, recovery: SectionRecovery, signal: PlyStressSignal) -> IntArray:
     """Return the rows of the points of a ply: all, or the one nearest to `point`."""
     regions = list(dict.fromkeys(ply.region for ply in recovery.plies))
-    region = table["region"]
+    region = signal.region
     if region is None:
         if len(regions) > 1:
             raise InputError(f"{key}.region: missing; expected one of {', '.join(regions)}")
@@ -87,12 +89,12 @@ def _points(key: str, recovery: SectionRecovery, table: dict[str, Any]) -> IntAr
     if region not in regions:
         raise InputError(f'{key}.region = "{region}": no such region{nearest(region, regions)}')
     numbers = {p.index: k for k, p in enumerate(recovery.plies) if p.region == region}
-    if table["ply"] not in numbers:
+    if signal.ply not in numbers:
         raise InputError(
-            f"{key}.ply = {table['ply']}: expected 0 to {max(numbers)}, the plies of {region}"
+            f"{key}.ply = {signal.ply}: expected 0 to {max(numbers)}, the plies of {region}"
         )
-    points = np.flatnonzero(recovery.ply == numbers[table["ply"]])
-    if table["point"] is not None:
-        away = np.linalg.norm(recovery.points[points] - np.array(table["point"]), axis=1)
+    points = np.flatnonzero(recovery.ply == numbers[signal.ply])
+    if signal.point is not None:
+        away = np.linalg.norm(recovery.points[points] - np.array(signal.point), axis=1)
         points = points[[int(np.argmin(away))]]
     return points

@@ -1,12 +1,12 @@
 """Sensors of a mechanism, made before the run so that what cannot be measured is said at once."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from ..dynamics.joints.table import COORDINATES
+from ..inputs.case.signals import JointSignal, PointSignal, ReactionSignal, ResultantSignal, Signal
 from ..math.arrays import Array
 from ..mechanism import BuiltMechanism
 from .joints import joint_coordinate, reaction
@@ -27,8 +27,8 @@ class Sensor:
     values: Values
 
 
-def sensors(built: BuiltMechanism, tables: dict[str, dict[str, Any]]) -> dict[str, Sensor]:
-    """Return the sensors of the signals of a case, as plain data (inputs/case/signals.py).
+def sensors(built: BuiltMechanism, signals: Mapping[str, Signal]) -> dict[str, Sensor]:
+    """Return the sensors of the signals of a case (inputs/case/signals.py).
 
     Raises
     ------
@@ -36,34 +36,31 @@ def sensors(built: BuiltMechanism, tables: dict[str, dict[str, Any]]) -> dict[st
         A package without resultants or stresses, a ply that it does not have.
     """
     found = {}
-    for name, table in tables.items():
-        unit, values = _measuring(built, name, table)
-        divisor = table["divide_by"]
-        if divisor is not None:
-            unit, values = "-", _divided(values, float(divisor))
-        found[name] = Sensor(unit, table["description"], values)
+    for name, signal in signals.items():
+        unit, values = _measuring(built, name, signal)
+        if signal.divide_by is not None:
+            unit, values = "-", _divided(values, signal.divide_by)
+        found[name] = Sensor(unit, signal.description, values)
     return found
 
 
-def _measuring(built: BuiltMechanism, name: str, table: dict[str, Any]) -> tuple[str, Values]:
-    kind = table["kind"]
-    if kind in POINT_UNITS:
-        vectors = point_values(built, name, table)
-        return POINT_UNITS[kind], _component(vectors, table["component"])
-    if kind == "joint":
-        coordinate = table["coordinate"]
-        values = joint_coordinate(built.joints[table["joint"]], coordinate)
-        return COORDINATES[coordinate].unit, values
-    if kind == "reaction":
-        vectors = reaction(built.joints[table["joint"]], table)
-        unit = "N" if table["quantity"] == "force" else "N m"
-        return unit, _component(vectors, table["component"])
-    body = built.body_names.index(table["body"])
-    package = built.packages[table["body"]]
-    if kind == "resultant":
-        unit = "N" if table["component"].startswith("F") else "N m"
-        return unit, resultant_values(f"signals.{name}", body, package, table)
-    return "Pa", ply_stress_values(f"signals.{name}", body, package, table)
+def _measuring(built: BuiltMechanism, name: str, signal: Signal) -> tuple[str, Values]:
+    if isinstance(signal, PointSignal):
+        vectors = point_values(built, name, signal)
+        return POINT_UNITS[signal.kind], _component(vectors, signal.component)
+    if isinstance(signal, JointSignal):
+        values = joint_coordinate(built.joints[signal.joint], signal.coordinate)
+        return COORDINATES[signal.coordinate].unit, values
+    if isinstance(signal, ReactionSignal):
+        vectors = reaction(built.joints[signal.joint], signal)
+        unit = "N" if signal.quantity == "force" else "N m"
+        return unit, _component(vectors, signal.component)
+    body = built.body_names.index(signal.body)
+    package = built.packages[signal.body]
+    if isinstance(signal, ResultantSignal):
+        unit = "N" if signal.component.startswith("F") else "N m"
+        return unit, resultant_values(f"signals.{name}", body, package, signal)
+    return "Pa", ply_stress_values(f"signals.{name}", body, package, signal)
 
 
 def _component(vectors: Values, component: str) -> Values:

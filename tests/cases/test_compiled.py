@@ -21,8 +21,7 @@ print(json.dumps([statistics.compiled, len(statistics.loaded), "numba" in sys.mo
 RUN = """
 from pathlib import Path
 from plymotion.solver.run.execution import execute, read_run
-spec = read_run(Path(NAME))
-spec.mechanism["solver"].update(OPTIONS)
+spec = read_run(Path(NAME)).changed({f"solver.{k}": v for k, v in OPTIONS.items()})
 result, summary = execute(spec, progress=False)
 assert summary["completed"], summary
 """

@@ -33,8 +33,7 @@ def runs(build: Path) -> dict[str, Any]:
     """Signals and summary of both runs, up to T_END."""
     found = {}
     for name in ("shell", "beam"):
-        spec = read_run(build / f"runs/{name}.json")
-        spec.mechanism["solver"]["t_end"] = T_END
+        spec = read_run(build / f"runs/{name}.json").changed({"solver.t_end": T_END})
         result, summary = execute(spec, progress=False)
         found[name] = ({s.name: s.values for s in result.signals}, summary)
     return found

@@ -22,8 +22,7 @@ def test_rigid_bars_are_locked_and_the_run_says_so(runs):
 def test_a_drive_on_rigid_bars_is_refused(runs, tmp_path):
     from plymotion.solver.run.execution import execute, read_run
 
-    spec = read_run(runs / "rigid.json")
-    spec.mechanism["joints"]["A"]["drive"] = {"speed": -0.6, "angle": 0.0}
+    spec = read_run(runs / "rigid.json").changed({"joints.A.drive": {"speed": -0.6}})
     with pytest.raises(InputError, match="contradict"):
         execute(spec, progress=False)
 

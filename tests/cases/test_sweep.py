@@ -325,7 +325,7 @@ def test_a_defect_is_told_and_the_others_go_on(tmp_path, monkeypatch):
     prepare = member.prepare
 
     def broken(mechanism, packages, signals):
-        if mechanism["bodies"]["ball"]["mass"] == 2:
+        if mechanism.bodies["ball"].mass == 2:
             raise ZeroDivisionError("a defect")
         return prepare(mechanism, packages, signals)
 

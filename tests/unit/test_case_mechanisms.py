@@ -1,6 +1,5 @@
 """Joints, drives, forces and signals of a case file: bad ones get one line, good ones a model."""
 
-import json
 import re
 
 import numpy as np
@@ -11,6 +10,7 @@ from plymotion.solver.dynamics.system import law_at
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.mechanism import build
+from plymotion.solver.run.execution import read_run
 
 SOURCE = """
 format = 1
@@ -222,8 +222,7 @@ def _built(tmp_path, source=SOURCE):
     file = tmp_path / "case.toml"
     file.write_text(source)
     write_case(load_case(file), tmp_path / "build")
-    mechanism = json.loads((tmp_path / "build/runs/base.json").read_text())["mechanism"]
-    return build(mechanism, {})
+    return build(read_run(tmp_path / "build/runs/base.json").mechanism, {})
 
 
 def test_drives_follow_their_joints_and_count_from_the_start(tmp_path):

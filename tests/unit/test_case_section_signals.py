@@ -6,6 +6,7 @@ from case_samples import HEAD, SOLVER
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case
+from plymotion.solver.inputs.case.signals import PlyStressSignal, ResultantSignal
 from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.mechanism import build
 from plymotion.solver.run.execution import read_run
@@ -38,8 +39,9 @@ def arm(repository, tmp_path_factory):
 
 def _values(arm, **table):
     built, _, recording = arm
-    table = {"body": "arm", "divide_by": None, "description": "", **table}
-    return sensors(built, {"signal": table})["signal"].values(recording)
+    kind = {"resultant": ResultantSignal, "ply_stress": PlyStressSignal}[table["kind"]]
+    signal = kind.model_validate({"body": "arm", **table})
+    return sensors(built, {"signal": signal})["signal"].values(recording)
 
 
 def test_resultants_at_and_between_stations(arm):

@@ -57,9 +57,9 @@ def test_members_are_the_mechanism_with_other_numbers(tmp_path):
     plan = ball_plan(tmp_path, f'{FORCE} = [2, 3]\n"bodies.ball.position.1" = [0.5]')
     assert [m.values for m in plan.members] == [(2, 0.5), (3, 0.5)]
     mechanism = plan.mechanism_of(1)
-    assert mechanism["forces"]["push"]["law"]["polynomial"] == [0, 0, 0, 3]
-    assert mechanism["bodies"]["ball"]["position"] == [0, 0.5, 0]
-    changes = dict(differences(plan.mechanism, mechanism))
+    assert mechanism.forces["push"].law.polynomial == [0, 0, 0, 3]
+    assert mechanism.bodies["ball"].position == [0, 0.5, 0]
+    changes = dict(differences(plan.table, mechanism.model_dump()))
     assert changes == {"forces.push.law.polynomial.3": 3, "bodies.ball.position.1": 0.5}
     assert [p.unit for p in plan.parameters] == ["", "m"]
 
@@ -67,7 +67,7 @@ def test_members_are_the_mechanism_with_other_numbers(tmp_path):
 def test_one_parameter_may_have_several_keys(tmp_path):
     vary = 'both = { keys = ["bodies.ball.mass", "solver.t_end"], values = [1, 2] }'
     mechanism = ball_plan(tmp_path, vary).mechanism_of(1)
-    assert mechanism["bodies"]["ball"]["mass"] == mechanism["solver"]["t_end"] == 2
+    assert mechanism.bodies["ball"].mass == mechanism.solver.t_end == 2
 
 
 BAD = {

@@ -1,7 +1,5 @@
 """Joints at flexible bodies by markers and by virtual bodies: the same motion and forces."""
 
-from copy import deepcopy
-
 import numpy as np
 import pytest
 
@@ -34,21 +32,19 @@ def spec(repository, tmp_path_factory):
     folder = tmp_path_factory.mktemp("build")
     case = load_case(repository / "cases/double-pendulum/case.toml")
     write_case(case, folder, repository / "tests/packages/double-pendulum")
-    spec = read_run(folder / "runs/isotropic.json")
-    spec.mechanism["solver"] |= {
-        "t_end": 0.02,
-        "rtol": 1e-9,
-        "atol_position": 1e-12,
-        "atol_velocity": 1e-10,
-    }
-    spec.mechanism["signals"] |= REACTIONS
-    return spec
+    return read_run(folder / "runs/isotropic.json").changed(
+        {
+            "solver.t_end": 0.02,
+            "solver.rtol": 1e-9,
+            "solver.atol_position": 1e-12,
+            "solver.atol_velocity": 1e-10,
+            **{f"signals.{name}": table for name, table in REACTIONS.items()},
+        }
+    )
 
 
 def _attached(spec, how):
-    changed = deepcopy(spec)
-    changed.mechanism["solver"]["attachment"] = how
-    return changed
+    return spec.changed({"solver.attachment": how})
 
 
 @pytest.mark.parametrize("integrator", ["rk8", "radau"])

@@ -14,6 +14,7 @@ from plymotion.solver.checks.geometric_stiffness import geometric_stiffness
 from plymotion.solver.checks.stiffening import stiffening_findings
 from plymotion.solver.dynamics.constraints.treatment import Treatment
 from plymotion.solver.dynamics.system import assemble, derivative
+from plymotion.solver.inputs.case.schema import Mechanism
 from plymotion.solver.integrators.generic import Solution
 from plymotion.solver.mechanism import build
 from plymotion.solver.monitors.spin import SpinMonitor
@@ -27,11 +28,8 @@ def column(force: float, **options):
     modes = [{"kind": "bending-xy", "count": 3}]
     tip_load = {"kind": "attachment", "at": "tip", "directions": ["x", "y"]}
     package = reduced(CLAMPED, [*modes, tip_load], K=K, mass=MASS, length=LENGTH).package
-    body = {"position": [0.0] * 3, "rotation_deg": [0.0] * 3, "velocity": None}
-    body["angular_velocity"] = None
-    mechanism = {
-        "gravity": [0.0] * 3,
-        "bodies": {"column": body},
+    table = {
+        "bodies": {"column": {"kind": "package", "package": "column.vtkhdf"}},
         "ground": {"foot": {"position": [0.0] * 3}},
         "joints": {"foot": {"kind": "fixed", "between": ["ground.foot", "column.root"]}},
         "forces": {
@@ -39,15 +37,12 @@ def column(force: float, **options):
                 "kind": "force",
                 "at": "column.tip",
                 "direction": [1.0, 0.0, 0.0],
-                "frame": "fixed",
                 "law": {"constant": force},
             }
         },
-        "masses": {},
-        "signals": {},
-        "solver": {"attachment": "marker", "modes_at_start": "still", **options},
+        "solver": {"t_end": 1.0, "output_step": 1.0, **options},
     }
-    return package, mechanism
+    return package, Mechanism.model_validate(table)
 
 
 def found_codes(force: float, **options):

@@ -55,7 +55,7 @@ class SweepResult:
 
 def result_of(plan: Plan, rows: Sequence[Row]) -> SweepResult:
     """Return the result of a plan so far."""
-    solver, tables = plan.mechanism["solver"], plan.mechanism["signals"]
+    solver, signals = plan.mechanism.solver, plan.mechanism.signals
     units = {n: s["unit"] for row in rows for n, s in row.signals.items()}
     return SweepResult(
         case=plan.case,
@@ -66,11 +66,10 @@ def result_of(plan: Plan, rows: Sequence[Row]) -> SweepResult:
         parameter_names=tuple(p.name for p in plan.parameters),
         parameter_units=tuple(p.unit for p in plan.parameters),
         values=np.array([m.values for m in plan.members], dtype=float),
-        t=output_times(solver["t_end"], solver["output_step"]) if plan.histories else np.zeros(0),
+        t=output_times(solver.t_end, solver.output_step) if plan.histories else np.zeros(0),
         signal_units={name: units.get(name, "") for name in plan.signals},
         signal_words={
-            n: tables[n].get("description", "")
-            for n in dict.fromkeys((*plan.signals, *plan.histories))
+            n: signals[n].description for n in dict.fromkeys((*plan.signals, *plan.histories))
         },
         rows=tuple(rows),
     )

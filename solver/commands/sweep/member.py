@@ -117,8 +117,7 @@ def _computed(plan: Plan, packages: Packages, number: int, row: Row) -> Row:
     if finished.solution.status == INTERRUPTED:
         return row
     seconds = time.perf_counter() - begin
-    solver = mechanism["solver"]
-    times = output_times(solver["t_end"], solver["output_step"])
+    times = output_times(mechanism.solver.t_end, mechanism.solver.output_step)
     return _row_of(plan, row, finished, prepared.measured, times, seconds)
 
 

@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-from copy import deepcopy
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -11,6 +10,8 @@ from typing import Any
 from plymotion import __version__
 
 from ...errors import InputError, PackageError
+from ...inputs.case.resolved import put, resolved
+from ...inputs.case.schema import Mechanism
 from ...package import ModalPackage
 from ...package.common.plain_data import data_sha256
 from ...run.execution import package_of
@@ -51,20 +52,17 @@ class Plan:
     parameters: tuple[Parameter, ...]
     signals: tuple[str, ...]
     histories: tuple[str, ...]
-    mechanism: dict[str, Any]
+    table: dict[str, Any]  # mechanism that all members change, as in the file
+    mechanism: Mechanism  # the same
     packages: tuple[dict[str, str], ...]  # file, inputs_sha256
     members: tuple[Member, ...]
 
-    def mechanism_of(self, number: int) -> dict[str, Any]:
-        """Return the mechanism of one member."""
-        mechanism = deepcopy(self.mechanism)
-        for key, value in self.members[number].changes.items():
-            here: Any = mechanism
-            *way, last = key.split(".")
-            for part in way:
-                here = here[int(part)] if isinstance(here, list) else here[part]
-            here[int(last) if isinstance(here, list) else last] = value
-        return mechanism
+    def mechanism_of(self, number: int) -> Mechanism:
+        """Return the mechanism of one member. Raises InputError."""
+        return resolved(self._table_of(number), f"{self.file}: member {number}")
+
+    def _table_of(self, number: int) -> dict[str, Any]:
+        return put(self.table, self.members[number].changes)
 
     def package_file(self, number: int) -> Path:
         """Return where a package lies."""
@@ -87,7 +85,7 @@ class Plan:
         found = []
         for number, member in enumerate(self.members):
             own = {body: contents[k] for body, k in member.packages.items()}
-            found.append(data_sha256([*common, self.mechanism_of(number), own]))
+            found.append(data_sha256([*common, self._table_of(number), own]))
         return found
 
 
@@ -115,7 +113,8 @@ def read_plan(file: Path) -> Plan:
             ),
             signals=tuple(table["signals"]),
             histories=tuple(table["histories"]),
-            mechanism=table["mechanism"],
+            table=table["mechanism"],
+            mechanism=resolved(table["mechanism"], str(file)),
             packages=tuple(table["packages"]),
             members=tuple(
                 Member(tuple(m["values"]), m["changes"], m["packages"]) for m in table["members"]

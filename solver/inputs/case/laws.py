@@ -12,7 +12,8 @@ from ...math import laws
 from ..common.table import Table, unit
 
 Times = Annotated[list[float], Field(min_length=2)]
-FOLDER = "folder"  # key of the validation context: the folder of the case file
+# Keys of the validation context: the folder of the case file; whether tables are read already.
+FOLDER, RESOLVED = "folder", "resolved"
 
 
 class TimeTable(Table):
@@ -37,6 +38,8 @@ class TimeTable(Table):
     @classmethod
     def _from_file(cls, data: Any, info: ValidationInfo) -> Any:
         if not isinstance(data, dict) or not isinstance(data.get("file"), str):
+            return data
+        if (info.context or {}).get(RESOLVED):
             return data
         if "times" in data or "values" in data:
             raise ValueError("expected either `file` or `times` and `values`")

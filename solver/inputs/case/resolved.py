@@ -1,0 +1,43 @@
+"""The resolved mechanism of a run: plain data in a file, typed in the program."""
+
+from collections.abc import Mapping
+from copy import deepcopy
+from typing import Any
+
+from pydantic import ValidationError
+
+from ...errors import InputError
+from ..common.messages import lines
+from .laws import RESOLVED
+from .schema import Mechanism
+
+
+def resolved(table: Mapping[str, Any], where: str) -> Mechanism:
+    """Return the mechanism of a run or sweep file, as `check` wrote it.
+
+    Raises
+    ------
+    InputError
+        A file that was not written by `check`, or by another version; `where` names it.
+    """
+    try:
+        return Mechanism.model_validate(table, context={RESOLVED: True})
+    except ValidationError as error:
+        raise InputError("\n".join(lines(error, Mechanism, where))) from error
+
+
+def put(table: dict[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a copy of plain data with other values at dotted keys; numbers are places of lists."""
+    found = deepcopy(table)
+    for key, value in changes.items():
+        here: Any = found
+        *way, last = key.split(".")
+        for part in way:
+            here = here[int(part)] if isinstance(here, list) else here[part]
+        here[int(last) if isinstance(here, list) else last] = value
+    return found
+
+
+def changed_mechanism(mechanism: Mechanism, changes: Mapping[str, Any]) -> Mechanism:
+    """Return a mechanism with other values at dotted keys, checked like one from a file."""
+    return resolved(put(mechanism.model_dump(), changes), "changed mechanism")
