@@ -1,8 +1,8 @@
-"""Content hash of everything a modal package is made from.
+"""Content hash of all inputs of a modal package.
 
-A package is rebuilt only when this hash differs from the one it stores: the
-body's specification, the preprocessor's sources and mesh scripts, and the
-format it is written in.
+A package is rebuilt only if this hash differs from the stored one. The hash includes
+the specification of the body, the sources of the preprocessor, the mesh scripts, and the
+format version.
 """
 
 import functools
@@ -13,8 +13,8 @@ from typing import Any
 
 from ..solver.package.body.schema import FORMAT_VERSION
 
-# Who asked for the body says nothing about the body: a new integrator setting
-# in the case file must not rebuild its packages.
+# These keys do not affect the body: a new integrator setting
+# # in the case file must not rebuild its packages.
 NOT_INPUTS = ("inputs_sha256", "case")
 PLACES = ("file", "arrays")
 
@@ -27,7 +27,7 @@ def canonical(table: Any) -> str:
 def fingerprint(spec: dict[str, Any]) -> str:
     """SHA-256 of a body specification, the sources and the format version.
 
-    The version of DOLFINx is left out on purpose: all versions give the same numbers (to 1e-9,
+    The version of DOLFINx is not included: all versions give the same numbers (to 1e-9,
     tested).
     """
     text = canonical([_inputs(spec), list(FORMAT_VERSION), _sources_sha256()])
@@ -35,7 +35,7 @@ def fingerprint(spec: dict[str, Any]) -> str:
 
 
 def _inputs(table: Any) -> Any:
-    """The part of a specification that is an input: a mesh counts by its content, not its place."""
+    """The inputs in a specification. A mesh is identified by its content, not by its path."""
     if isinstance(table, list):
         return [_inputs(value) for value in table]
     if not isinstance(table, dict):

@@ -1,7 +1,7 @@
-"""What a beam body is made of: the plain JSON of the case checker, checked again.
+"""Specification of a beam body: the plain JSON of the case checker, checked again.
 
-The specification is normally written by the case checker, but a user may write
-one by hand, so every value is checked here and an error names key, value and
+The case checker normally writes the specification, but a user may also write
+one by hand. Therefore every value is checked here. An error names key, value and
 expectation.
 """
 
@@ -33,7 +33,7 @@ ENDS = {"start": 0.0, "end": 1.0}
 
 @dataclass(frozen=True)
 class BeamSpec:
-    """A beam body as asked for.
+    """A checked specification of a beam body.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class BeamSpec:
     mass_form : "consistent" or "lumped"
     interfaces : name and place as a fraction of the length
     reference : what ties the body frame to the beam
-    modes : what to keep of its motion
+    modes : requested modes
     damping_ratio : of every mode, fraction of critical
     """
 

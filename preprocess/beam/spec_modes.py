@@ -1,4 +1,4 @@
-"""The reference condition and the modes that a beam specification asks for."""
+"""The reference condition and the requested modes in a beam specification."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -28,13 +28,13 @@ class Reference:
 
 @dataclass(frozen=True)
 class ModeSpec:
-    """What to keep of the body's motion.
+    """The requested modes of a body.
 
     Attributes
     ----------
     eigenmodes : kinds and counts
     attachments : interface and direction (one of DIRECTIONS) of each unit load
-    static_axial : whether the shape under a load that rises along the beam is wanted
+    static_axial : whether the shape under a load that increases along the beam is requested
     spinning : plane (one of SPINNING) and number of the shapes of a spinning beam
     """
 
@@ -54,7 +54,7 @@ def read_reference(entry: Any, places: dict[str, float]) -> Reference:
     names: list[Any] = [at]
     if kind == "mean-axis":
         if at is not None:
-            wish = "no such key with kind 'mean-axis', which no place carries"
+            wish = "no such key with kind 'mean-axis', which needs no interface"
             raise SpecError(expected("reference.at", at, wish))
         names = []
     elif kind == "chord":

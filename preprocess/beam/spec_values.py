@@ -1,4 +1,4 @@
-"""Values of a body specification: what is expected of each, and words for what is not met."""
+"""Checks of the values of a body specification, and their error messages."""
 
 from typing import Any
 
@@ -12,12 +12,12 @@ class SpecError(ValueError):
 
 
 def expected(key: str, value: Any, wish: str) -> str:
-    """Message of a value that is not what it should be."""
+    """Message for a value that does not meet its expectation."""
     return f"{key}: expected {wish}, found {value!r}"
 
 
 def known_keys(table: dict[str, Any], known: tuple[str, ...], where: str) -> None:
-    """Raise SpecError for the first key that is not known, with the nearest that is."""
+    """Raise SpecError for the first unknown key, with the nearest known one."""
     for key in table:
         if key not in known:
             hint = did_you_mean(str(key), known)

@@ -1,4 +1,4 @@
-"""Section files as a product of the batch: one specification, one file beside it."""
+"""Section files as a product of the batch: one file for each specification, in the same folder."""
 
 import dataclasses
 import json
@@ -13,12 +13,12 @@ from ...solver.package.section.io import write_section
 from ...solver.package.section.schema import SECTION_FORMAT_VERSION
 from ..fingerprint import fingerprint
 
-# What the common MPI launchers tell the processes that they start.
+# Environment variables of the common MPI launchers.
 LAUNCHERS = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK", "MPI_LOCALNRANKS")
 
 
 class Ranks(Protocol):
-    """The processes that make one section together."""
+    """The processes that analyse one section together."""
 
     rank: int
     team: Any  # for `analyse`; None: one process
@@ -27,7 +27,7 @@ class Ranks(Protocol):
         """The value of rank 0."""
 
     def together(self) -> None:
-        """Wait for the others."""
+        """Wait for the other processes."""
 
 
 class Alone:
@@ -41,11 +41,11 @@ class Alone:
         return value
 
     def together(self) -> None:
-        """Nobody to wait for."""
+        """Nothing to wait for."""
 
 
 def launched_ranks() -> Ranks:
-    """The ranks of this job; found without loading MPI where no launcher is at work."""
+    """The ranks of this job; MPI is loaded only if a launcher started the process."""
     if not any(name in os.environ for name in LAUNCHERS):
         return Alone()
     from ..fenicsx import parallel
@@ -54,13 +54,13 @@ def launched_ranks() -> Ranks:
 
 
 class SectionFiles:
-    """One section's specification becomes its section file.
+    """Makes the section file of one specification.
 
     Parameters
     ----------
-    estimate, accuracy : of `analyse`; they are inputs like the specification itself
-    ranks : who works on each section together; only rank 0 writes
-    progress : called with words while a section is analysed
+    estimate, accuracy : see `analyse`; they are inputs like the specification itself
+    ranks : processes that work on each section together; only rank 0 writes
+    progress : called with the name of each step of the analysis
     """
 
     def __init__(
@@ -77,24 +77,24 @@ class SectionFiles:
         self.progress = progress
 
     def fingerprint(self, spec: dict[str, Any]) -> str:
-        """Hash of all that a section file is made from."""
+        """Hash of all inputs of a section file."""
         options = {"estimate": self.estimate, "accuracy": self.accuracy}
         version = list(SECTION_FORMAT_VERSION)
         return fingerprint({"spec": spec, "options": options, "format": version})
 
     def unchanged(self, target: Path, spec: dict[str, Any]) -> bool:
-        """True if the target was made from these very inputs; the same on all ranks."""
+        """True if the target was made from the same inputs; equal on all ranks."""
         same = self.ranks.rank == 0 and stored_fingerprint(target) == self.fingerprint(spec)
         return bool(self.ranks.agreed(same))
 
     def make(self, spec: dict[str, Any], target: Path) -> tuple[str, Sequence[dict[str, str]]]:
         """Analyse the section and write its file."""
-        from .analysis import analyse  # here: FEniCSx is loaded only where something is built
+        from .analysis import analyse  # here: loads FEniCSx only if needed
 
         try:
             section = analyse(
                 spec,
-                "section",  # the same for all: it is part of what finds a mesh that is kept
+                "section",  # equal on all ranks: it is part of the key of kept meshes
                 estimate=self.estimate,
                 accuracy=self.accuracy,
                 progress=self.progress,
@@ -114,9 +114,9 @@ def _summary(provenance: dict[str, Any]) -> str:
 
 
 def stored_fingerprint(target: Path) -> str | None:
-    """What one of our files says that it was made from; None if it is no such file.
+    """Fingerprint of the inputs stored in a file; None if it is not a file of this project.
 
-    Only the header is read: the file took its name when it was complete.
+    Only the header is read: a file gets its name only when it is complete.
     """
     try:
         with open_file(target, PackageError) as file:

@@ -1,4 +1,4 @@
-"""The outer form of a section's specification, for those that are written by hand."""
+"""Check of the outer form of a section's specification, which may be written by hand."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -13,7 +13,8 @@ PLY = ("material", "angle_deg", "thickness")
 
 
 def check_spec(spec: Mapping[str, Any], where: str) -> None:
-    """Raise SectionError for a key that is unknown, missing or no table; names the nearest."""
+    """Raise SectionError for a key that is unknown, missing or not a table; names the nearest
+    key."""
     _keys(spec, (*REQUIRED, *OPTIONAL), where)
     for key in REQUIRED:
         if not isinstance(spec.get(key), Mapping) or not spec[key]:

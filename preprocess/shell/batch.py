@@ -1,4 +1,4 @@
-"""Shell results files as a product of the batch: one specification, one file beside it."""
+"""Shell files as a product of the batch: one file for each specification, in the same folder."""
 
 import dataclasses
 from collections.abc import Callable, Sequence
@@ -12,12 +12,12 @@ from ..section.batch import Alone, Ranks, stored_fingerprint
 
 
 class ShellFiles:
-    """One shell's specification becomes its results file.
+    """Makes the results file of one shell from its specification.
 
     Parameters
     ----------
-    ranks : who works on each shell together; only rank 0 writes
-    progress : called with words while a shell is analysed
+    ranks : processes that work on each shell together; only rank 0 writes
+    progress : called with the name of each step of the analysis
     """
 
     def __init__(
@@ -27,17 +27,17 @@ class ShellFiles:
         self.progress = progress
 
     def fingerprint(self, spec: dict[str, Any]) -> str:
-        """Hash of all that a shell file is made from."""
+        """Hash of all inputs of a shell file."""
         return fingerprint({"spec": spec, "format": list(SHELL_FORMAT_VERSION)})
 
     def unchanged(self, target: Path, spec: dict[str, Any]) -> bool:
-        """True if the target was made from these very inputs; the same on all ranks."""
+        """True if the target was made from the same inputs; equal on all ranks."""
         same = self.ranks.rank == 0 and stored_fingerprint(target) == self.fingerprint(spec)
         return bool(self.ranks.agreed(same))
 
     def make(self, spec: dict[str, Any], target: Path) -> tuple[str, Sequence[dict[str, str]]]:
         """Analyse the shell and write its file."""
-        from .analysis import analyse  # here: FEniCSx is loaded only where something is built
+        from .analysis import analyse  # here: loads FEniCSx only if needed
 
         try:
             team = {"team": self.ranks.team} if self.ranks.team else {}

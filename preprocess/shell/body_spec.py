@@ -1,8 +1,8 @@
-"""What a shell body is made of: the plain JSON of the case checker, checked again.
+"""Specification of a shell body: the plain JSON of the case checker, checked again.
 
 {"body": "hand", "kind": "shell",
  "shell": {"mesh": {...}, "materials": {...}, "laminates": {...}, "regions": {...},
-           "elements": {...}, "stiffeners": {...}},          see spec.py; nothing is held or loaded
+           "elements": {...}, "stiffeners": {...}},          see spec.py; no supports, no loads
  "mass_form": "consistent",                                  or "lumped": of modes and invariants
  "reference": {"kind": "clamped", "at": "root"},             or chord (two), mean-axis (none)
  "modes": [{"kind": "lowest", "count": 8}, {"kind": "attachment", "at": "tip"}],
@@ -34,7 +34,7 @@ INTERFACE = ("at", "link", "position", "rotation_deg")
 
 @dataclass(frozen=True)
 class ShellInterface:
-    """An interface as asked for.
+    """A checked specification of an interface.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class ShellInterface:
 
 @dataclass(frozen=True)
 class ShellBodySpec:
-    """A shell body as asked for.
+    """A checked specification of a shell body.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class ShellBodySpec:
     mass_form : "consistent" or "lumped"
     interfaces : in the order of the links
     reference : what ties the body frame to the shell; its places are interfaces, by number
-    modes : what to keep of its motion
+    modes : requested modes
     damping_ratio : of every mode, fraction of critical
     """
 
@@ -94,8 +94,10 @@ def read_shell_body(spec: dict[str, Any]) -> ShellBodySpec:
     reference = _reference(spec.get("reference", {}), interfaces, numbers)
     modes = read_modes(spec.get("modes", []), numbers)
     if any(request.kind == "torsion" for request in modes.eigenmodes):
-        wish = "lowest, or bending-xy, bending-xz, axial: what moves most along y, z, x"
-        raise SpecError(expected("modes.kind", "torsion", wish) + " (a shell twists along y and z)")
+        wish = "lowest, or bending-xy, bending-xz, axial: largest motion along y, z, x"
+        raise SpecError(
+            expected("modes.kind", "torsion", wish) + " (twist is motion along y and z)"
+        )
     if modes.spinning:
         wish = "lowest, bending-xy, bending-xz, axial, attachment or static-axial of a shell"
         raise SpecError(expected("modes.kind", modes.spinning[0][0], wish))

@@ -1,4 +1,4 @@
-"""Which elements a shell is made of."""
+"""Choice of the elements of a shell."""
 
 from collections.abc import Iterable
 from typing import NamedTuple
@@ -19,9 +19,9 @@ class Choice(NamedTuple):
     membrane : "opt", "allman" or "cst"
     beta0 : factor of the higher-order stiffness of "opt", or "felippa": from the membrane
         stiffness of the laminate
-    drilling : "none", "fictitious", "tie", or "auto": "tie" for a membrane without rotations
-        of its own, otherwise "none"
-    drilling_factor : factor of the drilling stiffness, to the laminate's A66
+    drilling : "none", "fictitious", "tie", or "auto": "tie" for a membrane without drilling
+        rotations, otherwise "none"
+        drilling_factor : factor of the drilling stiffness, relative to the laminate's A66
     """
 
     plate: str = "dkmt"
@@ -31,13 +31,13 @@ class Choice(NamedTuple):
     drilling_factor: float = 1e-2
 
     def drilling_form(self) -> str:
-        """Name of the drilling stiffness with "auto" decided."""
+        """Name of the drilling stiffness, with "auto" resolved."""
         if self.drilling != "auto":
             return self.drilling
         return "none" if self.membrane in WITH_ROTATIONS else "tie"
 
     def checked(self) -> "Choice":
-        """Itself, or `ShellError` that names key, value and expectation."""
+        """Return itself; raise `ShellError` with key, value and expectation if it is wrong."""
         for key, known in (
             ("plate", PLATES),
             ("membrane", MEMBRANES),

@@ -1,4 +1,4 @@
-"""Stiffness against the rotation about the normal: one file a form, all with the same contract.
+"""Stiffness of the rotation about the normal: one file per form, all with the same interface.
 
     f(t: Triangles, A (c|1, 3, 3) [N/m], factor) -> (c, 9, 9)
 

@@ -1,8 +1,8 @@
-"""Stretching of a flat triangle: one file an element, all with the same contract.
+"""Membrane elements (flat triangles): one file per element, all with the same interface.
 
     f(t: Triangles, A (c|1, 3, 3) [N/m], beta0) -> MembraneStrains
 
-in the membrane's degrees of freedom (u, v, tz) of corners 1, 2, 3. `beta0` matters to "opt" alone.
+in the membrane's degrees of freedom (u, v, tz) of corners 1, 2, 3. Only "opt" uses `beta0`.
 """
 
 from collections.abc import Callable
@@ -17,6 +17,6 @@ from .strains import MembraneStrains
 Membrane = Callable[[Triangles, Array, float | str], MembraneStrains]
 
 MEMBRANES: dict[str, Membrane] = {"opt": opt, "allman": allman, "cst": cst}
-WITH_ROTATIONS = frozenset({"opt", "allman"})  # which give stiffness to tz
+WITH_ROTATIONS = frozenset({"opt", "allman"})  # membranes with stiffness for tz
 
 __all__ = ["MEMBRANES", "WITH_ROTATIONS", "Membrane", "MembraneStrains"]

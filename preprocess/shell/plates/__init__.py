@@ -1,4 +1,4 @@
-"""Bending of a flat triangle: one file an element, all with the same contract.
+"""Plate elements (flat triangles): one file per element, all with the same interface.
 
     f(t: Triangles, D (c|1, 3, 3) [N m], Ds (c|1, 2, 2) [N/m]) -> PlateStrains
 
