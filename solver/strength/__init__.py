@@ -31,8 +31,8 @@ __all__ = [
 class Criterion:
     """A criterion by name.
 
-    `bound` is a convex function of the stress, proportional to it and nowhere below the exposure:
-    with it the search over a history leaves most points and times out (search.py).
+    `bound` is a convex function of the stress, proportional to it and never below the exposure.
+    With it the search over a history skips most points and times (search.py).
     """
 
     name: str
@@ -41,7 +41,7 @@ class Criterion:
 
 
 def _convex(name: str, assess: Callable[[Array, Any], Verdict]) -> Criterion:
-    """A criterion whose failure surface is convex: its exposure is its own bound."""
+    """A criterion with a convex failure surface: its exposure is its own bound."""
     return Criterion(name, assess, lambda stress, strength: assess(stress, strength).exposure)
 
 

@@ -167,7 +167,7 @@ def test_clockwise_cells_are_turned(tmp_path: Path) -> None:
 def test_folded_cell(tmp_path: Path) -> None:
     """A middle node dragged through the cell."""
     nodes = [(0, 0), (1, 0), (0, 1), (0.5, 0.45), (0.5, 0.5), (0, 0.5)]
-    with pytest.raises(SectionError, match=r"1 of 1 cells fold over.*\(0.3333, 0.3333\).*'body'"):
+    with pytest.raises(SectionError, match=r"1 of 1 cells are folded.*\(0.3333, 0.3333\).*'body'"):
         by_hand(tmp_path, nodes, [range(6)], 9)
 
 

@@ -1,4 +1,4 @@
-"""What must hold before the solver may use a package: layout and numbers."""
+"""Checks that a package must pass before the solver uses it: layout and numbers."""
 
 import h5py
 import numpy as np
@@ -79,7 +79,7 @@ def layout_findings(group: h5py.Group) -> list[Finding]:
 
 
 def content_findings(package: ModalPackage) -> list[Finding]:
-    """Check the numbers that the solver relies on, of a package in memory."""
+    """Check the numbers of a package in memory that the solver uses."""
     bad: list[Finding] = []
 
     def error(dataset: str, message: str) -> None:
@@ -103,7 +103,7 @@ def content_findings(package: ModalPackage) -> list[Finding]:
         n_laminate, n_cell = len(package.laminates), len(package.cell_types)
         check_cells(package.cell_resultants, n_laminate, n_cell, error)
     if bad:
-        return bad  # every other test would only repeat it
+        return bad  # the other checks would report the same error
 
     for name in ("mass", "stiffness", "damping"):
         symmetric(f"modes/{name}", getattr(package, name), error)
@@ -120,7 +120,7 @@ def content_findings(package: ModalPackage) -> list[Finding]:
     mesh_cells(package.offsets, package.connectivity, len(package.nodes_B), error)
     known = set(np.asarray(package.node_ids).tolist())
     if len(known) != len(package.node_ids):
-        error("mesh/node_ids", "expected unique identifiers, some are there twice")
+        error("mesh/node_ids", "expected unique identifiers, found duplicates")
     for interface in package.interfaces:
         where = f"interfaces/{interface.name}"
         one_of(f"{where}/kind", [interface.kind], INTERFACE_KINDS, error)

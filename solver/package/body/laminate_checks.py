@@ -1,4 +1,4 @@
-"""Can the laminates and cell resultants of a package be used, and do they belong to the body?"""
+"""Checks of the laminates and cell resultants of a package, and whether they match the body."""
 
 from collections.abc import Iterator
 
@@ -11,10 +11,10 @@ from ..section.recovery_checks import check_plies
 from .laminate_data import CellResultants, LaminateData
 from .schema import ModalPackage
 
-ENERGY = 2.0  # factor: strain energy of the mean resultants, which hold less than all of it
+ENERGY = 2.0  # factor: strain energy of the mean resultants, which is less than the total
 NORMAL = 1e-3  # sine of the angle between a cell's normal and its e3
-EQUILIBRIUM = 1e-6  # relative: what the stresses of a unit resultant integrate back to
-SIMPSON = np.array([1.0, 4.0, 1.0]) / 6.0  # over a ply: exact for stresses of second degree
+EQUILIBRIUM = 1e-6  # relative error of the integrated stresses of a unit resultant
+SIMPSON = np.array([1.0, 4.0, 1.0]) / 6.0  # quadrature over a ply, exact for quadratic stresses
 
 
 def check_laminate(laminate: LaminateData, where: str, error: Reporter) -> None:
@@ -53,7 +53,7 @@ def laminate_findings(package: ModalPackage) -> Iterator[Finding]:
 
 
 def _equilibrium(laminate: LaminateData) -> Iterator[Finding]:
-    """Stresses of unit resultants, turned to laminate axes and integrated over the plies."""
+    """Stresses of unit resultants, rotated to laminate axes and integrated over the plies."""
     back = np.zeros((6, 8))
     for ply, operator in zip(laminate.plies, laminate.stress_M, strict=True):
         z = np.array([ply.bottom, 0.5 * (ply.bottom + ply.top), ply.top])
@@ -85,7 +85,7 @@ def _cells(package: ModalPackage, found: CellResultants) -> Iterator[Finding]:
     where = "/modal_package/cell_resultants"
     offsets = package.offsets
     if np.any(np.diff(offsets)[found.cell] != 3):
-        yield Finding("warning", f"{where}/cell", "some of these cells are no triangles")
+        yield Finding("warning", f"{where}/cell", "some of these cells are not triangles")
         return
     corners = package.nodes_B[package.connectivity[offsets[found.cell][:, None] + np.arange(3)]]
     vector = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -99,7 +99,7 @@ def _cells(package: ModalPackage, found: CellResultants) -> Iterator[Finding]:
 
 
 def _energy(package: ModalPackage, found: CellResultants, area: Array) -> Iterator[Finding]:
-    """The mean resultants of the cells cannot hold more energy than the mode."""
+    """The mean resultants of the cells cannot have more energy than the mode."""
     energy = np.zeros(package.n_mode)
     for row, laminate in enumerate(package.laminates):
         own = found.laminate == row

@@ -1,4 +1,4 @@
-"""Does a package describe a body that can exist? Tests across its datasets."""
+"""Plausibility of a package: checks across its datasets."""
 
 from collections.abc import Iterator
 
@@ -13,7 +13,7 @@ from .reference_checks import reference_findings
 from .schema import Interface, ModalPackage
 
 TOTAL_MASS = 1e-6  # relative: nodal masses against the invariants
-CONSISTENCY = 1e-6  # relative: numbers that the same FE model gave twice
+CONSISTENCY = 1e-6  # relative: two values of the same quantity from one FE model
 LUMPED_T11 = 0.05  # relative: lumped invariants against a modal mass that may be consistent
 
 
@@ -25,7 +25,7 @@ def plausibility_findings(package: ModalPackage) -> list[Finding]:
             for check in CHECKS:
                 findings += check(package)
     except np.linalg.LinAlgError as cause:
-        text = f"eigenvalues cannot be computed, numbers are out of any range ({cause})"
+        text = f"eigenvalues cannot be computed, numbers are out of range ({cause})"
         findings.append(_finding("error", "modes", text))
     findings += recovery_findings(package)
     findings += laminate_findings(package)
@@ -75,7 +75,7 @@ def _inertia(package: ModalPackage) -> Iterator[Finding]:
     if a < -1e-9 * c:
         yield _finding("error", "invariants/T00_B", f"expected none below zero: {shown}")
     elif a <= 1e-12 * c:
-        text = f"no inertia about one axis, the body cannot turn about it alone: {shown}"
+        text = f"no inertia about one axis, so rotation about it is undetermined: {shown}"
         yield _finding("warning", "invariants/J0_B", text)
     if a + b < c * (1 - 1e-6):
         text = f"no body has this inertia, the two smaller must add up to the largest: {shown}"
@@ -93,12 +93,12 @@ def _free_body_mass(package: ModalPackage) -> Iterator[Finding]:
         )
         yield _finding("error", "invariants/S_B", text)
     elif smallest < 1e-9 and "rigid" not in package.mode_kinds:
-        text = "the modes hold a motion of the rigid body: the mass matrix is singular"
+        text = "the modes contain a rigid-body motion: the mass matrix is singular"
         yield _finding("warning", "modes/shapes_B", text)
 
 
 def _modal_mass(package: ModalPackage) -> Iterator[Finding]:
-    """Translation carries at most the modal mass; rotary inertia carries the rest."""
+    """The translational part is at most the modal mass; the rest is rotary inertia."""
     translation = np.einsum("aaij->ij", package.invariants.T11_B)
     if not translation.size:
         return
@@ -138,7 +138,7 @@ def _modes(package: ModalPackage) -> Iterator[Finding]:
         if kind == "fixed_normal" and abs(found[i] - known) > CONSISTENCY * max(found[i], known):
             text = (
                 f"mode {i + 1}: {known:.9g} rad/s is given, "
-                f"stiffness over mass makes {found[i]:.9g} rad/s"
+                f"stiffness over mass gives {found[i]:.9g} rad/s"
             )
             yield _finding("warning", "modes/frequencies", text)
 
@@ -146,7 +146,7 @@ def _modes(package: ModalPackage) -> Iterator[Finding]:
 def _damping(package: ModalPackage) -> Iterator[Finding]:
     values = _eigenvalues(package.damping) if package.n_mode else np.zeros(1)
     if values[0] < -1e-9 * max(np.abs(values).max(), 1e-300):
-        text = f"feeds energy into the body (eigenvalue {values[0]:.3g})"
+        text = f"adds energy to the body (eigenvalue {values[0]:.3g})"
         yield _finding("warning", "modes/damping", text)
 
 
@@ -161,7 +161,7 @@ def _interface(package: ModalPackage, interface: Interface) -> Iterator[Finding]
     size = float(np.ptp(package.nodes_B, axis=0).max(initial=0.0)) or 1.0
     gap = float(np.abs(w @ package.nodes_B[rows] - interface.position_B).max())
     if gap > CONSISTENCY * size:
-        text = f"lies {gap:.3g} m from the weighted position of its nodes"
+        text = f"is {gap:.3g} m from the weighted position of its nodes"
         yield _finding("warning", f"{where}/position_B", text)
     mean = np.einsum("k,mkd->dm", w, package.shapes_B[:, rows])
     parts = [("phi_B", mean[:3])] + ([("psi_B", mean[3:])] if interface.kind == "node" else [])
@@ -173,5 +173,5 @@ def _interface(package: ModalPackage, interface: Interface) -> Iterator[Finding]
             yield _finding("error", f"{where}/{name}", text)
 
 
-# In this order; the tests of one interface and of the recovery follow.
+# In this order; then the checks of each interface and of the recovery.
 CHECKS = (_mass, _inertia, _free_body_mass, _modal_mass, _modes, _damping, reference_findings)

@@ -1,4 +1,4 @@
-"""Checks of the recovery of a body: its stations, and whether stresses belong to its modes."""
+"""Checks of the recovery of a body: its stations, and whether stresses match its modes."""
 
 from collections.abc import Iterator
 
@@ -10,7 +10,7 @@ from ..section.schema import RESULTANTS
 from ..section.stress import resultants, unit_stress
 from .schema import BodyRecovery, ModalPackage, SectionData
 
-EQUILIBRIUM = 1e-3  # relative: what unit resultants integrate back to at the few points kept
+EQUILIBRIUM = 1e-3  # relative error of integrated unit resultants at the few kept points
 ENERGY = 2.0  # factor: strain energy of a mode from a few stations, without distributed terms
 
 
@@ -19,20 +19,20 @@ def check_stations(recovery: BodyRecovery, n_section: int, error: Reporter) -> N
     for name in ("station_x", "resultants_E", "A_BE"):
         finite(f"recovery/{name}", getattr(recovery, name), error)
     if np.any(np.diff(recovery.station_x) < 0.0):
-        error("recovery/station_x", "expected places in rising order")
+        error("recovery/station_x", "expected positions in ascending order")
     rows_of("recovery/section", recovery.section, n_section, error)
     rotations("recovery/A_BE", recovery.A_BE, error)
 
 
 def recovery_findings(package: ModalPackage) -> Iterator[Finding]:
-    """Return what is suspicious about stresses: sections in other units or axes than the body's."""
+    """Return warnings about stresses: sections in other units or axes than the body."""
     if package.recovery is None and all(s.recovery is None for s in package.sections):
         return
     for section in package.sections:
         scale = 1.0 / np.sqrt(np.maximum(np.diag(section.K), 1e-300))
         if not np.linalg.eigvalsh(section.K * np.outer(scale, scale))[0] > 0.0:
             path = f"/modal_package/sections/{section.name}/K"
-            yield Finding("warning", path, "not positive definite: stresses cannot belong to it")
+            yield Finding("warning", path, "not positive definite: stresses cannot be recovered")
             return
     for section in package.sections:
         yield from _equilibrium(section)
@@ -58,8 +58,8 @@ def _equilibrium(section: SectionData) -> Iterator[Finding]:
 def _energy(package: ModalPackage) -> Iterator[Finding]:
     """Compare F6' K^-1 F6 along the beam with the modal stiffness.
 
-    Not of attachment modes: what they are made of between a few stations, and the shear that a
-    classical beam leaves out, are no small part of their energy.
+    Attachment modes are excluded: their energy between a few stations, and the shear energy that a
+    classical beam neglects, are not small.
     """
     found = package.recovery
     if found is None or not package.n_mode:

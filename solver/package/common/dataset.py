@@ -1,4 +1,4 @@
-"""One dataset of a package: its row in the table of the format, and how it is kept in HDF5."""
+"""One dataset of a package: its row in the table of the format, and its storage in HDF5."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from .finding import Finding
 
 @dataclass(frozen=True)
 class DatasetSpec:
-    """One dataset of the file: where, how large, which type, what it means."""
+    """One dataset of the file: path, shape, type, unit, frame and meaning."""
 
     path: str  # below the group of the format
     shape: tuple[str | int, ...]
@@ -26,7 +26,9 @@ class DatasetSpec:
     optional: bool = False
 
 
-WORTH_PACKING = 8192  # bytes: HDF5 keeps an index of its own for a packed dataset
+WORTH_PACKING = (
+    8192  # size in bytes above which to compress: HDF5 adds an index to a compressed dataset
+)
 
 F, I, T = "float64", "int64", "text"  # noqa: E741
 
@@ -47,12 +49,12 @@ def spec(
 
 
 def shape_text(shape: tuple[str | int, ...]) -> str:
-    """Write a symbolic shape for people: (m, n, 6), or scalar."""
+    """Return a symbolic shape as text: (m, n, 6), or scalar."""
     return f"({', '.join(map(str, shape))})" if shape else "scalar"
 
 
 def expected_shape(spec: DatasetSpec, sizes: Mapping[str, int]) -> tuple[int, ...]:
-    """Put numbers for the symbols of a shape."""
+    """Replace the symbols of a shape by numbers."""
     sizes = {**sizes, "c+1": sizes["c"] + 1} if "c" in sizes else sizes
     return tuple(axis if isinstance(axis, int) else sizes[axis] for axis in spec.shape)
 
@@ -117,7 +119,7 @@ def defined_sizes(group: h5py.Group, defining: Mapping[str, str]) -> dict[str, i
 
 
 def missing_or_mistyped(group: h5py.Group, specs: Iterable[DatasetSpec]) -> list[Finding]:
-    """Find datasets that are not there, or hold another type than the format says."""
+    """Find datasets that are missing or have another type than the format requires."""
     found: list[str] = []
     group.visit(found.append)
     findings = []
@@ -143,7 +145,7 @@ def missing_or_mistyped(group: h5py.Group, specs: Iterable[DatasetSpec]) -> list
 def misshaped(
     group: h5py.Group, specs: Iterable[DatasetSpec], sizes: Mapping[str, int]
 ) -> list[Finding]:
-    """Find datasets of another shape than the sizes ask for; unknown symbols are left alone."""
+    """Find datasets whose shape does not match the sizes; unknown symbols are ignored."""
     known = {*sizes, *(("c+1",) if "c" in sizes else ())}
     findings = []
     for spec in specs:

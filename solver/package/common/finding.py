@@ -1,4 +1,4 @@
-"""What a check says of a file."""
+"""Findings of the checks of a file."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -6,12 +6,12 @@ from pathlib import Path
 
 from ...errors import PackageError
 
-Reporter = Callable[[str, str], None]  # takes dataset and message
+Reporter = Callable[[str, str], None]  # arguments: dataset and message
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One remark on a package."""
+    """One finding about a package."""
 
     level: str  # error (unusable), warning (suspicious) or note
     dataset: str
@@ -19,7 +19,7 @@ class Finding:
 
 
 def raise_first(path: Path, findings: list[Finding]) -> None:
-    """Raise the first error among findings as PackageError, saying how many follow."""
+    """Raise the first error among findings as PackageError, with the number of further errors."""
     errors = [f for f in findings if f.level == "error"]
     if errors:
         more = f" (and {len(errors) - 1} more)" if len(errors) > 1 else ""
