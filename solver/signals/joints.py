@@ -1,4 +1,4 @@
-"""What joints do: their coordinates, and the forces that they carry."""
+"""Joint coordinates and joint reactions."""
 
 from collections.abc import Callable
 from typing import Any
@@ -17,7 +17,7 @@ ROTATION = KINDS["rotation_drive"]
 
 
 def joint_coordinate(joint: BuiltJoint, coordinate: str) -> Callable[[Recording], Array]:
-    """Return what gives a coordinate (k,) of a joint from its given start [rad or m]."""
+    """Return the function for a coordinate (k,) of a joint, zero at its given start [rad or m]."""
     if coordinate in _DISPLACEMENTS:
         axis = _DISPLACEMENTS[coordinate]
         return lambda recording: _shifts(recording, joint)[:, axis] - joint.shift[axis]
@@ -25,7 +25,7 @@ def joint_coordinate(joint: BuiltJoint, coordinate: str) -> Callable[[Recording]
 
 
 def reaction(joint: BuiltJoint, table: dict[str, Any]) -> Callable[[Recording], Array]:
-    """Return what gives the force or moment (k, 3) of a joint and its drives on one side."""
+    """Return the function for the force or moment (k, 3) of a joint and its drives on one side."""
 
     def vectors(recording: Recording) -> Array:
         both = recording.reactions(joint.rows, table["side"])
@@ -44,7 +44,7 @@ def _ends(recording: Recording, joint: BuiltJoint) -> tuple[list[Marker], list[M
 
 
 def _shifts(recording: Recording, joint: BuiltJoint) -> Array:
-    """Return the way (k, 3) from place one to two in axes of place one [m]."""
+    """Return the vector (k, 3) from place one to two in axes of place one [m]."""
     one, two = _ends(recording, joint)
     return np.array([a.A.T @ (b.x - a.x) for a, b in zip(one, two, strict=True)])
 
@@ -52,8 +52,8 @@ def _shifts(recording: Recording, joint: BuiltJoint) -> Array:
 def _angles(recording: Recording, joint: BuiltJoint, *, second: bool) -> Array:
     """Return the angle (k,) about the first axis, or the second of a universal, unwrapped [rad].
 
-    The turns between two output times follow from the rates at both: correct as long as the
-    mean of these is good to half a turn.
+    The number of turns between two output times follows from the rates at both. It is correct if
+    their mean gives the rotation to within half a turn.
     """
     one, two = _ends(recording, joint)
     if second:
@@ -77,7 +77,7 @@ def _angle(frame: Marker, arm: Marker, i: int, j: int, k: int) -> tuple[float, f
 
 
 def _turns(recording: Recording, joint: BuiltJoint, angle: float) -> float:
-    """Whole turns [rad] that a drive starts with."""
+    """Full turns [rad] of the value of a drive at its start."""
     model = recording.model
     for row in joint.rows[1:]:
         if model.joint_kind[row] == ROTATION:

@@ -1,4 +1,4 @@
-"""Sensors of a mechanism, made before the run so that what cannot be measured is said at once."""
+"""Sensors of a mechanism, created before the run so that errors are reported early."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ _AXES = {"x": 0, "y": 1, "z": 2}
 
 @dataclass(frozen=True)
 class Sensor:
-    """One signal: its unit ("-" for a quotient), its words, and its values (k,) of a recording."""
+    """One signal: unit ("-" for a quotient), description, and function for its values (k,)."""
 
     unit: str
     description: str
@@ -32,7 +32,7 @@ def sensors(built: BuiltMechanism, tables: dict[str, dict[str, Any]]) -> dict[st
     Raises
     ------
     InputError
-        A package without resultants or stresses, a ply that it does not have.
+        A package without resultants or stresses, an unknown ply.
     """
     found = {}
     for name, table in tables.items():
