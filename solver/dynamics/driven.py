@@ -1,7 +1,7 @@
-"""Frames that joints to the ground drive: known functions of time, no unknowns.
+"""Driven frames: frames whose motion is prescribed by joints to the ground.
 
-A frame is driven where joints to the ground that see no mode take all of its six freedoms, and
-nothing twice: a blade on a hub of prescribed speed, a beam clamped to the wall.
+A frame is driven if joints to the ground that do not depend on modes constrain all of its six
+degrees of freedom, without redundancy: a blade on a hub of prescribed speed, a clamped beam.
 """
 
 from collections.abc import Sequence
@@ -11,7 +11,7 @@ import numpy as np
 
 from ..math.arrays import Array, IntArray
 
-# Kinds of joints that together leave a body no freedom whatever its place, all at one marker.
+# Kinds of joints that together constrain all motion of a body, all at one marker.
 COMPLETE = (
     ("fixed",),
     ("revolute", "rotation_drive"),
@@ -21,11 +21,11 @@ COMPLETE = (
 
 
 class Stand(NamedTuple):
-    """A joint as seen from here: its kind and where it holds on."""
+    """Data of a joint: its kind and its attachment points."""
 
     kind: str
     bodies: tuple[int, int]  # of its two markers; -1: ground
-    rigid: bool  # its marker on the body moves with the frame, whatever the modes do
+    rigid: bool  # its marker on the body does not depend on the modes
     x: Array  # (3,) of that marker
     A: Array  # (3, 3)
 

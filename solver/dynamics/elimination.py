@@ -1,15 +1,15 @@
 """Solution of [K Phi_q'; Phi_q 0] [a; lambda] = [f; gamma], body by body.
 
-K has one symmetric block per body. Each is factorised alone from its last coordinate to its
-first, K_i = L' D L, so that modes go before the frame: modes of diagonal matrices are coupled
-with the frame only and cost little. What the bodies leave is S = Phi_q K^-1 Phi_q' of the
+K has one symmetric block per body. Each is factorised separately from its last coordinate to its
+first, K_i = L' D L, so that modes are eliminated before the frame. Modes with diagonal matrices are
+coupled only with the frame and cost little. The remaining matrix is S = Phi_q K^-1 Phi_q' of the
 constraint rows, in a profile below its diagonal (plan.py):
 
     W_i = L_i^-T Phi_q,i',   S = sum W_i' D_i^-1 W_i,   S lambda = sum W_i' D_i^-1 z_i - gamma,
     z_i = L_i^-T f_i,        a_i = L_i^-1 D_i^-1 (z_i - W_i lambda).
 
-A frame that is driven, by six rows P without modes, is no unknown: P a_f = gamma_P. Its modes
-answer what it does, f_q - K_qf a_f, and its own equation gives the six multipliers at the end,
+A frame that is driven, by six rows P without modes, is not an unknown: P a_f = gamma_P. Its modes
+follow from f_q - K_qf a_f, and its own equation gives the six multipliers at the end,
 P' lambda_P = f_f - K_ff a_f - K_fq a_q - Phi_f' lambda. These rows are not in S.
 
 There is no pivoting: the mass matrix of a body is positive definite, and so is S while the
@@ -123,7 +123,7 @@ def _factorise_frame(columns: IntArray, J: Array, P: Array) -> None:
 def _factorise_profile(first: IntArray, profile: IntArray, S: Array, pivot: Array) -> float:
     """L D L' of a symmetric profile, in place.
 
-    Returns the least pivot over its diagonal entry before: small where rows depend on others.
+    Returns the smallest ratio of a pivot to its original diagonal entry: small for dependent rows.
     """
     least = 1.0
     for i in range(pivot.shape[0]):
@@ -285,7 +285,7 @@ def _react(
     z: Array,
     multipliers: Array,
 ) -> None:
-    """Multipliers of the rows that drive a frame: P' lambda = what its equation leaves."""
+    """Multipliers of the rows that drive a frame: P' lambda = residual of its equation."""
     for k in range(6):
         s = f[k]
         for j in range(k):

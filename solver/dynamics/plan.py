@@ -1,9 +1,9 @@
-"""What a mechanism's structure fixes once: which rows and columns the step loop touches.
+"""Structure of a mechanism, computed once: rows and columns that the step loop uses.
 
-Every body has one dense block of M and of the Jacobian. Bodies are eliminated first, one by one;
-what is left is a symmetric matrix of the constraint rows, in which two joints meet only if they
-share a body. Its rows are ordered so that elimination in the profile below the diagonal is cheap:
-linear in the number of bodies of a chain, little more for a tree of limited branching.
+Every body has one dense block of M and of the Jacobian. Bodies are eliminated first, one by one.
+The remaining symmetric matrix of the constraint rows couples two joints only if they
+share a body. Its rows are ordered for cheap elimination in the profile below the diagonal:
+linear in the number of bodies of a chain, slightly more for a tree of limited branching.
 """
 
 from collections.abc import Sequence
@@ -18,13 +18,13 @@ from ..math.arrays import Array, IntArray
 
 
 class Plan(NamedTuple):
-    """Integers that follow from bodies, markers and joints alone."""
+    """Integers that depend only on bodies, markers and joints."""
 
     widest: int  # coordinates of the largest body
     most_modes: int
     most_rows: int  # constraint rows at the busiest body
     structured: int  # 1: every body has a positive definite mass matrix of its own
-    marker_used: IntArray  # markers on bodies that joints and force elements stand on
+    marker_used: IntArray  # markers on bodies that joints and force elements use
     size: IntArray  # (nb,) coordinates of each body
     lead: IntArray  # (nb,) a mode is coupled with so many leading coordinates: 6, or all of them
     base: IntArray  # (nb,) first coordinate that is eliminated: 6 where the frame is driven
@@ -33,12 +33,14 @@ class Plan(NamedTuple):
     side_row: IntArray  # (nj, 2) first row of a joint's side among the rows at its body; -1: ground
     free_start: IntArray  # (nb + 1,) first entry of each body in the next two
     free_column: IntArray  # rows at a body that do not drive its frame: their number there
-    free_place: IntArray  # and their place in the order of elimination
+    free_place: IntArray  # and their position in the order of elimination
     driven_start: IntArray  # (nb + 1,) first entry of each body in the next two
     driven_column: IntArray  # the six rows that drive a frame: their number at the body
     driven_row: IntArray  # and among all rows
-    place: IntArray  # (n_c,) place of each row in the order of elimination; -1: it drives a frame
-    first: IntArray  # (n_p,) first column of each place in the profile
+    place: (
+        IntArray  # (n_c,) position of each row in the order of elimination; -1: it drives a frame
+    )
+    first: IntArray  # (n_p,) first column of each position in the profile
     profile_start: IntArray  # (n_p + 1,) of the rows of the profile
 
 
@@ -115,7 +117,8 @@ def _picked(at_body: list[list[int]], numbers: list[list[int]]) -> IntArray:
 def _order(
     bodies: IntArray, joint_row: IntArray, free: NDArray[np.bool_]
 ) -> tuple[IntArray, IntArray]:
-    """Return places (n_c,) of the rows of free joints, -1 for others, and their first columns."""
+    """Return positions (n_c,) of the rows of free joints, -1 for others, and their first
+    columns."""
     counts = np.diff(joint_row)[free]
     bodies, row = bodies[free], _starts(counts.tolist())
     compact = _places(bodies, row, int(row[-1]))
@@ -125,10 +128,10 @@ def _order(
 
 
 def _places(bodies: IntArray, joint_row: IntArray, n_c: int) -> IntArray:
-    """Return the place (n_c,) of each row: joints that share bodies stand close together.
+    """Return the position (n_c,) of each row, with joints that share bodies close together.
 
-    Of two orders the cheaper one: the narrow one serves chains and rings, leaves first serves
-    trees, whose breadth makes every narrow order wide.
+    Selects the cheaper of two orders: reverse Cuthill-McKee for chains and rings, or leaves first
+    for trees, for which the first has a large bandwidth.
     """
     if len(bodies) == 0:
         return np.zeros(0, dtype=np.int64)
@@ -140,7 +143,7 @@ def _places(bodies: IntArray, joint_row: IntArray, n_c: int) -> IntArray:
 
 
 def _rows_in_order(order: Sequence[int], joint_row: IntArray, n_c: int) -> IntArray:
-    """Return the place (n_c,) of each row, with the joints in a given order."""
+    """Return the position (n_c,) of each row, with the joints in a given order."""
     place = np.empty(n_c, dtype=np.int64)
     n = 0
     for k in order:
@@ -151,7 +154,7 @@ def _rows_in_order(order: Sequence[int], joint_row: IntArray, n_c: int) -> IntAr
 
 
 def _first_columns(bodies: IntArray, joint_row: IntArray, place: IntArray) -> IntArray:
-    """Return the first column (n_c,) of each place: that of the first row at the same bodies."""
+    """Return the first column (n_c,) of each position: that of the first row at the same bodies."""
     begin = place[joint_row[:-1]]
     least = np.full(int(bodies.max(initial=-1)) + 2, place.size)  # the last one is the ground's
     for side in range(2):
@@ -163,7 +166,7 @@ def _first_columns(bodies: IntArray, joint_row: IntArray, place: IntArray) -> In
 
 
 def _cost(first: IntArray) -> int:
-    """Return the number of multiplications that elimination in a profile takes."""
+    """Return the number of multiplications of an elimination in a profile."""
     column = np.arange(first.size)
     return sum(
         int((column[begin:row] - np.maximum(first[begin:row], begin)).sum() + row - begin)
@@ -183,17 +186,17 @@ def _narrow(bodies: IntArray) -> list[int]:
 
 
 def _leaves_first(bodies: IntArray) -> list[int]:
-    """Return the order of joints in which all that hangs on a body comes before what holds it.
+    """Return the order of joints with the branches of a body before the joint that supports it.
 
-    Of several branches the largest comes first: the joints that follow reach back over the
-    others only, for a tree of n bodies over n log n places in all.
+    The largest of several branches comes first. The following joints then reach back only over
+    the others, for a tree of n bodies over n log n positions in total.
     """
     ground = int(bodies.max()) + 1
     at_body: list[list[tuple[int, int]]] = [[] for _ in range(ground + 1)]
     for k, pair in enumerate(np.where(bodies < 0, ground, bodies).tolist()):
         at_body[pair[0]].append((k, pair[1]))
         at_body[pair[1]].append((k, pair[0]))
-    holder: dict[int, int] = {}  # body -> joint by which it hangs
+    holder: dict[int, int] = {}  # body -> joint that supports it
     branches: list[list[int]] = [[] for _ in range(ground + 1)]
     size = [0] * (ground + 1)
     roots, found = [], [False] * (ground + 1)
@@ -219,7 +222,7 @@ def _leaves_first(bodies: IntArray) -> list[int]:
     holding = set(holder.values())
     order: dict[int, None] = {}
     for body in reversed(before):
-        # joints that close a loop stand before the one by which the body hangs
+        # joints that close a loop come before the one that supports the body
         order.update((k, None) for k, _ in at_body[body] if k not in holding and k not in order)
         if body in holder:
             order[holder[body]] = None
@@ -231,7 +234,7 @@ def _starts(sizes: Sequence[int]) -> IntArray:
 
 
 def positive_inertia(mass: float, J: Array, M_wq: Array, S0: Array, S: Array, M_qq: Array) -> bool:
-    """Tell whether a body's own mass matrix at rest is positive definite, units left aside.
+    """True if the mass matrix of a body at rest is positive definite, after scaling.
 
     mass [kg], J (3, 3) is the inertia about the frame, M_wq (3, m) its coupling with the modes.
     """

@@ -1,4 +1,4 @@
-"""Bring a state back onto the constraints, by the least change in the metric of the mass."""
+"""Projection of a state onto the constraints, by the least change in the metric of the mass."""
 
 import numpy as np
 
@@ -21,17 +21,17 @@ from .workspace import PHI, Work, new_work
 
 MAX_ITERATIONS = 6
 CLOSED = 1e-12  # |Phi| that needs no correction [m, rad]
-TOLERABLE = 1e-9  # |Phi| that may be left where rounding allows no better [m, rad]
+TOLERABLE = 1e-9  # |Phi| that is accepted if round-off prevents a smaller value [m, rad]
 
 
 @jit
 def project(model: Model, work: Work, t: float, y: Array) -> bool:
-    """Move y (n,) onto the constraints, in place; tell whether that succeeded.
+    """Project y (n,) onto the constraints, in place; return whether that succeeded.
 
     Positions: minimise dq' M dq / 2 subject to Phi(q + dq) = 0, by Newton's method;
     M dq + Phi_q' mu = 0, Phi_q dq = -Phi. Velocities: M dv + Phi_q' nu = 0,
-    Phi_q dv = -Phidot, which by Gauss takes away kinetic energy only. Euler parameters come
-    out with length one.
+    Phi_q dv = -Phidot, which by Gauss's principle can only reduce kinetic energy. The resulting
+    Euler parameters have norm one.
     """
     n_pos, n_vel = model.n_pos, model.n_vel
     step = np.zeros(n_vel)
@@ -79,7 +79,7 @@ _dense_project = rebound(project, _respond=_dense_respond)
 def projected(model: Model, t: float, y: Array, work: Work | None = None) -> tuple[Array, bool]:
     """Return the state (n,) on the constraints nearest to y, and whether it was reached.
 
-    For mechanisms with constraints. `work` is memory to use again.
+    For mechanisms with constraints. `work` is memory for reuse.
     """
     out = y.copy()
     method = project if by_blocks(model) else _dense_project

@@ -29,7 +29,7 @@ class Factors(NamedTuple):
 
 
 class Work(NamedTuple):
-    """What an evaluation fills; bodies' arrays are as wide as the largest body."""
+    """Arrays that an evaluation fills; arrays of bodies have the size of the largest body."""
 
     A: Array  # (nb, 3, 3) rotation matrices A_GB
     M: Array  # (nb, n, n) mass matrices, lower triangles
@@ -51,7 +51,7 @@ class Work(NamedTuple):
     acceleration: Array  # (nb, n)
     gamma: Array  # (n_c,) right-hand side of the constraint rows
     multipliers: Array  # (n_c,)
-    left: Array  # (n_c,) what a solution leaves of gamma
+    left: Array  # (n_c,) residual of gamma
     softness: Array  # (n_c,) reciprocals of the penalties in use
     change: Array  # (nb, n) of accelerations and multipliers, where these are iterated
     change_multipliers: Array  # (n_c,)
