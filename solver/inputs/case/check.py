@@ -1,4 +1,4 @@
-"""What types and bounds of a case cannot tell: names that exist, values that fit together."""
+"""Checks of a case beyond types and bounds: existing names, consistent values."""
 
 from pathlib import Path
 
@@ -14,7 +14,7 @@ from .laws import RotationDrive
 from .schema import BeamBody, Mechanism, RigidBody, ShellBody
 from .signals import JointSignal, PlyStressSignal, PointSignal, ReactionSignal, ResultantSignal
 
-# Coordinates that a kind of joint leaves free and a signal can measure.
+# Free coordinates of each kind of joint, which a signal can measure.
 COORDINATES = {
     "revolute": ("angle",),
     "universal": ("angle", "angle_2"),
@@ -41,7 +41,7 @@ def cross_check(mechanism: Mechanism, folder: Path) -> list[str]:
 
 
 def check_place(key: str, place: str, mechanism: Mechanism, *, ground: bool) -> list[str]:
-    """Return what is wrong with a place "BODY.INTERFACE" or "ground.POINT"."""
+    """Return errors of a place "BODY.INTERFACE" or "ground.POINT"."""
     owner, dot, point = place.partition(".")
     if not dot:
         expected = '"BODY.INTERFACE"' + (' or "ground.POINT"' if ground else "")
@@ -66,7 +66,7 @@ def _owners(between: list[str]) -> list[str]:
 
 
 def _between(key: str, between: list[str], mechanism: Mechanism, *, one_body: bool) -> list[str]:
-    """Return what is wrong with a pair of places; `one_body`: both may be of the same body."""
+    """Return errors of a pair of places; `one_body`: both may be of the same body."""
     found = []
     for place in between:
         found += check_place(key, place, mechanism, ground=True)
@@ -133,7 +133,7 @@ def _forces(mechanism: Mechanism) -> list[str]:
             if element.axis_1 is not None:
                 found += _right_angle(f"{key}.axis_1", element.axis, element.axis_1)
         elif not element.stiffness and not element.damping and element.actuator is None:
-            found.append(f"{key}: does nothing; expected stiffness, damping or actuator")
+            found.append(f"{key}: has no effect; expected stiffness, damping or actuator")
     return found
 
 
@@ -170,7 +170,7 @@ def _signal(
     if isinstance(body, ShellBody):
         return [
             f'{key}.body = "{signal.body}": expected a beam, this one is a shell: summary.json '
-            "tells the strength of its plies"
+            "has the strength of its plies"
         ]
     if isinstance(body, BeamBody) and not 0.0 <= signal.x <= body.length:
         return [f"{key}.x = {signal.x:g}: expected 0 to {body.length:g} m, the length of the body"]

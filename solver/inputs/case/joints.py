@@ -1,4 +1,4 @@
-"""`[joints.NAME]` of a case file: every kind of joint and what may drive it."""
+"""`[joints.NAME]` of a case file: all kinds of joints and their drives."""
 
 from typing import Annotated, Literal
 
@@ -10,7 +10,7 @@ from .laws import RotationDrive, TranslationDrive
 
 def _of_some_length(vector: list[float]) -> list[float]:
     if not any(vector):
-        raise ValueError("expected a vector of some length")
+        raise ValueError("expected a vector of non-zero length")
     return vector
 
 
@@ -22,7 +22,8 @@ class _Between(Table):
     between: list[str] = Field(
         min_length=2,
         max_length=2,
-        description='two places: "BODY.INTERFACE" or "ground.POINT"; motion counts from the first',
+        description='two places: "BODY.INTERFACE" or "ground.POINT"; motion is that of the second '
+        "relative to the first",
     )
 
 

@@ -1,4 +1,4 @@
-"""Bodies that are laminated shells: the description they come from, and what is wrong with it."""
+"""Shell bodies: their description and its checks."""
 
 import os
 from pathlib import Path
@@ -11,12 +11,12 @@ from ..shell.expand import shell_spec
 from .modes import ModeChoice, SpinningChoice, check_modes
 from .schema import Mechanism, ShellBody
 
-# What a description says of its own analysis; a body is held and loaded by its mechanism.
+# Keys of a description for its own analysis; the mechanism supports and loads a body.
 LEFT_OUT = ("links", "supports", "loads", "probes", "frequencies")
 
 
 def shell_body_spec(name: str, body: ShellBody, folder: Path) -> dict[str, Any]:
-    """Return what the preprocessor needs to build one shell body, plain JSON, SI and degrees.
+    """Return the specification of one shell body for the preprocessor, plain JSON, SI and degrees.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def shell_body_spec(name: str, body: ShellBody, folder: Path) -> dict[str, Any]:
 
 
 def check_shell(key: str, body: ShellBody, folder: Path) -> list[str]:
-    """Return what is wrong with a shell body; `key` names it."""
+    """Return errors of a shell body; `key` names it."""
     try:
         spec = _shell(body, folder)
     except InputError as error:
@@ -70,7 +70,7 @@ def check_shell(key: str, body: ShellBody, folder: Path) -> list[str]:
 
 
 def shell_sources(mechanism: Mechanism, folder: Path) -> list[Path]:
-    """Return the files that the shells of a mechanism are made from."""
+    """Return the source files of the shells of a mechanism."""
     found = []
     for body in mechanism.bodies.values():
         if isinstance(body, ShellBody):
@@ -85,7 +85,7 @@ def _shell(body: ShellBody, folder: Path) -> dict[str, Any]:
     if body.parameters and isinstance(table.get("mesh"), dict):
         parameters = {**table["mesh"].get("parameters", {}), **body.parameters}
         table["mesh"] = {**table["mesh"], "parameters": parameters}
-    # a description by itself has something to compute
+    # a description alone must request a result
     spec = shell_spec({**table, "frequencies": {}}, file)
     del spec["elements"]["mass_form"]  # the body's
     parts = ("mesh", "materials", "laminates", "regions", "elements", "stiffeners")

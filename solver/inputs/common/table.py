@@ -16,5 +16,5 @@ class Table(BaseModel):
 
 
 def unit(name: str) -> dict[str, Any]:
-    """Return what the manual shows as the unit of a key."""
+    """Return the unit of a key for the reference page."""
     return {"unit": name}
