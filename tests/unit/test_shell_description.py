@@ -185,7 +185,7 @@ def test_messages(plate: Path, old: str, new: str, message: str) -> None:
 def test_nothing_to_compute(plate: Path) -> None:
     text = plate.read_text().partition("[loads.")[0]
     plate.write_text(text)
-    assert "nothing to compute" in messages(plate)[0]
+    assert "no result requested" in messages(plate)[0]
 
 
 def test_loads_want_supports(plate: Path) -> None:
