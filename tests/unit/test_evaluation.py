@@ -77,7 +77,7 @@ def test_index1_and_surplus_rows_take_dense_linear_algebra():
 
 
 def test_massless_bodies_take_dense_linear_algebra():
-    """A rod's end fixed to a body without inertia, on which the hinge stands: a pendulum still."""
+    """A rod's end fixed to a body without inertia, which carries the hinge: still a pendulum."""
     length, inertia = 2.0, np.diag([0.1, 0.4, 0.4])
     rod = rigid_body("rod", 1.5, np.array([0.5 * length, 0.0, 0.0]), inertia)
     massless = rigid_body("massless", 0.0, np.zeros(3), np.zeros((3, 3)))
@@ -96,7 +96,7 @@ def test_massless_bodies_take_dense_linear_algebra():
 
 @pytest.mark.parametrize("name", ["tree", "penalty"])
 def test_an_evaluation_leaves_no_trace_in_the_next(name):
-    """The same numbers bit for bit, whatever state was evaluated in between."""
+    """The same numbers bit for bit, for any state evaluated in between."""
     if name == "tree":
         model = random_mechanism(5, 2)
         states = [random_state(np.random.default_rng(k), model) for k in (1, 2)]

@@ -273,7 +273,7 @@ class ShellDescription(Table):
 
 def _direction(vector: list[float], key: str) -> None:
     if not any(vector):
-        raise ValueError(f"expected `{key}` of some length")
+        raise ValueError(f"expected `{key}` of non-zero length")
 
 
 def describe(file: Path) -> ShellDescription:
