@@ -1,4 +1,4 @@
-# Plymotion: targets are files, so what is up to date is not made again.
+# Plymotion: targets are files, so files that are up to date are not made again.
 # The steps of a case:
 #   case.toml -> case.mk, bodies/*.json, runs/*.json     check       light environment
 #   bodies/*.json -> bodies/*.vtkhdf                     preprocess  FEniCSx
@@ -16,7 +16,7 @@ endif
 .SUFFIXES:
 .DEFAULT_GOAL := help
 
-# Small matrices: threads of the linear algebra only get into each other's way.
+# The matrices are small: more than one thread of the linear algebra costs time.
 export OPENBLAS_NUM_THREADS := 1
 
 VENV := .venv
@@ -27,7 +27,7 @@ FE_PYTHON = . ./$(FENICSX) && PYTHONPATH=. "$$FENICSX_PYTHON"
 
 PREPROCESS_SOURCES := $(shell find preprocess meshes -name '*.py' -o -name '*.geo' -o -name '*.dat')
 SOLVER_SOURCES := $(shell find solver -name '*.py')
-# By rooms of solver/ (docs/architecture.md): each list names the rooms that a step depends on.
+# By rooms of solver/ (docs/architecture.md): each list has the rooms on which a step depends.
 rooms = $(filter $(addprefix solver/,$(addsuffix %,$(1))),$(SOLVER_SOURCES))
 PACKAGE_SOURCES := $(call rooms,errors math package)
 HOT_SOURCES := $(call rooms,math dynamics integrators)
@@ -39,17 +39,17 @@ SHELL_SOURCES := $(call rooms,commands/shell commands/described commands/fenicsx
 ##@ Set-up
 
 .PHONY: environment
-environment: $(LIGHT) ## Make the light environment .venv (PYTHON=... chooses the interpreter)
+environment: $(LIGHT) ## Create the light environment .venv (PYTHON=... selects the interpreter)
 
 $(LIGHT): pyproject.toml tools/light_environment.sh tools/apt_install.sh
 	@tools/light_environment.sh $(VENV)
 	@touch $@
 
 .PHONY: fenicsx
-fenicsx: $(FENICSX) ## Find FEniCSx, or install it (FENICSX_PYTHON=... chooses the interpreter)
+fenicsx: $(FENICSX) ## Find FEniCSx, or install it (FENICSX_PYTHON=... selects the interpreter)
 	@echo "$(FENICSX):"; cat $(FENICSX)
 
-# Look again if the recorded interpreter is gone or the user names another one.
+# Search again if the recorded interpreter does not exist or the user names another one.
 RECORDED := $(shell sed -n "s/^FENICSX_PYTHON='\{0,1\}\([^']*\)'\{0,1\}$$/\1/p" $(FENICSX) 2>/dev/null)
 ifneq ($(RECORDED),)
 ifeq ($(wildcard $(RECORDED)),)
@@ -61,7 +61,7 @@ endif
 endif
 export FENICSX_PYTHON
 
-# Asked for by name: look again, the recorded one may have lost a library.
+# Requested explicitly: search again, the recorded interpreter may lack a library now.
 ifneq ($(filter fenicsx,$(MAKECMDGOALS)),)
 $(FENICSX): FORCE
 endif
@@ -95,16 +95,16 @@ ASKED := $(foreach case,$(CASES),$(if $(call asked,$(case)),$(case)))
 OPTIONS := $(strip PACKAGES=$(PACKAGES) COARSE=$(COARSE))
 
 .PHONY: cases $(CASES)
-cases: $(CASES) ## Make every case (make <case>: one of them)
+cases: $(CASES) ## Run all cases (make <case>: one case)
 
-# The list of a case's bodies and runs is made first: make reads it and starts anew.
+# The list of a case's bodies and runs is made first; then make reads it and restarts.
 include $(foreach case,$(ASKED),$(call out,$(case))/case.mk)
 
 define CASE_RULES
 $(1): $(2)/report.html
 	@echo "$(1): $(2)/report.html"
 
-# Another choice of options than last time is another case file.
+# Other options than last time require a new case.mk.
 ifneq ($$(strip $$(file <$(2)/case.options)),$$(OPTIONS))
 $(2)/case.mk: FORCE
 endif
@@ -122,9 +122,9 @@ $(2)/bodies/%.json: | $(2)/case.mk
 $(2)/runs/%.json: | $(2)/case.mk
 	@[ -e $$@ ] || $$(CHECK_$(1))
 
-# One process for all bodies: imports, meshes and compiled forms are shared. It
-# leaves alone the packages that are up to date by content, and the empty recipe
-# below tells make to look at each one's time instead of believing it new.
+# One process for all bodies shares imports, meshes and compiled forms. It
+# skips packages that are up to date by content. Because of the empty recipe
+# below, make checks the time of each package instead of assuming that it is new.
 PACKAGES_$(1) := $$(patsubst %.json,%.vtkhdf,$$($(1)_SPECS))
 ifneq ($$(PACKAGES_$(1)),)
 ifneq ($$(filter-out $$(wildcard $$(PACKAGES_$(1))),$$(PACKAGES_$(1))),)
@@ -136,7 +136,7 @@ $(2)/bodies/built: $$($(1)_SPECS) $$(PREPROCESS_SOURCES) $$(PACKAGE_SOURCES) $$(
 $$(PACKAGES_$(1)): $(2)/bodies/built ;
 endif
 
-# Exit code 3: the run stopped early, its result up to there is kept and reported.
+# Exit code 3: the run stopped early; its results up to that time are kept and reported.
 SUMMARIES_$(1) := $$(patsubst %,$(2)/%/summary.json,$$($(1)_RUNS))
 $$(SUMMARIES_$(1)): $(2)/%/summary.json: $(2)/runs/%.json $$(RUN_SOURCES) $$(LIGHT) | $$(COMPILED)
 	$$(PY) -m plymotion.solver run $(2)/runs/$$*.json --out $(2)/$$* || [ $$$$? -eq 3 ]
@@ -154,7 +154,7 @@ SWEEPS := $(strip $(foreach case,$(CASES),$(addprefix $(case)-sweep-, \
     $(shell sed -n 's/^\[sweeps\.\([A-Za-z0-9_-]*\)\].*/\1/p' cases/$(case)/case.toml))))
 
 .PHONY: sweeps $(SWEEPS)
-sweeps: $(SWEEPS) ## Make every sweep of every case (make <case>-sweep-<name>: one of them)
+sweeps: $(SWEEPS) ## Run all sweeps of all cases (make <case>-sweep-<name>: one sweep)
 
 # $(1) case, $(2) its folder, $(3) sweep
 define SWEEP_RULES
@@ -164,8 +164,8 @@ $(1)-sweep-$(3): $(2)/sweeps/$(3)/sweep.csv
 $(2)/sweeps/$(3).json: | $(2)/case.mk
 	@[ -e $$@ ] || $$(CHECK_$(1))
 
-# Distinct bodies of all members, those of runs among them, in one process for each folder. Exit
-# code 2: a body cannot be built, its members fail and the others are computed.
+# Distinct bodies of all members, including those of runs, in one process for each folder. Exit
+# code 2: a body cannot be built; its members fail and the others are computed.
 OWN_$(1)_$(3) := $$(filter $(2)/sweeps/%,$$($(1)_$(3)_SPECS))
 SHARED_$(1)_$(3) := $$(filter-out $(2)/sweeps/%,$$($(1)_$(3)_SPECS))
 BUILT_$(1)_$(3) := $$(patsubst %.json,%.vtkhdf,$$($(1)_$(3)_SPECS))
@@ -182,7 +182,7 @@ $(2)/sweeps/$(3).built: $$($(1)_$(3)_SPECS) $$(PREPROCESS_SOURCES) $$(PACKAGE_SO
 $(2)/sweeps/$(3)/sweep.csv: $(2)/sweeps/$(3).built
 endif
 
-# Exit code 3: members stopped or failed; the table says why, the others are complete.
+# Exit code 3: members stopped or failed; the table gives the reasons, the others are complete.
 $(2)/sweeps/$(3)/sweep.csv: $(2)/sweeps/$(3).json $$(RUN_SOURCES) $$(LIGHT) | $$(COMPILED)
 	$$(PY) -m plymotion.solver sweep $(2)/sweeps/$(3).json --out $(2)/sweeps/$(3) --jobs $$(JOBS) \
 	    || [ $$$$? -eq 3 ]
@@ -194,7 +194,7 @@ $(foreach case,$(ASKED),$(foreach sweep,$($(case)_SWEEPS), \
 ##@ Cross-sections
 
 # make sections         all of cases/sections in one batch: build/sections/summary.csv
-# make section-<name>   one of them, with figures: build/sections/<name>/
+# make section-<name>   one section, with figures: build/sections/<name>/
 SECTIONS := $(patsubst cases/sections/%.toml,%,$(wildcard cases/sections/*.toml))
 SECTION_FOLDER := build/sections
 SECTION_FILES := $(foreach name,$(SECTIONS),$(SECTION_FOLDER)/$(name)/$(name).vtkhdf)
@@ -203,10 +203,10 @@ SECTION_INPUTS := $(wildcard cases/sections/*) $(PREPROCESS_SOURCES) $(PACKAGE_S
 SECTION := $(PY) -m plymotion.solver section --out $(SECTION_FOLDER)
 
 .PHONY: sections $(addprefix section-,$(SECTIONS))
-sections: $(SECTION_FOLDER)/summary.csv ## Analyse every cross-section of cases/sections
+sections: $(SECTION_FOLDER)/summary.csv ## Analyse all cross-sections in cases/sections
 	@echo "sections: $<"
 
-# The batch leaves alone what is up to date by content; a file that is gone is made again.
+# The batch skips files that are up to date by content; a missing file is made again.
 ifneq ($(filter-out $(wildcard $(SECTION_FILES)),$(SECTION_FILES)),)
 $(SECTION_FOLDER)/summary.csv: FORCE
 endif
@@ -224,7 +224,7 @@ $(SECTION_FOLDER)/%.txt: cases/sections/%.toml $(SECTION_INPUTS) $(FENICSX) $(LI
 ##@ Shells
 
 # make shells           all of cases/shells, with figures: build/shells/<name>/
-# make shell-<name>     one of them, its numbers on the screen
+# make shell-<name>     one shell, with its results on the screen
 SHELLS := $(patsubst cases/shells/%.toml,%,$(wildcard cases/shells/*.toml))
 SHELL_FOLDER := build/shells
 SHELL_FILES := $(foreach name,$(SHELLS),$(SHELL_FOLDER)/$(name)/$(name).vtkhdf)
@@ -232,10 +232,10 @@ SHELL_INPUTS := $(wildcard cases/shells/*) $(PREPROCESS_SOURCES) $(PACKAGE_SOURC
 SHELL_COMMAND := $(PY) -m plymotion.solver shell --out $(SHELL_FOLDER)
 
 .PHONY: shells $(addprefix shell-,$(SHELLS))
-shells: $(SHELL_FOLDER)/shells.txt ## Analyse every plate and shell of cases/shells
+shells: $(SHELL_FOLDER)/shells.txt ## Analyse all plates and shells in cases/shells
 	@echo "shells: $<"
 
-# What is up to date by content is left alone; a file that is gone is made again.
+# Files that are up to date by content are skipped; a missing file is made again.
 ifneq ($(filter-out $(wildcard $(SHELL_FILES)),$(SHELL_FILES)),)
 $(SHELL_FOLDER)/shells.txt: FORCE
 endif
@@ -250,10 +250,10 @@ $(addprefix shell-,$(SHELLS)): shell-%: $(FENICSX) $(LIGHT)
 BENCHMARK = . ./$(FENICSX) && PYTHONPATH=.:tests "$$FENICSX_PYTHON"
 
 .PHONY: shell-calculix shell-speed
-shell-calculix: $(FENICSX) ## The paper's box beam: our elements beside CalculiX, run where it is
+shell-calculix: $(FENICSX) ## The paper's box beam: our elements compared with CalculiX, if installed
 	$(BENCHMARK) benchmarks/shell_box_beam.py --write docs/shells-accuracy.md
 
-shell-speed: $(FENICSX) ## Shells of 10 k triangles: analysis over bare eigenvalue problem
+shell-speed: $(FENICSX) ## Shells of 10 k triangles: time relative to the eigenvalue problem alone
 	$(BENCHMARK) benchmarks/shell_speed.py
 
 ##@ Tests
@@ -299,9 +299,9 @@ test-fe: $(LIGHT) ## FE tests on the distribution's DOLFINx and on the wheel, nu
 	$(PY) tools/fe_tests.py
 
 .PHONY: test-cases
-test-cases: ## Every case in its coarse version, every cross-section and every shell
+test-cases: ## All cases in their coarse version, all cross-sections and all shells
 	$(if $(CASES),$(MAKE) COARSE=1 $(CASES) $(SWEEPS) sections shells,@echo "there is no case in cases/"; exit 1)
-	@# Asked again, make must find nothing to do.
+	@# A second time, make must have nothing to do.
 	! $(MAKE) COARSE=1 $(CASES) $(SWEEPS) sections shells | grep 'plymotion\.[a-z]* '
 
 .PHONY: ship
@@ -319,12 +319,12 @@ EXUDYN := $(PEERS)/exudyn/__init__.py
 BENCH_OPTIONS ?=
 
 .PHONY: bench
-bench: $(EXUDYN) | $(COMPILED) ## The solver beside Exudyn: build/benchmarks/solver.json, docs/speed.md
+bench: $(EXUDYN) | $(COMPILED) ## The solver compared with Exudyn: build/benchmarks/solver.json, docs/speed.md
 	$(BENCH) benchmarks/solver_speed.py build/benchmarks/solver.json --write docs/speed.md \
 	    $(BENCH_OPTIONS)
 
-# In a folder of their own: neither tests nor users need them, and they bring their own file
-# formats. Without dependencies: NumPy is that of the environment.
+# In a separate folder: neither tests nor users need them. Without dependencies: NumPy is that of
+# the environment.
 $(EXUDYN): pyproject.toml $(LIGHT)
 	@mkdir -p $(PEERS)
 	$(PY) -m pip install --quiet --upgrade --no-deps --target $(PEERS) \
@@ -339,11 +339,11 @@ CHART_NUMBERS := build/charts/section-error-time.json
 
 SHELL_CHARTS := docs/pictures/shell-course.png docs/pictures/shell-error-time.png
 
-# Numbers of the solver's charts are kept with the documents: they take minutes to measure.
+# The numbers of the solver's charts are in docs/charts, because measuring them takes minutes.
 SOLVER_CHARTS := $(patsubst %,docs/pictures/solver-%.png,integrators treatments models)
 
 .PHONY: charts
-charts: $(CHART) $(SHELL_CHARTS) $(SOLVER_CHARTS) ## Measure error against time, draw it
+charts: $(CHART) $(SHELL_CHARTS) $(SOLVER_CHARTS) ## Measure error against time and draw charts
 
 $(CHART_NUMBERS): $(PREPROCESS_SOURCES) benchmarks/section_convergence.py | $(FENICSX)
 	. ./$(FENICSX) && PYTHONPATH=.:tests "$$FENICSX_PYTHON" benchmarks/section_convergence.py $@
@@ -369,7 +369,7 @@ docs/charts/solver-models.csv: $(RUN_SOURCES) $(PREPROCESS_SOURCES) benchmarks/s
 	@mkdir -p $(@D)
 	$(BENCH) benchmarks/solver_models.py $@
 
-# One after the other: what runs beside a measurement disturbs it.
+# One after the other: other processes disturb a measurement.
 docs/charts/solver-treatments.csv: | docs/charts/solver-integrators.csv
 docs/charts/solver-models.csv: | docs/charts/solver-treatments.csv
 
@@ -379,7 +379,7 @@ docs/pictures/solver-%.png: docs/charts/solver-%.csv benchmarks/solver_chart.py
 STABILITY_CHART := docs/pictures/stability.png
 
 .PHONY: stability
-stability: $(STABILITY_CHART) ## Map of where each integration method breaks, measured and drawn
+stability: $(STABILITY_CHART) ## Measure and draw the stability limits of each integration method
 	@echo "stability: $<, build/charts/stability.csv"
 
 $(STABILITY_CHART): benchmarks/stability_chart.py $(RUN_SOURCES) | $(LIGHT) $(COMPILED)
@@ -398,16 +398,16 @@ docs: $(LIGHT) ## Regenerate docs/equations.md, case-reference.md, *-description
 	mv docs/warnings.md.part docs/warnings.md
 
 .PHONY: clean
-clean: ## Remove everything that was built, not the environments
+clean: ## Remove all build results, but not the environments
 	rm -rf build .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
 	find . -path './.*' -prune -o -name __pycache__ -exec rm -rf {} +
 
 .PHONY: distclean
-distclean: clean ## Remove the environments as well
+distclean: clean ## Also remove the environments
 	rm -rf $(VENV) .fenicsx-* *.egg-info
 
 .PHONY: help
-help: ## This list
+help: ## Print this list
 	@awk 'BEGIN { FS = ":[^#]*## " } \
 	    /^##@/ { printf "\n%s\n", substr($$0, 5) } \
 	    /^[a-z][a-z-]*:.*## / { printf "  make %-18s %s\n", $$1, $$2 }' Makefile
@@ -419,13 +419,13 @@ help: ## This list
 	@echo "  make -j2 ...                 two steps at a time"
 	@echo
 	@echo "Sweeps: $(or $(SWEEPS),none yet)"
-	@echo "  make <case>-sweep-<name>     its members, in build/<case>/sweeps/<name>; JOBS=N processes"
+	@echo "  make <case>-sweep-<name>     one sweep, in build/<case>/sweeps/<name>; JOBS=N processes"
 	@echo
 	@echo "Cross-sections: $(or $(SECTIONS),none yet)"
-	@echo "  make section-<name>          numbers and figures of one, in build/sections/<name>"
+	@echo "  make section-<name>          results and figures of one, in build/sections/<name>"
 	@echo
 	@echo "Shells: $(or $(SHELLS),none yet)"
-	@echo "  make shell-<name>            numbers and figures of one, in build/shells/<name>"
+	@echo "  make shell-<name>            results and figures of one, in build/shells/<name>"
 
 .PHONY: FORCE
 FORCE:

@@ -1,1 +1,1 @@
-"""From meshes and materials to modal packages: needs the FEniCSx stack."""
+"""Preprocessor: modal packages from meshes and materials. Needs the FEniCSx stack."""

@@ -8,43 +8,43 @@ from pathlib import Path
 from ..solver.package.common.shares import shard
 
 BODY_EPILOG = """\
-Each SPEC.json becomes DIR/SPEC.vtkhdf, a modal package. A package whose stored
-inputs (specification, preprocessor sources, format version) are the same is
-left alone, so that make repeats no run that reads it.
+Writes the modal package DIR/SPEC.vtkhdf for each SPEC.json. A package whose stored
+inputs (specification, preprocessor sources, format version) are unchanged is not
+written again, so make does not repeat runs that read it.
 
-exit code: 0 all packages are there; 2 a body could not be built (the others
-were); 130 interrupted.
+exit code: 0 all packages are up to date; 2 a body could not be built (the others
+were built); 130 interrupted.
 """
 SECTION_EPILOG = """\
-Each SPEC.json becomes SPEC.vtkhdf, a section file. A file whose stored inputs
-(specification, options, preprocessor sources, format version) are the same is
-left alone. @LIST stands for the lines of the file LIST; SPEC `-` alone reads
-the names from standard input and answers each at once.
+Writes the section file SPEC.vtkhdf for each SPEC.json. A file whose stored inputs
+(specification, options, preprocessor sources, format version) are unchanged is
+not written again. @LIST reads arguments from the lines of the file LIST. SPEC `-`
+alone reads names from standard input and processes each one immediately.
 
 {ranks}
 
-exit code: 0 all files are there; 2 a section could not be analysed (the others
-were); 130 interrupted.
+exit code: 0 all files are up to date; 2 a section could not be analysed (the others
+were analysed); 130 interrupted.
 """
 SHELL_EPILOG = """\
-Each SPEC.json becomes SPEC.vtkhdf, a shell file: displacements, resultants and
+Writes the shell file SPEC.vtkhdf for each SPEC.json: displacements, resultants and
 reactions of its load cases, natural modes. A file whose stored inputs
-(specification, preprocessor sources, format version) are the same is left
-alone. SPEC `-` alone reads the names from standard input and answers each at
-once. `mpirun -n N python -m plymotion.preprocess shell ...` works on one shell
-after the other with all ranks; rank 0 writes and prints.
+(specification, preprocessor sources, format version) are unchanged is not written
+again. SPEC `-` alone reads names from standard input and processes each one
+immediately. `mpirun -n N python -m plymotion.preprocess shell ...` analyses one
+shell after the other with all ranks; rank 0 writes and prints.
 
-exit code: 0 all files are there; 2 a shell could not be analysed (the others
-were); 130 interrupted.
+exit code: 0 all files are up to date; 2 a shell could not be analysed (the others
+were analysed); 130 interrupted.
 """
 TOGETHER = """\
-`mpirun -n N python -m plymotion.preprocess section ...` works on one section
+`mpirun -n N python -m plymotion.preprocess section ...` analyses one section
 after the other with all ranks; rank 0 writes and prints."""
 APART = """\
-Start it as
+Start this command with
     mpirun -n N python -m mpi4py.futures -m plymotion.preprocess section-batch ...
-Rank 0 hands out the sections and prints, every other rank makes one at a time
-and keeps meshes and factorisations for the next."""
+Rank 0 distributes the sections and prints. Every other rank analyses one section
+at a time and keeps meshes and factorisations for the next."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -58,17 +58,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ImportError as error:
         if not type(error).__module__.startswith("plymotion."):
             raise
-        print(f"error: {error}", file=sys.stderr)  # FEniCSx is missing: it says what helps
+        print(f"error: {error}", file=sys.stderr)  # it states what is missing
         return 2
     except KeyboardInterrupt:
-        print("interrupted: files finished so far are kept", file=sys.stderr)
+        print("interrupted: files finished before are kept", file=sys.stderr)
         return 130
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="python -m plymotion.preprocess",
-        description="From laminate, mesh and material to modal packages (needs FEniCSx).",
+        description="Build modal packages from laminates, meshes and materials (needs FEniCSx).",
     )
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     body = commands.add_parser(
@@ -117,14 +117,14 @@ def _add_shell(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     place.add_argument(
         "--out-dir", type=Path, metavar="DIR", help="folder of the files (default: beside SPEC)"
     )
-    shell.add_argument("--json", action="store_true", help="tell of each shell as one line of JSON")
+    shell.add_argument("--json", action="store_true", help="print one line of JSON per shell")
     shell.set_defaults(run=_shell)
 
 
 def _add_specs(parser: argparse.ArgumentParser, text: str) -> None:
     parser.add_argument("specs", nargs="+", type=Path, metavar="SPEC.json", help=text)
     parser.add_argument(
-        "--force", action="store_true", help="build also what has not changed since the last time"
+        "--force", action="store_true", help="build all files, also those that are up to date"
     )
 
 
@@ -138,13 +138,13 @@ def _add_section_options(parser: argparse.ArgumentParser) -> None:
         metavar="A",
         help="refine until the estimated error of K, scaled by sqrt(Kii Kjj), is below A",
     )
-    parser.add_argument("--no-estimate", action="store_true", help="no error estimate: quicker")
+    parser.add_argument(
+        "--no-estimate", action="store_true", help="skip the error estimate (faster)"
+    )
     parser.add_argument(
         "--shard", type=shard, default=(1, 1), metavar="k/N", help="only the k-th of N shares"
     )
-    parser.add_argument(
-        "--json", action="store_true", help="tell of each section as one line of JSON"
-    )
+    parser.add_argument("--json", action="store_true", help="print one line of JSON per section")
 
 
 def _body(options: argparse.Namespace) -> int:

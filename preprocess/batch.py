@@ -1,8 +1,8 @@
-"""Many specifications in one process: imports, compiled forms and equal meshes are shared.
+"""Process many specifications in one process, which shares imports, compiled forms and meshes.
 
-A `Product` (modal packages of bodies, section files) knows how one specification
-becomes a file; what is the same for all products is here: reading, leaving alone
-what is up to date, errors that do not stop the others, progress.
+A `Product` (modal packages of bodies, section files) makes one file from one
+specification. This file has what all products share: reading, skipping files that are
+up to date, errors that do not stop the others, progress.
 """
 
 import json
@@ -22,27 +22,27 @@ class BatchError(Exception):
 
 
 class Product(Protocol):
-    """How one specification becomes one file."""
+    """Makes one file from one specification."""
 
     def unchanged(self, target: Path, spec: dict[str, Any]) -> bool:
-        """True if the target is a sound file made from these very inputs."""
+        """True if the target is a valid file made from the same inputs."""
 
     def make(self, spec: dict[str, Any], target: Path) -> tuple[str, Sequence[dict[str, str]]]:
-        """Write the target; returns what to tell of it, and its coded warnings."""
+        """Write the target; returns a one-line summary and the coded warnings."""
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of one specification."""
+    """Result of one specification."""
 
     spec: str
     file: str
     status: str  # "built", "unchanged", "failed"
     seconds: float
-    text: str = ""  # in words, of a file that was built
+    text: str = ""  # summary of a file that was built
     warnings: tuple[dict[str, str], ...] = ()  # {"code", "message"}
     error: str = ""  # in one line
-    defect: str = ""  # traceback of an error that is none of the user's
+    defect: str = ""  # traceback of an internal error
 
 
 def build(product: Product, path: Path, target: Path, *, force: bool = False) -> Outcome:
@@ -50,7 +50,7 @@ def build(product: Product, path: Path, target: Path, *, force: bool = False) ->
 
     Raises
     ------
-    ImportError : FEniCSx is missing, which no other specification would survive.
+    ImportError : FEniCSx is missing, so all other specifications would fail too.
     """
     start = time.perf_counter()
 
@@ -87,8 +87,8 @@ def build_all(
     ----------
     specs : JSON files
     target_of : the file that a specification becomes
-    force : build also what has not changed
-    tell : what to do with each outcome and its place in the list ("3/14"); `tell_text` by default
+    force : build also files that are up to date
+    tell : called with each outcome and its number ("3/14"); `tell_text` by default
     """
     tell = tell or tell_text
     code = 0
@@ -101,7 +101,7 @@ def build_all(
 
 
 def tell_text(outcome: Outcome, place: str) -> None:
-    """One line of progress on stdout; warnings and errors, a line each, on stderr."""
+    """Print one line of progress on stdout, and warnings and errors, one line each, on stderr."""
     name = Path(outcome.file).stem
     for warning in outcome.warnings:
         text = f"warning: {name}: {warning['code']}: {warning['message']}"
@@ -111,14 +111,14 @@ def tell_text(outcome: Outcome, place: str) -> None:
         return
     if outcome.defect:
         print(outcome.defect, end="", file=sys.stderr)
-        print("this is a defect of the preprocessor, not of the input:", file=sys.stderr)
+        print("this is an error of the preprocessor, not of the input:", file=sys.stderr)
     print(f"error: {outcome.spec}: {outcome.error}", file=sys.stderr, flush=True)
 
 
 def _is_user_error(error: Exception) -> bool:
-    """Tell errors with a message for the user from defects.
+    """True for an error with a message for the user, False for an internal error.
 
-    The errors that Plymotion raises itself carry such a message; so do those
+    Errors that Plymotion raises have such a message. So do those
     of the operating system (a folder that cannot be written).
     """
     return type(error).__module__.startswith("plymotion.") or isinstance(error, OSError)

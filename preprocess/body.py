@@ -34,7 +34,7 @@ def build_body(spec: dict[str, Any]) -> ModalPackage:
     Errors of the analysis (material, mesh) pass through.
     """
     if isinstance(spec, dict) and spec.get("kind") == "shell":
-        from .shell.body import build_shell_body  # here: a beam needs nothing of it
+        from .shell.body import build_shell_body  # imported here because beams do not need it
 
         return build_shell_body(spec)
     return _build_beam(spec)
@@ -84,14 +84,14 @@ def _build_beam(spec: dict[str, Any]) -> ModalPackage:
 
 @functools.lru_cache(maxsize=256)
 def _section(text: str) -> SectionFile:
-    """Analyse a section once, however many bodies have it."""
+    """Analyse a section once and reuse the result for other bodies."""
     return analyse(
         json.loads(text), where="section", estimate=False, recovery_degree=RECOVERY_DEGREE
     )
 
 
 def toml_text(table: dict[str, Any], path: str = "") -> str:
-    """Plain values, lists and tables as TOML, for the reader of a package."""
+    """Plain values, lists and tables as TOML text, for users of a package."""
     lines = [f"{_key(k)} = {_value(v)}" for k, v in table.items() if not isinstance(v, dict)]
     for key, value in table.items():
         if isinstance(value, dict):
@@ -106,7 +106,7 @@ def _key(key: str) -> str:
 
 
 def _value(value: Any) -> str:
-    """A value on one line: a table within a list is an inline one."""
+    """A value on one line; a table within a list becomes an inline table."""
     if isinstance(value, dict):
         return "{" + ", ".join(f"{_key(k)} = {_value(v)}" for k, v in value.items()) + "}"
     if isinstance(value, list):

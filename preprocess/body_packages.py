@@ -12,21 +12,21 @@ from .fingerprint import fingerprint
 
 
 class BodyPackages:
-    """One body's specification becomes its modal package."""
+    """Makes the modal package of one body from its specification."""
 
     def unchanged(self, target: Path, spec: dict[str, Any]) -> bool:
-        """True if the target is a sound package made from these very inputs."""
+        """True if the target is a valid package made from the same inputs."""
         if not target.exists():
             return False
         try:
             stored = read_package(target).provenance.get("fingerprint")
         except PackageError:
-            return False  # damaged or older: made anew
+            return False  # damaged or older: build it again
         return stored == fingerprint(spec)
 
     def make(self, spec: dict[str, Any], target: Path) -> tuple[str, list[dict[str, str]]]:
         """Build and write the package."""
-        from .body import build_body  # here: FEniCSx is loaded only where something is built
+        from .body import build_body  # here: loads FEniCSx only if needed
 
         start = time.perf_counter()
         package = build_body(spec)

@@ -1,8 +1,8 @@
-"""Content hash of everything a modal package is made from.
+"""Content hash of all inputs of a modal package.
 
-A package is rebuilt only when this hash differs from the one it stores: the
-body's specification, the preprocessor's sources and mesh scripts, and the
-format it is written in.
+A package is rebuilt only if this hash differs from the stored one. The hash includes
+the specification of the body, the sources of the preprocessor, the mesh scripts, and the
+format version.
 """
 
 import functools
@@ -13,15 +13,15 @@ from typing import Any
 from ..solver.package.body.schema import FORMAT_VERSION
 from ..solver.package.common.plain_data import inputs_sha256
 
-# Who asked for the body says nothing about the body: a new integrator setting
-# in the case file must not rebuild its packages.
+# These keys do not affect the body: a new integrator setting
+# # in the case file must not rebuild its packages.
 NOT_INPUTS = ("inputs_sha256", "case")
 
 
 def fingerprint(spec: dict[str, Any]) -> str:
     """SHA-256 of a body specification, the sources and the format version.
 
-    The version of DOLFINx is left out on purpose: all versions give the same numbers (to 1e-9,
+    The version of DOLFINx is not included: all versions give the same numbers (to 1e-9,
     tested).
     """
     inputs = {key: value for key, value in spec.items() if key not in NOT_INPUTS}

@@ -1,4 +1,4 @@
-"""What a batch tells to a program: JSON, one object a line, on what was standard output."""
+"""Output of a batch for programs: one JSON object per line on the original standard output."""
 
 import dataclasses
 import json
@@ -12,17 +12,17 @@ from .batch import Outcome
 
 
 class JsonLines:
-    """Writes lines at once, each in one piece."""
+    """Writes each line immediately and as a whole."""
 
     def __init__(self, descriptor: int) -> None:
         self._descriptor = descriptor
 
     def tell(self, outcome: Outcome, place: str = "") -> None:
-        """One outcome; its place in a list is for people."""
+        """Write one outcome; `place` is not used here."""
         self.write(dataclasses.asdict(outcome))
 
     def progress(self, line: str) -> None:
-        """What begins now."""
+        """Write the name of the step that begins."""
         self.write({"progress": line})
 
     def write(self, content: dict[str, Any]) -> None:
@@ -32,7 +32,7 @@ class JsonLines:
 
 @contextmanager
 def json_lines() -> Iterator[JsonLines]:
-    """Keep standard output for the lines: what libraries print goes to standard error."""
+    """Reserve standard output for the lines; output of libraries goes to standard error."""
     sys.stdout.flush()
     descriptor = os.dup(1)
     os.dup2(2, 1)

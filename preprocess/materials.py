@@ -1,7 +1,7 @@
 """Rotation of elastic materials: from material axes to those of the member.
 
-Constants, bounds and the Bond matrix are in `plymotion.solver.package.common.materials`, where
-the light half finds them too. Stress and strain are columns in the paper's
+Constants, bounds and the Bond matrix are in `plymotion.solver.package.common.materials`, because
+the solver uses them too. Stress and strain are columns in the paper's
 order 11, 22, 33, 23, 13, 12 with engineering shear strains. `_M` are the axes of
 the material (1 along the fibre, 3 normal to the ply), `_B` those of the member.
 """
@@ -33,7 +33,7 @@ __all__ = [
 def ply_rotation(ply_angle_deg: float) -> Array:
     """Axes of a ply in those of its wall: A_BM (3, 3), v_B = A_BM v_M.
 
-    The fibre lies at cos(angle) e1 + sin(angle) e2, turned right-handed about the outward
+    The fibre direction is cos(angle) e1 + sin(angle) e2, right-handed about the outward
     normal e3 of the wall.
     """
     angle = math.radians(ply_angle_deg)

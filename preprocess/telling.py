@@ -1,4 +1,4 @@
-"""Commands that make files: whom they tell of outcomes, and answers to names on standard input."""
+"""Progress output of the commands that make files, and names read from standard input."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -12,7 +12,7 @@ Tell = Callable[[Outcome, str], None]
 
 
 def answer(product: Product, target_of: Callable[[Path], Path], *, force: bool, tell: Tell) -> int:
-    """Make one file after the other as the names of specifications come in on standard input."""
+    """Make a file for each name of a specification that arrives on standard input."""
     code = 0
     for line in sys.stdin:
         path = Path(line.rstrip("\n"))
@@ -22,7 +22,7 @@ def answer(product: Product, target_of: Callable[[Path], Path], *, force: bool, 
 
 @contextmanager
 def teller(as_json: bool, first: bool) -> Iterator[tuple[Tell, Callable[[str], None] | None]]:
-    """Who tells of outcomes and of progress: the first rank, to people or to a program."""
+    """Reporter of outcomes and progress: only the first rank reports, as text or as JSON."""
     if not first:
         yield _nothing, None
     elif as_json:
@@ -33,4 +33,4 @@ def teller(as_json: bool, first: bool) -> Iterator[tuple[Tell, Callable[[str], N
 
 
 def _nothing(outcome: Outcome, place: str) -> None:
-    """What the other ranks tell."""
+    """Reporter of the other ranks: prints nothing."""

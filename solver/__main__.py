@@ -14,14 +14,14 @@ from .commands.shell.options import add_shell_command
 from .commands.sweep.options import add_sweep_command
 from .errors import InputError, PackageError
 
-INTERRUPTED = 130  # what a shell reports of a program ended by Ctrl-C
+INTERRUPTED = 130  # exit code of a program that was ended by Ctrl-C
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run one command; return the exit code.
 
-    0 done; 2 bad input, errors found by `validate` included; 3 a run, or members of a sweep,
-    that ended early with what they have kept; 130 interrupted, what there is
+    0 done; 2 wrong input, or errors found by `validate`; 3 a run, or members of a sweep,
+    ended early and their results up to that time are kept; 130 interrupted, results are
     kept.
     """
     words = sys.argv[1:] if arguments is None else arguments
@@ -33,7 +33,7 @@ def main(arguments: list[str] | None = None) -> int:
         for line in str(error).splitlines():
             print(f"error: {line}", file=sys.stderr)
         return 2
-    except BrokenPipeError:  # the reader of our output has gone, as `head` does
+    except BrokenPipeError:  # the reader of the output has closed the pipe, like `head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except OSError as error:
@@ -51,7 +51,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"plymotion {__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
-    check = commands.add_parser("check", help="check a case file; write what the stages read")
+    check = commands.add_parser(
+        "check", help="check a case file; write the input of the other commands"
+    )
     check.add_argument("case", type=Path, nargs="?", help="cases/<name>/case.toml")
     check.add_argument("--out", type=Path, help="folder for case.json, bodies/, runs/, ...")
     check.add_argument("--packages", type=Path, help="folder of ready packages")
@@ -73,7 +75,7 @@ def _parser() -> argparse.ArgumentParser:
     report.add_argument("folder", type=Path, help="build/<case>")
     report.set_defaults(command=_report)
 
-    info = commands.add_parser("info", help="say what a modal package holds")
+    info = commands.add_parser("info", help="show the content of a modal package")
     info.add_argument("package", type=Path)
     info.set_defaults(command=_info)
 

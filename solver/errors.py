@@ -1,11 +1,11 @@
-"""Errors in what the user gave: shown as one message, exit code 2."""
+"""Errors in the input of the user: shown as one message, exit code 2."""
 
 from collections.abc import Iterable
 from difflib import get_close_matches
 
 
 class InputError(Exception):
-    """Something in the input cannot be used; the message names file, key, value, expectation."""
+    """The input is wrong; the message names file, key, value and expectation."""
 
 
 class PackageError(Exception):
@@ -19,7 +19,7 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
-    """Return `did_you_mean`, or all known names where none is close."""
+    """Return `did_you_mean`, or all known names if none is close."""
     names = sorted(known)
     listed = f"; known: {', '.join(names)}" if names else "; none is defined"
     return did_you_mean(name, names) or listed

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Install Debian packages, or say what to do: apt_install.sh PACKAGE...
+# Install Debian packages, or print instructions: apt_install.sh PACKAGE...
 # Exit code 3: not possible here (no apt, or not root).
 set -eu
 

@@ -5,8 +5,8 @@ grammar, which tests/contract/test_equations.py enforces:
 
     Paper: ITEM, ITEM and ITEM      ITEM is  Eq. (n)  or a range  Eq. (n)-(m)
 
-Titles of the equations, and reasons for those that are not in the code, stand
-in docs/equations.toml. A test belongs to an equation if it carries `Eq. (n)`
+Titles of the equations, and reasons for those that are not in the code, are
+in docs/equations.toml. A test belongs to an equation if it contains `Eq. (n)`
 in its docstring or comments, or uses the function that implements it.
 """
 
@@ -25,12 +25,12 @@ MOST_TESTS = 4  # named in one row of the table
 
 ITEM = re.compile(r"Eq\. \((\d+)\)(?:-\((\d+)\))?")
 MARK = re.compile(rf"Paper:\s+({ITEM.pattern}(?:(?:,|,?\s+and)\s+{ITEM.pattern})*)")
-# What follows a well-formed list and still looks like part of it.
+# Text after a well-formed list that looks like a part of it.
 LEFTOVER = re.compile(r"\s*(?:,|-|–|and|to|/)?\s*(?:Eqs?\.)?\s*\(\d")
 
 
 class GrammarError(Exception):
-    """A docstring that names the paper in another form than the agreed one."""
+    """A docstring does not follow the grammar of references to the paper."""
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 A file holds {"name": nested list of numbers}. Two arrays are equal when every
 entry differs by at most 1e-9 of the largest entry of the array: single entries
-may be zero but for rounding.
+may be zero except for round-off.
 """
 
 import json

@@ -1,9 +1,9 @@
-"""Run the FE tests on every DOLFINx to be had, then compare the numbers.
+"""Run the FE tests on every available DOLFINx, then compare the numbers.
 
-The distribution's packages and the wheel are the two ends of the supported
-versions. Each end is installed where that is possible and says why where it is
-not. The tests record the numbers they computed in build/fe-numbers/, one file
-per version; equal inputs must give equal numbers (tools/fe_numbers.py).
+The distribution's packages and the wheel are the oldest and the newest supported
+version. Each one is installed if possible; otherwise the reason is printed. The tests record the
+numbers they computed in build/fe-numbers/, one file per version; equal inputs must give equal
+numbers (tools/fe_numbers.py).
 """
 
 import os
@@ -29,7 +29,7 @@ NUMBERS = ROOT / "build" / "fe-numbers"
 
 
 def ends() -> list[tuple[str, Report | str]]:
-    """(name, report or why there is none) for each DOLFINx to test on."""
+    """(name, report or reason for its absence) for each DOLFINx to test."""
     found: list[tuple[str, Report | str]] = [
         ("distribution", from_system()),
         ("wheel", from_wheel()),
@@ -56,7 +56,7 @@ def has_pytest(python: str) -> bool:
 
 
 def main(arguments: list[str]) -> int:
-    """Run pytest on each end; exit code 1 if one fails, differs, or none could run."""
+    """Run pytest with each version; exit code 1 if one fails, numbers differ, or none could run."""
     # Only numbers of this run are compared: an old file could hide a difference.
     shutil.rmtree(NUMBERS, ignore_errors=True)
     summary: list[str] = []

@@ -1,4 +1,4 @@
-"""Where FEniCSx can come from: Debian's packages, conda, or a wheel.
+"""Sources of FEniCSx: Debian's packages, conda, or a wheel.
 
 Each source is a function that installs what is missing and returns the report
 of the probe (solver/commands/fenicsx_side/interpreter.py), or a line that says why it cannot.
@@ -46,7 +46,7 @@ CONDA_PACKAGES = (
     "pytest",
 )
 
-# What gmsh's wheel links to and a machine without a desktop lacks.
+# Libraries of gmsh's wheel that are missing on a machine without a desktop.
 GMSH_LIBRARIES = (
     "libglu1-mesa",
     "libgl1",
@@ -63,7 +63,7 @@ GMSH_LIBRARIES = (
 
 
 def repaired(report: Report) -> Report:
-    """The same interpreter after installing what can be by apt: libraries, a compiler."""
+    """The same interpreter after installing missing libraries and a compiler by apt."""
     remedies = {"gmsh": GMSH_LIBRARIES, "compiler": ("gcc", "libc6-dev")}
     symptoms = {"gmsh": "cannot open shared object file", "compiler": ""}
     # One after the other: a form is compiled only once everything is imported.
@@ -91,7 +91,7 @@ def from_system() -> Report | str:
 
 
 def from_conda() -> Report | str:
-    """FEniCSx of conda-forge, in an environment of the project's own."""
+    """FEniCSx of conda-forge, in an environment of the project."""
     tool = next(filter(None, map(shutil.which, ("micromamba", "mamba", "conda"))), None)
     if tool is None:
         return "neither micromamba, mamba nor conda is on PATH"
@@ -104,7 +104,7 @@ def from_conda() -> Report | str:
 
 
 def from_wheel() -> Report | str:
-    """FEniCSx of a wheel, in an environment of the project's own: Linux on x86-64."""
+    """FEniCSx of a wheel, in an environment of the project: Linux on x86-64."""
     python = str(WHEEL_FOLDER / "bin" / "python")
     report = repaired(probe(python))
     if usable(report):

@@ -1,7 +1,7 @@
 """Find a Python with FEniCSx, or install one: find_fenicsx.py build/fenicsx.env.
 
 Tries $FENICSX_PYTHON, python3, /usr/bin/python3 and the environments of the
-project (.fenicsx-*), by really importing. If none will do: Debian's packages,
+project (.fenicsx-*), by importing the packages. If none is usable: Debian's packages,
 conda, or the wheel. The choice is written as a line that shells can read.
 """
 
@@ -31,7 +31,7 @@ setup: no FEniCSx here and none could be installed. One of these helps:
 
 
 def installed() -> Report | None:
-    """FEniCSx from the first source that gives it, or None with the reasons printed."""
+    """FEniCSx from the first available source, or None with the reasons printed."""
     for source in (from_system, from_conda, from_wheel):
         result = source()
         if isinstance(result, dict):
@@ -57,7 +57,7 @@ def main(path: Path) -> int:
     if wish := os.environ.get("FENICSX_PYTHON"):
         report = probe(wish)
         if not usable(report):
-            say(f"FENICSX_PYTHON={wish} will not do: {reasons(report)}")
+            say(f"FENICSX_PYTHON={wish} cannot be used: {reasons(report)}")
             return 1
     else:
         report = present([ROOT])[0] or installed()

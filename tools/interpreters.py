@@ -1,4 +1,4 @@
-"""Python interpreters of this machine, found by really starting them."""
+"""Python interpreters of this machine that can be started."""
 
 import glob
 import os
@@ -30,8 +30,8 @@ def version(python: str) -> tuple[int, int] | None:
 def on_path_or_pyenv(minor_versions: tuple[int, ...]) -> Iterator[str]:
     """Candidates for Python 3.x: names on PATH first, then pyenv's folders.
 
-    A pyenv shim stands on PATH for every version that pyenv has, and refuses
-    those that are not selected, so the folders are looked at as well.
+    PATH has a pyenv shim for every version of pyenv, but only the selected ones start.
+    Therefore the folders of pyenv are searched as well.
     """
     for minor in minor_versions:
         if found := shutil.which(f"python3.{minor}"):
@@ -54,7 +54,7 @@ def first(minor_versions: tuple[int, ...], modules: tuple[str, ...] = ()) -> str
 
 
 def say(message: str) -> None:
-    """Print one line of the set-up at once, also into a pipe."""
+    """Print one line of the set-up immediately, also into a pipe."""
     print(f"setup: {message}", flush=True)
 
 

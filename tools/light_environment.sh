@@ -1,8 +1,8 @@
 #!/bin/sh
-# Make or refresh the light environment: light_environment.sh FOLDER
-# Uses $PYTHON, or the first Python >= 3.11 that really starts and can make
-# virtual environments. A name on PATH proves nothing: a pyenv shim may refuse,
-# and Debian's bare python3 has no ensurepip.
+# Create or update the light environment: light_environment.sh FOLDER
+# Uses $PYTHON, or the first Python >= 3.11 that starts and can create
+# virtual environments. A name on PATH is not sufficient: a pyenv shim may fail,
+# and Debian's minimal python3 has no ensurepip.
 set -eu
 folder=$1
 here=$(dirname "$0")

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Run targets one after the other and tell the time of each: phases.sh MAKE TARGET...
-# All are run, so that one failure does not hide another; fails if any failed.
+# Run targets one after the other and print the time of each: phases.sh MAKE TARGET...
+# All targets run even if one fails; the exit code is then 1.
 set -u
 make=$1
 shift

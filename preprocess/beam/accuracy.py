@@ -1,13 +1,13 @@
-"""Estimate of the frequency error that a beam mesh leaves in a mode.
+"""Estimate of the discretisation error of the mode frequencies of a beam.
 
-Halve every element without solving again. Between its nodes a mode has the
-static shape, so the finer mesh gives it the same strain energy; its mass can
-differ (lumped) by delta, and its mid-nodes feel inertial forces lambda r that
-they follow by lambda Kc^-1 r. To first order the squared frequency changes by
+Every element is halved without solving again. Between its nodes a mode has the
+static shape, so its strain energy on the finer mesh is the same. Its mass can
+differ (lumped) by delta. Inertial forces lambda r act at the mid-nodes and displace
+them by lambda Kc^-1 r. To first order the squared frequency changes by
 
     -(delta + lambda r' Kc^-1 r)     relative, mode of unit mass.
 
-What is left after infinitely many halvings is at most 4/3 of it, because the
+The total change after infinitely many halvings is at most 4/3 of it, because the
 error falls at least with the square of the element length.
 """
 
@@ -17,7 +17,7 @@ from ...solver.math.arrays import Array
 from .element import BeamElement, scaled_inverse
 from .line import BeamLine
 
-LIMIT = 0.01  # relative frequency error from which a mesh counts as coarse
+LIMIT = 0.01  # relative frequency error above which a mesh is called coarse
 
 
 def frequency_error(line: BeamLine, values: Array, columns_B: Array, mass_form: str) -> Array:
@@ -60,7 +60,7 @@ def coarse_mesh_warnings(
     if not coarse:
         return []
     message = (
-        f"{elements} elements are coarse for the modes {', '.join(coarse)}: estimated frequency "
-        f"error above {LIMIT:.0%}; give `elements` a larger value"
+        f"{elements} elements are too few for the modes {', '.join(coarse)}: estimated frequency "
+        f"error above {LIMIT:.0%}; increase `elements`"
     )
     return [{"code": "mesh-coarse-for-modes", "message": message}]

@@ -1,4 +1,4 @@
-"""From a section's 6x6 matrices to the modal package of a beam."""
+"""Modal package of a beam from the 6x6 matrices of its section."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -25,12 +25,12 @@ VTK_LINE = 3
 
 @dataclass(frozen=True)
 class BeamModel:
-    """A beam mesh with the places that its specification names."""
+    """A beam mesh with the interfaces of its specification."""
 
     spec: BeamSpec
     line: BeamLine
     node_of: dict[str, int]  # interface name -> row of nodes_B
-    reference_nodes: tuple[int, ...]  # that carry the frame
+    reference_nodes: tuple[int, ...]  # nodes that carry the frame
 
     @property
     def loaded_nodes(self) -> tuple[int, ...]:
@@ -88,10 +88,10 @@ def beam_modes(model: BeamModel, solver: EigenSolver) -> Modes:
 def beam_package(
     model: BeamModel, modes: Modes, section: SectionData, provenance: dict[str, Any]
 ) -> ModalPackage:
-    """Put mesh, modes and inertia of a beam into the package of the solver.
+    """Collect mesh, modes and inertia of a beam in a modal package.
 
-    The nodal masses describe the nodes and are always lumped; the invariants
-    carry the mass form of the specification, that of the eigenproblem.
+    The nodal masses are always lumped. The invariants
+    use the mass form of the specification, which is also that of the eigenproblem.
     """
     spec, line = model.spec, model.line
     n, m = line.n_node, len(modes.values)
@@ -139,7 +139,7 @@ def beam_package(
 
 
 def mode_warnings(model: BeamModel, modes: Modes) -> list[dict[str, str]]:
-    """Warnings about modes that were left out, and a mesh too coarse for those that were kept."""
+    """Warnings about omitted modes, and about a mesh that is too coarse for the kept modes."""
     n_eigen = modes.kinds.count("fixed_normal")
     columns_B = modes.columns_B[:, :n_eigen]
     error = frequency_error(model.line, modes.values[:n_eigen], columns_B, model.spec.mass_form)

@@ -10,15 +10,15 @@ rotation f1 f2 f3 [rad] of the section. A point of the section moves by
 e6 = [u1', u2' - f3, u3' + f2, f1', f2', f3'], i.e. e6 = d' - Z d with the
 constant nilpotent Z below, and F6 = K e6.
 
-Between its nodes the element carries no load: the resultants follow from
+There is no load between the nodes of the element. The resultants follow from
 equilibrium, F6(x) = (I + x Q) F6(0) with Q = -Z', the strains are K^-1 F6(x),
 and integration gives the displacement as a cubic polynomial of x:
 
     d(x) = (I + x Z) d(0) + C(x) F6(0),
     C(x) = S x + (Z S + S Q) x^2/2 + Z S Q x^3/6,   S = K^-1.
 
-Every coupling of K is in it, and nothing locks, because shear and curvature are
-never interpolated separately.
+It includes every coupling of K. There is no locking, because shear and curvature are
+not interpolated separately.
 """
 
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ import numpy as np
 
 from ...solver.math.arrays import Array
 
-# Rotation of the section feeds the deflection: u2' holds f3, u3' holds -f2.
+# Effect of section rotation on deflection: u2' contains f3, u3' contains -f2.
 Z = np.zeros((6, 6))
 Z[1, 5], Z[2, 4] = 1.0, -1.0
 # Equilibrium without distributed load: M2' = F3, M3' = -F2.
@@ -39,7 +39,7 @@ MASS_POINTS = 4  # N' m N has degree 6 in x: four Gauss points are exact
 def scaled_inverse(A: Array) -> Array:
     """Inverse of a symmetric positive definite matrix whose rows have mixed units.
 
-    Slender members mix lengths of very different powers; scaling by the
+    The entries for slender members differ by many orders of magnitude. Scaling by the
     diagonal first keeps the inverse accurate to round-off.
     """
     scale = 1.0 / np.sqrt(np.diagonal(A))
@@ -145,10 +145,10 @@ class BeamElement:
         return 0.5 * (M + M.T)
 
     def lumped_mass(self, mass: Array) -> Array:
-        """Half of the element's section mass at each node, (12, 12).
+        """Half of the element's mass at each node, (12, 12).
 
-        Mass and rotary inertia are those of the half element's sections; the
-        distance of its sections from the node along x1 is left out.
+        Mass and rotary inertia are those of the sections of the half element. Their
+        distance from the node along x1 is neglected.
         """
         half = 0.5 * self.length * mass
         M = np.zeros((12, 12))

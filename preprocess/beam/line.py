@@ -1,7 +1,7 @@
-"""A straight beam as a row of elements: nodes, section axes, assembled matrices.
+"""A straight beam divided into elements: nodes, section axes, assembled matrices.
 
 The body frame `_B` has its origin at the first node of the reference line and
-its x axis along the beam; the section's x2 axis is given in it, x3 = x x x2.
+its x axis along the beam; the section's x2 axis is given in this frame, x3 = x cross x2.
 """
 
 from dataclasses import dataclass
@@ -56,7 +56,7 @@ class BeamLine:
     def spans(self) -> list[tuple[BeamElement, IntArray]]:
         """One element for every distinct length, with the element numbers (k,) that have it."""
         lengths = np.diff(self.x_B)
-        # positions made by linspace differ in the last bits: those are equal lengths
+        # lengths from linspace positions differ in the last bits; treat them as equal
         rounded = np.round(lengths / self.x_B[-1], 12)
         return [
             (
@@ -67,7 +67,7 @@ class BeamLine:
         ]
 
     def stiffness(self) -> sp.csr_matrix:
-        """Stiffness of the free beam in body axes, (6 n, 6 n); six dofs a node in turn."""
+        """Stiffness of the free beam in body axes, (6 n, 6 n), with six dofs per node."""
         return self._assemble([element.stiffness() for element, _ in self.spans])
 
     def mass_matrix(self, mass_form: str) -> sp.csr_matrix:
@@ -105,7 +105,7 @@ def section_axes(x2_axis_B: Array | list[float]) -> Array:
 
     Raises
     ------
-    ValueError : x2 is no unit vector orthogonal to the body x axis.
+    ValueError : x2 is not a unit vector orthogonal to the body x axis.
     """
     x2 = np.asarray(x2_axis_B, dtype=float)
     if x2.shape != (3,) or abs(np.linalg.norm(x2) - 1.0) > 1e-6 or abs(x2[0]) > 1e-6:
@@ -116,18 +116,18 @@ def section_axes(x2_axis_B: Array | list[float]) -> Array:
 
 
 def node_positions(length: float, elements: int, stops: list[float]) -> Array:
-    """Divide a beam into elements so that every stop gets a node.
+    """Divide a beam into elements with a node at every stop.
 
     Parameters
     ----------
     length : length of the beam [m]
     elements : total number of elements
-    stops : fractions of the length (0 to 1) where nodes must be
+    stops : fractions of the length (0 to 1) that need a node
 
     Returns
     -------
-    (elements + 1,) positions [m]: uniform where the stops allow it, otherwise
-    uniform between stops, with the elements shared out by length.
+    (elements + 1,) positions [m]: uniform if the stops allow it, otherwise
+    uniform between stops, with the elements distributed by length.
 
     Raises
     ------
@@ -141,7 +141,7 @@ def node_positions(length: float, elements: int, stops: list[float]) -> Array:
         raise ValueError(
             f"expected at least {len(stretches)}, one between any two neighbouring interfaces"
         )
-    # each further element goes where the elements are longest
+    # each additional element goes to the stretch with the longest elements
     counts = np.ones(len(stretches), dtype=int)
     for _ in range(elements - len(stretches)):
         counts[np.argmax(np.round(stretches / counts, 12))] += 1

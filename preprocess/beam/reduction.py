@@ -1,4 +1,4 @@
-"""What the modes of a beam need to know of it: reference condition, static loads."""
+"""Input of a beam to the mode computation: reference condition and static loads."""
 
 import numpy as np
 
@@ -9,8 +9,8 @@ from ..modes import Condition, HeldDofs, MeanAxis, StaticLoad
 from .line import BeamLine
 from .spec_modes import ModeSpec
 
-# Dofs of the reference nodes that do not move in the frame: the clamped one has all six of a node;
-# the x axis of the chord runs through both its nodes, and there is no twist at the first.
+# Dofs of the reference nodes that are fixed in the frame. Clamped: all six of a node. Chord:
+# the x axis runs through both nodes, and there is no twist at the first.
 CLAMPED = (range(6),)
 CHORD = ((0, 1, 2, 3), (1, 2))
 
@@ -25,7 +25,7 @@ def reference_condition(
     line : the beam
     mass_form : "consistent" or "lumped": of the eigenproblem and of the mean axis
     kind : one of REFERENCE_CONDITIONS
-    nodes : that carry the frame: one if clamped, two of a chord, none of a mean axis
+    nodes : nodes that carry the frame: one if clamped, two for a chord, none for a mean axis
 
     Raises
     ------
@@ -39,7 +39,7 @@ def reference_condition(
 
 
 def held_dofs(kind: str, nodes: tuple[int, ...]) -> IntArray | None:
-    """Dofs (6,) that do not move in the frame of `reference_condition`; None of a mean axis."""
+    """Dofs (6,) that are fixed in the frame of `reference_condition`; None for a mean axis."""
     if kind == "mean-axis":
         return None
     dofs = CLAMPED if kind == "clamped" else CHORD
@@ -49,10 +49,10 @@ def held_dofs(kind: str, nodes: tuple[int, ...]) -> IntArray | None:
 def static_loads(
     line: BeamLine, spec: ModeSpec, node_of: dict[str, int], origin: int
 ) -> list[StaticLoad]:
-    """Loads of the static modes that a specification asks for.
+    """Loads of the static modes that a specification requests.
 
-    `node_of` has the nodes of the interfaces; `origin` is the node where the load that rises along
-    the beam is zero (a mean axis has it at the mass centre, whatever is given here).
+    `node_of` has the nodes of the interfaces. `origin` is the node where the load that increases
+    along the beam is zero (for a mean axis it is zero at the mass centre in any case).
     """
     zero = np.zeros(6 * line.n_node)
     loads = []
@@ -66,7 +66,7 @@ def static_loads(
 
 
 def _rising(line: BeamLine, origin: int) -> Array:
-    """Acceleration x - x_origin along x: that of a spin of 1 rad/s, outwards, (6 n,)."""
+    """Acceleration x - x_origin along x, (6 n,): the outward one of a spin of 1 rad/s."""
     acceleration = np.zeros((line.n_node, 6))
     acceleration[:, 0] = line.x_B - line.x_B[origin]
     return acceleration.ravel()

@@ -1,18 +1,18 @@
 """Section resultants of the modes at the nodes of a beam.
 
-A shape d is the deformation under a distributed load M a and forces on nodes; a = lambda d for
-a mode of eigenvalue lambda, a = 0 for the static shape of forces on nodes. The forces on
-the ends of an element that hold it in equilibrium under that load,
+A shape d is the deformation under a distributed load M a and forces at nodes. a = lambda d for
+a mode of eigenvalue lambda, and a = 0 for the static shape of forces at nodes. The forces at
+the ends of an element in equilibrium with that load,
 
     f = K_e d - M_e a,     F6(0) = -f_1,     F6(L) = f_2,
 
-are the resultants there. Both elements of a node give the same, because that is what the
-equilibrium of the node says: the resultants are continuous where nothing is attached. They are
-exact to round-off for static shapes under loads on nodes. For modes in consistent mass
-their error falls with the fourth power of the element length in slender bending, and with the
-second, from a small value, where rotary inertia, twist or extension matter; with the second in
-lumped mass. K e6 from the static shape functions inside the element would be off by
-lambda m u L^2 / 12 in the moments at its ends, where the largest ones are.
+are the resultants there. Both elements of a node give the same value because the node is in
+equilibrium: the resultants are continuous where nothing is attached. They are
+exact to round-off for static shapes under loads at nodes. For modes with consistent mass
+their error falls with the fourth power of the element length in slender bending. It falls with the
+second power, from a small value, for rotary inertia, twist or extension, and with
+lumped mass. K e6 from the static shape functions inside the element would have an error of
+lambda m u L^2 / 12 in the moments at its ends, where the moments are largest.
 """
 
 import numpy as np
@@ -35,15 +35,15 @@ def shape_resultants(
     ----------
     line : the beam
     columns_B : (6 n, m) shapes, body axes
-    accelerations_B : (6 n, m) a of the distributed load M a that belongs to each shape; 0 for
-        static shapes of forces on nodes [m/s2, rad/s2]
+    accelerations_B : (6 n, m) a of the distributed load M a of each shape; 0 for
+        static shapes of forces at nodes [m/s2, rad/s2]
     mass_form : "consistent" or "lumped", that of the loads
-    breaks : nodes where the resultants jump, because they are held or loaded there: two stations
+    breaks : held or loaded nodes, where the resultants jump: each gives two stations
 
     Returns
     -------
-    Stations in order of x: the nodes, those of `breaks` twice, first as the end of the element
-    before them, then as the start of the element after them.
+    Stations in order of x: the nodes. Those of `breaks` are present twice, first as the end of the
+    element before them, then as the start of the element after them.
     """
     d, a = line.to_element(columns_B), line.to_element(accelerations_B)
     ends = np.zeros((line.n_node - 1, 2, 6, d.shape[2]))
@@ -55,7 +55,7 @@ def shape_resultants(
     ends[:, 0] *= -1.0
     last = line.n_node - 1
     inner_breaks = np.array(sorted({b for b in breaks if 0 < b < last}), dtype=np.int64)
-    # The start of each element, and its end where there is no element after it or a jump.
+    # The start of each element, and its end if it is the last element or the resultants jump.
     node = np.concatenate([np.arange(last), inner_breaks, [last]])
     resultants = np.concatenate([ends[:, 0], ends[inner_breaks - 1, 1], ends[-1:, 1]])
     at_end = np.concatenate([np.ones(last), np.zeros(len(inner_breaks) + 1)])

@@ -1,24 +1,24 @@
-"""Second-order displacements of a beam's modes, by quadrature of its own interpolation.
+"""Second-order displacements of the modes of a beam, by quadrature of its interpolation.
 
-A section that is displaced by u and turned by the rotation vector f, R = exp(f~), has the exact
+A section displaced by u and rotated by the rotation vector f, R = exp(f~), has the exact
 strains R'(e1 + u') - e1 and axial(R'R'). To second order in u and f they are those of the linear
 element plus
 
     - f x u' + 1/2 f x (f x e1)       and       - 1/2 f x f'.
 
-The modes give the strains to first order. The second-order displacement u2, f2 is what keeps the
-strains at that: the section laws then hold in the turned axes of each section, and the strain
+The modes give the strains to first order. The second-order displacement u2, f2 cancels the
+second-order strains. The section laws then hold in the rotated axes of each section, and the strain
 energy stays 1/2 q' K q:
 
     f2' = 1/2 f x f',       u2' = f2 x e1 + f x u' - 1/2 f x (f x e1).
 
-In slender bending u2_1' = -1/2 (v'^2 + w'^2), the beam is drawn in; bending with twist and bending
-in two planes turn the section and move the line sideways. All is a quadrature along the line
-whatever the stiffness is, because a straight beam held by six dofs is statically determinate;
+In slender bending u2_1' = -1/2 (v'^2 + w'^2): the beam shortens. Bending with twist and bending
+in two planes rotate the section and move the line sideways. A straight beam held by six dofs is
+statically determinate, so the fields are a quadrature along the line for any stiffness.
 u and f are polynomials in an element, and the quadrature is exact.
 
-Written as q' (.) q / 2, a field is a table symmetric in two modes. Frames see the displacement that
-fulfils their condition to second order too: a rigid motion is taken off.
+Written as q' (.) q / 2, a field is a table symmetric in two modes. A rigid motion is subtracted, so
+that the displacement fulfils the reference condition to second order too.
 """
 
 from dataclasses import dataclass
@@ -31,7 +31,7 @@ from .element import MASS_POINTS, Z, gauss
 from .line import BeamLine
 from .stations import Stations
 
-POINTS = 5  # the slopes of u2 and f2 have degree 4 in x: that of the polynomial through 5 points
+POINTS = 5  # the slopes of u2 and f2 have degree 4 in x, so 5 points determine them
 E1 = np.array([1.0, 0.0, 0.0])
 
 
@@ -53,7 +53,7 @@ class SecondOrderFields:
 def second_order_fields(
     line: BeamLine, columns_B: Array, stations: Stations, mass_form: str, held: IntArray | None
 ) -> SecondOrderFields:
-    """Second-order fields of modes seen from their frame.
+    """Second-order fields of modes relative to their frame.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def second_order_fields(
     columns_B : (6 n, m) nodal displacements and rotations of the modes, body axes [m, rad]
     stations : mass stations of these modes
     mass_form : that of the stations
-    held : (6,) dofs that the frame stands on; None of a mean axis
+    held : (6,) dofs that carry the frame; None for a mean axis
     """
     nodes_E, points_E = _from_first_node(line, columns_B, mass_form)
     centre_E = line.section_mass.centre_E
@@ -86,7 +86,7 @@ def second_order_fields(
 def _from_first_node(
     line: BeamLine, columns_B: Array, mass_form: str
 ) -> tuple[tuple[Array, Array], tuple[Array, Array, Array]]:
-    """Fields that vanish at the first node, section axes.
+    """Fields that are zero at the first node, section axes.
 
     Returns u2, f2 (n, 3, m, m) at the nodes, and u2, f2 and the rotation f (k, 3, m) of the modes
     at the mass stations.
@@ -94,7 +94,7 @@ def _from_first_node(
     nodal_E = line.to_element(columns_B)
     m = columns_B.shape[1]
     n_element = line.n_node - 1
-    ends = np.zeros((n_element, 2, 3, m, m))  # what an element adds to u2 and f2
+    ends = np.zeros((n_element, 2, 3, m, m))  # increments of u2 and f2 over an element
     inner = []
     for element, numbers in line.spans:
         x, w = gauss(element.length, POINTS)
@@ -137,7 +137,7 @@ def _from_first_node(
 
 
 def _mean_motion(stations: Stations, h_B: Array, turn_B: Array) -> Array:
-    """Rigid motion (6, m, m) that carries all momentum of the fields at the stations."""
+    """Rigid motion (6, m, m) with the same momentum as the fields at the stations."""
     rigid = rigid_motions(stations.x_B)
     R, Q = rigid[:, :3], rigid[:, 3:]
     inertia = np.einsum("k,kab,kac->bc", stations.m, R, R, optimize=True)

@@ -7,7 +7,7 @@ import numpy as np
 from ...solver.math.arrays import Array
 from ...solver.math.rotations import skew
 
-TOLERANCE = 1e-9  # relative departure from the mass matrix of a rigid slice
+TOLERANCE = 1e-9  # relative deviation from the mass matrix of a rigid slice
 
 
 @dataclass(frozen=True)
@@ -27,12 +27,12 @@ class SectionMass:
 
     @classmethod
     def from_matrix(cls, mass: Array) -> "SectionMass":
-        """Take the 6x6 mass per length apart: [[m, -m c~], [m c~, J - m c~ c~]].
+        """Decompose the 6x6 mass per length: [[m, -m c~], [m c~, J - m c~ c~]].
 
         Raises
         ------
-        ValueError : the matrix is not that of a rigid slice, so that no mass
-            centre and inertia stand for it.
+        ValueError : the matrix is not that of a rigid slice, so it has no mass
+            centre and inertia.
         """
         m = float(np.trace(mass[:3, :3]) / 3.0)
         if not m > 0.0:

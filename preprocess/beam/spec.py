@@ -14,7 +14,7 @@ ENDS = {"start": 0.0, "end": 1.0}
 
 @dataclass(frozen=True)
 class BeamSpec:
-    """A beam body as asked for.
+    """A checked specification of a beam body.
 
     Attributes
     ----------
@@ -27,7 +27,7 @@ class BeamSpec:
     mass_form : "consistent" or "lumped"
     interfaces : name and place as a fraction of the length
     reference : what ties the body frame to the beam
-    modes : what to keep of its motion
+    modes : requested modes
     damping_ratio : of every mode, fraction of critical
     """
 

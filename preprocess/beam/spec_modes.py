@@ -26,7 +26,7 @@ class Reference:
 
 @dataclass(frozen=True)
 class ModeSpec:
-    """What to keep of the body's motion.
+    """The requested modes of a body.
 
     Attributes
     ----------

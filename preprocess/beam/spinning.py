@@ -1,10 +1,11 @@
-"""Static shapes of a beam that spins: what bending modes at rest miss of a beam under tension.
+"""Static shapes of a spinning beam, which bending modes at rest represent poorly.
 
-Spinning holds a beam by its tension: it turns about its root like a rope, with a bent layer at the
-root that narrows with the speed. Vibrations at rest follow that slowly. Their place is taken by a
-chain of loads: the first, m x across the beam, rises along it; the next is the pull across the
-beam of the centrifugal tension N in the shape w of the load before, (N w')'. That is the sequence
-of Krylov of the bending stiffness and the tension: few shapes serve all speeds from rest on.
+Under its centrifugal tension a beam rotates about its root like a rope. The bent zone at the
+root becomes shorter with the speed, and modes at rest converge slowly to this shape. They are
+replaced by the shapes of a sequence of loads. The first load, m x across the beam, increases along
+it. Each next load is (N w')', the transverse load of the centrifugal tension N in the previous
+shape w. This is the Krylov sequence of the bending stiffness and the tension: few shapes are
+sufficient for all speeds from zero.
 """
 
 import numpy as np
@@ -13,7 +14,7 @@ from ...solver.math.arrays import Array
 from ..modes import Condition, StaticLoad
 from .line import BeamLine
 
-# Displacement across the beam and the rotation that is its slope, with its sign.
+# Transverse displacement, and the rotation that equals its slope, with its sign.
 PLANES = {"spinning-xy": (1, 5, 1.0), "spinning-xz": (2, 4, -1.0)}
 
 
@@ -24,10 +25,10 @@ def spinning_loads(
 
     Parameters
     ----------
-    condition : what ties the frame to the beam; no mean axis, which carries the first load
+    condition : reference condition; not a mean axis, which carries the first load
     line : the beam, of one section
     asked : key of PLANES and number of shapes
-    origin : the node that the axis of rotation goes through
+    origin : node on the axis of rotation
     """
     x = line.x_B - line.x_B[origin]
     tension = 0.5 * (np.where(x < 0.0, x[0], x[-1]) ** 2 - x**2)

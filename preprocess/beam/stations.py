@@ -1,9 +1,9 @@
-"""Mass stations of a beam: where its mass sits and how the modes move it.
+"""Mass stations of a beam: positions of its mass and their motion in the modes.
 
 The inertia invariants of a body are sums over stations (solver/package/
 invariants.py). With lumped mass the stations are the nodes. With consistent
-mass they are the Gauss points of int N' m N dx: there the modes move the section
-by phi = N_t X and psi = N_r X, and because the quadrature is exact the sums hold
+mass they are the Gauss points of int N' m N dx. There the modes move the section
+by phi = N_t X and psi = N_r X. The quadrature is exact, so the sums equal
 the consistent mass to round-off.
 """
 
@@ -43,11 +43,11 @@ class Stations:
         return from_stations(self.m, self.x_B, self.phi_B, self.psi_B, self.J_B, mass_form)
 
     def participation(self) -> Array:
-        """Modal mass split over the kinds of motion, (4, n_mode, n_mode).
+        """Modal mass by kind of motion, (4, n_mode, n_mode).
 
         In the order of `modes.KINDS`: bending-xy (along y, turning about z),
         bending-xz (along z, turning about y), torsion, axial. Their sum is the
-        modal mass but for products of inertia.
+        modal mass without products of inertia.
         """
         phi, psi = self.phi_B, self.psi_B
         along = [np.einsum("k,ki,kj->ij", self.m, phi[:, a], phi[:, a]) for a in range(3)]

@@ -1,4 +1,4 @@
-"""Which strains a beam may have: the full six, or the classical four without shear."""
+"""Beam theories: Timoshenko with six strains, or the classical theory without shear."""
 
 import numpy as np
 
@@ -10,13 +10,13 @@ _REMAINING_SHEAR = 1e-4  # per row and column: 1e-8 of the shear compliance is a
 def section_stiffness(K: Array, theory: str) -> Array:
     """Return the 6x6 stiffness that a beam of this theory uses.
 
-    "timoshenko" takes K as it is. "classical" takes the shear compliance out, coupled
-    entries included; extension, twist and bending keep theirs, inertia is not touched.
+    "timoshenko" uses K unchanged. "classical" removes the shear compliance with its coupled
+    entries. Extension, twist and bending keep their compliance; inertia does not change.
 
-    The shear stiffness of a 6x6 comes from the energy of a constant shear force. In a wide
-    strip whose bending and twist are coupled it also holds the energy of a changing twist,
-    and vibration, in which the shear force changes along the beam, meets too soft a strip:
-    there the classical theory is nearer to a solid (tests/fe/test_beam_solid.py).
+    The shear stiffness of a 6x6 follows from the energy of a constant shear force. In a wide
+    strip with coupled bending and twist it also includes the energy of a changing twist. In
+    vibration the shear force changes along the beam, and such a strip is then too soft.
+    The classical theory is closer to a solid there (tests/fe/test_beam_solid.py).
     """
     if theory == "timoshenko":
         return K

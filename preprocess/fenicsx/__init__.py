@@ -1,7 +1,7 @@
-"""The only door to DOLFINx, PETSc, SLEPc, gmsh and MPI.
+"""The only package that imports DOLFINx, PETSc, SLEPc, gmsh and MPI.
 
-Importing it where the stack is incomplete raises `MissingFenicsx`, an ImportError
-that says what is missing and how to get it.
+If the stack is incomplete, importing it raises `MissingFenicsx`, an ImportError
+that states what is missing and how to install it.
 """
 
 from .cholesky import Cholesky, FactorisationError, cholesky

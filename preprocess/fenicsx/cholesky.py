@@ -1,4 +1,4 @@
-"""Factorised symmetric positive definite matrices."""
+"""Factorisation of symmetric positive definite matrices."""
 
 from typing import Any
 
@@ -12,14 +12,14 @@ from .team import ALONE, Team
 
 
 class FactorisationError(Exception):
-    """A matrix that should be symmetric positive definite is not."""
+    """A matrix is not symmetric positive definite."""
 
 
 class Cholesky:
     """A factorised symmetric positive definite matrix; `update` reuses the symbolic part.
 
-    A team of processes factorises together what each of them holds whole. The first solve after
-    a factorisation checks it, with a column of its own beside those that are asked for.
+    A team of processes factorises together a matrix that each of them has completely. The first
+    solve after a factorisation checks it with an additional column.
     """
 
     def __init__(self, A: Any, team: Team = ALONE) -> None:
@@ -32,7 +32,7 @@ class Cholesky:
         rows = np.repeat(np.arange(A.shape[0], dtype=A.indices.dtype), np.diff(A.indptr))
         self._diagonal = np.flatnonzero(rows == A.indices)
         if team.size == 1:
-            # PETSc works on these very arrays: new values need no insertion
+            # PETSc uses these arrays without a copy: new values need no insertion
             self._mat = PETSc.Mat().createAIJWithArrays(A.shape, self._csr, comm=team.comm)
         else:
             local = (self._rows.stop - self._rows.start, A.shape[0])
@@ -64,7 +64,7 @@ class Cholesky:
     def solve(self, B: Array) -> Array:
         """Solve A X = B for one (n,) or several (n, k) right-hand sides.
 
-        Raises FactorisationError if the factorisation turns out to be that of a singular matrix.
+        Raises FactorisationError if the matrix is singular.
         """
         columns = np.asarray(B, dtype=np.float64).reshape(self.A.shape[0], -1)
         if self._checked:
@@ -88,7 +88,7 @@ class Cholesky:
         self.solve(np.empty((self.A.shape[0], 0)))
 
     def close(self) -> None:
-        """Give back the memory of the factors; nothing can be solved afterwards."""
+        """Free the memory of the factors; no further solves are possible."""
         destroy(self._factor, self._pc, self._mat)
 
     def _factorise(self) -> None:
@@ -142,7 +142,7 @@ class Cholesky:
 def cholesky(A: Any, team: Team = ALONE) -> Cholesky:
     """Factorise a symmetric positive definite sparse matrix (MUMPS where PETSc has it).
 
-    `A` is whole on every process of the team, and so are the columns to solve for. Raises
+    Every process of the team has all of `A` and all columns to solve for. Raises
     FactorisationError if the matrix is indefinite or singular.
     """
     factor = Cholesky(A, team)

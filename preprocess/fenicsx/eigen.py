@@ -14,7 +14,7 @@ from .team import ALONE, Team
 
 
 class EigenError(Exception):
-    """Fewer eigenpairs than asked for, or eigenpairs that do not satisfy their equation."""
+    """Fewer eigenpairs than requested, or eigenpairs that do not satisfy their equation."""
 
 
 def eigenpairs(
@@ -33,11 +33,11 @@ def eigenpairs(
     K : (n, n) symmetric sparse; K - target M must be regular. Positive definite at target 0;
         a body that is free to move needs a negative target.
     M : (n, n) symmetric positive semi-definite sparse (lumped masses without rotary inertia are
-        allowed: massless directions have no eigenpair and are not returned).
+        allowed: massless directions have no eigenpair and are omitted).
     n_mode : number of pairs, up to the number of finite eigenvalues
     target : shift of the shift-and-invert transformation, in the unit of lambda
     tolerance : relative tolerance of the Krylov-Schur iteration
-    team : processes that hold K and M whole and share the work; each gets all pairs
+    team : processes that have all of K and M and share the work; each gets all pairs
 
     Returns
     -------
@@ -50,17 +50,17 @@ def eigenpairs(
     """
     K, M = sorted_csr(K), sorted_csr(M)
     n_dof = K.shape[0]
-    # rows of M without an entry are massless: each takes one eigenvalue to infinity
+    # rows of M without an entry are massless: each gives one infinite eigenvalue
     n_finite = int(np.count_nonzero(np.abs(M).sum(axis=1)))
     if not 1 <= n_mode <= n_finite:
         raise EigenError(
-            f"{n_mode} modes asked for: the problem of {n_dof} unknowns has {n_finite} of finite "
+            f"{n_mode} modes requested: the problem of {n_dof} unknowns has {n_finite} of finite "
             "frequency"
         )
     n_krylov = max(2 * n_mode, n_mode + 15)
     if n_krylov + 5 >= n_finite:  # the Krylov space would be the whole space
         return _checked(K, M, _dense(K, M, n_mode, target))
-    # SLEPc can solve once more for every vector, which takes out what a singular M lets grow
+    # SLEPc can solve once more for every vector, which removes errors that a singular M amplifies
     purify = n_finite < n_dof
     X = _krylov_schur(K, M, n_mode, n_krylov, target, tolerance, team, purify)
     try:
@@ -122,7 +122,7 @@ def _solved(
     ksp = transformation.getKSP()
     ksp.setType("preonly")
     pc = ksp.getPC()
-    # PETSc's own Cholesky does not pivot: an indefinite matrix gets an LU there
+    # PETSc's own Cholesky does not pivot: use an LU for an indefinite matrix
     pc.setType("cholesky" if HAS_MUMPS or target <= 0.0 else "lu")
     use_mumps(pc, n_dof)
     rows = team.share(n_dof)
@@ -164,8 +164,8 @@ def _singular(target: float, why: str) -> str:
 
 
 def _dense(K: sp.csr_matrix, M: sp.csr_matrix, n_mode: int, target: float) -> Array:
-    # M may be singular and K - shift M is not: its pencil is the inverse one. Beyond the lowest
-    # eigenvalue the shifted matrix is indefinite, so a positive target shifts nothing here.
+    # M may be singular but K - shift M is not, so the inverse pencil is used. Above the lowest
+    # eigenvalue the shifted matrix is indefinite, so a positive target is ignored here.
     shift = min(target, 0.0)
     shifted = (K - shift * M).toarray()
     if shift == 0.0 and not is_positive_definite(shifted):
@@ -180,7 +180,7 @@ def _dense(K: sp.csr_matrix, M: sp.csr_matrix, n_mode: int, target: float) -> Ar
     order = np.argsort(np.abs(values - target), kind="stable")[:n_mode]
     if not np.all(np.isfinite(values[order])):
         raise EigenError(
-            f"{n_mode} modes asked for, {np.count_nonzero(finite)} have a finite frequency"
+            f"{n_mode} modes requested, {np.count_nonzero(finite)} have a finite frequency"
         )
     return X[:, order]
 
@@ -193,7 +193,7 @@ def _checked(K: sp.csr_matrix, M: sp.csr_matrix, X: Array) -> tuple[Array, Array
     KX, MX = K @ X, M @ X
     residual = np.linalg.norm(KX - MX * values, axis=0)
     size = np.linalg.norm(KX, axis=0) + np.abs(values) * np.linalg.norm(MX, axis=0)
-    # a rigid motion has K x = 0: its residual is measured by the forces that K makes of x
+    # a rigid motion has K x = 0: its residual is relative to the forces that K gives for x
     size = np.maximum(size, np.abs(K).max() * np.linalg.norm(X, axis=0) * 1e-6)
     worst = int(np.argmax(residual / size))
     if not residual[worst] <= 1e-6 * size[worst]:

@@ -1,4 +1,4 @@
-"""Mesh a gmsh script with gmsh and NumPy only, so that a process of its own can run this file.
+"""Mesh a gmsh script with gmsh and NumPy only, so that a separate process can run this file.
 
     python gmsh_alone.py SCRIPT PARAMETERS REFINE MESH NODES
 
@@ -35,7 +35,7 @@ def generate(script: str, parameters: Parameters) -> None:
 
 
 def refined_curve_nodes(times: int) -> NDArray[np.float64]:
-    """Halve every edge some times; returns the nodes on the curves of the geometry, (n, 3)."""
+    """Halve every edge `refine` times; returns the nodes on the curves of the geometry, (n, 3)."""
     order = int(gmsh.option.getNumber("Mesh.ElementOrder"))
     for _ in range(times):
         gmsh.model.mesh.refine()

@@ -18,7 +18,7 @@ LINES = {1: 2, 8: 3}
 
 
 class MeshError(Exception):
-    """A gmsh model that cannot become a finite-element mesh."""
+    """A gmsh model cannot be used as a finite-element mesh."""
 
 
 def plain_from_model(where: str, gdim: int = 2) -> PlainMesh:
@@ -76,15 +76,15 @@ def _check_kinds(where: str) -> None:
             count[CELLS[kind][0]] += len(gmsh.model.mesh.getElementsByType(kind)[0])
         raise MeshError(
             f"{where}: mixes {count['triangle']} triangles and {count['quadrilateral']} "
-            "quadrilaterals, expected cells of one kind. In gmsh, take away every `Recombine` for "
-            "triangles only, or let Mesh.SubdivisionAlgorithm = 1; split all into quadrilaterals"
+            "quadrilaterals, expected cells of one kind. In gmsh, remove every `Recombine` for "
+            "triangles only, or set Mesh.SubdivisionAlgorithm = 1; to split all into quadrilaterals"
         )
     if len(kinds) > 1:
         raise MeshError(f"{where}: mixes cells of degree 1 and 2, or with 8 and 9 nodes")
 
 
 def _surface_groups(where: str) -> dict[str, list[int]]:
-    """Physical surfaces by name (the number of one without name), and their entities."""
+    """Physical surfaces by name (or by number if unnamed), and their entities."""
     groups: dict[str, list[int]] = {}
     for _, tag in gmsh.model.getPhysicalGroups(2):
         name = gmsh.model.getPhysicalName(2, tag) or str(tag)
@@ -98,7 +98,7 @@ def _surface_groups(where: str) -> dict[str, list[int]]:
 
 
 def _check_membership(groups: Mapping[str, Sequence[int]], where: str) -> None:
-    """Every surface that has cells lies in exactly one group: gmsh hands out its cells by group."""
+    """Check that every surface with cells is in exactly one group; gmsh returns cells by group."""
     members: dict[int, list[str]] = {}
     for name, entities in groups.items():
         for entity in entities:
@@ -125,7 +125,7 @@ def _in_plane(points: Array, where: str) -> Array:
     if not abs(points[far, 2]) <= 1e-9 * size:
         x, y, z = points[far]
         raise MeshError(
-            f"{where}: node at ({x:.4g}, {y:.4g}, {z:.4g}) lies off the plane z = 0; a section is "
+            f"{where}: node at ({x:.4g}, {y:.4g}, {z:.4g}) is not in the plane z = 0; a section is "
             "meshed with x = x2, y = x3 and z = 0"
         )
     return np.ascontiguousarray(points[:, :2])
@@ -137,7 +137,7 @@ def all_lines(gdim: int) -> Array:
 
 
 def _nodes() -> tuple[IntArray, Array]:
-    """Numbers of all nodes, ascending, and their places (n, 3)."""
+    """Numbers of all nodes, ascending, and their positions (n, 3)."""
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     order = np.argsort(tags)
     return np.asarray(tags, dtype=np.int64)[order], np.reshape(coordinates, (-1, 3))[order]
@@ -155,7 +155,7 @@ def _curves(tags: IntArray, points: Array, gdim: int) -> dict[str, Array]:
 
 
 def _lines(entities: Sequence[int], tags: IntArray, points: Array, gdim: int) -> Array:
-    """Line elements of some curves; none where their degrees are mixed."""
+    """Line elements of some curves; none if their degrees are mixed."""
     rows = np.searchsorted(tags, _line_tags(entities))
     return np.asarray(points[rows, :gdim])
 

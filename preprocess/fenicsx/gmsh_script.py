@@ -26,12 +26,12 @@ _session_depth = 0
 
 @contextmanager
 def gmsh_session() -> Iterator[Any]:
-    """A gmsh without terminal output and without the user's own option files; may be nested."""
+    """A gmsh session without terminal output and without the user's option files; may be nested."""
     global _session_depth
     if _session_depth == 0:
         keywords: dict[str, Any] = {"readConfigFiles": False}
         if "interruptible" in inspect.signature(gmsh.initialize).parameters:
-            keywords["interruptible"] = False  # Ctrl-C stays Python's
+            keywords["interruptible"] = False  # Python keeps handling Ctrl-C
         gmsh.initialize([], **keywords)
         gmsh.option.setNumber("General.Terminal", 0)
     _session_depth += 1
@@ -50,12 +50,12 @@ def run_script(path: Path, parameters: Parameters, *, refine: int = 0, gdim: int
     ----------
     path : a .geo file whose DefineConstant entries are named "Parameters/<key>"
     parameters : value of each <key>, a number or a list of numbers
-    refine : how often every edge is halved; new nodes on curves lie on the geometry
+    refine : how many times every edge is halved; new nodes on curves lie on the geometry
     gdim : of the space
 
     Raises
     ------
-    MeshError : missing file, unknown parameter, gmsh error, a model that is no mesh of regions.
+    MeshError : missing file, unknown parameter, gmsh error, a model without a mesh of regions.
     """
     if not path.is_file():
         raise MeshError(f"{path}: no such gmsh script")
@@ -77,14 +77,14 @@ def run_script(path: Path, parameters: Parameters, *, refine: int = 0, gdim: int
                 plain = _refined(plain, all_lines(gdim), refined_curve_nodes(refine), refine)
             gmsh.clear()
             return plain
-    # gmsh reads a script with a Macro once in a process, because the name stays taken
+    # gmsh reads a script with a Macro only once per process, because it keeps the name
     return _run_alone(path, parameters, refine, gdim)
 
 
 def _flush_parser() -> None:
-    """Get rid of what a faulty script left in gmsh's parser, for the next one to stumble over.
+    """Clear the remains of a faulty script from gmsh's parser; they would affect the next script.
 
-    Every attempt to read an empty script takes away what is left up to the next mistake.
+    Every attempt to read an empty script removes the remains up to the next error.
     """
     with tempfile.TemporaryDirectory() as folder:
         empty = Path(folder) / "empty.geo"
@@ -98,7 +98,7 @@ def _flush_parser() -> None:
 
 
 def _run_alone(path: Path, parameters: Parameters, refine: int, gdim: int) -> PlainMesh:
-    """`run_script` by a process of its own."""
+    """`run_script` in a separate process."""
     with tempfile.TemporaryDirectory() as folder:
         mesh, nodes = Path(folder) / "mesh.msh", Path(folder) / "nodes.npy"
         numbers = json.dumps({key: np.asarray(v).tolist() for key, v in parameters.items()})
@@ -118,9 +118,9 @@ def _run_alone(path: Path, parameters: Parameters, refine: int, gdim: int) -> Pl
 
 
 def _refined(plain: PlainMesh, lines: Array, exact: Array, times: int) -> PlainMesh:
-    """Split the cells of a mesh, then put the nodes of its curves where gmsh has them.
+    """Split the cells of a mesh, then move the nodes of its curves to the positions in gmsh.
 
-    gmsh's own refinement draws lines inside curved patches straight, so that thin rows would fold.
+    gmsh's refinement makes lines inside curved patches straight, so thin rows would fold.
 
     Parameters
     ----------
@@ -148,7 +148,7 @@ def open_mesh(path: Path, *, gdim: int = 2) -> PlainMesh:
 
     Raises
     ------
-    MeshError : missing file, gmsh error, a model that is no mesh of regions.
+    MeshError : missing file, gmsh error, a model without a mesh of regions.
     """
     if not path.is_file():
         raise MeshError(f"{path}: no such mesh file")
@@ -169,13 +169,13 @@ _SURFACE = re.compile(rb'^\s*2\s+(\d+)\s+"(.*)"\s*$', re.MULTILINE)
 
 
 def _check_names(path: Path) -> None:
-    """Two groups of one name: gmsh would drop the second name without a word."""
+    """Error for two groups of one name: gmsh would drop the second name without a message."""
     block = _NAMES.search(path.read_bytes())  # text in binary files too
     numbers: dict[bytes, bytes] = {}
     for number, name in _SURFACE.findall(block[1]) if block else []:
         if name in numbers:
             raise MeshError(
                 f"{path}: two physical surfaces, {numbers[name].decode()} and {number.decode()}, "
-                f"are named {name.decode('utf-8', 'replace')!r}: give each region a name of its own"
+                f"are named {name.decode('utf-8', 'replace')!r}: give each region its own name"
             )
         numbers[name] = number

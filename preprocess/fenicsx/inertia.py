@@ -1,4 +1,4 @@
-"""How many eigenvalues of a large sparse symmetric matrix are negative."""
+"""Number of negative eigenvalues of a large sparse symmetric matrix."""
 
 from typing import Any
 
@@ -8,14 +8,14 @@ from .team import ALONE, Team
 
 
 class InertiaError(Exception):
-    """A matrix whose signs of eigenvalues cannot be counted: it is singular to round-off."""
+    """The signs of the eigenvalues cannot be counted: the matrix is singular to round-off."""
 
 
 def negative_pivots(A: Any, team: Team = ALONE) -> int:
     """Number of negative eigenvalues of a sparse symmetric matrix (Sylvester's law of inertia).
 
-    With A = K - s M this counts the eigenvalues of K x = lambda M x below s: what an iteration
-    has missed, it finds. Raises InertiaError if A cannot be factorised.
+    With A = K - s M this counts the eigenvalues of K x = lambda M x below s, and so detects modes
+    that an iteration has missed. Raises InertiaError if A cannot be factorised.
     """
     mat = petsc_matrix(sorted_csr(A), spd=False, team=team)
     pc = PETSc.PC().create(comm=team.comm)
@@ -29,7 +29,7 @@ def negative_pivots(A: Any, team: Team = ALONE) -> int:
         held.append(factor)
         if not HAS_MUMPS:
             return int(factor.getInertia()[0])
-        status = int(factor.getMumpsInfog(1))  # PETSc raises for some of its errors only
+        status = int(factor.getMumpsInfog(1))  # PETSc raises only for some of its errors
         if status < 0:
             raise InertiaError(f"the matrix cannot be factorised (MUMPS status {status})")
         return int(factor.getMumpsInfog(12))

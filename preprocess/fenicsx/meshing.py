@@ -13,7 +13,7 @@ from .stack import MPI, basix_ufl, dolfinx, quiet, ufl
 
 @dataclass(frozen=True)
 class LabelledMesh:
-    """A DOLFINx mesh whose cells know their region (the physical group of gmsh)."""
+    """A DOLFINx mesh with the region (physical group of gmsh) of each cell."""
 
     mesh: Any
     cell_labels: NDArray[np.int32]  # (n_cell,), in DOLFINx's cell order
@@ -26,7 +26,7 @@ class LabelledMesh:
 
 
 def labelled_mesh(plain: PlainMesh) -> LabelledMesh:
-    """Hand a mesh to DOLFINx, on this process only; labels are rows of regions, from 1."""
+    """Create a DOLFINx mesh on this process only; labels are rows of regions, from 1."""
     gdim = plain.points.shape[1]
     if basix_ufl is not None:
         domain = basix_ufl.element("Lagrange", plain.cell, plain.degree, shape=(gdim,))

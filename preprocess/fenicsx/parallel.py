@@ -11,15 +11,15 @@ from mpi4py.futures import MPICommExecutor, MPIPoolExecutor
 from .stack import MPI
 from .team import world
 
-PATIENCE = 60.0  # s that the ranks may be apart at the end of an analysis
+PATIENCE = 60.0  # maximum time between the ranks at the end of an analysis [s]
 
 
 class Ranks:
-    """The ranks that mpirun started: all take part, rank 0 reads decisions and writes."""
+    """The ranks that mpirun started: all take part, rank 0 decides and writes."""
 
     def __init__(self) -> None:
         self.team = world()
-        self._comm = MPI.COMM_WORLD.Dup()  # its messages never meet those of an analysis
+        self._comm = MPI.COMM_WORLD.Dup()  # separate from the messages of an analysis
         self.rank = self.team.rank
 
     def agreed(self, value: Any) -> Any:
@@ -27,12 +27,15 @@ class Ranks:
         return self._comm.bcast(value, root=0)
 
     def together(self) -> None:
-        """Wait for the others; one that is left alone by an error of its own ends the job."""
+        """Wait for the others; a rank whose partners do not arrive ends the job."""
         request = self._comm.Ibarrier()
         deadline = time.monotonic() + PATIENCE
         while not request.Test():
             if time.monotonic() > deadline:
-                print(f"rank {self.rank}: the other ranks hang, the job ends", file=sys.stderr)
+                print(
+                    f"rank {self.rank}: the other ranks do not respond, the job is aborted",
+                    file=sys.stderr,
+                )
                 self._comm.Abort(2)
             time.sleep(0.001)
 
@@ -44,10 +47,10 @@ def world_size() -> int:
 
 @contextmanager
 def pool() -> Iterator[Any]:
-    """An executor over all ranks but the first; None on a rank whose work for it is done.
+    """An executor over all ranks except the first; None on a rank that has finished its work.
 
-    Both ways of starting will do: `mpirun -n N python -m mpi4py.futures -m MODULE ...`, where
-    only rank 0 comes here, and `mpirun -n N python -m MODULE ...`, where all do.
+    There are two ways to start: `mpirun -n N python -m mpi4py.futures -m MODULE ...`, where
+    only rank 0 calls this, and `mpirun -n N python -m MODULE ...`, where all ranks do.
     """
     if "mpi4py.futures" in sys.orig_argv:
         with MPIPoolExecutor(max_workers=world_size() - 1, main=False) as executor:

@@ -1,4 +1,4 @@
-"""Sparse matrices between SciPy and PETSc."""
+"""Conversion of sparse matrices between SciPy and PETSc."""
 
 from typing import Any
 
@@ -8,8 +8,8 @@ import scipy.sparse as sp
 from .stack import HAS_MUMPS, PETSc
 from .team import ALONE, Team
 
-# Approximate minimum degree orders these matrices in half of the time of nested dissection and
-# fills in no more; large ones are left to MUMPS's own choice.
+# Approximate minimum degree needs half the time of nested dissection for these matrices, with no
+# more fill-in; for large ones MUMPS chooses.
 MINIMUM_DEGREE = 0
 LARGE = 100_000
 PREFIX = "plymotion_mumps_"
@@ -18,12 +18,12 @@ PETSC_ERRORS = (PETSc.Error, SystemError)  # slepc4py wraps the first in the sec
 
 
 def reason(error: BaseException) -> str:
-    """The last line of PETSc's message: the lines before it are its call stack."""
+    """The last line of PETSc's message; the lines before it are the call stack."""
     return str(error.__cause__ or error).strip().splitlines()[-1]
 
 
 def petsc_matrix(A: sp.csr_matrix, *, spd: bool, team: Team = ALONE) -> Any:
-    """A PETSc matrix with what is known of it; each process of the team holds its rows."""
+    """A PETSc matrix with its properties; each process of the team has its own rows."""
     index = PETSc.IntType
     rows = team.share(A.shape[0])
     begin, end = A.indptr[[rows.start, rows.stop]]
@@ -38,17 +38,17 @@ def petsc_matrix(A: sp.csr_matrix, *, spd: bool, team: Team = ALONE) -> Any:
 
 
 def destroy(*objects: Any) -> None:
-    """Give up what Python holds of objects of PETSc.
+    """Destroy PETSc objects that Python still references.
 
-    Some versions keep an object, and the factors in it, whose last name in Python has merely gone
-    out of scope; a getter of a part makes a name of its own.
+    Some versions keep an object and its factors after the last Python name has gone
+    out of scope, because a getter of a part creates another reference.
     """
     for one in objects:
         one.destroy()
 
 
 def sorted_csr(A: Any) -> sp.csr_matrix:
-    """A in compressed rows with ascending columns, as the comparison of patterns needs it."""
+    """A in compressed rows with ascending columns, as needed for the comparison of patterns."""
     A = sp.csr_matrix(A, dtype=np.float64)
     if not A.has_sorted_indices:
         A = A.sorted_indices()
@@ -56,11 +56,11 @@ def sorted_csr(A: Any) -> sp.csr_matrix:
 
 
 def use_mumps(pc: Any, n_dof: int) -> None:
-    """Let MUMPS do the factorisation of a preconditioner, where PETSc has it."""
+    """Use MUMPS for the factorisation of a preconditioner, if PETSc has it."""
     if not HAS_MUMPS:
         return
     if n_dof < LARGE:
-        # through the options: PETSc 3.18 forgets what is set on the factor
+        # through the options: PETSc 3.18 ignores settings of the factor
         PETSc.Options()[f"{PREFIX}mat_mumps_icntl_7"] = MINIMUM_DEGREE
         pc.setOptionsPrefix(PREFIX)
     pc.setFactorSolverType("mumps")

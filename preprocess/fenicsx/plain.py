@@ -1,4 +1,4 @@
-"""A mesh as plain arrays: what gmsh or a file gave, before it becomes DOLFINx's."""
+"""A mesh as plain arrays from gmsh or a file, before conversion to DOLFINx."""
 
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
@@ -16,8 +16,8 @@ EDGES = {
     "triangle": np.array([[0, 1], [1, 2], [2, 0]]),
     "quadrilateral": np.array([[0, 1], [1, 2], [2, 3], [3, 0]]),
 }
-# Places of the nodes of a degree-2 cell in gmsh's order, in halves of the reference cell:
-# corners, middles of the edges, centre. Those of a degree-1 cell are the corners.
+# Positions of the nodes of a degree-2 cell in gmsh's order, in halves of the reference cell:
+# corners, middles of the edges, centre. A degree-1 cell has only the corners.
 NODES = {
     "triangle": np.array([[0, 0], [2, 0], [0, 2], [1, 0], [1, 1], [0, 1]]),
     "quadrilateral": np.array(
@@ -27,7 +27,7 @@ NODES = {
 
 
 class NamedNodes(NamedTuple):
-    """Nodes by their number in gmsh and by physical curve and point; -1 is a node of no cell."""
+    """Nodes by their number in gmsh and by physical curve and point; -1 is a node without cells."""
 
     tags: IntArray  # (n,) number of each point in gmsh
     curves: dict[str, IntArray]  # (s, 2 or 3) rows of points: ends, then the middle
@@ -49,7 +49,7 @@ class PlainMesh:
     regions: tuple[str, ...]
     # physical curve -> (s, 2 or 3, 2 or 3) line elements: end points, then the middle node [m]
     curves: dict[str, Array] = field(default_factory=dict)
-    named: NamedNodes | None = None  # of a mesh as gmsh has it, before any split
+    named: NamedNodes | None = None  # of a mesh from gmsh, before any split
 
     @property
     def corners(self) -> IntArray:
@@ -82,8 +82,8 @@ class PlainMesh:
 def with_centre_nodes(points: Array, cells: IntArray) -> tuple[Array, IntArray]:
     """Eight-node quadrilaterals as nine-node ones of the same shape.
 
-    The centre node lies where the eight functions of the cell put it, so that the cell keeps its
-    map. Returns points and cells (c, 9).
+    The eight functions of the cell give the centre node, so that the map of the cell does not
+    change. Returns points and cells (c, 9).
     """
     nodes = points[cells]
     centres = 0.5 * nodes[:, 4:8].sum(axis=1) - 0.25 * nodes[:, :4].sum(axis=1)
@@ -98,9 +98,9 @@ def used_nodes(points: Array, cells: IntArray) -> tuple[Array, IntArray]:
 
 
 def split(plain: PlainMesh) -> PlainMesh:
-    """Every cell cut into four of the same kind, and every line element of a curve into two.
+    """Every cell divided into four of the same kind, and every line element of a curve into two.
 
-    New nodes lie where the map of the parent puts them, so that the shape stays the same.
+    The map of the parent gives the new nodes, so that the shape does not change.
     """
     lattice, children = _lattice(plain.cell, plain.degree)
     key, n_key = _lattice_numbers(plain, lattice)
@@ -158,7 +158,7 @@ def _lattice_numbers(plain: PlainMesh, lattice: IntArray) -> tuple[IntArray, int
 
 
 def _halved(lines: Array) -> Array:
-    """Line elements (s, 2 or 3, ...) cut at their middle."""
+    """Line elements (s, 2 or 3, ...) divided at their middle."""
     a, b = lines[:, 0], lines[:, 1]
     middle = lines[:, 2] if lines.shape[1] == 3 else 0.5 * (a + b)
     if lines.shape[1] == 2:

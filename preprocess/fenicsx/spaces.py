@@ -53,14 +53,14 @@ def basis(cell: str, degree: int, points: Array) -> tuple[Array, Array]:
     """Lagrange functions of `vector_space` and of the geometry at points of the reference cell.
 
     Values (q, k) and derivatives (q, k, 2) of the k functions of a cell, in the order of
-    `cell_dofs`: DOLFINx has already put the nodes of shared edges in the same order there.
+    `cell_dofs`. There DOLFINx has already ordered the nodes of shared edges consistently.
     """
     table = np.asarray(_lagrange(cell, degree).tabulate(1, points))[..., 0]
     return table[0], np.moveaxis(table[1:], 0, -1)
 
 
 def reference_nodes(cell: str, degree: int) -> Array:
-    """Places of the nodes of `basis` on the reference cell, (k, 2)."""
+    """Positions of the nodes of `basis` on the reference cell, (k, 2)."""
     return np.array(_lagrange(cell, degree).points)
 
 
@@ -85,12 +85,12 @@ def geometry(mesh: Any) -> tuple[Array, NDArray[np.int32], int]:
 
 
 def original_cells(mesh: Any) -> NDArray[np.int64]:
-    """Row of each cell in the arrays that the mesh was made from, (n_cell,)."""
+    """Row of each cell in the input arrays of the mesh, (n_cell,)."""
     return np.array(mesh.topology.original_cell_index, dtype=np.int64)
 
 
 def original_corners(mesh: Any) -> NDArray[np.int64]:
-    """Rows of the nodes of each cell in the arrays that the mesh was made from, (n_cell, k).
+    """Rows of the nodes of each cell in the input arrays of the mesh, (n_cell, k).
 
     In the order of the dofs of a Lagrange space of the geometry's degree.
     """

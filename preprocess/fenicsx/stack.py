@@ -1,10 +1,10 @@
-"""What is installed: the imports of DOLFINx, PETSc, SLEPc, gmsh and MPI.
+"""Imports of DOLFINx, PETSc, SLEPc, gmsh and MPI.
 
-Everything version-dependent of the FEniCSx stack is met here, by looking for
-the feature and never at a version number, so that the rest of the preprocessor
-is one code for DOLFINx 0.5 up to the present one. Importing this module where
-the stack is incomplete raises `MissingFenicsx` (an ImportError) that says what
-is missing and how to get it.
+This module handles all differences between versions of the FEniCSx stack. It tests for
+features, not for version numbers, so that the rest of the preprocessor
+is the same for DOLFINx 0.5 up to the present version. If the stack is incomplete,
+importing this module raises `MissingFenicsx` (an ImportError), which states what
+is missing and how to install it.
 """
 
 import importlib.util
@@ -47,14 +47,14 @@ class MissingFenicsx(ImportError):
 
 
 try:
-    from mpi4py import MPI  # first: the wheel of DOLFINx finds libmpi through it
+    from mpi4py import MPI  # must be first: the wheel of DOLFINx finds libmpi through it
 
     if importlib.util.find_spec("dolfinx_solver") is not None:
         importlib.import_module("dolfinx_solver")
     import petsc4py
 
-    # Before PETSc is loaded, which otherwise waits for all ranks of the MPI job: those of a pool
-    # come here when they get work, or never. Every object here is told its communicator.
+    # Before PETSc is loaded, which otherwise waits for all ranks of the MPI job. Ranks of a pool
+    # arrive here only when they get work. All objects are created with an explicit communicator.
     petsc4py.init(comm=MPI.COMM_SELF)
 
     import basix
@@ -89,7 +89,7 @@ HAS_MUMPS = bool(_external("mumps"))
 
 
 def versions() -> dict[str, str]:
-    """Versions of everything that a number may depend on, for the provenance of a file."""
+    """Versions of all packages that may affect results, for the provenance of a file."""
     return {
         "dolfinx": dolfinx.__version__,
         "basix": basix.__version__,
@@ -106,7 +106,7 @@ def versions() -> dict[str, str]:
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Keep the compiler calls of form compilation out of the user's log."""
+    """Remove the compiler calls of form compilation from the user's log."""
     previous = logging.root.manager.disable
     logging.disable(max(previous, logging.INFO))
     try:

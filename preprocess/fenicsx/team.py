@@ -8,9 +8,9 @@ from .stack import MPI, Array
 
 
 class Team:
-    """Processes that hold the same mesh and share out its cells and the factorisation.
+    """Processes that have the same mesh and share its cells and the factorisation.
 
-    Every number is the same on all of them; what is summed over cells is summed over the team.
+    All results are the same on each process; sums over cells are summed over the team.
     """
 
     def __init__(self, comm: Any) -> None:
@@ -19,11 +19,11 @@ class Team:
         self.size = int(comm.size)
 
     def share(self, count: int) -> slice:
-        """Which of `count` things are this process's."""
+        """The share of `count` items of this process."""
         return slice(count * self.rank // self.size, count * (self.rank + 1) // self.size)
 
     def total(self, part: Array) -> Array:
-        """Sum over the team, on all of them."""
+        """Sum over the team, returned on all processes."""
         if self.size == 1:
             return part
         out = np.empty_like(part)
@@ -31,7 +31,7 @@ class Team:
         return out
 
     def stacked(self, part: Array) -> Array:
-        """Rows of all processes below each other, on all of them."""
+        """Concatenated rows of all processes, returned on all processes."""
         return np.concatenate(self.comm.allgather(part)) if self.size > 1 else part
 
 

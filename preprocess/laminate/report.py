@@ -1,4 +1,4 @@
-"""What a lay-up is, in the words of a laminator: symmetric, balanced, its engineering constants."""
+"""Report on a lay-up: symmetric, balanced, engineering constants."""
 
 from dataclasses import dataclass, replace
 
@@ -9,14 +9,14 @@ from .shear import shear_factors
 from .stack import Lamina, Laminate
 from .stiffness import laminate_stiffness
 
-SAME = 1e-9  # relative difference of thicknesses and of angles [deg] that counts as none
-COUPLED = 1e-6  # size of B or of A16, A26 from which coupling is worth a word [-]
-SOFT = 0.3  # factor of the transverse shear below which a core governs the shear [-]
+SAME = 1e-9  # tolerance of thicknesses (relative) and of angles [deg]
+COUPLED = 1e-6  # size of B or of A16, A26 above which coupling is reported [-]
+SOFT = 0.3  # factor of the transverse shear below which the core carries the shear [-]
 
 
 @dataclass(frozen=True)
 class LaminateReport:
-    """What is known of a laminate beside its stiffness.
+    """Properties of a laminate in addition to its stiffness.
 
     `coupling` is the largest B_ij / sqrt(A_ii D_jj) about the mid-plane, `shear_extension` the
     largest A_i6 / sqrt(A_ii A_66). `membrane` holds Ex, Ey, Gxy [Pa] and nuxy of the laminate
@@ -36,7 +36,7 @@ class LaminateReport:
 
 
 def report(laminate: Laminate, name: str = "laminate") -> LaminateReport:
-    """Look at a lay-up; `name` is for the messages."""
+    """Return the report on a lay-up; `name` is for messages."""
     flat = laminate_stiffness(replace(laminate, offset=0.0))
     A, B, D, h = flat.A, flat.B, flat.D, flat.thickness
     coupling = float(np.max(np.abs(B) / np.sqrt(np.outer(np.diag(A), np.diag(D)))))
@@ -49,7 +49,7 @@ def report(laminate: Laminate, name: str = "laminate") -> LaminateReport:
         findings.append(
             {
                 "code": "laminate-unsymmetric",
-                "message": f"{name}: not symmetric, stretching and bending are coupled "
+                "message": f"{name}: not symmetric, extension and bending are coupled "
                 f"(B is {coupling:.2g} of sqrt(A D)): it warps when it is cured or heated",
             }
         )
@@ -57,7 +57,7 @@ def report(laminate: Laminate, name: str = "laminate") -> LaminateReport:
         findings.append(
             {
                 "code": "laminate-unbalanced",
-                "message": f"{name}: not balanced, stretching shears it "
+                "message": f"{name}: not balanced, extension shears it "
                 f"(A16, A26 are {extension:.2g} of sqrt(A11 A66))",
             }
         )
@@ -66,7 +66,7 @@ def report(laminate: Laminate, name: str = "laminate") -> LaminateReport:
             {
                 "code": "laminate-soft-core",
                 "message": f"{name}: shear correction {factors.min():.2g}: a soft core carries "
-                'the shear; keep "energy-1d" or "energy-2x2", "5/6" would be too stiff',
+                'the shear; use "energy-1d" or "energy-2x2", "5/6" would be too stiff',
             }
         )
     return LaminateReport(
@@ -82,13 +82,13 @@ def report(laminate: Laminate, name: str = "laminate") -> LaminateReport:
 
 
 def is_symmetric(laminate: Laminate) -> bool:
-    """True if the plies read the same from both faces; offsets do not matter."""
+    """True if the plies are the same seen from both faces, for any offset."""
     plies = laminate.plies
     return all(_same(a, b) for a, b in zip(plies, reversed(plies), strict=True))
 
 
 def is_balanced(laminate: Laminate) -> bool:
-    """True if each material has as much at +angle as at -angle, leaving out 0 and 90 deg."""
+    """True if each material has equal thickness at +angle and -angle (0 and 90 deg are ignored)."""
     excess: dict[tuple[object, float], float] = {}
     for material, angle_deg, thickness in laminate.plies:
         angle = _turned(angle_deg)
@@ -109,7 +109,7 @@ def _same(a: Lamina, b: Lamina) -> bool:
 
 
 def _turned(angle_deg: float) -> float:
-    """The angle of the same fibres from -90 to 90 deg."""
+    """The equivalent fibre angle between -90 and 90 deg."""
     return (angle_deg + 90.0) % 180.0 - 90.0
 
 

@@ -1,18 +1,18 @@
-"""Transverse shear stiffness of a laminate: what corrects the constant shear strain of the theory.
+"""Transverse shear stiffness of a laminate: corrections of the constant shear strain.
 
-First-order theory takes (gxz, gyz) as constant over the thickness; the stress that balances the
-change of bending is not, and vanishes on the faces. A correction is a name or two factors:
+First-order theory assumes constant (gxz, gyz) over the thickness. The shear stress in equilibrium
+with bending is not constant, and is zero on the faces. A correction is a name or two factors:
 
-    "energy-1d"   default. Shear energy of cylindrical bending, in e1 and e2 by themselves
+    "energy-1d"   default. Shear energy of cylindrical bending, in e1 and e2 separately
                   (Whitney 1973; Vlachoutsis 1992): k_i = R^2 / (d I) with R = int E (z - z_n)^2 dz,
                   d = int G dz, I = int g^2 / G dz, g = -int E (s - z_n) ds from the bottom to z,
                   E = Q_ii and z_n the neutral plane. 5/6 for any one material, and for [a/-a].
-    "energy-2x2"  shear energy of the stress that the equilibrium of the plies gives, both
-                  directions at once (Batoz and Lardeur 1989): a full matrix, with the off-diagonal
+    "energy-2x2"  shear energy of the stress in equilibrium of the plies, both
+                  directions together (Batoz and Lardeur 1989): a full matrix, with the off-diagonal
                   term that [45/-45]s has. The moment gradients that do no work on T are 0:
-                  half of T goes to each of the two terms that it sums.
+                  each of the two terms in T gets half of it.
     "5/6"         the factor of a homogeneous plate; far too stiff for a sandwich.
-    [k1, k2]      factors of your own for gxz and gyz.
+    [k1, k2]      given factors for gxz and gyz.
 
 With factors, Ds_ij = sqrt(k_i k_j) sum G_ij H_1.
 """
@@ -29,7 +29,7 @@ ShearCorrection = str | Sequence[float]
 CORRECTIONS = ("energy-1d", "5/6", "energy-2x2")
 HOMOGENEOUS = 5.0 / 6.0
 
-# Three points a ply integrate the square of a quadratic stress exactly.
+# Three points per ply integrate the square of a quadratic stress exactly.
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)
 _HEIGHTS, _SHARES = 0.5 * (1.0 + _POINTS), 0.5 * _WEIGHTS
 
@@ -46,7 +46,7 @@ def corrected(laminate: Laminate, shear: ShearCorrection) -> Array:
 
 
 def shear_factors(laminate: Laminate, shear: ShearCorrection) -> Array:
-    """Factors k_1, k_2 of a correction, (2,) [-]; of "energy-2x2" those of the diagonal."""
+    """Factors k_1, k_2 of a correction, (2,) [-]; for "energy-2x2" those of the diagonal."""
     if not isinstance(shear, str):
         return _own(shear)
     if shear == "5/6":
@@ -83,7 +83,7 @@ def energy_1d(laminate: Laminate) -> Array:
 
 
 def energy_2x2(laminate: Laminate) -> Array:
-    """Inverse of the compliance that the equilibrium shear stress has, (2, 2) [N/m]."""
+    """Inverse of the compliance of the equilibrium shear stress, (2, 2) [N/m]."""
     dz = np.diff(laminate.faces)[:, None] * _SHARES
     tau = equilibrium_shear(laminate, _HEIGHTS, _shared)
     energy = np.swapaxes(tau, -1, -2) @ np.linalg.inv(laminate.across)[:, None] @ tau
@@ -92,7 +92,7 @@ def energy_2x2(laminate: Laminate) -> Array:
 
 
 def _cylindrical(S: Array) -> Array:
-    """The part of the stress per unit moment (..., 3, 3) that T drives where T = (Mx,x ; My,y)."""
+    """Part of the stress per unit moment (..., 3, 3) due to T with T = (Mx,x ; My,y)."""
     first = [S[..., 0, 0], S[..., 2, 1]]
     second = [S[..., 2, 0], S[..., 1, 1]]
     return np.stack([np.stack(first, axis=-1), np.stack(second, axis=-1)], axis=-2)
@@ -101,17 +101,17 @@ def _cylindrical(S: Array) -> Array:
 def equilibrium_shear(
     laminate: Laminate, height: Array, driven: Callable[[Array], Array] = _cylindrical
 ) -> Array:
-    """Shear stress (xz, yz) per unit T that balances the change of bending, (k, q, 2, 2) [1/m].
+    """Shear stress (xz, yz) per unit T in equilibrium with bending, (k, q, 2, 2) [1/m].
 
     tau = -int (sigma_x,x + sigma_xy,y ; sigma_xy,x + sigma_y,y) dz with sigma = S(z) M at N = 0.
     Of the gradients of M only T = (Mx,x + Mxy,y ; Mxy,x + My,y) is known. Cylindrical bending,
-    the default, gives all of T to Mx,x and My,y. Zero on both faces, continuous between plies,
-    its integral is T.
+    the default, assigns all of T to Mx,x and My,y. The stress is zero on both faces and continuous
+    between plies, and its integral is T.
 
     Parameters
     ----------
     height : (q,) places in every ply, from 0 at its bottom to 1 at its top [-]
-    driven : how T shares itself among the gradients of M
+    driven : assigns T to the gradients of M
     """
     b, d = _bending_compliance(laminate)
     constant, linear = driven(laminate.plane @ b), driven(laminate.plane @ d)
@@ -127,14 +127,14 @@ def _bending_compliance(laminate: Laminate) -> tuple[Array, Array]:
 
 
 def _shared(S: Array) -> Array:
-    """As `_cylindrical`, with half of each sum in T going to each of its two terms."""
+    """As `_cylindrical`, with half of each component of T in each of its two terms."""
     first = [S[..., 0, 0] + S[..., 2, 2], S[..., 0, 2] + S[..., 2, 1]]
     second = [S[..., 2, 0] + S[..., 1, 2], S[..., 2, 2] + S[..., 1, 1]]
     return 0.5 * np.stack([np.stack(first, axis=-1), np.stack(second, axis=-1)], axis=-2)
 
 
 def _from_bottom(laminate: Laminate, constant: Array, linear: Array, height: Array) -> Array:
-    """Integral of constant + z linear from the laminate's bottom face up, (k, q, ...).
+    """Integral of constant + z linear from the bottom face of the laminate, (k, q, ...).
 
     Parameters
     ----------

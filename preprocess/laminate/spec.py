@@ -1,4 +1,4 @@
-"""A laminate from the plain data of a specification.
+"""Read a laminate from the plain data of a specification.
 
 {"plies": [{"material": "cfrp", "angle_deg": 45.0, "thickness": 1.25e-4}, ...],  bottom to top
  "offset": "mid" | "top" | "bottom" | z of the mid-plane [m],
@@ -17,11 +17,11 @@ from .stack import Lamina, Laminate, LaminateError
 
 KEYS = ("plies", "offset", "shear_correction")
 PLY = ("material", "angle_deg", "thickness")
-PLACES = {"mid": 0.0, "bottom": 0.5, "top": -0.5}  # offset as a share of the thickness
+PLACES = {"mid": 0.0, "bottom": 0.5, "top": -0.5}  # offset as a fraction of the thickness
 
 
 class LaminateSpec(NamedTuple):
-    """A laminate with what a user wants of it."""
+    """A laminate with its shear correction and names."""
 
     laminate: Laminate
     shear: ShearCorrection
@@ -35,7 +35,7 @@ def laminate_from_dict(
 
     Raises
     ------
-    LaminateError : unknown key, unknown material, no number, impossible value.
+    LaminateError : unknown key, unknown material, not a number, impossible value.
     """
     check_keys(table, KEYS, where, LaminateError)
     listed = table.get("plies")

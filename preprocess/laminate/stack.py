@@ -1,4 +1,4 @@
-"""The plies of a laminate and where they lie."""
+"""The plies of a laminate and their positions."""
 
 import math
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ ACROSS = np.array([4, 3])  # 13, 23: in the order of the shear strains (gxz, gyz
 
 
 class LaminateError(Exception):
-    """A laminate that is described wrongly."""
+    """The description of a laminate is wrong."""
 
 
 class Lamina(NamedTuple):
@@ -60,7 +60,7 @@ class Laminate:
     def faces(self) -> Array:
         """Height z of the faces of the plies from the bottom up, (k + 1,) [m]."""
         thickness = [ply.thickness for ply in self.plies]
-        # counted from the middle: plies that mirror each other do so to the last digit
+        # measured from the middle, so that symmetric plies are symmetric to the last digit
         up, down = np.cumsum([0.0, *thickness]), np.cumsum([0.0, *thickness[::-1]])[::-1]
         return 0.5 * (up - down) + self.offset
 
@@ -77,8 +77,8 @@ class Laminate:
     def plane(self) -> Array:
         """Stiffness of each ply in plane stress, (k, 3, 3) [Pa].
 
-        sigma_33 = 0 takes out eps_33, which (29) leaves unsaid: the coefficients c_11 .. c_66 of
-        (18) alone would hold eps_33 = 0 and be too stiff.
+        sigma_33 = 0 eliminates eps_33, which (29) does not state. The coefficients c_11 .. c_66 of
+        (18) alone would imply eps_33 = 0 and be too stiff.
         """
         C = self.stiffness
         normal = C[:, PLANE, 2]
@@ -99,5 +99,5 @@ def moments(laminate: Laminate) -> Array:
     """
     z = laminate.faces
     thickness, middle = np.array([ply.thickness for ply in laminate.plies]), 0.5 * (z[1:] + z[:-1])
-    # the same as (h_(l+1)^n - h_l^n) / n, without the difference of nearly equal numbers
+    # equal to (h_(l+1)^n - h_l^n) / n, without the difference of nearly equal numbers
     return np.stack([thickness, thickness * middle, thickness * (middle**2 + thickness**2 / 12.0)])

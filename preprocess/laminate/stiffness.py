@@ -1,4 +1,4 @@
-"""Stiffness and mass of a laminate per unit of its surface."""
+"""Stiffness and mass of a laminate per unit area."""
 
 from typing import NamedTuple
 
@@ -31,7 +31,7 @@ def laminate_stiffness(
     """Sum the plies of a laminate. Paper: Eq. (28), Eq. (29), Eq. (30).
 
     H_n integrates z^(n-1) over a ply: H_1 goes with A, H_2 with the coupling B and H_3 with D;
-    (29) prints the last two the other way round.
+    (29) interchanges the last two.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
 """Stress in the plies of a laminate, in the axes of each ply.
 
-`stress_operators` is what a results file keeps: stress = operators @ (N, M, T).
+A results file stores `stress_operators`: stress = operators @ (N, M, T).
 """
 
 import numpy as np
@@ -19,8 +19,8 @@ def stress_operators(laminate: Laminate) -> Array:
     """Stress of every ply at bottom, middle and top per unit resultant, (k, 3, 6, 8).
 
     Columns N (3) [Pa/(N/m)], M (3) [Pa/N], T (2) [Pa/(N/m)] in laminate axes; rows 11, 22, 33,
-    23, 13, 12 in the axes of the ply. The transverse shear stress is the one that equilibrium of
-    the plies gives, not the constant strain of the theory: zero on the faces, continuous.
+    23, 13, 12 in the axes of the ply. The transverse shear stress follows from equilibrium of
+    the plies, not from the constant strain of the theory. It is continuous and zero on the faces.
     """
     stiffness = laminate_stiffness(laminate)
     compliance = np.linalg.inv(stiffness.ABD)

@@ -1,4 +1,4 @@
-"""Modes of a body: eigenmodes under a reference condition, and static shapes of loads."""
+"""Reduced basis of a body: eigenmodes under a reference condition, and static modes of loads."""
 
 from .eigenmodes import ModeRequest
 from .kinds import KINDS, Participation

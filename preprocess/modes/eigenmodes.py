@@ -1,4 +1,4 @@
-"""Eigenmodes of a body under its reference condition: solve, name, choose."""
+"""Eigenmodes of a body under its reference condition: solution, names, selection."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ class ModeRequest:
 
 @dataclass(frozen=True)
 class Eigenmodes:
-    """Chosen eigenmodes, rising in frequency; see `Modes` for the fields."""
+    """Selected eigenmodes in ascending frequency; see `Modes` for the fields."""
 
     values: Array
     columns_B: Array
@@ -38,22 +38,22 @@ def eigenmodes(
     solver: EigenSolver,
     spare: int = SPARE,
 ) -> Eigenmodes:
-    """Eigenmodes chosen by kind.
+    """Eigenmodes selected by kind.
 
     Parameters
     ----------
-    condition : what ties the frame to the body
+    condition : reference condition of the body
     requests : kinds and counts; each takes the lowest modes of its kind that
-        the requests before it have left
+        earlier requests have not taken
     participation : splits modal mass over KINDS, see `Participation`
     far_to_near : (n,) node numbers, from the farthest from the reference node
     solver : e.g. `fenicsx.eigenpairs`
-    spare : modes beyond those asked for that the first attempt computes, for other kinds between
-        them
+    spare : additional modes that the first attempt computes, because modes of other kinds lie
+        between the requested ones
 
     Raises
     ------
-    ModeError : the model has fewer modes of a kind than asked for.
+    ModeError : the model has fewer modes of a kind than requested.
     """
     n_dof = condition.K.shape[0]
     wanted = sum(request.count for request in requests)
@@ -64,7 +64,7 @@ def eigenmodes(
         values, X = condition.lowest(n_mode, solver)
         complete = n_mode == condition.n_finite
         usable = n_mode if complete else clusters(values)[-1][0]
-        # A Krylov method may return one of two coinciding modes only: count them.
+        # A Krylov method may return only one of two modes of equal frequency: count them.
         found = complete or (
             usable > 0
             and condition.count_below(0.5 * values[usable - 1 : usable + 1].sum()) == usable
@@ -88,7 +88,7 @@ def eigenmodes(
 
 
 def _choose(names: list[str], requests: Sequence[ModeRequest]) -> tuple[list[int], int | None]:
-    """Numbers of the chosen modes, ascending, and the first request that is not met."""
+    """Numbers of the selected modes, ascending, and the first request that is not met."""
     taken: set[int] = set()
     for number, request in enumerate(requests):
         fits = [
@@ -103,6 +103,6 @@ def _choose(names: list[str], requests: Sequence[ModeRequest]) -> tuple[list[int
 def _too_few(request: ModeRequest, names: list[str], n_free: int) -> str:
     census = ", ".join(f"{names.count(kind)} {kind}" for kind in KINDS)
     return (
-        f"modes: {request.count} of kind {request.kind!r} asked for; with {n_free} free dofs this "
-        f"mesh has {census}: ask for fewer or give `elements` a larger value"
+        f"modes: {request.count} of kind {request.kind!r} requested; with {n_free} free dofs this "
+        f"mesh has {census}: request fewer or increase `elements`"
     )

@@ -1,14 +1,14 @@
 """Names, directions and signs of modes.
 
-An eigensolver leaves open the sign of a mode and, where frequencies coincide, the basis of
-their space. Both are fixed here, so that a package built twice is the same package:
+An eigensolver does not determine the sign of a mode and, for equal frequencies, the basis of
+their space. Both are fixed here, so that repeated builds give the same package:
 
-- modes whose frequencies coincide (a square section bends alike in any plane) are turned until
+- modes of equal frequency (a square section bends alike in any plane) are rotated so that
   their motion separates into the body's directions, bending-xy first, then bending-xz, torsion,
   axial;
-- going from the node farthest from the reference node towards it, the first node that moves by
-  at least half of the largest motion moves in the positive direction (of the component that names
-  the mode: y, z, rotation x, x).
+  - nodes are searched from the farthest from the reference node towards it. The first node that
+  moves by at least half of the largest motion moves in the positive direction (of the component
+  that names the mode: y, z, rotation x, x).
 """
 
 from collections.abc import Callable
@@ -19,19 +19,19 @@ import scipy.linalg
 
 from ...solver.math.arrays import Array, IntArray
 
-# Component (of ux uy uz rx ry rz) whose motion names and signs the mode.
+# Component (of ux uy uz rx ry rz) whose motion determines name and sign of the mode.
 COMPONENTS = {"bending-xy": 1, "bending-xz": 2, "torsion": 3, "axial": 0}
 KINDS = tuple(COMPONENTS)
 
-COINCIDENT = 1e-8  # relative distance of eigenvalues that count as one
-TIE = 1e-6  # shares of modal mass or work closer than this are equal: the earlier kind, load wins
+COINCIDENT = 1e-8  # relative distance below which eigenvalues are treated as equal
+TIE = 1e-6  # shares of mass or work closer than this are equal: the earlier kind or load is used
 
 # columns (n_dof, m) -> (4, m, m): modal mass split over KINDS
 Participation = Callable[[Array], Array]
 
 
 def clusters(values: Array) -> list[tuple[int, int]]:
-    """Ranges (first, end) of rising eigenvalues that coincide."""
+    """Ranges (first, end) of equal values in ascending eigenvalues."""
     if not len(values):
         return []
     breaks = np.nonzero(np.diff(values) > COINCIDENT * np.abs(values[1:]))[0] + 1
@@ -39,14 +39,14 @@ def clusters(values: Array) -> list[tuple[int, int]]:
 
 
 def separating_turn(values: Array, P: Array) -> Array:
-    """Rotation (m, m) of modes that turns coinciding ones into the body's directions.
+    """Rotation (m, m) of modes that aligns those of equal frequency with the body's directions.
 
     Parameters
     ----------
-    values : (m,) rising eigenvalues
-    P : (4, m, m) modal mass split over KINDS
+    values : (m,) ascending eigenvalues
+    P : (4, m, m) modal mass by KINDS
     """
-    rank = np.arange(len(KINDS), 0, -1.0)  # distinct weights tell all kinds apart at once
+    rank = np.arange(len(KINDS), 0, -1.0)  # distinct weights separate all kinds in one step
     turn = np.eye(len(values))
     for first, end in clusters(values):
         if end - first > 1:

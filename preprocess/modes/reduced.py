@@ -12,24 +12,24 @@ from .reference import Condition, EigenSolver, ModeError
 from .static import StaticLoad, static_modes
 
 RESIDUAL = 1e-8  # of X'MX = I and X'KX = Lambda, scaled
-STATIC_RESIDUAL = 1e-6  # of X'KX where static modes take part: small differences of whole shapes
+STATIC_RESIDUAL = 1e-6  # of X'KX with static modes: small differences of whole shapes
 
 
 @dataclass(frozen=True)
 class Modes:
-    """Modes of a body: eigenmodes rising in frequency, then static modes rising likewise.
+    """Modes of a body: eigenmodes in ascending frequency, then static modes in ascending frequency.
 
     Attributes
     ----------
     values : (m,) squared angular frequencies [rad2/s2]
     columns_B : (n_dof, m) nodal displacements and rotations, mass-normalised,
-        seen from the frame [m, rad per unit modal coordinate]
+        relative to the frame [m, rad per unit modal coordinate]
     accelerations_B : (n_dof, m) field a of each mode's distributed load M a: eigenvalue times
-        column of an eigenmode; nodal forces are not in it [m/s2, rad/s2]
+        column of an eigenmode, without nodal forces [m/s2, rad/s2]
     kinds : m of "fixed_normal" (eigenmode) and "attachment" (static)
     labels : m of e.g. "bending-xy 2" (the second of its kind by frequency), "attachment mid y"
     shares : (m, 4) share of the modal mass that moves in each of KINDS
-    warnings : coded messages about modes that were asked for
+    warnings : coded messages about requested modes
     """
 
     values: Array
@@ -50,17 +50,17 @@ def reduced_modes(
     solver: EigenSolver,
     spare: int = SPARE,
 ) -> Modes:
-    """Eigenmodes chosen by kind, and static modes of loads.
+    """Eigenmodes selected by kind, and static modes of loads.
 
     Parameters
     ----------
-    condition : what ties the frame to the body
+    condition : reference condition of the body
     requests, participation, far_to_near, solver, spare : see `eigenmodes`
     loads : each adds its static shape, see `static_modes`
 
     Raises
     ------
-    ModeError : the model has fewer modes of a kind than asked for, or the
+    ModeError : the model has fewer modes of a kind than requested, or the
         modes are not orthonormal to RESIDUAL.
     """
     kept = eigenmodes(condition, requests, participation, far_to_near, solver, spare)

@@ -1,15 +1,15 @@
 """Reference conditions: six equations that tie the body frame to the deforming body.
 
-The displacements that a frame sees are those that fulfil its condition, and modes and static
-shapes are sought among them:
+Modes and static shapes are computed among the displacements that fulfil the condition of the
+frame:
 
-- `HeldDofs`: six dofs that stop every rigid motion are at rest. All six of one node make the
-  clamped frame; the three displacements and the twist of one node and the two transverse
-  displacements of another make the chord frame, whose x axis runs through both.
-- `MeanAxis`: the body is free and its shapes have neither linear nor angular momentum,
-  R' M u = 0 with the rigid motions R. The paper (2.3) names it.
+- `HeldDofs`: six dofs that prevent all rigid motions are zero. For the clamped frame they are all
+  six of one node. For the chord frame they are the three displacements and the twist of one node
+  and the two transverse displacements of another; its x axis runs through both nodes.
+  - `MeanAxis`: the body is free and its shapes have neither linear nor angular momentum,
+  R' M u = 0 with the rigid motions R. The paper mentions it in section 2.3.
 
-The frame differs, the body does not: with all modes kept, each gives the same equations of motion
+The conditions describe the same body: with all modes kept, each gives the same equations of motion
 in other coordinates.
 """
 
@@ -31,18 +31,18 @@ EigenSolver = Callable[[Any, Any, int], tuple[Array, Array]]
 
 
 class ModeError(Exception):
-    """Modes that the model does not have, or that fail their checks."""
+    """The model does not have the requested modes, or modes fail their checks."""
 
 
 class Algebra(NamedTuple):
-    """Direct methods for sparse symmetric matrices: those of SciPy, or faster ones."""
+    """Direct solvers for sparse symmetric matrices: those of SciPy, or faster ones."""
 
     solve: Callable[[Any, Array], Array]  # A X = B of a positive definite A
     negative_pivots: Callable[[Any], int]  # number of negative eigenvalues
 
 
 class StaticShapes(NamedTuple):
-    """Shapes u under loads that the frame sees: K u = load but for the reactions of held dofs."""
+    """Static shapes u relative to the frame: K u = load, except for the reactions of held dofs."""
 
     columns: Array  # (n_dof, k) u
     accelerations: Array  # (n_dof, k) a, of which M a is the distributed part of the load
@@ -50,15 +50,15 @@ class StaticShapes(NamedTuple):
 
 
 class Condition(Protocol):
-    """What modes need of a reference condition."""
+    """Interface of a reference condition to the mode computation."""
 
-    K: sp.csr_matrix  # (n_dof, n_dof) stiffness of the free body, six dofs a node
+    K: sp.csr_matrix  # (n_dof, n_dof) stiffness of the free body, six dofs per node
     M: sp.csr_matrix  # (n_dof, n_dof) mass
     n_finite: int  # elastic modes of finite frequency
     n_free: int  # dofs that move
 
     def lowest(self, count: int, solver: EigenSolver) -> tuple[Array, Array]:
-        """Values (count,), rising, and M-orthonormal columns (n_dof, count)."""
+        """Ascending values (count,) and M-orthonormal columns (n_dof, count)."""
 
     def count_below(self, value: float) -> int:
         """Number of elastic eigenvalues below a value."""
@@ -68,7 +68,7 @@ class Condition(Protocol):
 
 
 class HeldDofs:
-    """Frame tied to six dofs that do not move."""
+    """Frame fixed to six dofs."""
 
     def __init__(self, K: Any, M: Any, held: IntArray, algebra: "Algebra | None" = None) -> None:
         self.K, self.M = sp.csr_matrix(K), sp.csr_matrix(M)
@@ -100,9 +100,9 @@ class HeldDofs:
 
 
 class MeanAxis:
-    """Frame at the mean position of a free body: no shape has a momentum.
+    """Frame at the mean position of a free body: no shape has linear or angular momentum.
 
-    Raises ModeError for a body without inertia about some axis, which has no mean position.
+    Raises ModeError for a body without inertia about some axis, which has no mean orientation.
     """
 
     def __init__(self, K: Any, M: Any, rigid: Array, algebra: "Algebra | None" = None) -> None:
@@ -119,18 +119,19 @@ class MeanAxis:
                 "none about one (see its section's mass): expected clamped or chord"
             )
         self._inertia = scipy.linalg.cho_factor(inertia)
-        # Any six dofs that stop all rigid motions do for loads in equilibrium: no reaction.
+        # For loads in equilibrium, any six dofs that prevent rigid motions can be held: no
+        # reactions.
         self._still = HeldDofs(K, M, np.arange(6), algebra)
         self.n_finite = _massive(self.M) - 6
         self.n_free = self.K.shape[0]
 
     def lowest(self, count: int, solver: EigenSolver) -> tuple[Array, Array]:
-        """See `Condition`. The pencil is shifted to below zero, where K + shift M is definite."""
+        """See `Condition`. The shift is below zero, where K + shift M is positive definite."""
         shift = self._soft_value()
         X = self._without_momentum(solver(self.K + shift * self.M, self.M, count + 6)[1])
         length = np.sqrt(np.einsum("ni,ni->i", X, self.M @ X))
-        elastic = length > 0.5  # of unit vectors, rigid motions have lost everything
-        # a Krylov method may miss one of the six, whose values coincide, and find one mode more
+        elastic = length > 0.5  # norm after removal of rigid motions: zero for a rigid motion
+        # a Krylov method may miss one of the six equal values and find one more mode instead
         if np.count_nonzero(elastic) < count:
             raise ModeError(
                 f"modes: the free body has {np.count_nonzero(~elastic)} rigid motions among its "
@@ -146,7 +147,8 @@ class MeanAxis:
         return self._algebra.negative_pivots(self.K - value * self.M) - 6
 
     def static(self, forces: Array, accelerations: Array) -> StaticShapes:
-        """See `Condition`. The body flies: what a load accelerates takes its inertia with it."""
+        """See `Condition`. The body is free: the inertia of the rigid acceleration balances the
+        load."""
         loads = forces + self.M @ accelerations
         relief = scipy.linalg.cho_solve(self._inertia, self.rigid.T @ loads)
         loads = loads - self._MR @ relief
@@ -158,7 +160,8 @@ class MeanAxis:
         return X - self.rigid @ scipy.linalg.cho_solve(self._inertia, self._MR.T @ X)
 
     def _soft_value(self) -> float:
-        """Value near the lowest elastic one: Rayleigh's of the static shape of a random load."""
+        """Value near the lowest elastic one: Rayleigh quotient of the static shape of a random
+        load."""
         load = np.random.default_rng(0).standard_normal((self.n_free, 1))
         zero = np.zeros_like(load)
         for _ in range(2):  # the second load is the inertia of the first shape
@@ -168,13 +171,13 @@ class MeanAxis:
 
 
 def rayleigh(K: Any, M: Any, X: Array) -> Array:
-    """Rayleigh quotients of columns, (m,): to second order in their errors the eigenvalues."""
+    """Rayleigh quotients of columns, (m,): eigenvalues with errors of second order."""
     stiffness, mass = (np.einsum("ni,ni->i", X, A @ X) for A in (K, M))
     return np.asarray(stiffness / mass)
 
 
 def _principal(A: sp.csr_matrix, kept: IntArray) -> sp.csr_matrix:
-    """Rows and columns `kept` of a matrix, without its zeros."""
+    """Rows and columns `kept` of a matrix, without stored zeros."""
     number = np.full(A.shape[0], -1, dtype=A.indices.dtype)
     number[kept] = np.arange(len(kept))
     row = np.repeat(number, np.diff(A.indptr))
@@ -187,7 +190,7 @@ def _principal(A: sp.csr_matrix, kept: IntArray) -> sp.csr_matrix:
 
 
 def _massive(M: Any) -> int:
-    """Dofs with mass: one without has no mode of its own."""
+    """Number of dofs with mass: a dof without mass gives no mode."""
     return int(np.count_nonzero(np.abs(M).sum(axis=1)))
 
 
@@ -216,7 +219,7 @@ def negative_pivots(A: Any) -> int:
         if np.array_equal(factors.perm_r, factors.perm_c):
             return int(np.count_nonzero(factors.U.diagonal() < 0.0))
     except RuntimeError:
-        pass  # a pivot is exactly zero: rows would have to be exchanged
+        pass  # a pivot is exactly zero: row exchanges would be needed
     _, D, _ = scipy.linalg.ldl(A.toarray())
     return int(np.count_nonzero(scipy.linalg.eigvalsh(D) < 0.0))
 

@@ -1,14 +1,14 @@
-"""Static modes: the shapes of loads that the kept eigenmodes cannot carry.
+"""Static modes: shapes of loads that the kept eigenmodes cannot represent.
 
-A load at an interface bends the body in a shape K^-1 f; a few eigenmodes follow it slowly (a force
-like 1/k^3, a moment like 1/k in the number k of bending modes). The shape itself, added to the
-modes, is exact however few they are. Of each shape only what the eigenmodes miss is kept; those
-rests are turned into the natural modes of the space that they add. So all modes together stay
-orthonormal, modal mass and stiffness stay diagonal, and the frequencies are those of the reduced
-model: high ones, they say how stiff the rest is, and no vibration of the body belongs to them.
+A load at an interface deforms the body in the shape K^-1 f. Eigenmodes converge slowly to it (for a
+force with 1/k^3, for a moment with 1/k in the number k of bending modes). With the shape itself
+added, the static response is exact for any number of eigenmodes. The parts along the eigenmodes are
+removed from each shape, and the remainders are combined to the natural modes of the space that they
+add. Then all modes are orthonormal, and modal mass and stiffness are diagonal. The frequencies of
+static modes are those of the reduced model. They are high and are not frequencies of the body.
 
-Orthogonality is kept in energy: x' f with the load f = K x of a shape takes no differences of
-large numbers, which x' K x does.
+Orthogonality is computed in energy as x' f with the load f = K x of a shape. This avoids the
+differences of large numbers in x' K x.
 """
 
 from collections.abc import Sequence
@@ -24,14 +24,14 @@ from .eigenmodes import Eigenmodes
 from .kinds import TIE, Participation, separating_turn
 from .reference import Condition
 
-DEPENDENT = 1e-6  # energy norm of what is new in a shape, against that of the whole shape
-GRADED = 1e-6  # inverse eigenvalues below this, against the largest, wait for the next round
-MASSLESS = 1e-14  # inverse eigenvalues below this, against the largest of all, are round-off
+DEPENDENT = 1e-6  # energy norm of the new part of a shape, relative to that of the whole shape
+GRADED = 1e-6  # inverse eigenvalues below this, relative to the largest, are left to the next pass
+MASSLESS = 1e-14  # inverse eigenvalues below this, relative to the largest of all, are round-off
 
 
 @dataclass(frozen=True)
 class StaticLoad:
-    """A load whose static shape is asked for.
+    """A load whose static shape is requested.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class StaticLoad:
 
 @dataclass(frozen=True)
 class StaticModes:
-    """Modes of the space that the static shapes add, rising in frequency; see `Modes`."""
+    """Modes of the space that the static shapes add, in ascending frequency; see `Modes`."""
 
     values: Array
     columns_B: Array
@@ -58,7 +58,7 @@ class StaticModes:
 
 @dataclass(frozen=True)
 class _Shapes:
-    """Columns x with what made them: accelerations a and loads K x; all (n_dof, k)."""
+    """Columns x with their accelerations a and loads K x; all (n_dof, k)."""
 
     x: Array
     a: Array
@@ -87,8 +87,9 @@ def static_modes(
 ) -> StaticModes:
     """Modes that the static shapes of `loads` add to the eigenmodes `kept`.
 
-    A load that the reference condition carries, a shape that is a combination of eigenmodes and
-    shapes before it, and one that moves no mass give no mode but a warning.
+    There is a warning instead of a mode for a load that the reference condition carries, for a
+    shape that is a combination of eigenmodes and earlier shapes, and for a shape that moves no
+    mass.
     """
     n_dof = condition.K.shape[0]
     empty = np.zeros((n_dof, 0))
@@ -119,15 +120,15 @@ def static_modes(
 
 
 def _independent(basis: _Shapes, shapes: _Shapes) -> tuple[_Shapes, list[int]]:
-    """What is new in each shape, of unit energy, energy-orthogonal to a basis of unit energy.
+    """New part of each shape, of unit energy, energy-orthogonal to a basis of unit energy.
 
-    Also the numbers of the shapes that hold something new.
+    Also returns the numbers of the shapes that have a new part.
     """
     energy = shapes.energy()
     kept: list[int] = []
     for k in np.flatnonzero(energy > 0.0):
         one = shapes @ (np.eye(len(energy))[:, [k]] / np.sqrt(energy[k]))
-        for _ in range(2):  # twice is enough: what round-off leaves the first time goes
+        for _ in range(2):  # two passes are enough: the second removes the round-off of the first
             one = one - basis @ (basis.load.T @ one.x)
         rest = float(np.sqrt(one.energy()[0].clip(min=0.0)))
         if rest > DEPENDENT:
@@ -140,10 +141,10 @@ def _independent(basis: _Shapes, shapes: _Shapes) -> tuple[_Shapes, list[int]]:
 def _diagonalised(
     M: Any, eigen: _Shapes, rests: _Shapes, participation: Participation
 ) -> tuple[Array, _Shapes]:
-    """Natural modes of the space of `rests`, of unit modal mass, rising in frequency.
+    """Natural modes of the space of `rests`, of unit modal mass, in ascending frequency.
 
-    Eigenvalues far below the largest one are those of round-off: the softest modes are found
-    first, then those of what is left. Shapes that move no mass have no mode.
+    Inverse eigenvalues far below the largest one are affected by round-off. Therefore the softest
+    modes are computed first, then those of the remainder. Shapes that move no mass have no mode.
     """
     found, largest = [eigen], 0.0
     while rests.x.shape[1]:
@@ -155,7 +156,8 @@ def _diagonalised(
         found.append(rests @ (V[:, :count] / np.sqrt(inverse[:count])))
         rests = rests @ V[:, count:]
     modes = _Shapes.joined(found)
-    # Gram-Schmidt in mass from soft to stiff: what a stiff mode loses of a soft one is no energy.
+    # Gram-Schmidt in mass from soft to stiff: removing soft parts hardly changes a stiff mode's
+    # energy.
     factor = np.linalg.cholesky(modes.x.T @ (M @ modes.x))
     modes = modes @ np.linalg.inv(factor).T[:, eigen.x.shape[1] :]
     modes = modes @ separating_turn(modes.energy(), participation(modes.x))
@@ -163,10 +165,10 @@ def _diagonalised(
 
 
 def _owners(work: Array) -> IntArray:
-    """Which load gives each mode its name and sign, (k,): those that do most work in their modes.
+    """Load that gives each mode its name and sign, (k,): the one that does most work in it.
 
-    `work` (l, k): rows loads, columns modes. Where loads have equal claims (the two ends of a free
-    beam), they take their modes in the order of both.
+    `work` (l, k): rows loads, columns modes. If loads do equal work (the two ends of a free
+    beam), they are assigned in order.
     """
     order = np.outer(np.arange(work.shape[0]), np.arange(work.shape[1]))
     claim = work**2 + TIE * order / max(order.size, 1)
@@ -179,6 +181,6 @@ def _warnings(dropped: list[str]) -> tuple[dict[str, str], ...]:
         return ()
     message = (
         f"no mode for {', '.join(dropped)}: the reference condition carries such a load, or its "
-        "shape is a combination of the modes before it, or moves no mass"
+        "shape is a combination of earlier modes, or it moves no mass"
     )
     return ({"code": "static-modes-dependent", "message": message},)

@@ -1,4 +1,4 @@
-"""From the description of a cross-section to its stiffness, mass and stresses."""
+"""Analysis of a cross-section: stiffness, mass and stress recovery from its description."""
 
 import time
 from collections.abc import Callable, Mapping
@@ -20,7 +20,7 @@ from .spec import check_spec
 from .timoshenko import SectionStiffness, shear_centre, tension_centre
 
 DEGREE = 2  # of the warping field
-MOST_DOFS = 400_000  # no refinement beyond: minutes and gigabytes
+MOST_DOFS = 400_000  # limit of refinement: beyond, minutes and gigabytes are needed
 
 Progress = Callable[[str], None]
 
@@ -42,13 +42,13 @@ def analyse(
     spec : plain data, see docs/section-description.md for the meaning and
         solver/inputs/section/expand.py for the form: name, convention, mesh, materials, regions
     where : file and key of the description for messages, the section's name by default
-    estimate : also solve with one degree more, for the error of K
+    estimate : also solve with one degree more to estimate the error of K
     accuracy : refine the mesh until the estimate, scaled by sqrt(K_ii K_jj), is below this
     recovery_degree : recover stresses at the points of a coarser rule (3: four in a quadrilateral)
-        instead of all points of integration
+        instead of all integration points
     team : processes that all call this with the same arguments and share the work; each gets
         the whole result
-    progress : told what begins, one line each
+        progress : called with one line at the beginning of each step
 
     Raises
     ------
@@ -86,7 +86,7 @@ def analyse(
                 {
                     "code": "accuracy-not-met",
                     "message": f"estimated error {worst:.1e} with {problem.space.n_dof} dofs, "
-                    f"{accuracy:.1e} asked for; the next refinement would have four times as many",
+                    f"{accuracy:.1e} requested; the next refinement would have four times as many",
                 }
             )
             break

@@ -32,7 +32,7 @@ class SectionFiles(AnalysedFiles[SectionFile]):
         self.accuracy = accuracy
 
     def fingerprint(self, spec: dict[str, Any]) -> str:
-        """Hash of all that a section file is made from."""
+        """Hash of all inputs of a section file."""
         options = {"estimate": self.estimate, "accuracy": self.accuracy}
         version = list(SECTION_FORMAT_VERSION)
         return fingerprint({"spec": spec, "options": options, "format": version})

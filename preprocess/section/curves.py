@@ -1,4 +1,4 @@
-"""The nearest point of a curve of line elements."""
+"""Nearest point on a curve of line elements."""
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -6,12 +6,12 @@ from scipy.spatial import cKDTree
 from ...solver.math.arrays import Array
 
 SAMPLES = 8  # per element, to find the nearest element
-CANDIDATES = 4  # elements tried for each point
+CANDIDATES = 4  # candidate elements for each point
 NEWTON_STEPS = 8
 
 
 def nearest_on_curve(segments: Array, x: Array) -> Array:
-    """Foot of every point on a curve, (p, 2).
+    """Nearest point on a curve for each of some points, (p, 2).
 
     Parameters
     ----------
@@ -19,7 +19,7 @@ def nearest_on_curve(segments: Array, x: Array) -> Array:
     x : (p, 2) points
     """
     a, b = segments[:, 0], segments[:, 1]
-    # place = mean + half s + bow s^2 for s from -1 to 1
+    # position = mean + half s + bow s^2 for s from -1 to 1
     middle = segments[:, 2] if segments.shape[1] == 3 else 0.5 * (a + b)
     half, bow = 0.5 * (b - a), 0.5 * (a + b) - middle
     s = np.linspace(-1.0, 1.0, SAMPLES + 1)[:, None, None]
@@ -34,7 +34,7 @@ def nearest_on_curve(segments: Array, x: Array) -> Array:
         slope = h + 2.0 * w * s0[..., None]
         first = np.einsum("pki,pki->pk", away, slope)
         second = np.einsum("pki,pki->pk", slope, slope) + 2.0 * np.einsum("pki,pki->pk", away, w)
-        # where the distance is not convex, a Gauss-Newton step still leads downhill
+        # where the distance is not convex, a Gauss-Newton step still reduces it
         convex = np.einsum("pki,pki->pk", slope, slope)
         s0 = np.clip(s0 - first / np.where(second > 0.1 * convex, second, convex), -1.0, 1.0)
     feet = c + h * s0[..., None] + w * s0[..., None] ** 2

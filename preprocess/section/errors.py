@@ -1,5 +1,5 @@
-"""The error of this part of the preprocessor."""
+"""Error class of the section analysis."""
 
 
 class SectionError(Exception):
-    """A cross-section that is described wrongly or cannot be analysed."""
+    """The description of a cross-section is wrong, or the section cannot be analysed."""

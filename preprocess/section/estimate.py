@@ -1,20 +1,20 @@
-"""How far K is from the exact one: the same mesh with a field of one degree more."""
+"""Error estimate of K by a solution on the same mesh with one degree more."""
 
 import numpy as np
 
 from ...solver.math.arrays import Array
 
-# K falls to the exact one as the field gets richer, at least like degree^-RATE: that is what is
-# left where stresses are singular (at the edge of a ply or a re-entrant corner); smooth parts fall
-# faster. docs/sections-accuracy.md compares the estimates that follow with true errors.
+# The error of K falls with the degree of the field, at least with degree^-RATE. This is the rate
+# for singular stresses (at the edge of a ply or a re-entrant corner); smooth parts converge
+# faster. docs/sections-accuracy.md compares the estimates with true errors.
 RATE = 2.1
 
 
 def error_estimate(K: Array, K_richer: Array, degree: int) -> Array:
     """Expected |error| of each entry of K (6, 6), in its units.
 
-    `K` is of a field of some degree, `K_richer` of one degree more on the same mesh. With errors
-    like degree^-RATE, their difference is a known share of the error of K.
+    `K` belongs to a field of some degree, `K_richer` to one degree more on the same mesh. With
+    errors proportional to degree^-RATE, their difference is a known fraction of the error of K.
     """
     share = 1.0 - (degree / (degree + 1.0)) ** RATE
     return np.abs(K - K_richer) / share

@@ -1,4 +1,4 @@
-"""Doubts about a section: linear fields that lock, equations solved to few digits."""
+"""Warnings about a section: locking of linear fields, ill-conditioned equations."""
 
 from ..materials import Orthotropic
 from .errors import SectionError
@@ -11,7 +11,7 @@ INCOMPRESSIBLE = 9.0  # bulk over shear modulus, that of Poisson's ratio 0.446
 
 
 def bulk_over_shear(material: Orthotropic) -> float:
-    """Resistance to a change of volume over the least shear modulus."""
+    """Bulk modulus divided by the smallest shear modulus."""
     bulk = 1.0 / float(material.compliance_M[:3, :3].sum())
     return bulk / min(material.G12, material.G13, material.G23)
 
@@ -19,7 +19,7 @@ def bulk_over_shear(material: Orthotropic) -> float:
 def check_degree(space: SectionSpace, lay: Layup, where: str) -> list[dict[str, str]]:
     """Warnings about a linear warping field.
 
-    Raises SectionError where a linear field locks: EI 18 % too large at Poisson's ratio 0.49.
+    Raises SectionError if a linear field locks: EI is 18 % too large at Poisson's ratio 0.49.
     """
     if space.degree > 1:
         return []
@@ -34,21 +34,21 @@ def check_degree(space: SectionSpace, lay: Layup, where: str) -> list[dict[str, 
     return [
         {
             "code": "degree-1-locks",
-            "message": "linear elements are too stiff in bending and torsion by some per cent; "
-            "leave mesh.degree at 2",
+            "message": "linear elements are a few per cent too stiff in bending and torsion; "
+            "use mesh.degree = 2",
         }
     ]
 
 
 def solvability_warnings(result: SectionStiffness) -> list[dict[str, str]]:
-    """A warning where the loads of the warping work on rigid motions more than round-off does."""
+    """Warning if the loads of the warping do more work on rigid motions than by round-off."""
     if result.solvability <= SOLVABILITY:
         return []
     return [
         {
             "code": "few-digits",
-            "message": f"the loads of the warping work {result.solvability:.1e} (relative) on "
-            f"rigid motions, at most {SOLVABILITY:g} is usual: round-off, as of a very thin open "
-            "section; trust its shear stiffness to fewer digits",
+            "message": f"the loads of the warping do work of {result.solvability:.1e} (relative) "
+            f"on rigid motions, usually at most {SOLVABILITY:g}: round-off, as in a very thin open "
+            "section; its shear stiffness has fewer correct digits",
         }
     ]

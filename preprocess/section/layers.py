@@ -1,8 +1,8 @@
-"""Which ply a point of the section belongs to, and how its axes lie.
+"""Ply and ply axes of each point of a section.
 
 Layer direction y2 is a unit vector in the section, y3 = x1 x y2 the outward normal of the
-wall. The fibre lies at cos(angle) x1 + sin(angle) y2. Plies are listed outermost first, so the
-depth below the outer surface tells the ply.
+wall. The fibre direction is cos(angle) x1 + sin(angle) y2. Plies are listed outermost first, so the
+depth below the outer surface determines the ply.
 """
 
 from collections.abc import Mapping
@@ -23,7 +23,7 @@ from .mesh import SectionMesh
 from .space import SectionSpace
 
 CONVENTIONS = ("contour", "cartesian")
-THICKNESS = 1e-3  # relative difference of a laminate and its wall that rounding may make
+THICKNESS = 1e-3  # tolerance of the thickness of a laminate relative to its wall
 
 
 @dataclass(frozen=True)
@@ -33,9 +33,9 @@ class Layup:
     Attributes
     ----------
     ply : (c, q) row of plies
-    y2 : (c, q, 2) layer direction, where the ply angle points [-]
-    plies, materials : what the rows stand for, one material per ply
-    uniform : True if no cell holds two plies or a turning direction
+    y2 : (c, q, 2) layer direction, towards which ply angles are measured [-]
+    plies, materials : the plies and the material of each one
+    uniform : True if each cell has one ply and one layer direction
     warnings : {"code", "message"}
     """
 
@@ -86,8 +86,8 @@ def layup(spec: Mapping[str, Any], mesh: SectionMesh, space: SectionSpace, where
 
     Raises
     ------
-    SectionError : regions or materials that do not fit the mesh, a laminate of another thickness
-        than its wall.
+    SectionError : regions or materials that do not match the mesh, a laminate whose thickness
+        differs from that of its wall.
     MaterialError : impossible constants.
     """
     convention = spec.get("convention", CONVENTIONS[0])
@@ -136,8 +136,8 @@ def layup(spec: Mapping[str, Any], mesh: SectionMesh, space: SectionSpace, where
         warnings.append(
             {
                 "code": "plies-not-resolved",
-                "message": f"{mixed} of {space.n_cell} cells hold more than one ply: their "
-                "stiffness is integrated across the ply's face, with the error of that; let mesh "
+                "message": f"{mixed} of {space.n_cell} cells contain more than one ply: the "
+                "integration of their stiffness across the ply interface is inaccurate; let mesh "
                 "lines follow the plies",
             }
         )
@@ -186,7 +186,7 @@ class _Direction:
             )
 
     def at(self, x: Array) -> tuple[Array, Array]:
-        """y2 (..., 2) and depth (...) at points x (..., 2); depth from 0 by an unknown offset."""
+        """y2 (..., 2) and depth (...) at points x (..., 2); depth up to an unknown constant."""
         if self.kind == "vector":
             y3 = np.array([-self._y2[1], self._y2[0]])
             return np.broadcast_to(self._y2, x.shape), -(x @ y3)

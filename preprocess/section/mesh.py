@@ -1,4 +1,4 @@
-"""Cross-section meshes: from a description to a DOLFINx mesh with named regions and curves.
+"""DOLFINx meshes of cross-sections, with named regions and curves.
 
 The mesh axes are the section's: x = x2, y = x3, origin = reference point. A mesh comes from
 a script of the library (meshes/), from a gmsh script or mesh of the user, or as arrays.
@@ -35,9 +35,9 @@ ARRAY_CELLS = {
 }
 
 
-@dataclass(frozen=True, eq=False)  # the same only if it is the very same
+@dataclass(frozen=True, eq=False)  # equal only to itself
 class SectionMesh:
-    """The mesh of a section: cells with their regions, and its named curves.
+    """The mesh of a section: cells with their regions, and named curves.
 
     Attributes
     ----------
@@ -66,13 +66,13 @@ def section_mesh(spec_mesh: Mapping[str, Any], where: str, *, refine: int = 0) -
         curves, lines, curve, curve_names;
         plus optional "scale", a factor on all coordinates
     where : file and key of the description, for messages
-    refine : how often every edge is halved; curved edges stay on the geometry of a script, and
-        keep their shape in a mesh that was given
+    refine : how many times every edge is halved; curved edges stay on the geometry of a script, and
+        keep their shape in a given mesh
 
     Raises
     ------
-    SectionError : no such file, a mesh that gmsh cannot make, regions that overlap or are empty,
-        cells that fold, a section in several parts.
+    SectionError : no such file, an error of gmsh, regions that overlap or are empty,
+        folded cells, a section in several parts.
     """
     path = _source(spec_mesh, where)
     content = hashlib.sha256(path.read_bytes()).hexdigest()
@@ -86,7 +86,7 @@ def section_mesh(spec_mesh: Mapping[str, Any], where: str, *, refine: int = 0) -
 @lru_cache(maxsize=KEPT)
 def _made(table: str, file: str, content: str, refine: int) -> SectionMesh:
     spec, path = json.loads(table), Path(file)
-    del content  # it makes another entry when the file has changed
+    del content  # part of the cache key: a changed file gives another entry
     plain = _read(spec, path, refine)
     scale = float(spec.get("scale", 1.0))
     if scale != 1.0:
@@ -97,7 +97,7 @@ def _made(table: str, file: str, content: str, refine: int) -> SectionMesh:
 
 
 def script_path(name: str) -> Path:
-    """Where a script of the library lies: beside the package in a wheel, at the checkout's top."""
+    """Path of a script of the library: beside the package in a wheel, at the top of a checkout."""
     here = Path(__file__)
     folders = [root.parents[2] / "meshes" for root in (here, here.resolve())]
     for folder in folders:
@@ -145,7 +145,7 @@ def _split(plain: PlainMesh, times: int) -> PlainMesh:
 
 
 def _script(path: Path, parameters: Mapping[str, Any], refine: int) -> PlainMesh:
-    """Refined on the geometry; where thin rows would fold by that, with the shape they have."""
+    """Refined on the geometry; if thin rows would fold, refined with their present shape."""
     plain = fenicsx.run_script(path, parameters, refine=refine)
     if refine and folds(plain):
         return _split(fenicsx.run_script(path, parameters), refine)

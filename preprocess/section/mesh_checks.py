@@ -1,4 +1,5 @@
-"""Guards on the mesh of a section: what would give plausible but wrong numbers is refused."""
+"""Checks of the mesh of a section: errors for meshes that would give plausible but wrong
+numbers."""
 
 from dataclasses import replace
 
@@ -16,9 +17,9 @@ from .errors import SectionError
 IntArray = NDArray[np.int64]
 Warnings = list[dict[str, str]]
 
-# Points where the map of a cell is judged: those of the integration on curved cells.
+# Points where the map of a cell is checked: the integration points of curved cells.
 QUADRATURE_DEGREE = 6
-# Nodes numbered clockwise: the same cell with its nodes counted the other way.
+# Permutations that reverse the orientation of clockwise cells.
 TURNED = {
     ("triangle", 1): [0, 2, 1],
     ("triangle", 2): [0, 2, 1, 5, 4, 3],
@@ -28,8 +29,8 @@ TURNED = {
 COINCIDENT = 1e-7  # of the section's size: two nodes at the same place
 ROUNDING = 1e-12  # of the square of a cell's size: an area below it is none
 
-# Sliver: flattest angle, largest change of area within a cell, longest shape. The library's own
-# graded walls are long rectangles, which harm nothing; angles and folds do.
+# Sliver: smallest angle, largest change of area within a cell, largest aspect ratio. The graded
+# walls of the library are long rectangles, which do no harm, unlike small angles and folds.
 LEAST_SINE = 0.04
 LEAST_AREA_RATIO = 0.02
 LONGEST = 5000.0
@@ -40,7 +41,7 @@ def checked(plain: PlainMesh, where: str) -> tuple[PlainMesh, Warnings]:
 
     Raises
     ------
-    SectionError : cells that fold, that lie on each other, or a section in several parts.
+    SectionError : folded cells, overlapping cells, or a section in several parts.
     """
     plain = _counter_clockwise(plain, where)
     neighbours = _neighbours(plain, where)
@@ -84,9 +85,9 @@ def folds(plain: PlainMesh) -> bool:
 
 
 def _counter_clockwise(plain: PlainMesh, where: str) -> PlainMesh:
-    """Turn cells that are numbered clockwise, which says nothing of their shape.
+    """Reverse cells that are numbered clockwise; their shape does not change.
 
-    A cell whose map changes its sign folds over itself: its integrals are wrong.
+    Error for a cell whose Jacobian changes its sign: its integrals would be wrong.
     """
     low, high, rounding = _area_range(plain)
     flat = np.flatnonzero(np.maximum(-low, high) <= rounding)
@@ -100,7 +101,7 @@ def _counter_clockwise(plain: PlainMesh, where: str) -> PlainMesh:
         raise SectionError(
             f"{where}: {folded.size} of {len(low)} cells fold over themselves, one at "
             f"{_at(plain.middles[folded[0]])} in region {_region(plain, folded[0])!r}: a middle "
-            "node is too far from its edge, or the corners cross; mesh finer there, or optimise "
+            "node is too far from its edge, or the corners cross; refine there, or optimise "
             "the mesh (gmsh: Mesh.HighOrderOptimize = 2;)"
         )
     clockwise = low < -rounding
@@ -111,9 +112,9 @@ def _counter_clockwise(plain: PlainMesh, where: str) -> PlainMesh:
 
 
 def _neighbours(plain: PlainMesh, where: str) -> sp.csr_matrix:
-    """Which cells share an edge, (c, c), of counter-clockwise cells.
+    """Adjacency of counter-clockwise cells by common edges, (c, c).
 
-    Two cells that run along an edge in the same direction lie on the same side of it.
+    Error if two cells have an edge with the same direction: they lie on the same side of it.
     """
     edges = fenicsx.EDGES[plain.cell]
     ends = plain.corners[:, edges]  # (c, e, 2)
@@ -129,8 +130,8 @@ def _neighbours(plain: PlainMesh, where: str) -> sp.csr_matrix:
             f"regions {names[0]!r} and {names[1]!r}" if len(names) > 1 else f"region {names[0]!r}"
         )
         raise SectionError(
-            f"{where}: cells lie on each other at {_at(plain.middles[a])}, in {inside}: a surface "
-            "that is in two physical groups, or is meshed twice, or an inverted cell"
+            f"{where}: cells overlap at {_at(plain.middles[a])}, in {inside}: a surface "
+            "is in two physical groups, or is meshed twice, or a cell is inverted"
         )
     place = np.searchsorted(forward, backward, sorter=order)
     place = np.minimum(place, forward.size - 1)
@@ -141,7 +142,7 @@ def _neighbours(plain: PlainMesh, where: str) -> sp.csr_matrix:
 
 
 def _one_part(plain: PlainMesh, neighbours: sp.csr_matrix, where: str) -> None:
-    """A section in parts is several beams: its stiffness is no number."""
+    """Error for a section in several parts: it would be several beams."""
     n_part, part = connected_components(neighbours, directed=False)
     if n_part == 1:
         return
@@ -162,7 +163,7 @@ def _one_part(plain: PlainMesh, neighbours: sp.csr_matrix, where: str) -> None:
         )
     elif pairs.size:
         reason = (
-            f"{len(pairs)} pairs of nodes lie at the same place, as at "
+            f"{len(pairs)} pairs of nodes have the same position, as at "
             f"{_at(plain.points[pairs[0, 0]])}, but are not merged: merge them, so that the parts "
             "share edges (gmsh: Coherence; in the script, Coherence Mesh; for a mesh)"
         )
@@ -184,36 +185,36 @@ def _boundary_nodes(plain: PlainMesh) -> IntArray:
 
 
 def _coincident(plain: PlainMesh, nodes: IntArray) -> IntArray:
-    """Pairs of nodes at the same place, (p, 2)."""
+    """Pairs of nodes at the same position, (p, 2)."""
     near = COINCIDENT * float(np.ptp(plain.points, axis=0).max())
     pairs = cKDTree(plain.points[nodes]).query_pairs(near, output_type="ndarray")
     return np.asarray(nodes[pairs])
 
 
 def _unmerged(plain: PlainMesh) -> Warnings:
-    """A slit between cells that lie side by side is hardly ever meant."""
+    """Warning about a slit between adjacent cells, which is rarely intended."""
     pairs = _coincident(plain, _boundary_nodes(plain))
     if not pairs.size:
         return []
     return [
         {
             "code": "unmerged-nodes",
-            "message": f"{len(pairs)} pairs of nodes lie at the same place, as at "
-            f"{_at(plain.points[pairs[0, 0]])}, without being one: the section has a slit there; "
-            "merge them if it is not meant (gmsh: Coherence; or Coherence Mesh;)",
+            "message": f"{len(pairs)} pairs of nodes have the same position, as at "
+            f"{_at(plain.points[pairs[0, 0]])}, but are not merged: the section has a slit there; "
+            "merge them if it is not intended (gmsh: Coherence; or Coherence Mesh;)",
         }
     ]
 
 
 def _slivers(plain: PlainMesh) -> Warnings:
-    """Cells too flat or too crooked for their own good."""
+    """Warning about cells of poor shape."""
     corners = fenicsx.NODES[plain.cell][: len(fenicsx.EDGES[plain.cell])] / 2.0
     tangents, area = _slopes(plain, corners)
     ends = plain.points[plain.corners]
     sides = np.linalg.norm(ends - np.roll(ends, -1, axis=1), axis=2)
     sides.sort(axis=1)
     if plain.cell == "triangle":
-        # of the smallest angle, that between the two longest sides
+        # of the smallest angle, between the two longest sides
         (a2, a3), (b2, b3) = (ends[:, 1] - ends[:, 0]).T, (ends[:, 2] - ends[:, 0]).T
         sine = np.abs(a2 * b3 - a3 * b2) / (sides[:, 1] * sides[:, 2])
     else:
@@ -230,7 +231,7 @@ def _slivers(plain: PlainMesh) -> Warnings:
             "code": "sliver-elements",
             "message": f"{np.count_nonzero(bad)} of {len(bad)} cells are slivers, the worst at "
             f"{_at(plain.middles[worst])} in region {_region(plain, worst)!r}: sine of the "
-            f"flattest angle {sine[worst]:.2g} (expected {LEAST_SINE} at least), smallest to "
+            f"smallest angle {sine[worst]:.2g} (expected {LEAST_SINE} at least), smallest to "
             f"largest area scale {ratio[worst]:.2g} ({LEAST_AREA_RATIO}); stresses there are poor",
         }
     ]

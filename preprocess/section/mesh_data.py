@@ -1,4 +1,4 @@
-"""Mesh, plies and warping of a section as the section file holds them: in VTK's numbering."""
+"""Mesh, plies and warping of a section in the form of the section file, in VTK's numbering."""
 
 import numpy as np
 
@@ -25,7 +25,7 @@ def mesh_data(mesh: SectionMesh, space: SectionSpace, lay: Layup) -> SectionMesh
     c, k = cells.shape
     names = tuple(mesh.labelled.names)
     row = {mesh.labelled.names[name]: i for i, name in enumerate(names)}
-    # the integration point nearest to the middle stands for the cell
+    # the integration point nearest to the centre represents the cell
     middle = np.argmin(
         np.linalg.norm(space.points - space.points.mean(axis=1, keepdims=True), axis=-1), axis=1
     )

@@ -1,9 +1,9 @@
-"""Stiffness of a section against warping, and its stresses, for a distribution of material.
+"""Warping stiffness and stresses of a section for a distribution of material.
 
 With the stiffness C of each point, the paper's matrices are C_hh = E = <G_h, C G_h>,
 C_hl = H = <G_h, C G_l> and C_ll = L = <G_l, C G_l>. Only E has to be factorised, so only E is
-assembled; H and L are met as loads of stresses: H X = <G_h, C G_l X>. docs/adr/0007 says why no
-form compiler is used here.
+assembled. H and L are used as loads of stresses: H X = <G_h, C G_l X>. docs/adr/0007 explains why
+no form compiler is used here.
 """
 
 import numpy as np
@@ -14,13 +14,13 @@ from .. import fenicsx
 from .pattern import EVERY
 from .space import IN_SECTION, SectionSpace
 
-AT_A_TIME = 64  # cells, so that what lies between two products stays in the cache
+AT_A_TIME = 64  # cells per block, so that intermediate arrays stay in the cache
 
 
 class SectionOperators:
-    """Makes E on a space for any material; what is of the mesh alone is kept.
+    """Computes E on a space for any material; the parts that depend only on the mesh are kept.
 
-    The cells are shared out among the processes of a team.
+    The cells are distributed over the processes of a team.
     """
 
     def __init__(self, space: SectionSpace, team: fenicsx.Team = fenicsx.ALONE) -> None:
@@ -33,7 +33,7 @@ class SectionOperators:
         own, pattern = C[self._cells], self.space.pattern
         if own.shape[1] > 1:
             data = pattern.data(self._blocks(own), self._cells)
-        else:  # one stiffness for each cell: all that is of the mesh alone is one sparse matrix
+        else:  # one stiffness per cell: the part that depends only on the mesh is one sparse matrix
             if self._products is None:
                 products = slope_products(self.space, self._cells)
                 self._products = pattern.summed(products, self._cells)
@@ -41,7 +41,7 @@ class SectionOperators:
         return pattern.matrix(self.team.total(data))
 
     def _blocks(self, C: Array) -> Array:
-        """Element matrices (c, k^2, 9) where every point has its stiffness, (c, q, 6, 6)."""
+        """Element matrices (c, k^2, 9) with a stiffness at every point, (c, q, 6, 6)."""
         gradients = self.space.gradients[self._cells]
         weighted = self.space.weighted_gradients[self._cells]
         c, q, _, k = gradients.shape
@@ -55,7 +55,7 @@ class SectionOperators:
 
 
 def _by_slopes(C: Array) -> Array:
-    """For each pair of slopes alpha, beta the stiffness of a against b, (..., 2, 2, 3 a + b)."""
+    """Stiffness of a and b for each pair of slopes alpha, beta, (..., 2, 2, 3 a + b)."""
     shape = C.shape[:-2]
     in_plane = C[..., IN_SECTION, :][..., IN_SECTION].reshape(*shape, 3, 2, 3, 2)
     return np.moveaxis(in_plane, (-3, -1), (-4, -3)).reshape(*shape, 2, 2, 9)

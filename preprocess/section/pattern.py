@@ -1,4 +1,4 @@
-"""Where element matrices go: the sparsity pattern of a section, made once for a mesh."""
+"""Sparsity pattern of a section, computed once for a mesh, and assembly into it."""
 
 import numpy as np
 import scipy.sparse as sp
@@ -30,12 +30,12 @@ class Pattern:
         columns = np.tile(dofs, (1, k)).ravel()
         pair, entry = np.unique(rows * n_node + columns, return_inverse=True)
         self._n_pair = pair.size
-        # (n_pair, n_cell k^2): adds up the entries that cells have for the same pair
+        # (n_pair, n_cell k^2): sums the entries of the cells for the same pair
         self._sum = sp.csr_matrix(
             (np.ones(entry.size), (entry.ravel(), np.arange(entry.size))),
             shape=(pair.size, entry.size),
         )
-        # SciPy's step from blocks to rows tells where each of their entries goes
+        # SciPy's conversion from blocks to rows gives the position of each entry
         row, column = np.divmod(pair, n_node)
         start = np.searchsorted(row, np.arange(n_node + 1)).astype(np.int32)
         number = np.arange(9 * pair.size, dtype=np.int32).reshape(-1, 3, 3)
@@ -47,7 +47,7 @@ class Pattern:
         self.indptr, self.indices = whole.indptr, whole.indices
 
     def data(self, blocks: Array, cells: slice = EVERY) -> Array:
-        """Values of the matrix, (nnz,), summed from the blocks (c, k^2, 9) of some cells.
+        """Values of the matrix, (nnz,): the sum of the blocks (c, k^2, 9) of some cells.
 
         The block of nodes i, j of a cell is row k i + j, its entries are 3 a + b.
         """
@@ -58,7 +58,7 @@ class Pattern:
         return np.take(blocks.ravel(), self._order)
 
     def summed(self, factors: Array, cells: slice = EVERY) -> sp.csr_matrix:
-        """The matrix that takes columns (c m, 9) to the sum of `factors @ columns` for all pairs.
+        """Matrix that maps columns (c m, 9) to the sum of `factors @ columns` for all pairs.
 
         `factors` (c, k^2, m) are those of some cells, which have m rows of columns each.
         """
@@ -71,7 +71,7 @@ class Pattern:
         return total
 
     def _sum_of(self, cells: slice) -> sp.csr_matrix:
-        """The part of `_sum` that belongs to some cells; kept, as a process has but one share."""
+        """The part of `_sum` for some cells; cached, because a process has only one share."""
         if cells == EVERY:
             return self._sum
         if self._part is None or self._part[0] != cells:
@@ -93,7 +93,7 @@ class Pattern:
 
 
 class Restriction:
-    """A pattern without some rows and columns: which values stay, and where."""
+    """A pattern without some rows and columns: the remaining values and their positions."""
 
     def __init__(self, pattern: Pattern, pins: NDArray[np.int64]) -> None:
         self.free = np.ones(pattern.n_dof, dtype=bool)
@@ -101,7 +101,7 @@ class Restriction:
         number = np.cumsum(self.free, dtype=np.int32) - 1
         self._kept = np.ones(pattern.indices.size, dtype=bool)
         length = np.diff(pattern.indptr)
-        # the pattern is symmetric: only the rows that a pin's row names hold that pin's column
+        # the pattern is symmetric: a pin's column occurs only in the rows named by its row
         rows = [slice(pattern.indptr[pin], pattern.indptr[pin + 1]) for pin in pins]
         for i in np.unique(np.concatenate([pattern.indices[row] for row in rows])):
             row = slice(pattern.indptr[i], pattern.indptr[i + 1])

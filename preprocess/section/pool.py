@@ -1,4 +1,4 @@
-"""Sections of a batch in mesh order, and spread over the workers of an MPI job."""
+"""Sections of a batch sorted by mesh, and distributed over the workers of an MPI job."""
 
 import json
 import math
@@ -10,11 +10,13 @@ from ...solver.package.common.shares import by_mesh, mesh_key
 from ..batch import USER_ERROR, Outcome, build
 from .batch import SectionFiles
 
-CHUNKS = 4  # per worker: enough for a fair end, few enough to keep a mesh's work together
+CHUNKS = (
+    4  # tasks per worker: enough for load balance, few enough to keep sections of one mesh together
+)
 
 
 def mesh_groups(specs: Sequence[Path]) -> list[list[Path]]:
-    """Specification files of equal meshes together; one that cannot be read stands alone."""
+    """Specification files grouped by equal meshes; an unreadable one is a group of its own."""
     return by_mesh((path, _mesh_key(path)) for path in specs)
 
 
@@ -22,7 +24,7 @@ def _mesh_key(path: Path) -> str:
     try:
         return mesh_key(json.loads(path.read_text(encoding="utf-8")))
     except (OSError, ValueError, AttributeError):
-        return str(path)  # its error is told when its turn comes
+        return str(path)  # its error is reported when it is processed
 
 
 def build_over_ranks(
@@ -33,9 +35,9 @@ def build_over_ranks(
     force: bool,
     tell: Callable[[Outcome, str], None],
 ) -> int:
-    """Make every section file on the workers of the MPI job; returns the exit code.
+    """Make all section files on the workers of the MPI job; returns the exit code.
 
-    Only the first rank tells of it. Each worker keeps what the sections of a mesh share.
+    Only the first rank reports. Each worker keeps the data that sections of a mesh share.
     """
     from ..fenicsx import parallel
 
@@ -43,7 +45,7 @@ def build_over_ranks(
     workers = parallel.world_size() - 1
     largest = max(1, math.ceil(len(specs) / (CHUNKS * workers)))
     with parallel.pool() as executor:
-        if executor is None:  # a worker that has been told to stop
+        if executor is None:  # a worker that has received the signal to stop
             return code
         futures = [
             executor.submit(_build_some, product, [(path, target_of(path)) for path in part], force)
@@ -67,5 +69,5 @@ def _parts(group: list[Path], largest: int) -> list[list[Path]]:
 def _build_some(
     product: SectionFiles, files: list[tuple[Path, Path]], force: bool
 ) -> list[Outcome]:
-    """What a worker does: a few sections of one mesh."""
+    """Task of a worker: a few sections of one mesh."""
     return [build(product, path, target, force=force) for path, target in files]

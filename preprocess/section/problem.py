@@ -1,4 +1,4 @@
-"""A section's mesh with everything that no material changes: made once, kept for all lay-ups."""
+"""A section's mesh with all data that do not depend on material, kept for all lay-ups."""
 
 from collections.abc import Mapping
 from functools import cached_property, lru_cache
@@ -27,11 +27,11 @@ class SectionProblem:
 
     @cached_property
     def solver(self) -> WarpingSolver:
-        """Keeps the pattern without pins and the symbolic factorisation."""
+        """Solver that keeps the pattern without pins and the symbolic factorisation."""
         return WarpingSolver(self.space, team=self.team)
 
     def solve(self, C: Array) -> SectionStiffness:
-        """The 6x6 stiffness for a stiffness of the points, (c, 1 or q, 6, 6) [Pa]."""
+        """The 6x6 stiffness for given stiffness at the points, (c, 1 or q, 6, 6) [Pa]."""
         return stiffness(self.space, self.solver, self.operators.E(C), C)
 
 

@@ -1,4 +1,4 @@
-"""From the six resultants back to strains at every point of the section."""
+"""Strains at every point of the section from the six resultants."""
 
 import numpy as np
 
@@ -17,7 +17,7 @@ def unit_displacements(space: SectionSpace, result: SectionStiffness) -> tuple[A
     Strain of point = G_h w + G_l (w' + Psi e). With the shear forces F_s constant along the
     beam, e' = T F_s, e = A^-1 (F_c - (B - B') e'), w = V0 e + V1 F_s and w' = V0 e'.
 
-    Paper: Eq. (37), Eq. (38), read backwards.
+    Paper: Eq. (37), Eq. (38), in reverse.
     """
     F = np.eye(6)
     F_c, F_s = F[CLASSICAL], F[SHEAR]
@@ -33,13 +33,13 @@ def section_recovery(
     fields: tuple[Array, Array],
     materials: dict[str, dict[str, object]],
 ) -> SectionRecovery:
-    """What the solver needs to recover ply stresses.
+    """Data for the recovery of ply stresses.
 
     Parameters
     ----------
     space : its points become the points of recovery
-    lay : ply of each of these points
-    fields : `unit_displacements` on the same mesh and degree, whatever the points there
+    lay : plies at these points
+    fields : `unit_displacements` on the same mesh and degree, for any points
     materials : constants by name, as described
     """
     c, q = space.weights.shape

@@ -12,11 +12,11 @@ from .pool import build_over_ranks, mesh_groups
 
 
 def run_sections(options: argparse.Namespace, *, pool: bool) -> int:
-    """Make the section files that the options ask for; returns the exit code.
+    """Make the requested section files; returns the exit code.
 
     Parameters
     ----------
-    pool : spread the sections over the ranks of an MPI job; else all ranks work on each section
+    pool : distribute the sections over the ranks of an MPI job; else all ranks share each section
     """
     ranks = None if pool else launched_ranks()
     first = ranks is None or ranks.rank == 0
@@ -37,7 +37,7 @@ def run_sections(options: argparse.Namespace, *, pool: bool) -> int:
         grouped = [path for group in mesh_groups(options.specs) for path in group]
         specs = share(grouped, options.shard)
         if pool and _world_size() > 1:
-            product.progress = None  # the workers' words would come from another process
+            product.progress = None  # progress of workers would come from another process
             return build_over_ranks(product, specs, target_of, force=options.force, tell=tell)
         return build_all(product, specs, target_of, force=options.force, tell=tell)
 

@@ -1,7 +1,7 @@
 """Warping of a section on its mesh: nodes, integration points, strain operators.
 
 A displacement w(x1, x2, x3) of the section's points has the three-dimensional
-strain G_h w + G_l w', a dash meaning d/dx1: G_h holds the derivatives within the
+strain G_h w + G_l w', with ' for d/dx1. G_h has the derivatives within the
 section, G_l those along the beam.
 """
 
@@ -20,22 +20,22 @@ from .pattern import Pattern
 IN_SECTION = [5, 4, 1, 3, 3, 2]
 ALONG_BEAM = [0, 5, 4]
 BY_SLOPE = [5, 1, 3, 4, 3, 2]  # IN_SECTION in the order 3 alpha + a
-SLOPE = [0, 1, 5, 4, 3, 0]  # the other way round: row 11 has none, row 23 has another one
+SLOPE = [0, 1, 5, 4, 3, 0]  # inverse map: row 11 has no entry, row 23 has two
 
 
 class SectionSpace:
-    """Continuous Lagrange functions of a degree on a mesh, and the points of integration.
+    """Continuous Lagrange functions of a degree on a mesh, and the integration points.
 
-    All that no material changes; `quadrature_degree` is chosen so that E is exact enough, unless
-    other points are asked for. Displacements of the section are flat arrays (n_dof,): node by
+    These data do not depend on the material. By default, `quadrature_degree` is chosen so that E is
+    sufficiently accurate. Displacements of the section are flat arrays (n_dof,): node by
     node the three components (w1, w2, w3). `c` counts cells, `q` the points of a cell, `k` its
     nodes.
 
     Attributes
     ----------
-    x2, x3 : (n_node,) places of the nodes [m]
+    x2, x3 : (n_node,) positions of the nodes [m]
     dofs : (c, k) nodes of each cell
-    points : (c, q, 2) places of the integration points [m]
+    points : (c, q, 2) positions of the integration points [m]
     weights : (c, q) their areas [m2]
     values : (q, k) functions at the points
     gradients : (c, q, 2, k) their derivatives in the section [1/m]
@@ -73,7 +73,7 @@ class SectionSpace:
         self.gradients = inverse[:, :, 0, :, None] * by_slope[0]
         self.gradients += inverse[:, :, 1, :, None] * by_slope[1]
         k = self.dofs.shape[1]
-        # (n_node, c k): adds up at each node what the cells bring
+        # (n_node, c k): sums the contributions of the cells at each node
         self._to_nodes = sp.csr_matrix(
             (np.ones(self.dofs.size), (self.dofs.ravel(), np.arange(self.dofs.size))),
             shape=(self.x2.size, self.n_cell * k),
@@ -130,7 +130,7 @@ class SectionSpace:
         return strain
 
     def strain_along_beam(self, W: Array) -> Array:
-        """G_l W at the points, (c, q, 6, m): the strain that a change W per x1 makes."""
+        """G_l W at the points, (c, q, 6, m): the strain due to a change W per x1."""
         strain = np.zeros((*self.weights.shape, 6, W.shape[1]))
         strain[:, :, ALONG_BEAM] = self.at_points(W)
         return strain
@@ -163,7 +163,7 @@ class SectionSpace:
         return W.reshape(self.x2.size, -1)[self.dofs]
 
     def _sum(self, of_cells: Array) -> Array:
-        """Loads (n_dof, m) from the shares of the cells (c, k, 3 m)."""
+        """Loads (n_dof, m) from the contributions of the cells (c, k, 3 m)."""
         columns = of_cells.shape[-1]
         return (self._to_nodes @ of_cells.reshape(-1, columns)).reshape(self.n_dof, -1)
 

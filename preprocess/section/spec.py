@@ -1,4 +1,4 @@
-"""The outer form of a section's specification, for those that are written by hand."""
+"""Check of the outer form of a section's specification, which may be written by hand."""
 
 from collections.abc import Mapping
 from typing import Any

@@ -1,4 +1,4 @@
-"""The 6x6 stiffness of a beam of any section: exact Saint-Venant energy.
+"""The 6x6 stiffness of a beam of any section, by the exact Saint-Venant energy.
 
 Strains e6 = [gamma11, 2 gamma12, 2 gamma13, kappa1, kappa2, kappa3] with
 2 gamma12 = v' - phi3 and 2 gamma13 = w' + phi2; resultants F6 = K e6 =
@@ -32,7 +32,7 @@ Q = np.array([[0.0, 0.0], [0.0, 0.0], [0.0, 1.0], [-1.0, 0.0]])
 
 @dataclass(frozen=True)
 class SectionStiffness:
-    """Stiffness of a section and the warpings that it came from."""
+    """Stiffness of a section, with the warping fields."""
 
     K: Array  # (6, 6), order extension, shear2, shear3, twist, bend2, bend3 [N, N m, N m2]
     A: Array  # (4, 4) classical stiffness
@@ -40,7 +40,9 @@ class SectionStiffness:
     T: Array  # (4, 2) change of the classical strains per shear force, e' = T [F2, F3]
     V0: Array  # (n_dof, 4) warping per unit classical strain
     V1: Array  # (n_dof, 2) warping per unit shear force
-    solvability: float  # relative work of the warping's loads on rigid motions, 0 but for round-off
+    solvability: (
+        float  # relative work of the warping's loads on rigid motions, 0 except for round-off
+    )
 
 
 def classical_stiffness(space: SectionSpace, state: ClassicalState) -> Array:
@@ -59,7 +61,7 @@ def shear_compliance(
     """Compliance G^-1 (2, 2) of pure shear, with T (4, 2) and V1 (n_dof, 2).
 
     G^-1 = C2 - T' B' A^-1 B T, where C2 is the energy quadratic in the shear forces. Paper:
-    Eq. (45), completed by the terms of Psi and by -B' A^-1 B, without which the shear stiffness
+    Eq. (45), with the missing terms of Psi and -B' A^-1 B. Without them the shear stiffness
     is wrong by an order of magnitude.
     """
     T = np.linalg.solve(A, Q)
@@ -88,8 +90,8 @@ def stiffness(
 
     Raises
     ------
-    SectionError : a load on the warping that works on rigid motions, or K not positive definite.
-    FactorisationError : E singular beyond its rigid motions (a disconnected section).
+    SectionError : a load on the warping does work on rigid motions, or K is not positive definite.
+    FactorisationError : E has more zero modes than the rigid motions (a disconnected section).
     """
     solver.factorise(E)
     state = classical_warping(space, solver, C, beam_strain_fields(space))

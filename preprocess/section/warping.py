@@ -18,14 +18,14 @@ from .. import fenicsx
 from .errors import SectionError
 from .space import SectionSpace
 
-# A load must not work on a rigid motion. Round-off leaves relative work of 1e-12 and, in very thin
-# open sections, more; from the second value on the equations themselves are wrong.
+# A load must do no work on rigid motions. Round-off gives relative work of 1e-12 and, in very thin
+# open sections, more. Above the second value the equations themselves are wrong.
 SOLVABILITY = 1e-10
 NO_SOLUTION = 1e-6
 
 
 def beam_strain_fields(space: SectionSpace) -> Array:
-    """Psi (n_dof, 4): strain of point (x2, x3) is G_l Psi e where nothing warps.
+    """Psi (n_dof, 4): the strain of point (x2, x3) without warping is G_l Psi e.
 
     Columns e1, (0, -x3, x2), x3 e1, -x2 e1 for e = [gamma11, kappa1, kappa2, kappa3]: the
     derivative along the beam of the rigid motion of its sections.
@@ -35,12 +35,12 @@ def beam_strain_fields(space: SectionSpace) -> Array:
 
 
 def rigid_fields(space: SectionSpace) -> Array:
-    """(n_dof, 4) motions of the section that strain nothing within it: the null space of E."""
+    """(n_dof, 4) motions without strain within the section: the null space of E."""
     return space.displacements((1, 0, 0), (0, 1, 0), (0, 0, 1), (0, -space.x3, space.x2))
 
 
 def pinned_dofs(space: SectionSpace) -> NDArray[np.int64]:
-    """Four unknowns that stop the rigid motions: a node, and one component of a far node."""
+    """Four unknowns that prevent the rigid motions: a node, and one component of a distant node."""
     a = int(np.argmin(space.x2 + space.x3))
     lever_2, lever_3 = space.x2 - space.x2[a], space.x3 - space.x3[a]
     b = int(np.argmax(np.hypot(lever_2, lever_3)))
@@ -49,12 +49,12 @@ def pinned_dofs(space: SectionSpace) -> NDArray[np.int64]:
 
 
 class WarpingSolver:
-    """Solves E W = load for warpings that hold no rigid motion; one for all materials of a mesh.
+    """Solves E W = load for warping without rigid motion; one solver for all materials of a mesh.
 
-    Pinning four unknowns keeps the matrix positive definite, hence a Cholesky factorisation.
-    Loads that do no work on rigid motions leave the pins without force, so that which ones are
-    pinned changes nothing; the rigid part is taken out afterwards. The pattern without the pins
-    and the symbolic factorisation are kept from one material to the next.
+    With four unknowns pinned the matrix is positive definite, so a Cholesky factorisation is used.
+    Loads that do no work on rigid motions give no force at the pins, so the choice of the pins
+    has no effect. The rigid part is removed afterwards. The pattern without the pins
+    and the symbolic factorisation are kept for the next material.
     """
 
     def __init__(
@@ -70,12 +70,14 @@ class WarpingSolver:
         self._kept = space.pattern.without(pinned_dofs(space) if pins is None else pins)
         self._team = team
         self._factor: fenicsx.Cholesky | None = None
-        self.solvability = 0.0  # largest relative work of a load on a rigid motion, this material
+        self.solvability = (
+            0.0  # largest relative work of a load on a rigid motion, for this material
+        )
 
     def factorise(self, E: sp.csr_matrix) -> None:
-        """Take the stiffness of a material.
+        """Factorise the stiffness of a material.
 
-        Raises FactorisationError if E is singular beyond its rigid motions.
+        Raises FactorisationError if E has more zero modes than the rigid motions.
         """
         self.solvability = 0.0
         pinned = self._kept.matrix(E.data)
@@ -85,18 +87,18 @@ class WarpingSolver:
             self._factor.update(pinned)
 
     def solve(self, load: Array, size: float) -> Array:
-        """Warpings (n_dof, m) of loads (n_dof, m).
+        """Warping (n_dof, m) under loads (n_dof, m).
 
-        `size` is the norm of the terms that the loads were summed from. The loads' relative work
-        on rigid motions goes to `solvability`; raises SectionError if it is no round-off.
+        `size` is the norm of the terms whose sum is the load. The relative work of the loads
+        on rigid motions is stored in `solvability`; raises SectionError if it exceeds round-off.
         """
         assert self._factor is not None, "factorise() comes first"
         work = np.linalg.norm(self.rigid.T @ load, axis=1) / self._rigid_size
         self.solvability = max(self.solvability, float(np.max(work)) / size if size else 0.0)
         if not self.solvability <= NO_SOLUTION:
             raise SectionError(
-                f"the warping has no solution: its load works {self.solvability:.1e} (relative) "
-                f"on a rigid motion, at most {SOLVABILITY:g} is round-off"
+                f"the warping has no solution: its load does work of {self.solvability:.1e} "
+                f"(relative) on a rigid motion; round-off is at most {SOLVABILITY:g}"
             )
         free = self._kept.free
         W = np.zeros_like(load)
@@ -108,7 +110,7 @@ class WarpingSolver:
 class ClassicalState:
     """Strains and stresses of the points under unit classical strains, each (c, q, 6, 4).
 
-    The beam's strain e makes the strain (G_h V0 + G_l Psi) e of a point, and a change e' adds
+    The beam strain e gives the strain (G_h V0 + G_l Psi) e of a point, and a change e' adds
     G_l V0 e'.
     """
 
@@ -124,8 +126,8 @@ def classical_warping(
 ) -> ClassicalState:
     """V0 (n_dof, 4): warping per unit classical strain, from E V0 = -H Psi.
 
-    Paper: Eq. (39), corrected: "D" stands for the identity, and the projection onto the rigid
-    fields vanishes because H Psi does no work on them.
+    Paper: Eq. (39), corrected: "D" is the identity, and the projection onto the rigid
+    fields is zero because H Psi does no work on them.
     """
     rigid = space.strain_along_beam(Psi)
     load = -space.load_in_section(C @ rigid)
@@ -141,8 +143,8 @@ def shear_warping(
     """V1 (n_dof, 2): warping per unit shear force [F2, F3], and the two parts of its load.
 
     E V1 = (H' V0 + L Psi - H V0) T: the stresses of the classical state change along the beam by
-    e' = T [F2, F3], and so does its warping. Paper: Eq. (40), per shear force instead of per e':
-    only the e' that equilibrium allows leave a load that does no work on rigid motions, so that
+    e' = T [F2, F3], and so does its warping. Paper: Eq. (40), per shear force instead of per e'.
+    With the e' that satisfies equilibrium, the load does no work on rigid motions, so
     the projection is not needed.
 
     Returns

@@ -1,4 +1,4 @@
-"""From the specification of a shell to its results: load cases, modes, all that a file holds."""
+"""Analysis of a shell: load cases, modes and all other results from its specification."""
 
 import dataclasses
 import time
@@ -48,15 +48,16 @@ def analyse(
     ----------
     spec : plain data, see spec.py
     where : file and key of the specification for messages, the shell's name by default
-    mesh : instead of the one that the specification names
+    mesh : replaces the mesh that the specification names
     team : processes that all call this with the same arguments and share the work; each gets
-        the whole result
-    progress : told what begins, one line each
+    the whole result
+    progress : called with one line at the beginning of each step
 
     Raises
     ------
-    ShellError, LaminateError, MaterialError : a wrong description (key, value, expectation), or
-        a shell that cannot be solved.
+    ShellError, LaminateError, MaterialError : the description is wrong (key, value, expectation),
+    or
+        the shell cannot be solved.
     """
     start = time.perf_counter()
     where = where or f"shell {spec.get('name', '')}".strip()
@@ -116,7 +117,9 @@ def _cases(
         taken = np.zeros(freedom.n_dof, dtype=bool)
         for row, support in enumerate(problem.supports):
             own = np.zeros_like(forces)
-            dofs = support.dofs[~taken[support.dofs]]  # one that two hold is told with the first
+            dofs = support.dofs[
+                ~taken[support.dofs]
+            ]  # a node held by two supports is reported with the first
             own[dofs] = solved.reactions[dofs]
             taken[dofs] = True
             reactions[:, row] = resultant(mesh, freedom, own, support.point_G).T
@@ -167,7 +170,7 @@ def _of_file(mesh: ShellMesh, u: Array) -> Array:
 
 
 def _laminates(problem: ShellProblem) -> tuple[list[ShellLaminate], Warnings]:
-    """Each laminate that a region uses, once, and what there is to say of it."""
+    """Each laminate that a region uses, once, with its warnings."""
     found: dict[str, ShellLaminate] = {}
     warnings: Warnings = []
     for region in problem.regions:

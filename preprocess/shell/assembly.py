@@ -1,7 +1,7 @@
-"""Sparse matrices of the shell from those of its cells; the pattern is made once.
+"""Assembly of sparse matrices of the shell; the pattern is computed once.
 
-Six unknowns a node, in the node numbering of DOLFINx's dofmap. Element matrices are cut into
-blocks of two nodes; which blocks fall on each other is one sparse matrix of zeros and ones.
+Six unknowns per node, in the node numbering of DOLFINx's dofmap. Element matrices are divided into
+blocks of two nodes. One sparse matrix of zeros and ones sums the blocks of equal nodes.
 """
 
 import numpy as np
@@ -9,7 +9,7 @@ import scipy.sparse as sp
 
 from ...solver.math.arrays import Array, IntArray
 
-DOFS = 6  # of a node: ux uy uz rx ry rz
+DOFS = 6  # dofs of a node: ux uy uz rx ry rz
 NO_LINES = np.zeros((0, 2), dtype=np.int64)
 NO_MATRICES = np.zeros((0, 12, 12))
 
@@ -20,8 +20,8 @@ class Assembly:
     Parameters
     ----------
     cells : (c, 3) nodes of the cells, in the order in which element matrices will come
-    n_node : number of nodes; one without cells gets a zero block on the diagonal
-    extra : nodes appended for the reference points of links, which have zero blocks too
+    n_node : number of nodes; a node without cells gets a zero block on the diagonal
+    extra : nodes appended for the reference points of links, also with zero blocks
     lines : (l, 2) nodes of the beams that stiffen it
     """
 
@@ -41,11 +41,11 @@ class Assembly:
         self._sum = sp.csr_matrix(
             (ones, (number, np.arange(len(pair)))), shape=(len(key), len(pair))
         )
-        # from the blocks, (b, 6, 6), to the entries of compressed rows: block row by block row
+        # order of the entries of the blocks (b, 6, 6) in compressed rows, block row by block row
         count = np.diff(starts)
         self.indptr = np.concatenate([[0], np.cumsum(np.repeat(DOFS * count, DOFS))])
         self._order, self.indices = self._entries(starts, count)
-        if len(self.indices) < np.iinfo(np.int32).max:  # what PETSc takes without a copy
+        if len(self.indices) < np.iinfo(np.int32).max:  # PETSc uses this type without a copy
             self.indptr = self.indptr.astype(np.int32)
             self.indices = self.indices.astype(np.int32)
 
@@ -61,10 +61,10 @@ class Assembly:
         return sp.csr_matrix((data, self.indices, self.indptr), shape=(self.n_dof, self.n_dof))
 
     def _entries(self, starts: IntArray, count: IntArray) -> tuple[IntArray, IntArray]:
-        """For each entry of the compressed rows its place in the blocks, and its column."""
+        """Position in the blocks, and column, of each entry of the compressed rows."""
         block = np.arange(len(self._columns))
         within = np.arange(DOFS)
-        # entry (i, j) of block b of block row r lies in row 6 r + i at 6 (b - starts[r]) + j
+        # entry (i, j) of block b of block row r is in row 6 r + i at 6 (b - starts[r]) + j
         row = self._rows
         place = (
             self.indptr[DOFS * row][:, None, None]

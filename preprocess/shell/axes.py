@@ -1,11 +1,12 @@
-"""Reference direction of every cell: where e1 of its laminate points before it is projected.
+"""Reference direction of every cell, whose projection is e1 of its laminate.
 
-A region says one of
+A region has one of
     axis = [x, y, z]                                   the same vector everywhere
     axis_curve = "spar"                                tangent of the nearest edge of a curve
-    axis_about = {"point": [..], "direction": [..]}    around an axis: direction x (place - point)
-Without any, e1 follows x (y where the shell faces x), which only a material without directions
-may leave so.
+    axis_about = {"point": [..], "direction": [..]}    around an axis: direction x (position -
+    point)
+Without any of them, e1 follows x (y where the normal is along x). This is allowed only for
+isotropic materials.
 """
 
 from collections.abc import Mapping
@@ -19,8 +20,8 @@ from .errors import ShellError
 from .mesh import ShellMesh
 
 KEYS = ("axis", "axis_curve", "axis_about")
-STEEP = 0.99  # cosine between normal and x from which y is taken instead
-CHUNK = 2_000_000  # distances at once
+STEEP = 0.99  # cosine between normal and x above which y is used instead
+CHUNK = 2_000_000  # distances computed together
 
 
 def cell_directions(
@@ -30,7 +31,7 @@ def cell_directions(
 
     Raises
     ------
-    ShellError : more than one of the keys, no vector of length above 0, unknown curve, cells on
+    ShellError : more than one of the keys, a vector of length 0, unknown curve, cells on
         the axis itself.
     """
     given = [key for key in KEYS if region.get(key) is not None]
@@ -108,7 +109,7 @@ def _about(mesh: ShellMesh, table: Any, cells: IntArray, where: str) -> Array:
     on_axis = np.flatnonzero(length <= 1e-9 * mesh.size)
     if on_axis.size:
         raise ShellError(
-            f"{where}: {on_axis.size} cells lie on the axis itself, where there is no direction "
-            "around it"
+            f"{where}: {on_axis.size} cells lie on the axis itself, where the direction "
+            "around it is undefined"
         )
     return np.asarray(around / length[:, None])

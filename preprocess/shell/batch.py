@@ -13,7 +13,7 @@ class ShellFiles(AnalysedFiles[ShellFile]):
     """One shell's specification becomes its results file; see `AnalysedFiles`."""
 
     def fingerprint(self, spec: dict[str, Any]) -> str:
-        """Hash of all that a shell file is made from."""
+        """Hash of all inputs of a shell file."""
         return fingerprint({"spec": spec, "format": list(SHELL_FORMAT_VERSION)})
 
     def analyse(self, spec: dict[str, Any], **team: Any) -> ShellFile:

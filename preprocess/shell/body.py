@@ -1,4 +1,4 @@
-"""From a laminated shell to the modal package of a body."""
+"""Modal package of a body from a laminated shell."""
 
 import time
 from typing import Any
@@ -16,7 +16,7 @@ from .reduction import ShellModel, eigen_solver
 from .stations import mass_stations
 
 VTK_TRIANGLE = 5
-SPARE = 1  # modes beyond those asked for: a shell has others between those of one kind
+SPARE = 1  # additional modes: a shell has other modes between those of one kind
 ALONG = {"bending-xy": "along y", "bending-xz": "along z", "axial": "along x"}
 
 
@@ -73,10 +73,10 @@ def shell_modes(model: ShellModel) -> Modes:
 
 
 def shell_package(model: ShellModel, modes: Modes, provenance: dict[str, Any]) -> ModalPackage:
-    """Put mesh, modes, inertia and laminates of a shell into the package of the solver.
+    """Collect mesh, modes, inertia and laminates of a shell in a modal package.
 
-    The nodal masses describe the nodes and are always lumped; the invariants carry the mass form
-    of the specification, that of the eigenproblem.
+    The nodal masses are always lumped. The invariants use the mass form
+    of the specification, which is also that of the eigenproblem.
     """
     problem, spec = model.problem, model.spec
     mesh, links = problem.mesh, problem.links
@@ -118,6 +118,6 @@ def shell_package(model: ShellModel, modes: Modes, provenance: dict[str, Any]) -
 
 
 def _label(label: str) -> str:
-    """What moves most along an axis is no bending of a beam: "bending-xz 2" is "along z 2"."""
+    """Label of a shell mode by its main direction: "bending-xz 2" becomes "along z 2"."""
     kind, _, number = label.rpartition(" ")
     return f"{ALONG[kind]} {number}" if kind in ALONG else label

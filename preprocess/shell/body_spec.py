@@ -14,7 +14,7 @@ from ..beam.spec_modes import ModeSpec, Reference, read_modes, read_reference
 
 @dataclass(frozen=True)
 class ShellInterface:
-    """An interface as asked for.
+    """A checked specification of an interface.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class ShellInterface:
 
 @dataclass(frozen=True)
 class ShellBodySpec:
-    """A shell body as asked for.
+    """A checked specification of a shell body.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class ShellBodySpec:
     mass_form : "consistent" or "lumped"
     interfaces : in the order of the links
     reference : what ties the body frame to the shell; its places are interfaces, by number
-    modes : what to keep of its motion
+    modes : requested modes
     damping_ratio : of every mode, fraction of critical
     """
 

@@ -1,4 +1,4 @@
-"""Which elements a shell is made of."""
+"""Choice of the elements of a shell."""
 
 from collections.abc import Iterable
 from typing import NamedTuple
@@ -31,13 +31,13 @@ class Choice(NamedTuple):
     drilling_factor: float = 1e-2
 
     def drilling_form(self) -> str:
-        """Name of the drilling stiffness with "auto" decided."""
+        """Name of the drilling stiffness, with "auto" resolved."""
         if self.drilling != "auto":
             return self.drilling
         return "none" if MEMBRANES[self.membrane].rotations else "tie"
 
     def checked(self) -> "Choice":
-        """Itself, or `ShellError` that names key, value and expectation."""
+        """Return itself; raise `ShellError` with key, value and expectation if it is wrong."""
         for key, known in (
             ("plate", PLATES),
             ("membrane", MEMBRANES),

@@ -1,5 +1,5 @@
-"""The error of this part of the preprocessor."""
+"""Error class of the shell analysis."""
 
 
 class ShellError(Exception):
-    """A shell that is described wrongly or cannot be analysed."""
+    """The description of a shell is wrong, or the shell cannot be analysed."""

@@ -1,8 +1,8 @@
-"""Nodes of five degrees of freedom: in a flat surface nothing resists turning about the normal.
+"""Nodes with five degrees of freedom: a flat surface has no stiffness about its normal.
 
-Membranes without rotations of their own leave that turn without stiffness where all triangles of
-a node lie in one plane. There it is no unknown: n . theta = 0. Nodes on a kink keep six, because
-bending of one side is drilling of the other. Paper: Eq. (23).
+Membranes without drilling rotations have no stiffness about the normal if all triangles of
+a node lie in one plane. This rotation is then not an unknown: n . theta = 0. Nodes on a fold keep
+six, because bending of one side is drilling of the other. Paper: Eq. (23).
 """
 
 from collections.abc import Sequence
@@ -15,11 +15,11 @@ from .mesh import ShellMesh
 from .regions import Region
 from .stiffeners import Stiffener
 
-FLAT = np.sin(np.radians(1.0)) ** 2  # second moment of the normals across their mean, relative
+FLAT = np.sin(np.radians(1.0)) ** 2  # relative second moment of the normals about their mean
 
 
 class FlatNodes(NamedTuple):
-    """Nodes (k,) with the normals (k, 3) about which they do not turn."""
+    """Nodes (k,) with the normals (k, 3) about which they do not rotate."""
 
     nodes: IntArray
     normals_G: Array
@@ -28,7 +28,7 @@ class FlatNodes(NamedTuple):
 def flat_nodes(
     mesh: ShellMesh, regions: Sequence[Region], stiffeners: Sequence[Stiffener] = ()
 ) -> FlatNodes:
-    """Nodes whose triangles lie in one plane to a degree, and which carry no stiffener."""
+    """Nodes whose triangles lie in one plane to within one degree, without a stiffener."""
     table = np.zeros((mesh.n_node, 3, 3))
     for region in regions:
         n = region.triangles.A_GE[:, :, 2]
@@ -41,16 +41,16 @@ def flat_nodes(
 
 
 def turning(flat: FlatNodes, fixed: Array) -> tuple[IntArray, IntArray, Array]:
-    """Which rotation of each flat node follows from its other two, and how.
+    """Dependence of one rotation of each flat node on its other two.
 
     Parameters
     ----------
-    fixed : (n_dof,) bool, degrees of freedom that are held
+    fixed : (n_dof,) bool, fixed degrees of freedom
 
     Returns
     -------
     (k,) dependent degrees of freedom, (k, 2) those they follow, (k, 2) factors. Nodes whose
-    supports stop the turn are left out.
+    supports prevent the rotation are omitted.
     """
     rotations = 6 * flat.nodes[:, None] + np.arange(3, 6)  # (k, 3)
     share = np.where(fixed[rotations], 0.0, np.abs(flat.normals_G))

@@ -1,8 +1,8 @@
-"""What may move: supports and links eliminated, u = T q, and rigid motions that are left over.
+"""Free degrees of freedom: supports and links eliminated, u = T q, and remaining rigid motions.
 
-All degrees of freedom are those of the nodes, then six of each link's reference point. A rigid
-link makes those of its group depend on its reference point, an average link the other way round.
-Flat nodes of five degrees of freedom have one rotation that follows from the others.
+All degrees of freedom are those of the nodes, then six of each link's reference point. With a rigid
+link, those of the group depend on its reference point; with an average link, the reference point
+depends on the group. Flat nodes with five degrees of freedom have one dependent rotation.
 """
 
 from collections.abc import Sequence
@@ -21,11 +21,11 @@ from .links import Link, averaged, carried
 from .mesh import ShellMesh
 from .supports import COMPONENTS, Support
 
-FREE = 1e-9  # singular value of the supports' rows of a rigid motion that is not stopped
+FREE = 1e-9  # singular value of the supports' rows below which a rigid motion is free
 
 
 class Freedom:
-    """The independent degrees of freedom of a shell, and those of them that are free."""
+    """The independent degrees of freedom of a shell, and which of them are free."""
 
     def __init__(
         self,
@@ -59,12 +59,12 @@ class Freedom:
         return len(self.free)
 
     def reduced(self, A: sp.csr_matrix) -> sp.csr_matrix:
-        """T' A T of a symmetric A without zeros, (n_free, n_free); matrices of one pattern share
-        the work."""
+        """T' A T of a symmetric A without stored zeros, (n_free, n_free); matrices of one pattern
+        share the symbolic work."""
         own = self._own(A)
         if self._follow is None:
             return own
-        # few depend on others: all but their rows of T are those of the unit matrix
+        # few dofs are dependent: all other rows of T are those of the unit matrix
         dependent = self._follow.dependent
         C = self._follow.T[dependent][:, self.free]
         rows = A[dependent]
@@ -82,7 +82,7 @@ class Freedom:
             starts = np.concatenate([[0], np.cumsum(count)]).astype(A.indptr.dtype)
             self._kept = (keep, self._number[A.indices[keep]].astype(A.indices.dtype), starts)
         keep, columns, starts = self._kept
-        # a part in a coordinate plane leaves half of its blocks: two problems of half the size
+        # a part in a coordinate plane has zero blocks: two problems of half the size
         data = A.data[keep]
         there = data != 0.0
         passed = np.concatenate([[0], np.cumsum(there)]).astype(starts.dtype)
@@ -96,13 +96,13 @@ class Freedom:
         return np.asarray(forces[self.free])
 
     def expanded(self, q: Array) -> Array:
-        """Displacements of all degrees of freedom, (n_dof, k), from those that are free."""
+        """Displacements of all degrees of freedom, (n_dof, k), from the free ones."""
         u = np.zeros((self.n_dof, q.shape[1]))
         u[self.free] = q
         return u if self._follow is None else np.asarray(self._follow.T @ u)
 
     def on_supports(self, forces: Array) -> Array:
-        """Forces that nodes hand to the fixed degrees of freedom, (n_dof, k), zero elsewhere."""
+        """Forces of the nodes on the fixed degrees of freedom, (n_dof, k), zero elsewhere."""
         if self._follow is not None:
             forces = self._follow.T.T @ forces
         out = np.zeros_like(forces)
@@ -117,7 +117,8 @@ class Freedom:
         return carried(points - mesh.points_G.mean(axis=0)).reshape(self.n_dof, 6)
 
     def parts(self) -> IntArray:
-        """Part of each node and reference point: what cells and links connect, (n,)."""
+        """Number of the connected part (by cells and links) of each node and reference point,
+        (n,)."""
         mesh, n = self.mesh, self.n_dof // DOFS
         pairs = [mesh.cells[:, [0, 1]], mesh.cells[:, [1, 2]]]
         for row, link in enumerate(self.links):
@@ -128,7 +129,7 @@ class Freedom:
         return np.asarray(connected_components(graph, directed=False)[1])
 
     def loose_motions(self) -> list[Array]:
-        """Rigid motions of each part that no support stops, as (n_dof,) columns of size 1."""
+        """Rigid motions of each part that no support prevents, as (n_dof,) columns of norm 1."""
         rigid, parts = self.rigid_motions(), np.repeat(self.parts(), DOFS)
         size = max(self.mesh.size, 1e-300)
         scale = np.array([1.0, 1.0, 1.0, 1.0 / size, 1.0 / size, 1.0 / size])
@@ -145,7 +146,7 @@ class Freedom:
         return loose
 
     def describe(self, motion: Array) -> str:
-        """A rigid motion in words: along or about which axis."""
+        """Description of a rigid motion: along or about which axis."""
         rows = motion.reshape(-1, 6)
         row = int(np.argmax(np.abs(rows).max(axis=1)))
         displacement, turn = rows[row, :3], rows[row, 3:]
@@ -164,13 +165,13 @@ class Freedom:
             return
         support = next(s for s in self.supports if np.isin(wrong[0], s.dofs))
         raise ShellError(
-            f"supports.{support.name}: fixes {COMPONENTS[wrong[0] % DOFS]} of a node that a rigid "
-            "link carries; support the link instead (at = its name)"
+            f"supports.{support.name}: fixes {COMPONENTS[wrong[0] % DOFS]} of a node of a "
+            "rigid link; support the link instead (at = its name)"
         )
 
 
 def _plain_basis(rows: Array) -> Array:
-    """The same space with a 1 in a column of its own for each row: motions that have names."""
+    """The same space in echelon form, with a 1 in one column for each row."""
     rows = rows.copy()
     done = 0
     for column in range(rows.shape[1] if len(rows) else 0):
@@ -189,7 +190,8 @@ def _plain_basis(rows: Array) -> Array:
 
 
 class _Follow(NamedTuple):
-    """All degrees of freedom from the independent ones: T has zero columns for the others."""
+    """Matrix T of all degrees of freedom from the independent ones, with zero columns for the
+    others."""
 
     T: sp.csr_matrix  # (n_dof, n_dof)
     dependent: IntArray

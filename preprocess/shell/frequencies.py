@@ -1,9 +1,9 @@
 """Natural frequencies and shapes of a shell, supported or free.
 
-Shift and invert about zero where the supports stop every motion; a shell that can move gets a
-shift below zero, of the size of its lowest elastic value. A Krylov iteration may return one of
-two coinciding modes only: the number of negative pivots of K - s M, s above the last mode that
-is kept, says how many there are.
+Shift and invert at zero if the supports prevent all rigid motions; otherwise the shift is
+negative, of the size of the lowest elastic value. A Krylov iteration may return only one of
+two modes of equal frequency. The number of negative pivots of K - s M, with s above the last kept
+mode, is the correct number of modes.
 """
 
 from typing import NamedTuple
@@ -29,8 +29,8 @@ class Frequencies(NamedTuple):
 
     values: Array  # (m,) squared circular frequencies      [rad2/s2]
     shapes: Array  # (n_dof, m)                             [m, rad per sqrt(kg) m]
-    n_zero: int  # modes without strain energy among them, the first ones
-    n_loose: int  # of those, how many the supports leave: rigid motions and known mechanisms
+    n_zero: int  # number of modes without strain energy, which come first
+    n_loose: int  # number of those that are expected: free rigid motions and known mechanisms
     warnings: tuple[dict[str, str], ...]
 
 
@@ -43,18 +43,18 @@ def natural_modes(
     team: fenicsx.Team = fenicsx.ALONE,
     check: bool = True,
 ) -> Frequencies:
-    """The lowest elastic modes, preceded by those without strain energy.
+    """Modes without strain energy, then the lowest elastic modes.
 
     Parameters
     ----------
     K, M : stiffness and mass of all degrees of freedom
-    count : elastic modes that are asked for
-    loose : (n_dof, k) motions without strain energy that the supports leave
+    count : requested elastic modes
+    loose : (n_dof, k) free motions without strain energy
     check : count the modes by the signs of pivots, which costs one factorisation
 
     Raises
     ------
-    ShellError : fewer modes than asked for, or modes that do not converge.
+    ShellError : fewer modes than requested, or modes that do not converge.
     """
     K_free, M_free = freedom.reduced(K), freedom.reduced(M)
     n_loose = loose.shape[1]
@@ -74,7 +74,7 @@ def natural_modes(
             found = fenicsx.negative_pivots(K_free - level * M_free, team)
             if found <= below:
                 break
-            # the same number of modes would miss the same one again
+            # a repetition with the same number of modes would miss the same one
             n_mode = min(max(n_mode, found) + EXTRA, _massive(M_free))
     except (fenicsx.EigenError, fenicsx.InertiaError) as error:
         raise ShellError(f"frequencies: {error}") from error
@@ -100,8 +100,8 @@ def soft_value(
 ) -> float:
     """About the lowest elastic eigenvalue of a structure that can move in the ways `loose`.
 
-    Rayleigh's quotient of its shape under a random load, as many degrees of freedom held as there
-    are motions; the second load is the inertia of the first shape.
+    Rayleigh quotient of its shape under a random load, with as many held degrees of freedom as
+    there are motions. The second load is the inertia of the first shape.
     """
     _, _, pivots = scipy.linalg.qr(loose.T, mode="economic", pivoting=True)
     held = pivots[: loose.shape[1]]
@@ -121,9 +121,9 @@ def soft_value(
 
 
 def _gap(values: Array, wanted: int) -> tuple[float, int]:
-    """A level between two distinct values behind those that are wanted, and how many lie below.
+    """A level between two distinct values above the requested ones, and the number of values below.
 
-    Where the last ones coincide, the level is above all of them.
+    If the last values are equal, the level is above all of them.
     """
     for n in range(wanted, len(values)):
         if values[n] - values[n - 1] > GAP * abs(values[n]):

@@ -1,4 +1,4 @@
-"""Named places of a shell: nodes of a physical point, curve or surface, with their weights."""
+"""Named groups of a shell: nodes of a physical point, curve or surface, with their weights."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -12,7 +12,7 @@ from .mesh import ShellMesh
 
 
 class Group(NamedTuple):
-    """Nodes that share a load: by length of the edges, by area of the cells, or equally."""
+    """Nodes that share a load by length of the edges, by area of the cells, or equally."""
 
     name: str
     kind: str  # "point", "curve" or "surface"
@@ -38,8 +38,8 @@ def group(mesh: ShellMesh, name: str, where: str) -> Group:
         )
     if len(found) > 1:
         raise ShellError(
-            f"{where} = {name!r}: a {' and a '.join(found)} have this name; give them names of "
-            "their own in gmsh"
+            f"{where} = {name!r}: a {' and a '.join(found)} have this name; give them different "
+            "names in gmsh"
         )
     if found[0] == "point":
         nodes = mesh.marks[name]
@@ -55,7 +55,7 @@ def group(mesh: ShellMesh, name: str, where: str) -> Group:
 
 
 def nearest_node(mesh: ShellMesh, place_G: Array) -> Group:
-    """The node nearest to a place, as a group of one."""
+    """The node nearest to a position, as a group of one."""
     node = int(np.argmin(np.linalg.norm(mesh.points_G - place_G, axis=1)))
     name = "near ({:.4g}, {:.4g}, {:.4g})".format(*place_G)
     return _gathered(mesh, name, "point", np.array([node]), np.ones(1))

@@ -1,4 +1,4 @@
-"""Doubts about a shell that the analysis itself would not show: coded warnings, and refusals."""
+"""Checks of a shell: coded warnings and errors for problems that the analysis would not show."""
 
 from collections.abc import Sequence
 
@@ -22,10 +22,10 @@ from .regions import Region
 Warnings = list[dict[str, str]]
 
 SLIVER = 0.05  # 4 sqrt(3) area over the sum of squared sides; 1 is equilateral
-COINCIDENT = 1e-7  # of the mesh's size: two nodes at the same place
+COINCIDENT = 1e-7  # relative to the size of the mesh: two nodes at the same position
 FLAT = 1e-6  # sine of the angle between normals of a flat part
 KINK = 0.9  # cosine between neighbouring normals below which a wall ends
-ACROSS = 4  # cells across a wall from which constant-strain triangles bend in its plane
+ACROSS = 4  # cells across a wall that constant-strain triangles need to bend in its plane
 
 
 def _warning(code: str, message: str) -> dict[str, str]:
@@ -39,7 +39,7 @@ def _at(place: Array) -> str:
 def model_warnings(
     mesh: ShellMesh, regions: Sequence[Region], links: Sequence[Link], choice: Choice
 ) -> Warnings:
-    """All doubts about mesh and elements."""
+    """All warnings about mesh and elements."""
     sides = Sides(mesh, regions)
     found = [*_slivers(mesh), *_unmerged(mesh, links), *_turned(mesh, sides)]
     if MEMBRANES[choice.membrane].stiff_in_plane:
@@ -51,8 +51,8 @@ def model_warnings(
 
 
 class Sides:
-    """Sides that exactly two cells share: `cells` (s, 2), their `ends` (s, 2), and whether both
-    cells run along it in the same direction, which neighbours of one orientation never do."""
+    """Sides shared by exactly two cells: `cells` (s, 2), their `ends` (s, 2), and whether the side
+    has the same direction in both cells, which means that their normals disagree."""
 
     def __init__(self, mesh: ShellMesh, regions: Sequence[Region]) -> None:
         reversed_ = np.zeros(len(mesh.cells), dtype=bool)
@@ -88,7 +88,7 @@ def _slivers(mesh: ShellMesh) -> Warnings:
     text = (
         f"{bad.size} of {len(area)} triangles are slivers, the worst at "
         f"{_at(corners[worst].mean(axis=0))} has a shape of {quality[worst]:.2g} (equilateral: 1): "
-        "results near them are poor; mesh more evenly there"
+        "results near them are inaccurate; use a more uniform mesh there"
     )
     return [_warning("sliver", text)]
 
@@ -97,14 +97,14 @@ def _unmerged(mesh: ShellMesh, links: Sequence[Link]) -> Warnings:
     pairs = cKDTree(mesh.points_G).query_pairs(COINCIDENT * mesh.size, output_type="ndarray")
     if len(pairs):
         text = (
-            f"{len(pairs)} pairs of nodes lie at the same place, one at "
-            f"{_at(mesh.points_G[pairs[0, 0]])}: parts that touch there are not joined. In gmsh, "
-            "use BooleanFragments, or Coherence"
+            f"{len(pairs)} pairs of nodes have the same position, one at "
+            f"{_at(mesh.points_G[pairs[0, 0]])}: parts that touch there are not connected. "
+            "In gmsh, use BooleanFragments, or Coherence"
         )
         return [_warning("nodes-not-merged", text)]
     n_part = Freedom(mesh, links).parts().max() + 1
     if n_part > 1:
-        text = f"the shell is in {n_part} parts that nothing joins"
+        text = f"the shell is in {n_part} parts that are not connected"
         return [_warning("several-parts", text)]
     return []
 
@@ -116,14 +116,14 @@ def _turned(mesh: ShellMesh, sides: Sides) -> Warnings:
     place = mesh.points_G[sides.ends[wrong[0]]].mean(axis=0)
     text = (
         f"the normals e3 of neighbours disagree along {wrong.size} sides, one at {_at(place)}: "
-        "bottom and top of the lay-up, and the direction of pressures, change sides there. Turn "
+        "bottom and top of the lay-up, and the direction of pressures, are reversed there. Reverse "
         "the surface in gmsh, or set flip = true for its region"
     )
     return [_warning("normals-disagree", text)]
 
 
 def _narrow_walls(mesh: ShellMesh, sides: Sides) -> Warnings:
-    """Walls between kinks or free edges that few constant-strain triangles span."""
+    """Walls between folds or free edges with few constant-strain triangles across."""
     n_cell = len(mesh.cells)
     a, b = sides.cells.T
     smooth = np.abs(np.einsum("si,si->s", sides.normals_G[a], sides.normals_G[b])) > KINK
@@ -132,7 +132,7 @@ def _narrow_walls(mesh: ShellMesh, sides: Sides) -> Warnings:
     edge = np.zeros(mesh.n_node, dtype=bool)
     edge[sides.boundary] = True
     edge[sides.ends[~smooth]] = True
-    # one cell across: all its corners on the rim; then a node more for every two cells
+    # one cell across: all its corners on the edge; then one more node for every two cells
     depth = np.where(edge, 0, np.iinfo(np.int64).max)
     for layer in range(ACROSS // 2):
         near = (depth[mesh.cells] == layer).any(axis=1)
@@ -172,8 +172,8 @@ def _thick_for_dst(mesh: ShellMesh, regions: Sequence[Region], limit: float) -> 
 
 
 def drilling_motions(freedom: Freedom, regions: Sequence[Region], choice: Choice) -> list[Array]:
-    """Motions (n_dof,) that the drilling stiffness of the paper leaves free: in a flat part, all
-    nodes turn about the normal by the same angle and nothing moves.
+    """Zero-energy motions (n_dof,) of the drilling stiffness of the paper: in a flat part, all
+    nodes rotate about the normal by the same angle without displacement.
     """
     drilling = DRILLINGS.get(choice.drilling_form())
     if MEMBRANES[choice.membrane].rotations or drilling is None or not drilling.turns_free:
@@ -202,30 +202,31 @@ def drilling_motions(freedom: Freedom, regions: Sequence[Region], choice: Choice
 
 
 def drilling_warning(count: int) -> dict[str, str]:
-    """What to say of motions that `drilling_motions` found."""
+    """Warning about motions that `drilling_motions` found."""
     return _warning(
         "drilling-fictitious-flat",
-        f"{count} flat part{'s keep' if count > 1 else ' keeps'} a motion without energy, all "
-        'nodes turning about the normal, with drilling = "fictitious": a spurious frequency of 0 '
+        f"{count} flat part{'s keep' if count > 1 else ' keeps'} a zero-energy motion, rotation of "
+        'all nodes about the normal, with drilling = "fictitious": a spurious frequency of 0 '
         'Hz. Use "tie", membrane = "opt", or fix the rotation at one node',
     )
 
 
 def check_supported(freedom: Freedom, loose: Sequence[Array], drilling: Sequence[Array]) -> None:
-    """Raise ShellError for load cases of a shell that can still move; it says how."""
+    """Raise ShellError for load cases of a shell with free rigid motions; the message lists
+    them."""
     if loose:
         listed = "; ".join(freedom.describe(motion) for motion in loose[:6])
         part = " of its parts" if freedom.parts().max() > 0 else ""
         raise ShellError(
             f"supports: {len(loose)} rigid motions{part} are free: {listed}. Load cases need "
-            "supports that stop them all"
+            "supports that prevent all of them"
         )
     if drilling:
         raise ShellError(f"supports: {drilling_warning(len(drilling))['message']}")
 
 
 def zero_energy_warnings(n_zero: int, n_rigid: int) -> Warnings:
-    """Warnings where modes without strain energy are not the rigid motions that are free."""
+    """Warning if there are more modes without strain energy than free rigid motions."""
     if n_zero == n_rigid:
         return []
     text = (

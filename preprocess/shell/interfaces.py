@@ -1,8 +1,8 @@
-"""Interfaces of a shell body: how the modes move them, and the nodes that stand for them.
+"""Interfaces of a shell body: their motion in the modes, and their nodes.
 
-An interface at the centre of its group is the weighted mean of the group's nodes, whichever way
-it is linked: kind "average" of the package. One at a place of its own has a node of its own
-there, in no cell and without mass; so have the two ends of a chord.
+An interface at the centre of its group is the weighted mean of the group's nodes, for both
+kinds of link: kind "average" of the package. An interface at another position has its own node
+there, without cells and mass. The same holds for the two ends of a chord.
 """
 
 from collections.abc import Sequence
@@ -16,19 +16,21 @@ from .body_spec import ShellInterface
 from .links import Link
 from .mesh import ShellMesh
 
-SAME_PLACE = 1e-9  # of the mesh's size
+SAME_PLACE = 1e-9  # relative to the size of the mesh
 
 
 class Places(NamedTuple):
-    """Nodes of the package: those of the mesh in its file's order, then those of interfaces."""
+    """Nodes of the package: those of the mesh in the order of its file, then those of
+    interfaces."""
 
     nodes_B: Array  # (n, 3)                                [m]
     ids: IntArray  # (n,) unique
-    own: dict[str, int]  # row of the node of an interface that has its own
+    own: dict[str, int]  # row of the node of an interface with its own node
 
 
 def places(mesh: ShellMesh, links: Sequence[Link], shown: Sequence[int] = ()) -> Places:
-    """The nodes of the package of a shell with these links; those of `shown` have their own."""
+    """The nodes of the package of a shell with these links; links in `shown` have their own
+    node."""
     apart = [
         link
         for number, link in enumerate(links)

@@ -1,13 +1,14 @@
-"""Links: a reference point of six degrees of freedom that moves with, or moves, a group of nodes.
+"""Links: a reference point with six degrees of freedom that drives, or follows, a group of nodes.
 
-    "rigid"    (RBE2) every node of the group follows the reference point as if welded to it:
+    "rigid"    (RBE2) every node of the group follows the reference point as a rigid body:
                u_i = u_r + theta_r x d_i, theta_i = theta_r. The group cannot deform.
-    "average"  (RBE3) the reference point follows the group: its motion is the rigid motion
-               nearest to the group's, in the sense of weighted least squares of displacements.
-               A force or moment on it is spread over the group with exactly its resultant.
+    "average"  (RBE3) the reference point follows the group: its motion is the best-fitting rigid
+    motion
+               of the group, by weighted least squares of displacements.
+               A force or moment on it is distributed over the group with exactly its resultant.
 
-Where displacements leave a rotation open (nodes in a line, or one node) the mean of the nodes'
-own rotations about that axis is taken.
+If displacements do not determine a rotation (nodes on a line, or one node), the mean of the nodal
+rotations about that axis is used.
 """
 
 from collections.abc import Mapping
@@ -38,7 +39,8 @@ class Link:
 
 
 def read_links(table: Mapping[str, Any], mesh: ShellMesh, where: str) -> list[Link]:
-    """The links of a specification: {name: {at, kind, point}}; point is the group's centre if left.
+    """The links of a specification: {name: {at, kind, point}}; default of point: the group's
+    centre.
 
     Raises ShellError for an unknown group or kind, and for a node in two rigid links.
     """
@@ -103,7 +105,7 @@ def averaged(arms_G: Array, weights: Array) -> Array:
     # angular momentum of the displacements over the second moment, then the mean of rotations
     out[3:, :, :3] = np.einsum("ij,kjl,k->ikl", inverse, cross, share)
     out[3:, :, 3:] = np.einsum("ij,k->ikj", left @ left.T, share)
-    # the displacement of the centre, carried over to the reference point: - theta x centre
+    # the displacement of the centre, transferred to the reference point: - theta x centre
     out[:3, :, :3] = np.einsum("ij,k->ikj", np.eye(3), share)
     out[:3] += np.einsum("ij,jkl->ikl", cross_matrix(centre), out[3:])
     return out

@@ -1,14 +1,14 @@
-"""Load cases: nodal forces that do the same work as the loads described.
+"""Load cases: work-equivalent nodal forces of the described loads.
 
 [loads.CASE.NAME]
 at = "tip"                     physical point, curve or surface, or a link
-force = [x, y, z]              total [N], shared by length, area, or equally over points
-moment = [x, y, z]             total [N m], shared in the same way
+force = [x, y, z]              total [N], distributed by length, area, or equally over points
+moment = [x, y, z]             total [N m], distributed in the same way
 force_per_length = [x, y, z]   on a curve [N/m]
 force_per_area = [x, y, z]     on a surface, or everywhere without `at` [N/m2]
 pressure = p                   along +e3 of each cell [N/m2]
 sine = [a, b, c]               factor sin(pi x/a) sin(pi y/b) sin(pi z/c) of the last two; a
-                               length of 0 leaves its factor out
+                               length of 0 omits its factor
 gravity = [x, y, z]            acceleration of the whole shell [m/s2], without `at`
 """
 
@@ -34,7 +34,7 @@ ON_CELLS = ("force_per_area", "pressure")
 
 
 class Loads:
-    """Turns descriptions of loads into nodal forces of a shell.
+    """Converts descriptions of loads to nodal forces of a shell.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ class Loads:
     def case(self, table: Mapping[str, Any], where: str) -> Array:
         """Forces and moments on all degrees of freedom, (n_dof,) [N, N m].
 
-        Raises ShellError for a load that is no load, a group that does not fit it, no number.
+        Raises ShellError for a table without load, a group of the wrong kind, or a wrong number.
         """
         forces = np.zeros((self.freedom.n_dof // DOFS, DOFS))
         for name, entry in table.items():
@@ -104,7 +104,7 @@ class Loads:
                 row = np.argsort(key)[row]
                 found.append((row, region.triangles.A_GE[cell, :, 2]))
                 np.add.at(weight, row, 1.0)
-        for row, e3 in found:  # a side of several cells is shared equally
+        for row, e3 in found:  # a side of several cells is divided equally
             i, j = sides[row].T
             along = mesh.points_G[j] - mesh.points_G[i]
             size = np.linalg.norm(along, axis=1)
@@ -115,7 +115,7 @@ class Loads:
         return out
 
     def _shares(self, at: Any, key: str, where: str) -> tuple[IntArray, Array, float]:
-        """Nodes, the share of each, and the length or area of the group; 0 of a link."""
+        """Nodes, their weights, and the length or area of the group; 0 for a link."""
         if at is None:
             raise ShellError(f"{where}.at: missing, {key} needs a group or a link")
         for row, link in enumerate(self.freedom.links):

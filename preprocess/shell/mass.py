@@ -1,13 +1,13 @@
-"""Mass of shell triangles: displacements and rotations linear, the laminate's own moments.
+"""Mass of shell triangles with linear displacements and rotations, and moments of the laminate.
 
 A point z above the reference surface moves by (20)-(22) of the paper: u + z bx, v + z by, w. With
 m0, m1, m2 the moments of the density over the thickness, the kinetic energy per area is
 
     m0/2 (u'^2 + v'^2 + w'^2) + m1 (u' bx' + v' by') + m2/2 (bx'^2 + by'^2).
 
-The drilling rotation moves no mass of its own. Consistent: m2 goes with its excess over the turn of
-the triangle, so that every rigid motion has its exact energy. Lumped: m2 goes with it as with the
-other rotations, so that without m1 the matrix is diagonal in all axes.
+The drilling rotation moves no mass. In the consistent form, m2 acts on its difference from the
+rotation of the triangle, so every rigid motion has its exact energy. In the lumped form, m2 acts on
+it as on the other rotations, so without m1 the matrix is diagonal in all axes.
 """
 
 import numpy as np

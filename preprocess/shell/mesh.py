@@ -1,4 +1,4 @@
-"""Shell meshes: from a gmsh file or script to a DOLFINx surface mesh of three-node triangles.
+"""DOLFINx surface meshes of three-node triangles from a gmsh file or script.
 
 DOLFINx owns the numbering of nodes and cells: the model is assembled through the dofmap of its
 P1 space of six components (ux uy uz rx ry rz). Results are written in the order of the mesh
@@ -27,12 +27,12 @@ KEPT = 8  # meshes that a process keeps
 KEYS = ("file", "parameters", "scale", "sha256")
 
 
-@dataclass(frozen=True, eq=False)  # the same only if it is the very same
+@dataclass(frozen=True, eq=False)  # equal only to itself
 class ShellMesh:
     """A surface mesh of `n` nodes and `c` triangles, in DOLFINx's numbering.
 
-    The corners of a cell run in the order that the mesh file gave them, so that its normal
-    points where the file's does.
+    The corners of a cell have the order of the mesh file, so its normal has the direction
+    of the file.
     """
 
     space: Any  # DOLFINx's P1 space of six components
@@ -70,7 +70,7 @@ def shell_mesh(spec_mesh: Mapping[str, Any], where: str) -> ShellMesh:
     ----------
     spec_mesh : {"file": "part.msh" | "part.geo" | "part.py", "parameters": {...}, "scale": 1.0}.
         A .geo has DefineConstant entries "Parameters/<key>"; a .py has build(gmsh, parameters)
-        that fills the current model and may leave the meshing to us.
+        that fills the current model and may leave meshing to the caller.
     where : file and key of the description, for messages
 
     Raises
@@ -94,7 +94,7 @@ def shell_mesh(spec_mesh: Mapping[str, Any], where: str) -> ShellMesh:
 
 @lru_cache(maxsize=KEPT)
 def _made(table: str, file: str, content: str) -> ShellMesh:
-    del content  # it makes another entry when the file has changed
+    del content  # part of the cache key: a changed file gives another entry
     spec, path = json.loads(table), Path(file)
     plain = _read(path, spec.get("parameters", {}))
     scale = float(spec.get("scale", 1.0))
@@ -106,7 +106,7 @@ def mesh_of(plain: PlainMesh, where: str = "mesh") -> ShellMesh:
     if plain.cell != "triangle" or plain.degree != 1:
         raise ShellError(
             f"{where}: has {plain.cell}s of degree {plain.degree}, expected three-node triangles. "
-            "In gmsh, take away every `Recombine` and let Mesh.ElementOrder = 1"
+            "In gmsh, remove every `Recombine` and set Mesh.ElementOrder = 1"
         )
     labelled = fenicsx.labelled_mesh(plain)
     space = fenicsx.vector_space(labelled.mesh, 1, 6)
@@ -145,9 +145,9 @@ def mesh_of(plain: PlainMesh, where: str = "mesh") -> ShellMesh:
 def _rows(file_nodes: IntArray, rows: IntArray, name: str, where: str) -> IntArray:
     if np.any(rows < 0):
         raise ShellError(
-            f"{where}: {np.count_nonzero(rows < 0)} nodes of physical group {name!r} lie in no "
-            "cell: free nodes, that nothing holds. In gmsh, let the surface contain the entity "
-            "(`Point{..} In Surface{..}`, BooleanFragments), or take it out of the group"
+            f"{where}: {np.count_nonzero(rows < 0)} nodes of physical group {name!r} belong to no "
+            "cell, so nothing holds them. In gmsh, let the surface contain the entity "
+            "(`Point{..} In Surface{..}`, BooleanFragments), or remove it from the group"
         )
     return file_nodes[rows]
 

@@ -1,4 +1,4 @@
-"""Numbers that a description asks for: displacements and resultants at named places."""
+"""Probes of a description: displacements and resultants at named places."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
@@ -18,7 +18,7 @@ KNOWN = (*SHELL_MOTIONS, *SHELL_RESULTANTS)
 
 
 class Probe(NamedTuple):
-    """One number of each load case: a weighted mean."""
+    """One number per load case: a weighted mean."""
 
     name: str
     quantity: str  # of SHELL_MOTIONS or SHELL_RESULTANTS
@@ -51,7 +51,7 @@ def read_probes(problem: ShellProblem) -> list[Probe]:
 
 
 def probe_values(probes: Sequence[Probe], u: Array, resultants_E: Array) -> Array:
-    """What they read: displacements (n_dof, l), resultants (l, c, 8) -> (l, o)."""
+    """Values of the probes: displacements (n_dof, l), resultants (l, c, 8) -> (l, o)."""
     out = np.empty((u.shape[1], len(probes)))
     for column, probe in enumerate(probes):
         if probe.quantity in SHELL_MOTIONS:

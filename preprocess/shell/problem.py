@@ -1,4 +1,4 @@
-"""A shell as a finite-element model: mesh, lay-ups, stiffness and mass, what holds it."""
+"""A shell as a finite-element model: mesh, lay-ups, stiffness, mass and supports."""
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
@@ -30,18 +30,18 @@ AT_ONCE = 8  # states whose resultants are computed together
 
 
 class ShellProblem:
-    """Everything of a shell but what is asked of it.
+    """The model of a shell, without its load cases and modes.
 
     Parameters
     ----------
     spec : see spec.py
     where : file and key of the specification, for messages
-    team : processes that all make the same problem and share its work
-    mesh : instead of the one that the specification names
+    team : processes that all make the same problem and share the work
+    mesh : replaces the mesh that the specification names
 
     Raises
     ------
-    ShellError, LaminateError, MaterialError : what the specification says wrongly.
+    ShellError, LaminateError, MaterialError : the specification is wrong.
     """
 
     def __init__(
@@ -96,12 +96,12 @@ class ShellProblem:
         return freedom.loose_motions(), drilling_motions(freedom, self.regions, self.choice)
 
     def resultants(self, u: Array) -> Array:
-        """Resultants of every cell in E, (m, c, 8), of displacements (n_dof, m); cells and their
-        order are the mesh's."""
+        """Resultants of every cell in E, (m, c, 8), of displacements (n_dof, m); cells have the
+        order of the mesh."""
         nodes = u.reshape(len(u) // 6, 6, u.shape[1])
         out = np.empty((u.shape[1], len(self.mesh.cells), 8))
         for region in self.regions:
-            for first in range(0, u.shape[1], AT_ONCE):  # not at all without states
+            for first in range(0, u.shape[1], AT_ONCE):  # nothing without states
                 some = slice(first, first + AT_ONCE)
                 corners = nodes[self.mesh.cells[region.cells]][..., some]
                 found = element_resultants(
@@ -122,10 +122,10 @@ class ShellProblem:
     def _assembled(
         self, element: Callable[[Region, Triangles], Array], lines: Sequence[Array]
     ) -> sp.csr_matrix:
-        """Sum of the element matrices; each process of the team makes those of its cells.
+        """Sum of the element matrices; each process of the team computes those of its cells.
 
-        All then add them up in the same order: a thin shell would show a difference in the last
-        digit of its stiffness in the ninth of its displacements.
+        All processes sum them in the same order: for a thin shell, a difference in the last
+        digit of the stiffness would change the ninth digit of its displacements.
         """
         own = self.team.share(len(self.mesh.cells))
         parts, first = [np.zeros((0, 18, 18))], 0

@@ -1,4 +1,4 @@
-"""What a package needs to recover the stresses of a shell: resultants of the modes, laminates."""
+"""Stress recovery data of a shell for its package: resultants of the modes, and laminates."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from .problem import ShellProblem
 def cell_resultants(problem: ShellProblem, u: Array) -> CellResultants:
     """Mean resultants of every cell per unit mode, in the order of the mesh file.
 
-    They are rounded like the recovery of sections, which packs them to half the size.
+    They are rounded like the recovery of sections, which halves the size of the compressed data.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
-"""What the modes of a shell need to know of it: reference condition, static loads, order.
+"""Input of a shell to the mode computation: reference condition, static loads, order of nodes.
 
-Modes are sought in the independent degrees of freedom: six of each node that no rigid interface
-carries, six of the reference point of each rigid interface.
+Modes are computed in the independent degrees of freedom: six of each node that is not in a rigid
+interface, and six of the reference point of each rigid interface.
 """
 
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ from .links import Link
 from .problem import ShellProblem
 from .stations import nodal_mass
 
-# Of the reference nodes: all of the clamped one; of a chord what keeps its x axis through both.
+# Held dofs of the reference nodes: all if clamped; for a chord those that keep x through both.
 CLAMPED = (range(6),)
 CHORD = ((0, 1, 2, 3), (1, 2))
 ALONG = 1e-6  # sine of the angle between a chord and the x axis
@@ -42,7 +42,7 @@ eigen_solver = partial(fenicsx.eigenpairs, tolerance=TOLERANCE)
 
 @dataclass(frozen=True)
 class ShellModel:
-    """A shell with what its body asks of it."""
+    """A shell with the requests of its body specification."""
 
     spec: ShellBodySpec
     problem: ShellProblem
@@ -50,11 +50,11 @@ class ShellModel:
     def __post_init__(self) -> None:
         rigid, drilling = self.problem.loose(self.problem.freedom)
         if len(rigid) > 6:
-            raise SpecError("shell: it is in parts that nothing joins; expected one body")
+            raise SpecError("shell: it consists of unconnected parts; expected one body")
         if drilling:
             raise SpecError(
-                "shell.elements.drilling: nodes of a flat part can turn about its normal; expected "
-                '"tie" or "auto"'
+                "shell.elements.drilling: nodes of a flat part can rotate about its normal; "
+                'expected "tie" or "auto"'
             )
 
     @property
@@ -102,7 +102,7 @@ class ShellModel:
             raise SpecError(expected("reference.at", shown, wish))
 
     def static_loads(self) -> list[StaticLoad]:
-        """Loads of the static modes that are asked for."""
+        """Loads of the requested static modes."""
         freedom, modes = self.problem.freedom, self.spec.modes
         number = {interface.name: i for i, interface in enumerate(self.spec.interfaces)}
         zero = np.zeros(freedom.n_free)
@@ -120,7 +120,7 @@ class ShellModel:
 
     @cached_property
     def origin_B(self) -> Array:
-        """Where the frame stands: its first interface, or the origin."""
+        """Position of the frame: its first interface, or the origin."""
         if not self.carriers:
             return np.zeros(3)
         return self.problem.links[self.carriers[0]].point_G
@@ -132,7 +132,7 @@ class ShellModel:
         return np.asarray(every[self.independent_nodes])
 
     def far_to_near(self) -> IntArray:
-        """Independent nodes from the farthest from the frame's place; the same order with every
+        """Independent nodes in descending distance from the frame; the order is the same with every
         version of DOLFINx."""
         mesh = self.problem.mesh
         rank = np.arange(mesh.n_node + len(self.problem.links))
@@ -147,9 +147,9 @@ class ShellModel:
         return nodal_mass(self.problem.mesh, self.problem.regions, self.problem.stiffeners)
 
     def participation(self, columns: Array) -> Array:
-        """Modal mass split over the kinds of motion, (4, m, m), by lumped masses of the nodes.
+        """Modal mass by kind of motion, (4, m, m), with lumped masses of the nodes.
 
-        In the order of `modes.KINDS`: what moves along y, along z, nothing, along x.
+        In the order of `modes.KINDS`: motion along y, along z, zero, along x.
         """
         problem, (mass, _) = self.problem, self.nodal_mass
         u = problem.freedom.expanded(columns)[: DOFS * problem.mesh.n_node]

@@ -1,4 +1,4 @@
-"""Lay-up and axes of every region of a shell: what the cells of one physical surface share."""
+"""Lay-up and axes of every region of a shell. A region has the cells of one physical surface."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ class Region:
     """The cells of one physical surface, their geometry and their laminate.
 
     `cells` (m,) are rows of the mesh's cells, `triangles` their geometry in that order; the axes
-    E of a cell are its laminate's.
+    E of a cell are those of its laminate.
     """
 
     name: str
@@ -44,9 +44,9 @@ def read_regions(spec: Mapping[str, Any], mesh: ShellMesh, where: str) -> list[R
 
     Raises
     ------
-    ShellError : a region of the mesh without laminate, one that the mesh does not have, a
-        laminate that is not described, axes that do not fit.
-    LaminateError, MaterialError : what their descriptions say wrongly.
+    ShellError : a region of the mesh without laminate, a region that the mesh does not have, an
+        unknown laminate, wrong axes.
+        LaminateError, MaterialError : their descriptions are wrong.
     """
     materials = read_materials(spec["materials"], f"{where}.materials")
     laminates = {

@@ -41,7 +41,7 @@ def element_strains(t: Triangles, laminate: Stiffness, choice: Choice, u_G: Arra
         strains[some, 3:6] = plate.curvature.mean(axis=1) @ u_b
         if plate.shear.shape[1]:
             strains[some, 6:] = plate.shear.mean(axis=1) @ u_b
-        else:  # without shear strain the shear forces follow from the moments
+        else:  # without shear strain, the shear forces follow from the moments
             alpha = side_differences(part) @ u_b * (1.5 / part.length)[..., None]
             strains[some, 6:] = np.linalg.solve(Ds, moment_slopes(part, D) @ alpha)
     return strains

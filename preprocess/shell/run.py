@@ -10,7 +10,7 @@ from .batch import ShellFiles
 
 
 def run_shells(options: argparse.Namespace) -> int:
-    """Make the shell files that the options ask for; returns the exit code."""
+    """Make the requested shell files; returns the exit code."""
     ranks = launched_ranks()
     out: Path | None = options.out
     with teller(options.json, ranks.rank == 0) as (tell, progress):

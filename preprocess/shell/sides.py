@@ -22,13 +22,14 @@ BULGES, EDGES = 4.0 * _weights(+1.0), _weights(-1.0)
 
 
 def bulge_slopes(t: Triangles) -> Array:
-    """Gradient of P_k = 4 l_i l_j, one in the middle of its side, (c, point, side, 2) [1/m]."""
+    """Gradient of P_k = 4 l_i l_j, which is 1 in the middle of its side, (c, point, side, 2)
+    [1/m]."""
     return np.asarray((BULGES @ t.grad).reshape(-1, 3, 3, 2))
 
 
 def edge_fields(t: Triangles) -> Array:
     """Vector field L_k (l_i g_j - l_j g_i), (c, point, side, 2).
 
-    Its component along side k is one on that side, and zero along the other two.
+    Its component along side k is 1 on that side, and 0 along the other two.
     """
     return np.asarray((EDGES @ t.grad).reshape(-1, 3, 3, 2) * t.length[:, None, :, None])

@@ -1,4 +1,4 @@
-"""The outer form of a shell's specification, for those that are written by hand.
+"""Check of the outer form of a shell's specification, which may be written by hand.
 
 {"name": "panel", "mesh": {"file": "panel.msh"}, "materials": {...},
  "laminates": {"skin": {"plies": [{"material": "cfrp", "angle_deg": 45.0, "thickness": 1e-4}]}},
@@ -11,7 +11,7 @@
  "probes": {"tip": {"at": "end", "what": "uz"}},
  "frequencies": {"count": 6, "free": false}}
 
-SI and degrees; docs/shell-description.md says what each key means.
+SI and degrees; docs/shell-description.md explains each key.
 """
 
 from collections.abc import Mapping
@@ -52,7 +52,7 @@ ENTRIES = {
 
 
 class Elements(NamedTuple):
-    """Which triangles, and which mass."""
+    """Choice of elements and mass form."""
 
     choice: Choice
     mass_form: str
@@ -96,7 +96,7 @@ def elements(table: Mapping[str, Any], where: str) -> Elements:
 
 
 def mode_count(table: Mapping[str, Any], where: str) -> int:
-    """Number of modes that are asked for. Raises ShellError."""
+    """Number of requested modes. Raises ShellError."""
     count = table.get("count", 6)
     if isinstance(count, bool) or not isinstance(count, int) or count < 1:
         raise ShellError(f"{where}.count = {count!r}: expected a whole number above 0")

@@ -1,4 +1,4 @@
-"""Load cases of a supported shell: one factorisation, all cases at once."""
+"""Load cases of a supported shell: one factorisation for all cases."""
 
 from typing import NamedTuple
 
@@ -10,18 +10,18 @@ from .. import fenicsx
 from .errors import ShellError
 from .freedom import Freedom
 
-RESIDUAL = 1e-9  # of the equilibrium of nodal forces, relative to the load
-STEPS = 2  # of refinement; each takes as many digits as the first solve has
-BALANCE = 1e-6  # of work and twice the energy, relative
+RESIDUAL = 1e-9  # residual of the nodal equilibrium, relative to the load
+STEPS = 2  # refinement steps; each adds as many digits as the first solve has
+BALANCE = 1e-6  # relative difference of work and twice the energy
 
 
 class Statics(NamedTuple):
-    """Answers to `l` load cases, on all degrees of freedom."""
+    """Solutions of `l` load cases, on all degrees of freedom."""
 
     displacements: Array  # (n_dof, l)                      [m, rad]
     reactions: Array  # (n_dof, l) of supports on the shell [N, N m]
     energy: Array  # (l,) strain energy                     [J]
-    residual: Array  # (l,) of equilibrium, relative
+    residual: Array  # (l,) relative residual of equilibrium
     warnings: tuple[dict[str, str], ...]
 
 
@@ -36,7 +36,7 @@ def solve_cases(
 
     Raises
     ------
-    ShellError : nothing to solve, or a stiffness that is singular in spite of its supports.
+    ShellError : nothing to solve, or the stiffness is singular in spite of its supports.
     """
     if not freedom.n_free:
         raise ShellError("supports: every degree of freedom is fixed")
@@ -50,7 +50,7 @@ def solve_cases(
         raise ShellError(f"statics: {error}") from error
     u = freedom.expanded(q)
     out_of_balance = np.abs(reduced @ q - loads)
-    # a row is as exact as the terms that cancel in it
+    # the accuracy of a row is that of the terms that cancel in it
     size = (abs(reduced) @ np.abs(q)).max(axis=0) + np.abs(loads).max(axis=0)
     residual = out_of_balance.max(axis=0) / np.where(size > 0.0, size, 1.0)
     Ku = K @ u
@@ -66,11 +66,11 @@ def solve_cases(
 
 
 def _refined(factor: fenicsx.Cholesky, K: sp.csr_matrix, loads: Array) -> Array:
-    """Solve with residuals in longer numbers.
+    """Solve with residuals in extended precision.
 
-    A thin shell bends a million times more easily than it stretches: the round-off of one solve,
-    which the order of elimination decides, shows in the ninth digit. So it is the same whoever
-    factorises, on one rank or on more.
+    The bending stiffness of a thin shell is a million times smaller than its membrane stiffness.
+    The round-off of one solve depends on the order of elimination and changes the ninth digit. With
+    refinement the result is the same for every factorisation, on one rank or more.
     """
     longer = K.astype(np.longdouble)
     q = factor.solve(loads)
@@ -90,8 +90,8 @@ def _doubts(
                 {
                     "code": "few-digits",
                     "message": f"load case {name}: residual {rest:.1e}, work and energy differ by "
-                    f"{gap:.1e} (relative): the stiffness is ill-conditioned, as that of a very "
-                    "thin shell; trust the displacements to fewer digits",
+                    f"{gap:.1e} (relative): the stiffness is ill-conditioned, as for a very "
+                    "thin shell; the displacements have fewer correct digits",
                 }
             )
     return found

@@ -1,13 +1,13 @@
-"""Mass stations of a shell body: where its mass sits and how the modes move it.
+"""Mass stations of a shell body: positions of its mass and their motion in the modes.
 
 The inertia invariants of a body are sums over stations (solver/package/body/invariants.py). A
 fibre of the wall along the normal n, with the moments m0, m1, m2 of its density about the mesh,
-is a rigid piece: mass m0, centre m1/m0 n off the mesh, rotary inertia about it (m2 - m1^2/m0) (1
-- n n'). With consistent mass the fibres stand on three points of each triangle, where linear
-motions are integrated exactly; with lumped mass on its corners, and m2 also resists the drilling
-rotation, as in mass.py. So the sums hold the mass matrix to round-off but for one thing:
-consistent mass resists the drilling rotation as far as it exceeds that of the triangle. Rigid
-motions have no such part and no momentum comes from it; it counts in the modal mass alone.
+is a rigid piece: mass m0, centre at m1/m0 n from the mesh, rotary inertia about it
+(m2 - m1^2/m0) (1 - n n'). With consistent mass there are fibres at three points of each triangle,
+which integrate linear motions exactly. With lumped mass they are at its corners, and m2 also acts
+on the drilling rotation, as in mass.py. The sums then equal the mass matrix to round-off, with one
+exception: consistent mass also acts on the difference of the drilling rotation from that of the
+triangle. This part is zero for rigid motions and has no momentum; only the modal mass includes it.
 """
 
 from collections.abc import Sequence
@@ -42,7 +42,7 @@ def mass_stations(
 
     Raises
     ------
-    SpecError : a stiffener whose mass is not that of rigid slices.
+    SpecError : the mass of a stiffener is not that of rigid slices.
     """
     parts = [_of_region(mesh, region, u, form) for region in regions]
     parts += [_of_stiffener(mesh, stiffener, u, form) for stiffener in stiffeners]

@@ -1,9 +1,9 @@
-"""Beams along edges of the mesh: they share the nodes of the shell.
+"""Stiffeners: beams along edges of the mesh, with the nodes of the shell.
 
 A stiffener follows a physical curve. Section axes of each edge: x1 along the curve in the
 direction that gmsh gives it, x3 the shell's normal there (mean of the cells at the edge), or x2 a
-given direction made normal to x1; x2 = x3 x x1. Its reference line lies off the edge by
-`offset` along x2 and x3 and follows the nodes like a rigid arm: u_ref = u + theta x o.
+given direction made normal to x1; x2 = x3 x x1. Its reference line has the distance
+`offset` from the edge along x2 and x3 and is rigidly connected to the nodes: u_ref = u + theta x o.
 
 The elements are those of beam bodies, exact under end forces for any 6x6 stiffness.
 """
@@ -83,8 +83,8 @@ def read_stiffeners(
 
     Raises
     ------
-    ShellError : no such curve, no or a wrong section, an axis along the curve.
-    SectionError, MaterialError : what the description of the section says wrongly.
+    ShellError : no such curve, no section or a wrong one, an axis along the curve.
+    SectionError, MaterialError : the description of the section is wrong.
     """
     found = []
     for name, entry in table.items():
@@ -177,5 +177,5 @@ def _section(entry: Mapping[str, Any], where: str) -> tuple[Array, Array]:
 
 @lru_cache(maxsize=64)
 def _analysed(text: str, where: str) -> Any:
-    """Analyse a section once, however many stiffeners have it."""
+    """Analyse a section once and reuse the result for other stiffeners."""
     return analyse(json.loads(text), where=where, estimate=False)

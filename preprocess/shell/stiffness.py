@@ -1,4 +1,4 @@
-"""Stiffness of shell triangles: a membrane, a plate and their coupling, turned to the axes of G.
+"""Stiffness of shell triangles: a membrane, a plate and their coupling, rotated to the axes of G.
 
 In E the degrees of freedom are (u, v, tz) of the membrane and (w, bx, by) of the plate, 9 and 9.
 """
@@ -14,19 +14,19 @@ from .membranes import MEMBRANES, MembraneStrains
 from .plates import PLATES, PlateStrains
 from .triangles import Triangles
 
-AT_A_TIME = 256  # triangles, so that what lies between two products stays in the cache
+AT_A_TIME = 256  # triangles per block, so that intermediate arrays stay in the cache
 
-# Places in the six degrees of freedom (u, v, w, rx, ry, rz) of a corner: by = -rx, bx = ry.
+# Positions in the six degrees of freedom (u, v, w, rx, ry, rz) of a corner: by = -rx, bx = ry.
 MEMBRANE, PLATE = (0, 1, 5), (2, 4, 3)
-SIGN = (1.0, 1.0, -1.0)  # of the plate's degrees of freedom
+SIGN = (1.0, 1.0, -1.0)  # signs of the plate's degrees of freedom
 
 
 class Stiffness(Protocol):
-    """What an element asks of a laminate, in E; the first axis c or 1 may be left out."""
+    """Laminate data that an element needs, in E; the first axis c or 1 is optional."""
 
     @property
     def A(self) -> Array:
-        """Stretching, (3, 3) [N/m]."""
+        """Membrane, (3, 3) [N/m]."""
 
     @property
     def B(self) -> Array:
@@ -133,7 +133,7 @@ def together(K_m: Array, K_b: Array, K_mb: Array | None) -> Array:
 
 
 def to_G(A_GE: Array, K_E: Array) -> Array:
-    """Turn a symmetric matrix from E to G: R K R', R six times A_GE on its diagonal, (c, 18, 18).
+    """Rotate a symmetric matrix from E to G: R K R', R six times A_GE on its diagonal, (c, 18, 18).
 
     Paper: Eq. (23).
     """

@@ -1,4 +1,4 @@
-"""Supports: degrees of freedom of groups that do not move."""
+"""Supports: fixed degrees of freedom of groups."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
@@ -14,7 +14,7 @@ from .links import Link
 from .mesh import ShellMesh
 
 COMPONENTS = ("ux", "uy", "uz", "rx", "ry", "rz")
-# A mirror plane normal to an axis lets nothing through it and turns nothing out of it.
+# At a symmetry plane normal to an axis: no displacement along it, no rotation about the others.
 WORDS = {
     "all": COMPONENTS,
     "symmetry-x": ("ux", "ry", "rz"),
@@ -28,7 +28,7 @@ class Support(NamedTuple):
 
     name: str
     dofs: IntArray  # (k,) of all, ascending
-    point_G: Array  # (3,) about which its reaction moment is told [m]
+    point_G: Array  # (3,) reference point of its reaction moment [m]
 
 
 def read_supports(

@@ -1,7 +1,7 @@
-"""Geometry of flat triangles in their own axes, which are those of the laminate.
+"""Geometry of flat triangles in their axes, which are those of the laminate.
 
-Sides run 1-2, 2-3, 3-1, always from corner START[k] to corner END[k]. No formula of the elements
-depends on the sense of the corners about e3, so a region may reverse its normals.
+Sides run 1-2, 2-3, 3-1, always from corner START[k] to corner END[k]. The formulas of the elements
+do not depend on the sense of the corners about e3, so a region may reverse its normals.
 """
 
 from dataclasses import dataclass, fields
@@ -15,7 +15,7 @@ START, END = (0, 1, 2), (1, 2, 0)  # corners of the three sides
 # Integration points in area coordinates, weight area / 3 each: exact up to degree 2.
 POINTS = np.full((3, 3), 1.0 / 6.0) + 0.5 * np.eye(3)
 
-FLAT = 1e-10  # of the longest side squared: a smaller area is none
+FLAT = 1e-10  # relative to the longest side squared: a smaller area counts as zero
 STEEP = 1e-6  # sine of the smallest angle between a reference direction and a normal
 NAMED = 5  # cells named in a message
 
@@ -58,7 +58,7 @@ def triangles(
     ----------
     points_G : (n, 3) nodes [m]
     cells : (c, 3) nodes of each triangle; their order gives the normal, right-handed
-    direction_G : (3,) or (c, 3) reference direction, whose projection on a triangle is e1
+    direction_G : (3,) or (c, 3) reference direction, whose projection onto a triangle is e1
     flip : bool or (c,), True where the normal e3 is reversed
 
     Raises
@@ -85,8 +85,9 @@ def triangles(
     A_GE = np.stack([e1, np.cross(e3, e1), e3], axis=2)
     xy_E = (corners - corners.mean(axis=1, keepdims=True)) @ A_GE[:, :, :2]
     edge_E = xy_E[:, END] - xy_E[:, START]
-    # Corner i lies opposite to the side that starts at the next corner; turned by 90 degrees and
-    # divided by twice the area, signed by the sense of the corners, the side is its gradient.
+    # Corner i is opposite to the side that starts at the next corner. Its gradient is this side,
+    # rotated by 90 degrees and divided by twice the area, with the sign of the sense of the
+    # corners.
     opposite = edge_E[:, END]
     signed = edge_E[:, 0, 0] * edge_E[:, 1, 1] - edge_E[:, 0, 1] * edge_E[:, 1, 0]
     grad = np.stack([-opposite[..., 1], opposite[..., 0]], axis=2) / signed[:, None, None]
@@ -96,7 +97,7 @@ def triangles(
 
 
 def refuse(wrong: Array, fault: str, cells: IntArray) -> None:
-    """Raise `ShellError` that names the first of the cells that are wrong, if any."""
+    """Raise `ShellError` with the first wrong cells, if any."""
     if not wrong.any():
         return
     found = np.flatnonzero(wrong)

@@ -1,8 +1,8 @@
-"""Position coordinates of a system: their rates, and a step of them along the group.
+"""Position coordinates of a system: their rates, and finite increments.
 
-Velocities are no rates of the position coordinates: a rotation has three of the ones and four
-of the others. Everything that moves a mechanism by increments of its velocity coordinates goes
-through here, so that Euler parameters keep their length.
+Velocities are not the rates of the position coordinates: a rotation has three velocities and four
+Euler parameters. All code that moves a mechanism by increments of its velocity coordinates uses
+these functions, so that Euler parameters keep their norm.
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ from .model import Model
 
 @inlined
 def rates_into(model: Model, y: Array, out: Array) -> None:
-    """Fill the rates of positions in out, of state y; the rest of out is left alone."""
+    """Fill the rates of positions of state y in out; the rest of out does not change."""
     for i in range(model.n_body):
         a, j, m = model.pos_start[i], model.n_pos + model.vel_start[i], model.n_mode[i]
         for k in range(3):
@@ -37,8 +37,8 @@ def position_rates(model: Model, positions: Array, velocities: Array) -> Array:
 def moved(model: Model, positions: Array, step: Array) -> Array:
     """Return positions (n_pos,) moved by a step (n_vel,) of the velocity coordinates.
 
-    Translations [m] and modes add up; a rotation vector in body axes [rad] turns the body by
-    the exponential map. Euler parameters come out with length one.
+    Translations [m] and modes are added. A rotation vector in body axes [rad] rotates the body by
+    the exponential map. The resulting Euler parameters have norm one.
     """
     out = positions.copy()
     move(model, out, step)

@@ -1,7 +1,7 @@
-"""Frames that joints to the ground drive: known functions of time, no unknowns.
+"""Driven frames: frames whose motion is prescribed by joints to the ground.
 
-A frame is driven where joints to the ground that see no mode take all of its six freedoms, and
-nothing twice: a blade on a hub of prescribed speed, a beam clamped to the wall.
+A frame is driven if joints to the ground that do not depend on modes constrain all of its six
+degrees of freedom, without redundancy: a blade on a hub of prescribed speed, a clamped beam.
 """
 
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ class Stand(NamedTuple):
 
     removes: tuple[str, ...] | None  # freedoms that its rows take, one each; None: others as well
     bodies: tuple[int, int]  # of its two markers; -1: ground
-    rigid: bool  # its marker on the body moves with the frame, whatever the modes do
+    rigid: bool  # its marker on the body does not depend on the modes
     x: Array  # (3,) of that marker
     A: Array  # (3, 3)
 

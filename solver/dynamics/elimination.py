@@ -301,7 +301,7 @@ def _react(
     z: Array,
     multipliers: Array,
 ) -> None:
-    """Multipliers of the rows that drive a frame: P' lambda = what its equation leaves."""
+    """Multipliers of the rows that drive a frame: P' lambda = residual of its equation."""
     for k in range(6):
         s = f[k]
         for j in range(k):

@@ -1,4 +1,4 @@
-"""How many motions the joints of a mechanism leave free."""
+"""Degrees of freedom of a mechanism."""
 
 import numpy as np
 
@@ -11,10 +11,10 @@ from .system import assemble
 
 
 def degrees_of_freedom(model: Model, y: Array, t: float = 0.0) -> int:
-    """Return the number of independent velocities in state y (n,) that joints alone allow.
+    """Return the number of independent velocities in state y (n,) with joints but without drives.
 
-    Modes count; drives do not take away from it. In a singular position more motions are free
-    than elsewhere.
+    Modes are counted; drives do not reduce the number. In a singular position the number is
+    larger than elsewhere.
     """
     Phi_q = assemble(model, t, y).Phi_q
     rows = [

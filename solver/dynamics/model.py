@@ -1,9 +1,9 @@
-"""The frozen model: everything the step loop reads, as flat arrays.
+"""The model: all data that the step loop reads, as flat arrays.
 
-Readable descriptions (case.py, package/) are compiled once into a `Model`;
-inside a step no object per body is touched. Bodies stand end to end with
-offsets; markers and joints are tables, point masses part of their bodies. A body without modes is
-rigid. The ground is body -1 and has no coordinates.
+tables.py converts readable descriptions once to a `Model`;
+the step loop uses no objects per body. Data of bodies are concatenated, with
+offsets; markers and joints are tables, and point masses are part of their bodies. A body without
+modes is rigid. The ground is body -1 and has no coordinates.
 
 State: y = [positions | velocities | work]
   positions of a body   r_G (3), p (4 Euler parameters), q (m)
@@ -27,7 +27,7 @@ GROUND = -1
 
 @structure
 class Model(NamedTuple):
-    """Arrays of one mechanism; built by assemble.py, read by system.py."""
+    """Arrays of one mechanism; built by tables.py, read by system.py."""
 
     n_body: int  # nb, moving bodies
     n_pos: int  # position coordinates
@@ -75,7 +75,7 @@ class Model(NamedTuple):
     law_coefficient: Array  # (n_piece, N_COEFFICIENT)
     # constraint treatment (dynamics/constraints/treatment.py)
     inertia_scale: Array  # (n_vel,) inertia of each velocity coordinate, for scaling only
-    redundant: int  # constraint equations that follow from the others
+    redundant: int  # number of redundant constraint equations
     alpha: float  # feedback of velocity violations, Eq. (13)   [1/s]
     beta: float  # of position violations                      [1/s]
     penalty: float  # of the augmented Lagrangian, times each row's mass; 0: none
@@ -85,17 +85,17 @@ class Model(NamedTuple):
     added_inertia: Array  # (n_a,) what bodies without inertia of their own get  [kg, kg m2]
     added_direction: Array  # (n_a, widest) and where: rdot_G, w_B, qdot (bodies/added_inertia.py)
     plan: Plan  # structure of the linear algebra
-    # geometric stiffening (dynamics/bodies/second_order.py): nothing for linear bodies
+    # geometric stiffening (dynamics/bodies/second_order.py): empty for linear bodies
     second_start: IntArray  # (nb + 1,) running sum of n_mode squared of stiffened bodies
     third_start: IntArray  # (nb + 1,) the same cubed
     fourth_start: IntArray  # (nb + 1,) to the fourth
     Z: Array  # flat (12 m, m) per body: Z0 (3, m), Z1 (3, 3, m)   [kg m, kg m2]
-    Z_used: NDArray[np.int8]  # (nb, 12) which tables (m, m) of them do not vanish
+    Z_used: NDArray[np.int8]  # (nb, 12) which tables (m, m) of them are not zero
     G3: Array  # flat (m, m m) per body        [kg m2]
     G4: Array  # flat (m m m, m) per body, rows i, j, l and columns k of G4_ij,kl -> ik,jl [kg m2]
     marker_second: IntArray  # (nk,) start of its tables in marker_H; -1: a linear marker
     marker_H: Array  # flat (6 m, m) per marker: translation (3, m), rotation (3, m)
-    marker_H_used: NDArray[np.int8]  # (nk, 6) which tables (m, m) of them do not vanish
-    carried_start: IntArray  # (nb + 1,) point masses that bending draws in, body by body
+    marker_H_used: NDArray[np.int8]  # (nk, 6) which tables (m, m) of them are not zero
+    carried_start: IntArray  # (nb + 1,) point masses with second-order motion, body by body
     carried_marker: IntArray
     carried_mass: Array  # [kg]

@@ -1,4 +1,4 @@
-"""What a mechanism's structure fixes once: which rows and columns the step loop touches.
+"""Structure of a mechanism, computed once: rows and columns that the step loop uses.
 
 Every body has one dense block of M and of the Jacobian. Three kinds of rows join the blocks:
 

@@ -1,4 +1,4 @@
-"""Bring a state back onto the constraints, by the least change in the metric of the mass."""
+"""Projection of a state onto the constraints, by the least change in the metric of the mass."""
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from .workspace import PHI, Work, new_work
 
 MAX_ITERATIONS = 6
 CLOSED = 1e-12  # |Phi| that needs no correction [m, rad]
-TOLERABLE = 1e-9  # |Phi| that may be left where rounding allows no better [m, rad]
+TOLERABLE = 1e-9  # |Phi| that is accepted if round-off prevents a smaller value [m, rad]
 
 
 @lean
@@ -88,7 +88,7 @@ _dense_project = rebound(project, _respond=_dense_respond)
 def projected(model: Model, t: float, y: Array, work: Work | None = None) -> tuple[Array, bool]:
     """Return the state (n,) on the constraints nearest to y, and whether it was reached.
 
-    For mechanisms with constraints. `work` is memory to use again.
+    For mechanisms with constraints. `work` is memory for reuse.
     """
     out = y.copy()
     method = project if by_blocks(model) else _dense_project

@@ -24,8 +24,8 @@ from .joints.table import joint_rows
 from .model import Model
 from .workspace import GAMMA, PHI, PHI_T, Work, new_work
 
-# Least pivot of a constraint row over its diagonal entry, below which rows count as dependent
-# and the penalty takes part: an elimination without it would lose more than half of the digits.
+# Smallest ratio of a pivot to its diagonal entry, below which rows are treated as dependent
+# and the penalty is used: an elimination without it would lose more than half of the digits.
 REGULAR = 1e-7
 
 
@@ -144,7 +144,7 @@ def _push(model: Model, work: Work, k: int, force: Triple, moment: Triple, sign:
 
 
 def assemble(model: Model, t: float, y: Array) -> Equations:
-    """Return the equations at time t and state y as dense arrays of their own."""
+    """Return the equations at time t and state y as new dense arrays."""
     work = new_work(model)
     evaluate(model, work, t, y)
     return dense(model, work)
@@ -184,16 +184,16 @@ def dense(model: Model, work: Work) -> Equations:
 
 
 def constraint_rates(model: Model, equations: Equations, y: Array) -> Array:
-    """Return Phidot (n_c,) in state y, of which `equations` are."""
+    """Return Phidot (n_c,) in state y; `equations` are those of the same state."""
     velocities = y[model.n_pos : model.n_pos + model.n_vel]
     return equations.Phi_q @ velocities + equations.Phi_t
 
 
 def respond(model: Model, equations: Equations, f: Array, gamma: Array) -> tuple[Array, Array]:
-    """Return what answers f (n_vel,) and gamma (n_c,): accelerations and multipliers.
+    """Solve for accelerations and multipliers with right-hand sides f (n_vel,) and gamma (n_c,).
 
-    M a + Phi_q' lambda = f and Phi_q a = gamma, in the way of the model's treatment, by dense
-    linear algebra. Impulses and small motions answer in the same way as accelerations.
+    M a + Phi_q' lambda = f and Phi_q a = gamma, by the model's treatment, with dense
+    linear algebra. The same equations hold for impulses and small motions.
     """
     if model.penalty > 0.0 and model.n_constraint > 0:
         return augmented_lagrangian(
@@ -216,8 +216,8 @@ def respond(model: Model, equations: Equations, f: Array, gamma: Array) -> tuple
 def accelerations(model: Model, equations: Equations, y: Array) -> tuple[Array, Array]:
     """Return accelerations (n_vel,) and multipliers (n_c,) in state y. Paper: Eq. (13), Eq. (14).
 
-    The multipliers of constraint i push with -Phi_q[i] lambda_i. Those of redundant
-    constraints are the ones of least norm.
+    The force of constraint i is -Phi_q[i] lambda_i. Multipliers of redundant
+    constraints are those of least norm.
     """
     Phi_d = constraint_rates(model, equations, y)
     gamma = stabilised(equations.gamma, equations.Phi, Phi_d, model.alpha, model.beta)
@@ -270,7 +270,7 @@ def largest(a: Array) -> float:
 
 @inlined
 def largest_left(model: Model, work: Work, J: Array, x: Array) -> float:
-    """Largest row of Phi + Phi_q x: more than rounding, if no x closes rows that contradict."""
+    """Largest row of Phi + Phi_q x: above round-off if rows contradict each other."""
     row_products(model, J, x, work.left)
     for k in range(model.n_constraint):
         work.left[k] += work.rows[k, PHI]
@@ -290,9 +290,9 @@ def evaluate_rates(model: Model, work: Work, y: Array) -> None:
 def prepare(model: Model, work: Work) -> None:
     """Factorise the mass matrix of the last evaluation with its constraints.
 
-    Where constraint rows depend on each other, or nearly so, the penalty of the augmented
-    Lagrangian takes part, if the treatment has one: 1 / penalty on the diagonal of S, over the
-    mass that the row moves.
+    If constraint rows are dependent, or nearly so, the penalty of the augmented
+    Lagrangian is used, if the treatment has one: 1 / penalty on the diagonal of S, divided by the
+    effective mass of the row.
     """
     work.softness[:] = 0.0
     _factorise_mass(model, work)
@@ -348,11 +348,11 @@ def add_inertia(model: Model, i: int, mass: complex, L: Array, softness: Array) 
 
 @inlined
 def answer(model: Model, work: Work) -> None:
-    """Fill work.acceleration and multipliers with what answers work.load and work.gamma.
+    """Fill work.acceleration and multipliers with the solution for work.load and work.gamma.
 
     After `prepare`. With a penalty in use the multipliers are iterated, lambda += (S + 1/P)^-1
     (Phi_q a - gamma): Bayo's augmented Lagrangian (constraints/augmented_lagrangian.py), written
-    for the multipliers. Redundant rows share them at least norm.
+    for the multipliers. Multipliers of redundant rows have least norm.
     """
     a, left = work.acceleration, work.left
     plan = model.plan
@@ -436,7 +436,7 @@ def dense_derivative_into(model: Model, work: Work, t: float, y: Array, out: Arr
 
 
 def derivative(model: Model, t: float, y: Array) -> Array:
-    """Return dy/dt, (n,), in an array of its own; see `derivative_into`."""
+    """Return dy/dt, (n,), in a new array; see `derivative_into`."""
     out = np.empty(y.shape[0])
     fill = derivative_into if by_blocks(model) else dense_derivative_into
     fill(model, new_work(model), t, y, out)
@@ -448,7 +448,7 @@ def energies(model: Model, equations: Equations, y: Array) -> Array:
 
     `equations` are those of state y.
 
-    Potential energy is that of weight, zero for a mass point at the global origin, and of springs.
+    Potential energy is that of weight (zero for a mass point at the global origin) and of springs.
     """
     velocities = y[model.n_pos : model.n_pos + model.n_vel]
     out = np.zeros(3)

@@ -1,4 +1,4 @@
-"""Compile readable tables of bodies, markers and joints into a frozen `Model`."""
+"""Convert readable tables of bodies, markers and joints to a `Model`."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -18,8 +18,8 @@ from .joints.table import N_PARAMETER as N_JOINT_PARAMETER
 from .model import GROUND, Model
 from .plan import make_plan
 
-# Second-order tables below this share of the others are rounding: bending in a plane moves no
-# station out of it.
+# Second-order tables below this fraction of the others are round-off: in-plane bending moves no
+# station out of the plane.
 NOTHING = 1e-12
 
 
@@ -56,7 +56,7 @@ def rigid_body(name: str, mass: float, centre_B: Array, inertia_B: Array) -> Bod
 def flexible_body(name: str, package: ModalPackage, *, stiffening: bool = False) -> Body:
     """Return the body that a modal package describes, of second order with `stiffening`.
 
-    A package without second-order data gives a linear body all the same.
+    A package without second-order data always gives a linear body.
     """
     second = package.second_order if stiffening else None
     return Body(name, package.invariants, package.mass, package.stiffness, package.damping, second)
@@ -109,7 +109,7 @@ def assemble_model(
     beta: float = 5.0,
     forces: Sequence[ForceTable] = (),
 ) -> Model:
-    """Lay the tables end to end.
+    """Concatenate the tables to a model.
 
     Parameters
     ----------
@@ -239,7 +239,7 @@ def _filled(lists: Sequence[Sequence[float]], columns: int) -> Array:
 
 
 def _uncoupled(body: Body) -> bool:
-    """Tell whether mass, stiffness and damping of the modes are diagonal, whatever the state."""
+    """True if mass, stiffness and damping of the modes are diagonal in every state."""
     matrices = (body.mass, body.stiffness, body.damping)
     return body.second_order is None and all(
         np.count_nonzero(a) == np.count_nonzero(np.diag(a)) for a in matrices
@@ -247,7 +247,7 @@ def _uncoupled(body: Body) -> bool:
 
 
 def _stand(joint: JointTable, markers: list[MarkerTable], H: Sequence[Array]) -> Stand:
-    """Return a joint as the search for driven frames sees it."""
+    """Return the data of a joint for the search of driven frames."""
     pair = (joint.marker_1, joint.marker_2)
     bodies = (markers[pair[0]].body, markers[pair[1]].body)
     k = pair[0] if bodies[0] >= 0 else pair[1]
@@ -264,10 +264,11 @@ def _with_points(
     markers: list[MarkerTable],
     point_masses: Sequence[tuple[int, float]],
 ) -> Body:
-    """Return a body with the point masses that its markers carry among its mass stations.
+    """Return a body with the point masses of its markers as additional mass stations.
 
-    A mass point moves with its marker, x + phi q, and 1/2 q' H q on a stiffened body: one station
-    more in the sums of invariants.py and second_order.py of package/body/, no cost at run time.
+    A mass point moves with its marker, x + phi q, and 1/2 q' H q on a stiffened body. It is one
+    more station in the sums of invariants.py and second_order.py of package/body/, without cost at
+    run time.
     """
     for k, m in point_masses:
         if markers[k].body != index:
@@ -309,12 +310,12 @@ def _carried(
     used: list[list[bool]],
     point_masses: Sequence[tuple[int, float]],
 ) -> list[tuple[int, float]]:
-    """Return the point masses of a body, marker and mass, that move in second order."""
+    """Return the point masses (marker and mass) of a body with second-order motion."""
     return [(k, m) for k, m in point_masses if markers[k].body == index and any(used[k][:3])]
 
 
 def _marker_second_order(bodies: list[Body], marker: MarkerTable) -> Array:
-    """Second-order tables of a marker, (6, m, m); of a linear body none."""
+    """Second-order tables of a marker, (6, m, m); empty for a linear body."""
     if marker.body == GROUND or bodies[marker.body].second_order is None:
         return np.zeros((6, 0, 0))
     if marker.H is None or marker.H_psi is None:
@@ -324,24 +325,25 @@ def _marker_second_order(bodies: list[Body], marker: MarkerTable) -> Array:
 
 
 def _of_moments(Z: Array) -> list[bool]:
-    """Tell which tables of Z0, Z1 (12, m, m) are more than rounding errors of the others."""
+    """Return which tables of Z0, Z1 (12, m, m) are above the round-off of the others."""
     return [*_used(Z[:3], 0.0), *_used(Z[3:], 0.0)]
 
 
 def _of_motion(H: Array, marker: MarkerTable) -> list[bool]:
-    """Tell the same of a marker's tables (6, m, m); of rotations beside the square of the first."""
+    """The same for a marker's tables (6, m, m), with rotations relative to the square of the first
+    order."""
     turn = float(np.abs(marker.psi).max(initial=0.0))
     return [*_used(H[:3], 0.0), *_used(H[3:], turn**2)]
 
 
 def _used(T: Array, scale: float) -> list[bool]:
-    """Tell which tables of T (r, m, m) have an entry above rounding."""
+    """Return which tables of T (r, m, m) have an entry above round-off."""
     largest = np.abs(T).max(axis=(1, 2), initial=0.0)
     return [bool(x > NOTHING * max(scale, largest.max())) for x in largest]
 
 
 def _pairs_used(invariants: Invariants) -> list[bool]:
-    """Tell for each pair 3 a + b of axes whether T01 or T11 has an entry there."""
+    """Return for each pair 3 a + b of axes whether T01 or T11 has an entry there."""
     T01, T11 = invariants.T01_B, invariants.T11_B.transpose(0, 1, 3, 2)
     used = np.abs(T01).max(axis=2, initial=0.0) + np.abs(T11).max(axis=(2, 3), initial=0.0)
     return [bool(u) for u in (used > 0.0).ravel()]
@@ -391,8 +393,8 @@ def _inertia_scale(
 ) -> Array:
     """Return a typical inertia of each velocity coordinate, (n_vel,) [kg, kg m2, modal mass].
 
-    The mean of a body's three inertias serves all of its rotations: a thin rod has next to none
-    about its axis, which must not make that rotation count for more than the others.
+    All rotations of a body use the mean of its three inertias. A thin rod has almost none
+    about its axis, which must not give that rotation a larger weight than the others.
     """
     scale = []
     for i, body in enumerate(bodies):
@@ -400,13 +402,13 @@ def _inertia_scale(
         mass = body.invariants.mass + sum(m for m, _ in carried)
         trace = np.trace(body.invariants.J0_B) + 2.0 * np.trace(body.invariants.T00_B)
         rotary = (trace + sum(2.0 * m * (x @ x) for m, x in carried)) / 3.0
-        # a mass point has no rotary inertia: its rotations are held by joints, or nothing is
+        # a mass point has no rotary inertia: joints must constrain its rotations
         scale += [mass] * 3 + [rotary or mass] * 3 + list(np.diag(body.mass))
     return np.array(scale, dtype=float)
 
 
 def _numbered(tables: Sequence[JointTable] | Sequence[ForceTable], laws: list[Law]) -> np.ndarray:
-    """Return the number of the law of each, -1 where it has none, and collect the laws."""
+    """Return the number of each law, -1 for none, and collect the laws."""
     numbers = []
     for table in tables:
         numbers.append(-1 if table.law is None else len(laws))

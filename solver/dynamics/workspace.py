@@ -35,7 +35,7 @@ class Factors(NamedTuple):
 
 @structure
 class Work(NamedTuple):
-    """What an evaluation fills; bodies' arrays are as wide as the largest body."""
+    """Arrays that an evaluation fills; arrays of bodies have the size of the largest body."""
 
     A: Array  # (nb, 3, 3) rotation matrices A_GB
     M: Array  # (nb, n, n) mass matrices, lower triangles

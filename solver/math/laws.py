@@ -1,8 +1,8 @@
-"""Laws of time: what drives, actuators and loads prescribe, as pieces of polynomials.
+"""Laws of time for drives, actuators and loads, as piecewise polynomials.
 
-Constant speed, polynomials, smooth steps and tables are all the same thing to the step
-loop: pieces, each a polynomial of t - t_piece that holds until the next begins. The last
-piece goes on for ever, the first also holds before it begins.
+The step loop treats constant speed, polynomials, smooth steps and tables in the same way:
+as pieces. Each piece is a polynomial of t - t_piece that is valid until the next begins. The last
+piece has no end, and the first is also valid before its beginning.
 """
 
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from .arrays import Array, IntArray
 from .compiled import jit
 
 N_COEFFICIENT = 8  # a polynomial of degree 7
-SINE_PIECES = 32  # of a sine ramp: an acceleration good to 1e-11 of its mean
+SINE_PIECES = 32  # pieces of a sine ramp: acceleration accurate to 1e-11 of its mean
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ def smooth_step(value: float, duration: float, start: float = 0.0) -> Law:
 
 
 def ramp(speed: float, duration: float, offset: float = 0.0, *, sine: bool = False) -> Law:
-    """From rest at `offset` to a constant speed after `duration` [s], by a smooth step of speed.
+    """Start from rest at `offset` and reach a constant speed after `duration` [s] by a smooth step.
 
     With `sine` the acceleration is 1 - cos(2 pi t / duration) times its mean.
     """
@@ -104,9 +104,9 @@ def _sine_rise(speed: float, times: Array, offset: float) -> list[list[float]]:
 def table(times: Sequence[float], values: Sequence[float], *, smooth: bool = True) -> Law:
     """Through points: a cubic spline (two continuous derivatives), or straight lines.
 
-    Beyond the last time the last value is held.
+    After the last time the last value is kept.
 
-    Raises ValueError : fewer than two points, times that do not ascend, no finite numbers.
+    Raises ValueError : fewer than two points, times not in ascending order, non-finite numbers.
     """
     t, f = np.asarray(times, dtype=float), np.asarray(values, dtype=float)
     if t.ndim != 1 or t.shape != f.shape or t.size < 2:
@@ -117,7 +117,9 @@ def table(times: Sequence[float], values: Sequence[float], *, smooth: bool = Tru
             raise ValueError(f"{name}[{bad[0]}] = {array[bad[0]]}: expected a finite number")
     if not np.all(np.diff(t) > 0.0):
         i = int(np.flatnonzero(np.diff(t) <= 0.0)[0]) + 1
-        raise ValueError(f"times[{i}] = {t[i]:g}: expected more than {t[i - 1]:g}, times ascend")
+        raise ValueError(
+            f"times[{i}] = {t[i]:g}: expected more than {t[i - 1]:g}, times must ascend"
+        )
     if smooth:
         pieces = CubicSpline(t, f).c[::-1].T
     else:

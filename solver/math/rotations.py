@@ -1,8 +1,8 @@
 """Rotations: skew matrices, Euler parameters, finite rotation vectors.
 
-`A_GB` takes components in the body frame B to components in G. Euler
+`A_GB` converts components in the body frame B to components in G. Euler
 parameters p = (e0, e1, e2, e3) need not be exactly normalised: every formula
-here divides by p'p, so that an integrator's drift of the norm is harmless.
+here divides by p'p, so a drift of the norm has no effect.
 """
 
 import numpy as np
@@ -110,7 +110,7 @@ def vector_to_matrix(theta: Array) -> Array:
 
 
 def tangent_map(theta: Array) -> Array:
-    """Return T (3, 3) with angular velocity = T thetadot, in the axes that theta starts from."""
+    """Return T (3, 3) with angular velocity = T thetadot, in the axes before the rotation theta."""
     s = dot(theta, theta)
     a, b, _, _ = tangent_coefficients(s)
     return _about(theta, 1.0 - s * b, a, b)

@@ -1,6 +1,6 @@
-"""Vectors of three numbers as tuples: the hot path's arithmetic without memory.
+"""Vectors of three numbers as tuples: arithmetic of the step loop without allocation.
 
-Arrays of three numbers cost an allocation each; tuples stay in registers where compiled.
+Each array of three numbers needs an allocation; compiled tuples stay in registers.
 """
 
 from typing import Any

@@ -1,4 +1,4 @@
-"""From a resolved run and its packages to a model, its names and its start."""
+"""Build model, names and start of a mechanism from a resolved run and its packages."""
 
 from .build import BuiltMechanism, build
 from .joints import BuiltJoint

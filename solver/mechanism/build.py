@@ -1,4 +1,4 @@
-"""Build the model of a mechanism, keep its names, and say where it starts."""
+"""Build the model of a mechanism, with its names and its start."""
 
 from dataclasses import dataclass
 
@@ -19,11 +19,11 @@ from .virtual import VirtualBodies, through_virtual_bodies
 
 @dataclass(frozen=True)
 class BuiltMechanism:
-    """A model ready to run, and the names that its numbers lost."""
+    """A model with the names of its bodies, joints and places."""
 
     model: Model
     start: Start
-    body_names: list[str]  # of the case; virtual bodies stand behind them
+    body_names: list[str]  # bodies of the case, then virtual bodies
     joint_names: list[str]  # one per joint row block, drives included
     packages: dict[str, ModalPackage]  # flexible bodies only
     places: dict[str, tuple[int, Interface]]  # "BODY.INTERFACE" -> body index, interface
@@ -41,7 +41,7 @@ def build(
     Raises
     ------
     InputError
-        A place that a package does not have, a distance of no length.
+        A package has no such interface; a distance joint has length zero.
     """
     places = Places(mechanism, packages)
     stiffening = stiffening or mechanism.solver.geometric_stiffening

@@ -1,10 +1,10 @@
 """Static equilibrium: positions in which a mechanism stays at rest under its loads.
 
-Newton's method on the positions that the joints leave free: Z'(f - Phi_q' lambda) = 0 with the
-columns of Z spanning the null space of Phi_q, and the joints closed again after each step. Where
-the stiffness has a negative direction the step goes downhill all the same, so that it ends where
-the potential energy has a minimum and not in any equilibrium; following loads, which have no
-potential, are judged by the work that they do along the step.
+Newton's method for the independent positions: Z'(f - Phi_q' lambda) = 0, where the
+columns of Z span the null space of Phi_q. The joints are closed again after each step. If
+the stiffness has a negative eigenvalue, the step still reduces the potential energy. The search
+therefore ends in a minimum, not in an unstable equilibrium. Following loads have no potential; for
+them, the work along the step is used.
 """
 
 from dataclasses import replace
@@ -21,19 +21,21 @@ from ..math.arrays import Array
 from .inertia import require_inertia
 from .initial import Start, consistent_state
 
-_TOLERANCE = 1e-10  # of the unbalanced accelerations, over the largest that the loads give
-_NEUTRAL = 1e-6  # [1/s2] stiffness over inertia that counts as none
+_TOLERANCE = (
+    1e-10  # tolerance of the unbalanced accelerations, relative to the largest due to the loads
+)
+_NEUTRAL = 1e-6  # [1/s2] stiffness over inertia that is treated as zero
 _MAX_STEP = 0.3  # [m, rad, modes]
 _MAX_ITERATIONS = 200
-_NUDGE = 0.05  # [m, rad, modes] away from an equilibrium that is not stable
+_NUDGE = 0.05  # [m, rad, modes] step away from an unstable equilibrium
 _CLOSED = 1e-12
-_DIFFERENCE = 1e-6  # [m, rad, modes] of the stiffness by differences
+_DIFFERENCE = 1e-6  # [m, rad, modes] increment for the stiffness by finite differences
 
 
 def starting_state(
     model: Model, start: Start, kind: str, joint_names: list[str], body_names: list[str]
 ) -> Array:
-    """Return the state y (n,) that a run starts from; `kind` is solver.start of a case.
+    """Return the initial state y (n,) of a run; `kind` is solver.start of a case.
 
     Raises
     ------
@@ -49,15 +51,15 @@ def starting_state(
 
 
 def equilibrium(model: Model, start: Start, body_names: list[str], t: float = 0.0) -> Start:
-    """Return the start with positions of static equilibrium at time t; velocities stay as given.
+    """Return the start with positions of static equilibrium at time t; velocities do not change.
 
-    Gravity, springs, bushings and loads act with the values that they have at t; drives hold the
-    positions that they have at t.
+    Gravity, springs, bushings and loads have their values at t; drives keep their positions
+    at t.
 
     Raises
     ------
     InputError
-        No equilibrium found, or joints that do not close on the way; says which body is pushed.
+        No equilibrium found, or joints cannot be closed; names the body with unbalanced forces.
     """
     positions = _closed(model, start.positions, t)
     largest = 0.0
@@ -81,12 +83,12 @@ def equilibrium(model: Model, start: Start, body_names: list[str], t: float = 0.
     raise InputError(
         f"solver.start: no static equilibrium within {_MAX_ITERATIONS} steps; "
         f"{_pushed(model, here.push, body_names)}. Expected loads that joints, springs and "
-        "elasticity can hold"
+        "elasticity can balance"
     )
 
 
 class _Balance:
-    """Unbalanced forces at rest in a position, and the directions that the joints leave free."""
+    """Unbalanced forces at rest in a position, and the free directions."""
 
     def __init__(self, model: Model, positions: Array, t: float) -> None:
         self.model, self.t = model, t
@@ -150,8 +152,8 @@ def _closed(model: Model, positions: Array, t: float) -> Array:
         step = np.linalg.lstsq(C, -scale * equations.Phi, rcond=RANK_TOLERANCE)[0] / root
         positions = moved(model, positions, _limited(step))
     raise InputError(
-        "solver.start: the joints do not close on the way to static equilibrium "
-        f"({np.max(np.abs(equations.Phi)):.2g} m or rad apart); give initial positions nearer to it"
+        "solver.start: the joints cannot be closed during the search for equilibrium "
+        f"({np.max(np.abs(equations.Phi)):.2g} m or rad apart); give initial positions closer to it"
     )
 
 
@@ -164,7 +166,7 @@ def _sized(step: Array, size: float) -> Array:
 
 
 def _pushed(model: Model, push: Array, body_names: list[str]) -> str:
-    """Say which body has the largest unbalanced acceleration, and how it is pushed."""
+    """Describe the largest unbalanced acceleration and its body."""
     largest, text = -1.0, ""
     for i, name in enumerate(body_names):
         j = int(model.vel_start[i])
@@ -177,5 +179,8 @@ def _pushed(model: Model, push: Array, body_names: list[str]) -> str:
         }
         for unit, size in parts.items():
             if size > largest:
-                largest, text = float(size), f"body {name} is still pushed with {size:.3g} {unit}"
+                largest, text = (
+                    float(size),
+                    f"body {name} still has an unbalanced acceleration of {size:.3g} {unit}",
+                )
     return text

@@ -1,4 +1,4 @@
-"""Springs, bushings and loads from the tables of a case."""
+"""Force elements (springs, bushings, loads) from the tables of a case."""
 
 import numpy as np
 

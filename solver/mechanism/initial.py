@@ -1,4 +1,4 @@
-"""Consistent start: positions that assemble, velocities and accelerations that fit."""
+"""Consistent start: assembled positions, and velocities that satisfy the constraints."""
 
 from dataclasses import dataclass
 
@@ -18,7 +18,7 @@ from ..results.finding import Finding
 
 _POSITION_TOLERANCE = 1e-12
 _VELOCITY_TOLERANCE = 1e-9
-_MAX_STEP = 0.5  # [m, rad] of one Newton correction: a rough start must not jump
+_MAX_STEP = 0.5  # [m, rad] limit of one Newton correction, for rough initial positions
 _MAX_ITERATIONS = 60
 
 ROTATION = KINDS["rotation_drive"]
@@ -26,20 +26,20 @@ ROTATION = KINDS["rotation_drive"]
 
 @dataclass(frozen=True)
 class Start:
-    """Rough positions and given velocities, in the order of the model's coordinates."""
+    """Approximate positions and given velocities, in the order of the model's coordinates."""
 
     positions: Array  # (n_pos,)
     velocities: Array  # (n_vel,): values where given
-    given: Array  # (n_vel,) bool: True where the velocity is given and must be kept
+    given: Array  # (n_vel,) bool: True for given velocities, which must be kept
 
 
 @dataclass(frozen=True)
 class Redundancy:
-    """Constraint equations that follow from the others."""
+    """Redundant constraint equations."""
 
     count: int
-    joints: list[str]  # those that share them
-    singular_start: bool  # more equations than these lose their effect at the start
+    joints: list[str]  # joints that share them
+    singular_start: bool  # the rank at the start is lower than in general
 
     def findings(self) -> list[Finding]:
         """Return what a user should know of it."""
@@ -67,7 +67,7 @@ def consistent_state(model: Model, start: Start, joint_names: list[str], t: floa
     Raises
     ------
     InputError
-        Mechanism that cannot be assembled, or given velocities that contradict joints and
+        The mechanism cannot be assembled, or given velocities contradict joints and
         drives; names the joints.
     """
     y = np.concatenate([start.positions, np.zeros(model.n_vel + 1)])
@@ -82,7 +82,7 @@ def _rows(model: Model, joint: int) -> slice:
 
 
 def _describe(model: Model, residual: Array, names: list[str], words: tuple[str, str]) -> str:
-    """Say which joints leave a residual, worst first."""
+    """List the joints with residuals, largest first."""
     parts = []
     for k, name in enumerate(names):
         r = residual[_rows(model, k)]
@@ -116,7 +116,7 @@ def _closed(model: Model, y: Array, t: float) -> Array:
 
 
 def _assembled(model: Model, y: Array, names: list[str], t: float) -> Array:
-    """Close the joints; name those that stay open."""
+    """Close the joints; the error names those that stay open."""
     y = _closed(model, y, t)
     equations = assemble(model, t, y)
     if np.max(np.abs(equations.Phi)) > 1e3 * _POSITION_TOLERANCE:
@@ -130,7 +130,7 @@ def _assembled(model: Model, y: Array, names: list[str], t: float) -> Array:
         if model.joint_kind[k] == ROTATION and _drive_cosine(model, y, k, t) < 0:
             raise InputError(
                 f"the drive of {name} assembles half a turn away from its value at the start; "
-                "give initial positions nearer to it"
+                "give initial positions closer to it"
             )
     return y
 
@@ -145,15 +145,15 @@ def _drive_cosine(model: Model, y: Array, joint: int, t: float) -> float:
 
 
 def redundancy(model: Model, y: Array, names: list[str], t: float = 0.0) -> Redundancy:
-    """Count the constraint equations that follow from the others, at a consistent state y.
+    """Count the redundant constraint equations at a consistent state y.
 
-    The rank is judged at the start and at a position near by: a mechanism that starts in a
-    singular position has less rank there than in general.
+    The rank is computed at the start and at a position close to it. In a singular starting position
+    the rank is lower than in general.
 
     Raises
     ------
     InputError
-        Joints and drives that contradict each other; names them.
+        Joints and drives contradict each other; names them.
     """
     if model.n_constraint == 0:
         return Redundancy(0, [], False)
@@ -163,7 +163,7 @@ def redundancy(model: Model, y: Array, names: list[str], t: float = 0.0) -> Redu
     if here.value < model.n_constraint and here.value < model.n_vel:
         near = _nearby(model, y, here, t)
         if near is not None:
-            # coarser: this state satisfies the joints less exactly than the start
+            # larger tolerance: this state satisfies the joints less accurately than the start
             found = _Rank(assemble(model, t, near), model.inertia_scale, 1e3 * RANK_TOLERANCE)
             general = found if found.value > here.value else here
     count = model.n_constraint - general.value
@@ -182,7 +182,7 @@ def redundancy(model: Model, y: Array, names: list[str], t: float = 0.0) -> Redu
 
 
 class _Rank:
-    """Rank of the scaled Jacobian, and the vectors behind it."""
+    """Rank of the scaled Jacobian, and its singular vectors."""
 
     def __init__(self, equations: Equations, inertia_scale: Array, tolerance: float) -> None:
         C = scaled_jacobian(equations.Phi_q, inertia_scale)
@@ -198,7 +198,7 @@ def _involved(model: Model, rank: _Rank, names: list[str]) -> list[str]:
 
 def _nearby(model: Model, y: Array, rank: _Rank, t: float) -> Array | None:
     """Return a state a hundredth of a radian from y that satisfies the joints, or None."""
-    mix = np.cos(np.arange(1.0, rank.null.shape[0] + 1.0))  # any direction will do
+    mix = np.cos(np.arange(1.0, rank.null.shape[0] + 1.0))  # an arbitrary direction
     step = (mix @ rank.null) / np.sqrt(model.inertia_scale)
     near = y.copy()
     near[: model.n_pos] = moved(model, y[: model.n_pos], 0.01 * step / np.max(np.abs(step)))
@@ -208,7 +208,7 @@ def _nearby(model: Model, y: Array, rank: _Rank, t: float) -> Array | None:
 
 
 def _velocities(model: Model, start: Start, y: Array, names: list[str], t: float) -> Array:
-    """Keep the given velocities; the others follow from the joints at least kinetic energy."""
+    """Keep the given velocities; the others follow from the joints with minimum kinetic energy."""
     equations = assemble(model, t, y)
     free = ~np.asarray(start.given, dtype=bool)
     v = np.where(free, 0.0, start.velocities)
@@ -229,6 +229,6 @@ def _velocities(model: Model, start: Start, y: Array, names: list[str], t: float
         off = _describe(model, residual, names, ("m/s", "rad/s"))
         raise InputError(
             f"initial velocities contradict the joints and drives: {off}; "
-            "give fewer velocities or values that fit"
+            "give fewer velocities or consistent values"
         )
     return v

@@ -15,17 +15,18 @@ from .places import Places, axes
 
 @dataclass(frozen=True)
 class BuiltJoint:
-    """Where a joint of the case stands in the model."""
+    """Position of a joint of the case in the model."""
 
     kind: str
     rows: tuple[int, ...]  # joint tables of the model: the joint itself, then its drives
-    shift: Array  # (3,) way from place one to two at the given start, in the joint's axes [m]
+    shift: Array  # (3,) vector from place one to two at the given start, in the joint's axes [m]
 
 
 def joint_tables(
     mechanism: Mechanism, places: Places
 ) -> tuple[list[JointTable], dict[str, BuiltJoint]]:
-    """Return the joints and drives, each drive behind its joint, and where they stand."""
+    """Return the joints and drives, each drive after its joint, and their positions in the
+    model."""
     tables: list[JointTable] = []
     built = {}
     for name, joint in mechanism.joints.items():

@@ -1,4 +1,4 @@
-"""Places of a mechanism: where they are at the start, and markers on them."""
+"""Places of a mechanism: their positions at the start, and their markers."""
 
 import numpy as np
 
@@ -12,12 +12,12 @@ from ..package import Interface, ModalPackage
 
 
 class Places:
-    """Interfaces of bodies and points of the ground, and the markers that stand on them.
+    """Interfaces of bodies and points of the ground, and their markers.
 
     Attributes
     ----------
     known : "BODY.INTERFACE" -> body index, interface
-    markers : in the order in which they were asked for
+    markers : in the order of the requests
     r_start, A_start : (nb, 3) [m], (nb, 3, 3) frames of the bodies at the given start
     """
 
@@ -45,7 +45,7 @@ class Places:
         Raises
         ------
         InputError
-            A place that a package does not have; `key` is that of the case file.
+            A package has no such interface; `key` is that of the case file.
         """
         if place in self._ground:
             return self._add(MarkerTable(GROUND, self._ground[place], A_GM))
@@ -67,7 +67,7 @@ class Places:
         return len(self.markers) - 1
 
     def shift(self, one: int, two: int) -> Array:
-        """Return the way (3,) from marker one to two at the given start, in axes of one [m]."""
+        """Return the vector (3,) from marker one to two at the given start, in axes of one [m]."""
         x, A = self._frame(one)
         return np.asarray(A.T @ (self._frame(two)[0] - x))
 

@@ -1,13 +1,13 @@
-"""Virtual bodies: a massless rigid body between a flexible body's interface and its joints.
+"""Virtual bodies: massless rigid bodies between an interface of a flexible body and its joints.
 
-The paper (section 2.2) writes joints between rigid bodies only: a virtual body is fixed to the
-interface by six constraints, and the joint stands on the virtual body. A marker has the same six
-equations substituted (bodies/marker.py), so that both give the same motion; this one has twelve
-more unknowns for every interface: six coordinates and six multipliers.
+The paper (section 2.2) writes joints between rigid bodies only. Six constraints fix a virtual body
+to the interface, and the joint is attached to the virtual body. A marker has the same six
+equations substituted (solver/dynamics/bodies/marker.py), so both give the same motion. A virtual
+body has twelve more unknowns for every interface: six coordinates and six multipliers.
 
-The mass matrix is singular then, the saddle-point matrix is not: what a virtual body does follows
-from its flexible body through the six constraints, and M is positive definite on all motions that
-the constraints allow.
+The mass matrix is then singular, but the saddle-point matrix is not: the motion of a virtual body
+follows from its flexible body by the six constraints, and M is positive definite on all motions
+that the constraints allow.
 """
 
 from collections.abc import Sequence
@@ -22,15 +22,15 @@ from ..math.arrays import Array
 
 @dataclass(frozen=True)
 class VirtualBodies:
-    """A mechanism's tables with virtual bodies behind its own."""
+    """Tables of a mechanism, with virtual bodies after the others."""
 
     bodies: list[Body]  # the virtual ones
     markers: list[MarkerTable]  # all; those of the mechanism keep their numbers
     joints: list[JointTable]  # all; those of the mechanism keep their numbers
-    carriers: list[tuple[int, Array]] = field(default_factory=list)  # body, place (3,) in it [m]
+    carriers: list[tuple[int, Array]] = field(default_factory=list)  # body, position (3,) in it [m]
 
     def frames(self, r: Array, A: Array) -> list[tuple[Array, Array]]:
-        """Return where the virtual bodies are, for frames r (nb, 3), A (nb, 3, 3) at rest."""
+        """Return the positions of the virtual bodies for frames r (nb, 3), A (nb, 3, 3) at rest."""
         return [(r[body] + A[body] @ x, A[body]) for body, x in self.carriers]
 
     def scaled(self, model: Model) -> Model:
@@ -50,7 +50,7 @@ def through_virtual_bodies(
 ) -> VirtualBodies:
     """Return the tables with every joint end on a flexible body moved to a virtual body.
 
-    All joints of one interface share a virtual body. After section 2.2 of the paper.
+    All joints of one interface share a virtual body, as in section 2.2 of the paper.
     """
     all_markers = list(markers)
     virtual: list[Body] = []

@@ -1,4 +1,4 @@
-"""Examine a package or section file and report everything that is wrong with it."""
+"""Validate a package or section file and report all errors."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -31,7 +31,7 @@ DATASET_ATTRIBUTES = ("unit", "frame", "description")
 
 @dataclass(frozen=True)
 class _Kind:
-    """How files of one format are examined, in this order."""
+    """Checks of the files of one format, in this order."""
 
     format: FileFormat
     layout: Callable[[h5py.Group], list[Remark]]
@@ -62,8 +62,8 @@ _SECTION = _Kind(
 def validate(path: str | Path) -> list[Remark]:
     """Return every finding on a modal package or a section file; no "error": it is usable.
 
-    Later stages need the earlier ones: arrays of a wrong shape are not compared.
-    A file that is neither gives one finding.
+    Later stages require earlier ones: arrays of a wrong shape are not compared.
+    A file of another format gives one finding.
     """
     path = Path(path)
     try:

@@ -1,4 +1,4 @@
-"""The report of a case: figures, report.html and a table for the screen."""
+"""The report of a case: figures, report.html and a table on the screen."""
 
 from .build import make_report
 from .table import summary_table

@@ -1,4 +1,4 @@
-"""May the run be trusted? Energies, the error of their balance, and the constraint violation."""
+"""Verification plot of a run: energies, error of the energy balance, constraint violation."""
 
 from pathlib import Path
 from typing import Any
@@ -46,7 +46,7 @@ def draw_balance(path: Path, story: Story) -> Path:
     if shown:
         bottom.legend(ncols=3, columnspacing=1.2, handlelength=1.4, **above)
     else:
-        words = "none above zero" if result.violations else "not recorded by this run"
+        words = "zero" if result.violations else "not recorded by this run"
         bottom.text(0.5, 0.5, words, transform=bottom.transAxes, ha="center", color=GREY)
         bottom.set_yticks([])
     top.set_xlim(0, max(float(result.t[-1]), 1e-12))

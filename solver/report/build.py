@@ -1,4 +1,4 @@
-"""From the files of finished runs to figures and report.html."""
+"""Build figures and report.html from the files of finished runs."""
 
 from pathlib import Path
 from typing import Any
@@ -21,9 +21,9 @@ def make_report(case_dir: Path, runs: list[str], case: dict[str, Any] | None = N
     ----------
     case_dir : build/<case>, holding <run>/summary.json and <run>/result.vtkhdf
     runs : names of the runs to show, in this order
-    case : the content of case.json, of which are used: `title`; `runs`, a
+    case : the content of case.json. Used keys: `title`; `runs`, a
         title by name; `figures`, by name {"title", "signal", "runs"}. Without
-        figures each signal is drawn for all runs.
+        figures, each signal is drawn for all runs.
 
     Writes <figure>.png into case_dir, motion.png and balance.png into each
     run's folder, strength.png too where plies have strengths, and report.html last.

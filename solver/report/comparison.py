@@ -1,4 +1,4 @@
-"""One signal of several runs against time, as the paper's Figs. 10-15 show it."""
+"""One signal of several runs over time, as in the paper's Figs. 10-15."""
 
 from pathlib import Path
 from typing import Any
@@ -10,12 +10,12 @@ from ..results import Signal
 from .story import Comparison, Story
 from .style import DASHES, GREY, INK, PALE, Canvas, colour, mark_stop, unit_text
 
-CROSSINGS = 8  # curves that cross more often than this get panels of their own
-SPREAD = 10.0  # curves whose ranges differ more than this get panels and scales of their own
+CROSSINGS = 8  # curves that cross more often than this get separate panels
+SPREAD = 10.0  # curves whose ranges differ more than this get separate panels and scales
 
 
 def draw_comparison(path: Path, wanted: Comparison, stories: list[Story]) -> Path:
-    """Draw one picture: a common panel, or one panel a run where curves would overlap."""
+    """Draw one picture: a common panel, or one panel per run if curves would overlap."""
     signals = [story.signal(wanted.signal) for story in stories]
     t_full = max(float(story.result.t[-1]) for story in stories)
     if crossings(stories, signals) > CROSSINGS or spread(signals) > SPREAD:
@@ -26,7 +26,7 @@ def draw_comparison(path: Path, wanted: Comparison, stories: list[Story]) -> Pat
 
 
 def crossings(stories: list[Story], signals: list[Signal]) -> int:
-    """Count how often the busiest pair of curves crosses."""
+    """Largest number of crossings between two curves."""
     most = 0
     for i in range(len(signals)):
         for j in range(i):

@@ -1,4 +1,4 @@
-"""How near the plies come to failure, along each beam."""
+"""Exposure 1/R of the plies along each beam."""
 
 from pathlib import Path
 from typing import Any
@@ -6,14 +6,14 @@ from typing import Any
 from .story import Story
 from .style import DASHES, WARNING, Canvas, colour
 
-NEAR = 0.3  # exposure from which the line of failure is drawn
+NEAR = 0.3  # exposure above which the line of failure is drawn
 
 
 def draw_exposure(path: Path, story: Story) -> Path:
     """Draw, for each body of a run, the highest exposure 1/R over time against the station."""
     bodies: dict[str, Any] = story.summary["strength"]
     canvas = Canvas(5.4, 0.9 + 2.1 * len(bodies))
-    # Far from failure the curves would lie on the axis if its line were shown.
+    # Far from failure, the line of failure would compress the curves onto the axis.
     for axes, (name, found) in zip(canvas.panels(len(bodies)), bodies.items(), strict=True):
         along = found["along_beam"]
         for i, (criterion, values) in enumerate(along["exposure"].items()):

@@ -1,4 +1,4 @@
-"""A drawing of the motion: the bodies at some instants, and the path of the tip."""
+"""Figure of the motion: the bodies at some times, and the path of the tip."""
 
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ AXES = "xyz"
 
 
 def draw_motion(path: Path, story: Story) -> Path:
-    """Draw all bodies at evenly spaced instants in the plane in which they move most."""
+    """Draw all bodies at evenly spaced times in the plane of their largest motion."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.collections import LineCollection
     from matplotlib.colors import LinearSegmentedColormap, Normalize
@@ -25,7 +25,7 @@ def draw_motion(path: Path, story: Story) -> Path:
     points = result.node_positions_G[:, :, [first, second]]
     canvas = Canvas(5.4, 5.2)
     (axes,) = canvas.panels(1)
-    # Pale to dark in one hue: order in time survives in black and white.
+    # Pale to dark in one hue: the order in time is also visible in black and white.
     fade = LinearSegmentedColormap.from_list("age", ["#B5D4EA", "#4A97C9", "#0A2F4A"])
     scale = Normalize(0.0, max(float(result.t[-1]), 1e-12))
     tip = travelling_point(points)
@@ -56,7 +56,7 @@ def draw_motion(path: Path, story: Story) -> Path:
     bar.set_label("time [s]", color=INK)
     bar.outline.set_visible(False)
     canvas.figure.supxlabel(
-        f"{len(chosen)} instants, even in time; orange: path of the outermost point",
+        f"{len(chosen)} equidistant times; orange: path of the outermost point",
         fontsize=7.5,
         color=GREY,
     )

@@ -1,4 +1,4 @@
-"""report.html: one page that needs nothing else, neither files nor network."""
+"""report.html: one self-contained page, without other files or network."""
 
 import base64
 from html import escape
@@ -21,7 +21,8 @@ def page(
 ) -> str:
     """Return the page as HTML; figures are embedded.
 
-    `strengths` has one figure for each story whose summary tells of strength, the others one each.
+    `strengths` has one figure for each story with strength results, the other lists one for each
+    story.
     """
     done = sum(not story.stopped for story in stories)
     count = f"{done} of {len(stories)} runs completed"
@@ -39,7 +40,7 @@ def page(
         *(_figure(p, f"Motion of {s.title}") for s, p in zip(stories, motions, strict=True)),
         "</div></section>",
         _strength(stories, strengths),
-        "<section><h2>Can the numbers be trusted?</h2><div class='grid'>",
+        "<section><h2>Verification</h2><div class='grid'>",
         *(_figure(p, f"Balance of {s.title}") for s, p in zip(stories, balances, strict=True)),
         "</div></section>",
         _READING,
@@ -125,7 +126,7 @@ def _signals(stories: list[Story]) -> str:
 
 
 def _strength(stories: list[Story], figures: list[Path]) -> str:
-    """Return the section on ply stresses, or nothing where no material has strengths."""
+    """Return the section on ply stresses, or nothing if no material has strengths."""
     told = [story for story in stories if story.summary.get("strength")]
     if not told:
         return ""
@@ -159,7 +160,7 @@ def _strength(stories: list[Story], figures: list[Path]) -> str:
 
 
 def fails(found: dict[str, Any]) -> bool:
-    """Say whether a ply of a body fails, by its entry in summary.json."""
+    """True if a ply of a body fails, from its entry in summary.json."""
     return found["ratio"] is not None and found["ratio"] < 1.0
 
 
@@ -180,18 +181,18 @@ def _warnings(stories: list[Story]) -> str:
 
 
 _READING = """<section class='reading'><h2>How to read this page</h2><dl>
-<dt>Completed</dt><dd>The run reached its planned end. A stopped run is drawn up to its stop,
-which is marked in red; its final values are those at the stop.</dd>
+<dt>Completed</dt><dd>The run reached its end time. A stopped run is drawn up to its stop,
+which is marked in red. Its final values are those at the stop.</dd>
 <dt>Constraint violation</dt><dd>The largest distance, over the run, between points that a joint
-holds together.</dd>
-<dt>Energy drift</dt><dd>Kinetic, strain and potential energy less the work of drives and dampers
-is constant in an exact solution; the number is its largest change over the largest energy in
-play.</dd>
+connects.</dd>
+<dt>Energy drift</dt><dd>Kinetic, strain and potential energy minus the work of drives and dampers
+is constant in an exact solution. The number is its largest change, divided by the largest energy
+of the run.</dd>
 <dt>Largest</dt><dd>The largest magnitude of a signal at the output times.</dd>
 <dt>Strength ratio R</dt><dd>The factor on all stresses at which the first ply fails, lowest over
-points and output times; below 1 it fails in this run. The exposure 1/R grows with the load.
-Stresses are those of the modes that the body has: take more modes and compare. Shown where
+points and output times. Below 1 the ply fails in this run. The exposure 1/R grows with the load.
+Stresses depend on the modes of the body: use more modes and compare. Shown if
 materials have strengths.</dd>
-<dt>More</dt><dd>Each run's folder holds <code>summary.json</code> (these numbers for programs) and
-<code>result.vtkhdf</code>: in ParaView apply the filter <em>Warp By Vector</em> with the array
+<dt>More</dt><dd>The folder of each run has <code>summary.json</code> (these numbers for programs)
+and <code>result.vtkhdf</code>. In ParaView apply the filter <em>Warp By Vector</em> with the array
 <em>displacement</em>, then press play.</dd></dl></section>"""

@@ -1,4 +1,4 @@
-"""What the report knows of a run: its summary, its result and the words for it."""
+"""Data of a run for the report: summary, result and title."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +10,7 @@ from ..results import ResultError, RunResult, Signal, read_result, read_summary
 
 @dataclass(frozen=True)
 class Story:
-    """One run as the report tells it."""
+    """One run of the report."""
 
     name: str
     title: str
@@ -19,7 +19,7 @@ class Story:
 
     @property
     def stopped(self) -> bool:
-        """True when the run ended before its planned end."""
+        """True if the run ended before its end time."""
         return not self.summary.get("completed", False)
 
     def signal(self, name: str) -> Signal:
@@ -53,7 +53,7 @@ def read_story(case_dir: Path, run: str, title: str) -> Story:
 
 
 def comparisons(case: dict[str, Any], stories: list[Story]) -> list[Comparison]:
-    """Return the pictures that the case asks for, with the runs that exist.
+    """Return the pictures that the case requests, with the existing runs.
 
     A case without figures gets one picture per signal.
     """

@@ -1,4 +1,4 @@
-"""How all figures look: colours that colour-blind readers tell apart, quiet axes, crisp text."""
+"""Style of all figures: colours for colour-blind readers, thin axes, clear text."""
 
 import contextlib
 from collections.abc import Iterator
@@ -8,9 +8,9 @@ from typing import Any
 from ..errors import InputError
 from ..package.common.container import temporary_sibling
 
-# Okabe and Ito's palette without its yellow, which is too light for lines.
+# Palette of Okabe and Ito without yellow, which is too light for lines.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
-DASHES = ("-", (0, (5, 1.5)), (0, (1.2, 1.2)), "-.")  # for readers in black and white
+DASHES = ("-", (0, (5, 1.5)), (0, (1.2, 1.2)), "-.")  # for print in black and white
 INK, GREY, PALE = "#222222", "#777777", "#C9C9C9"
 WARNING = "#B00020"
 
@@ -42,7 +42,7 @@ _RULES: Any = {
 
 @contextlib.contextmanager
 def house_style() -> Iterator[None]:
-    """Draw in our style inside this context. Raises InputError without matplotlib."""
+    """Context with the style of all figures. Raises InputError without matplotlib."""
     try:
         import matplotlib
     except ImportError as error:
@@ -69,9 +69,9 @@ class Canvas:
         return list(self.figure.subplots(rows, columns, squeeze=False, **options).ravel())
 
     def save(self, path: Path) -> Path:
-        """Write a PNG; it appears only when it is complete."""
+        """Write a PNG under a temporary name, then rename it."""
         with temporary_sibling(path) as temporary:
-            # No creation tool or date inside: the same run gives the same bytes.
+            # Without creation tool and date, the same run gives the same bytes.
             self.figure.savefig(temporary, format="png", metadata={"Software": None})
         return path
 

@@ -5,7 +5,7 @@ from typing import Any
 
 
 def summary_table(summaries: list[dict[str, Any]]) -> str:
-    """Return two aligned tables: how the runs went, and what their signals say."""
+    """Return two aligned tables: outcome of the runs, and values of their signals."""
     if not summaries:
         return "no runs"
     head = ["run", "completed", "t_end", "violation", "energy drift", "steps", "solve", "warnings"]
@@ -60,7 +60,7 @@ def _outcome(summary: dict[str, Any]) -> list[str]:
 
 def _aligned(rows: Sequence[Sequence[str]], left: tuple[int, ...]) -> str:
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    # The name of a signal may reach over both of its columns.
+    # The name of a signal may extend over both of its columns.
     for i, text in enumerate(rows[0][:-1]):
         if text and not rows[0][i + 1]:
             own = max(len(row[i]) for row in rows[1:])

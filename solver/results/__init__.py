@@ -1,4 +1,4 @@
-"""What a run leaves: result.vtkhdf for programs and ParaView, summary.json for people and tests."""
+"""Results of a run: result.vtkhdf with all histories, summary.json with the main numbers."""
 
 from .reader import read_result
 from .schema import BodyGeometry, ResultError, RunResult, Signal, relative_balance

@@ -1,4 +1,4 @@
-"""Read a result back."""
+"""Read the result of a run."""
 
 from pathlib import Path
 
@@ -24,7 +24,7 @@ def read_result(path: str | Path) -> RunResult:
     Raises
     ------
     ResultError
-        When the file is missing, truncated, foreign, newer or incomplete.
+        The file is missing, truncated, newer, incomplete or of another format.
     """
     path = Path(path)
     with open_file(path, ResultError) as file:

@@ -14,7 +14,7 @@ ENERGIES = ("kinetic", "strain", "potential", "drive_work")
 
 
 class ResultError(InputError):
-    """A result that cannot be written or read; the message names file and dataset."""
+    """A result cannot be written or read; the message names file and dataset."""
 
 
 @dataclass(frozen=True)
@@ -35,8 +35,7 @@ def energy_balance(energies: dict[str, Array]) -> Array:
 
 
 def relative_balance(energies: dict[str, Array]) -> Array:
-    """Error of the energy balance over the largest energy in play, (k,) [-].
-
+    """Error of the energy balance over the largest energy of the run, (k,) [-].
     That is the largest of the kinetic energy, the work and the change of potential.
     """
     e = energies
@@ -50,7 +49,7 @@ def relative_balance(energies: dict[str, Array]) -> Array:
 
 @dataclass(frozen=True)
 class BodyGeometry:
-    """What is drawn of a body, in its own frame."""
+    """Geometry of a body for drawing, in its own frame."""
 
     name: str
     nodes_B: Array  # (n, 3)                                [m]
@@ -61,7 +60,7 @@ class BodyGeometry:
 
 @dataclass(frozen=True)
 class RunResult:
-    """Everything that a run leaves, at its k output times."""
+    """All results of a run, at its k output times."""
 
     case: str
     run: str
@@ -73,7 +72,7 @@ class RunResult:
     energies: dict[str, Array]  # ENERGIES, (k,) each       [J]
     bodies: tuple[BodyGeometry, ...]
     node_positions_G: Array  # (k, n, 3), bodies end to end [m]
-    # Largest constraint violation, (k,) each: position [m], rotation [rad], velocity [m/s]
+    # largest constraint violation, (k,) each: position [m], rotation [rad], velocity [m/s]
     violations: dict[str, Array] = field(default_factory=dict)
     node_deflection: Array | None = None  # (k, n) magnitude of the elastic displacement [m]
 
@@ -89,7 +88,7 @@ class RunResult:
 
 
 def check_result(result: RunResult) -> None:
-    """Raise ResultError, naming the array, when sizes of a result do not agree."""
+    """Raise ResultError with the name of the array if sizes of a result do not agree."""
     k = len(result.t)
     n = sum(len(body.nodes_B) for body in result.bodies)
     shapes: dict[str, tuple[Array, tuple[int, ...]]] = {
@@ -109,7 +108,7 @@ def check_result(result: RunResult) -> None:
     if missing:
         raise ResultError(f"energies/{missing[0]}: missing; expected {', '.join(ENERGIES)}")
     if not k or np.any(np.diff(result.t) <= 0):
-        raise ResultError("t: expected at least one time, rising")
+        raise ResultError("t: expected at least one time, in ascending order")
     for name, (array, expected) in shapes.items():
         if np.shape(array) != expected:
             raise ResultError(f"{name}: expected shape {expected}, got {np.shape(array)}")

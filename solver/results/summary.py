@@ -1,4 +1,4 @@
-"""summary.json: the few numbers of a run, with a stable layout."""
+"""summary.json: the main numbers of a run, with a stable layout."""
 
 import json
 import math
@@ -15,8 +15,8 @@ from .schema import ResultError, Signal
 def signal_summary(signal: Signal, t: Array) -> dict[str, Any]:
     """Return unit, final value and both extremes of a signal with their times [s].
 
-    Values that are no numbers (NaN, inf) are passed over; a signal without any
-    number gives None everywhere.
+    NaN and inf are ignored; a signal without finite values
+    gives None for all.
     """
     known = np.flatnonzero(np.isfinite(signal.values))
     if not len(known):
@@ -34,23 +34,25 @@ def signal_summary(signal: Signal, t: Array) -> dict[str, Any]:
 
 
 def write_summary(path: str | Path, summary: dict[str, Any]) -> None:
-    """Write a summary as JSON that every parser reads: NaN and inf become null."""
+    """Write a summary as standard JSON: NaN and inf become null."""
     path = Path(path)
     try:
         text = json.dumps(_plain(summary), indent=2, ensure_ascii=False, allow_nan=False)
     except TypeError as error:
-        raise ResultError(f"{path}: the summary holds something that is no JSON: {error}") from None
+        raise ResultError(
+            f"{path}: the summary contains a value that is not JSON: {error}"
+        ) from None
     with temporary_sibling(path) as temporary:
         temporary.write_text(text + "\n", encoding="utf-8")
 
 
 def read_summary(path: str | Path) -> dict[str, Any]:
-    """Read a summary. Raises ResultError when it is missing or no JSON table."""
+    """Read a summary. Raises ResultError if it is missing or not a JSON table."""
     path = Path(path)
     try:
         summary = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
-        raise ResultError(f"{path}: no summary of a run: {error}") from error
+        raise ResultError(f"{path}: not a summary of a run: {error}") from error
     if not isinstance(summary, dict) or "run" not in summary:
         raise ResultError(f"{path}: key run: expected the summary of a run, there is no such key")
     return summary

@@ -1,4 +1,4 @@
-"""Write a result: one VTKHDF file that ParaView plays, with our own arrays beside the view."""
+"""Write a result: one VTKHDF file with an animation for ParaView and all result arrays."""
 
 from pathlib import Path
 
@@ -9,24 +9,24 @@ from ..math.arrays import Array, IntArray
 from ..package.common.container import new_file, set_text
 from .schema import FORMAT, FORMAT_VERSION, ResultError, RunResult, check_result
 
-LARGE = 1_000_000  # bytes from which an array is compressed
+LARGE = 1_000_000  # size in bytes above which an array is compressed
 MULTIPLIER_UNIT = "N, N m"
 
 
 def write_result(path: str | Path, result: RunResult, *, max_frames: int = 200) -> None:
-    """Write result.vtkhdf; the file appears only when it is complete.
+    """Write result.vtkhdf under a temporary name, then rename it.
 
-    /results keeps every output time; the animation has at most `max_frames` of
-    them, the first and the last included.
+    /results has every output time. The animation has at most `max_frames` of
+    them, including the first and the last.
 
     Raises
     ------
     ResultError
-        When sizes disagree or the name does not end in .vtkhdf.
+        Sizes disagree, or the name does not end in .vtkhdf.
     """
     path = Path(path)
     if path.suffix != ".vtkhdf":
-        raise ResultError(f"{path}: a result ends in .vtkhdf (ParaView goes by the name)")
+        raise ResultError(f"{path}: expected a name that ends in .vtkhdf (ParaView requires this)")
     try:
         check_result(result)
     except ResultError as error:
@@ -42,7 +42,7 @@ def write_result(path: str | Path, result: RunResult, *, max_frames: int = 200) 
 
 
 def frames(k: int, max_frames: int) -> IntArray:
-    """Choose at most max_frames of k output times, evenly, with first and last."""
+    """Select at most max_frames of k output times, evenly, including first and last."""
     return np.unique(np.linspace(0, k - 1, max(1, min(k, max_frames))).round().astype(int))
 
 

@@ -1,4 +1,4 @@
-"""Signals: what the user asked to measure, from states at the output times."""
+"""Signals: the requested quantities, computed from states at the output times."""
 
 from .recording import Recording
 from .sensors import Sensor, sensors

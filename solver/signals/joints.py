@@ -1,4 +1,4 @@
-"""What joints do: their coordinates, and the forces that they carry."""
+"""Joint coordinates and joint reactions."""
 
 from collections.abc import Callable
 
@@ -44,7 +44,7 @@ def _ends(recording: Recording, joint: BuiltJoint) -> tuple[list[Marker], list[M
 
 
 def _shifts(recording: Recording, joint: BuiltJoint) -> Array:
-    """Return the way (k, 3) from place one to two in axes of place one [m]."""
+    """Return the vector (k, 3) from place one to two in axes of place one [m]."""
     one, two = _ends(recording, joint)
     return np.array([a.A.T @ (b.x - a.x) for a, b in zip(one, two, strict=True)])
 
@@ -52,8 +52,8 @@ def _shifts(recording: Recording, joint: BuiltJoint) -> Array:
 def _angles(recording: Recording, joint: BuiltJoint, angle: Angle) -> Array:
     """Return an angle (k,), unwrapped [rad].
 
-    The turns between two output times follow from the rates at both: correct as long as the
-    mean of these is good to half a turn.
+    The number of turns between two output times follows from the rates at both. It is correct if
+    their mean gives the rotation to within half a turn.
     """
     one, two = _ends(recording, joint)
     frames, arms = (one, two) if angle.frame == 1 else (two, one)

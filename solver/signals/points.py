@@ -1,4 +1,4 @@
-"""How places of bodies move: global motion, orientation, elastic deflection and rotation."""
+"""Motion of places of bodies: global motion, orientation, elastic deflection and rotation."""
 
 from collections.abc import Callable
 
@@ -65,8 +65,8 @@ def _elastic(built: BuiltMechanism, signal: PointSignal) -> Callable[[Recording]
 def rotation_vectors(matrices: list[Array]) -> Array:
     """Return rotation vectors (k, 3) of matrices (3, 3) without jumps [rad].
 
-    A rotation vector is known up to whole turns about its axis: the one nearest to the one
-    before is taken.
+    A rotation vector is determined up to full turns about its axis. The one closest to the
+    previous one is used.
     """
     found = np.zeros((len(matrices), 3))
     before = np.zeros(3)
@@ -74,7 +74,7 @@ def rotation_vectors(matrices: list[Array]) -> Array:
         theta = matrix_to_vector(np.ascontiguousarray(A))
         angle = float(np.linalg.norm(theta))
         size = float(np.linalg.norm(before))
-        # Without rotation, at whole turns, the axis is the one before.
+        # Without rotation or at full turns, use the previous axis.
         axis = theta / angle if angle > 1e-9 else before / max(size, 1e-9)
         turns = np.round((before @ axis - angle) / (2.0 * np.pi))
         before = found[k] = (angle + 2.0 * np.pi * turns) * axis

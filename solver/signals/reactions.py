@@ -1,4 +1,4 @@
-"""Forces in the joints, and whether they balance the change of momentum."""
+"""Joint reactions, and their balance with the change of momentum."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -14,16 +14,16 @@ from ..dynamics.system import accelerations, assemble, derivative, law_at
 from ..math.arrays import Array
 from ..math.rotations import rotation_matrix
 
-# Central, exact for polynomials to the sixth degree.
+# Central differences, exact for polynomials up to the sixth degree.
 DIFFERENCE = ((-3, -1 / 60), (-2, 3 / 20), (-1, -3 / 4), (1, 3 / 4), (2, -3 / 20), (3, 1 / 60))
 
 
 def joint_reactions(model: Model, t: float, y: Array, multipliers: Array) -> Array:
-    """Return force [N] and moment [N m] that each joint puts on its two sides, (nj, 2, 6).
+    """Return force [N] and moment [N m] of each joint on its two sides, (nj, 2, 6).
 
-    Global components; the moment is about the origin of that side's marker. They are the
-    multipliers through the coefficients of the joint's rows, -C' lambda: what does the same
-    virtual work. Of redundant joints it is the share of least norm.
+    Global components; the moment is about the origin of that side's marker. They are
+    -C' lambda with the coefficients C of the joint's rows, which do the same
+    virtual work. For redundant joints they are those of least norm.
     """
     return _joint_reactions(model, assemble(model, t, y).C, multipliers)
 
@@ -66,7 +66,7 @@ def _joint_reactions(model: Model, C: Array, multipliers: Array) -> Array:
 def momenta(model: Model, t: float, y: Array) -> Array:
     """Return linear momentum and angular momentum about the global origin, (nb, 6).
 
-    From the mass matrix alone; point masses belong to the bodies that carry them.
+    They follow from the mass matrix alone; point masses belong to the bodies that carry them.
     """
     p = assemble(model, t, y).M @ y[model.n_pos : model.n_pos + model.n_vel]
     found = np.zeros((model.n_body, 6))
@@ -79,11 +79,11 @@ def momenta(model: Model, t: float, y: Array) -> Array:
 
 
 def momentum_rates(model: Model, t: float, y: Array) -> Array:
-    """Return the rates of `momenta` along the flow, (nb, 6), by differences.
+    """Return the rates of `momenta` along the solution, (nb, 6), by finite differences.
 
-    Independent of forces and multipliers, but for the accelerations of the flow itself. All
-    coordinates are moved straight along their rates: momenta are polynomials in them of low
-    degree, but for the norm of the Euler parameters, and a body turns by thousandths of a radian.
+    They depend on forces and multipliers only through the accelerations. All
+    coordinates are moved along their rates. Momenta are polynomials of low degree in them, except
+    for the norm of the Euler parameters, and a body rotates by thousandths of a radian.
     """
     rate = derivative(model, t, y)
     turning = 0.0
@@ -105,10 +105,10 @@ def _add(total: Array, scale: Array, body: int, x: Array, force: Array, moment: 
 
 
 def acting(model: Model, t: float, y: Array, multipliers: Array) -> tuple[Array, Array]:
-    """Return resultants about the global origin of all that acts on each body, (nb, 6).
+    """Return resultants about the global origin of all forces on each body, (nb, 6).
 
-    And the sum of their absolute values (nb, 6), by which an error is to be judged: weight,
-    force elements, loads and reactions.
+    Also returns the sum of their absolute values (nb, 6), as scale of an error. The forces are
+    weight, force elements, loads and reactions.
     """
     total, scale = np.zeros((model.n_body, 6)), np.zeros((model.n_body, 6))
     nothing = np.zeros(3)
@@ -139,7 +139,7 @@ class MomentumBalance:
 
 
 def momentum_balance(model: Model, t: Array, y: Array) -> MomentumBalance:
-    """Compare, body by body at states y (k, n), what acts with the change of momentum."""
+    """Compare forces with the change of momentum for each body at states y (k, n)."""
     errors, scales = np.zeros((t.size, 2)), np.zeros((t.size, 2))
     for k in range(t.size):
         _, multipliers = accelerations(model, assemble(model, t[k], y[k]), y[k])

@@ -1,4 +1,4 @@
-"""A run as sensors see it: states at the output times, and what follows from them on demand."""
+"""Data of a run for sensors: states at the output times, and quantities computed on demand."""
 
 from functools import cached_property
 
@@ -12,7 +12,7 @@ from .reactions import joint_reactions
 
 
 class Recording:
-    """States y (k, n) of a model at times t (k,); each thing is computed once."""
+    """States y (k, n) of a model at times t (k,); each quantity is computed once."""
 
     def __init__(self, model: Model, t: Array, y: Array) -> None:
         self.model, self.t, self.y = model, t, y
@@ -41,7 +41,7 @@ class Recording:
     def reactions(self, rows: tuple[int, ...], side: int) -> Array:
         """Force and moment of joints on their first or second side, (k, 6), global [N, N m].
 
-        Summed over the joint tables `rows` of the model, which stand on the same markers; moments
+        Sum over the joint tables `rows` of the model, which have the same markers. Moments
         are about the marker of that side, 1 or 2.
         """
         return np.asarray(self._reactions[:, list(rows), side - 1].sum(axis=1))
@@ -57,6 +57,6 @@ class Recording:
 
     @cached_property
     def _reactions(self) -> Array:
-        """What every joint does to both of its sides, (k, nj, 2, 6)."""
+        """Force and moment of every joint on its two sides, (k, nj, 2, 6)."""
         states = zip(self.t, self.y, self._dynamics[1], strict=True)
         return np.array([joint_reactions(self.model, t, y, m) for t, y, m in states])

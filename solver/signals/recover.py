@@ -1,4 +1,4 @@
-"""From the state back to what a user measures: points, deflections, reactions, energies."""
+"""Physical quantities from the state: points, deflections, reactions, energies."""
 
 from dataclasses import dataclass
 
@@ -17,15 +17,15 @@ from ..package.body.schema import Interface
 class History:
     """Quantities along the run at the output times, k of them."""
 
-    multipliers: Array  # (k, n_c); of redundant constraints: those of least norm
+    multipliers: Array  # (k, n_c); for redundant constraints those of least norm
     energies: dict[str, Array]  # kinetic, strain, potential, drive_work [J], (k,) each
-    position_violation: Array  # (k,) largest distance of joined points [m]
-    rotation_violation: Array  # (k,) largest misalignment of joined axes [rad]
+    position_violation: Array  # (k,) largest distance of connected points [m]
+    rotation_violation: Array  # (k,) largest misalignment of connected axes [rad]
     velocity_violation: Array  # (k,) largest |Phidot| [m/s, rad/s]
 
 
 def position_rows(model: Model) -> NDArray[np.bool_]:
-    """Return a mask (n_c,) of the constraint rows that are distances [m]."""
+    """Return a mask (n_c,) of the constraint rows with lengths [m]."""
     units = "".join(ROWS[NAMES[kind]] for kind in model.joint_kind)
     return np.array([unit == "d" for unit in units], dtype=bool)
 
@@ -66,7 +66,7 @@ def body_frames(model: Model, body: int, y: Array) -> tuple[Array, Array, Array]
 
 
 def stiffened(model: Model, body: int) -> bool:
-    """Tell whether a body moves with second-order displacements (geometric stiffening)."""
+    """True if a body has second-order displacements (geometric stiffening)."""
     return bool(model.second_start[body + 1] > model.second_start[body])
 
 
@@ -85,7 +85,7 @@ def elastic_motion(place: Interface, q: Array, second_order: bool) -> tuple[Arra
 def node_positions(model: Model, body: int, y: Array, nodes_B: Array, shapes_B: Array) -> Array:
     """Return global positions (k, n, 3) of nodes. Paper: Eq. (15).
 
-    Of first order in the modes, of a stiffened body too: for pictures.
+    First order in the modes, also for a stiffened body; for pictures.
 
     nodes_B : (n, 3) rest positions; shapes_B : (m, n, 3) translations per unit mode
     """

@@ -1,4 +1,4 @@
-"""Resultants and ply stresses at a place along a flexible body."""
+"""Resultants and ply stresses at a position along a flexible body."""
 
 from collections.abc import Callable
 
@@ -22,7 +22,7 @@ def resultant_values(key: str, body: int, package: ModalPackage, signal: Resulta
     Raises
     ------
     InputError
-        A package without resultants, a place beyond its stations; `key` is that of the case.
+        A package without resultants, a position outside its stations; `key` is that of the case.
     """
     _, at = _at(key, package, signal.x)
     row = at[RESULTANTS.index(signal.component)]
@@ -37,7 +37,7 @@ def ply_stress_values(
     Raises
     ------
     InputError
-        As in `resultant_values`; a section without stresses, no such region or ply.
+        See `resultant_values`; also a section without stresses, or an unknown region or ply.
     """
     section, at = _at(key, package, signal.x)
     recovery = package.sections[section].recovery
@@ -58,8 +58,8 @@ def ply_stress_values(
 def _at(key: str, package: ModalPackage, x: float) -> tuple[int, Array]:
     """Return the section at x and the resultants (6, m) there per unit mode.
 
-    Between stations they are linear; where two stations stand at one place, those of the far
-    side are taken.
+    They are linear between stations. If two stations have the same position, those of the far
+    side are used.
     """
     recovery: BodyRecovery | None = package.recovery
     if recovery is None:

@@ -1,4 +1,4 @@
-"""Sensors of a mechanism, made before the run so that what cannot be measured is said at once."""
+"""Sensors of a mechanism, created before the run so that errors are reported early."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ _AXES = {"x": 0, "y": 1, "z": 2}
 
 @dataclass(frozen=True)
 class Sensor:
-    """One signal: its unit ("-" for a quotient), its words, and its values (k,) of a recording."""
+    """One signal: unit ("-" for a quotient), description, and function for its values (k,)."""
 
     unit: str
     description: str
@@ -33,7 +33,7 @@ def sensors(built: BuiltMechanism, signals: Mapping[str, Signal]) -> dict[str, S
     Raises
     ------
     InputError
-        A package without resultants or stresses, a ply that it does not have.
+        A package without resultants or stresses, an unknown ply.
     """
     found = {}
     for name, signal in signals.items():

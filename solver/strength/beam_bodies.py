@@ -1,10 +1,10 @@
 """Ply stresses and strength ratios of a body from its modal coordinates.
 
-The package holds the resultants of every mode at stations along the beam and, for each section,
-the strain of its points per unit resultant. So a stress is C_M strain_M resultants_E q: it is as
-good as the modes are. What the modes left out would carry quasi-statically (a load close to a
-support, a concentrated mass on a short beam) is missing in the stress before it shows in the
-motion; more modes bring it in.
+The package has the resultants of every mode at stations along the beam and, for each section,
+the strain of its points per unit resultant. A stress is therefore C_M strain_M resultants_E q. Its
+accuracy depends on the modes. The quasi-static response of omitted modes (to a load close to a
+support, to a concentrated mass on a short beam) is missing in the stress. This error is larger than
+that of the motion; more modes reduce it.
 """
 
 from collections.abc import Iterator
@@ -24,7 +24,7 @@ from .search import PeakSearch
 
 @dataclass(frozen=True)
 class Failure:
-    """Where, when and how the highest exposure of a body comes about."""
+    """Position, time and mode of the highest exposure of a body."""
 
     criterion: str
     mode: str
@@ -35,14 +35,14 @@ class Failure:
     ply: Ply
     time: float  # [s]
     stress_M: Array  # (6,) in ply axes, order 11 22 33 23 13 12      [Pa]
-    place: str  # in words, within the station
+    place: str  # description of the point within the station
 
 
 @dataclass(frozen=True)
 class BodyStrength:
     """Exposures of a body over a run; `s` counts stations of a beam, strips of a shell."""
 
-    station_x: Array  # (s,) along the body                           [m]
+    station_x: Array  # (s,) positions along the body                           [m]
     exposure: dict[str, Array]  # (s,) highest 1 / R by criterion     [-]
     worst: dict[str, Failure]  # by criterion
 
@@ -136,13 +136,13 @@ def summary(found: BodyStrength) -> dict[str, Any]:
 
 
 def failure_text(body: str, failure: Failure) -> str:
-    """Say in words that a ply fails."""
+    """Message of the warning about a failing ply."""
     return (
         f"{body}: {failure.criterion} gives a strength ratio of {failure.ratio:.3g} (expected "
         f"above 1; {failure.mode}) at x = {failure.x:.4g} m, t = {failure.time:.4g} s, in ply "
         f"{failure.ply.index} of {failure.ply.region} ({failure.ply.material}, "
-        f"{failure.ply.angle_deg:g} deg) at {failure.place}: the linear material ends there; a "
-        "stronger lay-up or a lower load helps"
+        f"{failure.ply.angle_deg:g} deg) at {failure.place}: the linear material model "
+        "is not valid beyond; use a stronger lay-up or a lower load"
     )
 
 

@@ -1,14 +1,14 @@
-"""The worst point and instant of a section under a history of resultants.
+"""Search for the point and time of highest exposure of a section under a history of resultants.
 
 Exposures are proportional to the stress, and the stress of a point is linear in the six
 resultants. A convex bound u of the exposure therefore obeys the triangle inequality,
 
     exposure(F) <= u(F) <= sum_j  F_j+ u(e_j) + F_j- u(-e_j),   F_j+, F_j- >= 0,
 
-with u(e_j) of each point under each unit resultant computed once per section. Largest F_j+ and
-F_j- of a block of instants bound the whole block: that leaves out points and blocks. What is left
-is bounded instant by instant, and the criterion itself is evaluated from the highest bound down,
-until no bound is above the worst exposure found. Nothing is missed.
+with u(e_j) of each point under each unit resultant computed once per section. The largest F_j+ and
+F_j- of a block of times bound the whole block, which excludes most points and blocks. The others
+are bounded for each time, and the criterion is evaluated in descending order of the bounds,
+until no bound is above the highest exposure found. The result is therefore exact.
 """
 
 from dataclasses import dataclass
@@ -19,15 +19,16 @@ import numpy as np
 from ..math.arrays import Array, IntArray
 from . import Criterion
 
-BLOCK = 16  # instants bounded together
-BOUNDS = 2_000_000  # pairs of point and instant bounded at once
-BATCH = 2048  # pairs evaluated at once
-ROUND_OFF = 1e-12  # relative, of a bound that equals the exposure
+BLOCK = 16  # times per block
+BOUNDS = 2_000_000  # pairs of point and time bounded together
+BATCH = 2048  # pairs evaluated together
+ROUND_OFF = 1e-12  # relative tolerance of a bound that equals the exposure
 
 
 @dataclass(frozen=True)
 class Peak:
-    """The highest exposure of a history, where and when; no exposure at all: the first point."""
+    """The highest exposure of a history, with point and time; without any exposure, the first
+    point."""
 
     exposure: float
     point: int
@@ -40,7 +41,7 @@ class PeakSearch:
     Parameters
     ----------
     stress_M : (p, 6, 6) stress of each point in its ply axes per unit resultant [Pa/N, Pa/(N m)]
-    criterion, strength : what fails, and at which stress
+    criterion, strength : failure criterion and strengths of the material
     """
 
     def __init__(self, stress_M: Array, criterion: Criterion, strength: Any) -> None:
@@ -53,8 +54,8 @@ class PeakSearch:
     def peak(self, F: Array, floor: float = 0.0) -> Peak:
         """Find the peak of resultants F (6, t).
 
-        A peak that is not above `floor` is of no interest: the search then ends early, and what it
-        returns is not above the floor either.
+        Peaks below `floor` are not needed: the search then ends early, and its result
+        is not above the floor.
         """
         parts = np.maximum(np.concatenate([F, -F]), 0.0) * (1.0 + ROUND_OFF)
         starts = np.arange(0, F.shape[1], BLOCK)
@@ -77,8 +78,9 @@ class PeakSearch:
     def _worst_of(
         self, F: Array, points: IntArray, instants: IntArray, upper: Array, floor: float, best: Peak
     ) -> Peak:
-        """The higher of `best` and the peak among all points and instants, bounded by `upper`."""
-        # Each point at its most promising instant: a level that leaves few pairs.
+        """The higher of `best` and the peak among all points and times, bounded by `upper`."""
+        # Evaluating each point at the time of its highest bound gives a level that few pairs
+        # exceed.
         best = self._better(F, points, instants[np.argmax(upper, axis=1)], best)
         row, column = np.nonzero(upper > max(floor, best.exposure))
         own = upper[row, column]
@@ -91,7 +93,7 @@ class PeakSearch:
         return best
 
     def _better(self, F: Array, points: IntArray, instants: IntArray, best: Peak) -> Peak:
-        """The higher of `best` and the peak among pairs of point and instant, each (k,)."""
+        """The higher of `best` and the peak among pairs of point and time, each (k,)."""
         stress = np.einsum("kij,jk->ki", self.stress_M[points], F[:, instants])
         found = self.criterion.assess(stress, self.strength).exposure
         k = int(np.argmax(found))

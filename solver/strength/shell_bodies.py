@@ -1,12 +1,12 @@
 """Ply stresses and strength ratios of a shell body from its modal coordinates.
 
-The package holds the resultants of every mode in each cell and, for each laminate, the stress of
-its plies per unit resultant at bottom, middle and top of each. What is said in ply_stress.py of
-modes and stresses holds here too; resultants are means of their cells, so that the highest stress
-of a coarse mesh is too low where it changes within a cell.
+The package has the resultants of every mode in each cell and, for each laminate, the stress of
+its plies per unit resultant at bottom, middle and top of each. The remarks in beam_bodies.py on
+modes and stresses hold here too. Resultants are means of their cells, so the highest stress
+of a coarse mesh is too low if it changes within a cell.
 
-Exposures are bounded for every cell and block of instants (see strength/search.py) and evaluated
-from the highest bound down, until no bound is above the exposure found: nothing is missed.
+Exposures are bounded for every cell and block of times (see search.py) and evaluated in descending
+order of the bounds, until no bound is above the exposure found. The result is therefore exact.
 """
 
 from collections.abc import Iterator
@@ -25,8 +25,8 @@ from . import criteria_of
 from .beam_bodies import BodyStrength, Failure
 from .search import BLOCK, ROUND_OFF, PeakSearch
 
-STRIPS = 20  # across the body's x, of which each tells its highest exposure
-AT_ONCE = 2_000_000  # numbers in memory
+STRIPS = 20  # strips across the body's x, each with its highest exposure
+AT_ONCE = 2_000_000  # numbers in memory at a time
 FIRST, MOST = 8, 512  # pairs of cell and block that are evaluated together
 
 
@@ -70,7 +70,7 @@ def shell_strength(package: ModalPackage, t: Array, q: Array) -> BodyStrength | 
 
 
 class _Place(NamedTuple):
-    """A point of a search in one cell at one instant."""
+    """A point of a search in one cell at one time."""
 
     search: "_Search"
     row: int
@@ -88,7 +88,8 @@ class _Search:
     peaks: PeakSearch
 
     def bound(self, parts: Array) -> Array:
-        """No exposure of a cell is above it in a block of instants, (e, b), of parts (e, b, 16)."""
+        """Upper bound of the exposure of cells in blocks of times, (e, b), from parts (e, b,
+        16)."""
         out = np.empty(parts.shape[:2])
         step = max(1, AT_ONCE // (parts.shape[1] * len(self.points)))
         for first in range(0, len(out), step):
@@ -100,7 +101,7 @@ class _Search:
     def peak(
         self, R: Array, q: Array, bound: Array, starts: IntArray, floor: float
     ) -> tuple[float, _Place | None]:
-        """Highest exposure above `floor` of some cells, and its place; `row` counts these cells.
+        """Highest exposure above `floor` of some cells, and its position; `row` counts these cells.
 
         `R` (e, 8, m) are their resultants per unit mode, `bound` (e, b) as above.
         """
@@ -135,8 +136,8 @@ def _searches(laminate: LaminateData) -> Iterator[tuple[IntArray, PeakSearch]]:
 
 
 def _blocks(cells: CellResultants, q: Array) -> tuple[Array, IntArray]:
-    """Largest of each resultant upwards and downwards in blocks of instants, (e, b, 16), and the
-    first instant of each block."""
+    """Largest positive and negative value of each resultant in blocks of times, (e, b, 16), and the
+    first time of each block."""
     starts = np.arange(0, len(q), BLOCK)
     out = np.empty((len(cells.cell), len(starts), 16))
     step = max(1, AT_ONCE // (8 * len(q)))
@@ -155,7 +156,7 @@ def _centres(package: ModalPackage, cells: CellResultants) -> Array:
 
 
 def _strips(x: Array) -> tuple[IntArray, Array]:
-    """Strip of each cell across x, and the middles of strips that have cells [m]."""
+    """Strip across x of each cell, and the middles of strips with cells [m]."""
     width = float(np.ptp(x)) or 1.0
     number = np.minimum((STRIPS * (x - x.min()) / width).astype(np.int64), STRIPS - 1)
     used, strip = np.unique(number, return_inverse=True)

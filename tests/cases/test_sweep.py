@@ -240,7 +240,7 @@ def test_an_interruption_between_members_keeps_those_before(tmp_path, monkeypatc
 
 
 def test_ctrl_c_within_a_member(tmp_path):
-    """A member that runs for ever: SIGINT leaves a file with the one before."""
+    """A member that never ends: after SIGINT the file has the previous member."""
     vary = 'end = { keys = ["solver.t_end"], values = [0.1, 1e4] }'
     file = ball(tmp_path, vary + f"\n{FORCE} = [0.0]\n", "")
     table = json.loads(file.read_text())
@@ -446,7 +446,7 @@ def test_points_of_a_drawn_design(tmp_path):
 
 
 def test_saving_on_the_way(tmp_path, monkeypatch):
-    """What a crash of the machine leaves: the file of the last saving."""
+    """After a crash of the machine, the last saved file exists."""
     monkeypatch.setattr(command, "SAVE_S", 0.0)
     seen = []
     save = command.write_sweep

@@ -325,4 +325,4 @@ def test_lost_worker_takes_only_its_section_with_it(folder: Path, mark: str) -> 
     assert process.returncode == 2
     status = [row["status"] for row in json.loads(output).values()]
     assert (status.count("built"), status.count("failed")) == (29, 1)
-    assert "the preprocessor was lost: killed by signal 9" in errors
+    assert "the preprocessor ended unexpectedly: killed by signal 9" in errors

@@ -121,7 +121,7 @@ def at_root(package: ModalPackage, q: np.ndarray) -> np.ndarray:
 
 
 def test_root_stress_of_a_steel_bar_is_m_z_over_i() -> None:
-    """A force along x3 at the tip: s11 = -F L x3 / I, whatever the shear stress does."""
+    """A force along x3 at the tip: s11 = -F L x3 / I for any shear stress."""
     force = np.array([0.0, 0.0, 900.0, 0.0, 0.0, 0.0])
     package, _ = held_statically(STEEL_BAR, force)
     recovery = package.sections[0].recovery

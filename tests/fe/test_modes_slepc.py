@@ -63,7 +63,7 @@ def test_every_kind_is_found_beyond_the_lowest_modes(mass_form: str) -> None:
 def test_all_modes_of_a_small_mesh_and_one_more() -> None:
     small = {"elements": 3}
     assert build_body(bar([{"kind": "lowest", "count": 18}], 0.02, **small)).n_mode == 18
-    with pytest.raises(ModeError, match=r"4 of kind 'torsion' asked for.*3 torsion"):
+    with pytest.raises(ModeError, match=r"4 of kind 'torsion' requested.*3 torsion"):
         build_body(bar([{"kind": "torsion", "count": 4}], 0.02, **small))
 
 

@@ -258,7 +258,7 @@ def test_interrupt_leaves_nothing_half_written(tmp_path: Path) -> None:
         process.send_signal(signal.SIGINT)
         _, errors = process.communicate(timeout=30)
     assert process.returncode == 130
-    assert errors.splitlines()[-1] == "interrupted: files finished so far are kept"
+    assert errors.splitlines()[-1] == "interrupted: files finished before are kept"
     assert {path.suffix for path in tmp_path.iterdir()} == {".json", ".vtkhdf"}
     for path in tmp_path.glob("*.vtkhdf"):
         assert not path.name.startswith(".")

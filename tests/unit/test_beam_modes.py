@@ -130,7 +130,7 @@ def test_a_mode_that_the_solver_misses_is_found() -> None:
 
 def test_more_modes_than_the_model_has() -> None:
     assert len(modes_of([("axial", 3)], elements=3).labels) == 3
-    with pytest.raises(ModeError, match=r"4 of kind 'axial' asked for.*3 axial") as caught:
+    with pytest.raises(ModeError, match=r"4 of kind 'axial' requested.*3 axial") as caught:
         modes_of([("axial", 4)], elements=3)
     assert "6 bending-xy" in str(caught.value)
     with pytest.raises(ModeError, match="19 of kind 'lowest'"):

@@ -85,12 +85,12 @@ BAD = {
     "zero axis": (
         "axis = [0.0, 0.0, 1.0]\ndrive",
         "axis = [0.0, 0.0, 0.0]\ndrive",
-        r"joints\.hinge\.axis = \[0\.0, 0\.0, 0\.0\]: expected a vector of some length",
+        r"joints\.hinge\.axis = \[0\.0, 0\.0, 0\.0\]: expected a vector of non-zero length",
     ),
     "zero direction": (
         "direction = [0.0, 2.0, 0.0]",
         "direction = [0.0, 0.0, 0.0]",
-        r"forces\.push\.direction = .*expected a vector of some length",
+        r"forces\.push\.direction = .*expected a vector of non-zero length",
     ),
     "arms of a cross": (
         "axis_2 = [0.0, 0.0, 2.0]",
@@ -184,7 +184,7 @@ BAD = {
         "stiffness = [1.0, -2.0, 3.0]",
         r"forces\.mount\.stiffness\.1 = -2\.0: .*greater than or equal to 0",
     ),
-    "idle spring": ("stiffness = 100.0", "", r"forces\.coil: does nothing; expected stiffness"),
+    "idle spring": ("stiffness = 100.0", "", r"forces\.coil: has no effect; expected stiffness"),
     "no such joint": (
         'joint = "hinge"',
         'joint = "hing"',

@@ -96,7 +96,7 @@ def test_massless_bodies():
 
 @pytest.mark.parametrize("name", ["tree", "penalty"])
 def test_an_evaluation_leaves_no_trace_in_the_next(name):
-    """The same numbers bit for bit, whatever state was evaluated in between."""
+    """The same numbers bit for bit, for any state evaluated in between."""
     if name == "tree":
         model = random_mechanism(5, 2)
         states = [random_state(np.random.default_rng(k), model) for k in (1, 2)]

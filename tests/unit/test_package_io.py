@@ -147,7 +147,7 @@ def test_writer_refuses_a_name_that_paraview_would_not_open(tmp_path: Path) -> N
 def test_writer_refuses_interface_names_that_hdf5_cannot_hold(tmp_path: Path, name: str) -> None:
     base, tip = cantilever().interfaces
     bad = dataclasses.replace(cantilever(), interfaces=(dataclasses.replace(base, name=name), tip))
-    with pytest.raises(PackageError, match="no usable name"):
+    with pytest.raises(PackageError, match="is not a valid name"):
         write_package(tmp_path / "a.vtkhdf", bad)
 
 

@@ -109,7 +109,10 @@ BAD_STRENGTH = {"cfrp": {**PLY, "strength": {"Xt": 1.0}}}
             "points: expected shape (p, 2) = (12, 2)",
         ),
         (with_stations(section=np.ones(17, dtype=np.int64)), "recovery/section: expected rows 0"),
-        (with_stations(station_x=-np.arange(17.0)), "recovery/station_x: expected places in ris"),
+        (
+            with_stations(station_x=-np.arange(17.0)),
+            "recovery/station_x: expected positions in asc",
+        ),
         (with_stations(A_BE=2 * np.eye(3)), "recovery/A_BE: expected a rotation matrix"),
         (
             with_stations(resultants_E=np.zeros((17, 6, 3))),

@@ -1,4 +1,4 @@
-"""The report: what it draws is what the runs say, and it stands alone."""
+"""The report: its figures show the results of the runs, and the page is self-contained."""
 
 import dataclasses
 import json

@@ -76,7 +76,7 @@ def test_every_dataset_of_results_says_unit_frame_and_meaning(tmp_path: Path) ->
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"t": np.zeros(501)}, "t: expected at least one time, rising"),
+        ({"t": np.zeros(501)}, "t: expected at least one time, in ascending order"),
         ({"q": np.zeros((3, 7))}, "q: expected shape (501, 7), got (3, 7)"),
         ({"energies": {"kinetic": np.zeros(501)}}, "energies/strain: missing"),
         ({"node_positions_G": np.zeros((501, 4, 3))}, "expected shape (501, 10, 3)"),
@@ -152,7 +152,7 @@ def test_summary_is_json_without_nan(tmp_path: Path) -> None:
 def test_summary_that_is_no_json_leaves_the_old_file(tmp_path: Path) -> None:
     path = tmp_path / "summary.json"
     write_summary(path, {"run": "old"})
-    with pytest.raises(ResultError, match="no JSON"):
+    with pytest.raises(ResultError, match="not JSON"):
         write_summary(path, {"run": object()})
     assert read_summary(path) == {"run": "old"}
 

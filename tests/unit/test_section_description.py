@@ -266,7 +266,7 @@ BAD = {
     "no length": (
         'laminate = "skin"',
         'laminate = "skin"\ndirection = { vector = [0, 0] }',
-        r"regions\.top\.direction = .*: expected a vector of some length",
+        r"regions\.top\.direction = .*: expected a vector of non-zero length",
     ),
     "elastic constants": ("nu12 = 0.42", "nu12 = 4.2", r"materials\.cfrp\.nu12 = 4\.2: expected"),
     "strength": (

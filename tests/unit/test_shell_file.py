@@ -1,4 +1,4 @@
-"""Shell results files: what is written is read, ParaView reads it too, damage is told."""
+"""Shell results files: round trip, reading by ParaView, error messages for damaged files."""
 
 import dataclasses
 from collections.abc import Callable

@@ -12,7 +12,8 @@ from plymotion.solver.monitors.spin import SpinMonitor
 
 
 def test_clamped_frames_complete_with_the_error_of_large_rotations(repository):
-    """Rotations of 0.25 rad relative to the frame: what second order leaves out is documented."""
+    """Rotations of 0.25 rad relative to the frame: the terms that second order neglects are
+    documented."""
     file = repository / "tests/reference/dynamics/double_pendulum.toml"
     expected = tomllib.loads(file.read_text())["isotropic-soft-free"]
     pendulum = soft_pendulum(CLAMPED, soft_modes(2, static=False), elements=16)

@@ -1,4 +1,4 @@
-"""How much the drilling rotation of a corner exceeds the turn of its triangle."""
+"""Difference between the drilling rotation of a corner and the rotation of its triangle."""
 
 import numpy as np
 

@@ -13,8 +13,9 @@ def fictitious(t: Triangles, A: Array, factor: float) -> Array:
     """Stiffness factor A66 area [1 -1/2 -1/2; -1/2 1 -1/2; -1/2 -1/2 1] of (tz1, tz2, tz3).
 
     It removes the singularity of nodes whose triangles lie in one plane. Three equal tz have no
-    energy whatever the triangle does: a flat shell keeps one mode of no frequency, and a turn of
-    the triangle about its normal is not held together with tz. No factor suits warped shells.
+    energy for any motion of the triangle. A flat shell therefore keeps one zero-frequency mode, and
+    the rotation of the triangle about its normal is not coupled with tz. No factor suits warped
+    shells.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""A tie of the drilling rotations to the turn of the triangle (Hughes and Brezzi 1989)."""
+"""Coupling of the drilling rotations to the rotation of the triangle (Hughes and Brezzi 1989)."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ LINEAR = (1.0 + np.eye(3)) / 12.0  # mean of l_i l_j
 def tie(t: Triangles, A: Array, factor: float) -> Array:
     """Stiffness of the energy factor A66/2 int (tz - (v,x - u,y)/2)^2, tz and u, v linear.
 
-    Every rigid motion stays free, and nothing else does: no mode of no frequency is added.
+    Only rigid motions have no energy: it adds no zero-frequency mode.
 
     Returns
     -------

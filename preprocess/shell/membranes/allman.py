@@ -9,21 +9,22 @@ from ..triangles import END, START, Triangles
 from .contract import Membrane
 from .strains import MembraneStrains, linear_strain
 
-# Of A66, against equal rotations of all corners. A warped shell feels it: with a hundredth of this
-# a twisted beam gets softer than exact with every refinement, 8 cells across it by a tenth.
+# Relative to A66, stiffness of equal rotations of all corners. It affects warped shells: with a
+# hundredth of this value a twisted beam becomes too soft with refinement, by a tenth at 8 cells
+# across.
 SPURIOUS = 0.1
 
 
 def allman(t: Triangles, A: Array, beta0: float | str) -> MembraneStrains:
     """Strains of the triangle of Allman.
 
-    The middle of a side leaves its chord in the direction n_k = (t_y, -t_x) by
+    The middle of a side is displaced from its chord in the direction n_k = (t_y, -t_x) by
     (L_k/8)(tz_j - tz_i):
 
         (u, v) = sum_i l_i (u, v)_i + sum_k P_k (L_k/8)(tz_j - tz_i) n_k,   P_k = 4 l_i l_j,
 
-    whose strain is linear. Equal tz at all corners move nothing; the extra stiffness
-    0.1 A66 area m^2 with m = mean(tz) - (v,x - u,y)/2 holds them.
+    whose strain is linear. Equal tz at all corners cause no displacement; the extra stiffness
+    0.1 A66 area m^2 with m = mean(tz) - (v,x - u,y)/2 acts on them.
     """
     c = len(t)
     slope = bulge_slopes(t)

@@ -9,8 +9,8 @@ from .strains import MembraneStrains, linear_strain
 def cst(t: Triangles, A: Array, beta0: float | str) -> MembraneStrains:
     """Strains of the linear triangle, (exx, eyy, gxy) = sum_i (gx u, gy v, gy u + gx v)_i.
 
-    It does not know tz. Bending in its plane meets a parasitic shear that makes it several
-    times too stiff: a wall needs many of them over its height.
+    It does not depend on tz. Parasitic shear makes it several times too stiff in in-plane
+    bending: a wall needs many elements over its height.
     """
     return MembraneStrains(linear_strain(t)[:, None], None)
 

@@ -9,7 +9,7 @@ from .contract import Membrane
 from .strains import MembraneStrains, linear_strain
 
 ALPHA_B = 1.5
-LOWEST = 0.01  # of the factor beta0
+LOWEST = 0.01  # lower bound of beta0
 
 # Strains along sides 1-2, 2-3, 3-1 at the corners for the excess rotations, times 3/(2 area) and
 # the side's length squared; at the middle of a side they are the mean of those at its ends.
@@ -34,7 +34,7 @@ def opt(t: Triangles, A: Array, beta0: float | str) -> MembraneStrains:
 
         e = sum_i (gx u', gy v', gy u' + gx v')_i,   u' = u + (3/4) y tz,   v' = v - (3/4) x tz.
 
-    What this does not see are the excess rotations th = tz - (v,x - u,y)/2. They strain
+    The basic strain does not include the excess rotations th = tz - (v,x - u,y)/2. They strain
     the sides by eps_k = (2 area/3) Q_k(l) th / L_k^2, Q linear (`AT_CORNERS`). A state with
     strains eps_k along the sides is the tensor -sum_k L_k^2 eps_k sym(g_i g_j), for
     g_i.t_k = -1/L_k, g_j.t_k = 1/L_k, and the third gradient is normal to t_k. With R these
@@ -42,7 +42,7 @@ def opt(t: Triangles, A: Array, beta0: float | str) -> MembraneStrains:
 
         extra = (3/4) beta0 area (2 area/3)^2 th' [sum Q' (R' A R) Q] th.
 
-    With the `best_beta0` of an isotropic material bending in the plane is exact.
+    With `best_beta0` of an isotropic material, in-plane bending is exact.
     """
     Bm = linear_strain(t)
     x, y = 0.5 * ALPHA_B * t.xy_E[..., 0], 0.5 * ALPHA_B * t.xy_E[..., 1]
@@ -60,7 +60,7 @@ def opt(t: Triangles, A: Array, beta0: float | str) -> MembraneStrains:
 
 
 def best_beta0(A: Array) -> Array:
-    """Factor that makes bending in the plane right, on average over its directions, (c|1,).
+    """Factor for correct in-plane bending, on average over the directions, (c|1,).
 
     beta0 = 256 det(E)/W - 3/2 for any scale of E, at least 0.01; (1 - 4 nu^2)/2 where isotropic.
 

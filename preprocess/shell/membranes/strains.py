@@ -1,4 +1,4 @@
-"""What the membranes have in common: the strain of linear displacements."""
+"""Common part of the membranes: the strain of linear displacements."""
 
 from typing import NamedTuple
 
@@ -19,7 +19,7 @@ class MembraneStrains(NamedTuple):
     ----------
     strain : (c, q, 3, 9) [1/m] of (exx, eyy, gxy), q = 3 at the three integration points,
         1 where it is constant
-    extra : (c, 9, 9) [N/m, N, N m] stiffness against what this strain does not see, or None
+    extra : (c, 9, 9) [N/m, N, N m] stiffness of motions not in this strain, or None
     """
 
     strain: Array
@@ -27,13 +27,13 @@ class MembraneStrains(NamedTuple):
 
     @property
     def mean_strain(self) -> Array:
-        """Mean over the triangle, (c, 3, 9): what the coupling with bending acts on."""
+        """Mean over the triangle, (c, 3, 9), used by the coupling with bending."""
         one = self.strain.shape[1] == 1
         return self.strain[:, 0] if one else np.asarray(self.strain.mean(axis=1))
 
 
 def linear_strain(t: Triangles) -> Array:
-    """Strain of the displacements sum_i l_i (u_i, v_i), (c, 3, 9) [1/m]; none by tz."""
+    """Strain of the displacements sum_i l_i (u_i, v_i), (c, 3, 9) [1/m], independent of tz."""
     Bm = np.zeros((len(t), 3, 9))
     gx, gy = t.grad[..., 0], t.grad[..., 1]
     Bm[:, 0, 0::3] = gx

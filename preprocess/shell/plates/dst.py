@@ -7,8 +7,8 @@ from ..triangles import END, START, Triangles
 from .contract import Plate
 from .strains import PlateStrains, curvature, side_differences
 
-# `shear_ratio` above which the incompatible sides of this element show: of constant curvature on
-# an irregular patch, and of deflections of laminated plates, some 2 % of it is error.
+# `shear_ratio` above which the incompatible sides of this element have an effect: the error is some
+# 2 % of constant curvature on an irregular patch, and of deflections of laminated plates.
 SHEAR_RATIO_LIMIT = 0.1
 
 
@@ -19,13 +19,13 @@ def dst(t: Triangles, D: Array, Ds: Array) -> PlateStrains:
 
         T = (Mx,x + Mxy,y ; Mxy,x + My,y) = Ha alpha,    M = D k,
 
-    where only the P_k of `strains` have second derivatives; hence the constant shear strain
+    where only the P_k of `strains` have second derivatives. This gives the constant shear strain
     gamma = Ds^-1 Ha alpha = Bsa alpha. With it on the sides, (side) of `strains` reads
 
         [(2/3) diag(L_k) - L_k t_k' Bsa] alpha = Aw u   ->   alpha = An u.
 
-    Ds -> infinity gives DKT. Where the plate is not thin against the *element* (`shear_ratio`
-    not small), alpha_k differs between the two triangles at a side: constant curvature is then
+    Ds -> infinity gives DKT. If the plate is not thin compared with the *element* (`shear_ratio`
+    not small), alpha_k differs between the two triangles at a side. Constant curvature is then
     not exact, and refinement does not help.
     """
     Bsa = np.linalg.solve(Ds, moment_slopes(t, D))

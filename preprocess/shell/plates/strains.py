@@ -1,4 +1,4 @@
-"""What the plates have in common: rotations with a quadratic tangential part on each side.
+"""Common part of the plates: rotations with a quadratic tangential part on each side.
 
 With area coordinates l_i, P_k = 4 l_i l_j on side k from corner i to j of length L_k and unit
 tangent t_k, the rotation b = (bx, by) of the normal is
@@ -12,7 +12,7 @@ gamma_s = w,s + t.b is
     L_k mean(gamma_s) = w_j - w_i + (L_k/2) t_k.(b_i + b_j) + (2/3) L_k alpha_k
                       = -Aw_k u + (2/3) L_k alpha_k.                                   (side)
 
-Each plate closes this with its own statement on gamma_s, which gives alpha = An u.
+Each plate adds its own condition on gamma_s, which gives alpha = An u.
 """
 
 from typing import NamedTuple
@@ -55,7 +55,7 @@ def curvature(t: Triangles, An: Array | None) -> Array:
 
     Parameters
     ----------
-    An : (c, 3, 9) alpha for the degrees of freedom, or None where the sides stay linear
+    An : (c, 3, 9) alpha for the degrees of freedom, or None if the rotations are linear
     """
     c = len(t)
     Bb = np.zeros((c, 3, 3, 9))
@@ -88,7 +88,7 @@ def edge_shear(t: Triangles, side: Array) -> Array:
 
 
 def shear_ratio(t: Triangles, D: Array, Ds: Array) -> Array:
-    """Flexibility by shear against that by bending over each side: phi (c, 3).
+    """Ratio of shear flexibility to bending flexibility of each side: phi (c, 3).
 
     phi_k = 12 D_ss / (Ds_ss L_k^2) with D_ss = q' D q, q = (C^2, S^2, 2 C S) the moment about
     the side's normal for a unit curvature along the side, and Ds_ss = t' Ds t. Isotropic:

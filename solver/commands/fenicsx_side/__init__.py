@@ -1,1 +1,1 @@
-"""The preprocessor in its own Python: finding it, starting it, sharing work among several."""
+"""The preprocessor in its own Python: find it, start it, distribute work over several processes."""

@@ -1,4 +1,4 @@
-"""Several workers share the specifications of a batch, each mesh on one worker if possible."""
+"""Several workers process the specifications of a batch, each mesh on one worker if possible."""
 
 import queue
 from collections import deque
@@ -8,20 +8,21 @@ from pathlib import Path
 from ...errors import InputError
 from .launch import GRACE, Line, Worker, importable
 
-REFUSED = 2  # exit code of a preprocessor that cannot work at all
-FRUITLESS = 3  # deaths without an answer in between, after which nothing more is tried
-FAREWELL = 10.0  # s that a worker without work has to end
+REFUSED = 2  # exit code of a preprocessor that cannot start
+FRUITLESS = 3  # number of crashes without a result in between after which the batch is aborted
+FAREWELL = 10.0  # time for an idle worker to end [s]
 
 
 class Work:
-    """What is left to do, in groups of equal mesh."""
+    """Remaining files, in groups of equal mesh."""
 
     def __init__(self, groups: Sequence[Sequence[Path]]) -> None:
         self._free = deque(deque(group) for group in groups if group)
         self._taken: dict[Worker, deque[Path]] = {}
 
     def next(self, worker: Worker) -> Path | None:
-        """The next file for a worker: of its own group, of a new one, or half of another's."""
+        """The next file for a worker: of its own group, of a new group, or of half of another
+        worker's."""
         if not self._taken.get(worker):
             if self._free:
                 self._taken[worker] = self._free.popleft()
@@ -35,7 +36,7 @@ class Work:
         return own.popleft() if own else None
 
     def give_back(self, worker: Worker) -> None:
-        """What a worker that is gone has left is for the others."""
+        """Return the remaining files of a lost worker to the others."""
         left = self._taken.pop(worker, None)
         if left:
             self._free.appendleft(left)
@@ -50,9 +51,9 @@ def outcomes(
     jobs: int = 1,
     progress: Callable[[str], None],
 ) -> Generator[Line, None, None]:
-    """Have the file of every specification made; yield an outcome of each as it comes.
+    """Make the file of every specification; yield each outcome when it arrives.
 
-    A worker that crashes takes only the file with it that it was at.
+    If a worker crashes, only its current file is lost.
 
     Parameters
     ----------
@@ -60,7 +61,7 @@ def outcomes(
     python : interpreter with FEniCSx
     command, options : of the preprocessor
     jobs : number of workers
-    progress : told what a worker begins
+    progress : called with the step that a worker begins
 
     Raises
     ------
@@ -94,7 +95,7 @@ def outcomes(
                 worker, line = heard.get()
                 if line is None:
                     if worker not in at:
-                        continue  # dismissed
+                        continue  # told to end
                     spec, words = at.pop(worker), worker.last_words()
                     fruitless += 1
                     if worker.exit_code() == REFUSED or fruitless == FRUITLESS:
@@ -111,7 +112,7 @@ def outcomes(
                     hand(worker)
             patience = FAREWELL
         finally:
-            if not patience:  # interrupted, or an error: all at once
+            if not patience:  # interrupted, or an error: stop all workers
                 for worker in crew:
                     worker.interrupt()
             for worker in crew:
@@ -125,6 +126,6 @@ def _crashed(spec: Path, words: str) -> Line:
         "status": "failed",
         "seconds": 0.0,
         "warnings": [],
-        "error": f"the preprocessor was lost: {words}",
+        "error": f"the preprocessor ended unexpectedly: {words}",
         "defect": "",
     }

@@ -1,17 +1,17 @@
-"""What one Python knows of FEniCSx: run as a script by that Python, prints one line of JSON.
+"""Report on FEniCSx in one Python: that Python runs this script, which prints one line of JSON.
 
-Real imports, because an installed package may still not load (a complex-valued
-build, a shared library that is missing); and one form is compiled, because
-DOLFINx needs a C compiler and Python's headers at run time. Written for any
-Python from 3.6 on, since it also has to tell why an old one does not do. All
-by name: the solver itself imports none of it.
+The script imports all packages, because an installed package may not load (a complex-valued
+build, a missing shared library). It compiles one form, because
+DOLFINx needs a C compiler and Python's headers at run time. It is written for
+Python 3.6 and later, so that it can report why an old version is not usable. Imports are
+by name: the solver itself imports none of these packages.
 """
 
 import importlib
 import json
 import sys
 
-# mpi4py first: with the wheel it loads the MPI library that the others link to.
+# mpi4py must be first: with the wheel it loads the MPI library that the others link to.
 MODULES = ("mpi4py.MPI", "petsc4py.PETSc", "slepc4py.SLEPc", "dolfinx", "gmsh", "h5py", "scipy")
 
 
@@ -37,7 +37,7 @@ def probe() -> dict:
     if not problems:
         try:
             compile_form(loaded["mpi4py.MPI"])
-        except Exception as error:  # whatever the compiler or the loader raises
+        except Exception as error:  # any error of the compiler or the loader
             problems["compiler"] = f"{type(error).__name__}: {error}"
     return found
 

@@ -1,4 +1,4 @@
-"""The Python that has FEniCSx: found by really importing what the preprocessor needs."""
+"""Find a Python with FEniCSx by importing the packages that the preprocessor needs."""
 
 import json
 import os
@@ -14,13 +14,13 @@ from ...errors import InputError
 
 SYSTEM_PYTHON = "/usr/bin/python3"
 PROBE = Path(__file__).with_name("fenicsx_probe.py")
-CHOICE = Path("build") / "fenicsx.env"  # of a checkout; `make fenicsx` writes it
+CHOICE = Path("build") / "fenicsx.env"  # file in a checkout, written by `make fenicsx`
 
 Report = dict[str, Any]  # {"python": path, "dolfinx": version, "problems": {module: reason}}
 
 
 def probe(python: str) -> Report:
-    """What an interpreter really imports; a problem "python" if it does not start."""
+    """Report on the imports of an interpreter; it has the problem "python" if it does not start."""
     try:
         done = subprocess.run([python, str(PROBE)], capture_output=True, text=True, timeout=300)
     except (OSError, subprocess.TimeoutExpired) as error:
@@ -34,7 +34,7 @@ def probe(python: str) -> Report:
 
 
 def usable(report: Report) -> bool:
-    """True if everything that the preprocessor needs was imported."""
+    """True if all packages that the preprocessor needs were imported."""
     return not report["problems"]
 
 
@@ -47,20 +47,20 @@ def reasons(report: Report) -> str:
 
 
 def checkouts() -> list[Path]:
-    """The checkouts that this code or the current folder is, if any."""
+    """The checkouts of this code and of the current folder, if any."""
     here = Path(plymotion.__file__).resolve().parent.parent
     known = dict.fromkeys((here, Path.cwd()))
     return [folder for folder in known if (folder / "plymotion" / "preprocess").is_dir()]
 
 
 def candidates(folders: list[Path]) -> list[str]:
-    """Interpreters to look at, without doubles: on PATH, the system's, the checkouts' own."""
+    """Candidate interpreters without duplicates: on PATH, of the system, of the checkouts."""
     own = [str(path) for folder in folders for path in sorted(folder.glob(".fenicsx-*/bin/python"))]
     return list(dict.fromkeys(filter(None, [shutil.which("python3"), SYSTEM_PYTHON, *own])))
 
 
 def present(folders: list[Path]) -> tuple[Report | None, list[Report]]:
-    """The first interpreter that has everything, or None, and those that will not do."""
+    """The first usable interpreter, or None, and the reports of unusable ones."""
     refused: list[Report] = []
     for python in candidates(folders):
         report = probe(python)
@@ -71,7 +71,7 @@ def present(folders: list[Path]) -> tuple[Report | None, list[Report]]:
 
 
 def recorded(folder: Path) -> str | None:
-    """The interpreter that `make fenicsx` has found for a checkout and that is still there."""
+    """The interpreter that `make fenicsx` recorded for a checkout, if it still exists."""
     try:
         words = shlex.split((folder / CHOICE).read_text(encoding="utf-8"))
     except OSError:
@@ -99,7 +99,7 @@ def find_interpreter() -> str:
     folders = checkouts()
     for folder in folders:
         if python := recorded(folder):
-            return python  # it has been probed when it was recorded
+            return python  # it was checked when it was recorded
     found, refused = present(folders)
     if found is None:
         tried = "".join(f"\n  {report['python']}: {reasons(report)}" for report in refused)

@@ -1,4 +1,4 @@
-"""Start the preprocessor in the Python that has FEniCSx, and talk to it line by line."""
+"""Start the preprocessor in the Python with FEniCSx, and communicate with it line by line."""
 
 import contextlib
 import json
@@ -15,18 +15,18 @@ from typing import Any
 
 import plymotion
 
-Line = dict[str, Any]  # {"progress": words}, or an outcome as preprocess/batch.py has it
-# Of this process's MPI job, if it is in one: a worker is a process for itself.
+Line = dict[str, Any]  # {"progress": text}, or an outcome as in preprocess/batch.py
+# Variables of this process's MPI job, if any; a worker must not join it.
 LAUNCHER = ("OMPI_", "PMI_", "PMIX_", "MPI_LOCAL")
-GRACE = 2.0  # s that an interrupted process has to tidy up
+GRACE = 2.0  # time for an interrupted process to clean up [s]
 
 
 @contextmanager
 def importable() -> Iterator[Path]:
-    """A folder for PYTHONPATH that holds `plymotion` and nothing that the other Python has too.
+    """A folder for PYTHONPATH that contains only `plymotion`.
 
-    A checkout is one. The folder that an installed package lies in is not: its numpy is built
-    for this Python, so a folder of a link is made.
+    A checkout is such a folder. The folder of an installed package is not: its numpy is built
+    for this Python. In this case, a folder with a link is created.
     """
     package = Path(plymotion.__file__).resolve().parent
     if (package.parent / "pyproject.toml").is_file():
@@ -36,13 +36,13 @@ def importable() -> Iterator[Path]:
         link = Path(folder) / "plymotion"
         try:
             link.symlink_to(package, target_is_directory=True)
-        except OSError:  # Windows, without the right to make links
+        except OSError:  # Windows, without permission to create links
             shutil.copytree(package, link)
         yield Path(folder)
 
 
 def environment(folder: Path) -> dict[str, str]:
-    """Variables for the other Python: ours, without what would lead it to this one's modules."""
+    """Environment for the other Python, without variables that refer to modules of this one."""
     variables = {
         key: value
         for key, value in os.environ.items()
@@ -50,20 +50,20 @@ def environment(folder: Path) -> dict[str, str]:
     }
     paths = [str(folder), *filter(None, [variables.get("PYTHONPATH")])]
     variables["PYTHONPATH"] = os.pathsep.join(paths)
-    variables.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads of small matrices only spin
+    variables.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads are of no use for small matrices
     return variables
 
 
 class Worker:
-    """A preprocessor that makes one file after the other.
+    """A preprocessor process that makes one file after the other.
 
     Parameters
     ----------
     python : the interpreter
-    folder : where it finds `plymotion`
+    folder : folder that contains `plymotion`
     command : of the preprocessor that reads names from standard input: section, shell
     options : of the command
-    hear : called with (worker, line) from a thread of its own; line None: the process has ended
+    hear : called with (worker, line) from a separate thread; line None: the process has ended
     """
 
     def __init__(
@@ -75,8 +75,8 @@ class Worker:
         hear: "Callable[[Worker, Line | None], None]",
     ) -> None:
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115  as long as the process
-        # -P: modules of the current folder must not shadow what is installed. A session of its
-        # own: Ctrl-C reaches this process only, which then ends the other.
+        # -P: modules of the current folder must not shadow installed ones. A new session:
+        # Ctrl-C reaches only this process, which then ends the other.
         self._process = subprocess.Popen(
             [python, "-P", "-m", "plymotion.preprocess", command, "-", "--json", *options],
             stdin=subprocess.PIPE,
@@ -92,20 +92,20 @@ class Worker:
         self._thread.start()
 
     def give(self, spec: Path) -> None:
-        """Ask for one file."""
+        """Request one file."""
         assert self._process.stdin is not None
-        with contextlib.suppress(BrokenPipeError):  # it has ended: the thread tells
+        with contextlib.suppress(BrokenPipeError):  # it has ended: the thread reports this
             self._process.stdin.write(f"{spec}\n")
             self._process.stdin.flush()
 
     def dismiss(self) -> None:
-        """No more work: the process ends by itself."""
+        """Signal that there is no more work: the process ends."""
         assert self._process.stdin is not None
         with contextlib.suppress(BrokenPipeError):
             self._process.stdin.close()
 
     def interrupt(self) -> None:
-        """Stop what it is at; it removes its unfinished file."""
+        """Interrupt the process; it removes its unfinished file."""
         self._signal(signal.SIGINT)
 
     def end(self, patience: float) -> None:
@@ -119,15 +119,15 @@ class Worker:
         self._errors.close()
 
     def _signal(self, number: int) -> None:
-        with contextlib.suppress(ProcessLookupError):  # it has ended meanwhile
-            os.killpg(self._process.pid, number)  # with its compilers, if any
+        with contextlib.suppress(ProcessLookupError):  # it has ended in the meantime
+            os.killpg(self._process.pid, number)  # including its compiler processes, if any
 
     def exit_code(self) -> int:
-        """How the process has ended; negative: by that signal."""
+        """Exit code of the process; negative: ended by that signal."""
         return self._process.wait()
 
     def last_words(self) -> str:
-        """Why it ended: its code or signal, and the last lines of its standard error."""
+        """Reason of its end: exit code or signal, and the last lines of its standard error."""
         code = self.exit_code()
         self._errors.seek(0)
         text = self._errors.read().decode("utf-8", "replace").strip()

@@ -1,4 +1,4 @@
-"""Measured modes of vibration as a modal package, which the paper (2.3) allows."""
+"""Modal packages from measured vibration modes (the paper, section 2.3)."""
 
 from .measurement import Measurement, load_measurement
 from .package import experimental_package

@@ -14,13 +14,13 @@ def read_columns(
 ) -> tuple[IntArray, dict[str, Array]]:
     """Node numbers (n,) of the column `node`, and the other columns by name, (n,) each.
 
-    Empty lines and lines that begin with # are left out; values are separated by commas or, if the
-    first line has some, by semicolons.
+    Empty lines and lines that begin with # are ignored. Values are separated by commas or, if the
+    first line contains any, by semicolons.
 
     Raises
     ------
-    InputError : no such file; a column is unknown or missing; a value is no number; a node is
-        there twice. Names file, line and column.
+    InputError : no such file; a column is unknown or missing; a value is not a number; a node
+        occurs twice. Names file, line and column.
     """
     rows = _rows(file)
     head_line, head = rows[0]
@@ -29,7 +29,7 @@ def read_columns(
         if name not in known:
             raise InputError(f"{file}:{head_line}: column {name!r}: unknown{nearest(name, known)}")
         if head.count(name) > 1:
-            raise InputError(f"{file}:{head_line}: column {name!r}: is there twice")
+            raise InputError(f"{file}:{head_line}: column {name!r}: occurs twice")
     for name in ("node", *required):
         if name not in head:
             raise InputError(
@@ -46,12 +46,12 @@ def read_columns(
     nodes = columns.pop("node").astype(np.int64)
     for k in range(1, len(nodes)):
         if nodes[k] in nodes[:k]:
-            raise InputError(f"{file}:{rows[k + 1][0]}: node {nodes[k]} is there twice")
+            raise InputError(f"{file}:{rows[k + 1][0]}: node {nodes[k]} occurs twice")
     return nodes, columns
 
 
 def _rows(file: Path) -> list[tuple[int, list[str]]]:
-    """Numbered lines that hold something, split into stripped texts."""
+    """Numbered non-empty lines, split into stripped texts."""
     try:
         text = file.read_text(encoding="utf-8-sig")
     except (FileNotFoundError, IsADirectoryError) as error:

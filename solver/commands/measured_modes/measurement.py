@@ -1,4 +1,4 @@
-"""Read a modal test: nodes with masses, frequencies, shapes, named places."""
+"""Read a modal test: nodes with masses, frequencies, shapes, interfaces."""
 
 import hashlib
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ TRANSLATIONS, ROTATIONS = ("ux", "uy", "uz"), ("rx", "ry", "rz")
 
 @dataclass(frozen=True)
 class Measurement:
-    """What was measured, modes rising in frequency; n nodes, m modes.
+    """The measured data, modes in ascending frequency; n nodes, m modes.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class Measurement:
 
 
 def load_measurement(file: Path) -> Measurement:
-    """Read a file of measured modes and the CSV files beside it.
+    """Read a file of measured modes and its CSV files.
 
     Raises
     ------
@@ -107,7 +107,7 @@ def load_measurement(file: Path) -> Measurement:
 
 
 def _unknown_nodes(file: Path, keys: MeasuredFile, node_ids: IntArray) -> list[str]:
-    """Return one line for each place that is not there."""
+    """Return one message for each unknown node or interface."""
     known = set(node_ids.tolist())
     named = [(f"lines[{i}]", nodes) for i, nodes in enumerate(keys.lines)]
     named += [(f"interfaces.{n}.nodes", i.nodes) for n, i in keys.interfaces.items()]
@@ -125,9 +125,9 @@ def _unknown_nodes(file: Path, keys: MeasuredFile, node_ids: IntArray) -> list[s
 
 
 def _shape(file: Path, node_ids: IntArray, still: list[int]) -> tuple[Array, bool]:
-    """Shape (n, 6) from a file, zero for what has no column; whether it has all rotations.
+    """Shape (n, 6) from a file, zero for missing columns; whether it has all rotations.
 
-    Nodes `still` were held and may be left out.
+    Nodes in `still` were held and may be omitted.
     """
     ids, columns = read_columns(file, (), TRANSLATIONS + ROTATIONS)
     if not any(name in columns for name in TRANSLATIONS):
@@ -147,5 +147,5 @@ def _shape(file: Path, node_ids: IntArray, still: list[int]) -> tuple[Array, boo
     for j, name in enumerate(TRANSLATIONS + ROTATIONS):
         shape[rows, j] = columns.get(name, 0.0)
     if not np.abs(shape[:, :3]).max() > 0.0:
-        raise InputError(f"{file}: expected a shape that moves, found zeros only")
+        raise InputError(f"{file}: expected a non-zero shape, found only zeros")
     return shape, all(name in columns for name in ROTATIONS)

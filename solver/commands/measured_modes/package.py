@@ -16,7 +16,7 @@ VTK_VERTEX, VTK_LINE = 1, 3
 
 
 def experimental_package(measured: Measurement) -> ModalPackage:
-    """Package of a measured body; doubts are in its provenance, under "warnings".
+    """Package of a measured body; warnings are in its provenance.
 
     Raises
     ------
@@ -79,7 +79,7 @@ def _cells(measured: Measurement) -> tuple[IntArray, IntArray, IntArray]:
 
 
 def _interface(measured: Measurement, name: str, out: Corrected) -> Interface:
-    """Mean motion of its nodes; the rotation as measured, or that of their rigid motion."""
+    """Mean motion of its nodes; the measured rotation, or that of the best-fitting rigid motion."""
     rows = measured.rows(name)
     mean = out.shapes_B[:, rows].mean(axis=1)
     position = measured.nodes_B[rows].mean(axis=0)
@@ -90,9 +90,9 @@ def _interface(measured: Measurement, name: str, out: Corrected) -> Interface:
         if rank < 3:
             out.doubt(
                 "interface-without-rotation",
-                f"interface {name}: its {len(rows)} node(s) show {rank} of 3 rotations and none "
-                "was measured; a joint there that holds a direction would see too few. Give at "
-                "least three nodes off one line, or columns rx, ry, rz",
+                f"interface {name}: its {len(rows)} node(s) determine {rank} of 3 rotations "
+                "and none was measured; a joint that constrains rotations there would be wrong. "
+                "Give at least three nodes that are not on one line, or columns rx, ry, rz",
             )
     return Interface(
         name=name,
@@ -107,7 +107,7 @@ def _interface(measured: Measurement, name: str, out: Corrected) -> Interface:
 
 
 def _fitted_rotation(arms: Array, shapes: Array) -> tuple[Array, int]:
-    """Rotation (3, m) that best moves `arms` (k, 3) like shapes (m, k, 3), and its rank."""
+    """Best-fitting rotation (3, m) of `arms` (k, 3) for shapes (m, k, 3), and its rank."""
     spread = np.einsum("ka,ka->", arms, arms) * np.eye(3) - arms.T @ arms
     moment = np.cross(arms, shapes).sum(axis=1)
     values = np.linalg.eigvalsh(spread)

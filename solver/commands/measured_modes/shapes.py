@@ -1,17 +1,17 @@
-"""Measured shapes made fit for a floating frame: tied to it, orthonormal in the nodes' mass.
+"""Correction of measured shapes: reference condition, orthonormality in the nodal masses.
 
-A measured shape has any scale, is nearly but not quite orthogonal to the others in the mass of the
-nodes, and holds a little of the support's motion. Three corrections, each with a doubt if it is
-large:
+A measured shape has an arbitrary scale, is only nearly orthogonal to the others in the nodal
+masses, and contains a small motion of the support. There are three corrections, each with a warning
+if it is large:
 
-- the frame: nodes that were held are at rest; a body that hung freely loses what its shapes have
-  of the rigid motions, so that they have no momentum (mean axis);
+- the frame: the motion of held nodes is set to zero; from the shapes of a free body the rigid
+  motions are removed, so that they have no momentum (mean axis);
 - scale: unit modal mass;
-- orthogonality: each shape loses what it has of the shapes below it in frequency (Gram-Schmidt).
-  The lowest, which matter most and are measured best, stay as they are; spreading the correction
-  over all alike makes the lowest frequencies of a modified body several times worse.
+- orthogonality: each shape is made orthogonal to those of lower frequency (Gram-Schmidt).
+  The lowest shapes, which are most important and most accurate, change least. An equal correction
+  of all shapes makes the lowest frequencies of a modified body several times less accurate.
 
-The frequencies stay the measured ones.
+The measured frequencies are kept.
 """
 
 from dataclasses import dataclass, field
@@ -23,15 +23,15 @@ from ...math.arrays import Array
 from ...package.body.invariants import rigid_motions
 from .measurement import Measurement
 
-HELD = 0.01  # motion of held nodes, against the largest: more is no clamp
-RIGID = 0.1  # share of a shape's mass norm that is rigid motion
-COUPLED = 0.1  # cosine of two shapes in the mass of the nodes
-SCALED = 0.1  # modal mass of mass-normalised shapes, from 1
+HELD = 0.01  # limit of the motion of held nodes, relative to the largest motion
+RIGID = 0.1  # limit of the rigid motion in a shape, relative to its mass norm
+COUPLED = 0.1  # limit of the cosine of two shapes in the nodal masses
+SCALED = 0.1  # limit of the deviation of the modal mass of mass-normalised shapes from 1
 
 
 @dataclass
 class Corrected:
-    """Shapes (m, n, 6) of unit modal mass, and doubts about the measurement."""
+    """Shapes (m, n, 6) of unit modal mass, and warnings about the measurement."""
 
     shapes_B: Array
     warnings: list[dict[str, str]] = field(default_factory=list)
@@ -42,7 +42,7 @@ class Corrected:
 
 
 def corrected_shapes(measured: Measurement) -> Corrected:
-    """Tie, scale and orthonormalise the shapes of a measurement.
+    """Apply the reference condition to measured shapes, scale and orthogonalise them.
 
     Raises
     ------
@@ -85,7 +85,7 @@ def _float(measured: Measurement, out: Corrected) -> None:
     R = np.moveaxis(rigid_motions(measured.nodes_B), 2, 0)  # (6, n, 6)
     MR, X = mass_times(measured, R), out.shapes_B
     inertia = np.einsum("ink,jnk->ij", R, MR)
-    # nodes on one line without inertias have no inertia about it, and no motion to take away
+    # nodes on a line without rotary inertia have no inertia about it, and no motion to remove
     share = np.linalg.pinv(inertia, rcond=1e-10, hermitian=True) @ np.einsum("ink,mnk->im", MR, X)
     rigid = np.einsum("im,ink->mnk", share, R)
     before = np.einsum("mnk,mnk->m", X, mass_times(measured, X))
@@ -94,9 +94,9 @@ def _float(measured: Measurement, out: Corrected) -> None:
     for i in np.flatnonzero(ratio > RIGID):
         out.doubt(
             "measured-shape-rigid",
-            f"mode {measured.labels[i]!r}: {ratio[i]:.0%} of the shape is motion of the body as a "
-            f"whole (a free body: below {RIGID:.0%}); it was taken out. Check the nodal masses and "
-            "the suspension",
+            f"mode {measured.labels[i]!r}: {ratio[i]:.0%} of the shape is rigid-body motion "
+            f"(expected for a free body: below {RIGID:.0%}); it was removed. Check the nodal "
+            "masses and the suspension",
         )
 
 
@@ -106,21 +106,23 @@ def _orthonormalise(measured: Measurement, out: Corrected) -> None:
     scale = np.sqrt(np.diag(gram))
     if not (scale > 0.0).all():
         label = measured.labels[int(np.argmin(scale))]
-        raise InputError(f"mode {label!r}: the shape moves no mass; expected motion where mass is")
+        raise InputError(
+            f"mode {label!r}: the shape moves no mass; expected motion of nodes with mass"
+        )
     if measured.table.mass_normalised:
         for i in np.flatnonzero(np.abs(scale**2 - 1.0) > SCALED):
             out.doubt(
                 "measured-modal-mass",
                 f"mode {measured.labels[i]!r}: the nodal masses give a modal mass of "
-                f"{scale[i] ** 2:.3g}, its shape is said to have 1",
+                f"{scale[i] ** 2:.3g}, but mass_normalised = true requires 1",
             )
     cosine = gram / np.outer(scale, scale)
     if not np.linalg.eigvalsh(cosine)[0] > 1e-3:
         i, j = np.unravel_index(np.argmax(np.abs(np.triu(cosine, 1))), cosine.shape)
         raise InputError(
             f"modes {measured.labels[i]!r} and {measured.labels[j]!r}: the shapes are not "
-            f"independent (cosine {cosine[i, j]:.3f} in the nodal masses): more nodes or "
-            "directions tell them apart"
+            f"independent (cosine {cosine[i, j]:.3f} in the nodal masses): measure more nodes or "
+            "directions to distinguish them"
         )
     pairs = np.argwhere(np.abs(np.triu(cosine, 1)) > COUPLED)
     for i, j in pairs:

@@ -62,7 +62,7 @@ def _looped_add_elastic(
 def _add_elastic(
     M: Array, f: Array, q: Array, q_d: Array, G3: Array, three: int, G4: Array, four: int
 ) -> None:
-    """Add the modal mass of the bent body to M's lower triangle and its velocity terms to f.
+    """Add the modal mass of the deformed body to M's lower triangle, and its velocity terms to f.
 
     With E_i,jl = G3_i,jl + G4_ik,jl q_k = sum m (db/dq_i) . h_jl:
     M_ij += E_i,jl q_l + G3_j,ik q_k and f_i -= E_i,jl q_d_j q_d_l.
@@ -79,5 +79,5 @@ def _add_elastic(
     f[6 : 6 + m] -= (E @ q_d) @ q_d
 
 
-# Without Numba four nested loops would take most of the time.
+# Without Numba, four nested loops would take most of the time.
 add_elastic = _looped_add_elastic if COMPILED else _add_elastic

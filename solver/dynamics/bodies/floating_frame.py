@@ -2,8 +2,8 @@
 
 Velocities of a body are ordered (rdot_G, w_B, qdot): velocity of the frame
 origin in global components, angular velocity in body components, modal rates.
-A rigid body is the case of no modes. The cost depends on the number of modes
-only; sums that vanish for a body (model.pair_used) are left out.
+A rigid body has no modes. The cost depends only on the number of modes;
+zero sums of a body (model.pair_used) are skipped.
 See docs/errata.md for the signs of Eqs. (2), (7) and (12).
 """
 
@@ -20,7 +20,7 @@ from .second_order import add_carried, add_modal_inertia, add_moments
 def evaluate_bodies(model: Model, work: Work, y: Array) -> None:
     """Fill A, the lower triangles of M, and f of all bodies in state y.
 
-    f holds quadratic velocity terms, gravity, elastic and damping forces; work.power the power
+    f has quadratic velocity terms, gravity, elastic and damping forces; work.power has the power
     of damping.
 
     Paper: Eq. (1), Eq. (2), Eq. (3), Eq. (4), Eq. (6), Eq. (7), with the modes of Eq. (15) and
@@ -53,7 +53,7 @@ def evaluate_bodies(model: Model, work: Work, y: Array) -> None:
 
 @inlined
 def _moments(model: Model, work: Work, i: int, q: Array, q_d: Array) -> None:
-    """Fill the moments of mass of body i, moved linearly, that `_inertia` is made of.
+    """Fill the moments of mass of body i, with linear displacements, for `_inertia`.
 
     D = sum m b_a phi_bk and R = sum m bdot_a phi_bk, rows 3 a + b; B = sum m b b',
     P = sum m b bdot'; the first moment, sum m b, its rates, and its slope C = sum m phi.
@@ -106,7 +106,7 @@ def _inertia(
     M: Array,
     f: Array,
 ) -> None:
-    """Fill the lower triangle of M (6 + m, 6 + m) and f (6 + m,), stiffness left out."""
+    """Fill the lower triangle of M (6 + m, 6 + m) and f (6 + m,), without stiffness."""
     m = model.n_mode[i]
     two, S = model.square_start[i], 3 * model.mode_start[i]
     D, R, C, B, P = work.D, work.R, work.C, work.B, work.P
@@ -164,7 +164,7 @@ def _inertia(
 def centrifugal_matrix(w: Array, T11: Array, m: int) -> Array:
     """Return w_a w_b sum m (delta_ab phi_i.phi_j - phi_ia phi_jb), (m, m) [kg m2/s2].
 
-    The stiffness that spinning takes from the modes of a linear body. `T11` is
+    The reduction of modal stiffness by the spin of a linear body. `T11` is
     laid out as in `Model`.
     """
     T = T11.reshape(3, 3, m, m)

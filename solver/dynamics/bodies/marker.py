@@ -1,7 +1,7 @@
 """Motion of the markers: frames fixed to a body's interface, or to the ground.
 
-Joints and loads see bodies through markers only, so each is written once for rigid bodies,
-flexible bodies and the ground: the paper's virtual body with its six constraints already
+Joints and loads use only markers, so each is written once for rigid bodies,
+flexible bodies and the ground. A marker is the paper's virtual body with its six constraints
 substituted.
 """
 
@@ -54,14 +54,14 @@ class Marker(NamedTuple):
 
 @inlined
 def evaluate_markers(model: Model, work: Work, y: Array) -> None:
-    """Fill the motions of all markers that joints and force elements stand on, in state y."""
+    """Fill the motions of all markers of joints and force elements in state y."""
     for n in range(model.plan.marker_used.shape[0]):
         k = model.plan.marker_used[n]
         _move(model, k, y, work.A[model.marker_body[k]], work.motion[k], work.J_m[k])
 
 
 def marker_motion(model: Model, k: int, y: Array) -> Marker:
-    """Return the motion of marker k in state y (model.py), in arrays of its own."""
+    """Return the motion of marker k in state y (model.py), in new arrays."""
     motion, J_m = single_motion(model, k, y)
     return Marker(
         motion[PLACE:AXES],
@@ -94,9 +94,9 @@ def single_motion(model: Model, k: int, y: Array) -> tuple[Array, Array]:
 def _move(model: Model, k: int, y: Array, A: Array, motion: Array, J_m: Array) -> None:
     """Fill motion (24,) and Jacobian J_m (6, n) of marker k on a body with rotation matrix A.
 
-    Translation x = r + A (x_k + phi q) is linear in the modes, or of second order on a
-    stiffened body (second_order.py). The rotation psi q is taken as a finite rotation vector,
-    so that a marker's axes stay orthonormal and its angular velocity is the exact rate of them.
+    The translation x = r + A (x_k + phi q) is linear in the modes, or of second order on a
+    stiffened body (second_order.py). The rotation psi q is a finite rotation vector,
+    so the marker axes stay orthonormal and the angular velocity is their exact rate.
     """
     body = model.marker_body[k]
     m = model.n_mode[body]

@@ -1,6 +1,6 @@
-"""The motion of one marker as a row of numbers, and names for its parts.
+"""The motion of one marker as a row of numbers, with functions for its parts.
 
-One row is one argument where compiled: joints and force elements are called with two of them.
+In compiled code a row is one argument: joints and force elements are called with two rows.
 """
 
 from ...math.arrays import Array

@@ -1,19 +1,19 @@
-"""Geometric stiffening: what second-order displacements add to a floating body.
+"""Geometric stiffening: second-order displacements of a floating body.
 
-A mass station stands at b = x + phi q + 1/2 q' h q. The equations are those of a linear body
-(floating_frame.py) with the moments of the mass so displaced:
+The position of a mass station is b = x + phi q + 1/2 q' h q. The equations are those of a linear
+body (floating_frame.py) with these moments of mass:
 
     sum m b                    S0 + S q + 1/2 q Z0 q
     its slope by q             C = S + Z0 q
     sum m b_a b_b              + 1/2 q (Z1_ab + Z1_ba) q
     D_ab = sum m b_a db_b/dq   + Z1_ab q
-    M_qq                       + E q + (E q)' less what is counted twice, E = G3 + G4 q
+    M_qq                       + E q + (E q)' minus what is counted twice, E = G3 + G4 q
 
-Energy and both momenta are kept whatever the motion is, for all of them belong to one kinetic
-energy. Terms of third and higher order in q are left out of the last two moments; M_qq is
-complete, a sum of squares over the stations, which keeps the mass matrix positive definite
-(docs/stiffening.md). Point masses are stations like others, but theirs are complete: they may be
-heavier than the body, and sit where it moves most.
+Energy and both momenta are conserved for any motion, because all terms follow from one kinetic
+energy. Terms of third and higher order in q are neglected in the two moments before M_qq. M_qq is
+complete: a sum of squares over the stations, so the mass matrix stays positive definite
+(docs/stiffening.md). Point masses are stations too, but all their terms are complete: they may be
+heavier than the body, at points of large motion.
 """
 
 import numpy as np
@@ -28,7 +28,7 @@ from .contractions import add_elastic, contract
 
 @inlined
 def add_moments(model: Model, work: Work, i: int, q: Array, q_d: Array) -> None:
-    """Add to the moments of body i, filled for a linear one, what its bending changes."""
+    """Add the second-order terms to the moments of body i, which have the linear terms."""
     m = model.n_mode[i]
     first, B, P, twist = work.first, work.B, work.P, work.twist
     for row in range(12):
@@ -51,10 +51,10 @@ def add_moments(model: Model, work: Work, i: int, q: Array, q_d: Array) -> None:
 
 @inlined
 def add_carried(model: Model, work: Work, i: int, q: Array, q_d: Array) -> None:
-    """Add to the moments of body i what `add_moments` leaves out of its point masses.
+    """Add the terms of point masses to the moments of body i that `add_moments` neglects.
 
-    A point stands at x + u + e, u = phi q, e = 1/2 q' H q; the sums so far are those of its mass
-    without u e', e u' and e e'.
+    The position of a point is x + u + e, u = phi q, e = 1/2 q' H q. The previous sums contain its
+    mass without u e', e u' and e e'.
     """
     m = model.n_mode[i]
     D, R, B, P = work.D, work.R, work.B, work.P
@@ -84,7 +84,7 @@ def add_carried(model: Model, work: Work, i: int, q: Array, q_d: Array) -> None:
 
 @inlined
 def _shape(model: Model, s: int, m: int, n: int) -> Triple:
-    """Return the translation of a marker per unit of mode n; its m modes stand from s on."""
+    """Return the translation of a marker per unit of mode n; its m modes begin at s."""
     return (
         model.marker_phi[s + n],
         model.marker_phi[s + m + n],
@@ -94,7 +94,7 @@ def _shape(model: Model, s: int, m: int, n: int) -> Triple:
 
 @inlined
 def add_modal_inertia(model: Model, work: Work, i: int, q: Array, q_d: Array) -> None:
-    """Add to M_qq of body i, filled for a linear one, and to f what its bending changes."""
+    """Add the second-order terms to M_qq and f of body i, which have the linear terms."""
     three, four = model.third_start[i], model.fourth_start[i]
     add_elastic(work.M[i], work.f[i], q, q_d, model.G3, three, model.G4, four)
 
@@ -103,7 +103,7 @@ def add_modal_inertia(model: Model, work: Work, i: int, q: Array, q_d: Array) ->
 def bend_marker(
     model: Model, k: int, row: int, q: Array, q_d: Array, J_m: Array
 ) -> tuple[Triple, Triple, Triple]:
-    """Return what bending adds to a vector of marker k and to its rates.
+    """Return the second-order terms of a vector of marker k and of its rates.
 
     1/2 q' H q, q' H q_d and q_d' H q_d of the translation (`row` 0) or of the rotation vector
     (`row` 3), body components. The columns of the modes in J_m (6, n) become H q there.
@@ -129,7 +129,7 @@ def bend_marker(
 
 
 def second_order_first_moment(model: Model, i: int, q: Array) -> Array:
-    """Return what bending adds to sum m b of stiffened body i, 1/2 q Z0 q, (3,) [kg m]."""
+    """Return the second-order term of sum m b of stiffened body i, 1/2 q Z0 q, (3,) [kg m]."""
     m = q.shape[0]
     out, slope = np.zeros(3), np.zeros(m)
     for a in range(3):
@@ -141,20 +141,20 @@ def second_order_first_moment(model: Model, i: int, q: Array) -> Array:
 def stiffening_matrix(model: Model, i: int, w: Array, w_d: Array, a_B: Array, q_dd: Array) -> Array:
     """Return the geometric stiffness of stiffened body i's own inertia loads, (m, m) [N m].
 
-    What the elastic forces gain with q while all accelerations are held: positive where the
-    motion pulls at the body, negative where it presses.
+    The derivative of the elastic forces by q at constant accelerations: positive in tension,
+    negative in compression.
 
     Parameters
     ----------
     w, w_d : (3,) spin and its rate, body components
-    a_B : (3,) acceleration of the frame origin less gravity, body components [m/s2]
+    a_B : (3,) acceleration of the frame origin minus gravity, body components [m/s2]
     q_dd : (m,) modal accelerations
     """
     m = int(model.n_mode[i])
     two, three = int(model.second_start[i]), int(model.third_start[i])
     Z = model.Z[12 * two : 12 * (two + m * m)].reshape(12, m, m)
     G3 = model.G3[three : three + m**3].reshape(m, m, m)
-    # acceleration of a station by its place: w_d x x + w x (w x x)
+    # acceleration of a station due to its position: w_d x x + w x (w x x)
     turning = np.array([[0.0, -w_d[2], w_d[1]], [w_d[2], 0.0, -w_d[0]], [-w_d[1], w_d[0], 0.0]])
     turning += np.outer(w, w) - (w @ w) * np.eye(3)
     found = np.tensordot(a_B, Z[:3], 1) + np.tensordot(turning.T, Z[3:].reshape(3, 3, m, m), 2)

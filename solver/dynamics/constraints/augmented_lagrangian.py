@@ -1,4 +1,4 @@
-"""The augmented Lagrangian of Bayo: a penalty whose multipliers are iterated."""
+"""The augmented Lagrangian of Bayo: a penalty method with iterated multipliers."""
 
 import numpy as np
 
@@ -22,13 +22,13 @@ def augmented_lagrangian(
     lambda_i+1 = lambda_i + P (Phi_q a_i+1 - gamma),  from lambda_0 = 0,
 
     with P = `penalty` times the mass that each row moves, and the feedback 2 xi W Phidot +
-    W^2 Phi in gamma. The matrix is positive definite whatever the rank of Phi_q. An error
-    shrinks by 1 + penalty sigma^2 in each iteration, sigma being a singular value of the scaled
-    Jacobian: those of redundant rows never enter, those that vanish in a singular position are
-    let go there. The multipliers come out of least norm, as they are sums of P Phi_q a.
+    W^2 Phi in gamma. The matrix is positive definite for any rank of Phi_q. An error
+    decreases by the factor 1 + penalty sigma^2 in each iteration, with a singular value sigma of
+    the scaled Jacobian. Redundant rows have no effect, and in a singular position the rows with
+    sigma = 0 are not enforced. The multipliers have least norm, because they are sums of P Phi_q a.
 
-    Written as corrections by the residuals of both equations, the iteration also removes the
-    rounding that a large penalty brings. It ends when a correction is below `tolerance` of the
+    The iteration uses corrections by the residuals of both equations, which also removes the
+    round-off of a large penalty. It ends when a correction is below `tolerance` of the
     accelerations.
     """
     n, n_c = f.shape[0], gamma.shape[0]

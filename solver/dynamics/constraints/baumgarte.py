@@ -1,4 +1,4 @@
-"""Baumgarte's feedback of position and velocity violations. Paper: Eq. (13)."""
+"""Baumgarte stabilisation: feedback of position and velocity violations. Paper: Eq. (13)."""
 
 from ...math.arrays import Array
 
@@ -6,7 +6,7 @@ from ...math.arrays import Array
 def stabilised(gamma: Array, Phi: Array, Phi_d: Array, alpha: float, beta: float) -> Array:
     """Return gamma = gamma* - 2 alpha Phidot - beta^2 Phi, (n,). Paper: Eq. (13).
 
-    A violation decays critically damped for alpha = beta, with the time
-    constant 1/alpha. Explicit steps need beta h below about 2.
+    For alpha = beta a violation decays with critical damping and the time
+    constant 1/alpha. Explicit steps require beta h below about 2.
     """
     return gamma - 2.0 * alpha * Phi_d - beta * beta * Phi

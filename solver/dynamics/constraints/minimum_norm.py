@@ -1,11 +1,11 @@
-"""Accelerations and multipliers where constraints are redundant or lose rank."""
+"""Accelerations and multipliers for redundant or rank-deficient constraints."""
 
 import numpy as np
 
 from ...math.arrays import Array
 from .scaling import row_masses
 
-RANK_TOLERANCE = 1e-9  # of the largest singular value
+RANK_TOLERANCE = 1e-9  # relative to the largest singular value
 
 
 def minimum_norm(
@@ -15,11 +15,11 @@ def minimum_norm(
 
     Singular value decomposition C = U Sigma V' of the scaled Jacobian (`scaled_jacobian`): the
     accelerations along V follow from gamma, those in its null space from the loads, and the
-    multipliers from the balance of the rest. Multipliers of redundant joints are not unique;
-    these are the least squares ones, measured in the metric of the scaling.
+    multipliers from the remaining equations. Multipliers of redundant joints are not unique;
+    these are the least-squares ones in the metric of the scaling.
 
-    At most n_c - `redundant` singular values count. The others are zero on the exact motion
-    but not on a computed one, and a division by them would turn rounding into motion.
+    At most n_c - `redundant` singular values are used. The others are zero for the exact motion
+    but not for a computed one, and division by them would amplify round-off.
     """
     n, n_c = f.shape[0], gamma.shape[0]
     root = np.sqrt(row_masses(Phi_q, inertia_scale))

@@ -1,4 +1,4 @@
-"""Accelerations and multipliers from one linear system: independent constraints."""
+"""Accelerations and multipliers from one linear system, for independent constraints."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Constraint equations free of units: what rank and penalties are judged by."""
+"""Scaled constraint equations without units, for rank and penalties."""
 
 import numpy as np
 
@@ -6,9 +6,9 @@ from ...math.arrays import Array
 
 
 def row_masses(Phi_q: Array, inertia_scale: Array) -> Array:
-    """Return the mass that each constraint row has to move, (n_c,): 1 / sum_j Phi_ij^2 / scale_j.
+    """Return the effective mass of each constraint row, (n_c,): 1 / sum_j Phi_ij^2 / scale_j.
 
-    [kg] for a distance, [kg m2] for an angle; zero for a row that nothing can move.
+    [kg] for a distance, [kg m2] for an angle; zero for a zero row.
     """
     mobility = (Phi_q * Phi_q) @ (1.0 / inertia_scale)
     masses = np.zeros(mobility.shape[0])
@@ -19,8 +19,8 @@ def row_masses(Phi_q: Array, inertia_scale: Array) -> Array:
 def scaled_jacobian(Phi_q: Array, inertia_scale: Array) -> Array:
     """Return C (n_c, n): rows of length one in the metric of the inertia.
 
-    C = D Phi_q S^-1/2 with D^2 = `row_masses` and S = diag(inertia_scale): the same whatever
-    the units of rows and coordinates, so that a singular value of 1e-8 means the same everywhere.
+    C = D Phi_q S^-1/2 with D^2 = `row_masses` and S = diag(inertia_scale): it does not depend on
+    the units of rows and coordinates, so a singular value of 1e-8 has the same meaning everywhere.
     """
     root = np.sqrt(row_masses(Phi_q, inertia_scale))
     return root.reshape(-1, 1) * Phi_q / np.sqrt(inertia_scale)

@@ -1,4 +1,4 @@
-"""Which treatment of the constraints a run takes, and what each can do."""
+"""Treatments of the constraints: parameters and compatible integrators."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -6,22 +6,22 @@ from typing import Any
 from ...errors import InputError, did_you_mean
 from ..model import Model
 
-IMPLICIT = ("ggl", "index3")  # solved together with the step, by these integrators only
+IMPLICIT = ("ggl", "index3")  # solved within the step, only by these integrators
 SOLVE_WITH_STEP = {"generalized-alpha": IMPLICIT, "ida": ("ggl",)}
 # In the order of docs/constraints.md.
 TREATMENTS = ("index1", "baumgarte", "augmented-lagrangian", "projection", *IMPLICIT)
-# The others divide by a singular value that vanishes there.
+# The others divide by a singular value that is zero there.
 PASSES_SINGULAR = ("augmented-lagrangian", "projection", *IMPLICIT)
 
 
 @dataclass(frozen=True)
 class Treatment:
-    """Name and parameters; those of other treatments are of no effect."""
+    """Name and parameters; those of other treatments have no effect."""
 
     name: str = "projection"
     alpha: float = 5.0  # Baumgarte                            [1/s]
     beta: float = 5.0  # Baumgarte                             [1/s]
-    penalty: float = 1e7  # augmented Lagrangian, over the mass that a row moves [-]
+    penalty: float = 1e7  # augmented Lagrangian, relative to the effective mass of a row [-]
     frequency: float = 30.0  # augmented Lagrangian: W         [1/s]
     ratio: float = 1.0  # augmented Lagrangian: xi             [-]
     multiplier_tolerance: float = 1e-12  # of the iteration, relative
@@ -30,12 +30,12 @@ class Treatment:
 
 
 def treatment_of(solver: dict[str, Any]) -> Treatment:
-    """Read the treatment from the solver table of a case; absent keys take their defaults.
+    """Read the treatment from the solver table of a case; missing keys have defaults.
 
     Raises
     ------
     InputError
-        Unknown treatment, or one that the chosen integrator cannot do.
+        Unknown treatment, or one that the integrator does not support.
     """
     name = solver.get("constraints", Treatment.name)
     if name not in TREATMENTS:
@@ -50,7 +50,7 @@ def treatment_of(solver: dict[str, Any]) -> Treatment:
         wanted = (
             "integrator = " + " or ".join(f'"{key}"' for key in able)
             if name in IMPLICIT
-            else "one that does not solve the constraints with the step (rk8, gear, rk5 ...)"
+            else "one that does not solve the constraints within the step (rk8, gear, rk5 ...)"
         )
         raise InputError(
             f'solver.constraints = "{name}" with integrator = "{integrator}": expected {wanted}, '
@@ -61,7 +61,7 @@ def treatment_of(solver: dict[str, Any]) -> Treatment:
 
 
 def treated(model: Model, treatment: Treatment) -> Model:
-    """Return the model with a treatment's parameters where the step loop reads them."""
+    """Return the model with the parameters of a treatment."""
     alpha = beta = penalty = 0.0
     if treatment.name == "baumgarte":
         alpha, beta = treatment.alpha, treatment.beta
@@ -69,7 +69,7 @@ def treated(model: Model, treatment: Treatment) -> Model:
         alpha, beta = treatment.ratio * treatment.frequency, treatment.frequency
         penalty = treatment.penalty
     elif treatment.name == "projection":
-        # The same solution, which bears singular positions, without feedback.
+        # The same solution, which handles singular positions, without feedback.
         penalty = treatment.penalty
     return model._replace(
         alpha=float(alpha),

@@ -1,4 +1,4 @@
-"""What types and bounds of a case cannot tell: names that exist, values that fit together."""
+"""Checks of a case beyond types and bounds: existing names, consistent values."""
 
 import numpy as np
 
@@ -32,7 +32,7 @@ def cross_check(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodyS
 
 
 def check_place(key: str, place: str, mechanism: Mechanism, *, ground: bool) -> list[str]:
-    """Return what is wrong with a place "BODY.INTERFACE" or "ground.POINT"."""
+    """Return errors of a place "BODY.INTERFACE" or "ground.POINT"."""
     owner, dot, point = place.partition(".")
     if not dot:
         expected = '"BODY.INTERFACE"' + (' or "ground.POINT"' if ground else "")
@@ -57,7 +57,7 @@ def _owners(between: list[str]) -> list[str]:
 
 
 def _between(key: str, between: list[str], mechanism: Mechanism, *, one_body: bool) -> list[str]:
-    """Return what is wrong with a pair of places; `one_body`: both may be of the same body."""
+    """Return errors of a pair of places; `one_body`: both may be of the same body."""
     found = []
     for place in between:
         found += check_place(key, place, mechanism, ground=True)
@@ -125,7 +125,7 @@ def _forces(mechanism: Mechanism) -> list[str]:
             if element.axis_1 is not None:
                 found += _right_angle(f"{key}.axis_1", element.axis, element.axis_1)
         elif not element.stiffness and not element.damping and element.actuator is None:
-            found.append(f"{key}: does nothing; expected stiffness, damping or actuator")
+            found.append(f"{key}: has no effect; expected stiffness, damping or actuator")
     return found
 
 
@@ -162,7 +162,7 @@ def _signal(
     if isinstance(body, ShellBody):
         return [
             f'{key}.body = "{signal.body}": expected a beam, this one is a shell: summary.json '
-            "tells the strength of its plies"
+            "has the strength of its plies"
         ]
     if isinstance(body, BeamBody) and not 0.0 <= signal.x <= body.length:
         return [f"{key}.x = {signal.x:g}: expected 0 to {body.length:g} m, the length of the body"]

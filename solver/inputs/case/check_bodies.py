@@ -1,4 +1,4 @@
-"""What is wrong with the bodies of a case beyond types and bounds."""
+"""Checks of the bodies of a case beyond types and bounds."""
 
 import numpy as np
 
@@ -36,7 +36,7 @@ def check_bodies(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, Body
 
 
 def interfaces(body: Body) -> list[str] | None:
-    """Return the interface names of a body; None for a package, whose file knows them."""
+    """Return the interface names of a body; None for a package, whose file has them."""
     return None if isinstance(body, PackageBody) else list(body.interfaces)
 
 

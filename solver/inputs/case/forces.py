@@ -42,7 +42,7 @@ class Spring(_Element):
 class RotarySpring(_Element):
     """`[forces.NAME]` with kind = "rotary_spring": spring, damper and actuator of a hinge.
 
-    It jumps half a turn away from its rest.
+    Its moment is discontinuous half a turn away from the rest angle.
     """
 
     kind: Literal["rotary_spring"]
@@ -98,9 +98,9 @@ class _Load(Table):
     )
     frame: Literal["global", "following"] = Field(
         default="global",
-        description="the direction stays, or turns with the interface",
+        description="the direction is fixed, or rotates with the interface",
     )
-    law: LoadLaw = Field(description="size over time, along the direction")
+    law: LoadLaw = Field(description="magnitude over time, along the direction")
 
 
 class ForceLoad(_Load):

@@ -13,7 +13,7 @@ from .laws import RotationDrive, TranslationDrive
 
 def _of_some_length(vector: list[float]) -> list[float]:
     if not any(vector):
-        raise ValueError("expected a vector of some length")
+        raise ValueError("expected a vector of non-zero length")
     return vector
 
 
@@ -33,7 +33,8 @@ class JointTable(Table):
     between: list[str] = Field(
         min_length=2,
         max_length=2,
-        description='two places: "BODY.INTERFACE" or "ground.POINT"; motion counts from the first',
+        description='two places: "BODY.INTERFACE" or "ground.POINT"; motion is that of the second '
+        "relative to the first",
     )
     kind: str
 

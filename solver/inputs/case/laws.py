@@ -1,6 +1,6 @@
-"""Laws of time in a case file: what drives, actuators and loads follow.
+"""Laws of time in a case file, for drives, actuators and loads.
 
-A table from a file is read while the case is checked, so that what the solver gets is complete.
+A table in a file is read when the case is checked, so the input of the solver is complete.
 """
 
 from pathlib import Path
@@ -17,9 +17,9 @@ FOLDER, RESOLVED = "folder", "resolved"
 
 
 class TimeTable(Table):
-    """`table` of a law: points that a cubic spline goes through.
+    """`table` of a law: points of a cubic spline.
 
-    Beyond the last time the last value is held.
+    After the last time the last value is kept.
     """
 
     file: str | None = Field(
@@ -60,7 +60,7 @@ class TimeTable(Table):
 class LoadTable(TimeTable):
     """`table` of a load or actuator.
 
-    As in a drive, with a choice of what lies between the points.
+    As in a drive, with a choice of the interpolation.
     """
 
     interpolation: Literal["spline", "linear"] = Field(
@@ -87,7 +87,7 @@ class SmoothStep(Table):
     value: float = Field(
         description="reached at the end", json_schema_extra=unit("rad, m, N or N m")
     )
-    duration: float = Field(gt=0, description="time that it takes", json_schema_extra=unit("s"))
+    duration: float = Field(gt=0, description="duration of the step", json_schema_extra=unit("s"))
     start: float = Field(
         default=0.0, ge=0, description="time at which it begins", json_schema_extra=unit("s")
     )
@@ -118,8 +118,8 @@ Coefficients = Annotated[list[float], Field(min_length=1, max_length=laws.N_COEF
 class RotationDrive(_Law):
     """`drive` about an axis: the angle is prescribed by one law.
 
-    Angles count from the given starting position, positive about the axis, and turn the second
-    place against the first.
+    Angles are zero in the given starting position and positive about the axis. They are rotations
+    of the second place relative to the first.
     """
 
     speed: float | None = Field(
@@ -141,8 +141,8 @@ class RotationDrive(_Law):
 class TranslationDrive(_Law):
     """`drive` along an axis: the displacement is prescribed by one law.
 
-    Displacements count from the given starting position, positive along the axis, and move the
-    second place against the first.
+    Displacements are zero in the given starting position and positive along the axis. They are
+    displacements of the second place relative to the first.
     """
 
     speed: float | None = Field(
@@ -190,9 +190,9 @@ LAW_TABLES: tuple[type[Table], ...] = (
 
 
 def read_columns(file: Path) -> tuple[list[float], list[float]]:
-    """Read times and values from a text file; lines of words at its top are passed over.
+    """Read times and values from a text file; header lines are ignored.
 
-    Raises ValueError : no such file, a line that does not hold two numbers.
+    Raises ValueError : no such file, a line without two numbers.
     """
     try:
         text = file.read_text(encoding="utf-8")

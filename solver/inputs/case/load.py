@@ -44,7 +44,7 @@ def load_case(file: Path, *, coarse: bool = False) -> Case:
     Raises
     ------
     InputError
-        Every finding on a line of its own: file, key, value, expectation.
+        One line per error: file, key, value, expectation.
     """
     table = read_toml(file, "case file")
     top_keys = set(CaseFile.model_fields)

@@ -1,4 +1,4 @@
-"""Keys of a beam body that say how its motion is reduced: reference condition and modes."""
+"""Keys for the modal reduction of a body: reference condition and modes."""
 
 from typing import Annotated, Any, Literal
 
@@ -26,8 +26,8 @@ class Reference(Table):
     )
     at: Name | list[Name] | None = Field(
         default=None,
-        description='interface that carries a clamped frame, absent: "root"; the two of a chord, '
-        "origin and twist at the first; none of a mean axis",
+        description='interface that carries a clamped frame, absent: "root"; two for a chord, '
+        "origin and twist at the first; none for a mean axis",
     )
 
     @model_validator(mode="before")
@@ -44,7 +44,7 @@ class Reference(Table):
         if self.kind == "chord" and not (isinstance(self.at, list) and len(self.at) == 2):
             raise ValueError('expected `at` with two interfaces, such as ["root", "tip"]')
         if self.kind == "mean-axis" and self.at is not None:
-            raise ValueError("expected no `at`: no interface carries a mean axis")
+            raise ValueError("expected no `at`: a mean axis has no interface")
         return self
 
     @property
@@ -66,7 +66,7 @@ class ModeChoice(Table):
 class AttachmentChoice(Table):
     """One entry of `modes` with kind = "attachment": the static shapes of unit loads.
 
-    What the vibration modes leave out of them, see docs/modes.md.
+    Only their parts that the vibration modes do not contain are added, see docs/modes.md.
     """
 
     kind: Literal["attachment"]
@@ -81,7 +81,7 @@ class AttachmentChoice(Table):
 class StaticAxialChoice(Table):
     """One entry of `modes` with kind = "static-axial": the shape under centrifugal load.
 
-    A load per length that rises along body x, from zero where the frame is tied to the body.
+    A load per length that increases along body x, from zero at the node that carries the frame.
     """
 
     kind: Literal["static-axial"]
@@ -90,7 +90,7 @@ class StaticAxialChoice(Table):
 class SpinningChoice(Table):
     """One entry of `modes` with kind = "spinning-xy", "spinning-xz": bending under tension by spin.
 
-    Static shapes of a beam, as good at rest as at speed; with geometric stiffening.
+    Static shapes of a beam, accurate at rest and at speed; with geometric stiffening.
     """
 
     kind: SpinningKind = Field(
@@ -117,7 +117,7 @@ MODE_TABLES: tuple[type[Table], ...] = (
 def check_modes(
     key: str, reference: Reference, modes: list[Modes], fractions: dict[str, float]
 ) -> list[str]:
-    """Return what is wrong with the names of a body's reference condition and modes.
+    """Return errors in the names of a body's reference condition and modes.
 
     Parameters
     ----------

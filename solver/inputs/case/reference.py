@@ -47,7 +47,7 @@ def reference_page() -> str:
         "A case is `cases/<name>/case.toml`. This page is generated from solver/inputs/case "
         "by `make docs`.",
         "",
-        "A *run* is the case with some *variants* merged over it, in order: tables are merged, "
+        "A *run* is the case with some *variants* merged into it, in order: tables are merged, "
         "values and lists are replaced. Units are SI; degrees only in keys that end in `_deg`. "
         "Unknown keys are errors.",
         "",

@@ -20,7 +20,7 @@ from .sweeps import Sweep
 
 
 class DescribedSection(Table):
-    """`[sections.NAME]` with `file`: a section with lay-ups, or on a mesh of its own.
+    """`[sections.NAME]` with `file`: a section with lay-ups, or with its own mesh.
 
     Its keys: docs/section-description.md.
     """
@@ -38,22 +38,22 @@ class BeamInterface(Table):
     """`[bodies.NAME.interfaces.NAME]` of a beam: a node where joints, masses and signals attach."""
 
     at: Literal["start", "end"] | Annotated[float, Field(ge=0, le=1)] = Field(
-        description='"start", "end", or fraction of the length; a node is put there'
+        description='"start", "end", or fraction of the length; the mesh gets a node there'
     )
 
 
 class PointInterface(Table):
     """`[bodies.NAME.interfaces.NAME]` of a rigid body."""
 
-    position: Vector = Field(description="place in the body frame", json_schema_extra=unit("m"))
+    position: Vector = Field(description="position in the body frame", json_schema_extra=unit("m"))
 
 
 class Placed(Table):
-    """Keys of every body: where it starts and how it moves then."""
+    """Keys of every body: initial position and velocity."""
 
     position: Vector = Field(
         default=[0.0, 0.0, 0.0],
-        description="frame origin at the start, global; assembly closes the joints from here",
+        description="frame origin at the start, global; joints are closed from this position",
         json_schema_extra=unit("m"),
     )
     rotation_deg: Vector = Field(
@@ -69,7 +69,7 @@ class Placed(Table):
     angular_velocity: Vector | None = Field(
         default=None,
         description="of the frame at the start, body axes; absent: follows from the joints "
-        "at least kinetic energy",
+        "with minimum kinetic energy",
         json_schema_extra=unit("rad/s"),
     )
 
@@ -100,7 +100,7 @@ class BeamBody(Placed):
     elements: int = Field(default=16, ge=1, le=2000, description="beam elements along the length")
     theory: Theory = Field(
         default="timoshenko",
-        description="strains of the beam: all six, or classical without shear (nearer to a solid "
+        description="strains of the beam: all six, or classical without shear (closer to a solid "
         "for vibrating wide strips with bending-twist coupling)",
     )
     mass_form: MassForm = Field(
@@ -122,8 +122,8 @@ class ShellInterface(Table):
     at: str = Field(description="physical point, curve or surface of the mesh")
     link: LinkKind = Field(
         default="rigid",
-        description="rigid: the group moves as one rigid piece; average: the interface follows "
-        "the mean motion of the group, and what loads it is spread over the group",
+        description="rigid: the group moves as a rigid body; average: the interface follows "
+        "the mean motion of the group, and its loads are distributed over the group",
     )
     position: Vector | None = Field(
         default=None,
@@ -141,7 +141,7 @@ class ShellBody(Placed):
     """`[bodies.NAME]` with kind = "shell": a laminated shell, its axes those of the mesh.
 
     Mesh, materials, laminates, regions, elements and stiffeners come from the description; its
-    links, supports, loads, probes and frequencies are left out.
+    links, supports, loads, probes and frequencies are ignored.
     """
 
     kind: Literal["shell"]
@@ -185,7 +185,7 @@ class RigidBody(Placed):
 
 
 class PackageBody(Placed):
-    """`[bodies.NAME]` with kind = "package": a modal package from elsewhere."""
+    """`[bodies.NAME]` with kind = "package": a modal package from a file."""
 
     kind: Literal["package"]
     package: str = Field(description="path of the .vtkhdf file, relative to the case file")
@@ -201,14 +201,14 @@ class GroundPoint(Table):
 
 
 class PointMass(Table):
-    """`[masses.NAME]`: a mass point carried by a body."""
+    """`[masses.NAME]`: a point mass on a body."""
 
     mass: float = Field(gt=0, description="mass", json_schema_extra=unit("kg"))
     at: str = Field(description='"BODY.INTERFACE"')
 
 
 class Mechanism(Table):
-    """What one run computes; a variant may change any of these keys."""
+    """Keys of one run; a variant may change any of them."""
 
     gravity: Vector = Field(
         default=[0.0, 0.0, 0.0],
@@ -242,12 +242,12 @@ class Figure(Table):
 
 
 class CaseFile(Table):
-    """The top of a case file, beside the keys of the mechanism."""
+    """Top-level keys of a case file, in addition to the keys of the mechanism."""
 
     format: Literal[1] = Field(description="version of this format")
     title: str = Field(description="one line")
     variants: dict[Name, dict[str, Any]] = Field(
-        default={}, description="partial cases: tables that are merged over the case"
+        default={}, description="partial cases: tables that are merged into the case"
     )
     coarse: dict[str, Any] = Field(
         default={}, description="a variant for quick checks (`make CASE COARSE=1`), sweeps included"

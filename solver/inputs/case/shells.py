@@ -1,4 +1,4 @@
-"""Bodies that are laminated shells: the description they come from, and what is wrong with it."""
+"""Shell bodies: their description and its checks."""
 
 import os
 from pathlib import Path
@@ -13,7 +13,7 @@ from ..shell.expand import shell_spec
 from .modes import ModeChoice, SpinningChoice, check_modes
 from .schema import ShellBody
 
-# What a description says of its own analysis; a body is held and loaded by its mechanism.
+# Keys of a description for its own analysis; the mechanism supports and loads a body.
 LEFT_OUT = ("links", "supports", "loads", "probes", "frequencies")
 
 
@@ -85,7 +85,7 @@ def _shell(body: ShellBody, folder: Path) -> Any:
     if body.parameters and isinstance(table.get("mesh"), dict):
         parameters = {**table["mesh"].get("parameters", {}), **body.parameters}
         table["mesh"] = {**table["mesh"], "parameters": parameters}
-    # a description by itself has something to compute
+    # a description alone must request a result
     spec = shell_spec({**table, "frequencies": {}}, file)
     del spec["elements"]["mass_form"]  # the body's
     parts = ("mesh", "materials", "laminates", "regions", "elements", "stiffeners")

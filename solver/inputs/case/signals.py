@@ -42,9 +42,9 @@ class PointSignal(_Measured):
     at: str = Field(description='"BODY.INTERFACE"')
     seen_from: str | None = Field(
         default=None,
-        description="of a deflection: another interface of the body, with whose axes (those of "
-        "the body at rest) it is seen; absent: the body frame. Frames that stand elsewhere on a "
-        "body give another deflection, this one is the same in all",
+        description="for a deflection: another interface of the body, whose axes (parallel to the "
+        "body axes at rest) are the reference; absent: the body frame. Deflections relative to the "
+        "body frame depend on the frame, this one does not",
     )
     component: Component = Field(description="axis")
 
@@ -73,7 +73,8 @@ class JointSignal(_Measured):
 
 
 class ReactionSignal(_Measured):
-    """`[signals.NAME]` with kind = "reaction": what a joint and its drives do to a body."""
+    """`[signals.NAME]` with kind = "reaction": force or moment of a joint and its drives on a
+    body."""
 
     kind: Literal["reaction"]
     joint: Name = Field(description="name of a joint")
@@ -109,7 +110,7 @@ class PlyStressSignal(_Measured):
     body: Name = Field(description="name of a flexible body")
     x: float = Field(description="place along the body", json_schema_extra=unit("m"))
     region: str | None = Field(
-        default=None, description="region of the section; absent: there is but one"
+        default=None, description="region of the section; absent: the only one"
     )
     ply: int = Field(default=0, ge=0, description="number of the ply, 0 is the outermost")
     component: Literal["11", "22", "33", "23", "13", "12"] = Field(

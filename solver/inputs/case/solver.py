@@ -17,13 +17,13 @@ class Solver(Table):
     )
     start: Literal["positions", "equilibrium"] = Field(
         default="positions",
-        description="positions: the bodies' own, joints closed; equilibrium: from there to rest "
+        description="positions: as given, with joints closed; equilibrium: static equilibrium "
         "under all loads and drives at t = 0",
     )
     modes_at_start: Literal["still", "free"] = Field(
         default="still",
-        description="modal rates at t = 0: still, bodies begin to move as rigid ones; free: those "
-        "of least kinetic energy, as when a drive's speed is applied at once",
+        description="modal rates at t = 0: still: zero, bodies start as if rigid; free: those "
+        "of minimum kinetic energy, for a drive that starts at full speed",
     )
     integrator: Literal[
         "gear",
@@ -54,7 +54,7 @@ class Solver(Table):
         default=5,
         ge=1,
         le=5,
-        description="cap of the order of gear; 2 is stable on any oscillation",
+        description="largest order of gear; 2 is stable on any oscillation",
     )
     max_step: float | None = Field(
         default=None, gt=0, description="largest step", json_schema_extra=unit("s")
@@ -63,7 +63,7 @@ class Solver(Table):
         default=Treatment.spectral_radius,
         ge=0,
         le=1,
-        description="of generalized-alpha at infinite frequency: 1 damps nothing",
+        description="of generalized-alpha at infinite frequency: 1 gives no damping",
     )
     constraints: Literal[
         "index1", "baumgarte", "augmented-lagrangian", "projection", "ggl", "index3"
@@ -86,7 +86,7 @@ class Solver(Table):
     penalty: float = Field(
         default=Treatment.penalty,
         gt=0,
-        description="augmented Lagrangian: over the mass that a constraint moves",
+        description="augmented Lagrangian: relative to the effective mass of a constraint",
     )
     frequency: float = Field(
         default=Treatment.frequency,
@@ -105,14 +105,14 @@ class Solver(Table):
     on_singular: Literal["stop", "warn"] = Field(
         default="stop",
         description="when a treatment of the constraints fails in a singular position: end the "
-        "run there, or go on",
+        "run there, or continue",
     )
     on_invalid: Literal["stop", "warn"] = Field(
         default="stop",
-        description="when a linear body stops being valid: end the run there, or go on",
+        description="when a linear body stops being valid: end the run there, or continue",
     )
     geometric_stiffening: bool = Field(
         default=False,
-        description="second-order displacements of flexible bodies, for bodies that spin fast or "
-        "bend far: stiffening.md; a body whose package has none stays linear, with a warning",
+        description="second-order displacements of flexible bodies, for fast spin or large "
+        "bending: stiffening.md; a body whose package has none stays linear, with a warning",
     )

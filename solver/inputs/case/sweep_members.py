@@ -14,12 +14,12 @@ from .laws import FOLDER
 from .schema import Mechanism
 from .sweeps import Misplaced, Parameter, Sweep, changed, parameters_of
 
-TOLD = 10  # findings of one sweep: hundreds of members may share a mistake
+TOLD = 10  # limit of errors per sweep: hundreds of members may share one
 
 
 @dataclass(frozen=True)
 class CheckedSweep:
-    """A sweep whose members are all sound."""
+    """A sweep with checked members."""
 
     table: Sweep
     base: Mechanism
@@ -60,7 +60,7 @@ def check_sweep(
         if sweep.histories and times & set(parameter.keys):
             found.append(
                 f"{where}.histories: expected none where {parameter.name} is varied: "
-                "histories of all members stand at the same times"
+                "histories of all members need the same times"
             )
     if found:
         return found

@@ -1,4 +1,4 @@
-"""What the solver reads of a sweep, build/<case>/sweeps/<name>.json, as plain data."""
+"""Content of build/<case>/sweeps/<name>.json, the input of the solver for a sweep."""
 
 from typing import Any
 
@@ -13,7 +13,7 @@ def sweep_content(
 ) -> dict[str, Any]:
     """Return the content of the file.
 
-    A member is the mechanism with `changes` (dotted keys) and its own `packages`, told by their
+    A member is the mechanism with `changes` (dotted keys) and its own `packages`, given by their
     numbers in the list of all; `values` are those of the parameters.
 
     Parameters

@@ -1,4 +1,4 @@
-"""`[sweeps.NAME]` of a case file: many variants of one run, told apart by a few numbers."""
+"""`[sweeps.NAME]` of a case file: many variants of one run with different numbers."""
 
 import itertools
 from collections.abc import Iterator
@@ -22,16 +22,16 @@ class Variation(Table):
 
     The parameter's name is the dotted key of the mechanism that it changes, in quotes, such as
     `"bodies.arm.ply_angle_deg"`, numbers counting the places of lists from 0; or any name, with
-    `keys`. A list in place of the table stands for its `values`.
+    `keys`. A list instead of the table gives its `values`.
     """
 
     keys: list[str] | None = Field(
         default=None,
         min_length=1,
-        description="dotted keys that take the value together; absent: the parameter's name",
+        description="dotted keys that all get the value; absent: the parameter's name",
     )
     values: list[float] | None = Field(default=None, min_length=1, description="its values")
-    low: float | None = Field(default=None, alias="from", description="in place of values: first")
+    low: float | None = Field(default=None, alias="from", description="instead of values: first")
     high: float | None = Field(default=None, alias="to", description="last")
     count: int | None = Field(
         default=None,
@@ -63,7 +63,7 @@ class Variation(Table):
         return [float(v) for v in np.linspace(low, high, self.count or 2)]
 
     def drawn(self, share: float) -> float:
-        """Return the value at a share of the range (or list), 0 <= share < 1."""
+        """Return the value at a fraction of the range (or list), 0 <= share < 1."""
         if self.values is not None or self.count is not None:
             values = self.listed()
             return values[int(share * len(values))]
@@ -71,14 +71,14 @@ class Variation(Table):
         return low + share * (high - low)
 
     def _span(self) -> tuple[float, float]:
-        """Return both ends of the range; `_one_source` has seen to it that they are there."""
+        """Return both ends of the range; `_one_source` has checked that they exist."""
         if self.low is None or self.high is None:
             raise ValueError("expected `from` and `to`")
         return self.low, self.high
 
 
 class Sweep(Table):
-    """`[sweeps.NAME]`: a run computed again and again with other numbers (docs/sweeps.md)."""
+    """`[sweeps.NAME]`: a run computed many times with other numbers (docs/sweeps.md)."""
 
     title: str = Field(default="", description="words for figures")
     run: Name = Field(description="name of the run that is varied")
@@ -139,7 +139,7 @@ class Sweep(Table):
 
 
 class Misplaced(Exception):
-    """A dotted key that leads to no number; the message says where it ends."""
+    """A dotted key that is not the key of a number; the message names its last existing part."""
 
 
 @dataclass(frozen=True)
@@ -171,7 +171,7 @@ def unit_at(mechanism: BaseModel, key: str) -> str:
     Raises
     ------
     Misplaced
-        Something on the way does not exist; what is there is no number.
+        A part of the key does not exist, or its value is not a number.
     """
     here: Any = mechanism
     unit, way = "", list[str]()
@@ -195,7 +195,7 @@ def unit_at(mechanism: BaseModel, key: str) -> str:
             unit = str(extra.get("unit", "")) if isinstance(extra, dict) else ""
             here = getattr(here, part)
         else:
-            if isinstance(here, list) and "," in unit:  # those of its places, told in words
+            if isinstance(here, list) and "," in unit:  # those of its entries, as text
                 unit = ""
             here = here[int(part)] if isinstance(here, list) else here[part]
     if here is not None and (isinstance(here, bool) or not isinstance(here, int | float)):
@@ -207,7 +207,7 @@ def unit_at(mechanism: BaseModel, key: str) -> str:
 def changed(table: dict[str, Any], defaults: Any, changes: dict[str, float]) -> dict[str, Any]:
     """Return a copy of a mechanism's table, as the user wrote it, with numbers at dotted keys.
 
-    `defaults` is the whole mechanism, for lists that the user left out.
+    `defaults` is the complete mechanism, for lists that the user omitted.
     """
     found = dict(table)
     for key, value in changes.items():

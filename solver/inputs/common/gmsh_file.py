@@ -50,9 +50,10 @@ def physical_groups(file: Path) -> tuple[list[str], list[str], list[str]]:
 
 
 def content_sha256(file: Path) -> str:
-    """Return the hash of a mesh file, or of a script with all that it merges and includes.
+    """Return the hash of a mesh file, or of a script with all files that it merges and includes.
 
-    The hash of a file alone is that of its bytes. A Python script reads what it names in quotes.
+    The hash of a single file is that of its bytes. A Python script reads the files it names in
+    quotes.
     """
     parts = [file.read_bytes()]
     if file.suffix in _OTHER:

@@ -1,6 +1,6 @@
-"""Tables of plies: what cross-sections and shells have in common.
+"""Tables of plies, for cross-sections and shells.
 
-Each says in its own tables from which side the plies are listed and where a thickness may lack.
+Each table defines from which side plies are listed and where a thickness is optional.
 """
 
 from typing import Annotated, Any, Self
@@ -47,7 +47,7 @@ class LayUp(Table):
         return self
 
     def stack(self) -> list[dict[str, Any]]:
-        """Return every single ply in the order of the list, as the FE side reads it."""
+        """Return every single ply in the order of the list, in the form for the preprocessor."""
         plies = [
             {"material": p.material, "angle_deg": p.angle_deg, "thickness": p.thickness}
             for p in self.plies or ()

@@ -107,12 +107,12 @@ MATERIAL_TABLES: tuple[type[Table], ...] = (
 
 
 def plain(material: IsotropicMaterial | OrthotropicMaterial) -> dict[str, Any]:
-    """Return a material as the other stages read it: plain data, SI, nothing that is absent."""
+    """Return a material as plain data in SI, without absent keys."""
     return material.model_dump(exclude_none=True)
 
 
 def check_materials(materials: Mapping[str, IsotropicMaterial | OrthotropicMaterial]) -> list[str]:
-    """Return what is physically impossible, one line per material."""
+    """Return errors of physically impossible materials, one line per material."""
     found = []
     for name, material in materials.items():
         table = plain(material)

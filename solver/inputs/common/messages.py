@@ -1,4 +1,4 @@
-"""Turn pydantic's findings into one line each: file, key, value, what was expected."""
+"""Convert pydantic's errors to one line each: file, key, value, expectation."""
 
 from types import UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
@@ -47,9 +47,9 @@ def _short(value: Any) -> str:
 
 
 def follow(model: Any, location: tuple[Any, ...]) -> tuple[list[Any], Any]:
-    """Return the keys of a location as the user wrote them, and the type that stands there.
+    """Return the keys of a location as the user wrote them, and the type at this location.
 
-    pydantic puts the names of union members between the keys; they are left out.
+    pydantic inserts the names of union members between the keys; they are removed.
     """
     path: list[Any] = []
     kind = _bare(model)

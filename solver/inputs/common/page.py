@@ -1,4 +1,4 @@
-"""Tables of a manual, generated from the models of an input file."""
+"""Tables of a reference page, generated from the models of an input file."""
 
 from collections.abc import Iterable
 from types import UnionType
@@ -51,7 +51,7 @@ def keys(model: type[BaseModel]) -> list[str]:
 
 
 def required(model: type[BaseModel]) -> list[str]:
-    """Return the keys that have no default, as code; without those that tell tables apart."""
+    """Return the keys without default, as code, except those that identify the kind of table."""
     return [
         f"`{name}`"
         for name, info in model.model_fields.items()
@@ -116,7 +116,7 @@ def _inner(kind: Any) -> list[Any]:
 
 
 def _item(kind: Any) -> Any:
-    """Return the type of a list's items; None for no list."""
+    """Return the type of a list's items; None if it is not a list."""
     if hasattr(kind, "__metadata__"):
         return _item(kind.__origin__)
     if get_origin(kind) in (Union, UnionType):
@@ -125,7 +125,7 @@ def _item(kind: Any) -> Any:
 
 
 def _bound(item: Any) -> str:
-    """Return a bound in words; nothing for an annotation that is none."""
+    """Return a bound as text; nothing for other annotations."""
     for kind, (key, text) in _BOUNDS.items():
         if isinstance(item, kind):
             return f"{text} {getattr(item, key):g}"

@@ -21,5 +21,5 @@ def plain_table(table: BaseModel) -> Any:
 
 
 def unit(name: str) -> dict[str, Any]:
-    """Return what the manual shows as the unit of a key."""
+    """Return the unit of a key for the reference page."""
     return {"unit": name}

@@ -22,13 +22,13 @@ class Ply(LayUpPly):
     angle_deg: Angle = Field(
         default=0.0,
         description="fibre direction from x1 towards the layer direction; "
-        "in the sense that `convention` says",
+        "in the sense of `convention`",
         json_schema_extra=unit("deg"),
     )
     thickness: float | None = Field(
         default=None,
         gt=0,
-        description="given for all plies of a laminate, or for none: equal shares of the wall",
+        description="given for all plies of a laminate, or for none: the wall is divided equally",
         json_schema_extra=unit("m"),
     )
 
@@ -57,7 +57,8 @@ class Laminate(LayUp):
         json_schema_extra=unit("m"),
     )
     symmetric: bool = Field(
-        default=False, description="true: then the same plies in reverse order, innermost last"
+        default=False,
+        description="true: followed by the same plies in reverse order, innermost last",
     )
 
 
@@ -80,7 +81,7 @@ class Direction(Table):
     )
     circle: Pair | None = Field(
         default=None,
-        description="centre of a round wall: outward is away from it",
+        description="centre of a round wall; the outward direction is away from it",
         json_schema_extra=unit("m"),
     )
 
@@ -89,15 +90,15 @@ class Direction(Table):
         if len(self.model_dump(exclude_none=True)) != 1:
             raise ValueError("expected one of `vector`, `curve`, `circle`")
         if self.vector == [0.0, 0.0]:
-            raise ValueError("expected a vector of some length")
+            raise ValueError("expected a vector of non-zero length")
         return self
 
 
 class Region(Table):
-    """`[regions.NAME]`: what a wall of the shape, or a named region of the mesh, is made of.
+    """`[regions.NAME]`: material or plies of a wall of the shape, or of a named region of the mesh.
 
     NAME is a wall of the library shape or a physical surface, element set or group of the mesh;
-    `all` stands for every region that has no table of its own.
+    `all` applies to every region without its own table.
     """
 
     laminate: Name | None = Field(default=None, description="name of a laminate")
@@ -135,7 +136,7 @@ class SectionDescription(Table):
     materials: dict[Name, Material] = Field(min_length=1, description="elastic materials")
     laminates: dict[Name, Laminate] = Field(default={}, description="lay-ups by name")
     regions: dict[str, Region] = Field(
-        min_length=1, description="what each wall or region is made of"
+        min_length=1, description="material or plies of each wall or region"
     )
 
 
@@ -150,7 +151,7 @@ def checked(table: dict[str, Any], file: Path) -> SectionDescription:
     Raises
     ------
     InputError
-        Every finding on a line of its own: file, key, value, expectation.
+        One line per error: file, key, value, expectation.
     """
     try:
         return SectionDescription.model_validate(table)

@@ -23,7 +23,7 @@ from .mesh_file import file_mesh
 from .mesh_table import ShapeMesh
 from .shapes.mesh import shape_mesh
 
-BUILD = Path("build/sections")  # where arrays go if nobody says better
+BUILD = Path("build/sections")  # default folder of arrays
 
 
 def load_section(file: Path, folder: Path = BUILD) -> dict[str, Any]:
@@ -37,7 +37,7 @@ def load_section(file: Path, folder: Path = BUILD) -> dict[str, Any]:
     Raises
     ------
     InputError
-        Every finding on a line of its own: file, key, value, expectation.
+        One line per error: file, key, value, expectation.
     """
     return section_spec(read_toml(file, "section description"), file, folder)
 
@@ -124,7 +124,7 @@ def _stack(name: str, region: Region, description: SectionDescription) -> list[d
 def _convention(
     description: SectionDescription, stacks: dict[str, list[dict[str, Any]]]
 ) -> list[str]:
-    """Return what is missing: the sense of ply angles has no default."""
+    """Return an error if `convention` is missing: the sense of ply angles has no default."""
     if description.convention is not None:
         return []
     for name, plies in stacks.items():

@@ -1,4 +1,4 @@
-"""Meshes from other programs: whatever meshio reads becomes plain arrays with named regions."""
+"""Meshes of other programs: meshio reads them, and they become plain arrays with named regions."""
 
 import contextlib
 import io
@@ -90,11 +90,11 @@ def read_foreign(file: Path, where: str, region_data: str | None = None) -> Fore
 def _read(file: Path, where: str) -> Any:
     import meshio  # only here: 0.1 s that no other command should pay
 
-    said = io.StringIO()  # meshio prints the reason and leaves the interpreter
+    said = io.StringIO()  # meshio prints the reason and exits the interpreter
     try:
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
             return meshio.read(file)
-    except (Exception, SystemExit) as error:  # its readers raise whatever their parsers raise
+    except (Exception, SystemExit) as error:  # its readers raise the errors of their parsers
         reason = " ".join(said.getvalue().split()) or str(error) or type(error).__name__
         raise InputError(f"{where}: meshio cannot read it: {reason}") from error
 

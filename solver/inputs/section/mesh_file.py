@@ -112,7 +112,8 @@ def _no_parameters(table: FileMesh) -> list[str]:
 
 
 def _direction(name: str, region: Region, stacks: Stacks) -> list[str]:
-    """Return what is missing: the layer direction of a wall in a user's mesh has no default."""
+    """Return an error if it is missing: the layer direction of a wall in a user's mesh has no
+    default."""
     plies = stacks.get(name, [])
     if region.direction is not None or not plies:
         return []

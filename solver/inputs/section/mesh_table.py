@@ -54,7 +54,7 @@ class FileMesh(MeshTable):
 
 
 def _as_list(value: Any) -> Any:
-    """Let one number stand for a list of one."""
+    """Accept one number instead of a list of one."""
     return [value] if isinstance(value, int | float) else value
 
 

@@ -77,7 +77,7 @@ class Laminate(LayUp):
         json_schema_extra=unit("m"),
     )
     symmetric: bool = Field(
-        default=False, description="true: then the same plies in reverse order, top one last"
+        default=False, description="true: followed by the same plies in reverse order, top one last"
     )
     offset: Offset = Field(
         default="mid",
@@ -92,7 +92,7 @@ class Laminate(LayUp):
         default="energy-1d",
         description="of the transverse shear stiffness: from the shear energy of cylindrical "
         "bending, the factor of a homogeneous plate, the full matrix from equilibrium of the "
-        "plies, or two factors of your own",
+        "plies, or two given factors",
     )
 
     @model_validator(mode="after")
@@ -115,9 +115,9 @@ class AxisAbout(Table):
 
 
 class Region(Table):
-    """`[regions.NAME]`: what a physical surface of the mesh is made of.
+    """`[regions.NAME]`: laminate or material of a physical surface of the mesh.
 
-    `all` stands for every physical surface that has no table of its own.
+    `all` applies to every physical surface without its own table.
     """
 
     laminate: Name | None = Field(default=None, description="name of a laminate")
@@ -246,16 +246,16 @@ class ShellDescription(Table):
     materials: dict[Name, Material] = Field(min_length=1, description="elastic materials")
     laminates: dict[Name, Laminate] = Field(default={}, description="lay-ups by name")
     regions: dict[str, Region] = Field(
-        min_length=1, description="what each physical surface is made of"
+        min_length=1, description="laminate or material of each physical surface"
     )
     elements: Elements = Field(default=Elements(), description="which triangle")
     stiffeners: dict[Name, Stiffener] = Field(
         default={}, description="beams along edges of the mesh, by name"
     )
     links: dict[Name, Link] = Field(
-        default={}, description="reference points that move with a group, to hold or to load"
+        default={}, description="reference points that move with a group, for supports and loads"
     )
-    supports: dict[Name, Support] = Field(default={}, description="what is held, by name")
+    supports: dict[Name, Support] = Field(default={}, description="supports by name")
     loads: dict[Name, dict[Name, Load]] = Field(
         default={}, description="`[loads.CASE.NAME]`: load cases, each the sum of its loads"
     )
@@ -267,7 +267,7 @@ class ShellDescription(Table):
     @model_validator(mode="after")
     def _something_to_do(self) -> Self:
         if not self.loads and self.frequencies is None:
-            raise ValueError("nothing to compute: expected `loads`, `frequencies` or both")
+            raise ValueError("no result requested: expected `loads`, `frequencies` or both")
         empty = [name for name, case in self.loads.items() if not case]
         if empty:
             raise ValueError(f"loads.{empty[0]}: expected at least one load, [loads.{empty[0]}.X]")
@@ -278,7 +278,7 @@ class ShellDescription(Table):
 
 def _direction(vector: list[float], key: str) -> None:
     if not any(vector):
-        raise ValueError(f"expected `{key}` of some length")
+        raise ValueError(f"expected `{key}` of non-zero length")
 
 
 def describe(file: Path) -> ShellDescription:
@@ -292,7 +292,7 @@ def checked(table: dict[str, Any], file: Path) -> ShellDescription:
     Raises
     ------
     InputError
-        Every finding on a line of its own: file, key, value, expectation.
+        One line per error: file, key, value, expectation.
     """
     try:
         return ShellDescription.model_validate(table)

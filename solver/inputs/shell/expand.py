@@ -37,7 +37,7 @@ def load_shell(file: Path) -> dict[str, Any]:
     Raises
     ------
     InputError
-        Every finding on a line of its own: file, key, value, expectation.
+        One line per error: file, key, value, expectation.
     """
     return shell_spec(read_toml(file, "shell description"), file)
 
@@ -242,7 +242,7 @@ def _groups(description: ShellDescription, file: Path) -> list[str]:
 
 
 def _places(description: ShellDescription) -> list[tuple[str, str]]:
-    """Key and name of every group that is asked for."""
+    """Key and name of every group in the description."""
     tables: list[tuple[str, Any]] = [
         *((f"stiffeners.{name}", rib) for name, rib in description.stiffeners.items()),
         *((f"links.{name}", link) for name, link in description.links.items()),

@@ -1,4 +1,4 @@
-"""Tables of a shell description: what holds it, what loads it, what is asked."""
+"""Tables of a shell description: supports, loads and probes."""
 
 from typing import Annotated, Literal, Self
 
@@ -23,7 +23,7 @@ Asked = Literal[
 
 
 def _as_list(value: object) -> object:
-    """Let one word stand for a list of one."""
+    """Accept one word instead of a list of one."""
     return [value] if isinstance(value, str) else value
 
 
@@ -33,7 +33,7 @@ class Link(Table):
     at: str = Field(description="physical point, curve or surface")
     kind: LinkKind = Field(
         description="rigid: the group moves as one with the point; average: the point follows "
-        "the mean motion of the group, and what loads it is spread over the group"
+        "the mean motion of the group, and its loads are distributed over the group"
     )
     point: Vector | None = Field(
         default=None,
@@ -93,7 +93,7 @@ class Load(Table):
     sine: Vector | None = Field(
         default=None,
         description="with force_per_area or pressure: [a, b, c] varies them like "
-        "sin(pi x/a) sin(pi y/b) sin(pi z/c); a 0 leaves its factor out",
+        "sin(pi x/a) sin(pi y/b) sin(pi z/c); a 0 omits its factor",
         json_schema_extra=unit("m"),
     )
     gravity: Vector | None = Field(

@@ -1,4 +1,4 @@
-"""What must hold before the solver may use a package: layout and numbers."""
+"""Checks that a package must pass before the solver uses it: layout and numbers."""
 
 from pathlib import Path
 
@@ -121,7 +121,7 @@ def content_findings(package: ModalPackage) -> list[Remark]:
         n_laminate, n_cell = len(package.laminates), len(package.cell_types)
         check_cells(package.cell_resultants, n_laminate, n_cell, error)
     if bad:
-        return bad  # every other test would only repeat it
+        return bad  # the other checks would report the same error
 
     largest_damping = float(critical_damping(package).max(initial=0.0))
     for name, scale in (("mass", 0.0), ("stiffness", 0.0), ("damping", largest_damping)):
@@ -139,7 +139,7 @@ def content_findings(package: ModalPackage) -> list[Remark]:
     mesh_cells(package.offsets, package.connectivity, len(package.nodes_B), error)
     known = set(np.asarray(package.node_ids).tolist())
     if len(known) != len(package.node_ids):
-        error("mesh/node_ids", "expected unique identifiers, some are there twice")
+        error("mesh/node_ids", "expected unique identifiers, found duplicates")
     for interface in package.interfaces:
         where = f"interfaces/{interface.name}"
         one_of(f"{where}/kind", [interface.kind], INTERFACE_KINDS, error)

@@ -9,7 +9,7 @@ from .schema import Invariants, ModalPackage
 def from_stations(
     m: Array, x_B: Array, phi_B: Array, psi_B: Array, J_B: Array, mass_form: str
 ) -> Invariants:
-    """Sum mass stations into the invariants that the solver needs.
+    """Sum mass stations to the invariants that the solver needs.
 
     The paper sums over nodes with lumped masses (`mass_form="lumped"`). Taking
     the integration points of the consistent mass matrix as stations gives the

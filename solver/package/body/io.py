@@ -1,4 +1,4 @@
-"""The two doors of the modal package file: write_package and read_package."""
+"""The two functions of the modal package file: write_package and read_package."""
 
 from .reader import read_package
 from .writer import write_package

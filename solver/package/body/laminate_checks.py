@@ -1,4 +1,4 @@
-"""Can the laminates and cell resultants of a package be used, and do they belong to the body?"""
+"""Checks of the laminates and cell resultants of a package, and whether they match the body."""
 
 from collections.abc import Iterator
 
@@ -11,10 +11,10 @@ from ..section.recovery_checks import check_plies
 from .laminate_data import CellResultants, LaminateData
 from .schema import ModalPackage
 
-ENERGY = 2.0  # factor: strain energy of the mean resultants, which hold less than all of it
+ENERGY = 2.0  # factor: strain energy of the mean resultants, which is less than the total
 NORMAL = 1e-3  # sine of the angle between a cell's normal and its e3
-EQUILIBRIUM = 1e-6  # relative: what the stresses of a unit resultant integrate back to
-SIMPSON = np.array([1.0, 4.0, 1.0]) / 6.0  # over a ply: exact for stresses of second degree
+EQUILIBRIUM = 1e-6  # relative error of the integrated stresses of a unit resultant
+SIMPSON = np.array([1.0, 4.0, 1.0]) / 6.0  # quadrature over a ply, exact for quadratic stresses
 
 
 def check_laminate(laminate: LaminateData, where: str, error: Reporter) -> None:

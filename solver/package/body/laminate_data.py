@@ -19,7 +19,7 @@ from ..shell.schema import ShellPly
 
 @dataclass(frozen=True)
 class LaminateData:
-    """A laminate as it went into the body; `k` counts its plies."""
+    """A laminate of the body; `k` counts its plies."""
 
     name: str
     plies: tuple[ShellPly, ...]  # bottom to top along e3
@@ -59,7 +59,7 @@ LAMINATE_LAYOUT: tuple[DatasetSpec, ...] = (
 )
 LAMINATE_SIZED_BY = {"k": "plies/material"}
 
-# All of the group `cell_resultants`, or nothing of it.
+# All datasets of the group `cell_resultants`, or none.
 CELL_LAYOUT: tuple[DatasetSpec, ...] = (
     spec("cell_resultants/cell", "e", I, "-", "-", "cells, as rows of cell_types"),
     spec("cell_resultants/laminate", "e", I, "-", "-", "laminate of each cell, by its index"),
@@ -94,7 +94,8 @@ def laminate_values(laminate: LaminateData, where: str) -> dict[str, Any]:
 
 
 def laminate_from(name: str, data: Mapping[str, Any], where: str) -> LaminateData:
-    """Put the values of LAMINATE_LAYOUT together. Raises PackageError for damaged materials."""
+    """Build the laminates from the values of LAMINATE_LAYOUT. Raises PackageError for damaged
+    materials."""
     columns = (data[f"plies/{column}"] for column in ("material", "angle_deg", "bottom", "top"))
     return LaminateData(
         name=name,

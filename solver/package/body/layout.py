@@ -1,4 +1,4 @@
-"""What lies where in a modal package: one table for writer, reader, validator and manual.
+"""Layout of a modal package: one table for writer, reader, validator and manual.
 
 Shapes are symbols: `n` nodes, `c` cells, `i` connectivity entries, `m` modes, `s`
 stations of the resultants; `k` nodes of an interface; in a section `k` plies and
@@ -69,7 +69,7 @@ SECTION_LAYOUT: tuple[DatasetSpec, ...] = (
 )
 
 
-# All of the group `recovery`, or nothing of it.
+# All datasets of the group `recovery`, or none.
 BODY_RECOVERY_LAYOUT: tuple[DatasetSpec, ...] = (
     spec("recovery/station_x", "s", F, "m", "B", "places along the reference line, rising"),
     spec("recovery/section", "s", I, "-", "-", "section of each station, by its index"),

@@ -1,4 +1,4 @@
-"""Does a package describe a body that can exist? Tests across its datasets."""
+"""Plausibility of a package: checks across its datasets."""
 
 from collections.abc import Iterator
 
@@ -27,7 +27,7 @@ def plausibility_findings(package: ModalPackage) -> list[Remark]:
             for check in CHECKS:
                 findings += check(package)
     except np.linalg.LinAlgError as cause:
-        text = f"eigenvalues cannot be computed, numbers are out of any range ({cause})"
+        text = f"eigenvalues cannot be computed, numbers are out of range ({cause})"
         findings.append(_finding("error", "modes", text))
     findings += recovery_findings(package)
     findings += laminate_findings(package)
@@ -90,7 +90,7 @@ def _free_body_mass(package: ModalPackage) -> Iterator[Remark]:
         )
         yield _finding("error", "invariants/S_B", text)
     elif smallest < 1e-9 and "rigid" not in package.mode_kinds:
-        text = "the modes hold a motion of the rigid body: the mass matrix is singular"
+        text = "the modes contain a rigid-body motion: the mass matrix is singular"
         yield _finding("warning", "modes/shapes_B", text)
 
 
@@ -105,7 +105,7 @@ def _interface(package: ModalPackage, interface: Interface) -> Iterator[Remark]:
     size = body_size(package)
     gap = float(np.abs(w @ package.nodes_B[rows] - interface.position_B).max())
     if gap > CONSISTENCY * size:
-        text = f"lies {gap:.3g} m from the weighted position of its nodes"
+        text = f"is {gap:.3g} m from the weighted position of its nodes"
         yield _finding("warning", f"{where}/position_B", text)
     mean = np.einsum("k,mkd->dm", w, package.shapes_B[:, rows])
     displacement, rotation = (float(part.max(initial=0.0)) for part in mode_motions(package))

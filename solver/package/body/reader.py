@@ -1,4 +1,4 @@
-"""Read a modal package and refuse what the solver could not rely on (docs/format.md)."""
+"""Read a modal package and reject files that the solver cannot use (docs/format.md)."""
 
 from pathlib import Path
 from typing import Any
@@ -32,15 +32,15 @@ from .second_order import INTERFACE_SECOND_ORDER_LAYOUT, SECOND_ORDER_LAYOUT
 
 
 def read_package(path: str | Path) -> ModalPackage:
-    """Read a modal package and check that the solver can rely on it.
+    """Read a modal package and check that the solver can use it.
 
     A newer minor version of the format gives a warning only.
 
     Raises
     ------
     PackageError
-        When the file is missing, truncated, foreign, newer, incomplete,
-        altered, or its numbers cannot be used; names file and dataset.
+        The file is missing, truncated, newer, incomplete, altered or of another format, or
+        its numbers cannot be used; names file and dataset.
     """
     return read_object_file(path, MODAL_PACKAGE, layout_findings, load, content_findings)
 

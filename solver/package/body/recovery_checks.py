@@ -1,4 +1,4 @@
-"""Checks of the recovery of a body: its stations, and whether stresses belong to its modes."""
+"""Checks of the recovery of a body: its stations, and whether stresses match its modes."""
 
 from collections.abc import Iterator
 
@@ -11,7 +11,7 @@ from ..section.schema import RESULTANTS
 from ..section.stress import resultants, unit_stress
 from .schema import BodyRecovery, ModalPackage, SectionData
 
-EQUILIBRIUM = 1e-3  # relative: what unit resultants integrate back to at the few points kept
+EQUILIBRIUM = 1e-3  # relative error of integrated unit resultants at the few kept points
 ENERGY = 2.0  # factor: strain energy of a mode from a few stations, without distributed terms
 
 
@@ -20,7 +20,7 @@ def check_stations(recovery: BodyRecovery, n_section: int, error: Reporter) -> N
     for name in ("station_x", "resultants_E", "A_BE"):
         finite(f"recovery/{name}", getattr(recovery, name), error)
     if np.any(np.diff(recovery.station_x) < 0.0):
-        error("recovery/station_x", "expected places in rising order")
+        error("recovery/station_x", "expected positions in ascending order")
     rows_of("recovery/section", recovery.section, n_section, error)
     rotations("recovery/A_BE", recovery.A_BE, error)
 

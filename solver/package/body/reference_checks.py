@@ -1,4 +1,4 @@
-"""Do the shapes of a package fulfil the reference condition that it names?"""
+"""Check that the shapes of a package fulfil its reference condition."""
 
 from collections.abc import Iterator
 
@@ -9,8 +9,8 @@ from ..common.remark import Remark
 from .invariants import free_body_mass
 from .schema import ModalPackage
 
-AT_REST = 1e-9  # motion of a node that the frame is tied to, against the largest of its mode
-MOMENTUM = 1e-6  # of a mode seen from a mean axis, against that of its mass moving as one
+AT_REST = 1e-9  # motion of a reference node relative to the largest of its mode
+MOMENTUM = 1e-6  # momentum of a mode with a mean axis, relative to that of its mass in rigid motion
 
 
 def reference_findings(package: ModalPackage) -> Iterator[Remark]:
@@ -43,7 +43,7 @@ def _finding(dataset: str, message: str) -> Remark:
 
 
 def _relative_motion(package: ModalPackage) -> Array:
-    """Largest motion of each node in any mode, (n, 6), against the largest of each mode."""
+    """Largest motion of each node in any mode, (n, 6), relative to the largest of each mode."""
     largest = np.abs(package.shapes_B).max(axis=(1, 2), keepdims=True)
     scaled = np.abs(package.shapes_B) / np.where(largest == 0.0, 1.0, largest)
     return np.asarray(scaled.max(axis=0))
@@ -52,7 +52,9 @@ def _relative_motion(package: ModalPackage) -> Array:
 def _mean_axis(package: ModalPackage) -> Iterator[Remark]:
     M = free_body_mass(package)
     size = np.sqrt(np.abs(np.diag(M)))
-    size[3:6] = np.maximum(size[3:6], 1e-6 * size[3:6].max())  # a line of points has none about it
+    size[3:6] = np.maximum(
+        size[3:6], 1e-6 * size[3:6].max()
+    )  # points on a line have no inertia about it
     momentum = np.abs(M[:6, 6:]) / np.outer(size[:6], size[6:])
     for rows, name, dataset in (
         (slice(0, 3), "linear", "S_B"),
@@ -63,6 +65,6 @@ def _mean_axis(package: ModalPackage) -> Iterator[Remark]:
         if worst > MOMENTUM:
             text = (
                 f"reference condition is mean-axis, but mode {mode + 1} has {name} momentum "
-                f"({worst:.3g} of its mass moving as one)"
+                f"({worst:.3g} of that of rigid motion)"
             )
             yield _finding(f"invariants/{dataset}", text)

@@ -1,4 +1,4 @@
-"""The modal package in memory: what one flexible body tells the solver.
+"""The modal package in memory: the data of one flexible body for the solver.
 
 All arrays are in SI units and in the body frame (`_B`). `m` is the number of
 modes, `n` the number of nodes, `c` the number of cells. The file layout is in
@@ -23,7 +23,7 @@ MASS_FORMS = get_args(MassForm)
 
 @dataclass(frozen=True)
 class Invariants:
-    """Sums over mass stations k that make the inertia of a moving flexible body.
+    """Sums over mass stations k that give the inertia of a moving flexible body.
 
     A station has mass m_k, rest position x_k, translation shapes phi_k (3, m),
     rotation shapes psi_k (3, m) and rotary inertia J_k (3, 3) about its own
@@ -75,9 +75,9 @@ class Interface:
 
 @dataclass(frozen=True)
 class SectionData:
-    """A beam cross-section as it went into the body.
+    """A beam cross-section of the body.
 
-    No solver of motion needs it; with `recovery` the stresses of its plies follow from resultants.
+    The equations of motion do not use it. With `recovery`, ply stresses follow from resultants.
     """
 
     name: str
@@ -92,7 +92,7 @@ class BodyRecovery:
     """Resultants of a beam at stations x along its reference line, `s` of them.
 
     F6 = resultants_E[s] @ q are [F1 F2 F3 M1 M2 M3] on the face whose normal is +x, in section
-    axes `_E`. Two stations at one x are the two sides of a place where they jump.
+    axes `_E`. Two stations at one x are the two sides of a point where the resultants jump.
     """
 
     station_x: Array  # (s,) rising                         [m]

@@ -1,8 +1,8 @@
-"""Second-order displacements of the modes, and what the inertia of a body makes of them.
+"""Second-order displacements of the modes, and their effect on the inertia of a body.
 
-To second order a mass station moves with the modes to x + phi q + 1/2 q' h q: a beam that bends
-is drawn in, which the linear shapes leave out. Turned about: under any load f the work of h is the
-geometric stiffness of the stresses of f, sum f_k h_ij,k = -X_i' K_geo(f) X_j (docs/stiffening.md).
+To second order a mass station moves with the modes to x + phi q + 1/2 q' h q. A bent beam
+shortens, which the linear shapes neglect. This is equivalent to the geometric stiffness: for any
+load f, sum f_k h_ij,k = -X_i' K_geo(f) X_j with the stresses of f (docs/stiffening.md).
 """
 
 import numpy as np
@@ -55,7 +55,7 @@ def second_order_values(second: SecondOrder) -> dict[str, Array]:
 
 
 def modal_mass_at(package: ModalPackage, q: Array) -> Array:
-    """Modal mass of the body bent by q (m,), (m, m): sum over stations, hence never negative."""
+    """Modal mass of the body deformed by q (m,), (m, m): a sum over stations, so never negative."""
     second = package.second_order
     if second is None:
         return package.mass
@@ -65,13 +65,13 @@ def modal_mass_at(package: ModalPackage, q: Array) -> Array:
 
 
 def check_second_order(package: ModalPackage, error: Reporter) -> None:
-    """Report second-order data that the solver could not rely on."""
+    """Report second-order data that the solver cannot use."""
     second = package.second_order
     if second is None:
         for interface in package.interfaces:
             if interface.H_B is not None:
                 where = f"interfaces/{interface.name}/H_B"
-                error(where, "expected the group second_order beside it, the body has none")
+                error(where, "expected the group second_order too, the body has none")
         return
     tables = list(second_order_values(second).items())
     for interface in package.interfaces:
@@ -138,10 +138,10 @@ def _exchange(G4: Array, size: float, error: Reporter) -> None:
 
 
 def _definite(package: ModalPackage, error: Reporter) -> None:
-    """Report a modal mass that is not positive definite in a bent body.
+    """Report a modal mass that is not positive definite in a deformed body.
 
-    Every mode alone and some mixtures, at the size at which an interface turns by a tenth of a
-    radian or moves by a tenth of the body's size.
+    Checks each mode and some combinations, with amplitudes that rotate an interface by a tenth of a
+    radian or move it by a tenth of the size of the body.
     """
     m = package.n_mode
     if not is_positive_definite(package.mass):

@@ -1,4 +1,4 @@
-"""Write a modal package: HDF5 that is a valid VTKHDF file too (docs/format.md)."""
+"""Write a modal package: an HDF5 file that is also a valid VTKHDF file (docs/format.md)."""
 
 from pathlib import Path
 
@@ -33,13 +33,13 @@ from .second_order import (
 
 
 def write_package(path: str | Path, package: ModalPackage) -> None:
-    """Write a modal package; the file appears only when it is complete.
+    """Write a modal package under a temporary name, then rename it.
 
     Raises
     ------
     PackageError
-        When the package is inconsistent (shapes, NaN, symmetry, names): the
-        message names file and dataset, nothing is written.
+        The package is inconsistent (shapes, NaN, symmetry, names). The
+        message names file and dataset; nothing is written.
     """
     path = Path(path)
     check_shapes(path, package)
@@ -115,9 +115,9 @@ def _write_view(file: h5py.File, group: h5py.Group) -> None:
 def _named_group(path: Path, group: h5py.Group, parent: str, name: str, index: int) -> h5py.Group:
     where = f"{path}: {group.name}/{parent}"
     if not name or name == "." or "/" in name or "\0" in name:
-        raise PackageError(f"{where}: {name!r} is no usable name (empty, '.', or with '/')")
+        raise PackageError(f"{where}: {name!r} is not a valid name (empty, '.', or with '/')")
     if f"{parent}/{name}" in group:
-        raise PackageError(f"{where}: the name {name!r} is there twice")
+        raise PackageError(f"{where}: the name {name!r} occurs twice")
     sub = group.create_group(f"{parent}/{name}")
     sub.attrs["index"] = np.int64(index)
     return sub

@@ -1,1 +1,1 @@
-"""What all file formats share: HDF5, datasets, identity, checks of arrays, materials."""
+"""Common parts of all file formats: HDF5, datasets, identity, checks of arrays, materials."""

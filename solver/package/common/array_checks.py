@@ -1,4 +1,4 @@
-"""Tests of single arrays that every kind of package shares."""
+"""Checks of single arrays for all file formats."""
 
 from collections.abc import Iterable
 
@@ -56,7 +56,7 @@ def positive_definite(path: str, matrix: Array, error: Reporter, size: Array | N
 
 
 def one_of(path: str, values: Iterable[str], known: tuple[str, ...], error: Reporter) -> None:
-    """Report every word that is not among the known ones."""
+    """Report every word that is not a known one."""
     for value in values:
         if value not in known:
             hint = did_you_mean(value, known)
@@ -71,22 +71,22 @@ def rows_of(path: str, rows: IntArray, length: int, error: Reporter) -> None:
 
 
 def mesh_cells(offsets: IntArray, connectivity: IntArray, n_node: int, error: Reporter) -> None:
-    """Report offsets that do not divide the connectivity, and nodes that are not there."""
+    """Report offsets that do not divide the connectivity, and unknown nodes."""
     offsets, connectivity = np.asarray(offsets), np.asarray(connectivity)
     if len(offsets) and (
         offsets[0] != 0 or offsets[-1] != len(connectivity) or np.any(np.diff(offsets) < 0)
     ):
-        error("mesh/offsets", f"expected 0 ... {len(connectivity)} in rising order")
+        error("mesh/offsets", f"expected 0 ... {len(connectivity)} in ascending order")
     rows_of("mesh/connectivity", connectivity, n_node, error)
 
 
 def rotations(path: str, A: Array, error: Reporter) -> None:
-    """Report a matrix (..., 3, 3) that is no rotation."""
+    """Report a matrix (..., 3, 3) that is not a rotation."""
     A = np.asarray(A)
     if A.shape[-2:] != (3, 3) or not A.size:
         return
     gap = np.abs(np.swapaxes(A, -1, -2) @ A - np.eye(3)).max(axis=(-1, -2))
     bad = ~((gap < ORTHONORMAL) & (np.linalg.det(A) > 0))
     if np.any(bad):
-        where = f", row {int(np.argmax(bad))} is none" if A.ndim > 2 else ""
+        where = f", row {int(np.argmax(bad))} is not" if A.ndim > 2 else ""
         error(path, f"expected a rotation matrix (orthonormal, determinant +1){where}")

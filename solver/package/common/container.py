@@ -1,7 +1,7 @@
-"""HDF5 as we use it: atomic writing, text attributes, errors that say what is wrong.
+"""HDF5 files: atomic writing, text attributes, clear error messages.
 
 Works with h5py 3.7 (HDF5 1.10) and later. Text is fixed-length UTF-8, because
-variable-length text costs a 4 kB heap per file object and defeats checksums.
+variable-length text needs a 4 kB heap per file object and prevents reproducible bytes.
 """
 
 import contextlib
@@ -17,12 +17,13 @@ import numpy as np
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 LIBVER = ("earliest", "v110")  # readable by HDF5 1.10 and by VTK
-MAX_ATTRIBUTE = 60_000  # HDF5 stores larger attributes in a way old libraries cannot read
+MAX_ATTRIBUTE = 60_000  # HDF5 stores larger attributes in a form that old libraries cannot read
 
 
 @contextlib.contextmanager
 def temporary_sibling(path: Path) -> Iterator[Path]:
-    """Give a name beside `path`; move it onto `path` on success, remove it on failure."""
+    """Yield a temporary name beside `path`; rename it to `path` on success, remove it on
+    failure."""
     temporary = path.with_name(f".{path.stem}.{os.getpid()}-{secrets.token_hex(4)}{path.suffix}")
     try:
         yield temporary
@@ -33,14 +34,14 @@ def temporary_sibling(path: Path) -> Iterator[Path]:
 
 @contextlib.contextmanager
 def new_file(path: Path) -> Iterator[h5py.File]:
-    """Open a new HDF5 file that appears under `path` only when it is complete."""
+    """Open a new HDF5 file under a temporary name; it is renamed to `path` when complete."""
     with temporary_sibling(path) as temporary, h5py.File(temporary, "w", libver=LIBVER) as file:
         yield file
 
 
 @contextlib.contextmanager
 def open_file(path: Path, error: type[Exception]) -> Iterator[h5py.File]:
-    """Open an HDF5 file for reading; whatever is wrong with it is raised as `error`."""
+    """Open an HDF5 file for reading; raise `error` if this fails."""
     if not path.is_file():
         raise error(f"{path}: no such file")
     with path.open("rb") as raw:
@@ -52,7 +53,7 @@ def open_file(path: Path, error: type[Exception]) -> Iterator[h5py.File]:
             yield file
     except (OSError, KeyError, RuntimeError, ValueError, TypeError, MemoryError) as cause:
         if "truncated" in str(cause):
-            message = f"truncated: {path.stat().st_size} bytes are there, more are expected"
+            message = f"truncated: {path.stat().st_size} bytes found, more are expected"
         else:
             message = "damaged HDF5 file"
         raise error(f"{path}: {message} (HDF5 says: {cause})") from cause
@@ -75,7 +76,7 @@ def _kind_of_bytes(head: bytes) -> str:
 
 
 def kind_of_file(file: h5py.File) -> str:
-    """Guess what a foreign HDF5 file is, for an error message."""
+    """Identify an HDF5 file of another program, for an error message."""
     names = set(file)
     if {"ENS_MAA", "INFOS_GENERALES"} & names:
         return "a MED file (Salome, Code_Aster)"
@@ -88,19 +89,19 @@ def kind_of_file(file: h5py.File) -> str:
     if "Mesh" in names:
         return "the HDF5 part of an XDMF file"
     shown = ", ".join(sorted(names)[:5]) or "nothing"
-    return f"an HDF5 file holding {shown}"
+    return f"an HDF5 file with {shown}"
 
 
 def set_text(item: h5py.HLObject, name: str, text: str) -> None:
-    """Store text as an attribute of fixed length. Raises ValueError when it is too long."""
+    """Store text as an attribute of fixed length. Raises ValueError if it is too long."""
     raw = text.encode("utf-8")
     if len(raw) > MAX_ATTRIBUTE:
-        raise ValueError(f"attribute {name} has {len(raw)} bytes, at most {MAX_ATTRIBUTE} fit")
+        raise ValueError(f"attribute {name} has {len(raw)} bytes, the limit is {MAX_ATTRIBUTE}")
     item.attrs.create(name, np.bytes_(raw), dtype=h5py.string_dtype("utf-8", max(len(raw), 1)))
 
 
 def as_text(value: Any) -> str:
-    """Turn any HDF5 text value (fixed or variable length) into str."""
+    """Convert any HDF5 text value (fixed or variable length) to str."""
     if isinstance(value, np.ndarray) and value.shape in ((), (1,)):
         value = value.reshape(())[()]
     return value.decode("utf-8") if isinstance(value, bytes) else str(value)
@@ -116,7 +117,7 @@ def get_text(item: h5py.HLObject, name: str, default: str = "") -> str:
 
 
 def set_long_text(group: h5py.Group, name: str, text: str) -> None:
-    """Store text as an attribute, or as a dataset of that name where it is too long for one."""
+    """Store text as an attribute, or as a dataset of that name if it is too long."""
     if len(text.encode("utf-8")) <= MAX_ATTRIBUTE:
         set_text(group, name, text)
     else:
@@ -125,7 +126,7 @@ def set_long_text(group: h5py.Group, name: str, text: str) -> None:
 
 
 def is_text(dataset: h5py.Dataset) -> bool:
-    """Say whether a dataset holds text."""
+    """True if a dataset contains text."""
     return h5py.check_string_dtype(dataset.dtype) is not None
 
 

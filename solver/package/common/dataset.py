@@ -1,4 +1,4 @@
-"""One dataset of a package: its row in the table of the format, and how it is kept in HDF5."""
+"""One dataset of a package: its row in the table of the format, and its storage in HDF5."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from .remark import Remark
 
 @dataclass(frozen=True)
 class DatasetSpec:
-    """One dataset of the file: where, how large, which type, what it means."""
+    """One dataset of the file: path, shape, type, unit, frame and meaning."""
 
     path: str  # below the group of the format
     shape: tuple[str | int, ...]
@@ -26,7 +26,9 @@ class DatasetSpec:
     optional: bool = False
 
 
-WORTH_PACKING = 8192  # bytes: HDF5 keeps an index of its own for a packed dataset
+WORTH_PACKING = (
+    8192  # size in bytes above which to compress: HDF5 adds an index to a compressed dataset
+)
 
 F, I, T = "float64", "int64", "text"  # noqa: E741
 
@@ -47,12 +49,12 @@ def spec(
 
 
 def shape_text(shape: tuple[str | int, ...]) -> str:
-    """Write a symbolic shape for people: (m, n, 6), or scalar."""
+    """Return a symbolic shape as text: (m, n, 6), or scalar."""
     return f"({', '.join(map(str, shape))})" if shape else "scalar"
 
 
 def expected_shape(spec: DatasetSpec, sizes: Mapping[str, int]) -> tuple[int, ...]:
-    """Put numbers for the symbols of a shape."""
+    """Replace the symbols of a shape by numbers."""
     sizes = {**sizes, "c+1": sizes["c"] + 1} if "c" in sizes else sizes
     return tuple(axis if isinstance(axis, int) else sizes[axis] for axis in spec.shape)
 

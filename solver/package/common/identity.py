@@ -1,4 +1,4 @@
-"""Which format a file has, which version, and whether its content is what was written."""
+"""Identity of a file: format, version and checksum."""
 
 import json
 from dataclasses import dataclass
@@ -17,11 +17,11 @@ UNITS = "SI"
 
 @dataclass(frozen=True)
 class FileFormat:
-    """One of our formats: its name, its version, and where its data lie."""
+    """One file format: its name, version, and the group of its data."""
 
     format: str
     version: tuple[int, int]
-    group: str  # all data, and all that the checksum covers
+    group: str  # group of all data, which the checksum covers
     title: str  # attribute of the root that names the object
 
 
@@ -34,7 +34,7 @@ def write_identity(file: h5py.File, known: FileFormat, name: str) -> None:
 
 
 def write_checksum(file: h5py.File, known: FileFormat) -> None:
-    """Write the checksum of the data, after all of them."""
+    """Write the checksum, after all data."""
     set_text(file, "content_sha256", _checksum(file, known))
 
 
@@ -80,7 +80,7 @@ def checksum_findings(file: h5py.File, known: FileFormat) -> list[Remark]:
 
 
 def json_text(where: str, value: Any) -> str:
-    """Return JSON text; arrays become lists. Raises PackageError for what JSON cannot hold."""
+    """Return JSON text; arrays become lists. Raises PackageError for values that are not JSON."""
     try:
         return json.dumps(value, default=_plain)
     except (TypeError, ValueError) as cause:

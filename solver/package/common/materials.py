@@ -20,7 +20,7 @@ _UNITS = {"E": "Pa", "G": "Pa", "n": "-", "r": "kg/m3"}  # by first letter of th
 
 
 class MaterialError(Exception):
-    """Material constants that are missing, misspelt or physically impossible."""
+    """Material constants are missing, unknown or physically impossible."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ def material_from_dict(table: Mapping[str, Any], where: str) -> Orthotropic:
 
     Raises
     ------
-    MaterialError : unknown or missing key, no number, impossible constants.
+    MaterialError : unknown or missing key, not a number, impossible constants.
     """
     if not isinstance(table, Mapping):
         raise MaterialError(f"{where}: expected a table of constants, got {table!r}")
@@ -118,7 +118,7 @@ def material_from_dict(table: Mapping[str, Any], where: str) -> Orthotropic:
 
 
 def bond(A_BM: Array) -> Array:
-    """Matrix T that takes stress columns along: stress_B = T stress_M (Bond 1943).
+    """Matrix T that rotates stress columns: stress_B = T stress_M (Bond 1943).
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ def bond(A_BM: Array) -> Array:
 
     Returns
     -------
-    (..., 6, 6); T' takes engineering strains the other way, strain_M = T' strain_B
+    (..., 6, 6); T' rotates engineering strains in the opposite direction, strain_M = T' strain_B
     """
     A_BM = np.asarray(A_BM)
     pairs = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
@@ -134,7 +134,7 @@ def bond(A_BM: Array) -> Array:
     for row, (i, j) in enumerate(pairs):
         for column, (k, m) in enumerate(pairs):
             T[..., row, column] = A_BM[..., i, k] * A_BM[..., j, m]
-            if k != m:  # a shear stress stands for two entries of the tensor
+            if k != m:  # a shear stress represents two entries of the tensor
                 T[..., row, column] += A_BM[..., i, m] * A_BM[..., j, k]
     return T
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ...errors import PackageError
 
-Reporter = Callable[[str, str], None]  # takes dataset and message
+Reporter = Callable[[str, str], None]  # arguments: dataset and message
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
-"""Fair shares of a list of section specifications, the same on every machine.
+"""Equal shares of a list of section specifications, the same on every machine.
 
-Sections of one mesh stay together: whoever works on them meshes, numbers and
-orders the unknowns once.
+Sections of one mesh stay together, so that meshing, numbering and ordering
+of unknowns are done once.
 """
 
 import argparse

@@ -4,10 +4,10 @@
     Xt, Xc     along the fibre, in tension and compression          [Pa]
     Yt, Yc     across the fibre in the ply                          [Pa]
     S12        shear in the ply                                     [Pa]
-    Zt, Zc     normal to the ply; default Yt, Yc: a unidirectional ply is alike in 2 and 3
+    Zt, Zc     normal to the ply; default Yt, Yc: a unidirectional ply is isotropic in 2 and 3
     S13        default S12, for the same reason
     S23        default Yc cos(a) (sin(a) + cos(a) / tan(2 a)) = 0.377 Yc with a = 53 deg, the
-               plane on which unidirectional plies are crushed across the fibre (Puck and
+               fracture plane of unidirectional plies under transverse compression (Puck and
                Schuermann 1998; Davila, Camanho and Rose 2005): S23 is hard to measure
     F12_star   interaction of normal stresses in Tsai-Wu, default -0.5: Mises' for Xt = Xc
 
@@ -37,7 +37,7 @@ _OPTIONAL = {"orthotropic": ("Zt", "Zc", "S13", "S23", "F12_star"), "isotropic":
 
 @dataclass(frozen=True)
 class PlyStrength:
-    """Magnitude of each stress that fails a ply when it acts alone [Pa]; t tension, c compression.
+    """Magnitude of each uniaxial stress at failure of a ply [Pa]; t tension, c compression.
 
     `F12_star` [-] is F_ij / sqrt(F_ii F_jj) of Tsai-Wu for the three pairs of normal stresses.
     """
@@ -62,7 +62,7 @@ class YieldStrength:
 
 
 def read_strength(table: Mapping[str, Any], kind: str, where: str) -> PlyStrength | YieldStrength:
-    """Strengths of a material from its table, the defaults filled in.
+    """Strengths of a material from its table, with defaults.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def read_strength(table: Mapping[str, Any], kind: str, where: str) -> PlyStrengt
 
     Raises
     ------
-    MaterialError : unknown or missing key, no number, no positive number, F12_star without a
+    MaterialError : unknown or missing key, not a positive number, F12_star without a
         closed failure surface.
     """
     if not isinstance(table, Mapping):
@@ -109,8 +109,8 @@ def _number(value: Any, key: str, where: str) -> float:
         raise MaterialError(f"{where}.{key} = {value!r}: expected a number [{unit}]")
     if share and not -0.5 <= value < 1.0:
         raise MaterialError(
-            f"{where}.{key} = {value:g}: expected -0.5 <= F12_star < 1: beyond, some stress in "
-            "three dimensions could grow for ever without failure"
+            f"{where}.{key} = {value:g}: expected -0.5 <= F12_star < 1: outside, the failure "
+            "surface is not closed in three dimensions"
         )
     if not share and not value > 0.0:
         raise MaterialError(f"{where}.{key} = {value:g} Pa: expected a value above 0")

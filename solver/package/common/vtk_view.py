@@ -1,4 +1,4 @@
-"""The part of a package that ParaView reads: /VTKHDF, made of links onto our own data."""
+"""The group /VTKHDF that ParaView reads: links to the data of the package."""
 
 from typing import Any
 
@@ -9,12 +9,12 @@ from ...math.arrays import Array
 from .container import set_text
 from .remark import Remark
 
-# Names in /VTKHDF and in the mesh of every format of ours; the nodes' name differs.
+# Names in /VTKHDF and in the mesh of every format; only the name of the nodes differs.
 CELLS = (("Connectivity", "connectivity"), ("Offsets", "offsets"), ("Types", "cell_types"))
 
 
 def create_grid(file: h5py.File, mesh: h5py.Group, nodes: str) -> h5py.Group:
-    """Add /VTKHDF with hard links to a mesh; no second copy of it.
+    """Add /VTKHDF with hard links to a mesh, without a copy.
 
     Nodes of a plane mesh (n, 2) are shown in the plane x = 0: their columns are y and z.
     """
@@ -55,7 +55,7 @@ def _virtual(
 ) -> h5py.Dataset:
     """Add a virtual dataset with `of[part]` from `corner` on and zeros before it.
 
-    By h5py's lower level: the upper one would put the time of writing into the file.
+    Uses the low-level interface of h5py; the high-level one would store the time of writing.
     """
     target = h5py.h5s.create_simple(shape)
     size = tuple(n - first for n, first in zip(shape, corner, strict=True))

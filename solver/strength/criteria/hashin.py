@@ -1,4 +1,5 @@
-"""Hashin 1980 in three dimensions: fibre and matrix fail apart, in tension and in compression.
+"""Hashin 1980 in three dimensions: separate conditions for fibre and matrix, tension and
+compression.
 
     fibre tension        s11 >= 0:  (s11/Xt)^2 + t = 1
     fibre compression    s11 < 0:   |s11| = Xc
@@ -8,7 +9,7 @@
 
 with s = s22 + s33 and the shear along the fibre t = (s12/S12)^2 + (s13/S13)^2
 (Z. Hashin, J. Applied Mechanics 47, 1980). The identity s22 s33 = (s^2 - d^2)/4, d = s22 - s33,
-leaves one square less in the last condition.
+removes one square from the last condition.
 """
 
 from dataclasses import dataclass
@@ -21,7 +22,7 @@ from ...package.common.strengths import PlyStrength
 from .contract import Criterion
 from .ray import Verdict, exposure, governing
 
-# Shear along the fibre alone counts the same for fibre and matrix: it is the matrix that gives way.
+# Shear along the fibre alone has equal terms for fibre and matrix; it is assigned to the matrix.
 MODES = ("matrix tension", "matrix compression", "fibre tension", "fibre compression")
 
 
@@ -48,10 +49,10 @@ def hashin(stress_M: Array, strength: PlyStrength) -> Verdict:
 
 
 def hashin_bound(stress_M: Array, strength: PlyStrength) -> Array:
-    """A convex function of the stress nowhere below the exposure, (...), proportional to it.
+    """A convex function of the stress, never below the exposure, (...), proportional to it.
 
-    The conditions regardless of where they hold: each is convex by itself, tension counted with
-    the positive part of its stress only.
+    The conditions are used for all signs of the stresses. Each is convex; tension uses only
+    the positive part of its stress.
     """
     conditions = _conditions(stress_M, strength, convex=True)
     return np.asarray(np.max([exposure(c.quadratic, c.linear) for c in conditions], axis=0))

@@ -1,4 +1,4 @@
-"""Maximum stress: every component against its own strength."""
+"""Maximum stress: every component is compared with its own strength."""
 
 import numpy as np
 
@@ -16,7 +16,8 @@ MODES = (
 
 
 def exhausted(stress_M: Array, strength: PlyStrength) -> Array:
-    """Each stress over its strength, (..., 9) in the order of MODES; negative: the other sign."""
+    """Each stress over its strength, (..., 9) in the order of MODES; negative for the other
+    sign."""
     s = np.asarray(stress_M, dtype=float)
     tension = s[..., :3] / [strength.Xt, strength.Yt, strength.Zt]
     compression = -s[..., :3] / [strength.Xc, strength.Yc, strength.Zc]
@@ -26,7 +27,7 @@ def exhausted(stress_M: Array, strength: PlyStrength) -> Array:
 
 
 def max_stress(stress_M: Array, strength: PlyStrength) -> Verdict:
-    """Failure when one stress reaches its strength; the index is linear in the stress.
+    """Failure if one stress reaches its strength; the index is linear in the stress.
 
     Parameters
     ----------

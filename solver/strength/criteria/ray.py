@@ -1,4 +1,4 @@
-"""How far a stress may grow: the closed solution along its ray."""
+"""Strength ratio of a stress: the closed-form solution for proportional loading."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from ...math.arrays import Array, IntArray
 
 @dataclass(frozen=True)
 class Verdict:
-    """What a criterion says of stresses (..., 6); the arrays have the shape (...)."""
+    """Result of a criterion for stresses (..., 6); the arrays have the shape (...)."""
 
     exposure: Array  # 1 / R: 0 without stress, 1 at failure, proportional to the stress [-]
     index: Array  # value of the governing condition, 1 at failure [-]
@@ -25,9 +25,9 @@ class Verdict:
 
 
 def exposure(quadratic: Array, linear: Array) -> Array:
-    """1 / R of the condition quadratic R^2 + linear R = 1; 0 where no R > 0 meets it.
+    """1 / R of the condition quadratic R^2 + linear R = 1; 0 if no R > 0 fulfils it.
 
-    Of two positive solutions the smaller R counts. Both branches avoid the difference of nearly
+    Of two positive solutions, the smaller R is used. Both branches avoid the difference of nearly
     equal numbers.
     """
     a, b = np.asarray(quadratic, dtype=float), np.asarray(linear, dtype=float)

@@ -1,13 +1,13 @@
-"""Tsai-Hill: Hill's quadratic form, each strength that of the sign of its stress.
+"""Tsai-Hill: Hill's quadratic form; each strength depends on the sign of its stress.
 
 (s11/X)^2 + (s22/Y)^2 + (s33/Z)^2 + (s23/S23)^2 + (s13/S13)^2 + (s12/S12)^2
     - 2H s11 s22 - 2G s11 s33 - 2F s22 s33 = 1,
 2H = 1/X^2 + 1/Y^2 - 1/Z^2,  2G = 1/X^2 + 1/Z^2 - 1/Y^2,  2F = 1/Y^2 + 1/Z^2 - 1/X^2
 
-In 2H and 2G the strength that belongs to neither stress of the pair takes the sign of the
-transverse one, and in 2F X is that of tension: so the left-hand side is continuous where a stress
-changes its sign. With Y = Z it is the textbooks' s11^2/X^2 - s11 s22/X^2 + s22^2/Y^2 + s12^2/S12^2
-in plane stress (Azzi and Tsai, Experimental Mechanics 5, 1965).
+In 2H and 2G, the strength of the third direction has the sign of the
+transverse stress, and in 2F X is that of tension. The left-hand side is then continuous where a
+stress changes its sign. With Y = Z it is the textbook form s11^2/X^2 - s11 s22/X^2 + s22^2/Y^2 +
+s12^2/S12^2 in plane stress (Azzi and Tsai, Experimental Mechanics 5, 1965).
 """
 
 from itertools import product
@@ -24,7 +24,7 @@ MODES = ("fibre", "matrix", "through thickness", "shear 23", "shear 13", "shear 
 
 
 def tsai_hill(stress_M: Array, strength: PlyStrength) -> Verdict:
-    """Failure on Hill's surface; the mode is the stress with the largest term of its own.
+    """Failure on Hill's surface; the mode is the stress with the largest square term.
 
     Parameters
     ----------
@@ -36,12 +36,12 @@ def tsai_hill(stress_M: Array, strength: PlyStrength) -> Verdict:
     H2, G2, F2 = _pairs(tension, strength)
     s1, s2, s3 = (s[..., i] for i in range(3))
     index = squares.sum(axis=-1) - H2 * s1 * s2 - G2 * s1 * s3 - F2 * s2 * s3
-    index = np.maximum(index, 0.0)  # a hydrostatic stress of Hill's theory does no harm
+    index = np.maximum(index, 0.0)  # in Hill's theory a hydrostatic stress causes no failure
     return Verdict(np.sqrt(index), index, np.argmax(squares, axis=-1), MODES)
 
 
 def tsai_hill_bound(stress_M: Array, strength: PlyStrength) -> Array:
-    """A convex function of the stress nowhere below the exposure, (...), proportional to it."""
+    """A convex function of the stress, never below the exposure, (...), proportional to it."""
     u = _normalised(np.asarray(stress_M, dtype=float), strength)
     return np.asarray(np.sqrt((u * u) @ _weights(strength)))
 
@@ -71,7 +71,7 @@ def _pairs(tension: NDArray[np.bool_], strength: PlyStrength) -> tuple[Array, Ar
 def _weights(strength: PlyStrength) -> Array:
     """Weights w with sum w_i u_i^2 >= index for all signs, u the normalised stresses, (6,).
 
-    By 2 u_i u_j <= u_i^2 + u_j^2, a product that adds to the index is shared by its two stresses.
+    By 2 u_i u_j <= u_i^2 + u_j^2, a positive product is divided between its two stresses.
     """
     w = np.ones(6)
     limits = ((strength.Xc, strength.Xt), (strength.Yc, strength.Yt), (strength.Zc, strength.Zt))

@@ -40,7 +40,7 @@ def tsai_wu(stress_M: Array, strength: PlyStrength) -> Verdict:
     F_i, F_ij = coefficients(strength)
     force = s @ F_ij
     a, b = np.einsum("...i,...i->...", s, force), s @ F_i
-    # With F12_star = -0.5 the surface is open in one direction of three: a is zero there.
+    # With F12_star = -0.5 the surface is open in one of three directions, where a is zero.
     a = np.maximum(a, 0.0)
     found = exposure(a, b)
     # Share of each stress in a + b once the stress is scaled to failure.

@@ -20,7 +20,7 @@ def equivalent_stress(stress: Array) -> Array:
 
 
 def von_mises(stress: Array, strength: YieldStrength) -> Verdict:
-    """Yield when the equivalent stress reaches the yield stress; the index is linear in it.
+    """Yield if the equivalent stress reaches the yield stress; the index is linear in it.
 
     Parameters
     ----------
