@@ -284,7 +284,7 @@ test-light: $(LIGHT) | $(COMPILED) ## Tests without FEniCSx, on two cores
 	$(PY) -m pytest tests --ignore tests/fe -n 2 -q
 
 .PHONY: test-fe
-test-fe: $(LIGHT) ## FE tests on the distribution's DOLFINx and on the wheel, numbers compared
+test-fe: $(LIGHT) ## FE tests on the distribution's DOLFINx and on the wheel, with every core type
 	$(PY) tools/fe_tests.py
 
 .PHONY: test-cases
