@@ -295,7 +295,7 @@ test-numba: build/numba-$(LOWEST_NUMBA)/installed ## The compiled loops with the
 	    tests/unit/test_evaluation.py tests/unit/test_compiled_cache.py
 
 .PHONY: test-fe
-test-fe: $(LIGHT) ## FE tests on the distribution's DOLFINx and on the wheel, numbers compared
+test-fe: $(LIGHT) ## FE tests on the distribution's DOLFINx and on the wheel, with every core type
 	$(PY) tools/fe_tests.py
 
 .PHONY: test-cases

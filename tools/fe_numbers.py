@@ -35,13 +35,19 @@ def shape(value: Any) -> tuple[int, ...]:
     return (len(value), *(shape(value[0]) if value else ()))
 
 
-def differences(first: Path, second: Path, tolerance: float = TOLERANCE) -> list[str]:
-    """One line for every name that is missing, has another shape or other numbers."""
+def differences(
+    first: Path, second: Path, tolerance: float = TOLERANCE, common: bool = False
+) -> list[str]:
+    """One line for every name that is missing, has another shape or other numbers.
+
+    `common` leaves out names that are in one file only, if there are others.
+    """
     a, b = json.loads(first.read_text()), json.loads(second.read_text())
-    if not a and not b:
-        return [f"{first} and {second}: no numbers were recorded"]
+    names = a.keys() & b.keys() if common else a.keys() | b.keys()
+    if not names:
+        return [f"{first} and {second}: no numbers to compare were recorded"]
     lines = []
-    for name in sorted(a.keys() | b.keys()):
+    for name in sorted(names):
         if name not in a or name not in b:
             lines.append(f"{name}: missing in {first if name not in a else second}")
             continue
@@ -56,10 +62,15 @@ def differences(first: Path, second: Path, tolerance: float = TOLERANCE) -> list
         gap = max((abs(p - q) for p, q in zip(x, y, strict=True)), default=0.0)
         if gap > tolerance * scale:
             lines.append(
-                f"{name}: {first.stem} and {second.stem} differ by {gap / scale:.2e} of the "
+                f"{name}: {_shown(first)} and {_shown(second)} differ by {gap / scale:.2e} of the "
                 f"largest entry, at most {tolerance:.0e} is allowed"
             )
     return lines
+
+
+def _shown(file: Path) -> str:
+    """Folder and version: the folder says which kernels were used, if not the processor's."""
+    return f"{file.parent.name}/{file.stem}"
 
 
 def main(files: list[Path]) -> int:

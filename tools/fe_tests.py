@@ -4,6 +4,10 @@ The distribution's packages and the wheel are the oldest and the newest supporte
 version. Each one is installed if possible; otherwise the reason is printed. The tests record the
 numbers they computed in build/fe-numbers/, one file per version; equal inputs must give equal
 numbers (tools/fe_numbers.py).
+
+Then the tests whose result could depend on rounding (KERNEL_TESTS, and LIGHT_KERNEL_TESTS of the
+package checks) run again with every kernel of OpenBLAS that the processor has
+(tools/core_types.py).
 """
 
 import os
@@ -11,6 +15,7 @@ import shutil
 import sys
 import time
 
+from core_types import Tests, run_all
 from fe_numbers import differences, pairs
 from fenicsx_sources import (
     APT_INSTALL,
@@ -26,6 +31,45 @@ from fenicsx_sources import (
 from interpreters import output, run, say
 
 NUMBERS = ROOT / "build" / "fe-numbers"
+KERNEL_NUMBERS = ROOT / "build" / "fe-numbers-of-core-types"
+
+# Factorisations, eigenvalues, guards against what is singular or without size, sound packages.
+KERNEL_TESTS = (
+    *(
+        f"tests/fe/test_{name}.py"
+        for name in (
+            "beam_cantilever",
+            "body_recovery",
+            "door",
+            "modes_slepc",
+            "section_energy",
+            "section_guards",
+            "shell_flat_nodes",
+            "shell_guards",
+            "shell_loads",
+            "shell_stiffeners",
+        )
+    ),
+    "--deselect=tests/fe/test_door.py::test_missing_part_is_named",
+)
+LIGHT_KERNEL_TESTS = (
+    *(
+        f"tests/unit/test_{name}.py"
+        for name in (
+            "beam_modes",
+            "definite",
+            "laminate",
+            "materials",
+            "package_recovery",
+            "package_rounding",
+            "package_shell",
+            "package_validate",
+            "reference_checks",
+        )
+    ),
+    "tests/verification/test_second_order_fields.py",
+    "tests/verification/test_static_modes.py",
+)
 
 
 def ends() -> list[tuple[str, Report | str]]:
@@ -58,28 +102,31 @@ def has_pytest(python: str) -> bool:
 def main(arguments: list[str]) -> int:
     """Run pytest with each version; exit code 1 if one fails, numbers differ, or none could run."""
     # Only numbers of this run are compared: an old file could hide a difference.
-    shutil.rmtree(NUMBERS, ignore_errors=True)
-    summary: list[str] = []
+    for folder in (NUMBERS, KERNEL_NUMBERS):
+        shutil.rmtree(folder, ignore_errors=True)
+    lines: list[str] = []
     failed = False
-    ran = 0
+    ran: list[Report] = []
     for name, report in ends():
         if isinstance(report, str):
-            summary.append(f"{name}: SKIPPED, {report}")
+            lines.append(f"{name}: SKIPPED, {report}")
             continue
         title = f"DOLFINx {report['dolfinx']} ({name}, {report['python']})"
         if not has_pytest(report["python"]):
-            summary.append(f"{title}: SKIPPED, it has no pytest and none could be installed")
+            lines.append(f"{title}: SKIPPED, it has no pytest and none could be installed")
             continue
         print(f"\n== FE tests on {title}", flush=True)
         start = time.monotonic()
         code = run([report["python"], "-m", "pytest", "-q", "tests/fe", *arguments])
         seconds = time.monotonic() - start
-        ran += 1
+        ran.append(report)
         failed = failed or code != 0
-        summary.append(f"{title}: {'passed' if code == 0 else 'FAILED'} in {seconds:.0f} s")
-    failed = compare(ran, summary) or failed or ran == 0
+        lines.append(f"{title}: {'passed' if code == 0 else 'FAILED'} in {seconds:.0f} s")
+    failed = compare(len(ran), lines) or failed or not ran
+    if not arguments:
+        failed = with_core_types(ran, lines) or failed
     print()
-    for line in summary:
+    for line in lines:
         say(line)
     return int(failed)
 
@@ -99,6 +146,33 @@ def compare(ran: int, summary: list[str]) -> bool:
     result = f"FAILED, {len(lines)} differences" if lines else "equal"
     summary.append(f"numbers between {', '.join(file.stem for file in files)}: {result}")
     return bool(lines)
+
+
+def with_core_types(ran: list[Report], lines: list[str]) -> bool:
+    """Run the tests of kernels with every core type; True if any failed or gave other numbers."""
+    start = time.monotonic()
+    every = [
+        Tests(
+            f"DOLFINx {report['dolfinx']}",
+            report["python"],
+            "plymotion.preprocess.fenicsx",
+            KERNEL_TESTS,
+            KERNEL_NUMBERS,
+        )
+        for report in ran
+    ]
+    every.append(Tests("light environment", sys.executable, "scipy.linalg", LIGHT_KERNEL_TESTS))
+    results, summaries = run_all(every)
+    lines += summaries
+    files = sorted(KERNEL_NUMBERS.glob("*/*.json"))
+    found = [line for file in files for line in differences(NUMBERS / file.name, file, common=True)]
+    for line in found:
+        print(line, file=sys.stderr)
+    if files:
+        result = f"FAILED, {len(found)} differences" if found else "equal"
+        lines.append(f"numbers between core types: {result}")
+    lines.append(f"core types took {time.monotonic() - start:.0f} s")
+    return bool(found) or not all(result.passed for result in results)
 
 
 if __name__ == "__main__":

@@ -42,6 +42,7 @@ class SectionMass:
         J = mass[3:, 3:] + m * skew(centre) @ skew(centre)
         slice_ = cls(m, centre, 0.5 * (J + J.T))
         scale = np.sqrt(np.diagonal(mass).clip(min=0.0))
+        scale[3:] = scale[3:].max()  # a flat strip has no rotary inertia about one of its axes
         gap = np.abs(slice_.matrix() - mass) - TOLERANCE * np.outer(scale, scale)
         if gap.max() > 0.0:
             i, j = (int(k) for k in np.unravel_index(np.argmax(gap), gap.shape))

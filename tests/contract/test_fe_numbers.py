@@ -48,3 +48,14 @@ def test_differences_are_found(
 
 def test_nothing_recorded_is_no_agreement(fe_numbers: ModuleType, tmp_path: Path) -> None:
     assert differences(fe_numbers, tmp_path, {}, {}) != []
+
+
+def test_common_names_only(fe_numbers: ModuleType, tmp_path: Path) -> None:
+    first, second = tmp_path / "first.json", tmp_path / "second.json"
+    first.write_text(json.dumps(BASE))
+    second.write_text(json.dumps({"f": BASE["f"], "g": 1.0}))
+    assert fe_numbers.differences(first, second, common=True) == []
+    assert len(fe_numbers.differences(first, second)) == 2
+    second.write_text(json.dumps({"g": 1.0}))
+    (line,) = fe_numbers.differences(first, second, common=True)
+    assert "no numbers to compare" in line

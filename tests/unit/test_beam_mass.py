@@ -104,3 +104,14 @@ def test_mass_that_is_no_rigid_slice_is_refused() -> None:
         SectionMass.from_matrix(matrix)
     with pytest.raises(ValueError, match="positive"):
         SectionMass.from_matrix(np.zeros((6, 6)))
+
+
+@pytest.mark.parametrize("noise", [1e-18, -1e-18])
+def test_strip_without_rotary_inertia_about_one_axis(noise: float) -> None:
+    """Rounding beside a zero of the diagonal is no fault; a static moment there is one."""
+    mass = np.diag([1.0, 1.0, 1.0, 2e-3, 0.0, 2e-3])
+    mass[0, 4] = noise
+    assert SectionMass.from_matrix(mass).m == 1.0
+    mass[0, 4] = 1e-6
+    with pytest.raises(ValueError, match=r"not that of a rigid slice: entry \[0, 4\]"):
+        SectionMass.from_matrix(mass)

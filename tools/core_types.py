@@ -1,0 +1,161 @@
+"""Run some tests with every kernel of OpenBLAS that this processor has.
+
+OpenBLAS chooses its kernels by the type of the processor's cores, and rounds differently with
+each; OPENBLAS_CORETYPE chooses another one. A test whose verdict changes with it compares
+rounding with rounding.
+"""
+
+import os
+import re
+import subprocess
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+# What the kernels need, in the words of /proc/cpuinfo.
+FLAGS = {
+    "Prescott": {"pni"},
+    "Nehalem": {"sse4_2"},
+    "Haswell": {"avx2", "fma"},
+    "Zen": {"avx2", "fma"},
+    "SkylakeX": {"avx512f", "avx512cd", "avx512bw", "avx512dq", "avx512vl"},
+}
+AT_ONCE = 2  # processes: the cores that CI has
+
+
+@dataclass(frozen=True)
+class Tests:
+    """Tests of one interpreter.
+
+    Attributes
+    ----------
+    title : what runs them, for the summary
+    python : the interpreter
+    loads : module whose import loads all that the tests use of OpenBLAS
+    arguments : of pytest
+    numbers : folder for the numbers that they record, one folder for each type; None: they do not
+    """
+
+    title: str
+    python: str
+    loads: str
+    arguments: tuple[str, ...]
+    numbers: Path | None = None
+
+
+@dataclass(frozen=True)
+class Result:
+    """What came of one run."""
+
+    tests: Tests
+    core_type: str
+    passed: bool
+    output: str
+
+
+def available(flags: set[str]) -> list[str]:
+    """Core types whose kernels a processor with these flags can run."""
+    return [name for name, needed in FLAGS.items() if needed <= flags]
+
+
+def processor_flags(file: Path = Path("/proc/cpuinfo")) -> set[str]:
+    """Flags of this processor; none where the system does not tell them."""
+    text = file.read_text() if file.exists() else ""
+    found = re.search(r"^flags\s*:(.*)$", text, re.MULTILINE)
+    return set(found[1].split()) if found else set()
+
+
+def environment(core_type: str, numbers: Path | None) -> dict[str, str]:
+    """The environment in which tests run with the kernels of a type ("" chooses none)."""
+    changed = {**os.environ, "OPENBLAS_CORETYPE": core_type, "OPENBLAS_NUM_THREADS": "1"}
+    if not core_type:
+        del changed["OPENBLAS_CORETYPE"]
+    if numbers is not None:
+        changed["PLYMOTION_FE_NUMBERS"] = str(numbers / core_type)
+    return changed
+
+
+def kernels(tests: Tests, core_type: str) -> frozenset[str]:
+    """Names of the kernels that the interpreter's copies of OpenBLAS really use; none if it has
+    no such copy, or if one of them does not know the type."""
+    done = subprocess.run(
+        [tests.python, "-c", f"import {tests.loads}"],
+        env={**environment(core_type, None), "OPENBLAS_VERBOSE": "2"},
+        capture_output=True,
+        text=True,
+    )
+    if done.returncode or "Core not found" in done.stderr:
+        return frozenset()
+    return frozenset(re.findall(r"^Core: (\w+)$", done.stderr, re.MULTILINE))
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Core types to run some tests with.
+
+    Attributes
+    ----------
+    own : names of the kernels that all tests use, the processor's unless the user says otherwise
+    types : core types whose kernels are others, each once
+    """
+
+    own: frozenset[str]
+    types: tuple[str, ...]
+
+
+def choice(tests: Tests) -> Choice:
+    """The core types of this processor that differ for these tests."""
+    own = kernels(tests, os.environ.get("OPENBLAS_CORETYPE", ""))
+    seen, types = [own, frozenset()], []
+    for core_type in available(processor_flags()):
+        names = kernels(tests, core_type)
+        if names not in seen:
+            seen.append(names)
+            types.append(core_type)
+    return Choice(own, tuple(types))
+
+
+def run_one(tests: Tests, core_type: str) -> Result:
+    """Run the tests with the kernels of one type."""
+    done = subprocess.run(
+        [tests.python, "-m", "pytest", "-q", "-p", "no:cacheprovider", *tests.arguments],
+        env=environment(core_type, tests.numbers),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    return Result(tests, core_type, done.returncode == 0, done.stdout)
+
+
+def run_all(every: list[Tests]) -> tuple[list[Result], list[str]]:
+    """Run all tests with all types, in the order of the list, and print what fails.
+
+    Returns the results, and one line for each entry of the list: which types were run.
+    """
+    with ThreadPoolExecutor(AT_ONCE) as pool:
+        choices = list(pool.map(choice, every))
+        pairs = [
+            (tests, name) for tests, own in zip(every, choices, strict=True) for name in own.types
+        ]
+        results = list(pool.map(lambda pair: run_one(*pair), pairs))
+    for result in results:
+        if not result.passed:
+            print(f"\n== {result.tests.title}, core type {result.core_type}\n{result.output}")
+    lines = [
+        summary(tests.title, own, [result for result in results if result.tests is tests])
+        for tests, own in zip(every, choices, strict=True)
+    ]
+    return results, lines
+
+
+def summary(title: str, choice: Choice, results: list[Result]) -> str:
+    """One line: which types were run, and which failed."""
+    if not choice.own:
+        return f"{title}: NO CORE TYPES, it has no OpenBLAS that can choose its kernels"
+    own = "+".join(sorted(choice.own))
+    if not results:
+        return f"{title}: NO CORE TYPES but {own}, no others are known of this processor"
+    failed = [result.core_type for result in results if not result.passed]
+    listed = ", ".join(result.core_type for result in results)
+    verdict = f"FAILED with {', '.join(failed)}" if failed else "passed"
+    return f"{title}: core types {listed}, beside {own} of all tests: {verdict}"
