@@ -41,9 +41,10 @@ def inlined(function: Function) -> Function:
 def _part(function: Any, *, inline: bool) -> Any:
     if not COMPILED:
         return function
+    from . import units
     from .parts import Part
 
-    return Part(function, inline=inline)
+    return Part(function, inline=inline, service=units)
 
 
 def rebound(function: Function, **names: Any) -> Function:

@@ -7,18 +7,65 @@ from typing import Any
 
 from llvmlite import ir
 from numba.core import cgutils, types
+from numba.core.datamodel import models
+from numba.core.imputils import lower_constant
 from numba.core.registry import cpu_target
+from numba.core.typing.templates import signature
+from numba.extending import register_model, typeof_impl
 from numba.np import arrayobj
 
 from . import signatures
 from .lowering import lower
-from .numba_types import numba_type, register_parts, text_of, whole_array
+from .numba_types import numba_type, text_of, whole_array
 from .parts import Part
 
 _WORD = ir.IntType(64)
 
-register_parts(Part)
 _results: dict[Any, Any] = {}
+
+
+class PartType(types.Callable, types.Dummy):  # type: ignore[misc]
+    """A function that is compiled by itself, or becomes code of its callers (parts.py)."""
+
+    def __init__(self, part: Any) -> None:
+        self.part = part
+        super().__init__(f"part({part.name})")
+
+    @property
+    def key(self) -> Any:
+        """What tells this type from others."""
+        return self.part
+
+    def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
+        """Return the signature of a call; compile or load what is called."""
+        part = self.part.of_count(len(args))
+        if kws or part is None:
+            raise TypeError(f"{self.part.name}: other arguments expected, by position")
+        kinds = tuple(types.unliteral(kind) for kind in args)
+        if not all(kind.is_precise() for kind in kinds):
+            return None
+        return signature(result_of_call(part, kinds), *kinds)
+
+    def get_call_signatures(self) -> Any:
+        """Return what Numba lists in an error."""
+        return (), False
+
+    def get_impl_key(self, sig: Any) -> Any:
+        """Return what the code of a call is found by."""
+        return self.part.of_count(len(sig.args)), sig.args
+
+
+@register_model(PartType)
+class _PartModel(models.OpaqueModel):  # type: ignore[misc]
+    pass
+
+
+@lower_constant(PartType)  # type: ignore[misc]
+def _no_value(context: Any, builder: Any, kind: Any, value: Any) -> Any:
+    return context.get_dummy_value()
+
+
+typeof_impl.register(Part)(lambda value, context: PartType(value))
 
 
 def result_of_call(part: Part, kinds: tuple[Any, ...]) -> Any:

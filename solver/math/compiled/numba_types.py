@@ -1,4 +1,4 @@
-"""What Numba is told of structures and of parts: their types, and the code of fields and calls."""
+"""What Numba is told of structures: their types, and the code of their fields."""
 
 from typing import Any
 
@@ -6,9 +6,8 @@ import numpy as np
 from llvmlite import ir
 from numba.core import types
 from numba.core.datamodel import models
-from numba.core.imputils import lower_constant
-from numba.core.typing.templates import AttributeTemplate, infer_getattr, signature
-from numba.extending import lower_getattr_generic, register_model, typeof_impl
+from numba.core.typing.templates import AttributeTemplate, infer_getattr
+from numba.extending import lower_getattr_generic, register_model
 from numba.np import arrayobj
 from numba.np.numpy_support import as_dtype, from_dtype
 
@@ -149,51 +148,3 @@ def whole_array(
         made, data=data, shape=shape, strides=strides, itemsize=size, meminfo=None, parent=None
     )
     return made._getvalue()
-
-
-class PartType(types.Callable, types.Dummy):  # type: ignore[misc]
-    """A function that is compiled by itself, or becomes code of its callers (parts.py)."""
-
-    def __init__(self, part: Any) -> None:
-        self.part = part
-        super().__init__(f"part({part.name})")
-
-    @property
-    def key(self) -> Any:
-        """What tells this type from others."""
-        return self.part
-
-    def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
-        """Return the signature of a call; compile or load what is called."""
-        from . import calls
-
-        part = self.part.of_count(len(args))
-        if kws or part is None:
-            raise TypeError(f"{self.part.name}: other arguments expected, by position")
-        kinds = tuple(types.unliteral(kind) for kind in args)
-        if not all(kind.is_precise() for kind in kinds):
-            return None
-        return signature(calls.result_of_call(part, kinds), *kinds)
-
-    def get_call_signatures(self) -> Any:
-        """Return what Numba lists in an error."""
-        return (), False
-
-    def get_impl_key(self, sig: Any) -> Any:
-        """Return what the code of a call is found by."""
-        return self.part.of_count(len(sig.args)), sig.args
-
-
-@register_model(PartType)
-class _PartModel(models.OpaqueModel):  # type: ignore[misc]
-    pass
-
-
-@lower_constant(PartType)  # type: ignore[misc]
-def _no_value(context: Any, builder: Any, kind: Any, value: Any) -> Any:
-    return context.get_dummy_value()
-
-
-def register_parts(cls: type) -> None:
-    """Tell Numba the type of the instances of a class."""
-    typeof_impl.register(cls)(lambda value, context: PartType(value))
