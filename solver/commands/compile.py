@@ -18,7 +18,7 @@ from ..dynamics.system import assemble, derivative, energies, law_at
 from ..dynamics.tables import ForceTable, JointTable, MarkerTable, assemble_model, rigid_body
 from ..integrators.closures import right_hand_side
 from ..integrators.generic import RungeKutta8, integrate
-from ..integrators.stepping import GeneralizedAlpha, Marching, Radau
+from ..integrators.stepping import GeneralizedAlpha, Radau, StepLoop
 from ..math.arrays import Array
 from ..math.compiled import COMPILED
 from ..math.laws import polynomial
@@ -51,16 +51,16 @@ def _hinge() -> tuple[Model, Array]:
 
 
 def _compile_radau() -> None:
-    _march(Radau)
+    _step_loop(Radau)
 
 
 def _compile_others() -> None:
     model, y = _hinge()
     RungeKutta8(right_hand_side(model), 0.0, y, 1e-3, first_step=1e-3).step()
-    _march(GeneralizedAlpha)
+    _step_loop(GeneralizedAlpha)
 
 
-def _march(kind: type[Marching]) -> None:
+def _step_loop(kind: type[StepLoop]) -> None:
     """Take one step, then several in one call."""
     model, y = _hinge()
     one = kind(model, 0.0, y, 1e-3, first_step=1e-3)

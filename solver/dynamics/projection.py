@@ -7,15 +7,15 @@ from ..math.compiled import jit, rebound
 from .coordinates import moved
 from .model import Model
 from .system import (
-    answer,
     by_blocks,
     dense,
     evaluate,
     evaluate_rates,
+    factorise_mass,
     flatten,
     largest,
-    prepare,
-    respond,
+    solve_dense,
+    solve_mass,
 )
 from .workspace import PHI, Work, new_work
 
@@ -41,7 +41,7 @@ def project(model: Model, work: Work, t: float, y: Array) -> bool:
     for _ in range(MAX_ITERATIONS):
         if not violation > CLOSED:
             break
-        _respond(model, work, -work.rows[:, PHI], step)
+        _solve_row_change(model, work, -work.rows[:, PHI], step)
         before = y[:n_pos].copy()
         y[:n_pos] = moved(model, before, step)
         evaluate(model, work, t, y)
@@ -52,28 +52,28 @@ def project(model: Model, work: Work, t: float, y: Array) -> bool:
             break
         violation = left
     evaluate_rates(model, work, y)
-    _respond(model, work, -work.left, step)
+    _solve_row_change(model, work, -work.left, step)
     for i in range(n_vel):
         y[n_pos + i] += step[i]
     return bool(violation < TOLERABLE)
 
 
 @jit
-def _respond(model: Model, work: Work, gamma: Array, step: Array) -> None:
+def _solve_row_change(model: Model, work: Work, gamma: Array, step: Array) -> None:
     """Fill step (n_vel,) with the least motion that changes the constraints by gamma (n_c,)."""
     work.load[:] = 0.0
     work.gamma[:] = gamma
-    prepare(model, work)
-    answer(model, work)
+    factorise_mass(model, work)
+    solve_mass(model, work)
     flatten(model, work.acceleration, step, 0)
 
 
-def _dense_respond(model: Model, work: Work, gamma: Array, step: Array) -> None:
-    """As `_respond` for any model, by dense linear algebra."""
-    step[:], _ = respond(model, dense(model, work), np.zeros(model.n_vel), gamma)
+def _solve_dense_row_change(model: Model, work: Work, gamma: Array, step: Array) -> None:
+    """As `_solve_row_change` for any model, by dense linear algebra."""
+    step[:], _ = solve_dense(model, dense(model, work), np.zeros(model.n_vel), gamma)
 
 
-_dense_project = rebound(project, _respond=_dense_respond)
+_dense_project = rebound(project, _solve_row_change=_solve_dense_row_change)
 
 
 def projected(model: Model, t: float, y: Array, work: Work | None = None) -> tuple[Array, bool]:
