@@ -18,7 +18,7 @@ from ..dynamics.tables import ForceTable, JointTable, MarkerTable, assemble_mode
 from ..integrators.closures import right_hand_side
 from ..integrators.compiled.pencil import factorise_pencil, new_frozen, new_pencil, solve_pencil
 from ..integrators.generic import RungeKutta8, integrate
-from ..integrators.stepping import GeneralizedAlpha, Marching, Radau
+from ..integrators.stepping import GeneralizedAlpha, Radau, StepLoop
 from ..math.arrays import Array
 from ..math.compiled import COMPILED, statistics
 from ..math.laws import polynomial
@@ -79,14 +79,14 @@ def _compile_matrices() -> None:
 
 
 def _compile_radau() -> None:
-    _march(Radau)
+    _step_loop(Radau)
 
 
 def _compile_alpha() -> None:
-    _march(GeneralizedAlpha)
+    _step_loop(GeneralizedAlpha)
 
 
-def _march(kind: type[Marching]) -> None:
+def _step_loop(kind: type[StepLoop]) -> None:
     """Take one step, then several in one call."""
     model, y = _hinge()
     one = kind(model, 0.0, y, 1e-3, first_step=1e-3)

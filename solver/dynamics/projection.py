@@ -7,15 +7,15 @@ from ..math.compiled import lean, rebound
 from .coordinates import move
 from .model import Model
 from .system import (
-    answer,
     by_blocks,
     dense,
     evaluate,
     evaluate_rates,
+    factorise_mass,
     flatten,
     largest,
-    prepare,
-    respond,
+    solve_dense,
+    solve_mass,
 )
 from .workspace import PHI, Work, new_work
 
@@ -47,7 +47,7 @@ def project(model: Model, work: Work, t: float, y: Array, step: Array, before: A
             break
         for k in range(n_c):
             work.gamma[k] = -work.rows[k, PHI]
-        _respond(model, work, step)
+        _solve_row_change(model, work, step)
         for i in range(n_pos):
             before[i] = y[i]
         move(model, y, step)
@@ -62,27 +62,27 @@ def project(model: Model, work: Work, t: float, y: Array, step: Array, before: A
     evaluate_rates(model, work, y)
     for k in range(n_c):
         work.gamma[k] = -work.left[k]
-    _respond(model, work, step)
+    _solve_row_change(model, work, step)
     for i in range(n_vel):
         y[n_pos + i] += step[i]
     return bool(violation < TOLERABLE)
 
 
 @lean
-def _respond(model: Model, work: Work, step: Array) -> None:
+def _solve_row_change(model: Model, work: Work, step: Array) -> None:
     """Fill step (n_vel,) with the least motion that changes the constraints by work.gamma."""
     work.load[:] = 0.0
-    prepare(model, work)
-    answer(model, work)
+    factorise_mass(model, work)
+    solve_mass(model, work)
     flatten(model, work.acceleration, step, 0)
 
 
-def _dense_respond(model: Model, work: Work, step: Array) -> None:
-    """As `_respond` for any model, by dense linear algebra."""
-    step[:], _ = respond(model, dense(model, work), np.zeros(model.n_vel), work.gamma)
+def _solve_dense_row_change(model: Model, work: Work, step: Array) -> None:
+    """As `_solve_row_change` for any model, by dense linear algebra."""
+    step[:], _ = solve_dense(model, dense(model, work), np.zeros(model.n_vel), work.gamma)
 
 
-_dense_project = rebound(project, _respond=_dense_respond)
+_dense_project = rebound(project, _solve_row_change=_solve_dense_row_change)
 
 
 def projected(model: Model, t: float, y: Array, work: Work | None = None) -> tuple[Array, bool]:

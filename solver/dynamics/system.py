@@ -189,7 +189,7 @@ def constraint_rates(model: Model, equations: Equations, y: Array) -> Array:
     return equations.Phi_q @ velocities + equations.Phi_t
 
 
-def respond(model: Model, equations: Equations, f: Array, gamma: Array) -> tuple[Array, Array]:
+def solve_dense(model: Model, equations: Equations, f: Array, gamma: Array) -> tuple[Array, Array]:
     """Solve for accelerations and multipliers with right-hand sides f (n_vel,) and gamma (n_c,).
 
     M a + Phi_q' lambda = f and Phi_q a = gamma, by the model's treatment, with dense
@@ -221,7 +221,7 @@ def accelerations(model: Model, equations: Equations, y: Array) -> tuple[Array, 
     """
     Phi_d = constraint_rates(model, equations, y)
     gamma = stabilised(equations.gamma, equations.Phi, Phi_d, model.alpha, model.beta)
-    return respond(model, equations, equations.f, gamma)
+    return solve_dense(model, equations, equations.f, gamma)
 
 
 @inlined
@@ -287,7 +287,7 @@ def evaluate_rates(model: Model, work: Work, y: Array) -> None:
 
 
 @inlined
-def prepare(model: Model, work: Work) -> None:
+def factorise_mass(model: Model, work: Work) -> None:
     """Factorise the mass matrix of the last evaluation with its constraints.
 
     If constraint rows are dependent, or nearly so, the penalty of the augmented
@@ -295,10 +295,10 @@ def prepare(model: Model, work: Work) -> None:
     effective mass of the row.
     """
     work.softness[:] = 0.0
-    _factorise_mass(model, work)
+    _factorise_blocks(model, work)
     if model.penalty > 0.0 and work.factors.regular[0] < REGULAR:
         soften(model, work.J, work.softness)
-        _factorise_mass(model, work)
+        _factorise_blocks(model, work)
 
 
 @lean
@@ -322,7 +322,7 @@ def soften(model: Model, J: Array, softness: Array) -> None:
 
 
 @inlined
-def _factorise_mass(model: Model, work: Work) -> None:
+def _factorise_blocks(model: Model, work: Work) -> None:
     for i in range(model.n_body):
         n = model.plan.size[i]
         for a in range(n):
@@ -347,11 +347,11 @@ def add_inertia(model: Model, i: int, mass: complex, L: Array, softness: Array) 
 
 
 @inlined
-def answer(model: Model, work: Work) -> None:
+def solve_mass(model: Model, work: Work) -> None:
     """Fill work.acceleration and multipliers with the solution for work.load and work.gamma.
 
-    After `prepare`. With a penalty in use the multipliers are iterated, lambda += (S + 1/P)^-1
-    (Phi_q a - gamma): Bayo's augmented Lagrangian (constraints/augmented_lagrangian.py), written
+    After `factorise_mass`. With a penalty in use the multipliers are iterated,
+    lambda += (S + 1/P)^-1 (Phi_q a - gamma): Bayo's augmented Lagrangian (constraints/augmented_lagrangian.py), written
     for the multipliers. Multipliers of redundant rows have least norm.
     """
     a, left = work.acceleration, work.left
@@ -401,11 +401,11 @@ def accelerate(model: Model, work: Work, y: Array) -> None:
             - 2.0 * model.alpha * work.left[k]
             - model.beta * model.beta * work.rows[k, PHI]
         )
-    prepare(model, work)
+    factorise_mass(model, work)
     for i in range(model.n_body):
         for k in range(model.plan.size[i]):
             work.load[i, k] = work.f[i, k]
-    answer(model, work)
+    solve_mass(model, work)
 
 
 @lean

@@ -9,7 +9,7 @@ First argument, by `takes`:
     "constrained"  `ConstrainedSystem` (generic/constrained.py): mass matrix, forces and
                    constraints as closures, for methods that solve the constraints with the step.
     "model"        a `Model` (dynamics/model.py): for step loops that are compiled whole
-                   (`Marching`, stepping.py).
+                   (`StepLoop`, stepping.py).
 
 It must have:
     order : int, order of the method; sizes of first steps follow from it
@@ -31,7 +31,7 @@ It may have:
 
 from .generic.base import Counters, Dense, Derivative, Integrator
 from .generic.constrained import ConstrainedSystem
-from .stepping import Marching
+from .stepping import StepLoop
 
 __all__ = [
     "ConstrainedSystem",
@@ -39,5 +39,5 @@ __all__ = [
     "Dense",
     "Derivative",
     "Integrator",
-    "Marching",
+    "StepLoop",
 ]

@@ -15,9 +15,9 @@ from ..math.compiled import COMPILED
 from .closures import right_hand_side
 from .compiled import course as codes
 from .compiled.alpha import advance_alpha
-from .compiled.alpha_course import new_alpha_course
+from .compiled.alpha_workspace import new_alpha_workspace
 from .compiled.closing import close
-from .compiled.course import Options, new_course
+from .compiled.course import Options, new_radau_workspace
 from .compiled.radau import advance
 from .compiled.tableau import MU
 from .generic import Integrator
@@ -37,7 +37,7 @@ TROUBLE = {
 }
 
 
-class Marching(Integrator):
+class StepLoop(Integrator):
     """An integrator over a compiled loop: steps one by one, or many in one call.
 
     Parameters
@@ -129,7 +129,7 @@ class Marching(Integrator):
         """Call the compiled loop for `most` steps."""
 
 
-class Radau(Marching):
+class Radau(StepLoop):
     """Radau IIA of order 5 for mechanisms (compiled/radau.py): L-stable, so that modes stiffer than
     the motion are damped, not followed; every step is brought back onto the constraints unless
     `closed` is false.
@@ -167,7 +167,7 @@ class Radau(Marching):
         return self._closed
 
     def _begin(self, rate: Array, multipliers: Array) -> Any:
-        return new_course(self._model, self.t, self.y, rate, multipliers, self._h_next)
+        return new_radau_workspace(self._model, self.t, self.y, rate, multipliers, self._h_next)
 
     def _call(self, most: int, times: Array, rows: Array, filled: int) -> tuple[int, int]:
         return advance(self._model, self._options, self._course, most, times, rows, filled)
@@ -187,7 +187,7 @@ class Radau(Marching):
         return inside
 
 
-class GeneralizedAlpha(Marching):
+class GeneralizedAlpha(StepLoop):
     """Generalized-alpha of Arnold and Bruls for M a + Phi_q' lambda = f, Phi = 0.
 
     Second order; q moves by the group's exponential (dynamics/coordinates.py), so that Euler
@@ -249,7 +249,7 @@ class GeneralizedAlpha(Marching):
         }
 
     def _begin(self, rate: Array, multipliers: Array) -> Any:
-        return new_alpha_course(self._model, self.t, self.y, rate, multipliers, self._h_next)
+        return new_alpha_workspace(self._model, self.t, self.y, rate, multipliers, self._h_next)
 
     def _call(self, most: int, times: Array, rows: Array, filled: int) -> tuple[int, int]:
         course, options = self._course, self._options

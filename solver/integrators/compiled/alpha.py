@@ -30,7 +30,7 @@ from ..generic.alpha_scheme import (
     TOLERANCE,
     Scheme,
 )
-from .alpha_course import POWER, POWER_LAST, AlphaCourse
+from .alpha_workspace import POWER, POWER_LAST, AlphaWorkspace
 from .course import (
     ARRIVED,
     EVALUATIONS,
@@ -51,7 +51,7 @@ from .course import (
     next_step,
     refuse,
 )
-from .elements import leave_elements
+from .elements import element_residual
 from .pencil import factorise_pencil, freeze
 from .residual import rest
 from .stages import finite, norm
@@ -62,7 +62,7 @@ def advance_alpha(
     model: Model,
     options: Options,
     scheme: Scheme,
-    course: AlphaCourse,
+    course: AlphaWorkspace,
     most_steps: int,
     times: Array,
     rows: Array,
@@ -115,7 +115,7 @@ def advance_alpha(
                 real.gamma,
             )
             if n_r > n_c:
-                leave_elements(model, work, course.stage_multipliers, real.load, real.gamma)
+                element_residual(model, work, course.stage_multipliers, real.load, real.gamma)
                 for k in range(n_c, n_r):
                     real.gamma[k] *= h * h * real.softness[k]
             for i in range(real.load.shape[0]):
@@ -217,7 +217,7 @@ def advance_alpha(
 
 
 @inlined
-def _predict(model: Model, scheme: Scheme, course: AlphaCourse, h: float) -> None:
+def _predict(model: Model, scheme: Scheme, course: AlphaWorkspace, h: float) -> None:
     """Begin Newton's iteration: accelerations go on as over the last step."""
     n_pos, last = model.n_pos, course.clock[TAKEN]
     alpha_m, alpha_f, gamma, beta = scheme.alpha_m, scheme.alpha_f, scheme.gamma, scheme.beta
@@ -239,7 +239,7 @@ def _predict(model: Model, scheme: Scheme, course: AlphaCourse, h: float) -> Non
 
 
 @inlined
-def _place(model: Model, course: AlphaCourse) -> None:
+def _place(model: Model, course: AlphaWorkspace) -> None:
     """Fill the positions of course.stage: the last state's, moved by z + shift."""
     for i in range(model.n_vel):
         course.step[i] = course.z[i] + course.shift[i]
@@ -249,7 +249,7 @@ def _place(model: Model, course: AlphaCourse) -> None:
 
 
 @inlined
-def _size(model: Model, options: Options, course: AlphaCourse) -> float:
+def _size(model: Model, options: Options, course: AlphaWorkspace) -> float:
     """Size of `step` of positions and `change` of velocities in units of tolerance."""
     n_pos, stage, both = model.n_pos, course.stage, course.both
     # rates_into takes the velocities of a state for the step
@@ -265,7 +265,9 @@ def _size(model: Model, options: Options, course: AlphaCourse) -> float:
 
 
 @inlined
-def _error(model: Model, options: Options, scheme: Scheme, course: AlphaCourse, h: float) -> float:
+def _error(
+    model: Model, options: Options, scheme: Scheme, course: AlphaWorkspace, h: float
+) -> float:
     """Local error of positions and velocities.
 
     h^3 (beta + (alpha_m - alpha_f) / 2 - 1/6) vddot and, from the second step on,
@@ -311,7 +313,7 @@ def _error(model: Model, options: Options, scheme: Scheme, course: AlphaCourse, 
 
 
 @inlined
-def _accept(model: Model, course: AlphaCourse, h: float, power: float) -> None:
+def _accept(model: Model, course: AlphaWorkspace, h: float, power: float) -> None:
     """Make the end of the step the state."""
     clock, n_pos, last = course.clock, model.n_pos, course.clock[TAKEN]
     n = course.y.shape[0] - 1
@@ -335,7 +337,7 @@ def _accept(model: Model, course: AlphaCourse, h: float, power: float) -> None:
 
 
 @inlined
-def _interpolate(course: AlphaCourse, h: float, x: float, out: Array) -> None:
+def _interpolate(course: AlphaWorkspace, h: float, x: float, out: Array) -> None:
     """Fill out (n,) with the cubic through both ends of the last step at its part x, 0 to 1."""
     rise, bent = x * x * (3.0 - 2.0 * x), x * (1.0 - x) * h
     for i in range(out.shape[0]):

@@ -26,7 +26,7 @@ SMALL = 1e-7  # change of positions whose square is below rounding [m, rad]
 def close(
     model: Model, work: Work, frozen: Frozen, real: Pencil, s: float, t: float, y: Array
 ) -> int:
-    """Move y (n,) onto the constraints, in place; return the evaluations, negative if in vain.
+    """Move y (n,) onto the constraints, in place; return the evaluations, negated on failure.
 
     `frozen` and `real` are filled anew.
     """

@@ -81,7 +81,7 @@ def count_step(clock: Array, counts: IntArray, h: float, t_new: float) -> None:
 
 
 @structure
-class Course(NamedTuple):
+class RadauWorkspace(NamedTuple):
     """Memory of a run, which a call takes up where the last one left it."""
 
     work: Work
@@ -106,13 +106,13 @@ class Course(NamedTuple):
     counts: IntArray  # (6,)
 
 
-def new_course(
+def new_radau_workspace(
     model: Model, t: float, y: Array, rate: Array, multipliers: Array, first_step: float
-) -> Course:
+) -> RadauWorkspace:
     """Return memory for a run from state y (n,) at t [s], with its rate and multipliers (n_c,)."""
     n, nb, widest = y.shape[0], model.n_body, model.plan.widest
     n_r = model.plan.newton.place.shape[0]
-    course = Course(
+    course = RadauWorkspace(
         new_work(model),
         new_frozen(model),
         new_pencil(model, 1.0),

@@ -49,7 +49,7 @@ def freeze_elements(model: Model, work: Work, stiffness: Array, damping: Array, 
 
 
 @lean
-def leave_elements(model: Model, work: Work, forces: Array, load: Array, gamma: Array) -> None:
+def element_residual(model: Model, work: Work, forces: Array, load: Array, gamma: Array) -> None:
     """Replace the forces k e + c edot of the last evaluation in load (nb, n) by `forces`.
 
     Parameters

@@ -123,7 +123,7 @@ def factorise_pencil(
 ) -> None:
     """Factorise mass M + damping D + stiffness K, of modes and elements, with the constraints.
 
-    Rows that depend on each other are softened as in `prepare` (system.py).
+    Rows that depend on each other are softened as in `factorise_mass` (system.py).
     """
     _factorise(model, frozen, pencil, mass, damping, stiffness)
     if model.penalty > 0.0 and pencil.factors.regular[0] < REGULAR:

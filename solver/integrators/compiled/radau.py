@@ -28,26 +28,26 @@ from .course import (
     TOO_ROUGH,
     TOO_SMALL,
     TROUBLE,
-    Course,
     Options,
+    RadauWorkspace,
     count_step,
     next_step,
     refuse,
 )
 from .pencil import factorise_pencil, freeze, solve_pencil
-from .residual import leave
+from .residual import residual
 from .stages import (
     accept,
     collect,
     collect_error,
     complete,
     correct,
+    embedded_error,
     finite,
     interpolate,
     norm,
     place,
     predict,
-    tilt,
 )
 from .tableau import MU, NU, C
 
@@ -61,7 +61,7 @@ NEGLIGIBLE, ROUNDING = 1e-3, 0.1
 def advance(
     model: Model,
     options: Options,
-    course: Course,
+    course: RadauWorkspace,
     most_steps: int,
     times: Array,
     rows: Array,
@@ -102,7 +102,7 @@ def advance(
         for iteration in range(1, most + 1):
             for k in range(3):
                 place(course, k, h)
-                course.power[k] = leave(
+                course.power[k] = residual(
                     model,
                     work,
                     t + C[k] * h,
@@ -150,7 +150,7 @@ def advance(
             complete(options, course, h)
             if not fixed:
                 for again in range(2):
-                    tilt(course, h)
+                    embedded_error(course, h)
                     if again == 0:
                         collect_error(model, course)
                     else:
@@ -158,7 +158,7 @@ def advance(
                         for i in range(n):
                             stage[i] = course.y[i] + real.delta[i]
                             course.rate[i] = -course.rate[i]
-                        leave(
+                        residual(
                             model,
                             work,
                             t,

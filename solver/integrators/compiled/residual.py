@@ -1,4 +1,4 @@
-"""What a state leaves of the equations of motion, for given rates and multipliers.
+"""Residuals of the equations of motion, for given rates and multipliers.
 
 Implicit steps need no accelerations: they ask how far M vdot + Phi_q' lambda = f and
 Phi_q vdot = gamma are from being met. That spares a factorisation of the mass matrix.
@@ -10,11 +10,11 @@ from ...dynamics.system import evaluate, evaluate_rates
 from ...dynamics.workspace import GAMMA, PHI, PHI_T, Work
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean
-from .elements import leave_elements
+from .elements import element_residual
 
 
 @lean
-def leave(
+def residual(
     model: Model,
     work: Work,
     t: float,
@@ -25,7 +25,7 @@ def leave(
     gamma: Array,
     r: Array,
 ) -> float:
-    """Evaluate at (t, y) and fill what rates and multipliers leave; return the power [W].
+    """Evaluate at (t, y) and fill the residuals of rates and multipliers; return the power [W].
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def leave(
             gamma[k] -= feedback
     rest(model, work.M, work.J, rate, multipliers, work.f, load, gamma)
     if model.plan.element_row.shape[0] > 0:
-        leave_elements(model, work, multipliers, load, gamma)
+        element_residual(model, work, multipliers, load, gamma)
     power = work.power[0]
     for k in range(model.n_constraint):
         power += multipliers[k] * work.rows[k, PHI_T]

@@ -5,13 +5,13 @@ import numpy as np
 from ...dynamics.model import Model
 from ...math.arrays import Array
 from ...math.compiled import inlined
-from .course import Course, Options
+from .course import Options, RadauWorkspace
 from .residual import rest
 from .tableau import A_INVERSE, ERROR, POWERS, T_INVERSE, A, C, T
 
 
 @inlined
-def predict(course: Course, h: float, last: float) -> None:
+def predict(course: RadauWorkspace, h: float, last: float) -> None:
     """Begin a step of h with the polynomials of the last one, continued; constant without one."""
     Z, Q = course.Z, course.Q
     L, L_old = course.multipliers, course.multipliers_old
@@ -30,7 +30,7 @@ def predict(course: Course, h: float, last: float) -> None:
 
 
 @inlined
-def place(course: Course, k: int, h: float) -> None:
+def place(course: RadauWorkspace, k: int, h: float) -> None:
     """Fill course.stage and its rate for stage k: K = A^-1 Z / h."""
     Z, stage, rate = course.Z, course.stage, course.rate
     a0, a1, a2 = A_INVERSE[k, 0] / h, A_INVERSE[k, 1] / h, A_INVERSE[k, 2] / h
@@ -40,7 +40,7 @@ def place(course: Course, k: int, h: float) -> None:
 
 
 @inlined
-def collect(model: Model, course: Course) -> None:
+def collect(model: Model, course: RadauWorkspace) -> None:
     """Hand what the stages leave to the pencils: T^-1 takes them apart."""
     real, pair = course.real, course.pair
     load, gamma, r = course.load, course.gamma, course.r
@@ -65,7 +65,7 @@ def _apart(a: float, b: float, c: float) -> tuple[float, complex]:
 
 
 @inlined
-def correct(options: Options, course: Course) -> float:
+def correct(options: Options, course: RadauWorkspace) -> float:
     """Add the pencils' answers to stages and multipliers; return their size in tolerances."""
     real, pair, Z, L = course.real, course.pair, course.Z, course.multipliers
     stage = course.stage
@@ -89,7 +89,7 @@ def correct(options: Options, course: Course) -> float:
 
 
 @inlined
-def complete(options: Options, course: Course, h: float) -> None:
+def complete(options: Options, course: RadauWorkspace, h: float) -> None:
     """Fill course.stage with the end of the step, weights, and the work of drives and dampers."""
     y, Z, stage, power = course.y, course.Z, course.stage, course.power
     n = y.shape[0]
@@ -102,7 +102,7 @@ def complete(options: Options, course: Course, h: float) -> None:
 
 
 @inlined
-def tilt(course: Course, h: float) -> None:
+def embedded_error(course: RadauWorkspace, h: float) -> None:
     """Fill course.rate with ERROR Z / h: with f, the error of the embedded formula, order 3."""
     Z, rate = course.Z, course.rate
     e0, e1, e2 = ERROR[0] / h, ERROR[1] / h, ERROR[2] / h
@@ -111,7 +111,7 @@ def tilt(course: Course, h: float) -> None:
 
 
 @inlined
-def collect_error(model: Model, course: Course) -> None:
+def collect_error(model: Model, course: RadauWorkspace) -> None:
     """Hand f + ERROR Z / h to the real pencil, velocities as forces."""
     real, frozen, rate = course.real, course.frozen, course.rate
     for i in range(rate.shape[0]):
@@ -133,7 +133,7 @@ def collect_error(model: Model, course: Course) -> None:
 
 
 @inlined
-def accept(course: Course, h: float) -> None:
+def accept(course: RadauWorkspace, h: float) -> None:
     """Make course.stage the state; keep the step's rate, polynomial and multipliers."""
     Z, Q, y = course.Z, course.Q, course.y
     a0, a1, a2 = A_INVERSE[2, 0] / h, A_INVERSE[2, 1] / h, A_INVERSE[2, 2] / h
@@ -149,7 +149,7 @@ def accept(course: Course, h: float) -> None:
 
 
 @inlined
-def interpolate(course: Course, x: float, out: Array) -> None:
+def interpolate(course: RadauWorkspace, x: float, out: Array) -> None:
     """Fill out (n,) with the polynomial of the last step at its part x, 0 to 1."""
     Q = course.Q
     for i in range(out.shape[0]):

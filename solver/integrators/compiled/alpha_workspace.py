@@ -18,7 +18,7 @@ POWER, POWER_LAST = 3, 4
 
 
 @structure
-class AlphaCourse(NamedTuple):
+class AlphaWorkspace(NamedTuple):
     """Memory of a run. Rates are laid out as y: their velocity entries are accelerations."""
 
     work: Work
@@ -48,13 +48,13 @@ class AlphaCourse(NamedTuple):
     counts: IntArray  # (6,) see course.py
 
 
-def new_alpha_course(
+def new_alpha_workspace(
     model: Model, t: float, y: Array, rate: Array, multipliers: Array, first_step: float
-) -> AlphaCourse:
+) -> AlphaWorkspace:
     """Return memory for a run from state y (n,) at t [s], with its rate and multipliers (n_c,)."""
     n, n_c, n_vel = y.shape[0], model.n_constraint, model.n_vel
     n_r = model.plan.newton.place.shape[0]
-    course = AlphaCourse(
+    course = AlphaWorkspace(
         new_work(model),
         new_frozen(model),
         new_pencil(model, 1.0),
