@@ -351,8 +351,8 @@ def solve_mass(model: Model, work: Work) -> None:
     """Fill work.acceleration and multipliers with the solution for work.load and work.gamma.
 
     After `factorise_mass`. With a penalty in use the multipliers are iterated,
-    lambda += (S + 1/P)^-1 (Phi_q a - gamma): Bayo's augmented Lagrangian (constraints/augmented_lagrangian.py), written
-    for the multipliers. Multipliers of redundant rows have least norm.
+    lambda += (S + 1/P)^-1 (Phi_q a - gamma): Bayo's augmented Lagrangian
+    (constraints/augmented_lagrangian.py), written for the multipliers. Multipliers of redundant rows have least norm.
     """
     a, left = work.acceleration, work.left
     plan = model.plan
