@@ -352,7 +352,8 @@ def solve_mass(model: Model, work: Work) -> None:
 
     After `factorise_mass`. With a penalty in use the multipliers are iterated,
     lambda += (S + 1/P)^-1 (Phi_q a - gamma): Bayo's augmented Lagrangian
-    (constraints/augmented_lagrangian.py), written for the multipliers. Multipliers of redundant rows have least norm.
+    (constraints/augmented_lagrangian.py), written for the multipliers. Multipliers of redundant
+    rows have least norm.
     """
     a, left = work.acceleration, work.left
     plan = model.plan
