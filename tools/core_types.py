@@ -158,4 +158,4 @@ def summary(title: str, choice: Choice, results: list[Result]) -> str:
     failed = [result.core_type for result in results if not result.passed]
     listed = ", ".join(result.core_type for result in results)
     verdict = f"FAILED with {', '.join(failed)}" if failed else "passed"
-    return f"{title}: core types {listed}, beside {own} of all tests: {verdict}"
+    return f"{title}: core types {listed} {verdict}; all tests ran with {own}"

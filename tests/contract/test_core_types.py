@@ -76,7 +76,7 @@ def test_by_luck():
     assert "test_by_luck" in results[1].output
     choice = core_types.Choice(frozenset({"SkylakeX"}), ("Prescott", "Nehalem"))
     assert core_types.summary("some", choice, results) == (
-        "some: core types Prescott, Nehalem, beside SkylakeX of all tests: FAILED with Nehalem"
+        "some: core types Prescott, Nehalem FAILED with Nehalem; all tests ran with SkylakeX"
     )
 
 
