@@ -7,12 +7,11 @@ import pytest
 from beam_samples import CLAMPED, reduced
 from case_samples import rigid
 from judged_samples import judged, judged_case
-from recovery_samples import PLY, PLY_STRENGTH, plies_of, rectangle_recovery
+from recovery_samples import PLY, PLY_STRENGTH, mode_resultants, plies_of, rectangle_recovery
 from stiffening_samples import rectangle
 
 from plymotion.preprocess.beam.body import mode_warnings
 from plymotion.preprocess.beam.line import BeamLine
-from plymotion.preprocess.beam.resultants import mode_resultants
 
 PENDULUM = (
     "gravity = [0.0, -9.81, 0.0]\n"

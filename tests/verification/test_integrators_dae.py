@@ -64,29 +64,30 @@ def test_dense_output_is_as_good_as_the_steps(formulation):
     assert np.abs(radius - 1.0).max() < 1e-6  # the cubic between the steps: rtol
 
 
-@pytest.mark.parametrize("formulation", FORMULATIONS)
-def test_work_of_a_moving_constraint(formulation):
-    """A mass driven along a line by x = t - t^3 / 6: the work is its kinetic energy."""
+def test_work_of_a_moving_constraint():
+    """A mass driven along a line by x = sin t, as a series: the work is its kinetic energy."""
     mass = rigid_body("mass", 2.0, np.zeros(3), np.eye(3))
     markers = [MarkerTable(-1, np.zeros(3)), MarkerTable(0, np.zeros(3))]
-    law = polynomial([0.0, 1.0, 0.0, -1.0 / 6.0])
+    series = [0.0, 1.0, 0.0, -1.0 / 6.0, 0.0, 1.0 / 120.0, 0.0, -1.0 / 5040.0]
     joints = [
         JointTable("slide", "prismatic", 0, 1),
-        JointTable("drive", "translation_drive", 0, 1, law),
+        JointTable("drive", "translation_drive", 0, 1, polynomial(series)),
     ]
     model = assemble_model([mass], markers, joints)
     positions, none = np.zeros(7), np.zeros(6)
     positions[3] = 1.0
     sample = Sample(model, Start(positions, none, none.astype(bool)), ["slide", "drive"], 1)
     times = np.linspace(0.0, 3.0, 16)
-    y = run(sample, formulation, times, rtol=1e-6, atol=1e-8).solution.y
-    np.testing.assert_allclose(y[:, 2], times - times**3 / 6.0, atol=1e-5)
+    # the norm is the root of a mean of seven squares, of which one is not zero
+    tolerance = 1e-6 / np.sqrt(7.0)
+    y = run(sample, "ggl", times, rtol=tolerance, atol=1e-2 * tolerance).solution.y
+    place = np.polynomial.Polynomial(series)
+    np.testing.assert_allclose(y[:, 2], place(times), atol=1e-6)
     # a quadrature of third order over the steps that the positions ask for
-    speed = 1.0 - 0.5 * times**2
-    np.testing.assert_allclose(y[:, -1], speed**2 - 1.0, atol=1e-2)
+    speed = place.deriv()(times)
+    np.testing.assert_allclose(y[:, -1], speed**2 - 1.0, atol=1e-3)
 
 
-@pytest.mark.xfail(reason="after a shorter step the rod's own swing is resolved: 15 000 steps")
 def test_stiff_modes_do_not_limit_the_step():
     """A pendulum on a rod ten thousand times as stiff as its swing: steps follow the swing."""
     options = {"rtol": 1e-5, "atol": 1e-7}

@@ -13,6 +13,7 @@ from plymotion.solver.dynamics.tables import (
     assemble_model,
     rigid_body,
 )
+from plymotion.solver.inputs.case.signals import ReactionSignal
 from plymotion.solver.math import laws
 from plymotion.solver.math.rotations import frame_from_axis
 from plymotion.solver.mechanism import BuiltJoint
@@ -151,8 +152,8 @@ def test_forces(reference, motion):
     rod_end, slider, drive = reference["multipliers"]
 
     def force(joint, **table):
-        table = {"side": 2, "axes": "global", "quantity": "force", **table}
-        return reaction(joint, table)(recording)[-1]
+        keys = {"kind": "reaction", "joint": "any", "component": "x", "quantity": "force", **table}
+        return reaction(joint, ReactionSignal(**keys))(recording)[-1]
 
     end = force(_joint("point_on_line", 3))
     # the published multipliers act with a minus on rod's end and slider

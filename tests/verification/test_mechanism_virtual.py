@@ -43,16 +43,16 @@ def spec(repository, tmp_path_factory):
     )
 
 
-def _attached(spec, how):
-    return spec.changed({"solver.attachment": how})
+def _attached(spec, how, **solver):
+    changes = {f"solver.{key}": value for key, value in solver.items()}
+    return spec.changed({"solver.attachment": how} | changes)
 
 
 @pytest.mark.parametrize("integrator", ["rk8", "radau"])
 def test_same_motion_and_reactions(spec, integrator):
     found = {}
     for how in ("marker", "virtual"):
-        changed = _attached(spec, how)
-        changed.mechanism["solver"]["integrator"] = integrator
+        changed = _attached(spec, how, integrator=integrator)
         result, summary = execute(changed, progress=False)
         assert summary["completed"]
         found[how] = {s.name: s.values for s in result.signals}

@@ -52,7 +52,7 @@ def _links(tie: str, k: float = 0.0, c: float = 0.0, flexible: bool = True) -> S
     if tie != "bushing":
         joints.append(JointTable("elbow", "fixed" if tie == "fixed" else "revolute", 2, 3))
     if tie == "rod":
-        joints.append(JointTable("rod", "distance", 5, 4, length=length))
+        joints.append(JointTable("rod", "distance", 5, 4, parameters=(length,)))
     elif tie == "spring":
         forces.append(ForceTable("spring", "spring", 5, 4, (k, c, length)))
     elif tie == "rotary":
@@ -179,7 +179,7 @@ def test_a_preloaded_spring_beside_a_rod():
     rng = np.random.default_rng(5)
     body = body_of(random_points(rng, 0))
     markers = [MarkerTable(GROUND, np.zeros(3)), MarkerTable(0, np.array([0.7, 0.1, 0.0]))]
-    joints = [JointTable("rod", "distance", 0, 1, length=1.0)]
+    joints = [JointTable("rod", "distance", 0, 1, parameters=(1.0,))]
     ends, steps = [], []
     for forces in ([], [ForceTable("s", "spring", 0, 1, (1e7, 0.0, 0.9))]):
         model = assemble_model([body], markers, joints, gravity_G=GRAVITY, forces=forces)
