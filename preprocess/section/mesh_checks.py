@@ -99,7 +99,7 @@ def _counter_clockwise(plain: PlainMesh, where: str) -> PlainMesh:
     folded = np.flatnonzero((low < -rounding) & (high > rounding))
     if folded.size:
         raise SectionError(
-            f"{where}: {folded.size} of {len(low)} cells fold over themselves, one at "
+            f"{where}: {folded.size} of {len(low)} cells are folded, one at "
             f"{_at(plain.middles[folded[0]])} in region {_region(plain, folded[0])!r}: a middle "
             "node is too far from its edge, or the corners cross; refine there, or optimise "
             "the mesh (gmsh: Mesh.HighOrderOptimize = 2;)"
