@@ -291,7 +291,7 @@ build/numba-$(LOWEST_NUMBA)/installed: | $(LIGHT)
 
 .PHONY: test-numba
 test-numba: build/numba-$(LOWEST_NUMBA)/installed ## The compiled loops with the lowest Numba that is supported
-	PYTHONPATH=$(CURDIR)/$(<D):$(CURDIR) $(PY) -m pytest -q tests/unit/test_marching_contract.py \
+	PYTHONPATH=$(CURDIR)/$(<D):$(CURDIR) $(PY) -m pytest -q tests/unit/test_step_loop_contract.py \
 	    tests/unit/test_evaluation.py tests/unit/test_compiled_cache.py
 
 .PHONY: test-fe
