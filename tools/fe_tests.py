@@ -134,10 +134,15 @@ def main(arguments: list[str]) -> int:
         ran.append(report)
         jobs.append(Job(title, whole(report, arguments)))
     chosen = [] if arguments else core_types(ran)
-    for tests, types in chosen:
-        jobs += [job_of_type(tests, name) for name in types.types]
-    whole_runs = jobs[: len(ran)]
-    results = run_all(jobs, AT_ONCE, ended=lambda done: show(done, done.job in whole_runs))
+    # A core type uses the forms that the whole run with the same DOLFINx compiled: two processes
+    # that compile one form wait for each other, and not for long. The light tests use none.
+    whole_runs = list(jobs)
+    before = [None, *whole_runs]
+    for (tests, types), after in zip(chosen, before, strict=False):
+        jobs += [job_of_type(tests, name, after) for name in types.types]
+    results = run_all(
+        jobs, AT_ONCE, ended=lambda done: show(done, done.job in whole_runs), patience=5.0
+    )
     for done in results[: len(ran)]:
         verdict = "passed" if done.code == 0 else "FAILED"
         lines.append(f"{done.job.title}: {verdict} in {done.seconds:.0f} s")
@@ -181,8 +186,9 @@ def compare(ran: int, summary: list[str]) -> bool:
 
 
 def core_types(ran: list[Report]) -> list[tuple[Tests, Choice]]:
-    """The tests of kernels of each interpreter, and the core types to run them with."""
-    every = [
+    """The tests of kernels and the core types to run them with: light ones, then each DOLFINx."""
+    every = [Tests("light environment", sys.executable, "scipy.linalg", LIGHT_KERNEL_TESTS)]
+    every += [
         Tests(
             f"DOLFINx {report['dolfinx']}",
             report["python"],
@@ -192,7 +198,6 @@ def core_types(ran: list[Report]) -> list[tuple[Tests, Choice]]:
         )
         for report in ran
     ]
-    every.append(Tests("light environment", sys.executable, "scipy.linalg", LIGHT_KERNEL_TESTS))
     with ThreadPoolExecutor(AT_ONCE) as pool:
         return list(zip(every, pool.map(choice, every), strict=True))
 
