@@ -68,9 +68,9 @@ def run_all(
     """Run jobs, the first ones first, as many at once as fit on the cores.
 
     Returns the results in the order of the jobs, each of which must come behind the one it waits
-    for. Ctrl-C, SIGTERM and SIGHUP end all jobs; `ended`
-    is called with what they wrote so far, then KeyboardInterrupt is raised. Those that go on for
-    `patience` [s] after SIGINT are killed; a job that itself runs jobs must have less patience.
+    for. Ctrl-C, SIGTERM and SIGHUP end all jobs; `ended` is called with what they wrote so far,
+    then KeyboardInterrupt is raised. Those that go on for `patience` [s] after SIGINT are killed;
+    a job that itself runs jobs must have less patience.
     """
     order = list(jobs)
     waiting = list(order)
