@@ -8,10 +8,11 @@ from ...math.arrays import Array
 from . import advice
 from .base import Counters, Derivative, Integrator
 from .constrained import ConstrainedSystem
-from .drive import Solution, StopRequest, integrate
+from .drive import Solution, integrate
 from .explicit import RungeKutta5, RungeKutta8
 from .gear import Gear
 from .scipy_peers import ScipyBdf, ScipyDop853, ScipyLsoda, ScipyRadau
+from .steps import Steps, StopRequest, Watch
 from .sundials_ida import SundialsIda
 
 INTEGRATORS: dict[str, type[Integrator]] = {
@@ -86,7 +87,9 @@ __all__ = [
     "RungeKutta5",
     "RungeKutta8",
     "Solution",
+    "Steps",
     "StopRequest",
+    "Watch",
     "advice",
     "integrate",
     "new_constrained_integrator",
