@@ -1,0 +1,108 @@
+"""Joint reactions, and their balance with the change of momentum."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..math.arrays import Array
+from ..math.rotations import rotation_matrices
+from . import series
+from .bodies.motion import AXES, PLACE
+from .energy import first_moments
+from .model import GROUND, Model
+
+# Central differences, exact for polynomials up to the sixth degree.
+DIFFERENCE = ((-3, -1 / 60), (-2, 3 / 20), (-1, -3 / 4), (1, 3 / 4), (2, -3 / 20), (3, 1 / 60))
+
+
+def joint_reactions(model: Model, t: Array, y: Array, multipliers: Array) -> Array:
+    """Return force [N] and moment [N m] of each joint on its two sides, (k, nj, 2, 6).
+
+    At times t (k,), states y (k, n) and multipliers (k, n_c). Global components; the moment is
+    about the origin of that side's marker. For redundant joints they are those of least norm.
+    """
+    n = model.joint_marker.size
+    return series.marker_loads(model, t, y, multipliers)[:, :n].reshape(len(y), -1, 2, 6)
+
+
+def momenta(model: Model, t: Array, y: Array) -> Array:
+    """Return linear momentum and angular momentum about the global origin, (k, nb, 6).
+
+    They follow from the mass matrix alone; point masses belong to the bodies that carry them.
+    """
+    p = series.generalised_momenta(model, t, y)
+    found = np.zeros((len(y), model.n_body, 6))
+    for i in range(model.n_body):
+        a, j = int(model.pos_start[i]), int(model.vel_start[i])
+        A = rotation_matrices(y[:, a + 3 : a + 7])
+        found[:, i, :3] = p[:, j : j + 3]
+        found[:, i, 3:] = np.cross(y[:, a : a + 3], p[:, j : j + 3])
+        found[:, i, 3:] += np.einsum("kab,kb->ka", A, p[:, j + 3 : j + 6])
+    return found
+
+
+def momentum_rates(model: Model, t: Array, y: Array, rates: Array) -> Array:
+    """Return the rates of `momenta` along the solution, (k, nb, 6), by finite differences.
+
+    They depend on forces and multipliers only through the accelerations, which are part of
+    `rates` = dy/dt (k, n). All coordinates are moved along their rates. Momenta are polynomials of
+    low degree in them, except for the norm of the Euler parameters, and a body rotates by
+    thousandths of a radian.
+    """
+    turning = np.ones(len(y))
+    for i in range(model.n_body):
+        a = int(model.pos_start[i]) + 3
+        turning = np.maximum(turning, np.linalg.norm(rates[:, a : a + 4], axis=1))
+    h = (2e-3 / turning)[:, None]
+    found = np.zeros((len(y), model.n_body, 6))
+    for s, weight in DIFFERENCE:
+        found += weight * momenta(model, t, y + s * h * rates)
+    return found / h[:, :, None]
+
+
+def acting(model: Model, t: Array, y: Array, multipliers: Array) -> tuple[Array, Array]:
+    """Return resultants about the global origin of all forces on each body, (k, nb, 6).
+
+    Also returns the sum of their absolute values (k, nb, 6), as scale of an error. The forces are
+    weight, force elements, loads and reactions.
+    """
+    total, scale = np.zeros((2, len(y), model.n_body, 6))
+
+    def add(body: int, x: Array, force: Array, moment: Array) -> None:
+        wrench = np.concatenate([force, np.cross(x, force) + moment], axis=1)
+        total[:, body] += wrench
+        scale[:, body] += np.abs(wrench)
+
+    nothing = np.zeros((len(y), 3))
+    for i in range(model.n_body):
+        a, m = int(model.pos_start[i]), int(model.n_mode[i])
+        A = rotation_matrices(y[:, a + 3 : a + 7])
+        first = first_moments(model, i, y[:, a + 7 : a + 7 + m])
+        arm = model.mass[i] * y[:, a : a + 3] + np.einsum("kab,kb->ka", A, first)
+        weight = nothing + model.mass[i] * model.gravity_G
+        add(i, nothing, weight, np.cross(arm, model.gravity_G))
+    loads = series.marker_loads(model, t, y, multipliers)
+    for place, marker in enumerate(series.loaded_markers(model).tolist()):
+        body = int(model.marker_body[marker])
+        if body != GROUND:
+            motion, _ = series.marker_motions(model, marker, y)
+            add(body, motion[:, PLACE:AXES], loads[:, place, :3], loads[:, place, 3:])
+    return total, scale
+
+
+@dataclass(frozen=True)
+class MomentumBalance:
+    """Error of d(momentum)/dt = sum of loads and reactions, over the largest term in the run."""
+
+    linear: float
+    angular: float
+
+
+def momentum_balance(model: Model, t: Array, y: Array) -> MomentumBalance:
+    """Compare forces with the change of momentum for each body at states y (k, n)."""
+    rates, multipliers = series.along_solution(model, t, y)
+    total, scale = acting(model, t, y, multipliers)
+    error = np.abs(momentum_rates(model, t, y, rates) - total)
+    largest = np.maximum(scale.reshape(-1, 2, 3).max(axis=(0, 2)), 1e-300)
+    relative = error.reshape(-1, 2, 3).max(axis=(0, 2)) / largest
+    return MomentumBalance(float(relative[0]), float(relative[1]))
