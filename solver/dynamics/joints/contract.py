@@ -34,7 +34,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from ...math.arrays import Array
-from ...math.keys import Number
+from ...math.keys import Direction, Number
 
 Rows = Callable[..., None]
 Numbers = dict[str, float]
@@ -103,15 +103,6 @@ class Drive(Constraint):
     def __post_init__(self) -> None:
         super().__post_init__()
         self._check(OF_A_LAW)
-
-
-@dataclass(frozen=True)
-class Direction:
-    """Key of the case file: a global direction at the start."""
-
-    name: Literal["axis", "axis_2"]
-    meaning: str  # one line
-    required: bool = False  # else: global z
 
 
 @dataclass(frozen=True)
