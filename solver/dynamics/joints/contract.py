@@ -96,9 +96,17 @@ class Constraint:
 
 @dataclass(frozen=True)
 class Drive(Constraint):
-    """Rows that prescribe a coordinate; their kernel takes f, f_d, f_dd (OF_A_LAW)."""
+    """Rows that prescribe a coordinate; their kernel takes f, f_d, f_dd (OF_A_LAW).
+
+    Attributes
+    ----------
+    side : f(A_1, A_2, value) -> above 0 where the rows hold the coordinate itself, below 0 where
+        they hold another root, from the axes (3, 3) of both markers, global components, and the
+        value of the law; None: the rows have no other root
+    """
 
     coordinate: Coordinate
+    side: Callable[[Array, Array, float], float] | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
