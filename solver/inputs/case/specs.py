@@ -18,6 +18,7 @@ from typing import Any
 
 from ...package.common.container import temporary_sibling
 from .body_specs import BodySpec
+from .forces import law
 from .joints import drives
 from .load import Case
 from .schema import Mechanism, PackageBody
@@ -171,12 +172,8 @@ def _law_sources(mechanism: Mechanism, folder: Path) -> list[Path]:
     laws: list[Any] = []
     for joint in mechanism.joints.values():
         laws += drives(joint).values()
-    laws += [
-        getattr(element, key, None)
-        for element in mechanism.forces.values()
-        for key in ("law", "actuator")
-    ]
-    tables = [law.table for law in laws if law is not None and law.table is not None]
+    laws += [law(force) for force in mechanism.forces.values()]
+    tables = [each.table for each in laws if each is not None and each.table is not None]
     return [folder / table.file for table in tables if table.file is not None]
 
 
