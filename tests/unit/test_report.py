@@ -131,7 +131,7 @@ def test_only_figures_of_other_data_are_drawn_again(case_dir: Path, tmp_path: Pa
     shutil.copytree(case_dir, folder)
     before = {path: path.stat().st_mtime_ns for path in folder.rglob("*.png")}
     changed, other = list(RUNS)[:2]
-    result, extra = RUNS[changed]
+    result, _ = RUNS[changed]
     moved = dataclasses.replace(result, node_positions_G=result.node_positions_G + 1.0)
     write_result(folder / changed / "result.vtkhdf", moved)
     (folder / other / "balance.png").unlink()
