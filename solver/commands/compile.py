@@ -17,12 +17,14 @@ from ..dynamics.system import assemble, derivative, energies, law_at
 from ..dynamics.tables import ForceTable, JointTable, MarkerTable, assemble_model, rigid_body
 from ..integrators.closures import right_hand_side
 from ..integrators.compiled.pencil import factorise_pencil, new_frozen, new_pencil, solve_pencil
+from ..integrators.explicit_stepping import RungeKutta8Loop
 from ..integrators.generic import RungeKutta8, integrate
 from ..integrators.stepping import GeneralizedAlpha, Radau, StepLoop
 from ..math.arrays import Array
 from ..math.compiled import COMPILED, statistics
 from ..math.laws import polynomial
 from ..math.rotations import rotation_matrix, vector_to_matrix
+from ..monitors.singularity import SingularityMonitor
 
 
 def compile_ahead(*, everything: bool = False) -> str:
@@ -96,10 +98,16 @@ def _step_loop(kind: type[StepLoop]) -> None:
 
 
 def _compile_others() -> None:
-    """Accelerations, projection, explicit stages, and what is called outside of the loops."""
+    """Accelerations, projection, explicit methods, monitors, what is called outside of the loops."""
     model, y = _hinge()
     projected(model, 0.0, y)
     RungeKutta8(right_hand_side(model), 0.0, y, 1e-3, first_step=1e-3).step()
+    _step_loop(RungeKutta8Loop)
+    passage = SingularityMonitor(model, ["hinge"], "projection")
+    passage.at_start(0.0, y)
+    passage.note(0.0, y)
+    made = RungeKutta8Loop(model, 0.0, y, 1e-3, first_step=1e-3)
+    integrate(made, [0.0, 1e-3], watch=passage)
     derivative(model, 0.0, y)
     position_rates(model, y[:7], y[7:13])
     moved(model, y[:7], y[7:13])

@@ -10,8 +10,10 @@ import numpy as np
 
 from ..dynamics.constraints.treatment import Treatment, treatment_of
 from ..dynamics.model import Model
+from ..dynamics.system import by_blocks
 from ..math.arrays import Array
 from .closures import constrained_system, projection, right_hand_side
+from .explicit_stepping import ExplicitLoop, RungeKutta5Loop, RungeKutta8Loop
 from .generic import CONSTRAINED, Integrator
 from .generic import INTEGRATORS as GENERIC
 from .stepping import GeneralizedAlpha, Radau
@@ -22,6 +24,8 @@ INTEGRATORS: dict[str, type[Any]] = {
     "generalized-alpha": GeneralizedAlpha,
     **GENERIC,
     **CONSTRAINED,
+    "rk8": RungeKutta8Loop,
+    "rk5": RungeKutta5Loop,
 }
 
 
@@ -47,6 +51,8 @@ def make_integrator(
     """
     treatment = treatment or treatment_of(solver)
     kind = INTEGRATORS[solver["integrator"]]
+    if issubclass(kind, ExplicitLoop) and not by_blocks(model):
+        kind = kind.method  # redundant constraints without a penalty take dense linear algebra
     options: dict[str, Any] = {
         "rtol": solver["rtol"],
         "atol": tolerances(model, solver),
