@@ -103,13 +103,14 @@ def _compile_others() -> None:
     """Accelerations, projection, explicit methods, monitors, and calls outside of the loops."""
     model, y = _hinge()
     projected(model, 0.0, y)
-    RungeKutta8(right_hand_side(model), 0.0, y, 1e-3, first_step=1e-3).step()
     _step_loop(RungeKutta8Loop)
-    passage = SingularityMonitor(model, ["hinge"], "projection")
-    passage.at_start(0.0, y)
-    passage.note(0.0, y)
-    made = RungeKutta8Loop(model, 0.0, y, 1e-3, first_step=1e-3)
-    integrate(made, [0.0, 1e-3], watch=passage)
+    for made in (
+        RungeKutta8Loop(model, 0.0, y, 1e-3),
+        RungeKutta8(right_hand_side(model), 0.0, y, 1e-3),
+    ):
+        passage = SingularityMonitor(model, ["hinge"], "projection")
+        passage.at_start(0.0, y)
+        integrate(made, [0.0, 1e-3], watch=passage)
     derivative(model, 0.0, y)
     series.along_solution(model, np.zeros(1), y[None])
     position_rates(model, y[:7], y[7:13])

@@ -30,7 +30,7 @@ from .order import Order, row_order
 from .system import evaluate
 from .workspace import Work
 
-CERTAIN = 1e-6  # least pivot of a step that has no singular position
+CERTAIN = 1e-10  # least pivot of a step that has no singular position
 MOST_PARTS = 64  # of a step
 
 

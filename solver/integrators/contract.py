@@ -38,7 +38,8 @@ It may have:
     for_treatment(name) : options that follow from `[solver] constraints`
     on_growth, fails_before_growth, on_failure, on_any_failure : words on runs that fail
     limited_above, _look_back : hints on finished runs
-    strides, stride : many steps in one call
+    strides, stride, steps_taken, take_up : many steps in one call, shown to a watch afterwards
+        (generic/steps.py; `StepLoop` has them)
 """
 
 from ..math.keys import Number

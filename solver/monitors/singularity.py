@@ -29,7 +29,7 @@ NEAR, AT = 0.05, 1e-3  # smallest singular value, over the largest that it had i
 SMALL_CHANGE = 0.5  # of the scaled Jacobian: one valley at most
 TURN = 0.2  # change of velocity within the neighbourhood of a singular position, relative
 LOSS = 1e-3  # of the energy in play, there
-LOOK, RISE = 0.25, 1.25  # of the pivot where sigma was found last: found again beyond
+LOOK, RISE = 0.25, 4.0  # of the pivot where sigma was found last: found again beyond
 GOLDEN = 0.5 * (5.0**0.5 - 1.0)
 
 
