@@ -34,6 +34,7 @@ from ...math.compiled import inlined, lean, structure
 from ...math.rotations import along_parameters
 from .elements import freeze_elements
 
+DEPENDENT = REGULAR
 NOTHING = 1e-100  # of stiffness and damping: an element that holds nothing in a direction
 
 
@@ -126,7 +127,7 @@ def factorise_pencil(
     Rows that depend on each other are softened as in `factorise_mass` (system.py).
     """
     _factorise(model, frozen, pencil, mass, damping, stiffness)
-    if model.penalty > 0.0 and pencil.factors.regular[0] < REGULAR:
+    if model.penalty > 0.0 and pencil.factors.regular[0] < DEPENDENT:
         soften(model, frozen.J, frozen.softness)
         _factorise(model, frozen, pencil, mass, damping, stiffness)
 

@@ -17,6 +17,7 @@ from .course import (
     FACTORISATIONS,
     GOES_ON,
     ILL,
+    LIMIT,
     NEWTON,
     NEXT,
     NONE,
@@ -38,6 +39,7 @@ from .pencil import factorise_pencil, freeze, solve_pencil
 from .residual import residual
 from .stages import (
     accept,
+    anchor_multipliers,
     collect,
     collect_error,
     complete,
@@ -48,10 +50,12 @@ from .stages import (
     norm,
     place,
     predict,
+    softened,
 )
 from .tableau import MU, NU, C
 
 MAX_ITERATIONS = 10
+CAUTION, RELAX = 0.8, 2.0
 SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 8.0
 # Corrections, over what Newton's iteration may leave: the first, and later ones that do not shrink.
 NEGLIGIBLE, ROUNDING = 1e-3, 0.1
@@ -117,7 +121,10 @@ def advance(
                     freeze(model, work, stage, frozen)
             if iteration == 1:
                 factorise_pencil(model, frozen, real, (MU / h) ** 2, MU / h, 1.0)
+                hard = not softened(frozen)
                 factorise_pencil(model, frozen, pair, (NU / h) * (NU / h), NU / h, 1.0)
+                if hard and softened(frozen):  # one and the same softness in both
+                    factorise_pencil(model, frozen, real, (MU / h) ** 2, MU / h, 1.0)
                 counts[FACTORISATIONS] += 1
             counts[EVALUATIONS] += 3
             collect(model, course)
@@ -196,6 +203,7 @@ def advance(
         if counts[TROUBLE] != NONE:
             if counts[TROUBLE] == NEWTON:
                 factor = 0.5
+                clock[LIMIT] = h
             elif counts[TROUBLE] == OFF:
                 factor = 0.25
             else:
@@ -205,10 +213,13 @@ def advance(
                 return code, filled
             continue
 
+        if softened(frozen):
+            anchor_multipliers(model, course)
         accept(course, h)
         if clock[TAKEN] > 0.0:  # Gustafsson: errors that grow ask for more care
             factor *= min(1.0, h / clock[TAKEN] * (clock[ERROR_LAST] / error) ** 0.25)
-        clock[NEXT] = h * max(MIN_FACTOR, min(MAX_FACTOR, factor))
+        clock[NEXT] = min(h * max(MIN_FACTOR, min(MAX_FACTOR, factor)), CAUTION * clock[LIMIT])
+        clock[LIMIT] *= RELAX
         clock[ERROR_LAST] = error
         count_step(clock, counts, h, t_new)
         taken += 1
