@@ -23,7 +23,7 @@ STEPS = 50
 def fixed_steps(problem: Problem, method: Method, budget_s: float) -> tuple[int, float, str]:
     """Steps done at STEP, the processor time they took [s], and how it ended."""
     model, solver = prepared(problem, method, method.rtols[0])
-    integrator = make_integrator(model, problem.y0, solver | {"fixed_step": STEP})
+    integrator = make_integrator(model, problem.y0, solver, fixed_step=STEP)
     begin = time.process_time()
     solution = integrate(integrator, [problem.t_end], limit(integrator, begin + budget_s))
     cpu = time.process_time() - begin

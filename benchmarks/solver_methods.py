@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from importlib.util import find_spec
 from typing import Any
 
-from plymotion.solver.integrators.generic import CONSTRAINED, INTEGRATORS
+from plymotion.solver.integrators.table import INTEGRATORS
 
 EXPLICIT = (1e-3, 1e-5, 1e-7)  # where stability sets the step, all cost the same
 FIFTH_ORDER = (1e-3, 3e-4, 1e-4, 5e-5, 2e-5, 1e-5, 1e-6, 1e-7)
@@ -62,7 +62,7 @@ CHAIN_METHODS = (
 
 def available(methods: tuple[Method, ...]) -> list[Method]:
     """Those whose integrator this version has; without scikit-sundae all but `ida`."""
-    known = {*INTEGRATORS, *CONSTRAINED, "generalized-alpha", "radau"}
+    known = set(INTEGRATORS)
     if find_spec("sksundae") is None:
         known.discard("ida")
     return [m for m in methods if m.integrator in known]

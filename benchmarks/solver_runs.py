@@ -3,15 +3,15 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from solver_methods import Method
 from solver_problems import Problem
 
-from plymotion.solver.dynamics.constraints.treatment import treated, treatment_of
+from plymotion.solver.dynamics.constraints.treatment import treated
 from plymotion.solver.dynamics.model import Model
-from plymotion.solver.integrators.choice import make_integrator
+from plymotion.solver.inputs.case.solver import Solver
+from plymotion.solver.integrators.choice import make_integrator, treatment_of
 from plymotion.solver.integrators.generic import Integrator, Solution, StopRequest, integrate
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.run.execution import output_times
@@ -33,23 +33,23 @@ class Point:
     evaluations: int
 
 
-def solver_options(method: Method, rtol: float, t_end: float) -> dict[str, Any]:
-    """Solver table of a case for a method."""
-    return {
+def solver_options(method: Method, rtol: float, problem: Problem) -> Solver:
+    """`[solver]` of a case for a method."""
+    table = {
         "integrator": method.integrator,
         "constraints": method.constraints,
-        "t_end": t_end,
+        "t_end": problem.t_end,
+        "output_step": problem.output_step,
         "rtol": rtol,
         "atol_position": 1e-2 * rtol,
         "atol_velocity": rtol,
-        "max_step": None,
-        "max_order": 5,
-    } | method.options
+    }
+    return Solver.model_validate(table | method.options)
 
 
-def prepared(problem: Problem, method: Method, rtol: float) -> tuple[Model, dict[str, Any]]:
-    """Model ready for the method's treatment of constraints, and the solver table."""
-    solver = solver_options(method, rtol, problem.t_end)
+def prepared(problem: Problem, method: Method, rtol: float) -> tuple[Model, Solver]:
+    """Model ready for the method's treatment of constraints, and `[solver]`."""
+    solver = solver_options(method, rtol, problem)
     return treated(problem.model, treatment_of(solver)), solver
 
 

@@ -58,7 +58,6 @@ def new_run(
         if integrator == "ida":
             system = constrained_system(model)
             return new_constrained_integrator("ida", system, 0.0, y0, t_end, **options)
-        options["spectral_radius"] = treatment.spectral_radius
         return GeneralizedAlpha(model, 0.0, y0, t_end, **options)
     if treatment.name == "projection":
         options["project"] = projection(model)

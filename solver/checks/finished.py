@@ -6,9 +6,11 @@ from functools import cached_property
 
 import numpy as np
 
+from ..dynamics import recover
 from ..dynamics.constraints.treatment import Treatment
 from ..dynamics.freedom import degrees_of_freedom
 from ..dynamics.model import Model
+from ..dynamics.reactions import momentum_balance
 from ..inputs.case.schema import Mechanism
 from ..integrators.generic import Solution
 from ..math.arrays import Array, IntArray
@@ -16,8 +18,6 @@ from ..mechanism import BuiltMechanism
 from ..package import ModalPackage
 from ..results import relative_balance
 from ..results.finding import Finding
-from ..signals import recover
-from ..signals.reactions import momentum_balance
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,10 @@ import numpy as np
 
 from ..dynamics.bodies.second_order import stiffening_matrix
 from ..dynamics.model import Model
+from ..dynamics.reactions import marker_loads
 from ..dynamics.system import accelerations, assemble
 from ..math.arrays import Array
 from ..math.rotations import rotation_matrix
-from ..signals.reactions import marker_loads
 
 
 def geometric_stiffness(model: Model, tables: Model, i: int, t: float, y: Array) -> Array:

@@ -4,9 +4,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..dynamics.recover import stiffened
 from ..results.codes.motion import ROTATION
 from ..results.finding import Finding
-from ..signals.recover import stiffened
 from .finished import FinishedRun
 
 

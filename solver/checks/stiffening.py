@@ -9,13 +9,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..dynamics.model import Model
+from ..dynamics.recover import stiffened
 from ..dynamics.system import assemble
 from ..math.arrays import Array
 from ..mechanism import build
 from ..monitors.spin import SpinMonitor
 from ..results.codes.motion import BUCKLING, INDEFINITE, MATTERS, NO_STIFFENING_DATA
 from ..results.finding import Finding
-from ..signals.recover import stiffened
 from .finished import FinishedRun
 from .geometric_stiffness import geometric_stiffness
 

@@ -1,39 +1,68 @@
-"""Which integrator a case asks for, made ready for a mechanism.
+"""Which integrator a case asks for, made ready for a mechanism."""
 
-A new integrator is a class after contract.py, one entry of `INTEGRATORS`, and its name in
-`[solver] integrator` (inputs/case/solver.py).
-"""
+from typing import Any, Protocol
 
-from typing import Any
-
-import numpy as np
-
-from ..dynamics.constraints.treatment import Treatment, treatment_of
+from ..dynamics.constraints.treatment import IMPLICIT, TREATMENTS, Treatment, TreatmentKeys
 from ..dynamics.model import Model
+from ..errors import InputError
 from ..math.arrays import Array
 from .closures import constrained_system, projection, right_hand_side
-from .generic import CONSTRAINED, Integrator
-from .generic import INTEGRATORS as GENERIC
-from .stepping import GeneralizedAlpha, Radau
+from .generic import Integrator
+from .table import INTEGRATORS
+from .tolerances import ToleranceKeys, tolerances
 
-# By the name in a case file.
-INTEGRATORS: dict[str, type[Any]] = {
-    "radau": Radau,
-    "generalized-alpha": GeneralizedAlpha,
-    **GENERIC,
-    **CONSTRAINED,
-}
+EXAMPLES = 3  # integrators that a message names
 
 
-def tolerances(model: Model, solver: dict[str, Any]) -> Array:
-    """Return absolute tolerances (n,) of positions, velocities and the work."""
-    atol = np.full(model.n_pos + model.n_vel + 1, float(solver["atol_velocity"]))
-    atol[: model.n_pos] = solver["atol_position"]
-    return atol
+class SolverKeys(ToleranceKeys, TreatmentKeys, Protocol):
+    """The keys of `[solver]` that all integrators share; their own ones stand beside these."""
+
+    @property
+    def integrator(self) -> str:
+        """A name of `INTEGRATORS`."""
+
+    @property
+    def t_end(self) -> float:
+        """End of the run [s]."""
+
+    @property
+    def max_step(self) -> float | None:
+        """Largest step [s]."""
+
+
+def treatment_of(solver: SolverKeys) -> Treatment:
+    """Return the treatment of constraints that a case asks for.
+
+    Raises
+    ------
+    InputError
+        A treatment that the integrator does not support.
+    """
+    treatment, own = Treatment.of(solver), INTEGRATORS[solver.integrator].treatments
+    possible = own or tuple(t for t in TREATMENTS if t not in IMPLICIT)
+    if treatment.name not in possible:
+        able = [name for name, kind in INTEGRATORS.items() if treatment.name in kind.treatments]
+        others = [name for name, kind in INTEGRATORS.items() if not kind.treatments]
+        wanted = (
+            "integrator = " + " or ".join(f'"{name}"' for name in able)
+            if treatment.name in IMPLICIT
+            else "one that does not solve the constraints within the step "
+            f"({', '.join(others[:EXAMPLES])} ...)"
+        )
+        raise InputError(
+            f'solver.constraints = "{treatment.name}" with integrator = "{solver.integrator}": '
+            f"expected {wanted}, or constraints = {' or '.join(possible)}"
+        )
+    return treatment
 
 
 def make_integrator(
-    model: Model, y0: Array, solver: dict[str, Any], treatment: Treatment | None = None
+    model: Model,
+    y0: Array,
+    solver: SolverKeys,
+    treatment: Treatment | None = None,
+    *,
+    fixed_step: float | None = None,
 ) -> Integrator:
     """Return the integrator that the case asks for, ready to step from t = 0.
 
@@ -41,22 +70,22 @@ def make_integrator(
     ----------
     model : treated (`treated`)
     y0 : (n,) consistent start
-    solver : `[solver]` of a case; it may hold one key more, `fixed_step` [s], without error
-        control (benchmarks)
+    solver : `[solver]` of a case
     treatment : the one that the model was prepared for; of `solver` by default
+    fixed_step : [s], without error control (benchmarks)
     """
     treatment = treatment or treatment_of(solver)
-    kind = INTEGRATORS[solver["integrator"]]
+    kind: type[Any] = INTEGRATORS[solver.integrator]
     options: dict[str, Any] = {
-        "rtol": solver["rtol"],
+        "rtol": solver.rtol,
         "atol": tolerances(model, solver),
         "block_starts": [0, model.n_pos, model.n_pos + model.n_vel],
     }
-    for key in ("max_step", "fixed_step"):
-        if solver.get(key) is not None:
-            options[key] = solver[key]
-    chosen = {"constraints": treatment.name, "spectral_radius": treatment.spectral_radius}
-    options |= kind.settings(solver | chosen)
+    for key, step in (("max_step", solver.max_step), ("fixed_step", fixed_step)):
+        if step is not None:
+            options[key] = step
+    options |= {key.name: getattr(solver, key.name) for key in kind.keys}
+    options |= kind.for_treatment(treatment.name)
     if kind.takes == "derivative" and treatment.name == "projection" and model.n_constraint:
         options["project"] = projection(model)
     subject = {
@@ -64,5 +93,5 @@ def make_integrator(
         "constrained": lambda: constrained_system(model),
         "derivative": lambda: right_hand_side(model),
     }[kind.takes]()
-    made: Integrator = kind(subject, 0.0, y0, solver["t_end"], **options)
+    made: Integrator = kind(subject, 0.0, y0, solver.t_end, **options)
     return made

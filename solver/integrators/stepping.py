@@ -1,7 +1,6 @@
 """Integrators of mechanisms whose step loop is compiled whole, behind the contract of all."""
 
 from abc import abstractmethod
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from ..dynamics.system import by_blocks, derivative_into
 from ..dynamics.workspace import new_work
 from ..math.arrays import Array
 from ..math.compiled import COMPILED
+from ..math.keys import Number
 from .closures import right_hand_side
 from .compiled import course as codes
 from .compiled.alpha import advance_alpha
@@ -22,7 +22,7 @@ from .compiled.radau import advance
 from .compiled.tableau import MU
 from .generic import Integrator
 from .generic.advice import SHORTER, of_choice
-from .generic.alpha_scheme import scheme
+from .generic.alpha_scheme import FORMULATIONS, SPECTRAL_RADIUS, scheme
 from .generic.base import FIRST_STEPS, Dense
 from .generic.explicit import Powers
 from .generic.hermite import Hermite
@@ -136,6 +136,9 @@ class Radau(StepLoop):
     `closed` is false.
     """
 
+    name = "radau"
+    meaning = "implicit Runge-Kutta of order 5, the fastest where modes are stiff"
+    place = 2
     order = 5
     on_growth = (
         "Newton's iteration finds no answer for a step this long, or constraints contradict each "
@@ -160,9 +163,9 @@ class Radau(StepLoop):
         super().__init__(model, t0, y0, t_end, **options)
 
     @classmethod
-    def settings(cls, solver: Mapping[str, Any]) -> dict[str, Any]:
+    def for_treatment(cls, name: str) -> dict[str, Any]:
         """Whether steps go back onto the constraints."""
-        return {"closed": solver["constraints"] == "projection"}
+        return {"closed": name == "projection"}
 
     def _closes(self) -> bool:
         return self._closed
@@ -217,6 +220,20 @@ class GeneralizedAlpha(StepLoop):
     others : see Integrator. With fixed_step only Newton's iteration uses the tolerances.
     """
 
+    name = "generalized-alpha"
+    meaning = "implicit, for constraints = ggl or index3"
+    place = 5
+    keys = (
+        Number(
+            "spectral_radius",
+            "",
+            "of generalized-alpha at infinite frequency: 1 gives no damping",
+            default=SPECTRAL_RADIUS,
+            least=0,
+            most=1,
+        ),
+    )
+    treatments = FORMULATIONS
     order = 2
     # What it does not damp shows in its multipliers, not in the state.
     on_growth = (
@@ -234,7 +251,7 @@ class GeneralizedAlpha(StepLoop):
         t_end: float,
         *,
         formulation: str = "ggl",
-        spectral_radius: float = 0.8,
+        spectral_radius: float = SPECTRAL_RADIUS,
         **options: Any,
     ) -> None:
         self._scheme = scheme(formulation, spectral_radius)
@@ -242,12 +259,9 @@ class GeneralizedAlpha(StepLoop):
         self.hints += of_choice(formulation, spectral_radius)
 
     @classmethod
-    def settings(cls, solver: Mapping[str, Any]) -> dict[str, Any]:
-        """Formulation and damping."""
-        return {
-            "formulation": solver["constraints"],
-            "spectral_radius": solver["spectral_radius"],
-        }
+    def for_treatment(cls, name: str) -> dict[str, Any]:
+        """Formulation."""
+        return {"formulation": name}
 
     def _begin(self, rate: Array, multipliers: Array) -> Any:
         return new_alpha_workspace(self._model, self.t, self.y, rate, multipliers, self._h_next)

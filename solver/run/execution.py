@@ -98,8 +98,7 @@ def integrated(
     solver = prepared.mechanism.solver
     solution, order = prepared.refused, 0
     if solution is None:
-        settings = solver.model_dump()
-        integrator = make_integrator(prepared.model, prepared.y0, settings, prepared.treatment)
+        integrator = make_integrator(prepared.model, prepared.y0, solver, prepared.treatment)
         times = output_times(solver.t_end, solver.output_step)
         solution = integrate(integrator, times, watch or prepared.watch)
         order = integrator.order

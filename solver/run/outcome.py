@@ -8,6 +8,7 @@ import numpy as np
 
 from ..checks.finished import FinishedRun
 from ..checks.judge import judge
+from ..dynamics import recover
 from ..inputs.case.resolved import changed_mechanism
 from ..inputs.case.schema import Mechanism
 from ..math.arrays import Array
@@ -15,7 +16,7 @@ from ..mechanism import BuiltMechanism
 from ..package import ModalPackage
 from ..results import BodyGeometry, RunResult, Signal, signal_summary
 from ..results.codes.course import FEEDBACK
-from ..signals import Recording, Sensor, recover
+from ..signals import Recording, Sensor
 from ..strength.beam_bodies import summary as strength_entry
 
 VTK_LINE = 3

@@ -6,9 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..checks.finished import FinishedRun, Look
-from ..dynamics.constraints.treatment import Treatment, treated, treatment_of
+from ..dynamics.constraints.treatment import Treatment, treated
 from ..dynamics.model import Model
 from ..inputs.case.schema import Mechanism
+from ..integrators.choice import treatment_of
 from ..integrators.generic import Integrator, Solution, StopRequest
 from ..math.arrays import Array
 from ..mechanism import BuiltMechanism, build
@@ -91,7 +92,7 @@ def prepare(
         A mechanism that cannot be assembled, contradictory constraints.
     """
     solver = mechanism.solver
-    treatment = treatment_of(solver.model_dump())
+    treatment = treatment_of(solver)
     built = build(mechanism, packages)
     y0 = starting_state(built.model, built.start, solver.start, built.joint_names, built.body_names)
     found = redundancy(built.model, y0, built.joint_names)

@@ -4,12 +4,12 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..dynamics.recover import elastic_motion, stiffened
 from ..inputs.case.signals import PointSignal
 from ..math.arrays import Array
 from ..math.rotations import matrix_to_vector, vector_to_matrix
 from ..mechanism import BuiltMechanism
 from .recording import Recording
-from .recover import elastic_motion, stiffened
 
 POINT_UNITS = {
     "position": "m",

@@ -6,9 +6,9 @@ import numpy as np
 
 from ..dynamics.bodies.marker import Marker, marker_motion
 from ..dynamics.model import Model
+from ..dynamics.reactions import joint_reactions
 from ..dynamics.system import accelerations, assemble
 from ..math.arrays import Array
-from .reactions import joint_reactions
 
 
 class Recording:

@@ -1,5 +1,6 @@
 """The recipes of CONTRIBUTING.md: one new file is enough, and nothing else names a kind."""
 
+import ast
 import re
 import shutil
 from pathlib import Path
@@ -9,6 +10,8 @@ from source_copy import copy_with_recipes, recipe_files, recipe_lines, run_pytho
 
 from plymotion.solver.dynamics.joints.contract import DrivenBy
 from plymotion.solver.dynamics.joints.table import JOINTS
+from plymotion.solver.inputs.case.solver import Solver
+from plymotion.solver.integrators.table import INTEGRATORS
 from plymotion.solver.package.shell import elements
 
 # Joints that other files build mechanisms with: virtual bodies, compiling ahead.
@@ -26,7 +29,7 @@ PROGRAMS = Path(__file__).resolve().parent.parent / "recipes"
 @pytest.fixture(scope="module")
 def copy(repository, tmp_path_factory) -> Path:
     """The sources with all examples of CONTRIBUTING.md."""
-    assert len(recipe_files(repository)) == 4
+    assert len(recipe_files(repository)) == 5
     assert len(recipe_lines(repository)) == 1
     return copy_with_recipes(repository, tmp_path_factory.mktemp("recipes"))
 
@@ -68,6 +71,18 @@ def test_a_shell_element(copy, repository):
     assert "centroid is linear, with the shear strain of its centroid" in page
 
 
+def test_an_integrator(copy, repository, tmp_path):
+    run_python(copy, repository, str(PROGRAMS / "integrator.py"), str(tmp_path))
+    page = run_python(copy, repository, "-m", "plymotion.solver", "check", "--reference")
+    assert "heun: explicit, of order 2" in page
+    assert "| `corrections` | integer |  | >= 1, <= 9 | `1` | of heun in a step |" in page
+    tests = str(repository / "tests/unit/test_integrators_contract.py")
+    run = ("-m", "pytest", "-q", "-p", "no:cacheprovider", "-k", "heun", tests)
+    printed = run_python(copy, repository, *run)
+    assert re.search(r"\b\d+ passed", printed), printed
+    assert "failed" not in printed
+
+
 def test_a_shell_element_without_its_line_is_refused(repository, tmp_path):
     copy = copy_with_recipes(repository, tmp_path)
     file = copy / "solver/package/shell/elements.py"
@@ -82,6 +97,25 @@ def test_the_page_on_shells_has_a_line_for_each_element(repository):
         assert page.count(f"\n| `{name}` | ") == 1, name
     for name in elements.DRILLINGS:
         assert f"`{name}` (" in page, name
+
+
+@pytest.mark.parametrize("name", INTEGRATORS)
+def test_one_source_file_names_an_integrator(repository, name):
+    """Besides the default of the case file; messages may recommend one in their text."""
+    found = [
+        file.relative_to(repository).as_posix()
+        for file in (repository / "solver").rglob("*.py")
+        for node in ast.walk(ast.parse(file.read_text("utf-8")))
+        if isinstance(node, ast.Constant) and node.value == name
+    ]
+    if name == Solver.model_fields["integrator"].default:
+        found.remove("solver/inputs/case/solver.py")
+    assert len(found) == 1, found
+
+
+def test_the_page_on_integrators_names_each_one(repository):
+    page = (repository / "docs/integrators.md").read_text("utf-8")
+    assert not [name for name in INTEGRATORS if f"`{name}`" not in page]
 
 
 @pytest.mark.parametrize("kind", sorted(set(JOINTS) - USED))

@@ -1,11 +1,11 @@
-"""Fixed steps by the solver table, which benchmarks use and cases do not have."""
+"""Fixed steps, which benchmarks use and cases do not have."""
 
 import pytest
 from constraint_runs import prepared
 from mechanism_samples import pendulum
 
-from plymotion.solver.dynamics.constraints.treatment import treatment_of
-from plymotion.solver.integrators.choice import make_integrator
+from plymotion.solver.inputs.case.solver import Solver
+from plymotion.solver.integrators.choice import make_integrator, treatment_of
 from plymotion.solver.integrators.generic import integrate
 
 
@@ -20,21 +20,14 @@ from plymotion.solver.integrators.generic import integrate
 )
 @pytest.mark.parametrize(("t_end", "steps"), [(0.1, 10), (0.105, 11)])
 def test_every_step_but_the_last_has_this_length(integrator, constraints, t_end, steps):
-    solver = {
-        "integrator": integrator,
-        "constraints": constraints,
-        "t_end": t_end,
-        "rtol": 1e-6,
-        "atol_position": 1e-8,
-        "atol_velocity": 1e-6,
-        "max_step": None,
-        "max_order": 3,
-        "fixed_step": 0.01,
-    }
+    keys = {"integrator": integrator, "constraints": constraints, "max_order": 3}
+    solver = Solver.model_validate({"t_end": t_end, "output_step": t_end, **keys})
     model, y0 = prepared(pendulum(), treatment_of(solver))
     lengths = []
     solution = integrate(
-        make_integrator(model, y0, solver), [t_end], lambda one: lengths.append(one.t - one.t_old)
+        make_integrator(model, y0, solver, fixed_step=0.01),
+        [t_end],
+        lambda one: lengths.append(one.t - one.t_old),
     )
     assert solution.status == "finished"
     assert lengths[:-1] == pytest.approx([0.01] * (steps - 1))

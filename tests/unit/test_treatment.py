@@ -3,26 +3,32 @@
 import pytest
 from mechanism_samples import pendulum
 
-from plymotion.solver.dynamics.constraints.treatment import (
-    TREATMENTS,
-    Treatment,
-    treated,
-    treatment_of,
-)
+from plymotion.solver.dynamics.constraints.treatment import TREATMENTS, Treatment, treated
 from plymotion.solver.errors import InputError
+from plymotion.solver.inputs.case.solver import Solver
+from plymotion.solver.integrators.choice import treatment_of
+
+
+def solver(**keys):
+    return Solver.model_validate({"t_end": 1.0, "output_step": 0.1, **keys})
 
 
 def test_default_and_explicit_choice():
-    assert treatment_of({"integrator": "gear"}).name == "projection"
-    treatment = treatment_of({"integrator": "gear", "constraints": "baumgarte", "alpha": 4.0})
+    assert treatment_of(solver()) == Treatment()
+    treatment = treatment_of(solver(integrator="gear", constraints="baumgarte", alpha=4.0))
     assert (treatment.name, treatment.alpha, treatment.beta) == ("baumgarte", 4.0, 5.0)
 
 
 def test_parameters_are_read():
     keys = {"constraints": "augmented-lagrangian", "penalty": 1e5, "frequency": 20.0, "ratio": 0.7}
-    treatment = treatment_of({"integrator": "rk8", "t_end": 1.0, **keys})
+    treatment = treatment_of(solver(integrator="rk8", **keys))
     model = treated(pendulum().model, treatment)
     assert (model.penalty, model.alpha, model.beta) == (1e5, 14.0, 20.0)
+
+
+def test_another_name_is_refused():
+    with pytest.raises(ValueError, match="did you mean 'baumgarte'"):
+        Treatment("baumgart")
 
 
 def test_only_its_own_parameters_reach_the_step_loop():
@@ -37,9 +43,8 @@ def test_only_its_own_parameters_reach_the_step_loop():
 
 
 @pytest.mark.parametrize(
-    ("solver", "words"),
+    ("keys", "words"),
     [
-        ({"constraints": "baumgart", "integrator": "rk8"}, "did you mean 'baumgarte'"),
         ({"constraints": "ggl", "integrator": "rk8"}, 'expected integrator = "generalized-alpha"'),
         ({"constraints": "projection", "integrator": "generalized-alpha"}, "gear.*ggl or index3"),
         (
@@ -49,7 +54,7 @@ def test_only_its_own_parameters_reach_the_step_loop():
         ({"constraints": "projection", "integrator": "ida"}, "rk8"),
     ],
 )
-def test_what_does_not_go_together_is_refused(solver, words):
+def test_what_does_not_go_together_is_refused(keys, words):
     with pytest.raises(InputError, match=words) as error:
-        treatment_of(solver)
+        treatment_of(solver(**keys))
     assert "solver.constraints" in str(error.value)

@@ -7,6 +7,12 @@ from flexible_samples import body_of, random_marker, random_points, random_state
 from mechanism_samples import bricard, chain, four_bars, pendulum
 
 from plymotion.solver.dynamics.constraints.treatment import TREATMENTS, Treatment
+from plymotion.solver.dynamics.reactions import (
+    acting,
+    joint_reactions,
+    momentum_balance,
+    momentum_rates,
+)
 from plymotion.solver.dynamics.system import accelerations, assemble
 from plymotion.solver.dynamics.tables import (
     ForceTable,
@@ -16,12 +22,6 @@ from plymotion.solver.dynamics.tables import (
     rigid_body,
 )
 from plymotion.solver.math import laws
-from plymotion.solver.signals.reactions import (
-    acting,
-    joint_reactions,
-    momentum_balance,
-    momentum_rates,
-)
 
 KINDS = ("revolute", "fixed", "spherical", "universal", "cylindrical", "prismatic", "planar")
 

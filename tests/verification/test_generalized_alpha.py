@@ -92,10 +92,10 @@ def published_steps(model, y0, rho: float, h: float, count: int) -> np.ndarray:
 @pytest.mark.parametrize("rho", [0.8, 0.5, 0.0])
 @pytest.mark.parametrize("name", SAMPLES)
 def test_fixed_steps_are_those_of_the_published_equations(name, rho):
-    treatment = Treatment("index3", spectral_radius=rho)
+    treatment = Treatment("index3")
     model, y0 = prepared(SAMPLES[name](), treatment)
     h, count = 0.005, 8
-    options = {"fixed_step": h, "rtol": 1e-12, "atol": 1e-12}
+    options = {"spectral_radius": rho, "fixed_step": h, "rtol": 1e-12, "atol": 1e-12}
     made = new_run(model, y0, treatment, "generalized-alpha", count * h, **options)
     found = stepped(made, lambda i: i.y.copy())
     expected = published_steps(model, y0, rho, h, count)
@@ -109,14 +109,14 @@ def test_fixed_steps_are_those_of_the_published_equations(name, rho):
 @pytest.mark.parametrize("name", ["pendulum", "chain", "driven", "bushing"])
 def test_ggl_is_index_3_with_both_constraints_met(name, rho):
     """Positions and velocities satisfy their constraints; the motion is that of order 2."""
-    treatment = Treatment("ggl", spectral_radius=rho)
+    treatment = Treatment("ggl")
     model, y0 = prepared(SAMPLES[name](), treatment)
     exact = integrate(new_run(model, y0, Treatment(), "rk8", 0.2, rtol=1e-10, atol=1e-12), [0.2]).y[
         -1
     ]
     errors = []
     for n in (20, 40):
-        options = {"fixed_step": 0.2 / n, "rtol": 1e-10, "atol": 1e-12}
+        options = {"spectral_radius": rho, "fixed_step": 0.2 / n, "rtol": 1e-10, "atol": 1e-12}
         made = new_run(model, y0, treatment, "generalized-alpha", 0.2, **options)
         for state in _states(made):
             e = assemble(model, *state)
@@ -166,9 +166,9 @@ def amplification(rho: float, wh: float) -> np.ndarray:
 @pytest.mark.parametrize("rho", [0.0, 0.5, 0.8, 1.0])
 def test_steps_are_those_of_the_amplification_matrix(rho, wh, formulation):
     h, n = 0.01, 30
-    treatment = Treatment(formulation, spectral_radius=rho)
+    treatment = Treatment(formulation)
     model, y0 = prepared(oscillator(wh / h, 1e-9), treatment)
-    options = {"fixed_step": h, "rtol": 1e-10, "atol": 1e-30}
+    options = {"spectral_radius": rho, "fixed_step": h, "rtol": 1e-10, "atol": 1e-30}
     made = new_run(model, y0, treatment, "generalized-alpha", n * h, **options)
     found = stepped(made, lambda i: i.y[7])
     state = 1e-9 * np.array([1.0, 0.0, -(wh**2)])
@@ -185,10 +185,10 @@ def test_spectral_radius_at_infinity(rho):
     assert radius == pytest.approx(rho, abs=2e-3)
     if rho == 0.0:
         return
-    treatment = Treatment("ggl", spectral_radius=rho)
+    treatment = Treatment("ggl")
     h, n = 0.01, 400 if rho > 0.7 else 90
     model, y0 = prepared(oscillator(1e5 / h, 1e-9), treatment)
-    options = {"fixed_step": h, "rtol": 1e-10, "atol": 1e-300}
+    options = {"spectral_radius": rho, "fixed_step": h, "rtol": 1e-10, "atol": 1e-300}
     made = new_run(model, y0, treatment, "generalized-alpha", n * h, **options)
     q = np.abs(stepped(made, lambda i: i.y[7]))
     m = n // 2
@@ -208,9 +208,9 @@ def test_a_resolved_oscillation_keeps_its_amplitude():
 def test_what_is_not_resolved_is_damped(rho):
     """The welded hand, h w = 100: nothing is left for rho = 0, rho per step for others."""
     sample, w = hand("fixed", bent=(1e-6,))
-    treatment = Treatment("ggl", spectral_radius=rho)
+    treatment = Treatment("ggl")
     model, y0 = prepared(sample, treatment)
-    options = {"fixed_step": 100 / w[0], "rtol": 1e-9, "atol": 1e-14}
+    options = {"spectral_radius": rho, "fixed_step": 100 / w[0], "rtol": 1e-9, "atol": 1e-14}
     made = new_run(model, y0, treatment, "generalized-alpha", 60 * 100 / w[0], **options)
     q = np.abs(stepped(made, lambda i: i.y[7]))
     assert made.status == "finished"

@@ -65,9 +65,9 @@ def test_projection_and_error_control_bear_what_baumgarte_does_not(name):
 
 def _swinging(formulation, rho, **options):
     """Largest |Phidot| after each step, the changes of the multiplier, and the integrator."""
-    treatment = Treatment(formulation, spectral_radius=rho)
+    treatment = Treatment(formulation)
     model, y0 = prepared(pendulum(), treatment)
-    options = {"rtol": 1e-8, "atol": 1e-10} | options
+    options = {"spectral_radius": rho, "rtol": 1e-8, "atol": 1e-10} | options
     made = new_run(model, y0, treatment, "generalized-alpha", 4.0, **options)
 
     def seen(i):
@@ -99,9 +99,10 @@ def test_error_control_pays_for_index_3_without_damping():
     """What swings on is taken for motion and resolved: over 4 s in 58 000 steps instead of 450."""
     steps = {}
     for rho in (1.0, 0.8):
-        treatment = Treatment("index3", spectral_radius=rho)
+        treatment = Treatment("index3")
         model, y0 = prepared(pendulum(), treatment)
-        made = new_run(model, y0, treatment, "generalized-alpha", 1.4, rtol=1e-5, atol=1e-7)
+        options = {"spectral_radius": rho, "rtol": 1e-5, "atol": 1e-7}
+        made = new_run(model, y0, treatment, "generalized-alpha", 1.4, **options)
         assert integrate(made, [1.4]).status == "finished"
         steps[rho] = made.counters.steps
     assert steps[1.0] > 5 * steps[0.8]

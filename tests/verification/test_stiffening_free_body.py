@@ -11,6 +11,7 @@ from stiffening_samples import on_interface
 
 from plymotion.solver.dynamics.bodies.marker import marker_motion
 from plymotion.solver.dynamics.bodies.second_order import stiffening_matrix
+from plymotion.solver.dynamics.reactions import momentum_balance
 from plymotion.solver.dynamics.system import (
     accelerations,
     assemble,
@@ -26,7 +27,6 @@ from plymotion.solver.dynamics.tables import (
     rigid_body,
 )
 from plymotion.solver.math.rotations import matrix_to_parameters, rotation_matrix
-from plymotion.solver.signals.reactions import momentum_balance
 
 GRAVITY = (0.3, -9.81, 2.0)
 

@@ -1,22 +1,52 @@
-"""Treatments of the constraints: parameters and compatible integrators."""
+"""Treatments of the constraints and their parameters."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Protocol
 
-from ...errors import InputError, did_you_mean
+from ...errors import did_you_mean
 from ..model import Model
 
-IMPLICIT = ("ggl", "index3")  # solved within the step, only by these integrators
-SOLVE_WITH_STEP = {"generalized-alpha": IMPLICIT, "ida": ("ggl",)}
+IMPLICIT = ("ggl", "index3")  # solved within the step, by integrators that say so
 # In the order of docs/constraints.md.
 TREATMENTS = ("index1", "baumgarte", "augmented-lagrangian", "projection", *IMPLICIT)
 # The others divide by a singular value that is zero there.
 PASSES_SINGULAR = ("augmented-lagrangian", "projection", *IMPLICIT)
 
 
+class TreatmentKeys(Protocol):
+    """The keys of `[solver]` that a treatment is made from: those of `Treatment`."""
+
+    @property
+    def constraints(self) -> str:
+        """One of `TREATMENTS`."""
+
+    @property
+    def alpha(self) -> float:
+        """Of baumgarte [1/s]."""
+
+    @property
+    def beta(self) -> float:
+        """Of baumgarte [1/s]."""
+
+    @property
+    def penalty(self) -> float:
+        """Of augmented-lagrangian [-]."""
+
+    @property
+    def frequency(self) -> float:
+        """Of augmented-lagrangian [1/s]."""
+
+    @property
+    def ratio(self) -> float:
+        """Of augmented-lagrangian [-]."""
+
+
 @dataclass(frozen=True)
 class Treatment:
-    """Name and parameters; those of other treatments have no effect."""
+    """Name and parameters; those of other treatments have no effect.
+
+    Raises ValueError : unknown name, with the nearest known one.
+    """
 
     name: str = "projection"
     alpha: float = 5.0  # Baumgarte                            [1/s]
@@ -26,38 +56,25 @@ class Treatment:
     ratio: float = 1.0  # augmented Lagrangian: xi             [-]
     multiplier_tolerance: float = 1e-12  # of the iteration, relative
     multiplier_iterations: int = 20
-    spectral_radius: float = 0.8  # of generalized-alpha at infinity
 
+    def __post_init__(self) -> None:
+        if self.name not in TREATMENTS:
+            raise ValueError(
+                f"constraints: expected one of {', '.join(TREATMENTS)}, got {self.name!r}"
+                f"{did_you_mean(self.name, TREATMENTS)}"
+            )
 
-def treatment_of(solver: dict[str, Any]) -> Treatment:
-    """Read the treatment from the solver table of a case; missing keys have defaults.
-
-    Raises
-    ------
-    InputError
-        Unknown treatment, or one that the integrator does not support.
-    """
-    name = solver.get("constraints", Treatment.name)
-    if name not in TREATMENTS:
-        raise InputError(
-            f'solver.constraints = "{name}": expected one of {", ".join(TREATMENTS)}'
-            f"{did_you_mean(name, TREATMENTS)}"
+    @classmethod
+    def of(cls, solver: TreatmentKeys) -> "Treatment":
+        """Return the treatment that `[solver]` of a case asks for."""
+        return cls(
+            name=solver.constraints,
+            alpha=solver.alpha,
+            beta=solver.beta,
+            penalty=solver.penalty,
+            frequency=solver.frequency,
+            ratio=solver.ratio,
         )
-    integrator = solver["integrator"]
-    possible = SOLVE_WITH_STEP.get(integrator, tuple(t for t in TREATMENTS if t not in IMPLICIT))
-    if name not in possible:
-        able = [key for key, names in SOLVE_WITH_STEP.items() if name in names]
-        wanted = (
-            "integrator = " + " or ".join(f'"{key}"' for key in able)
-            if name in IMPLICIT
-            else "one that does not solve the constraints within the step (rk8, gear, rk5 ...)"
-        )
-        raise InputError(
-            f'solver.constraints = "{name}" with integrator = "{integrator}": expected {wanted}, '
-            f"or constraints = {' or '.join(possible)}"
-        )
-    values = {key: solver[key] for key in Treatment.__dataclass_fields__ if key in solver}
-    return Treatment(**values | {"name": name})
 
 
 def treated(model: Model, treatment: Treatment) -> Model:

@@ -34,6 +34,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from ...math.arrays import Array
+from ...math.keys import Number
 
 Rows = Callable[..., None]
 Numbers = dict[str, float]
@@ -111,21 +112,6 @@ class Direction:
     name: Literal["axis", "axis_2"]
     meaning: str  # one line
     required: bool = False  # else: global z
-
-
-@dataclass(frozen=True)
-class Number:
-    """Key of the case file: a number, and an argument of the kernel by the same name."""
-
-    name: str
-    unit: str
-    meaning: str  # one line
-    required: bool = False
-    default: float | None = None  # None: `complete` of the joint finds it
-    above: float | None = None  # bounds: above, or from `least` on; up to `most`
-    least: float | None = None
-    most: float | None = None
-    not_zero: bool = False
 
 
 @dataclass(frozen=True)

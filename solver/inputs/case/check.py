@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from ...dynamics.constraints.treatment import treatment_of
 from ...dynamics.joints.table import JOINTS
 from ...errors import InputError, nearest
+from ...integrators.choice import treatment_of
 from ..common.material import check_materials
 from .body_specs import BodySpec, BodySpecs
 from .check_bodies import check_bodies, interfaces
@@ -25,7 +25,7 @@ def cross_check(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodyS
     for name, signal in mechanism.signals.items():
         found += _signal(f"signals.{name}", signal, mechanism)
     try:
-        treatment_of(mechanism.solver.model_dump())
+        treatment_of(mechanism.solver)
     except InputError as error:
         found.append(str(error))
     return bodies, found

@@ -7,6 +7,7 @@ from pydantic.fields import FieldInfo
 
 from ...dynamics.joints.contract import Angle, Direction, DrivenBy, Joint, Key
 from ...dynamics.joints.table import JOINTS
+from ..common.keys import number_field
 from ..common.table import Table, Vector, unit
 from .laws import RotationDrive, TranslationDrive
 
@@ -15,12 +16,6 @@ def _of_some_length(vector: list[float]) -> list[float]:
     if not any(vector):
         raise ValueError("expected a vector of non-zero length")
     return vector
-
-
-def _not_zero(value: float | None) -> float | None:
-    if value == 0.0:
-        raise ValueError("expected a number other than 0")
-    return value
 
 
 GlobalDirection = Annotated[Vector, AfterValidator(_of_some_length)]
@@ -52,17 +47,7 @@ def _field(key: Key) -> tuple[Any, FieldInfo]:
             default=default, description=key.meaning, json_schema_extra=unit("-")
         )
         return GlobalDirection, direction
-    default = ... if key.required else key.default
-    number: FieldInfo = Field(
-        default=default,
-        gt=key.above,
-        ge=key.least,
-        le=key.most,
-        description=key.meaning,
-        json_schema_extra=unit(key.unit),
-    )
-    kind: Any = float | None if default is None else float
-    return (Annotated[kind, AfterValidator(_not_zero)] if key.not_zero else kind), number
+    return number_field(key)
 
 
 def _table(joint: Joint) -> type[JointTable]:

@@ -1,15 +1,25 @@
-"""`[solver]` of a case file: time span, start, integrator, constraint treatment."""
+"""`[solver]` of a case file: time span, start, integrator, constraint treatment.
 
-from typing import Literal
+The names of integrators and the keys that only one of them has come from their classes.
+"""
 
-from pydantic import Field
+from typing import TYPE_CHECKING, Literal
+
+from pydantic import Field, create_model
 
 from ...dynamics.constraints.treatment import Treatment
+from ...integrators.table import INTEGRATORS
+from ..common.keys import number_field
 from ..common.table import Table, unit
 
+if TYPE_CHECKING:
+    IntegratorName = str
+else:
+    IntegratorName = Literal[(*INTEGRATORS,)]
 
-class Solver(Table):
-    """`[solver]`: time span, start, integrator, constraint treatment."""
+
+class _Integration(Table):
+    """Keys before those that one integrator has."""
 
     t_end: float = Field(gt=0, description="end of the run", json_schema_extra=unit("s"))
     output_step: float = Field(
@@ -25,23 +35,10 @@ class Solver(Table):
         description="modal rates at t = 0: still: zero, bodies start as if rigid; free: those "
         "of minimum kinetic energy, for a drive that starts at full speed",
     )
-    integrator: Literal[
-        "gear",
-        "radau",
-        "rk8",
-        "rk5",
-        "generalized-alpha",
-        "scipy-bdf",
-        "scipy-radau",
-        "scipy-lsoda",
-        "scipy-dop853",
-        "ida",
-    ] = Field(
+    integrator: IntegratorName = Field(
         default="gear",
-        description="gear: variable-order BDF (the paper); radau: implicit Runge-Kutta of order 5, "
-        "the fastest where modes are stiff; rk8, rk5: explicit Runge-Kutta; "
-        "generalized-alpha: implicit, for constraints = ggl or index3; to compare with: SciPy's, "
-        "and SUNDIALS' ida for constraints = ggl; see integrators.md",
+        description="; ".join(f"{name}: {kind.meaning}" for name, kind in INTEGRATORS.items())
+        + "; see integrators.md",
     )
     rtol: float = Field(default=1e-6, gt=0, le=0.1, description="relative tolerance of a step")
     atol_position: float = Field(
@@ -50,21 +47,24 @@ class Solver(Table):
     atol_velocity: float = Field(
         default=1e-6, gt=0, description="absolute tolerance of velocities and modal rates"
     )
-    max_order: int = Field(
-        default=5,
-        ge=1,
-        le=5,
-        description="largest order of gear; 2 is stable on any oscillation",
-    )
     max_step: float | None = Field(
         default=None, gt=0, description="largest step", json_schema_extra=unit("s")
     )
-    spectral_radius: float = Field(
-        default=Treatment.spectral_radius,
-        ge=0,
-        le=1,
-        description="of generalized-alpha at infinite frequency: 1 gives no damping",
+
+
+if TYPE_CHECKING:
+    _WithOptions = _Integration
+else:
+    _WithOptions = create_model(
+        "_WithOptions",
+        __base__=_Integration,
+        **{key.name: number_field(key) for kind in INTEGRATORS.values() for key in kind.keys},
     )
+
+
+class Solver(_WithOptions):
+    """`[solver]`: time span, start, integrator, constraint treatment."""
+
     constraints: Literal[
         "index1", "baumgarte", "augmented-lagrangian", "projection", "ggl", "index3"
     ] = Field(

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, Tag, ValidationError
 
-from ...errors import nearest
+from ...errors import did_you_mean, nearest
 
 _WORDS = {"model_type": "expected a table", "dict_type": "expected a table"}
 _WORDS |= {"model_attributes_type": "expected a table", "list_type": "expected a list"}
@@ -38,7 +38,12 @@ def _line(item: Any, model: type[BaseModel], where: str) -> str:
         return f'{where}: {key}.{discriminator} = "{value}": {expected}{hint}'
     text = _WORDS.get(item["type"], item["msg"]).removeprefix("Value error, ")
     text = text[0].lower() + text[1:]
-    return f"{where}: {key} = {_short(item.get('input'))}: {text.replace('input', 'value')}"
+    hint = did_you_mean(str(item["input"]), get_args(kind)) if _one_of_words(kind) else ""
+    return f"{where}: {key} = {_short(item.get('input'))}: {text.replace('input', 'value')}{hint}"
+
+
+def _one_of_words(kind: Any) -> bool:
+    return get_origin(kind) is Literal and all(isinstance(word, str) for word in get_args(kind))
 
 
 def _short(value: Any) -> str:

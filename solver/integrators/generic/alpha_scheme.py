@@ -6,6 +6,7 @@ from ...errors import did_you_mean
 from ...math.compiled import structure
 
 FORMULATIONS = ("ggl", "index3")
+SPECTRAL_RADIUS = 0.8  # at infinity, by default
 SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 2.0
 HYSTERESIS = 1.2  # a change of step disturbs index 3: not for less than this
 MAX_ITERATIONS = 8

@@ -6,13 +6,14 @@ be compiled later without changing the contract.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 
 from ...math.arrays import Array
+from ...math.keys import Number
 from . import advice
 from .norm import ErrorNorm
 
@@ -70,6 +71,13 @@ class Integrator(ABC):
     ------
     ValueError : an option that makes no sense; the message names it
     """
+
+    # What a class that a case can name has of its own; integrators/contract.py.
+    name: ClassVar[str] = ""  # in `[solver] integrator`; none: a base of others
+    meaning: ClassVar[str] = ""
+    place: ClassVar[int] = 100
+    keys: ClassVar[tuple[Number, ...]] = ()
+    treatments: ClassVar[tuple[str, ...]] = ()
 
     order: int
     strides = False  # has `stride(times, rows, filled)`: many steps in one call
@@ -315,11 +323,8 @@ class Integrator(ABC):
         return advice.fastest_rate(self.derivative, self.t, self.y, weight)
 
     @classmethod
-    def settings(cls, solver: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the options of this method alone, from the `[solver]` table of a case.
-
-        The table may hold `fixed_step` [s] besides its own keys.
-        """
+    def for_treatment(cls, name: str) -> dict[str, Any]:
+        """Return the options that follow from the treatment of constraints of a case."""
         return {}
 
     def _first_step(self, first_step: float | None) -> float:

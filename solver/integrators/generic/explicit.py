@@ -170,6 +170,9 @@ class RungeKutta8(ExplicitRungeKutta):
     three more evaluations, spent only in steps where it is asked for.
     """
 
+    name = "rk8"
+    meaning = "explicit Runge-Kutta of order 8"
+    place = 3
     order = 8
     A, B, C = DOP853.A, DOP853.B, DOP853.C
     n_rows = 16
@@ -205,6 +208,9 @@ class RungeKutta5(ExplicitRungeKutta):
     imaginary one: undamped modes that are not resolved cost many refused steps.
     """
 
+    name = "rk5"
+    meaning = "explicit Runge-Kutta of order 5"
+    place = 4
     order = 5
     A, B, C = RK45.A, RK45.B, RK45.C
     n_rows = 7

@@ -1,6 +1,6 @@
 """Gear's method: backward differentiation formulae of variable order and step."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from itertools import accumulate
 from math import isfinite
 from typing import Any
@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...math.arrays import Array
+from ...math.keys import Number
 from .base import Dense, Derivative, Integrator
 from .bdf_formula import corrector, error_weights, interpolation, predictor
 from .jacobian import difference_jacobian, increments
@@ -40,12 +41,27 @@ class Gear(Integrator):
     Parameters
     ----------
     max_order : cap of the order, 1 to 5
-    fixed_order : with fixed_step: use this order, 1 to 6, as soon as enough points are there
+    fixed_order : with fixed_step: use this order, 1 to 6, as soon as enough points are there;
+        `max_order` by default
     past : (t (m,), y (m, n)) earlier points of the solution, times ascending to before t0:
         a start without the low orders
     others : see Integrator. With fixed_step only Newton's iteration uses the tolerances.
     """
 
+    name = "gear"
+    meaning = "variable-order BDF (the paper)"
+    place = 1
+    keys = (
+        Number(
+            "max_order",
+            "",
+            "largest order of gear; 2 is stable on any oscillation",
+            default=HIGHEST_ORDER,
+            least=1,
+            most=HIGHEST_ORDER,
+            integer=True,
+        ),
+    )
     order = 1
     on_growth = (
         "BDF of order 3 and above amplifies undamped oscillations that the step does not resolve: "
@@ -72,8 +88,8 @@ class Gear(Integrator):
             if value is not None and value not in range(1, highest + 1):
                 raise ValueError(f"{name}: expected an order from 1 to {highest}, got {value!r}")
         super().__init__(f, t0, y0, t_end, **options)
-        if (fixed_order is None) != (self.fixed_step is None):
-            raise ValueError("fixed_order and fixed_step: expected both or none")
+        if fixed_order is not None and self.fixed_step is None:
+            raise ValueError("fixed_order: expected a fixed_step beside it")
         self.max_order = max_order if fixed_order is None else fixed_order
         self._times = [self.t]  # newest first, as the rows of _values
         self._steps: list[float] = []  # between them
@@ -87,12 +103,6 @@ class Gear(Integrator):
         self._newton = SimplifiedNewton(
             self.derivative, self._evaluate_jacobian, self.norm, self.counters, self.n + 1
         )
-
-    @classmethod
-    def settings(cls, solver: Mapping[str, Any]) -> dict[str, Any]:
-        """Order."""
-        fixed = solver.get("fixed_step") is not None
-        return {"fixed_order" if fixed else "max_order": solver["max_order"]}
 
     def _look_back(self, h_mean: float) -> list[str]:
         if self.max_order < 3:

@@ -1,7 +1,7 @@
 """Codes of others behind our contract: they choose the steps, this class keeps the books."""
 
 from abc import abstractmethod
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -21,7 +21,6 @@ class Peer(Integrator):
     `_shift` (tell it that its last state was moved) and `_dense`.
     """
 
-    name: ClassVar[str]
     on_any_failure = (
         "This code is there for comparison: take gear, radau, rk8 or generalized-alpha, which say "
         "more of their trouble"

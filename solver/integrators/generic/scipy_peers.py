@@ -53,6 +53,8 @@ class ScipyBdf(_ScipyPeer):
     """SciPy's BDF: orders 1 to 5 in differences at equal steps, NDF corrections up to order 3."""
 
     name = "scipy-bdf"
+    meaning = "SciPy's BDF, to compare with"
+    place = 11
     kind = BDF
 
     def _shift(self, t: float, y: Array) -> None:
@@ -68,6 +70,8 @@ class ScipyRadau(_ScipyPeer):
     """SciPy's Radau IIA of order 5."""
 
     name = "scipy-radau"
+    meaning = "SciPy's Radau, to compare with"
+    place = 12
     kind = Radau
     order = 5
 
@@ -79,6 +83,8 @@ class ScipyDop853(_ScipyPeer):
     """SciPy's explicit Runge-Kutta of Dormand and Prince, order 8(5,3)."""
 
     name = "scipy-dop853"
+    meaning = "SciPy's rk8, to compare with"
+    place = 14
     kind = DOP853
     implicit = False
     order = 8
@@ -94,6 +100,8 @@ class ScipyLsoda(_ScipyPeer):
     """SciPy's LSODA of ODEPACK: Adams or BDF, changed over by itself."""
 
     name = "scipy-lsoda"
+    meaning = "SciPy's LSODA, to compare with"
+    place = 13
     kind = LSODA
 
     def _step_within(self) -> tuple[float, Array] | None:

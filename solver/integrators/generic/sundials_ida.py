@@ -1,6 +1,5 @@
 """SUNDIALS' IDA (BDF of variable order on F(t, y, y') = 0) behind our contract, for comparison."""
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -47,6 +46,9 @@ class SundialsIda(Peer):
     """
 
     name = "ida"
+    meaning = "SUNDIALS' IDA, to compare with, for constraints = ggl"
+    place = 15
+    treatments = FORMULATIONS
     order = 1
     takes = "constrained"
 
@@ -72,9 +74,9 @@ class SundialsIda(Peer):
         super().__init__(system.derivative, t0, y0, t_end, **options)
 
     @classmethod
-    def settings(cls, solver: Mapping[str, Any]) -> dict[str, Any]:
+    def for_treatment(cls, name: str) -> dict[str, Any]:
         """Formulation."""
-        return {"formulation": solver["constraints"]}
+        return {"formulation": name}
 
     def _begin(self) -> None:
         system, n = self._system, self.n

@@ -5,14 +5,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..dynamics.bodies.marker import marker_motion, single_motion
-from ..dynamics.bodies.motion import place
-from ..dynamics.bodies.second_order import second_order_first_moment
-from ..dynamics.forces.table import FIRST_LOAD, element_wrench
-from ..dynamics.model import GROUND, Model
-from ..dynamics.system import accelerations, assemble, derivative, law_at
 from ..math.arrays import Array
 from ..math.rotations import rotation_matrix
+from .bodies.marker import marker_motion, single_motion
+from .bodies.motion import place
+from .bodies.second_order import second_order_first_moment
+from .forces.table import FIRST_LOAD, element_wrench
+from .model import GROUND, Model
+from .system import accelerations, assemble, derivative, law_at
 
 # Central differences, exact for polynomials up to the sixth degree.
 DIFFERENCE = ((-3, -1 / 60), (-2, 3 / 20), (-1, -3 / 4), (1, 3 / 4), (2, -3 / 20), (3, 1 / 60))

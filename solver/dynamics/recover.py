@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..dynamics.joints.table import NAMES, ROWS
-from ..dynamics.model import Model
-from ..dynamics.system import accelerations, assemble, constraint_rates, energies
 from ..math.arrays import Array
 from ..math.rotations import rotation_matrix
 from ..package.body.schema import Interface
+from .joints.table import NAMES, ROWS
+from .model import Model
+from .system import accelerations, assemble, constraint_rates, energies
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,110 @@
+"""The integrators of this folder by name, and how to make one without a case."""
+
+from abc import ABCMeta
+from collections.abc import Collection, Iterable
+from inspect import signature
+from pathlib import Path
+from typing import Any
+
+from ...errors import did_you_mean
+from ...math.arrays import Array
+from ...math.catalogue import by_name, catalogue
+from .base import Derivative, Integrator
+from .constrained import ConstrainedSystem
+
+FIRST_ARGUMENTS = ("derivative", "constrained", "model")
+
+
+def classes_of(
+    package: str, path: Iterable[str], besides: Collection[str]
+) -> list[type[Integrator]]:
+    """Return the classes of a package that a case can name; `besides` are modules without any.
+
+    Raises
+    ------
+    ValueError : a class that does not keep the contract (integrators/contract.py)
+    """
+    found = [
+        kind
+        for kind in catalogue(package, path, ABCMeta, besides)
+        if issubclass(kind, Integrator) and vars(kind).get("name")
+    ]
+    for kind in found:
+        _check(kind)
+    return found
+
+
+def named(kinds: Iterable[type[Integrator]]) -> dict[str, type[Integrator]]:
+    """Return classes by name, sorted by `place`, then by name."""
+    ordered = sorted(kinds, key=lambda kind: (kind.place, kind.name))
+    return by_name([(kind.name, kind) for kind in ordered], "integrator")
+
+
+def _check(kind: type[Integrator]) -> None:
+    if not kind.meaning:
+        raise ValueError(f"integrator {kind.name}: expected a `meaning`, half a line")
+    if kind.takes not in FIRST_ARGUMENTS:
+        raise ValueError(f"integrator {kind.name}: takes: expected one of {FIRST_ARGUMENTS}")
+    known = _options(kind)
+    for key in kind.keys:
+        if key.name not in known:
+            raise ValueError(f"integrator {kind.name}: key {key.name}: expected one of {known}")
+
+
+def _options(kind: type[Any]) -> list[str]:
+    """Return the options of a class and of those that it derives from."""
+    return [
+        p.name
+        for c in kind.__mro__
+        if "__init__" in vars(c)
+        for p in signature(vars(c)["__init__"]).parameters.values()
+        if p.kind is p.KEYWORD_ONLY
+    ]
+
+
+# The package itself imports this file: its name and path are taken from here.
+CLASSES = classes_of(__name__.rpartition(".")[0], [str(Path(__file__).parent)], ("table",))
+INTEGRATORS = named(kind for kind in CLASSES if kind.takes == "derivative")
+# These see mass, forces and constraints of a mechanism, not its derivative alone.
+CONSTRAINED = named(kind for kind in CLASSES if kind.takes == "constrained")
+
+
+def new_integrator(
+    name: str, f: Derivative, t0: float, y0: Array, t_end: float, **options: Any
+) -> Integrator:
+    """Make an integrator of y' = f(t, y) by name, ready to step.
+
+    Raises
+    ------
+    ValueError : unknown name or option, with the nearest known one
+    """
+    made: Integrator = _named(name, INTEGRATORS, options)(f, t0, y0, t_end, **options)
+    return made
+
+
+def new_constrained_integrator(
+    name: str, system: ConstrainedSystem, t0: float, y0: Array, t_end: float, **options: Any
+) -> Integrator:
+    """Make an integrator of a constrained system by name, ready to step.
+
+    Raises
+    ------
+    ValueError : unknown name or option, with the nearest known one
+    """
+    made: Integrator = _named(name, CONSTRAINED, options)(system, t0, y0, t_end, **options)
+    return made
+
+
+def _named(name: str, kinds: dict[str, type[Integrator]], options: dict[str, Any]) -> Any:
+    if name not in kinds:
+        raise ValueError(f"integrator: {_unknown(name, list(kinds))}")
+    kind = kinds[name]
+    known = _options(kind)
+    for option in options:
+        if option not in known:
+            raise ValueError(f"integrator {name}, option: {_unknown(option, known)}")
+    return kind
+
+
+def _unknown(word: str, known: list[str]) -> str:
+    return f"expected one of {', '.join(known)}, got {word!r}{did_you_mean(word, known)}"

@@ -1,0 +1,15 @@
+"""The integrators of this folder and of generic/ by their name in `[solver] integrator`."""
+
+from ..dynamics.constraints.treatment import IMPLICIT
+from . import __name__ as _package
+from . import __path__ as _path
+from .generic.base import Integrator
+from .generic.table import CLASSES, classes_of, named
+
+INTEGRATORS: dict[str, type[Integrator]] = named(
+    [*CLASSES, *classes_of(_package, _path, ("table", "choice", "generic"))]
+)
+
+for _kind in INTEGRATORS.values():
+    if set(_kind.treatments) - set(IMPLICIT):
+        raise ValueError(f"integrator {_kind.name}: treatments: expected some of {IMPLICIT}")
