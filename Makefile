@@ -258,9 +258,19 @@ shell-speed: $(FENICSX) ## Shells of 10 k triangles: time relative to the eigenv
 
 ##@ Tests
 
+# The lowest version that the compiler knows (solver/math/compiled/versions.py), and a NumPy for it.
+LOWEST_NUMBA := 0.62.1
+build/numba-$(LOWEST_NUMBA)/installed: | $(LIGHT)
+	$(PY) -m pip install --quiet --upgrade --target $(@D) numba==$(LOWEST_NUMBA) "numpy<2.4"
+	@touch $@
+
 .PHONY: test
-test: ## All of it: check, test-numba, test-fe, then every case in its coarse version
-	@tools/phases.sh "$(MAKE)" check test-numba test-fe test-cases
+test: $(LIGHT) ## All of it: check, test-numba, test-fe, and every case in its coarse version
+	+@$(PY) tools/phases.py "$(MAKE)" test-setup:1000 check:2 test-fe:2 test-cases test-numba
+
+# Nothing runs beside it (more cores than there are): phases must not install at the same time.
+.PHONY: test-setup
+test-setup: $(LIGHT) $(FENICSX) $(COMPILED) build/numba-$(LOWEST_NUMBA)/installed
 
 .PHONY: check
 check: lint types imports test-light ## Lint, types, import directions and the tests without FEniCSx
@@ -281,18 +291,13 @@ imports: $(LIGHT) ## Allowed directions between modules: import-linter
 
 .PHONY: test-light
 test-light: $(LIGHT) | $(COMPILED) ## Tests without FEniCSx, on two cores
-	$(PY) -m pytest tests --ignore tests/fe -n 2 -q
-
-# The lowest version that the compiler knows (solver/math/compiled/versions.py), and a NumPy for it.
-LOWEST_NUMBA := 0.62.1
-build/numba-$(LOWEST_NUMBA)/installed: | $(LIGHT)
-	$(PY) -m pip install --quiet --upgrade --target $(@D) numba==$(LOWEST_NUMBA) "numpy<2.4"
-	@touch $@
+	$(PY) -m pytest tests --ignore tests/fe -n 2 --dist worksteal -q --durations=10
 
 .PHONY: test-numba
 test-numba: build/numba-$(LOWEST_NUMBA)/installed ## The compiled loops with the lowest Numba that is supported
-	PYTHONPATH=$(CURDIR)/$(<D):$(CURDIR) $(PY) -m pytest -q tests/unit/test_step_loop_contract.py \
-	    tests/unit/test_evaluation.py tests/unit/test_compiled_cache.py
+	PYTHONPATH=$(CURDIR)/$(<D):$(CURDIR) $(PY) -m pytest -q --durations=10 \
+	    tests/unit/test_step_loop_contract.py tests/unit/test_evaluation.py \
+	    tests/unit/test_compiled_cache.py
 
 .PHONY: test-fe
 test-fe: $(LIGHT) ## FE tests on the distribution's DOLFINx and on the wheel, with every core type

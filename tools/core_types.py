@@ -8,9 +8,10 @@ rounding with rounding.
 import os
 import re
 import subprocess
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
+
+from side_by_side import Done, Job
 
 # What the kernels need, in the words of /proc/cpuinfo.
 FLAGS = {
@@ -20,7 +21,7 @@ FLAGS = {
     "Zen": {"avx2", "fma"},
     "SkylakeX": {"avx512f", "avx512cd", "avx512bw", "avx512dq", "avx512vl"},
 }
-AT_ONCE = 2  # processes: the cores that CI has
+VERBOSE = {"OPENBLAS_VERBOSE": "2"}
 
 
 @dataclass(frozen=True)
@@ -43,16 +44,6 @@ class Tests:
     numbers: Path | None = None
 
 
-@dataclass(frozen=True)
-class Result:
-    """What came of one run."""
-
-    tests: Tests
-    core_type: str
-    passed: bool
-    output: str
-
-
 def available(flags: set[str]) -> list[str]:
     """Core types whose kernels a processor with these flags can run."""
     return [name for name, needed in FLAGS.items() if needed <= flags]
@@ -65,11 +56,9 @@ def processor_flags(file: Path = Path("/proc/cpuinfo")) -> set[str]:
     return set(found[1].split()) if found else set()
 
 
-def environment(core_type: str, numbers: Path | None) -> dict[str, str]:
-    """The environment in which tests run with the kernels of a type ("" chooses none)."""
-    changed = {**os.environ, "OPENBLAS_CORETYPE": core_type, "OPENBLAS_NUM_THREADS": "1"}
-    if not core_type:
-        del changed["OPENBLAS_CORETYPE"]
+def variables(core_type: str, numbers: Path | None) -> dict[str, str]:
+    """Variables with which tests run with the kernels of a type."""
+    changed = {"OPENBLAS_CORETYPE": core_type, "OPENBLAS_NUM_THREADS": "1"}
     if numbers is not None:
         changed["PLYMOTION_FE_NUMBERS"] = str(numbers / core_type)
     return changed
@@ -80,7 +69,7 @@ def kernels(tests: Tests, core_type: str) -> frozenset[str]:
     no such copy, or if one of them does not know the type."""
     done = subprocess.run(
         [tests.python, "-c", f"import {tests.loads}"],
-        env={**environment(core_type, None), "OPENBLAS_VERBOSE": "2"},
+        env={**os.environ, **(variables(core_type, None) if core_type else {}), **VERBOSE},
         capture_output=True,
         text=True,
     )
@@ -115,47 +104,22 @@ def choice(tests: Tests) -> Choice:
     return Choice(own, tuple(types))
 
 
-def run_one(tests: Tests, core_type: str) -> Result:
-    """Run the tests with the kernels of one type."""
-    done = subprocess.run(
-        [tests.python, "-m", "pytest", "-q", "-p", "no:cacheprovider", *tests.arguments],
-        env=environment(core_type, tests.numbers),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-    )
-    return Result(tests, core_type, done.returncode == 0, done.stdout)
+def job(tests: Tests, core_type: str) -> Job:
+    """The run of the tests with the kernels of one type."""
+    command = (tests.python, "-m", "pytest", "-q", "-p", "no:cacheprovider", *tests.arguments)
+    title = f"{tests.title}, core type {core_type}"
+    return Job(title, command, environment=variables(core_type, tests.numbers))
 
 
-def run_all(every: list[Tests]) -> tuple[list[Result], list[str]]:
-    """Run all tests with all types, in the order of the list, and print what fails.
-
-    Returns the results, and one line for each entry of the list: which types were run.
-    """
-    with ThreadPoolExecutor(AT_ONCE) as pool:
-        choices = list(pool.map(choice, every))
-        pairs = [
-            (tests, name) for tests, own in zip(every, choices, strict=True) for name in own.types
-        ]
-        results = list(pool.map(lambda pair: run_one(*pair), pairs))
-    for result in results:
-        if not result.passed:
-            print(f"\n== {result.tests.title}, core type {result.core_type}\n{result.output}")
-    lines = [
-        summary(tests.title, own, [result for result in results if result.tests is tests])
-        for tests, own in zip(every, choices, strict=True)
-    ]
-    return results, lines
-
-
-def summary(title: str, choice: Choice, results: list[Result]) -> str:
-    """One line: which types were run, and which failed."""
+def summary(title: str, choice: Choice, results: list[Done]) -> str:
+    """One line: which types were run (one result for each type of the choice) and which failed."""
     if not choice.own:
         return f"{title}: NO CORE TYPES, it has no OpenBLAS that can choose its kernels"
     own = "+".join(sorted(choice.own))
-    if not results:
+    if not choice.types:
         return f"{title}: NO CORE TYPES but {own}, no others are known of this processor"
-    failed = [result.core_type for result in results if not result.passed]
-    listed = ", ".join(result.core_type for result in results)
+    pairs = zip(choice.types, results, strict=True)
+    failed = [core_type for core_type, result in pairs if result.code]
+    listed = ", ".join(choice.types)
     verdict = f"FAILED with {', '.join(failed)}" if failed else "passed"
     return f"{title}: core types {listed} {verdict}; all tests ran with {own}"

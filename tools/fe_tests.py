@@ -1,21 +1,23 @@
-"""Run the FE tests on every available DOLFINx, then compare the numbers.
+"""Run the FE tests on every available DOLFINx, two programs at a time, then compare the numbers.
 
 The distribution's packages and the wheel are the oldest and the newest supported
 version. Each one is installed if possible; otherwise the reason is printed. The tests record the
 numbers they computed in build/fe-numbers/, one file per version; equal inputs must give equal
 numbers (tools/fe_numbers.py).
 
-Then the tests whose result could depend on rounding (KERNEL_TESTS, and LIGHT_KERNEL_TESTS of the
+The tests whose result could depend on rounding (KERNEL_TESTS, and LIGHT_KERNEL_TESTS of the
 package checks) run again with every kernel of OpenBLAS that the processor has
-(tools/core_types.py).
+(tools/core_types.py). The output of each program is printed when it ends; the summary comes last.
 """
 
 import os
 import shutil
 import sys
-import time
+from concurrent.futures import ThreadPoolExecutor
 
-from core_types import Tests, run_all
+from core_types import Choice, Tests, choice
+from core_types import job as job_of_type
+from core_types import summary as summary_of_types
 from fe_numbers import differences, pairs
 from fenicsx_sources import (
     APT_INSTALL,
@@ -29,7 +31,9 @@ from fenicsx_sources import (
     usable,
 )
 from interpreters import output, run, say
+from side_by_side import Done, Job, run_all
 
+AT_ONCE = 2  # programs: the cores that CI has
 NUMBERS = ROOT / "build" / "fe-numbers"
 KERNEL_NUMBERS = ROOT / "build" / "fe-numbers-of-core-types"
 
@@ -105,8 +109,8 @@ def main(arguments: list[str]) -> int:
     for folder in (NUMBERS, KERNEL_NUMBERS):
         shutil.rmtree(folder, ignore_errors=True)
     lines: list[str] = []
-    failed = False
     ran: list[Report] = []
+    jobs: list[Job] = []
     for name, report in ends():
         if isinstance(report, str):
             lines.append(f"{name}: SKIPPED, {report}")
@@ -115,20 +119,35 @@ def main(arguments: list[str]) -> int:
         if not has_pytest(report["python"]):
             lines.append(f"{title}: SKIPPED, it has no pytest and none could be installed")
             continue
-        print(f"\n== FE tests on {title}", flush=True)
-        start = time.monotonic()
-        code = run([report["python"], "-m", "pytest", "-q", "tests/fe", *arguments])
-        seconds = time.monotonic() - start
         ran.append(report)
-        failed = failed or code != 0
-        lines.append(f"{title}: {'passed' if code == 0 else 'FAILED'} in {seconds:.0f} s")
-    failed = compare(len(ran), lines) or failed or not ran
-    if not arguments:
-        failed = with_core_types(ran, lines) or failed
+        jobs.append(Job(title, whole(report, arguments)))
+    chosen = [] if arguments else core_types(ran)
+    for tests, types in chosen:
+        jobs += [job_of_type(tests, name) for name in types.types]
+    results = run_all(jobs, AT_ONCE, ended=show)
+    for done in results[: len(ran)]:
+        verdict = "passed" if done.code == 0 else "FAILED"
+        lines.append(f"{done.job.title}: {verdict} in {done.seconds:.0f} s")
+    failed = compare(len(ran), lines) or not ran or any(done.code for done in results)
+    if chosen:
+        failed = compare_core_types(chosen, results[len(ran) :], lines) or failed
     print()
     for line in lines:
         say(line)
     return int(failed)
+
+
+def whole(report: Report, arguments: list[str]) -> tuple[str, ...]:
+    """The command of all FE tests; two of them at once need caches of their own."""
+    cache = f"cache_dir={ROOT / 'build' / 'pytest-cache'}-{report['dolfinx']}"
+    options = ("-q", "--durations=10", "-o", cache)
+    return (report["python"], "-m", "pytest", *options, "tests/fe", *arguments)
+
+
+def show(done: Done) -> None:
+    """Print the output of a whole run, and of a run with a core type if it failed."""
+    if "core type" not in done.job.title or done.code:
+        print(f"\n== FE tests on {done.job.title}\n{done.output}", end="", flush=True)
 
 
 def compare(ran: int, summary: list[str]) -> bool:
@@ -148,9 +167,8 @@ def compare(ran: int, summary: list[str]) -> bool:
     return bool(lines)
 
 
-def with_core_types(ran: list[Report], lines: list[str]) -> bool:
-    """Run the tests of kernels with every core type; True if any failed or gave other numbers."""
-    start = time.monotonic()
+def core_types(ran: list[Report]) -> list[tuple[Tests, Choice]]:
+    """The tests of kernels of each interpreter, and the core types to run them with."""
     every = [
         Tests(
             f"DOLFINx {report['dolfinx']}",
@@ -162,21 +180,35 @@ def with_core_types(ran: list[Report], lines: list[str]) -> bool:
         for report in ran
     ]
     every.append(Tests("light environment", sys.executable, "scipy.linalg", LIGHT_KERNEL_TESTS))
-    results, summaries = run_all(every)
-    lines += summaries
+    with ThreadPoolExecutor(AT_ONCE) as pool:
+        return list(zip(every, pool.map(choice, every), strict=True))
+
+
+def compare_core_types(
+    chosen: list[tuple[Tests, Choice]], results: list[Done], summary: list[str]
+) -> bool:
+    """Compare the numbers of the core types with those of the whole runs; True if any differ."""
+    left = list(results)
+    for tests, types in chosen:
+        own, left = left[: len(types.types)], left[len(types.types) :]
+        summary.append(summary_of_types(tests.title, types, own))
     files = sorted(KERNEL_NUMBERS.glob("*/*.json"))
     found = [line for file in files for line in differences(NUMBERS / file.name, file, common=True)]
     for line in found:
         print(line, file=sys.stderr)
     if files:
         result = f"FAILED, {len(found)} differences" if found else "equal"
-        lines.append(f"numbers between core types: {result}")
-    lines.append(f"core types took {time.monotonic() - start:.0f} s")
-    return bool(found) or not all(result.passed for result in results)
+        summary.append(f"numbers between core types: {result}")
+    seconds = sum(done.seconds for done in results)
+    summary.append(f"runs with core types took {seconds:.0f} s, {AT_ONCE} at a time")
+    return bool(found)
 
 
 if __name__ == "__main__":
     os.chdir(ROOT)
     os.environ["PYTHONPATH"] = str(ROOT)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    sys.exit(main(sys.argv[1:]))
+    try:
+        sys.exit(main(sys.argv[1:]))
+    except KeyboardInterrupt:
+        sys.exit(130)

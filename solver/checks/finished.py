@@ -75,21 +75,22 @@ class FinishedRun:
         rows = self.some(most)
         return self.solution.t[rows], self.solution.y[rows]
 
-    def scan(self, value: Callable[[float, Array], float], most: int) -> tuple[Array, Array]:
+    def scan(self, values: Callable[[Array, Array], Array], most: int) -> tuple[Array, Array]:
         """Return times (k,) [s] and values (k,) of a quantity whose highest value matters.
 
-        `value` of time and state (n,) is looked at for at most so many output times, and then for
-        those around the highest of them.
+        `values` of times (k,) and states (k, n) are looked at for at most so many output times, and
+        then for those around the highest of them.
         """
         t, y, rows = self.solution.t, self.solution.y, self.some(most)
-        found = {int(k): value(float(t[k]), y[k]) for k in rows}
-        top = int(np.argmax(list(found.values())))
-        first, last = rows[max(top - 1, 0)], rows[min(top + 1, rows.size - 1)]
-        for k in range(int(first), int(last)):
-            if k not in found:
-                found[k] = value(float(t[k]), y[k])
-        seen = sorted(found)
-        return t[seen], np.array([found[k] for k in seen])
+        found = values(t[rows], y[rows])
+        top = int(np.argmax(found))
+        around = np.arange(rows[max(top - 1, 0)], rows[min(top + 1, rows.size - 1)])
+        more = np.setdiff1d(around, rows)
+        if more.size:
+            found = np.concatenate([found, values(t[more], y[more])])
+        seen = np.concatenate([rows, more])
+        order = np.argsort(seen)
+        return t[seen[order]], found[order]
 
     @cached_property
     def past(self) -> recover.History:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..dynamics.model import Model
 from ..dynamics.recover import stiffened
-from ..dynamics.system import assemble
+from ..dynamics.series import mass_matrices
 from ..math.arrays import Array
 from ..mechanism import build
 from ..monitors.spin import SpinMonitor
@@ -53,17 +53,16 @@ def _of_stiffened(run: FinishedRun, i: int) -> Iterator[Finding]:
     """Yield the first instants at which mass or stiffness of a stiffened body is not positive."""
     model, name = run.model, run.built.body_names[i]
     spin = SpinMonitor(model, run.built.body_names, stop=False)
-    j, m = int(model.vel_start[i]), int(model.n_mode[i])
 
-    def negative_mass(t: float, y: Array) -> float:
-        M = assemble(model, t, y).M[j : j + 6 + m, j : j + 6 + m]
-        scale = 1.0 / np.sqrt(np.abs(np.diag(M)))  # to a unit diagonal
-        return -float(np.linalg.eigvalsh(M * np.outer(scale, scale))[0])
+    def negative_mass(t: Array, y: Array) -> Array:
+        M = mass_matrices(model, i, t, y)
+        scale = 1.0 / np.sqrt(np.abs(np.einsum("kii->ki", M)))  # to a unit diagonal
+        return np.asarray(-np.linalg.eigvalsh(M * scale[:, :, None] * scale[:, None, :])[:, 0])
 
-    def softness(t: float, y: Array) -> float:
-        K, lost = spin.matrices(i, y)
+    def softness(t: Array, y: Array) -> Array:
+        elastic = np.array([np.subtract(*spin.matrices(i, state)) for state in y])
         Kg = geometric_stiffness(model, model, i, t, y)
-        return -float(np.linalg.eigvalsh(K - lost + Kg)[0])
+        return np.asarray(-np.linalg.eigvalsh(elastic + Kg)[:, 0])
 
     t, values = run.scan(negative_mass, run.look.stiffening)
     bad = np.flatnonzero(~(-values > INDEFINITE.limit))
@@ -96,11 +95,12 @@ def _of_linear(run: FinishedRun, tables: Model, i: int) -> Iterator[Finding]:
         return
     scale = vectors / np.sqrt(values)
 
-    def share(t: float, y: Array) -> float:
-        if not np.isfinite(y).all():
-            return 0.0
+    def share(t: Array, y: Array) -> Array:
         Kg = scale.T @ geometric_stiffness(model, tables, i, t, y) @ scale
-        return float(np.abs(np.linalg.eigvalsh(Kg)).max()) if np.isfinite(Kg).all() else 0.0
+        found = np.zeros(t.size)
+        known = np.isfinite(Kg).all(axis=(1, 2))
+        found[known] = np.abs(np.linalg.eigvalsh(Kg[known])).max(axis=1)
+        return found
 
     t, shares = run.scan(share, run.look.stiffening)
     largest, when = float(shares.max()), float(t[np.argmax(shares)])

@@ -7,13 +7,14 @@ from multiprocessing import get_context
 
 import numpy as np
 
+from ..dynamics import series
 from ..dynamics.bodies.marker import single_motion
 from ..dynamics.coordinates import moved, position_rates
 from ..dynamics.forces.table import KINDS as FORCE_KINDS
 from ..dynamics.joints.table import KINDS, N_PARAMETER
 from ..dynamics.model import Model
 from ..dynamics.projection import projected
-from ..dynamics.system import assemble, derivative, energies, law_at
+from ..dynamics.system import assemble, derivative, law_at
 from ..dynamics.tables import ForceTable, JointTable, MarkerTable, assemble_model, rigid_body
 from ..integrators.closures import right_hand_side
 from ..integrators.compiled.pencil import factorise_pencil, new_frozen, new_pencil, solve_pencil
@@ -22,7 +23,8 @@ from ..integrators.stepping import GeneralizedAlpha, Radau, StepLoop
 from ..math.arrays import Array
 from ..math.compiled import COMPILED, statistics
 from ..math.laws import polynomial
-from ..math.rotations import rotation_matrix, vector_to_matrix
+from ..math.rotations import rotation_matrices, rotation_matrix, vectors_to_matrices
+from ..signals.points import rotation_vectors
 
 
 def compile_ahead(*, everything: bool = False) -> str:
@@ -101,11 +103,14 @@ def _compile_others() -> None:
     projected(model, 0.0, y)
     RungeKutta8(right_hand_side(model), 0.0, y, 1e-3, first_step=1e-3).step()
     derivative(model, 0.0, y)
+    series.along_solution(model, np.zeros(1), y[None])
     position_rates(model, y[:7], y[7:13])
     moved(model, y[:7], y[7:13])
     single_motion(model, 1, y)
+    series.marker_motions(model, 1, y[None])
     rotation_matrix(y[3:7])
-    vector_to_matrix(y[7:10])
+    rotation_vectors(rotation_matrices(y[None, 3:7]))
+    vectors_to_matrices(y[None, 7:10])
     law_at(model, 0, 0.0)
 
 
@@ -119,4 +124,9 @@ def _compile_evaluation() -> None:
     model = assemble_model([body], markers, joints, [(1, 1.0)], alpha=0.0, forces=forces)
     y = np.zeros(model.n_pos + model.n_vel + 1)
     y[3] = 1.0
-    energies(model, assemble(model, 0.0, y), y)
+    t, states = np.zeros(1), y[None]
+    assemble(model, 0.0, y)
+    series.balance(model, t, states)
+    series.generalised_momenta(model, t, states)
+    series.marker_loads(model, t, states, np.zeros((1, model.n_constraint)))
+    series.mass_matrices(model, 0, t, states)

@@ -9,13 +9,12 @@ come before all other rows at their bodies: a stiff spring beside a joint must n
 made the joint's rows depend on each other.
 """
 
+from collections import Counter
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from ..math.arrays import IntArray
 from ..math.compiled import structure
@@ -155,14 +154,40 @@ def _cost(first: IntArray) -> int:
 
 
 def _narrow(bodies: IntArray) -> list[int]:
-    """Return the order of joints by Cuthill and McKee on the graph of joints that share a body."""
-    joint, side = np.nonzero(bodies >= 0)
-    incidence = coo_matrix(
-        (np.ones(joint.size), (joint, bodies[joint, side])),
-        shape=(len(bodies), int(bodies.max()) + 1),
-    ).tocsr()
-    graph = (incidence @ incidence.T).tocsr()
-    return [int(k) for k in reverse_cuthill_mckee(graph, symmetric_mode=True)]
+    """Return the order of joints by Cuthill and McKee, reversed: joints that share a body meet.
+
+    Breadth first from the joint with the fewest neighbours, these in ascending order of their own
+    neighbours.
+    """
+    pairs = [tuple({body for body in pair if body >= 0}) for pair in bodies.tolist()]
+    at_body: dict[int, list[int]] = {}
+    for k, pair in enumerate(pairs):
+        for body in pair:
+            at_body.setdefault(body, []).append(k)
+    # A joint beside another between the same bodies is met twice.
+    same = Counter(tuple(sorted(pair)) for pair in pairs if len(pair) == 2)
+    degree = [
+        sum(len(at_body[body]) for body in pair) - same.get(tuple(sorted(pair)), 0)
+        for pair in pairs
+    ]
+    order: list[int] = []
+    seen, expanded = [False] * len(pairs), set()
+    for root in sorted(range(len(pairs)), key=degree.__getitem__):
+        if seen[root]:
+            continue
+        seen[root] = True
+        line = [root]
+        for k in line:
+            new: list[int] = []
+            for body in pairs[k]:
+                if body not in expanded:
+                    expanded.add(body)
+                    new += [other for other in at_body[body] if not seen[other]]
+                    for other in at_body[body]:
+                        seen[other] = True
+            line += sorted(new, key=degree.__getitem__)
+        order += line
+    return order[::-1]
 
 
 def _leaves_first(bodies: IntArray) -> list[int]:

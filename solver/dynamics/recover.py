@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..math.arrays import Array
-from ..math.rotations import rotation_matrix
+from ..math.rotations import rotation_matrices
 from ..package.body.schema import Interface
+from . import series
 from .joints.table import NAMES, ROWS
 from .model import Model
-from .system import accelerations, assemble, constraint_rates, energies
 
 
 @dataclass(frozen=True)
@@ -32,17 +32,8 @@ def position_rows(model: Model) -> NDArray[np.bool_]:
 
 def history(model: Model, t: Array, y: Array) -> History:
     """Evaluate multipliers, energies and constraint violations at states y (k, n)."""
-    n, n_c = t.size, model.n_constraint
-    multipliers = np.zeros((n, n_c))
-    energy = np.zeros((n, 3))
-    Phi = np.zeros((n, n_c))
-    Phi_d = np.zeros((n, n_c))
-    for k in range(n):
-        equations = assemble(model, t[k], y[k])
-        Phi[k] = equations.Phi
-        Phi_d[k] = constraint_rates(model, equations, y[k])
-        multipliers[k] = accelerations(model, equations, y[k])[1]
-        energy[k] = energies(model, equations, y[k])
+    _, multipliers = series.along_solution(model, t, y)
+    Phi, Phi_d, energy = series.balance(model, t, y)
     distance = position_rows(model)
     return History(
         multipliers=multipliers,
@@ -61,8 +52,7 @@ def history(model: Model, t: Array, y: Array) -> History:
 def body_frames(model: Model, body: int, y: Array) -> tuple[Array, Array, Array]:
     """Return r_G (k, 3), A_GB (k, 3, 3) and modal coordinates (k, m) of one body."""
     a, m = int(model.pos_start[body]), int(model.n_mode[body])
-    A = np.array([rotation_matrix(p) for p in y[:, a + 3 : a + 7]])
-    return y[:, a : a + 3], A, y[:, a + 7 : a + 7 + m]
+    return y[:, a : a + 3], rotation_matrices(y[:, a + 3 : a + 7]), y[:, a + 7 : a + 7 + m]
 
 
 def stiffened(model: Model, body: int) -> bool:

@@ -7,18 +7,17 @@ import numpy as np
 from ..math.arrays import Array
 from ..math.compiled import inlined, lean
 from ..math.laws import law_value
-from ..math.rotations import rotation_matrix
 from ..math.triple import Triple, cross3, minus3, sum3
 from .bodies.floating_frame import evaluate_bodies
 from .bodies.marker import evaluate_markers
 from .bodies.motion import place
-from .bodies.second_order import second_order_first_moment
 from .constraints.augmented_lagrangian import augmented_lagrangian
 from .constraints.baumgarte import stabilised
 from .constraints.minimum_norm import minimum_norm
 from .constraints.saddle_point import saddle_point
 from .coordinates import rates_into
 from .elimination import factorise, solve
+from .energy import stored_energies
 from .forces.table import FIRST_LOAD, element_wrench
 from .joints.table import joint_rows
 from .model import Model
@@ -426,14 +425,15 @@ def derivative_into(model: Model, work: Work, t: float, y: Array, out: Array) ->
     flatten(model, work.acceleration, out, model.n_pos)
 
 
-def dense_derivative_into(model: Model, work: Work, t: float, y: Array, out: Array) -> None:
-    """As `derivative_into` for any model, by dense linear algebra."""
+def dense_derivative_into(model: Model, work: Work, t: float, y: Array, out: Array) -> Array:
+    """As `derivative_into` for any model, by dense linear algebra; return the multipliers."""
     evaluate(model, work, t, y)
     equations = dense(model, work)
     acceleration, multipliers = accelerations(model, equations, y)
     rates_into(model, y, out)
     out[model.n_pos : model.n_pos + model.n_vel] = acceleration
     out[-1] = multipliers @ equations.Phi_t + equations.power[0]
+    return multipliers
 
 
 def derivative(model: Model, t: float, y: Array) -> Array:
@@ -452,19 +452,6 @@ def energies(model: Model, equations: Equations, y: Array) -> Array:
     Potential energy is that of weight (zero for a mass point at the global origin) and of springs.
     """
     velocities = y[model.n_pos : model.n_pos + model.n_vel]
-    out = np.zeros(3)
-    out[2] = equations.potential[0]
-    out[0] = 0.5 * velocities @ (equations.M @ velocities)
-    for i in range(model.n_body):
-        a = model.pos_start[i]
-        m = model.n_mode[i]
-        one = model.mode_start[i]
-        two = model.square_start[i]
-        q = y[a + 7 : a + 7 + m]
-        out[1] += 0.5 * q @ (model.K_qq[two : two + m * m].reshape(m, m) @ q)
-        first = model.S0[i] + model.S[3 * one : 3 * (one + m)].reshape(3, m) @ q
-        if model.second_start[i + 1] > model.second_start[i]:
-            first += second_order_first_moment(model, i, q)
-        centre = model.mass[i] * y[a : a + 3] + rotation_matrix(y[a + 3 : a + 7]) @ first
-        out[2] -= model.gravity_G @ centre
-    return out
+    strain, weight = stored_energies(model, y[None])[0]
+    kinetic = 0.5 * velocities @ (equations.M @ velocities)
+    return np.array([kinetic, strain, weight + equations.potential[0]])

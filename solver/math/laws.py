@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from .arrays import Array, IntArray
 from .compiled import jit
@@ -121,6 +120,8 @@ def table(times: Sequence[float], values: Sequence[float], *, smooth: bool = Tru
             f"times[{i}] = {t[i]:g}: expected more than {t[i - 1]:g}, times must ascend"
         )
     if smooth:
+        from scipy.interpolate import CubicSpline  # 0.1 s: only for tables
+
         pieces = CubicSpline(t, f).c[::-1].T
     else:
         pieces = np.column_stack([f[:-1], np.diff(f) / np.diff(t)])

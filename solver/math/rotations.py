@@ -38,6 +38,19 @@ def rotation_matrix(p: Array) -> Array:
     return A_GB
 
 
+def rotation_matrices(p: Array) -> Array:
+    """Return A_GB (k, 3, 3) of Euler parameters p (k, 4)."""
+    A_GB = np.empty((len(p), 3, 3))
+    _rotations_into(np.ascontiguousarray(p), A_GB)
+    return A_GB
+
+
+@lean
+def _rotations_into(p: Array, A_GB: Array) -> None:
+    for k in range(p.shape[0]):
+        rotation_into(p[k], A_GB[k])
+
+
 @lean
 def rotation_into(p: Array, A_GB: Array) -> None:
     """Fill A_GB (3, 3) with the rotation of Euler parameters p (4,)."""
@@ -104,9 +117,25 @@ def _about(v: Array, c0: float, c1: float, c2: float) -> Array:
 
 def vector_to_matrix(theta: Array) -> Array:
     """Return exp(theta~) (3, 3), the rotation by |theta| about theta (3,) [rad]."""
-    s = dot(theta, theta)
-    a, b, _, _ = tangent_coefficients(s)  # cos = 1 - s a, sin(x)/x = 1 - s b
-    return _about(theta, 1.0 - s * a, 1.0 - s * b, a)
+    return np.asarray(vectors_to_matrices(theta[None])[0])
+
+
+def vectors_to_matrices(theta: Array) -> Array:
+    """Return exp(theta~) (k, 3, 3) of rotation vectors (k, 3) [rad]."""
+    A = np.empty((len(theta), 3, 3))
+    _exponentials_into(np.ascontiguousarray(theta), A)
+    return A
+
+
+@lean
+def _exponentials_into(theta: Array, A: Array) -> None:
+    for k in range(theta.shape[0]):
+        v = (theta[k, 0], theta[k, 1], theta[k, 2])
+        s = v[0] * v[0] + v[1] * v[1] + v[2] * v[2]
+        a, b, _, _ = tangent_coefficients(s)  # cos = 1 - s a, sin(x)/x = 1 - s b
+        for n in range(3):
+            e = (1.0 if n == 0 else 0.0, 1.0 if n == 1 else 0.0, 1.0 if n == 2 else 0.0)
+            A[k, 0, n], A[k, 1, n], A[k, 2, n] = about(v, 1.0 - s * a, 1.0 - s * b, a, e)
 
 
 def tangent_map(theta: Array) -> Array:

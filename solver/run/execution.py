@@ -1,12 +1,12 @@
 """One run: packages, model, consistent start, integration, results."""
 
 import json
+import sys
 import time
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from tqdm import tqdm
 
 from ..checks.finished import FinishedRun, Look
 from ..errors import InputError, PackageError
@@ -110,19 +110,28 @@ class _Progress:
 
     def __init__(self, watch: Watch, t_end: float, label: str, show: bool) -> None:
         self.watch = watch
-        self.bar = tqdm(
-            total=t_end,
-            desc=label,
-            unit="s",
-            disable=None if show else True,
-            bar_format="{desc}: {percentage:3.0f}% |{bar}| {n:.3f}/{total:.3f} s [{elapsed}]",
-            leave=False,
-            mininterval=0.2,
-        )
+        self.bar: Any = None
+        if show and sys.stderr.isatty():
+            from tqdm import tqdm  # here: without a terminal nothing is drawn
+
+            self.bar = tqdm(
+                total=t_end,
+                desc=label,
+                unit="s",
+                bar_format="{desc}: {percentage:3.0f}% |{bar}| {n:.3f}/{total:.3f} s [{elapsed}]",
+                leave=False,
+                mininterval=0.2,
+            )
 
     def __call__(self, integrator: Integrator) -> StopRequest | None:
-        self.bar.update(integrator.t - self.bar.n)
+        if self.bar is not None:
+            self.bar.update(integrator.t - self.bar.n)
         return self.watch(integrator)
+
+    def close(self) -> None:
+        """Remove the bar."""
+        if self.bar is not None:
+            self.bar.close()
 
 
 def execute(spec: RunSpec, *, progress: bool = True) -> tuple[RunResult, dict[str, Any]]:
@@ -140,7 +149,7 @@ def execute(spec: RunSpec, *, progress: bool = True) -> tuple[RunResult, dict[st
     try:
         finished = integrated(prepared, follow)
     finally:
-        follow.bar.close()
+        follow.close()
     return collect(spec, prepared.measured, finished, time.perf_counter() - begin)
 
 

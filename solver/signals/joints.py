@@ -4,7 +4,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..dynamics.bodies.marker import Marker
 from ..dynamics.joints.contract import Angle, Displacement, Drive
 from ..dynamics.joints.table import CONSTRAINTS, COORDINATES, NAMES
 from ..dynamics.system import law_at
@@ -32,21 +31,22 @@ def reaction(joint: BuiltJoint, signal: ReactionSignal) -> Callable[[Recording],
         found = both[:, :3] if signal.quantity == "force" else both[:, 3:]
         if signal.axes == "joint":
             one, _ = _ends(recording, joint)
-            found = np.array([m.A.T @ v for m, v in zip(one, found, strict=True)])
+            found = np.einsum("kba,kb->ka", recording.axes(one), found)
         return found
 
     return vectors
 
 
-def _ends(recording: Recording, joint: BuiltJoint) -> tuple[list[Marker], list[Marker]]:
-    one, two = (int(k) for k in recording.model.joint_marker[joint.rows[0]])
-    return recording.motions(one), recording.motions(two)
+def _ends(recording: Recording, joint: BuiltJoint) -> tuple[int, int]:
+    one, two = recording.model.joint_marker[joint.rows[0]]
+    return int(one), int(two)
 
 
 def _shifts(recording: Recording, joint: BuiltJoint) -> Array:
     """Return the vector (k, 3) from place one to two in axes of place one [m]."""
     one, two = _ends(recording, joint)
-    return np.array([a.A.T @ (b.x - a.x) for a, b in zip(one, two, strict=True)])
+    arm = recording.position(two) - recording.position(one)
+    return np.asarray(np.einsum("kba,kb->ka", recording.axes(one), arm))
 
 
 def _angles(recording: Recording, joint: BuiltJoint, angle: Angle) -> Array:
@@ -56,9 +56,8 @@ def _angles(recording: Recording, joint: BuiltJoint, angle: Angle) -> Array:
     their mean gives the rotation to within half a turn.
     """
     one, two = _ends(recording, joint)
-    frames, arms = (one, two) if angle.frame == 1 else (two, one)
-    pairs = [_angle(f, a, angle.x, angle.y, angle.arm) for f, a in zip(frames, arms, strict=True)]
-    found, rate = np.array(pairs).T
+    frame, arm = (one, two) if angle.frame == 1 else (two, one)
+    found, rate = _angle(recording, frame, arm, angle)
     steps = 0.5 * (rate[1:] + rate[:-1]) * np.diff(recording.t)
     off = np.diff(found) - steps
     steps += off - 2.0 * np.pi * np.round(off / (2.0 * np.pi))
@@ -66,12 +65,14 @@ def _angles(recording: Recording, joint: BuiltJoint, angle: Angle) -> Array:
     return np.concatenate([[first], first + np.cumsum(steps)])
 
 
-def _angle(frame: Marker, arm: Marker, i: int, j: int, k: int) -> tuple[float, float]:
-    """Angle [rad] and rate [rad/s] of axis k of `arm` from axis i of `frame` towards axis j."""
-    x, y, a = frame.A[:, i], frame.A[:, j], arm.A[:, k]
-    u, v = x @ a, y @ a
-    n = (u * np.cross(a, y) - v * np.cross(a, x)) / (u * u + v * v)
-    return float(np.arctan2(v, u)), float(n @ (arm.w - frame.w))
+def _angle(recording: Recording, frame: int, arm: int, angle: Angle) -> tuple[Array, Array]:
+    """Angle (k,) [rad] and rate (k,) [rad/s] of an axis of `arm` from one of `frame` to another."""
+    A = recording.axes(frame)
+    x, y, a = A[:, :, angle.x], A[:, :, angle.y], recording.axes(arm)[:, :, angle.arm]
+    u, v = np.einsum("ka,ka->k", x, a), np.einsum("ka,ka->k", y, a)
+    n = u[:, None] * np.cross(a, y) - v[:, None] * np.cross(a, x)
+    turning = recording.spin(arm) - recording.spin(frame)
+    return np.arctan2(v, u), np.einsum("ka,ka->k", n, turning) / (u * u + v * v)
 
 
 def _turns(recording: Recording, joint: BuiltJoint, angle: Angle, found: float) -> float:

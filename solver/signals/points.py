@@ -7,7 +7,8 @@ import numpy as np
 from ..dynamics.recover import elastic_motion, stiffened
 from ..inputs.case.signals import PointSignal
 from ..math.arrays import Array
-from ..math.rotations import matrix_to_vector, vector_to_matrix
+from ..math.compiled import lean
+from ..math.rotations import vector_of, vectors_to_matrices
 from ..mechanism import BuiltMechanism
 from .recording import Recording
 
@@ -31,14 +32,14 @@ def point_values(
         return _elastic(built, signal)
     marker = built.signal_marker[name]
     if kind == "position":
-        return lambda recording: np.array([m.x for m in recording.motions(marker)])
+        return lambda recording: recording.position(marker)
     if kind == "velocity":
-        return lambda recording: np.array([m.v for m in recording.motions(marker)])
+        return lambda recording: recording.velocity(marker)
     if kind == "angular_velocity":
-        return lambda recording: np.array([m.w for m in recording.motions(marker)])
+        return lambda recording: recording.spin(marker)
     if kind == "acceleration":
         return lambda recording: recording.acceleration(marker)
-    return lambda recording: rotation_vectors([m.A for m in recording.motions(marker)])
+    return lambda recording: rotation_vectors(recording.axes(marker))
 
 
 def _elastic(built: BuiltMechanism, signal: PointSignal) -> Callable[[Recording], Array]:
@@ -56,26 +57,39 @@ def _elastic(built: BuiltMechanism, signal: PointSignal) -> Callable[[Recording]
         q = recording.modes(body)
         u, _ = elastic_motion(at, q, second_order)
         u_eye, turn = elastic_motion(eye, q, second_order)
-        turned = np.array([vector_to_matrix(theta) for theta in turn])
+        turned = vectors_to_matrices(turn)
         return np.asarray(np.einsum("kba,kb->ka", turned, arm + u - u_eye) - arm)
 
     return seen
 
 
-def rotation_vectors(matrices: list[Array]) -> Array:
-    """Return rotation vectors (k, 3) of matrices (3, 3) without jumps [rad].
+def rotation_vectors(matrices: Array) -> Array:
+    """Return rotation vectors (k, 3) of matrices (k, 3, 3) without jumps [rad].
 
     A rotation vector is determined up to full turns about its axis. The one closest to the
     previous one is used.
     """
     found = np.zeros((len(matrices), 3))
-    before = np.zeros(3)
-    for k, A in enumerate(matrices):
-        theta = matrix_to_vector(np.ascontiguousarray(A))
-        angle = float(np.linalg.norm(theta))
-        size = float(np.linalg.norm(before))
-        # Without rotation or at full turns, use the previous axis.
-        axis = theta / angle if angle > 1e-9 else before / max(size, 1e-9)
-        turns = np.round((before @ axis - angle) / (2.0 * np.pi))
-        before = found[k] = (angle + 2.0 * np.pi * turns) * axis
+    _rotation_vectors(np.ascontiguousarray(matrices), found)
     return found
+
+
+@lean
+def _rotation_vectors(A: Array, found: Array) -> None:
+    b0 = b1 = b2 = 0.0  # the previous one
+    for k in range(A.shape[0]):
+        x = (A[k, 0, 0], A[k, 1, 0], A[k, 2, 0])
+        y = (A[k, 0, 1], A[k, 1, 1], A[k, 2, 1])
+        z = (A[k, 0, 2], A[k, 1, 2], A[k, 2, 2])
+        t0, t1, t2 = vector_of(x, y, z)
+        angle = np.sqrt(t0 * t0 + t1 * t1 + t2 * t2)
+        size = np.sqrt(b0 * b0 + b1 * b1 + b2 * b2)
+        # Without rotation or at full turns, use the previous axis.
+        if angle > 1e-9:
+            a0, a1, a2 = t0 / angle, t1 / angle, t2 / angle
+        else:
+            a0, a1, a2 = b0 / max(size, 1e-9), b1 / max(size, 1e-9), b2 / max(size, 1e-9)
+        turns = np.floor((b0 * a0 + b1 * a1 + b2 * a2 - angle) / (2.0 * np.pi) + 0.5)
+        whole = angle + 2.0 * np.pi * turns
+        b0, b1, b2 = whole * a0, whole * a1, whole * a2
+        found[k, 0], found[k, 1], found[k, 2] = b0, b1, b2

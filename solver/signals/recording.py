@@ -4,10 +4,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ..dynamics.bodies.marker import Marker, marker_motion
+from ..dynamics import series
+from ..dynamics.bodies.motion import ACCELERATION, AXES, PLACE, SPIN, SPIN_RATE, VELOCITY
 from ..dynamics.model import Model
-from ..dynamics.reactions import joint_reactions
-from ..dynamics.system import accelerations, assemble
 from ..math.arrays import Array
 
 
@@ -16,12 +15,28 @@ class Recording:
 
     def __init__(self, model: Model, t: Array, y: Array) -> None:
         self.model, self.t, self.y = model, t, y
-        self._motions: dict[int, list[Marker]] = {}
+        self._motions: dict[int, Array] = {}
 
-    def motions(self, marker: int) -> list[Marker]:
-        """Motion of a marker in every state."""
+    def position(self, marker: int) -> Array:
+        """Position (k, 3) of a marker's origin, global [m]."""
+        return self._motion(marker)[:, PLACE:AXES]
+
+    def axes(self, marker: int) -> Array:
+        """Axes of a marker in columns, global, (k, 3, 3)."""
+        return self._motion(marker)[:, AXES:VELOCITY].reshape(-1, 3, 3)
+
+    def velocity(self, marker: int) -> Array:
+        """Velocity (k, 3) of a marker's origin, global [m/s]."""
+        return self._motion(marker)[:, VELOCITY:SPIN]
+
+    def spin(self, marker: int) -> Array:
+        """Angular velocity (k, 3) of a marker, global [rad/s]."""
+        return self._motion(marker)[:, SPIN:ACCELERATION]
+
+    def _motion(self, marker: int) -> Array:
+        """Row of dynamics/bodies/motion.py of a marker in every state, (k, 24)."""
         if marker not in self._motions:
-            self._motions[marker] = [marker_motion(self.model, marker, y) for y in self.y]
+            self._motions[marker], _ = series.marker_motions(self.model, marker, self.y)
         return self._motions[marker]
 
     def modes(self, body: int) -> Array:
@@ -34,9 +49,12 @@ class Recording:
         body = int(self.model.marker_body[marker])
         if body < 0:
             return np.zeros((len(self.t), 3))
-        j = int(self.model.vel_start[body])
-        own = self._dynamics[0][:, j : j + 6 + int(self.model.n_mode[body])]
-        return np.array([m.J_v @ a + m.a for m, a in zip(self.motions(marker), own, strict=True)])
+        j = self.model.n_pos + int(self.model.vel_start[body])
+        own = self._along[0][:, j : j + 6 + int(self.model.n_mode[body])]
+        motion, J_m = series.marker_motions(self.model, marker, self.y)
+        return np.asarray(
+            np.einsum("kan,kn->ka", J_m[:, :3], own) + motion[:, ACCELERATION:SPIN_RATE]
+        )
 
     def reactions(self, rows: tuple[int, ...], side: int) -> Array:
         """Force and moment of joints on their first or second side, (k, 6), global [N, N m].
@@ -44,19 +62,15 @@ class Recording:
         Sum over the joint tables `rows` of the model, which have the same markers. Moments
         are about the marker of that side, 1 or 2.
         """
-        return np.asarray(self._reactions[:, list(rows), side - 1].sum(axis=1))
+        places = [2 * row + side - 1 for row in rows]
+        return np.asarray(self._loads[:, places].sum(axis=1))
 
     @cached_property
-    def _dynamics(self) -> tuple[Array, Array]:
-        """Accelerations (k, n_vel) and multipliers (k, n_c)."""
-        found = [
-            accelerations(self.model, assemble(self.model, t, y), y)
-            for t, y in zip(self.t, self.y, strict=True)
-        ]
-        return np.array([a for a, _ in found]), np.array([m for _, m in found])
+    def _along(self) -> tuple[Array, Array]:
+        """Rates (k, n) and multipliers (k, n_c)."""
+        return series.along_solution(self.model, self.t, self.y)
 
     @cached_property
-    def _reactions(self) -> Array:
-        """Force and moment of every joint on its two sides, (k, nj, 2, 6)."""
-        states = zip(self.t, self.y, self._dynamics[1], strict=True)
-        return np.array([joint_reactions(self.model, t, y, m) for t, y, m in states])
+    def _loads(self) -> Array:
+        """Force and moment of every joint on its two sides, (k, 2 nj, 6), and of force elements."""
+        return series.marker_loads(self.model, self.t, self.y, self._along[1])

@@ -12,18 +12,26 @@ from plymotion.solver.inputs.case.specs import write_case
 
 pytest.importorskip("numba")
 
-# Names of functions that had to be compiled, and the number of those that were loaded.
-COUNT = """
-import json, sys
-from plymotion.solver.math.compiled import statistics
-print(json.dumps([statistics.compiled, len(statistics.loaded), "numba" in sys.modules]))
-"""
-RUN = """
+# The runs of FILES (name: file and changes of its solver), each in a process of its own: a fork of
+# one that has imported all it needs and called nothing. Each writes, as a line, its name, the
+# names of functions that had to be compiled, the number of those that were loaded, and whether
+# Numba was imported.
+EACH_RUN = """
+import json, os, sys
 from pathlib import Path
+from plymotion.solver.math.compiled import statistics
 from plymotion.solver.run.execution import execute, read_run
-spec = read_run(Path(NAME)).changed({f"solver.{k}": v for k, v in OPTIONS.items()})
-result, summary = execute(spec, progress=False)
-assert summary["completed"], summary
+assert not statistics.loaded and not statistics.compiled
+for name, (file, options) in json.loads(sys.argv[1]).items():
+    if os.fork():
+        assert os.wait()[1] == 0, f"{name} failed, see above"
+        continue
+    spec = read_run(Path(file)).changed({f"solver.{k}": v for k, v in options.items()})
+    result, summary = execute(spec, progress=False)
+    assert summary["completed"], summary
+    row = [name, statistics.compiled, len(statistics.loaded), "numba" in sys.modules]
+    print(json.dumps(row), flush=True)
+    break
 """
 RUNS = {
     "double-pendulum": ("isotropic", {"t_end": 0.002}),
@@ -60,9 +68,9 @@ def ahead():
         pytest.skip("compiled code cannot be kept here: no folder for it can be written")
 
 
-def _python(code: str) -> str:
+def _python(code: str, *arguments: str) -> str:
     done = subprocess.run(
-        [sys.executable, "-c", code],
+        [sys.executable, "-c", code, *arguments],
         env={**os.environ, "PLYMOTION_COMPILED": "1"},
         capture_output=True,
         text=True,
@@ -71,18 +79,29 @@ def _python(code: str) -> str:
     return done.stdout
 
 
+@pytest.fixture(scope="module")
+def found(ahead, repository, tmp_path_factory):
+    """What each run compiled and loaded, by its name."""
+    build = tmp_path_factory.mktemp("compiled")
+    files = {}
+    for name, (run, options) in RUNS.items():
+        case = name.split(" ")[0]
+        folder = build / case
+        if not folder.exists():
+            packages = repository / "tests" / "packages" / case
+            write_case(
+                load_case(repository / "cases" / case / "case.toml"),
+                folder,
+                packages if packages.is_dir() else None,
+            )
+        files[name] = (str(folder / f"runs/{run}.json"), options)
+    rows = [json.loads(line) for line in _python(EACH_RUN, json.dumps(files)).splitlines()]
+    return {name: row for name, *row in rows}
+
+
 @pytest.mark.parametrize("name", RUNS)
-def test_a_run_compiles_nothing(name, ahead, repository, tmp_path):
-    case = name.split(" ")[0]
-    run, options = RUNS[name]
-    packages = repository / "tests" / "packages" / case
-    write_case(
-        load_case(repository / "cases" / case / "case.toml"),
-        tmp_path,
-        packages if packages.is_dir() else None,
-    )
-    code = RUN.replace("NAME", repr(str(tmp_path / f"runs/{run}.json")))
-    missed, loaded, numba = json.loads(_python(code.replace("OPTIONS", repr(options)) + COUNT))
+def test_a_run_compiles_nothing(name, found):
+    missed, loaded, numba = found[name]
     assert not missed, missed
     assert loaded > 5
     assert not numba  # not even imported

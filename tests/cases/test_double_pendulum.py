@@ -201,7 +201,7 @@ def test_plain_numpy_gives_the_same_motion(build, repository):
         "import sys, json; from pathlib import Path\n"
         "from plymotion.solver.run.execution import execute, read_run\n"
         "from plymotion.solver.math.compiled import COMPILED\n"
-        "spec = read_run(Path('runs/isotropic.json')).changed({'solver.t_end': 0.02})\n"
+        "spec = read_run(Path('runs/isotropic.json')).changed({'solver.t_end': 0.002})\n"
         "result, _ = execute(spec, progress=False)\n"
         "print(json.dumps([COMPILED, result.q[-1].tolist()]))\n"
     )

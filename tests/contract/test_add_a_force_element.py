@@ -63,15 +63,16 @@ from plymotion.solver.integrators.stepping import Radau
 
 body = rigid_body("ball", 1.0, np.zeros(3), np.eye(3))
 markers = [MarkerTable(-1, np.zeros(3)), MarkerTable(0, np.zeros(3))]
-for strength in (1.0, 1e8):
+# The stiff one swings 14 times in its short run; plain NumPy takes 5 ms a step.
+for strength, t_end in ((1.0, 0.5), (1e8, 0.005)):
     forces = [ForceTable("m", "magnet", 0, 1, (strength,))]
     model = assemble_model([body], markers, [], forces=forces)
     assert model.plan.newton.place.size == 1
     y0 = np.zeros(14)
     y0[0], y0[3], y0[8] = 1.0, 1.0, 0.5
     atol = np.full(14, 1e-8 if strength == 1.0 else 0.1)
-    made = Radau(model, 0.0, y0, 0.5, rtol=1e-6, atol=atol)
-    done = integrate(made, [0.0, 0.5])
+    made = Radau(model, 0.0, y0, t_end, rtol=1e-6, atol=atol)
+    done = integrate(made, [0.0, t_end])
     assert done.status == "finished", done.message
     total = [energies(model, assemble(model, 0.0, y), y).sum() for y in done.y]
     if strength == 1.0:

@@ -49,6 +49,13 @@ def some_tests(core_types: ModuleType, folder: Path, text: str) -> Any:
     return core_types.Tests("some", sys.executable, "numpy", (str(file),), folder / "numbers")
 
 
+def run(core_types: ModuleType, tests: Any, *types: str) -> list[Any]:
+    import side_by_side
+
+    done: list[Any] = side_by_side.run_all([core_types.job(tests, name) for name in types], 2)
+    return done
+
+
 def test_tests_run_with_the_type_that_is_asked_for(core_types: ModuleType, tmp_path: Path) -> None:
     text = """
 import json, os, pathlib
@@ -57,8 +64,8 @@ def test_type():
     folder.mkdir(parents=True)
     (folder / "type.json").write_text(json.dumps(os.environ["OPENBLAS_CORETYPE"]))
 """
-    result = core_types.run_one(some_tests(core_types, tmp_path, text), "Nehalem")
-    assert result.passed, result.output
+    (result,) = run(core_types, some_tests(core_types, tmp_path, text), "Nehalem")
+    assert result.code == 0, result.output
     assert json.loads((tmp_path / "numbers" / "Nehalem" / "type.json").read_text()) == "Nehalem"
 
 
@@ -71,8 +78,8 @@ def test_by_luck():
     assert os.environ["OPENBLAS_CORETYPE"] != "Nehalem"
 """
     tests = some_tests(core_types, tmp_path, text)
-    results = [core_types.run_one(tests, name) for name in ("Prescott", "Nehalem")]
-    assert [result.passed for result in results] == [True, False]
+    results = run(core_types, tests, "Prescott", "Nehalem")
+    assert [result.code for result in results] == [0, 1]
     assert "test_by_luck" in results[1].output
     choice = core_types.Choice(frozenset({"SkylakeX"}), ("Prescott", "Nehalem"))
     assert core_types.summary("some", choice, results) == (

@@ -83,15 +83,27 @@ def _read(process):
     return float(value), compiled == "True", int(loaded), int(fallbacks), names
 
 
-def test_same_content_in_another_folder_is_found(tmp_path):
-    cache = tmp_path / "cache"
-    assert _call(tmp_path / "one", cache) == (16.0, True, 0, 0, ["entry", "unit"])
-    assert _call(tmp_path / "two", cache) == (16.0, True, 2, 0, [])
+@pytest.fixture(scope="module")
+def compiled_once(tmp_path_factory):
+    """A cache into which the module was compiled."""
+    folder = tmp_path_factory.mktemp("compiled")
+    found = _call(folder / "one", folder / "cache")
+    assert found == (16.0, True, 0, 0, ["entry", "unit"])
+    return folder / "cache"
 
 
-def test_an_edit_compiles_what_it_changes(tmp_path):
-    cache = tmp_path / "cache"
-    _call(tmp_path / "one", cache)
+@pytest.fixture
+def filled(compiled_once, tmp_path):
+    """A copy of that cache for one test."""
+    return Path(shutil.copytree(compiled_once, tmp_path / "cache"))
+
+
+def test_same_content_in_another_folder_is_found(tmp_path, filled):
+    assert _call(tmp_path / "two", filled) == (16.0, True, 2, 0, [])
+
+
+def test_an_edit_compiles_what_it_changes(tmp_path, filled):
+    cache = filled
     # a unit of its own: its callers only know its name
     assert _call(tmp_path / "one", cache, shift=3.0) == (24.0, True, 1, 0, ["unit"])
     # a global constant, of an inlined part
@@ -100,10 +112,8 @@ def test_an_edit_compiles_what_it_changes(tmp_path):
     assert _call(tmp_path / "one", cache) == (16.0, True, 2, 0, [])
 
 
-def test_a_result_of_another_type_compiles_the_callers(tmp_path):
-    cache = tmp_path / "cache"
-    _call(tmp_path / "one", cache)
-    assert _call(tmp_path / "one", cache, shift="(1.0 + 1.0j)")[0::4] == (16.0, ["entry", "unit"])
+def test_a_result_of_another_type_compiles_the_callers(tmp_path, filled):
+    assert _call(tmp_path / "one", filled, shift="(1.0 + 1.0j)")[0::4] == (16.0, ["entry", "unit"])
 
 
 def test_two_processes_at_once(tmp_path):
@@ -115,9 +125,8 @@ def test_two_processes_at_once(tmp_path):
 
 
 @pytest.mark.parametrize("damage", ["cut", "flipped", "empty", "gone"])
-def test_a_damaged_file_is_compiled_anew(tmp_path, damage):
-    cache = tmp_path / "cache"
-    _call(tmp_path / "one", cache)
+def test_a_damaged_file_is_compiled_anew(tmp_path, filled, damage):
+    cache = filled
     for path in (cache / "code").iterdir():
         data = bytearray(path.read_bytes())
         if damage == "cut":
@@ -133,9 +142,8 @@ def test_a_damaged_file_is_compiled_anew(tmp_path, damage):
     assert _call(tmp_path / "one", cache)[4] == []
 
 
-def test_one_lost_unit_is_compiled_before_its_caller_is_loaded(tmp_path):
-    cache = tmp_path / "cache"
-    _call(tmp_path / "one", cache)
+def test_one_lost_unit_is_compiled_before_its_caller_is_loaded(tmp_path, filled):
+    cache = filled
     for path in (cache / "code").iterdir():
         if b":unit" in path.read_bytes().split(b"\n")[1].split(b"units")[0]:
             path.unlink()
@@ -151,9 +159,8 @@ def test_a_cache_that_cannot_be_written(tmp_path):
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
-def test_a_read_only_cache(tmp_path):
-    cache = tmp_path / "cache"
-    _call(tmp_path / "one", cache)
+def test_a_read_only_cache(tmp_path, filled):
+    cache = filled
     for path in (cache / "code", cache):
         path.chmod(0o500)
     try:

@@ -13,6 +13,7 @@ from plymotion.solver.dynamics.reactions import (
     momentum_balance,
     momentum_rates,
 )
+from plymotion.solver.dynamics.series import along_solution
 from plymotion.solver.dynamics.system import accelerations, assemble
 from plymotion.solver.dynamics.tables import (
     ForceTable,
@@ -35,7 +36,7 @@ def test_clamped_bar_by_hand():
     y = np.zeros(14)
     y[3] = 1.0
     _, multipliers = accelerations(model, assemble(model, 0.0, y), y)
-    wall, bar = joint_reactions(model, 0.0, y, multipliers)[0]
+    wall, bar = joint_reactions(model, np.zeros(1), y[None], multipliers[None])[0, 0]
     np.testing.assert_allclose(bar, [0, 19.62, 0, 0, 0, 9.81], atol=1e-12)
     np.testing.assert_allclose(wall, -bar, atol=1e-12)
 
@@ -47,7 +48,7 @@ def test_swinging_pendulum_by_hand():
     y = np.zeros(14)
     y[1], y[3], y[7] = -1.0, 1.0, np.sqrt(2 * 9.81)
     _, multipliers = accelerations(model, assemble(model, 0.0, y), y)
-    rod = joint_reactions(model, 0.0, y, multipliers)[0]
+    rod = joint_reactions(model, np.zeros(1), y[None], multipliers[None])[0, 0]
     np.testing.assert_allclose(rod[1], [0, 3 * 9.81, 0, 0, 0, 0], atol=1e-12)
 
 
@@ -94,9 +95,10 @@ def test_momentum_balance_of_flexible_bodies_with_everything_on_them(kind):
 def test_a_wrong_multiplier_is_noticed():
     sample = chain(2)
     model, y = prepared(sample, Treatment("baumgarte"))
-    _, multipliers = accelerations(model, assemble(model, 0.0, y), y)
-    rates = momentum_rates(model, 0.0, y)
-    right, _ = acting(model, 0.0, y, multipliers)
-    wrong, _ = acting(model, 0.0, y, multipliers * (1 + 1e-6))
+    t, states = np.zeros(1), y[None]
+    along, multipliers = along_solution(model, t, states)
+    rates = momentum_rates(model, t, states, along)
+    right, _ = acting(model, t, states, multipliers)
+    wrong, _ = acting(model, t, states, multipliers * (1 + 1e-6))
     assert np.abs(rates - right).max() < 1e-10
     assert np.abs(rates - wrong).max() > 1e-7

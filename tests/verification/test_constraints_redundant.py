@@ -115,7 +115,7 @@ def test_forces_are_shared_evenly_by_symmetric_joints():
             redundant=6, penalty=penalty, multiplier_tolerance=1e-12, multiplier_iterations=20
         )
         _, multipliers = accelerations(ready, assemble(ready, 0.0, y), y)
-        forces = joint_reactions(ready, 0.0, y, multipliers)
+        forces = joint_reactions(ready, np.zeros(1), y[None], multipliers[None])[0]
         np.testing.assert_allclose(forces[:, 1, 1], [9.81, 9.81], atol=1e-9)
 
 

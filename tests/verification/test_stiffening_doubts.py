@@ -76,7 +76,7 @@ def test_eulers_load_in_numbers():
     """Load at which the lowest eigenvalue vanishes, against pi^2 EI / 4 L^2 less shear."""
     _, model, y = found_codes(-EULER, geometric_stiffening=True)
     stiffness, _ = SpinMonitor(model, ["column"]).matrices(0, y)
-    Kg = geometric_stiffness(model, model, 0, 0.0, y)
+    Kg = geometric_stiffness(model, model, 0, np.zeros(1), y[None])[0]
     largest = np.linalg.eigvals(np.linalg.solve(stiffness, -Kg)).real.max()
     np.testing.assert_allclose(largest, 1.0, rtol=1e-3)
 

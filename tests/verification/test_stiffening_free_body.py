@@ -10,7 +10,7 @@ from flexible_samples import momenta, total_energy
 from stiffening_samples import on_interface
 
 from plymotion.solver.dynamics.bodies.marker import marker_motion
-from plymotion.solver.dynamics.bodies.second_order import stiffening_matrix
+from plymotion.solver.dynamics.bodies.second_order import stiffening_matrices
 from plymotion.solver.dynamics.reactions import momentum_balance
 from plymotion.solver.dynamics.system import (
     accelerations,
@@ -91,7 +91,8 @@ def test_stiffening_in_the_elastic_rows_only_loses_energy():
             v_d, _ = accelerations(linear, equations, state)
             f = equations.f.copy()
             pull = rotation_matrix(state[3:7]).T @ v_d[:3]
-            Kg = stiffening_matrix(model, 0, state[15:18], v_d[3:6], pull, np.zeros(5))
+            held = (state[15:18], v_d[3:6], pull, np.zeros(5))
+            Kg = stiffening_matrices(model, 0, *(part[None] for part in held))[0]
             f[6:] -= Kg @ state[7:12]
             out = derivative(linear, t, state)
             out[12:23] = np.linalg.solve(equations.M, f)

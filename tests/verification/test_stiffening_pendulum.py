@@ -45,7 +45,7 @@ def test_geometric_stiffness_is_the_slope_of_the_forces_at_held_accelerations():
             slope[:, k] += sign * unbalanced(state) / (2.0 * h)
     slope = 0.5 * (slope + slope.T)
     K, lost = SpinMonitor(model, ["arm", "hand"]).matrices(i, y)
-    Kg = geometric_stiffness(model, model, i, 0.0, y)
+    Kg = geometric_stiffness(model, model, i, np.zeros(1), y[None])[0]
     scale = 1.0 / np.sqrt(np.outer(np.diag(K), np.diag(K)))
     geometric = scale * Kg
     gap = scale * (slope - (K - lost + Kg))

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import did_you_mean
-from ...package.common.shares import shard
 from ..described.options import add_command, add_out, add_shared
 from .conventions import CODES
 
@@ -43,7 +42,7 @@ def add_section_command(commands: Any, run: Callable[[argparse.Namespace], int])
     what.add_argument("files", nargs="*", type=Path, metavar="FILE", help="section description")
     what.add_argument("--batch", metavar="LIST", help="many sections, see below")
     what.add_argument(
-        "--shard", type=shard, metavar="k/N", help="only the k-th of N shares of LIST"
+        "--shard", type=_shard, metavar="k/N", help="only the k-th of N shares of LIST"
     )
     what.add_argument(
         "--accuracy",
@@ -76,6 +75,12 @@ def add_section_command(commands: Any, run: Callable[[argparse.Namespace], int])
         help="also the stresses and margins of every ply under these resultants [N, N m]; write "
         "--loads=-1,... if the first is negative",
     )
+
+
+def _shard(text: str) -> tuple[int, int]:
+    from ...package.common.shares import shard
+
+    return shard(text)
 
 
 def _code(text: str) -> str:

@@ -57,7 +57,7 @@ def evaluate_markers(model: Model, work: Work, y: Array) -> None:
     """Fill the motions of all markers of joints and force elements in state y."""
     for n in range(model.plan.marker_used.shape[0]):
         k = model.plan.marker_used[n]
-        _move(model, k, y, work.A[model.marker_body[k]], work.motion[k], work.J_m[k])
+        move_marker(model, k, y, work.A[model.marker_body[k]], work.motion[k], work.J_m[k])
 
 
 def marker_motion(model: Model, k: int, y: Array) -> Marker:
@@ -84,14 +84,14 @@ def single_motion(model: Model, k: int, y: Array) -> tuple[Array, Array]:
         A = np.empty((3, 3))
         p = model.pos_start[body] + 3
         rotation_into(y[p : p + 4], A)
-        _move(model, k, y, A, motion, J_m)
+        move_marker(model, k, y, A, motion, J_m)
     else:
         stand(motion, model.marker_x[k], model.marker_A[k])
     return motion, J_m
 
 
 @lean
-def _move(model: Model, k: int, y: Array, A: Array, motion: Array, J_m: Array) -> None:
+def move_marker(model: Model, k: int, y: Array, A: Array, motion: Array, J_m: Array) -> None:
     """Fill motion (24,) and Jacobian J_m (6, n) of marker k on a body with rotation matrix A.
 
     The translation x = r + A (x_k + phi q) is linear in the modes, or of second order on a

@@ -129,33 +129,44 @@ def bend_marker(
 
 
 def second_order_first_moment(model: Model, i: int, q: Array) -> Array:
-    """Return the second-order term of sum m b of stiffened body i, 1/2 q Z0 q, (3,) [kg m]."""
-    m = q.shape[0]
-    out, slope = np.zeros(3), np.zeros(m)
-    for a in range(3):
-        start = 12 * model.second_start[i] + a * m * m
-        out[a] = 0.5 * contract(model.Z, start, q, q, slope)[0]
-    return out
+    """Return the second-order terms of sum m b of stiffened body i, 1/2 q Z0 q, (k, 3) [kg m].
+
+    q (k, m) are its modal coordinates.
+    """
+    return 0.5 * np.einsum("aij,ki,kj->ka", _distances(model, i)[:3], q, q, optimize=True)
 
 
-def stiffening_matrix(model: Model, i: int, w: Array, w_d: Array, a_B: Array, q_dd: Array) -> Array:
-    """Return the geometric stiffness of stiffened body i's own inertia loads, (m, m) [N m].
+def _distances(model: Model, i: int) -> Array:
+    """Return Z0 and Z1 of stiffened body i, (12, m, m)."""
+    m, two = int(model.n_mode[i]), int(model.second_start[i])
+    return model.Z[12 * two : 12 * (two + m * m)].reshape(12, m, m)
+
+
+def stiffening_matrices(
+    model: Model, i: int, w: Array, w_d: Array, a_B: Array, q_dd: Array
+) -> Array:
+    """Return the geometric stiffness of stiffened body i's own inertia loads, (k, m, m) [N m].
 
     The derivative of the elastic forces by q at constant accelerations: positive in tension,
     negative in compression.
 
     Parameters
     ----------
-    w, w_d : (3,) spin and its rate, body components
-    a_B : (3,) acceleration of the frame origin minus gravity, body components [m/s2]
-    q_dd : (m,) modal accelerations
+    w, w_d : (k, 3) spin and its rate, body components
+    a_B : (k, 3) acceleration of the frame origin minus gravity, body components [m/s2]
+    q_dd : (k, m) modal accelerations
     """
     m = int(model.n_mode[i])
-    two, three = int(model.second_start[i]), int(model.third_start[i])
-    Z = model.Z[12 * two : 12 * (two + m * m)].reshape(12, m, m)
+    three = int(model.third_start[i])
+    Z = _distances(model, i)
     G3 = model.G3[three : three + m**3].reshape(m, m, m)
     # acceleration of a station due to its position: w_d x x + w x (w x x)
-    turning = np.array([[0.0, -w_d[2], w_d[1]], [w_d[2], 0.0, -w_d[0]], [-w_d[1], w_d[0], 0.0]])
-    turning += np.outer(w, w) - (w @ w) * np.eye(3)
-    found = np.tensordot(a_B, Z[:3], 1) + np.tensordot(turning.T, Z[3:].reshape(3, 3, m, m), 2)
-    return np.asarray(found + np.tensordot(q_dd, G3, 1))
+    turning = np.zeros((len(w), 3, 3))
+    turning[:, [2, 0, 1], [1, 2, 0]] = w_d
+    turning[:, [1, 2, 0], [2, 0, 1]] = -w_d
+    turning += w[:, :, None] * w[:, None, :]
+    turning -= np.einsum("ka,ka->k", w, w)[:, None, None] * np.eye(3)
+    turned = turning.transpose(0, 2, 1).reshape(-1, 9)
+    return np.asarray(
+        np.tensordot(a_B, Z[:3], 1) + np.tensordot(turned, Z[3:], 1) + np.tensordot(q_dd, G3, 1)
+    )

@@ -1,7 +1,6 @@
 """Explicit Runge-Kutta methods of Dormand and Prince, orders 8(5,3) and 5(4).
 
-The tableaux are the public class attributes of SciPy's classes; the step loop, the step
-control and the stiffness test are ours.
+The step loop, the step control and the stiffness test; dormand_prince.py has the coefficients.
 """
 
 from abc import ABC, abstractmethod
@@ -9,11 +8,11 @@ from math import isfinite
 from typing import Any, ClassVar
 
 import numpy as np
-from scipy.integrate import DOP853, RK45
 
 from ...math.arrays import Array
 from .advice import SHORTER
 from .base import Dense, Integrator
+from .dormand_prince import Order5, Order8
 
 SAFETY = 0.9
 STIFF_TESTS = 15  # in a row, before the hint is given
@@ -174,7 +173,7 @@ class RungeKutta8(ExplicitRungeKutta):
     meaning = "explicit Runge-Kutta of order 8"
     place = 3
     order = 8
-    A, B, C = DOP853.A, DOP853.B, DOP853.C
+    A, B, C = Order8.A, Order8.B, Order8.C
     n_rows = 16
     integral, min_factor, max_factor = 0.04, 0.333, 6.0
     stability_limit = 5.4
@@ -184,8 +183,8 @@ class RungeKutta8(ExplicitRungeKutta):
     def _error(self, h: float, t_new: float, y_new: Array) -> float:
         K = self._K[: self.B.size]
         weight = self.norm.weight(self.y, y_new)
-        err5 = self.norm(DOP853.E5[:-1].dot(K) * weight)
-        err3 = self.norm(DOP853.E3[:-1].dot(K) * weight)
+        err5 = self.norm(Order8.E5[:-1].dot(K) * weight)
+        err3 = self.norm(Order8.E3[:-1].dot(K) * weight)
         if err5 == 0:
             return 0.0 * err3
         return h * err5 * err5 / (err5 * err5 + 0.01 * err3 * err3) ** 0.5
@@ -193,11 +192,11 @@ class RungeKutta8(ExplicitRungeKutta):
     def _dense(self) -> Dense:
         h, y_old, y_new = self._last
         K, s = self._K, self.B.size + 1
-        for i, (a, c) in enumerate(zip(DOP853.A_EXTRA, DOP853.C_EXTRA, strict=True), start=s):
+        for i, (a, c) in enumerate(zip(Order8.A_EXTRA, Order8.C_EXTRA, strict=True), start=s):
             K[i] = self.derivative(self.t_old + c * h, y_old + h * a[:i].dot(K[:i]))
         step = y_new - y_old
         first = h * K[0] - step
-        F = np.vstack((step, first, step - h * K[s - 1] - first, h * DOP853.D.dot(K)))
+        F = np.vstack((step, first, step - h * K[s - 1] - first, h * Order8.D.dot(K)))
         return _Nested(self.t_old, h, y_old, F)
 
 
@@ -212,7 +211,7 @@ class RungeKutta5(ExplicitRungeKutta):
     meaning = "explicit Runge-Kutta of order 5"
     place = 4
     order = 5
-    A, B, C = RK45.A, RK45.B, RK45.C
+    A, B, C = Order5.A, Order5.B, Order5.C
     n_rows = 7
     integral, min_factor, max_factor = 0.04, 0.2, 10.0
     stability_limit = 2.9
@@ -221,11 +220,11 @@ class RungeKutta5(ExplicitRungeKutta):
 
     def _error(self, h: float, t_new: float, y_new: Array) -> float:
         self._K[-1] = self.derivative(t_new, y_new)
-        return h * self.norm(RK45.E.dot(self._K) * self.norm.weight(self.y, y_new))
+        return h * self.norm(Order5.E.dot(self._K) * self.norm.weight(self.y, y_new))
 
     def _dense(self) -> Dense:
         h, y_old, _ = self._last
-        return Powers(self.t_old, h, y_old, h * RK45.P.T.dot(self._K))
+        return Powers(self.t_old, h, y_old, h * Order5.P.T.dot(self._K))
 
 
 class _Polynomial(ABC):

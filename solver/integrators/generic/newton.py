@@ -4,7 +4,6 @@ from collections.abc import Callable
 from math import isfinite
 
 import numpy as np
-from scipy.linalg.lapack import dgetrf, dgetrs
 
 from ...math.arrays import Array
 from .base import Counters, Derivative
@@ -46,6 +45,10 @@ class SimplifiedNewton:
         self._excess = 0
         self.iterations = 0
         self.trouble = ""
+        # Here: SciPy's linear algebra takes 0.1 s to import, and few integrators use it.
+        from scipy.linalg.lapack import dgetrf, dgetrs
+
+        self._lu_factor, self._lu_solve = dgetrf, dgetrs
 
     def solve(
         self, t: float, predicted: Array, psi: Array, gamma: float, weight: Array
@@ -76,7 +79,7 @@ class SimplifiedNewton:
         matrix = np.array(self._J, order="F")
         matrix *= -gamma
         np.einsum("ii->i", matrix)[:] += 1.0
-        self._lu, self._pivots, _ = dgetrf(matrix, overwrite_a=1)
+        self._lu, self._pivots, _ = self._lu_factor(matrix, overwrite_a=1)
         self._counters.factorisations += 1
         self._gamma_lu = gamma
 
@@ -91,7 +94,7 @@ class SimplifiedNewton:
             correction = self._f(t, y) * gamma
             correction += psi
             correction -= y
-            correction, _ = dgetrs(self._lu, self._pivots, correction, overwrite_b=1)
+            correction, _ = self._lu_solve(self._lu, self._pivots, correction, overwrite_b=1)
             correction *= scale
             size = self._norm(correction * weight)
             if not isfinite(size):

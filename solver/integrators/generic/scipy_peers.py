@@ -4,7 +4,6 @@ import warnings
 from typing import Any, ClassVar
 
 import numpy as np
-from scipy.integrate import BDF, DOP853, LSODA, Radau
 
 from ...math.arrays import Array
 from .base import Dense
@@ -14,7 +13,7 @@ from .peer import Peer
 class _ScipyPeer(Peer):
     """A class of scipy.integrate stepped by hand."""
 
-    kind: ClassVar[Any]
+    kind: ClassVar[str]  # name of the class in scipy.integrate
     implicit: ClassVar[bool] = True
     order = 1
 
@@ -27,7 +26,10 @@ class _ScipyPeer(Peer):
         }
         if self.implicit:
             options["jac"] = self.jacobian
-        self._within = self.kind(self._f_within, self.t, self.y, self.t_end, **options)
+        from scipy import integrate  # here: other integrators do not wait for it
+
+        kind = getattr(integrate, self.kind)
+        self._within = kind(self._f_within, self.t, self.y, self.t_end, **options)
 
     def _step_within(self) -> tuple[float, Array] | None:
         order = self._order()
@@ -55,7 +57,7 @@ class ScipyBdf(_ScipyPeer):
     name = "scipy-bdf"
     meaning = "SciPy's BDF, to compare with"
     place = 11
-    kind = BDF
+    kind = "BDF"
 
     def _shift(self, t: float, y: Array) -> None:
         # Earlier points stay: a difference of any order changes by as much as the newest value.
@@ -72,7 +74,7 @@ class ScipyRadau(_ScipyPeer):
     name = "scipy-radau"
     meaning = "SciPy's Radau, to compare with"
     place = 12
-    kind = Radau
+    kind = "Radau"
     order = 5
 
     def _shift(self, t: float, y: Array) -> None:
@@ -85,7 +87,7 @@ class ScipyDop853(_ScipyPeer):
     name = "scipy-dop853"
     meaning = "SciPy's rk8, to compare with"
     place = 14
-    kind = DOP853
+    kind = "DOP853"
     implicit = False
     order = 8
     limited_above = 2.0
@@ -102,7 +104,7 @@ class ScipyLsoda(_ScipyPeer):
     name = "scipy-lsoda"
     meaning = "SciPy's LSODA, to compare with"
     place = 13
-    kind = LSODA
+    kind = "LSODA"
 
     def _step_within(self) -> tuple[float, Array] | None:
         with warnings.catch_warnings(action="ignore"):  # its failures are our message

@@ -1,0 +1,212 @@
+"""Evaluations of many states in one call: what signals and checks need at the output times.
+
+All functions take times t (k,) and states y (k, n) and return arrays whose first axis is k; memory
+and time are linear in k.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..math.arrays import Array, IntArray
+from ..math.compiled import lean
+from ..math.rotations import rotation_into
+from ..math.triple import cross3, minus3
+from .bodies.marker import move_marker
+from .bodies.motion import N_MOTION, place, stand
+from .energy import stored_energies
+from .forces.table import FIRST_LOAD, element_wrench
+from .model import Model
+from .system import (
+    REGULAR,
+    by_blocks,
+    dense_derivative_into,
+    derivative_into,
+    evaluate,
+    evaluate_rates,
+    law_at,
+)
+from .workspace import PHI, Work, new_work
+
+
+class Balance(NamedTuple):
+    """Constraints and energies of k states."""
+
+    Phi: Array  # (k, n_c)
+    Phi_d: Array  # (k, n_c) its rate
+    energies: Array  # (k, 3) kinetic, strain, potential [J]
+
+
+def along_solution(model: Model, t: Array, y: Array) -> tuple[Array, Array]:
+    """Return dy/dt (k, n) and the multipliers (k, n_c). Paper: Eq. (14).
+
+    The rates are those that are integrated. Multipliers of redundant constraints are those of
+    least norm; with a penalty they are those of the augmented Lagrangian, whether converged or not,
+    so that the balance of momentum tells.
+    """
+    t, y = _contiguous(t, y)
+    rates, multipliers = np.zeros(y.shape), np.zeros((t.size, model.n_constraint))
+    regular, work = np.zeros(t.size), new_work(model)
+    if by_blocks(model):
+        _derivatives(model, work, t, y, rates, multipliers, regular)
+    if model.penalty > 0.0:
+        spare = np.zeros(model.n_pos + model.n_vel + 1)
+        for k in range(t.size):
+            multipliers[k] = dense_derivative_into(model, work, float(t[k]), y[k], spare)
+        return rates, multipliers
+    # Rows that nearly depend on each other: elimination loses digits that pivoting keeps.
+    for k in map(int, np.flatnonzero(regular < REGULAR)):
+        multipliers[k] = dense_derivative_into(model, work, float(t[k]), y[k], rates[k])
+    return rates, multipliers
+
+
+def balance(model: Model, t: Array, y: Array) -> Balance:
+    """Return constraints and energies."""
+    t, y = _contiguous(t, y)
+    Phi, Phi_d = np.zeros((t.size, model.n_constraint)), np.zeros((t.size, model.n_constraint))
+    energies = np.zeros((t.size, 3))
+    _balances(model, new_work(model), t, y, Phi, Phi_d, energies)
+    energies[:, 1:] += stored_energies(model, y)
+    return Balance(Phi, Phi_d, energies)
+
+
+def generalised_momenta(model: Model, t: Array, y: Array) -> Array:
+    """Return M v, (k, n_vel)."""
+    t, y = _contiguous(t, y)
+    found = np.zeros((t.size, model.n_vel))
+    _momenta(model, new_work(model), t, y, found)
+    return found
+
+
+def mass_matrices(model: Model, i: int, t: Array, y: Array) -> Array:
+    """Return the mass matrix of body i, (k, m + 6, m + 6)."""
+    t, y = _contiguous(t, y)
+    n = int(model.plan.size[i])
+    found = np.zeros((t.size, n, n))
+    _masses(model, new_work(model), i, t, y, found)
+    return found
+
+
+def loaded_markers(model: Model) -> IntArray:
+    """Return the marker of each load of `marker_loads`, (n,)."""
+    return np.concatenate([model.joint_marker.ravel(), model.force_marker.ravel()])
+
+
+def marker_loads(model: Model, t: Array, y: Array, multipliers: Array) -> Array:
+    """Return forces [N] and moments [N m] of joints and force elements, (k, n, 6), on both sides.
+
+    Global components; the moment is about the origin of the marker of that side
+    (`loaded_markers`). Those of joints are -C' lambda with the coefficients C of the joint's rows,
+    which do the same virtual work; multipliers (k, n_c). A load from outside acts on the second
+    marker alone.
+    """
+    t, y = _contiguous(t, y)
+    n = model.joint_marker.size + model.force_marker.size
+    found = np.zeros((t.size, n, 6))
+    _loads(model, new_work(model), t, y, np.ascontiguousarray(multipliers), found)
+    return found
+
+
+def marker_motions(model: Model, k: int, y: Array) -> tuple[Array, Array]:
+    """Return the rows of motion.py (k, 24) and the Jacobians (k, 6, m + 6) of marker k."""
+    y = np.ascontiguousarray(y)
+    body = int(model.marker_body[k])
+    n = 6 + int(model.n_mode[body]) if body >= 0 else 0
+    motion, J_m = np.zeros((len(y), N_MOTION)), np.zeros((len(y), 6, n))
+    if body >= 0:
+        _motions(model, k, y, np.zeros((3, 3)), motion, J_m)
+    elif len(y):
+        stand(motion[0], model.marker_x[k], model.marker_A[k])
+        motion[:] = motion[0]
+    return motion, J_m
+
+
+def _contiguous(t: Array, y: Array) -> tuple[Array, Array]:
+    return np.ascontiguousarray(t, dtype=float), np.ascontiguousarray(y, dtype=float)
+
+
+@lean
+def _derivatives(
+    model: Model, work: Work, t: Array, y: Array, rates: Array, multipliers: Array, regular: Array
+) -> None:
+    for k in range(t.shape[0]):
+        derivative_into(model, work, t[k], y[k], rates[k])
+        regular[k] = work.factors.regular[0]
+        for i in range(model.n_constraint):
+            multipliers[k, i] = work.multipliers[i]
+
+
+@lean
+def _balances(
+    model: Model, work: Work, t: Array, y: Array, Phi: Array, Phi_d: Array, energies: Array
+) -> None:
+    for k in range(t.shape[0]):
+        evaluate(model, work, t[k], y[k])
+        evaluate_rates(model, work, y[k])
+        for i in range(model.n_constraint):
+            Phi[k, i], Phi_d[k, i] = work.rows[i, PHI], work.left[i]
+        energies[k, 2] = work.power[1]
+        for i in range(model.n_body):
+            j = model.n_pos + model.vel_start[i]
+            for a in range(model.plan.size[i]):
+                row = 0.5 * work.M[i, a, a] * y[k, j + a]
+                for b in range(a):
+                    row += work.M[i, a, b] * y[k, j + b]
+                energies[k, 0] += row * y[k, j + a]
+
+
+@lean
+def _momenta(model: Model, work: Work, t: Array, y: Array, found: Array) -> None:
+    for k in range(t.shape[0]):
+        evaluate(model, work, t[k], y[k])
+        for i in range(model.n_body):
+            first = model.vel_start[i]
+            j = model.n_pos + first
+            for a in range(model.plan.size[i]):
+                for b in range(a + 1):
+                    found[k, first + a] += work.M[i, a, b] * y[k, j + b]
+                    if b < a:
+                        found[k, first + b] += work.M[i, a, b] * y[k, j + a]
+
+
+@lean
+def _masses(model: Model, work: Work, i: int, t: Array, y: Array, found: Array) -> None:
+    for k in range(t.shape[0]):
+        evaluate(model, work, t[k], y[k])
+        for a in range(model.plan.size[i]):
+            for b in range(a + 1):
+                found[k, a, b] = found[k, b, a] = work.M[i, a, b]
+
+
+@lean
+def _loads(model: Model, work: Work, t: Array, y: Array, multipliers: Array, found: Array) -> None:
+    n_joint = model.joint_kind.shape[0]
+    for k in range(t.shape[0]):
+        evaluate(model, work, t[k], y[k])
+        for i in range(n_joint):
+            for row in range(model.joint_row[i], model.joint_row[i + 1]):
+                for a in range(6):
+                    found[k, 2 * i, a] -= work.rows[row, a] * multipliers[k, row]
+                    found[k, 2 * i + 1, a] -= work.rows[row, 6 + a] * multipliers[k, row]
+        for i in range(model.force_kind.shape[0]):
+            one = work.motion[model.force_marker[i, 0]]
+            two = work.motion[model.force_marker[i, 1]]
+            size, _, _ = law_at(model, model.force_law[i], t[k])
+            wrench = element_wrench(model.force_kind[i], one, two, model.force_parameters[i], size)
+            arm = minus3(place(two), place(one))
+            turn = cross3(arm, wrench.force)
+            at = 2 * (n_joint + i)
+            for a in range(3):
+                found[k, at + 1, a] = wrench.force[a]
+                found[k, at + 1, 3 + a] = wrench.moment[a]
+                if model.force_kind[i] < FIRST_LOAD:
+                    found[k, at, a] = -wrench.force[a]
+                    found[k, at, 3 + a] = -wrench.moment[a] - turn[a]
+
+
+@lean
+def _motions(model: Model, marker: int, y: Array, A: Array, motion: Array, J_m: Array) -> None:
+    p = model.pos_start[model.marker_body[marker]] + 3
+    for k in range(y.shape[0]):
+        rotation_into(y[k, p : p + 4], A)
+        move_marker(model, marker, y[k], A, motion[k], J_m[k])

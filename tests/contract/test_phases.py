@@ -1,0 +1,111 @@
+"""Phases of `make test`: side by side, output in one piece, failures last, Ctrl-C ends all."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+MAKEFILE = """
+good: ; @echo one; sleep 0.2; echo two; echo '1.50s call     tests/test_a.py::test_long'
+bad: ; @echo three; exit 3
+long: ; @echo waiting; sleep 60
+"""
+
+
+@pytest.fixture(scope="module")
+def side_by_side(tools: Path) -> ModuleType:
+    import side_by_side
+
+    return side_by_side
+
+
+def job(side_by_side: ModuleType, code: str, cores: int = 1, **environment: str) -> Any:
+    command = (sys.executable, "-c", "import os, sys, time; " + code)
+    return side_by_side.Job(code, command, cores, environment)
+
+
+def test_jobs_run_on_the_cores_that_there_are(side_by_side: ModuleType) -> None:
+    running: list[int] = []
+    most: list[int] = []
+
+    def started(job: Any) -> None:
+        running.append(job.cores)
+        most.append(sum(min(cores, 3) for cores in running))
+
+    jobs = [job(side_by_side, "time.sleep(0.1)", cores) for cores in (2, 2, 1, 9, 1)]
+    done = side_by_side.run_all(
+        jobs, 3, started=started, ended=lambda done: running.remove(done.job.cores)
+    )
+    assert [each.job for each in done] == jobs
+    assert [each.code for each in done] == [0] * 5
+    assert len(most) == 5
+    assert max(most) == 3
+
+
+def test_results_tell_code_and_output(side_by_side: ModuleType) -> None:
+    jobs = [
+        job(side_by_side, "print('out', flush=True); print('err', file=sys.stderr); sys.exit(3)"),
+        job(side_by_side, "print(os.environ['WORD'])", WORD="own"),
+        side_by_side.Job("none", ("no-such-program",)),
+    ]
+    shown: list[Any] = []
+    done = side_by_side.run_all(jobs, 2, ended=shown.append)
+    assert [(each.code, each.output) for each in done[:2]] == [(3, "out\nerr\n"), (0, "own\n")]
+    assert done[2].code == 127
+    assert "no-such-program" in done[2].output
+    assert sorted(map(id, shown)) == sorted(map(id, done))
+
+
+def phases(folder: Path, tools: Path, *targets: str) -> "subprocess.Popen[str]":
+    (folder / "Makefile").write_text(MAKEFILE)
+    return subprocess.Popen(
+        [sys.executable, "-u", str(tools / "phases.py"), "make", *targets],
+        cwd=folder,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={key: value for key, value in os.environ.items() if not key.startswith("MAKE")},
+    )
+
+
+def test_output_of_a_failure_comes_last_and_fails_all(tmp_path: Path, tools: Path) -> None:
+    process = phases(tmp_path, tools, "bad", "good")
+    output, errors = process.communicate(timeout=60)
+    assert process.returncode == 1, errors
+    begin = [output.index(words) for words in ("one\ntwo\n", "three\n", "where the time went")]
+    assert begin == sorted(begin)
+    end = output[begin[-1] :]
+    assert re.search(r"^bad +FAILED in \d+ s\ngood +passed in \d+ s\n", end, re.MULTILINE)
+    assert "    1.5  tests/test_a.py::test_long\nall " in end
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_ends_all_phases(tmp_path: Path, tools: Path, number: signal.Signals) -> None:
+    process = phases(tmp_path, tools, "good", "long", "long")
+    assert process.stdout is not None
+    for line in process.stdout:
+        if line == "two\n":
+            break
+    start = time.monotonic()
+    process.send_signal(number)
+    output, errors = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert time.monotonic() - start < 9.0  # not by SIGKILL after a wait
+    assert "interrupted" in errors
+    assert output.count("waiting") >= 1  # what they wrote so far
+
+
+def test_slowest_tests_with_their_set_up(tools: Path) -> None:
+    import phases
+
+    output = "x\n0.50s setup    t.py::a[1 2]\n2.00s call     t.py::b\n1.00s call     t.py::a[1 2]\n"
+    assert phases.slowest(output) == [(2.0, "t.py::b"), (1.5, "t.py::a[1 2]")]
+    many = "".join(f"{n}.00s call     t.py::t{n}\n" for n in range(20))
+    assert [seconds for seconds, _ in phases.slowest(many)] == [float(n) for n in range(19, 9, -1)]

@@ -1,0 +1,155 @@
+"""Run programs side by side on a number of cores, each with its output in one piece."""
+
+import os
+import signal
+import subprocess
+import tempfile
+import time
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import IO
+
+POLL = 0.05  # s between two looks at the programs that run
+PATIENCE = 10.0  # s from SIGINT to SIGKILL
+
+
+@dataclass(frozen=True)
+class Job:
+    """A program to run.
+
+    Attributes
+    ----------
+    title : its name in messages
+    command : program and arguments
+    cores : how many cores it uses; no more than there are in all count
+    environment : variables that differ from those of this process
+    """
+
+    title: str
+    command: tuple[str, ...]
+    cores: int = 1
+    environment: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Done:
+    """What came of a job: exit code (127: it did not start), wall time [s] and all it wrote."""
+
+    job: Job
+    code: int
+    seconds: float
+    output: str
+
+
+@dataclass
+class _Running:
+    job: Job
+    process: subprocess.Popen[bytes]
+    file: IO[bytes]
+    start: float
+
+    def done(self) -> Done:
+        self.file.seek(0)
+        text = self.file.read().decode("utf-8", "replace")
+        self.file.close()
+        code = self.process.returncode
+        return Done(self.job, code, time.monotonic() - self.start, text)
+
+
+def run_all(
+    jobs: Iterable[Job],
+    cores: int,
+    *,
+    started: Callable[[Job], object] = lambda job: None,
+    ended: Callable[[Done], object] = lambda done: None,
+) -> list[Done]:
+    """Run jobs, the first ones first, as many at once as fit on the cores.
+
+    Returns the results in the order of the jobs. Ctrl-C, SIGTERM and SIGHUP end all jobs; `ended`
+    is called with what they wrote so far, then KeyboardInterrupt is raised.
+    """
+    order = list(jobs)
+    waiting = list(order)
+    running: list[_Running] = []
+    results: dict[int, Done] = {}
+    old = {number: signal.signal(number, _interrupt) for number in _SIGNALS}
+    try:
+        while waiting or running:
+            free = cores - sum(min(one.job.cores, cores) for one in running)
+            for job in list(waiting):
+                if min(job.cores, cores) <= free:
+                    free -= min(job.cores, cores)
+                    waiting.remove(job)
+                    started(job)
+                    each = _start(job)
+                    if isinstance(each, Done):
+                        results[id(job)] = each
+                        ended(each)
+                    else:
+                        running.append(each)
+            for one in [one for one in running if one.process.poll() is not None]:
+                running.remove(one)
+                results[id(one.job)] = done = one.done()
+                ended(done)
+            if running:
+                time.sleep(POLL)
+    except KeyboardInterrupt:
+        _stop(running)
+        for one in running:
+            ended(one.done())
+        raise
+    finally:
+        for number, handler in old.items():
+            signal.signal(number, handler)
+    return [results[id(job)] for job in order]
+
+
+_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
+def _interrupt(number: int, frame: object) -> None:
+    raise KeyboardInterrupt
+
+
+def _start(job: Job) -> _Running | Done:
+    """Start a job in a session of its own, so that one signal reaches all its processes.
+
+    Other file descriptors stay open: through them the parts of one `make` share its job slots.
+    A handler of SIGINT is set here, so a child does not inherit that SIGINT is ignored, as it is
+    in a command that a shell runs in the background.
+    """
+    file = tempfile.TemporaryFile()  # noqa: SIM115  _Running.done closes it
+    try:
+        process = subprocess.Popen(
+            job.command,
+            stdin=subprocess.DEVNULL,
+            stdout=file,
+            stderr=subprocess.STDOUT,
+            env={**os.environ, **job.environment},
+            close_fds=False,
+            start_new_session=True,
+        )
+    except OSError as error:
+        file.close()
+        return Done(job, 127, 0.0, f"{job.command[0]}: {error.strerror}\n")
+    return _Running(job, process, file, time.monotonic())
+
+
+def _stop(running: list[_Running]) -> None:
+    """End all processes of the jobs: SIGINT, and SIGKILL for those that go on."""
+    for number in _SIGNALS:
+        signal.signal(number, signal.SIG_IGN)  # it takes PATIENCE at most
+    end = time.monotonic() + PATIENCE
+    for number in (signal.SIGINT, signal.SIGKILL):
+        for each in running:
+            try:
+                os.killpg(each.process.pid, number)
+            except ProcessLookupError:
+                continue  # all its processes have ended
+        for each in running:
+            try:
+                each.process.wait(max(0.0, end - time.monotonic()))
+            except subprocess.TimeoutExpired:
+                continue
+    for each in running:
+        each.process.wait()
