@@ -12,6 +12,7 @@ from plymotion.solver.integrators.closures import constrained_system, projection
 from plymotion.solver.integrators.generic import (
     Integrator,
     Solution,
+    Steps,
     integrate,
     new_constrained_integrator,
     new_integrator,
@@ -83,11 +84,14 @@ def run(
     monitor.at_start(0.0, y0)
     rows = [_seen(model, 0.0, y0)]
 
-    def follow(i: Integrator):
-        rows.append(_seen(model, i.t, i.y))
-        return monitor(i)
+    class Follow:
+        note = monitor.note
 
-    solution = integrate(made, times, follow)
+        def __call__(self, steps: Steps):
+            rows.extend(_seen(model, t, y) for t, y in zip(steps.t[1:], steps.y[1:], strict=True))
+            return monitor(steps)
+
+    solution = integrate(made, times, watch=Follow())
     t, position, velocity, energy = np.array(rows).T
     return Run(model, solution, monitor, t, position, velocity, energy)
 

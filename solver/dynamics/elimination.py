@@ -48,7 +48,7 @@ def factorise(plan: Plan, order: Order, factors: Factors, J: Array, softness: Ar
         _reduce_body(n, base, lead, columns, places, profile, L, pivot, J[i], W, S)
         if base > 0:
             _factorise_frame(plan.driven_column[plan.driven_start[i] :], J[i], factors.P[i])
-    factors.regular[0] = _factorise_profile(order, S, factors.S_pivot)
+    factors.regular[0] = factorise_profile(order, S, factors.S_pivot)
 
 
 @inlined
@@ -125,7 +125,7 @@ def _factorise_frame(columns: IntArray, J: Array, P: Array) -> None:
 
 
 @inlined
-def _factorise_profile(order: Order, S: Array, pivot: Array) -> float:
+def factorise_profile(order: Order, S: Array, pivot: Array) -> float:
     """L D L' of a symmetric profile, in place.
 
     Returns the least pivot of a constraint over its diagonal entry before: small where

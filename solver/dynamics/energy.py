@@ -1,30 +1,59 @@
-"""Energies that positions alone decide: strain and weight."""
+"""Energies of a state, in compiled code, and first moments of mass."""
 
 import numpy as np
 
 from ..math.arrays import Array
-from ..math.rotations import rotation_matrices
+from ..math.compiled import inlined, lean
+from ..math.rotations import rotation_into
 from .bodies.second_order import second_order_first_moment
 from .model import Model
+from .workspace import Work
 
 
-def stored_energies(model: Model, y: Array) -> Array:
-    """Return strain and weight's energy at states y (k, n), (k, 2) [J]. Paper: Eq. (3).
-
-    That of weight is zero for a mass point at the global origin.
-    """
-    found = np.zeros((len(y), 2))
+@inlined
+def energies_into(model: Model, work: Work, y: Array, out: Array) -> None:
+    """Fill out (3,) with the energies of state y, after an evaluation there; see `energies`."""
+    kinetic = 0.0
     for i in range(model.n_body):
-        a, m = int(model.pos_start[i]), int(model.n_mode[i])
-        two = int(model.square_start[i])
-        q = y[:, a + 7 : a + 7 + m]
-        found[:, 0] += 0.5 * np.einsum(
-            "ki,ki->k", q, q @ model.K_qq[two : two + m * m].reshape(m, m).T
-        )
-        A = rotation_matrices(y[:, a + 3 : a + 7])
-        centre = np.einsum("kab,kb->ka", A, first_moments(model, i, q))
-        found[:, 1] -= (model.mass[i] * y[:, a : a + 3] + centre) @ model.gravity_G
-    return found
+        j, M, lead = model.n_pos + model.vel_start[i], work.M[i], model.plan.lead[i]
+        for a in range(model.plan.size[i]):
+            momentum = 0.5 * M[a, a] * y[j + a]
+            for b in range(min(a, lead)):
+                momentum += M[a, b] * y[j + b]
+            kinetic += y[j + a] * momentum
+    out[0] = kinetic
+    stored_energies(model, y, work.P, out)
+    out[2] += work.power[1]
+
+
+@lean
+def stored_energies(model: Model, y: Array, A: Array, out: Array) -> None:
+    """Fill strain energy and that of weight, out[1] and out[2] [J]; A (3, 3) is memory."""
+    strain, weight = 0.0, 0.0
+    for i in range(model.n_body):
+        p, m = model.pos_start[i], model.n_mode[i]
+        one, two = 3 * model.mode_start[i], model.square_start[i]
+        second = 12 * model.second_start[i]
+        stiffened = model.second_start[i + 1] > model.second_start[i]
+        rotation_into(y[p + 3 : p + 7], A)
+        for k in range(m):
+            force = 0.0
+            for j in range(m):
+                force += model.K_qq[two + k * m + j] * y[p + 7 + j]
+            strain += 0.5 * y[p + 7 + k] * force
+        for b in range(3):
+            first = model.S0[i, b]
+            for k in range(m):
+                first += model.S[one + b * m + k] * y[p + 7 + k]
+                if stiffened:
+                    for j in range(m):
+                        Z = model.Z[second + (b * m + k) * m + j]
+                        first += 0.5 * Z * y[p + 7 + k] * y[p + 7 + j]
+            for a in range(3):
+                weight -= model.gravity_G[a] * A[a, b] * first
+        for a in range(3):
+            weight -= model.gravity_G[a] * model.mass[i] * y[p + a]
+    out[1], out[2] = strain, weight
 
 
 def first_moments(model: Model, i: int, q: Array) -> Array:

@@ -14,7 +14,7 @@ from ..math.rotations import rotation_into
 from ..math.triple import cross3, minus3
 from .bodies.marker import move_marker
 from .bodies.motion import N_MOTION, place, stand
-from .energy import stored_energies
+from .energy import energies_into
 from .forces.table import FIRST_LOAD, element_wrench
 from .model import Model
 from .system import (
@@ -66,7 +66,6 @@ def balance(model: Model, t: Array, y: Array) -> Balance:
     Phi, Phi_d = np.zeros((t.size, model.n_constraint)), np.zeros((t.size, model.n_constraint))
     energies = np.zeros((t.size, 3))
     _balances(model, new_work(model), t, y, Phi, Phi_d, energies)
-    energies[:, 1:] += stored_energies(model, y)
     return Balance(Phi, Phi_d, energies)
 
 
@@ -145,14 +144,7 @@ def _balances(
         evaluate_rates(model, work, y[k])
         for i in range(model.n_constraint):
             Phi[k, i], Phi_d[k, i] = work.rows[i, PHI], work.left[i]
-        energies[k, 2] = work.power[1]
-        for i in range(model.n_body):
-            j = model.n_pos + model.vel_start[i]
-            for a in range(model.plan.size[i]):
-                row = 0.5 * work.M[i, a, a] * y[k, j + a]
-                for b in range(a):
-                    row += work.M[i, a, b] * y[k, j + b]
-                energies[k, 0] += row * y[k, j + a]
+        energies_into(model, work, y[k], energies[k])
 
 
 @lean

@@ -452,6 +452,8 @@ def energies(model: Model, equations: Equations, y: Array) -> Array:
     Potential energy is that of weight (zero for a mass point at the global origin) and of springs.
     """
     velocities = y[model.n_pos : model.n_pos + model.n_vel]
-    strain, weight = stored_energies(model, y[None])[0]
-    kinetic = 0.5 * velocities @ (equations.M @ velocities)
-    return np.array([kinetic, strain, weight + equations.potential[0]])
+    out = np.zeros(3)
+    out[0] = 0.5 * velocities @ (equations.M @ velocities)
+    stored_energies(model, y, np.empty((3, 3)), out)
+    out[2] += equations.potential[0]
+    return out

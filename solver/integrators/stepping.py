@@ -1,6 +1,7 @@
 """Integrators of mechanisms whose step loop is compiled whole, behind the contract of all."""
 
 from abc import abstractmethod
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from .compiled import course as codes
 from .compiled.alpha import advance_alpha
 from .compiled.alpha_workspace import new_alpha_workspace
 from .compiled.closing import close
-from .compiled.course import Options, new_radau_workspace
+from .compiled.course import Ends, Options, new_radau_workspace
 from .compiled.radau import advance
 from .compiled.tableau import MU
 from .generic import Integrator
@@ -26,9 +27,12 @@ from .generic.alpha_scheme import FORMULATIONS, SPECTRAL_RADIUS, scheme
 from .generic.base import FIRST_STEPS, Dense
 from .generic.explicit import Powers
 from .generic.hermite import Hermite
+from .generic.steps import Steps
 
 # Steps of one call, between which Ctrl-C is heard without loss.
 CHUNK = 200 if COMPILED else 5
+MOST_KEPT = 500_000  # numbers of the steps of one call
+PLACES = ("_begun", "_stood", "_ends")  # no part of what a loop goes on from
 TROUBLE = {
     codes.NEWTON: "the Newton iteration does not converge (or constraints contradict)",
     codes.TOO_ROUGH: "the local error exceeds the tolerance",
@@ -75,21 +79,76 @@ class StepLoop(Integrator):
         self._h_next = float(self._h_next)  # the loops are compiled for numbers of one kind
         self._course = self._begin(rate, work.multipliers)
         self._evaluated = self.counters.evaluations
-        self._nowhere = np.empty(0), np.empty((0, self.n))
+        nowhere = np.empty(0), np.empty((0, self.n))
+        self._nowhere = *nowhere, 0, Ends(*nowhere)
+        self._ends = self._nowhere[3]
+        self._begun: Any = None  # mark of the beginning of the last stride
+        self._stood: Any = None  # step of it after which the loop stands, mark of its end
 
-    def stride(self, times: Array, rows: Array, filled: int) -> int:
+    def stride(self, times: Array, rows: Array, filled: int, keep: bool = False) -> int:
         """Take up to CHUNK steps; the solution at `times` (k,) goes to `rows` (k, n).
 
-        Returns the number of rows filled, of which `filled` were there already.
+        Returns the number of rows filled, of which `filled` were there already. `keep`: keep what
+        `steps_taken` needs.
         """
         watched = self.fixed_step is not None and self.counters.steps < FIRST_STEPS
+        if keep and self._begun is None:
+            most = max(10, min(CHUNK, MOST_KEPT // self.n))
+            self._ends = Ends(np.empty(most), np.empty((most, self.n)))
+        most = 1 if watched else self._ends.t.size if keep else CHUNK
+        self._begun, self._stood = self._mark() if keep else None, None
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            code, filled = self._call(1 if watched else CHUNK, times, rows, filled)
+            code, filled = self._call(most, times, rows, filled, self._ends)
         self._take_over(code)
         return filled
 
+    def steps_taken(self) -> Steps:
+        """Return the steps of the last stride; valid up to the next."""
+        begun = self._begun[0]
+        taken = self.counters.steps - begun["counters"].steps
+        t = np.append(begun["t"], self._ends.t[:taken])
+        y = np.concatenate((begun["y"][None, :], self._ends.y[:taken]))
+        return Steps(t, y, self._stand)
+
+    def _stand(self, i: int) -> Integrator:
+        """Stand after step i of the last stride, by taking the steps up to there again."""
+        if self._stood is None:
+            self._stood = -1, self._mark()
+            self._go_back(self._begun)
+        stood, end = self._stood
+        if i < stood:
+            self._go_back(self._begun)
+            stood = -1
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            for count in (i - stood - 1, 1 if i > stood else 0):  # the last one by itself: t_old
+                if count > 0:
+                    code, _ = self._call(count, *self._nowhere)
+                    self._take_over(code)
+        self._stood = i, end
+        return self
+
+    def take_up(self) -> None:
+        """Stand at the end of the last stride, however much of it was looked at."""
+        if self._stood is not None:
+            self._go_back(self._stood[1])
+            self._stood = None
+
+    def _mark(self) -> Any:
+        """Return all that the steps to come depend on."""
+        kept = {name: value for name, value in vars(self).items() if name not in PLACES}
+        kept |= {"counters": replace(self.counters), "hints": list(self.hints)}
+        return kept, [
+            (array, array.copy()) for array in self._course if isinstance(array, np.ndarray)
+        ]
+
+    def _go_back(self, mark: Any) -> None:
+        kept, arrays = mark
+        vars(self).update(kept | {"counters": replace(kept["counters"])})
+        for array, values in arrays:
+            array[...] = values
+
     def _advance(self) -> None:
-        code, _ = self._call(1, *self._nowhere, 0)
+        code, _ = self._call(1, *self._nowhere)
         self._take_over(code)
 
     def _take_over(self, code: int) -> None:
@@ -126,7 +185,9 @@ class StepLoop(Integrator):
         """Return the course of the run."""
 
     @abstractmethod
-    def _call(self, most: int, times: Array, rows: Array, filled: int) -> tuple[int, int]:
+    def _call(
+        self, most: int, times: Array, rows: Array, filled: int, ends: Ends
+    ) -> tuple[int, int]:
         """Call the compiled loop for `most` steps."""
 
 
@@ -173,8 +234,10 @@ class Radau(StepLoop):
     def _begin(self, rate: Array, multipliers: Array) -> Any:
         return new_radau_workspace(self._model, self.t, self.y, rate, multipliers, self._h_next)
 
-    def _call(self, most: int, times: Array, rows: Array, filled: int) -> tuple[int, int]:
-        return advance(self._model, self._options, self._course, most, times, rows, filled)
+    def _call(
+        self, most: int, times: Array, rows: Array, filled: int, ends: Ends
+    ) -> tuple[int, int]:
+        return advance(self._model, self._options, self._course, most, times, rows, filled, ends)
 
     def _dense(self) -> Dense:
         model, course, h = self._model, self._course, self.h
@@ -266,9 +329,11 @@ class GeneralizedAlpha(StepLoop):
     def _begin(self, rate: Array, multipliers: Array) -> Any:
         return new_alpha_workspace(self._model, self.t, self.y, rate, multipliers, self._h_next)
 
-    def _call(self, most: int, times: Array, rows: Array, filled: int) -> tuple[int, int]:
-        course, options = self._course, self._options
-        return advance_alpha(self._model, options, self._scheme, course, most, times, rows, filled)
+    def _call(
+        self, most: int, times: Array, rows: Array, filled: int, ends: Ends
+    ) -> tuple[int, int]:
+        model, options, course = self._model, self._options, self._course
+        return advance_alpha(model, options, self._scheme, course, most, times, rows, filled, ends)
 
     def _dense(self) -> Dense:
         c = self._course

@@ -4,8 +4,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..dynamics.model import Model
-from ..dynamics.system import Equations, energies
 from ..math.arrays import Array
 from ..results.codes.motion import ENERGY_JUMP
 from ..results.finding import Finding
@@ -19,28 +17,32 @@ class EnergyMonitor:
     force with a jump, a step far too long.
     """
 
-    model: Model
     in_play: float = 0.0  # largest energy, change of potential or work so far [J]
     largest_jump: float = 0.0  # of the balance in one step [J]
     t_jump: float = 0.0
+    balance: float = 0.0  # of the last state [J]
     _start: Array = field(default_factory=lambda: np.zeros(0))
-    _balance: float = 0.0
 
-    def take(self, t: float, equations: Equations, y: Array) -> float:
-        """Take the state of the next step, and return the balance there [J]."""
-        energy = energies(self.model, equations, y)
-        balance = float(energy.sum() - y[-1])
-        first = self._start.size == 0
-        if first:
-            self._start = energy
-        self.in_play = max(
-            self.in_play, energy[0], energy[1], abs(energy[2] - self._start[2]), abs(y[-1])
-        )
-        jump = abs(balance - self._balance)
-        if not first and jump > self.largest_jump:
-            self.largest_jump, self.t_jump = jump, float(t)
-        self._balance = balance
-        return balance
+    def take(self, t: Array, energy: Array, work: Array) -> None:
+        """Take the states after the last ones.
+
+        Parameters
+        ----------
+        t, energy, work : (k,) [s], (k, 3) kinetic, strain, potential [J], (k,) done so far [J]
+        """
+        if t.size == 0:
+            return
+        balance = energy.sum(axis=1) - work
+        if self._start.size == 0:
+            self._start, self.balance = energy[0].copy(), float(balance[0])
+        change = energy[:, 2] - self._start[2]
+        sizes = (energy[:, 0].max(), energy[:, 1].max(), np.abs(change).max(), np.abs(work).max())
+        self.in_play = float(max(self.in_play, *sizes))
+        jumps = np.abs(np.diff(balance, prepend=self.balance))
+        k = int(np.argmax(jumps))
+        if jumps[k] > self.largest_jump:
+            self.largest_jump, self.t_jump = float(jumps[k]), float(t[k])
+        self.balance = float(balance[-1])
 
     def findings(self) -> list[Finding]:
         """Return the largest jump of the run so far, if it is above the threshold."""

@@ -6,25 +6,30 @@ jump of velocity is the right one. A treatment that divides by the vanishing sin
 follows its own rounding instead, often with the energy kept: nothing else would tell.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 
-from ..dynamics.constraints.scaling import scaled_jacobian
 from ..dynamics.constraints.treatment import PASSES_SINGULAR
+from ..dynamics.independence import CERTAIN, begin, scaled_jacobian_into
 from ..dynamics.model import Model
-from ..dynamics.system import assemble
-from ..integrators.generic import Integrator, StopRequest
+from ..dynamics.system import assemble, energies
+from ..integrators.generic import Integrator, Steps, StopRequest
 from ..integrators.generic.base import Dense
+from ..integrators.generic.steps import MOST_NOTED
 from ..math.arrays import Array
 from ..results.codes.course import BRANCH, SINGULAR, SINGULAR_PASSED
 from ..results.finding import Finding
 from .energy import EnergyMonitor
+from .observation import new_observation, note, observe
 
 NEAR, AT = 0.05, 1e-3  # smallest singular value, over the largest that it had in the run
 SMALL_CHANGE = 0.5  # of the scaled Jacobian: one valley at most
 TURN = 0.2  # change of velocity within the neighbourhood of a singular position, relative
 LOSS = 1e-3  # of the energy in play, there
+LOOK, RISE = 0.25, 1.25  # of the pivot where sigma was found last: found again beyond
 GOLDEN = 0.5 * (5.0**0.5 - 1.0)
 
 
@@ -39,10 +44,9 @@ class _Rank:
 
 @dataclass
 class _State:
-    """What is kept of an accepted step."""
+    """What is kept of the end of a step."""
 
     t: float
-    C: Array  # (n_c, n) scaled Jacobian
     velocity: Array  # (n_vel,) scaled by the roots of the inertia
     balance: float  # energy less the work done on the system [J]
 
@@ -51,10 +55,11 @@ class _State:
 class SingularityMonitor:
     """Find singular positions as a run goes through them, and judge how it came out.
 
-    The smallest singular value sigma that counts is followed from step to step. It cannot
-    change by more than the Jacobian C does (Weyl), so that most steps need no decomposition. It
-    has passed through zero where it falls at the beginning of a step and rises at its end,
-    steeply enough; steps in which C changes much are divided for that.
+    The least pivot of H (dynamics/independence.py) certifies for most steps that no singular
+    position lies in them: that is linear in the number of bodies. A step without certificate is
+    divided; where that does not help, or where the pivot is small beside its largest in the run,
+    the smallest singular value sigma that counts is computed. It has passed through zero where
+    it falls at the beginning of a step and rises at its end, steeply enough.
     """
 
     model: Model
@@ -66,11 +71,14 @@ class SingularityMonitor:
 
     def __post_init__(self) -> None:
         self._rank = min(self.model.n_constraint - self.model.redundant, self.model.n_vel)
-        self.energy = EnergyMonitor(self.model)
+        self.energy = EnergyMonitor()
+        self._observation = new_observation(self.model, MOST_NOTED)
+        self._root = np.sqrt(self.model.inertia_scale)
         self._last: _State | None = None
         self._known: _Rank | None = None  # the last that was needed
-        self._path = 0.0  # change of C since then
         self._typical = 0.0  # largest of the smallest singular values so far
+        self._low, self._high = 0.0, 0.0  # pivots beyond which sigma is computed
+        self._largest_pivot = 0.0
         self._before: _State | None = None  # last state before the neighbourhood, if inside it
         self._first_inside: _State | None = None
         self._lowest, self._t_lowest = np.inf, 0.0
@@ -78,47 +86,134 @@ class SingularityMonitor:
 
     def at_start(self, t: float, y: Array) -> None:
         """Take the state that the run starts from."""
+        energy = energies(self.model, assemble(self.model, t, y), y)
+        self.energy.take(np.array([t]), energy[None, :], y[-1:])
         self._last = self._state(t, y)
         if self._rank:
-            self._known = self._decompose(t, self._last.C)
+            self._known = self._decompose(t, y)
+            self._keep_independent(t, y)
 
-    def __call__(self, integrator: Integrator) -> StopRequest | None:
-        """Judge the step just taken; called by `integrate`."""
+    def __call__(self, steps: Steps) -> StopRequest | None:
+        """Judge the steps just taken; called by `integrate`."""
         assert self._last is not None, "at_start comes first"
-        last, now = self._last, self._state(integrator.t, integrator.y)
-        self._last = now
-        if self._known is None:
-            return None
-        self._path += _size(now.C - last.C)
-        if self._before is None and self._path < 0.5 * self._known.sigma:
-            self._regular(last, now)
-            return None
+        count, i = len(steps), 0
+        energy, pivots = self._seen(steps)
+        while i < count:
+            doubt = np.zeros(0, dtype=np.int64)
+            if self._before is not None:
+                doubt = np.array([i])
+            elif self._known is not None:
+                certain = (pivots[i:] > self._low) & (pivots[i:] < self._high)
+                doubt = i + np.flatnonzero(~certain)
+            j = int(doubt[0]) if doubt.size else count
+            self._regular(steps, i, j, energy)
+            if j == count:
+                break
+            request, again = self._look(steps, j, float(pivots[j]), energy[j : j + 1])
+            if request is not None:
+                return request
+            i = j + 1
+            if again and i < count:
+                _, pivots[i:] = self._seen(steps, i)
+        return None
+
+    def _look(
+        self, steps: Steps, i: int, pivot: float, energy: Array
+    ) -> tuple[StopRequest | None, bool]:
+        """Judge step i, which is in doubt; tell whether pivots of later ones must be found anew."""
+        last = self._last
+        assert last is not None
+        assert self._known is not None
         before = self._known
-        if before.t < last.t:
-            before = self._decompose(last.t, last.C)
-        self._known, self._path = self._decompose(now.t, now.C), 0.0
-        interval = self._valley(before, self._known, integrator)
+        if pivot <= CERTAIN and before.t != steps.t[i]:
+            before = self._decompose(steps.t[i], steps.y[i])
+        self.energy.take(steps.t[i + 1 : i + 2], energy, steps.y[i + 1 : i + 2, -1])
+        now = self._last = self._state(steps.t[i + 1], steps.y[i + 1])
+        self._known = self._decompose(now.t, steps.y[i + 1])
+        interval = None
+        if pivot <= CERTAIN:
+            interval = self._valley(before, self._known, steps.at(i))
         sigma = self._known.sigma
         near = sigma < NEAR * self._typical
         if not (near or interval or self._before is not None):
-            self._regular(last, now)
-            return None
+            self._note(last, now)
+            return None, self._adapt(pivot, steps.t[i + 1], steps.y[i + 1])
         if self._before is None:
-            self._before = last
+            self._inside(last)
         elif self._first_inside is None:
             self._first_inside = last
         if interval is not None:
-            self._locate(*interval, integrator.dense_output())
+            self._locate(*interval, steps.dense_output(i))
         elif sigma < self._lowest:
             self._lowest, self._t_lowest = sigma, now.t
         request = None
         if self._lowest < AT * self._typical and self.treatment not in PASSES_SINGULAR:
-            request = self._cannot_pass(integrator)
+            request = self._cannot_pass(steps, i)
         if not near:
-            request = request or self._came_out(integrator, last, now)
-            self._before = self._first_inside = None
+            request = request or self._came_out(last, now)
+            self._inside(None)
+            self._first_inside = None
             self._lowest = np.inf
-        return request
+        return request, False
+
+    def _adapt(self, pivot: float, t: float, y: Array) -> bool:
+        """Take the pivot of a regular step as known; tell whether rows were chosen anew.
+
+        A pivot is of the order of sigma squared, by a factor that depends on which rows are
+        nearly dependent: a small one asks for sigma once, and again only when it has shrunk.
+        """
+        if pivot > self._high:
+            self._largest_pivot = pivot
+            self._limit(LOOK * pivot, RISE * pivot)
+            return False
+        if self.model.redundant and pivot < LOOK * self._largest_pivot:
+            self._keep_independent(t, y)
+            return True
+        self._limit(LOOK * min(pivot, self._low), self._high)
+        return False
+
+    def _keep_independent(self, t: float, y: Array) -> None:
+        """Choose independent rows, as many as count, in state y; start from its pivot."""
+        rows = self._observation.rows
+        if self.model.redundant:
+            from scipy.linalg import qr
+
+            order = qr(self._scaled_jacobian(t, y).T, mode="r", pivoting=True)[-1]
+            rows.kept[:] = 0
+            rows.kept[order[: self._rank]] = 1
+        pivot = begin(self.model, self._observation.work, rows, float(t), y)
+        self._largest_pivot = pivot
+        self._limit(LOOK * pivot, RISE * max(pivot, CERTAIN))
+
+    def _limit(self, low: float, high: float) -> None:
+        """Set the pivots beyond which sigma is computed."""
+        self._low, self._high = max(low, CERTAIN), high
+        self._observation.limits[:] = self._low, self._high
+
+    def _inside(self, before: _State | None) -> None:
+        """Enter the neighbourhood of a singular position, where every step is looked at."""
+        self._before = before
+        self._observation.limits[0] = self._low if before is None else np.inf
+
+    @property
+    def note(self) -> Callable[[float, Array], bool]:
+        """Observes the next step by itself; tells whether it is time to call the monitor."""
+        return partial(note, self.model, self._observation)
+
+    def look_at_spins_above(self, safe: Array) -> None:
+        """Have `note` ask for a look where a body spins faster than safe (nb,) [rad/s]."""
+        self._observation.safe[:] = safe**2
+
+    def _seen(self, steps: Steps, i: int = 0) -> tuple[Array, Array]:
+        """Energies (k, 3) and least pivots (k,) of the steps from i on."""
+        seen, count = self._observation, len(steps) - i
+        noted = int(seen.noted[0])
+        seen.noted[0] = 0
+        if noted:
+            return seen.energy[:noted].copy(), seen.pivots[:noted].copy()
+        energy, pivots = np.empty((count, 3)), np.empty(count)
+        observe(self.model, seen, steps.t[i + 1 :], steps.y[i + 1 :], energy, pivots)
+        return energy, pivots
 
     def explain(self, t: float, y: Array) -> str:
         """Words on a run that failed at (t, y), if it is a singular position that stopped it."""
@@ -130,24 +225,43 @@ class SingularityMonitor:
         return f"{self._where(t, names)}. {self._advice()}"
 
     def _state(self, t: float, y: Array) -> _State:
-        model = self.model
-        equations = assemble(model, t, y)
-        velocity = y[model.n_pos : model.n_pos + model.n_vel] * np.sqrt(model.inertia_scale)
-        C = scaled_jacobian(equations.Phi_q, model.inertia_scale)
-        return _State(t, C, velocity, self.energy.take(t, equations, y))
+        return _State(float(t), self._velocities(y), self.energy.balance)
 
-    def _regular(self, last: _State, now: _State) -> None:
+    def _velocities(self, y: Array) -> Array:
+        """Velocities of states (..., n), scaled by the roots of the inertia."""
+        n_pos = self.model.n_pos
+        return y[..., n_pos : n_pos + self.model.n_vel] * self._root
+
+    def _regular(self, steps: Steps, i: int, j: int, energy: Array) -> None:
+        """Take steps i to j - 1, far from singular positions."""
+        if j == i:
+            return
+        velocity = self._velocities(steps.y[i : j + 1])
+        change = np.sqrt((np.diff(velocity, axis=0) ** 2).sum(axis=1))
+        hardest = float((change / np.diff(steps.t[i : j + 1])).max())
+        self._hardest = max(self._hardest, hardest)
+        self.energy.take(steps.t[i + 1 : j + 1], energy[i:j], steps.y[i + 1 : j + 1, -1])
+        self._last = _State(float(steps.t[j]), velocity[-1], self.energy.balance)
+
+    def _note(self, last: _State, now: _State) -> None:
         change = float(np.linalg.norm(now.velocity - last.velocity))
         self._hardest = max(self._hardest, change / (now.t - last.t))
 
-    def _decompose(self, t: float, C: Array) -> _Rank:
+    def _scaled_jacobian(self, t: float, y: Array) -> Array:
+        """C (n_c, n_vel) of a state, dense."""
+        seen = self._observation
+        C = np.zeros((self.model.n_constraint, self.model.n_vel))
+        scaled_jacobian_into(self.model, seen.work, seen.rows, float(t), y, C)
+        return C
+
+    def _decompose(self, t: float, y: Array) -> _Rank:
+        C = self._scaled_jacobian(t, y)
         sigma = float(np.linalg.svd(C, compute_uv=False)[self._rank - 1])
         self._typical = max(self._typical, sigma)
-        return _Rank(t, C, sigma)
+        return _Rank(float(t), C, sigma)
 
     def _at(self, t: float, dense: Dense) -> _Rank:
-        Phi_q = assemble(self.model, t, dense(t)).Phi_q
-        return self._decompose(t, scaled_jacobian(Phi_q, self.model.inertia_scale))
+        return self._decompose(t, dense(t))
 
     def _valley(self, a: _Rank, b: _Rank, integrator: Integrator) -> tuple[float, float] | None:
         """Return times between which sigma may go through zero; None if it does not."""
@@ -169,8 +283,7 @@ class SingularityMonitor:
 
     def _smallest(self, t: float, y: Array) -> tuple[float, list[str]]:
         """Smallest singular value that counts, and the joints whose rows make it."""
-        C = scaled_jacobian(assemble(self.model, t, y).Phi_q, self.model.inertia_scale)
-        U, s, _ = np.linalg.svd(C, full_matrices=False)
+        U, s, _ = np.linalg.svd(self._scaled_jacobian(t, y), full_matrices=False)
         small = np.flatnonzero(s[: self._rank] < max(NEAR * self._typical, s[self._rank - 1]))
         share = np.abs(U[:, [*small, self._rank - 1]]).max(axis=1)
         row = self.model.joint_row
@@ -211,16 +324,16 @@ class SingularityMonitor:
             '"projection", or "ggl" with integrator = "generalized-alpha"'
         )
 
-    def _cannot_pass(self, integrator: Integrator) -> StopRequest | None:
+    def _cannot_pass(self, steps: Steps, i: int) -> StopRequest | None:
         if self.passes and not self.stop:
             return None
-        t = float(np.clip(self._t_lowest, integrator.t_old, integrator.t))
-        _, names = self._smallest(t, integrator.dense_output()(t))
+        t = float(np.clip(self._t_lowest, steps.t[i], steps.t[i + 1]))
+        _, names = self._smallest(t, steps.dense_output(i)(t))
         text = f"{self._where(t, names)}: a singular position. {self._advice()}"
         self.passes.append(t)
         return self._found(SINGULAR.finding(text, t=t), t)
 
-    def _came_out(self, integrator: Integrator, last: _State, now: _State) -> StopRequest | None:
+    def _came_out(self, last: _State, now: _State) -> StopRequest | None:
         """Judge a passage that is complete: energy kept, velocity continued."""
         before = self._before
         assert before is not None
@@ -238,7 +351,7 @@ class SingularityMonitor:
             f"{loss:.2g} of the energy in play. What follows is not the motion of the mechanism. "
             f"{self._advice()}"
         )
-        return self._found(BRANCH.finding(text, t=self._t_lowest), integrator.t)
+        return self._found(BRANCH.finding(text, t=self._t_lowest), now.t)
 
     def _found(self, finding: Finding, t_stop: float) -> StopRequest | None:
         """Keep a finding; return the request to stop because of it, if asked to."""

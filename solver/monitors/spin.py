@@ -7,7 +7,8 @@ import numpy as np
 from ..dynamics.bodies.floating_frame import centrifugal_matrix
 from ..dynamics.joints.table import RIGID
 from ..dynamics.model import GROUND, Model
-from ..integrators.generic import Integrator, StopRequest
+from ..integrators.generic import Steps, StopRequest
+from ..integrators.generic.base import Dense
 from ..math.arrays import Array
 from ..results.codes.motion import SPIN
 from ..results.finding import Finding
@@ -64,6 +65,7 @@ class SpinMonitor:
             i for i in range(self.model.n_body) if self.model.n_mode[i] > 0 and not stiffened[i]
         ]
         self._safe_spin = {i: self._spin_without_doubt(i) for i in self._flexible}
+        self._lost = {i: self._lost_by_axes(i) for i in self._flexible}
 
     def _spin_without_doubt(self, body: int) -> float:
         """Spin below which the margin is positive about any axis: no eigenvalues needed there."""
@@ -85,6 +87,17 @@ class SpinMonitor:
                 along = c.phi.T @ w
                 lost = lost + c.mass * ((w @ w) * (c.phi.T @ c.phi) - np.outer(along, along))
         return K, lost
+
+    def _lost_by_axes(self, body: int) -> Array:
+        """Return L (3, 3, m, m): the stiffness lost at w is the sum of w_a w_b L_ab."""
+        m, axes = int(self.model.n_mode[body]), np.eye(3)
+        L = np.zeros((3, 3, m, m))
+        for a in range(3):
+            L[a, a] = self._matrices(body, axes[a])[1]
+        for a, b in ((0, 1), (0, 2), (1, 2)):
+            both = self._matrices(body, axes[a] + axes[b])[1]
+            L[a, b] = L[b, a] = 0.5 * (both - L[a, a] - L[b, b])
+        return L
 
     def spin(self, body: int, y: Array) -> Array:
         """Angular velocity (3,) of the body's frame, body components [rad/s]."""
@@ -131,30 +144,51 @@ class SpinMonitor:
         found = [self._found(i, t, y) for i in self.check(y)]
         return found[0] if found and self.stop else None
 
-    def __call__(self, integrator: Integrator) -> StopRequest | None:
-        """Check the step just taken; called by `integrate`."""
-        request = None
+    def __call__(self, steps: Steps) -> StopRequest | None:
+        """Check the steps just taken; called by `integrate`."""
+        first = {}  # body -> step in which it becomes invalid
         invalid = {finding.body for finding in self.findings}
         for i in self._flexible:
-            w = self.spin(i, integrator.y)
-            if w @ w < self._safe_spin[i] ** 2 or self.body_names[i] in invalid:
-                continue
-            if self.margin(i, integrator.y) > 0.0:
-                continue
-            t = self._crossing(i, integrator)
-            found = self._found(i, t, integrator.dense_output()(t))
+            if self.body_names[i] not in invalid:
+                step = self._first_invalid(i, steps)
+                if step is not None:
+                    first[i] = step
+        request = None
+        for i, step in sorted(first.items(), key=lambda entry: entry[1]):
+            if self.stop and step > min(first.values()):
+                break
+            dense = steps.dense_output(step)
+            t = self._crossing(i, steps.t[step], steps.t[step + 1], dense)
+            found = self._found(i, t, dense(t))
             if self.stop and (request is None or t < request.t_stop):
                 request = StopRequest(t, found.text, found.code)
         return request
 
-    def _crossing(self, body: int, integrator: Integrator) -> float:
-        """Bisect the step for the time at which the margin passes zero."""
-        dense = integrator.dense_output()
-        low, high = integrator.t_old, integrator.t
+    def safe_spins(self) -> Array:
+        """Spins below which a body needs no look, (nb,) [rad/s]; inf: none at any spin."""
+        safe = np.full(self.model.n_body, np.inf)
+        for body, spin in self._safe_spin.items():
+            safe[body] = spin
+        return safe
+
+    def _first_invalid(self, body: int, steps: Steps) -> int | None:
+        """Return the first step at whose end a body is invalid; None if there is none."""
+        j = self.model.n_pos + int(self.model.vel_start[body])
+        w = steps.y[1:, j + 3 : j + 6]
+        doubtful = np.flatnonzero(np.einsum("ka,ka->k", w, w) >= self._safe_spin[body] ** 2)
+        if doubtful.size == 0:
+            return None
+        K, _ = self._matrices(body, np.zeros(3))
+        lost = np.einsum("ka,kb,abij->kij", w[doubtful], w[doubtful], self._lost[body])
+        invalid = doubtful[np.linalg.eigvalsh(K - lost)[:, 0] <= 0.0]
+        return int(invalid[0]) if invalid.size else None
+
+    def _crossing(self, body: int, low: float, high: float, dense: Dense) -> float:
+        """Bisect a step for the time at which the margin passes zero."""
         while high - low > 1e-9 * max(1.0, abs(high)):
             middle = 0.5 * (low + high)
             if self.margin(body, dense(middle)) > 0.0:
                 low = middle
             else:
                 high = middle
-        return high
+        return float(high)

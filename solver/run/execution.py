@@ -12,12 +12,12 @@ from ..checks.finished import FinishedRun, Look
 from ..errors import InputError, PackageError
 from ..inputs.case.resolved import resolved
 from ..integrators.choice import make_integrator
-from ..integrators.generic import Integrator, StopRequest, integrate
+from ..integrators.generic import Steps, StopRequest, Watch, integrate
 from ..math.arrays import Array
 from ..package import ModalPackage, read_package
 from ..results import RunResult, write_result, write_summary
 from .outcome import RunSpec, collect
-from .preparation import Prepared, Watch, prepare
+from .preparation import Prepared, prepare
 
 INCOMPLETE = 3  # exit code of a run that ended early with a result
 
@@ -92,7 +92,7 @@ def integrated(
 
     Parameters
     ----------
-    watch : called after each step in place of the monitors, which it must call itself
+    watch : sees the steps in place of the monitors, which it must call itself
     look : at how many output times the checks look
     """
     solver = prepared.mechanism.solver
@@ -100,16 +100,16 @@ def integrated(
     if solution is None:
         integrator = make_integrator(prepared.model, prepared.y0, solver, prepared.treatment)
         times = output_times(solver.t_end, solver.output_step)
-        solution = integrate(integrator, times, watch or prepared.watch)
+        solution = integrate(integrator, times, watch=watch or prepared.watch)
         order = integrator.order
     return prepared.finished(prepared.explained(solution), order, look or Look())
 
 
 class _Progress:
-    """Show simulated time and pass each step on to the monitors."""
+    """Show simulated time and pass the steps on to the monitors."""
 
     def __init__(self, watch: Watch, t_end: float, label: str, show: bool) -> None:
-        self.watch = watch
+        self.watch, self.note = watch, watch.note
         self.bar: Any = None
         if show and sys.stderr.isatty():
             from tqdm import tqdm  # here: without a terminal nothing is drawn
@@ -123,10 +123,10 @@ class _Progress:
                 mininterval=0.2,
             )
 
-    def __call__(self, integrator: Integrator) -> StopRequest | None:
+    def __call__(self, steps: Steps) -> StopRequest | None:
         if self.bar is not None:
-            self.bar.update(integrator.t - self.bar.n)
-        return self.watch(integrator)
+            self.bar.update(steps.t[-1] - self.bar.n)
+        return self.watch(steps)
 
     def close(self) -> None:
         """Remove the bar."""

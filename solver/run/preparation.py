@@ -1,6 +1,6 @@
 """A mechanism ready to be integrated: model, consistent start, monitors, sensors."""
 
-from collections.abc import Callable, Container
+from collections.abc import Container
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,19 +10,18 @@ from ..dynamics.constraints.treatment import Treatment, treated
 from ..dynamics.model import Model
 from ..inputs.case.schema import Mechanism
 from ..integrators.choice import treatment_of
-from ..integrators.generic import Integrator, Solution, StopRequest
+from ..integrators.generic import Solution
 from ..math.arrays import Array
 from ..mechanism import BuiltMechanism, build
 from ..mechanism.equilibrium import starting_state
 from ..mechanism.initial import redundancy
 from ..monitors.singularity import SingularityMonitor
 from ..monitors.spin import SpinMonitor
+from ..monitors.together import Monitors
 from ..package import ModalPackage
 from ..results.codes.course import SINGULAR
 from ..results.finding import Finding
 from ..signals import Sensor, sensors
-
-Watch = Callable[[Integrator], StopRequest | None]
 
 
 @dataclass(frozen=True)
@@ -44,11 +43,10 @@ class Prepared:
         """The model, made ready for its treatment of constraints."""
         return self.built.model
 
-    def watch(self, integrator: Integrator) -> StopRequest | None:
-        """Show the step just taken to all monitors; the earliest of their requests."""
-        found = [monitor(integrator) for monitor in (self.spin, self.passage)]
-        requests = [request for request in found if request is not None]
-        return min(requests, key=lambda request: request.t_stop, default=None)
+    @property
+    def watch(self) -> Monitors:
+        """All monitors."""
+        return Monitors(self.spin, self.passage)
 
     def explained(self, solution: Solution) -> Solution:
         """Return the solution; of a run that failed in a singular position, with words on that."""

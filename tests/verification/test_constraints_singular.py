@@ -110,7 +110,7 @@ def test_a_turn_ends_runs_of_treatments_that_pass_singular_positions():
     made = new_run(exactly, y0, treatment, "rk8", 1.5, rtol=1e-8, atol=1e-10)
     monitor = SingularityMonitor(model, sample.names, "projection")
     monitor.at_start(0.0, y0)
-    solution = integrate(made, [0.0, 1.5], monitor)
+    solution = integrate(made, [0.0, 1.5], watch=monitor)
     assert (solution.status, solution.code) == ("stopped", "branch-change")
     assert "another branch" in solution.message
     assert "t = 0.708" in solution.message

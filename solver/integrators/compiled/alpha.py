@@ -46,8 +46,10 @@ from .course import (
     TOO_ROUGH,
     TOO_SMALL,
     TROUBLE,
+    Ends,
     Options,
     count_step,
+    keep_end,
     next_step,
     refuse,
 )
@@ -67,6 +69,7 @@ def advance_alpha(
     times: Array,
     rows: Array,
     filled: int,
+    ends: Ends,
 ) -> tuple[int, int]:
     """Take steps until t_end or `most_steps` accepted ones; see `advance` (radau.py)."""
     clock, counts, work, stage = course.clock, course.counts, course.work, course.stage
@@ -206,6 +209,7 @@ def advance_alpha(
         factor = max(MIN_FACTOR, min(MAX_FACTOR, factor))
         clock[NEXT] = h if 1.0 <= factor < HYSTERESIS else h * factor
         count_step(clock, counts, h, t_new)
+        keep_end(ends, taken, t_new, course.y)
         taken += 1
         while filled < times.shape[0] and times[filled] <= t_new:
             _interpolate(course, h, (times[filled] - t) / h, rows[filled])

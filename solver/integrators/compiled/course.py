@@ -39,6 +39,23 @@ class Options(NamedTuple):
     closes: bool  # bring every step back onto the constraints
 
 
+@structure
+class Ends(NamedTuple):
+    """Ends of the accepted steps of one call; without room for any where nobody asks for them."""
+
+    t: Array  # (k,) [s]
+    y: Array  # (k, n)
+
+
+@inlined
+def keep_end(ends: Ends, k: int, t: float, y: Array) -> None:
+    """Keep the end of step k of a call."""
+    if k < ends.t.shape[0]:
+        ends.t[k] = t
+        for i in range(y.shape[0]):
+            ends.y[k, i] = y[i]
+
+
 @inlined
 def next_step(options: Options, clock: Array) -> tuple[float, float, bool]:
     """Return the next step [s], its end, and whether it is too small to be taken.

@@ -29,9 +29,11 @@ from .course import (
     TOO_ROUGH,
     TOO_SMALL,
     TROUBLE,
+    Ends,
     Options,
     RadauWorkspace,
     count_step,
+    keep_end,
     next_step,
     refuse,
 )
@@ -70,6 +72,7 @@ def advance(
     times: Array,
     rows: Array,
     filled: int,
+    ends: Ends,
 ) -> tuple[int, int]:
     """Take steps until t_end or `most_steps` accepted ones; return a code and rows filled.
 
@@ -80,6 +83,7 @@ def advance(
     ----------
     times, rows : (k,) [s], (k, n); the solution at times within each step goes to its row
     filled : rows that are there already
+    ends : of the steps taken, as many as it has room for
     """
     clock, counts, work, stage = course.clock, course.counts, course.work, course.stage
     frozen, real, pair = course.frozen, course.real, course.pair
@@ -222,6 +226,7 @@ def advance(
         clock[LIMIT] *= RELAX
         clock[ERROR_LAST] = error
         count_step(clock, counts, h, t_new)
+        keep_end(ends, taken, t_new, course.y)
         taken += 1
         while filled < times.shape[0] and times[filled] <= t_new:
             row = rows[filled]

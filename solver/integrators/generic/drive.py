@@ -8,15 +8,7 @@ import numpy as np
 
 from ...math.arrays import Array
 from .base import Counters, Integrator
-
-
-@dataclass(frozen=True)
-class StopRequest:
-    """Ask the run to end inside the step just taken, at t_stop in [t_old, t]."""
-
-    t_stop: float  # [s]
-    message: str
-    code: str = ""
+from .steps import EachStep, Noted, Steps, StopRequest, Watch
 
 
 @dataclass(frozen=True)
@@ -63,6 +55,8 @@ def integrate(
     integrator: Integrator,
     t_out: Sequence[float] | Array,
     on_step: Callable[[Integrator], StopRequest | None] | None = None,
+    *,
+    watch: Watch | None = None,
 ) -> Solution:
     """Step to the end; the solution at t_out comes from dense output, not the nearest step.
 
@@ -70,74 +64,122 @@ def integrate(
     ----------
     integrator : fresh or part way; times before its present one must not be asked for
     t_out : (k,) strictly ascending times [s]
-    on_step : called after each accepted step; may return a StopRequest
+    on_step : called after each accepted step; may return a StopRequest. Steps of compiled loops
+        are taken one by one for it
+    watch : sees all accepted steps, many at a time; may return a StopRequest. The run ends with
+        the step that it names; steps beyond are dropped
 
     Raises
     ------
-    ValueError : t_out, or a stop request outside the step. Numerical trouble is no
+    ValueError : t_out, or a stop request outside the steps. Numerical trouble is no
         exception but the status of the solution; neither is Ctrl-C.
     """
     times = requested_times(t_out, integrator.t, integrator.t_end)
-    rows: list[Array] = []
-    t_last, y_last = integrator.t, integrator.y
-    if times[0] == t_last:
-        rows.append(y_last.copy())
-    request: StopRequest | None = None
+    drive = _Drive(integrator, times)
     interrupted = False
     try:
-        if integrator.strides and on_step is None:
-            try:
-                _stride(integrator, times, rows)
-            finally:
-                t_last, y_last = integrator.t, integrator.y
-        while integrator.status == "running":
-            integrator.step()
-            if integrator.t == t_last:
-                break
-            if on_step is not None:
-                request = on_step(integrator)
-            t_known = integrator.t if request is None else _inside(request, integrator)
-            stop = int(np.searchsorted(times, t_known, side="right"))
-            if stop > len(rows):
-                rows.extend(_values(integrator, times[len(rows) : stop]))
-            t_last, y_last = integrator.t, integrator.y
-            if request is not None:
-                t_last, y_last = t_known, _values(integrator, np.array([t_known]))[0]
-                break
+        if on_step is not None:
+            drive.step_by_step(EachStep(on_step))
+        elif integrator.strides:
+            drive.by_strides(watch)
+        else:
+            drive.step_by_step(watch)
     except KeyboardInterrupt:
         interrupted = True
-    kept = times[: len(rows)]
-    status, message, code = integrator.status, integrator.message, ""
-    if interrupted:
-        status, message = "interrupted", f"Interrupted at t = {t_last:.9g} s; kept up to there"
-    elif request is not None:
-        status, message, code = "stopped", request.message, request.code
-    if status != "finished" and (kept.size == 0 or kept[-1] < t_last):
-        kept = np.append(kept, t_last)
-        rows.append(y_last)
-    return Solution(
-        t=kept,
-        y=np.array(rows).reshape(kept.size, integrator.n),
-        status=status,
-        message=message,
-        code=code,
-        counters=integrator.counters,
-        hints=tuple(integrator.hints) if interrupted else integrator.final_hints(),
-    )
+    return drive.solution(interrupted)
 
 
-def _stride(integrator: Any, times: Array, rows: list[Array]) -> None:
-    """Let the integrator's own loop run; add the rows it reaches."""
-    times = times.copy()  # of one kind in memory, for a loop that is compiled for it
-    values = np.empty((times.size, integrator.n))
-    filled = len(rows)
-    for k, row in enumerate(rows):
-        values[k] = row
-    try:
-        while integrator.status == "running":
-            filled = integrator.stride(times, values, filled)
-    finally:
-        rows[:] = list(values[:filled])
+class _Drive:
+    """A run under way: what is kept of it."""
+
+    def __init__(self, integrator: Any, times: Array) -> None:
+        self.integrator = integrator
+        self.times = times.copy()  # of one kind in memory, for a loop that is compiled for it
+        self.rows = np.empty((times.size, integrator.n))
+        self.filled = 0
+        self.t_last, self.y_last = integrator.t, integrator.y
+        self.request: StopRequest | None = None
+        if times[0] == self.t_last:
+            self.rows[0] = self.y_last
+            self.filled = 1
+
+    def by_strides(self, watch: Watch | None) -> None:
+        """Let the integrator's own loop run, many steps in one call."""
+        integrator, filled = self.integrator, self.filled
+        try:
+            while integrator.status == "running" and self.request is None:
+                filled = integrator.stride(self.times, self.rows, self.filled, watch is not None)
+                if watch is not None:
+                    self._show(watch, integrator.steps_taken(), filled)
+                if self.request is None:
+                    self._reach(integrator.t, integrator.y, filled)
+        except KeyboardInterrupt:
+            if watch is None:  # in plain NumPy a loop is heard within; rows beyond are not kept
+                filled = int(np.searchsorted(self.times, integrator.t, side="right"))
+                self._reach(integrator.t, integrator.y, max(self.filled, filled))
+            raise
+
+    def step_by_step(self, watch: Watch | None) -> None:
+        """Take the steps one by one."""
+        integrator = self.integrator
+        noted = None if watch is None else Noted(integrator)
+        while integrator.status == "running" and self.request is None:
+            integrator.step()
+            t, y = integrator.t, integrator.y
+            if t == self.t_last:
+                break
+            if watch is not None and noted is not None:
+                full, doubt = noted.add(t, y), watch.note(t, y)
+                if full or doubt:
+                    self.request = watch(noted.taken())
+            if self.request is not None:
+                t = _inside(self.request, integrator)
+                y = _values(integrator, np.array([t]))[0]
+            stop = int(np.searchsorted(self.times, t, side="right"))
+            if stop > self.filled:
+                inside = self.times[self.filled : stop]
+                self.rows[self.filled : stop] = _values(integrator, inside)
+            self._reach(t, y, max(stop, self.filled))
+        if watch is not None and noted is not None and noted.count:
+            watch(noted.taken())
+
+    def _reach(self, t: float, y: Array, filled: int) -> None:
+        self.t_last, self.y_last, self.filled = t, y, filled
+
+    def _show(self, watch: Watch, steps: Steps, filled: int) -> None:
+        """Show the steps of a stride; end the run in the step in which a request lies."""
+        if len(steps) == 0:
+            return
+        self.request = watch(steps)
+        if self.request is None:
+            self.integrator.take_up()
+            return
+        integrator = steps.at(steps.step_at(self.request.t_stop))
+        t = _inside(self.request, integrator)
+        known = int(np.searchsorted(self.times[:filled], t, side="right"))
+        self._reach(t, _values(integrator, np.array([t]))[0], known)
+
+    def solution(self, interrupted: bool) -> Solution:
+        """Return what the run leaves behind."""
+        integrator, kept = self.integrator, self.times[: self.filled]
+        rows = self.rows[: self.filled]
+        status, message, code = integrator.status, integrator.message, ""
+        if interrupted:
+            status = "interrupted"
+            message = f"Interrupted at t = {self.t_last:.9g} s; kept up to there"
+        elif self.request is not None:
+            status, message, code = "stopped", self.request.message, self.request.code
+        if status != "finished" and (kept.size == 0 or kept[-1] < self.t_last):
+            kept, rows = np.append(kept, self.t_last), np.vstack((rows, self.y_last))
+        return Solution(
+            t=kept,
+            y=rows,
+            status=status,
+            message=message,
+            code=code,
+            counters=integrator.counters,
+            hints=tuple(integrator.hints) if interrupted else integrator.final_hints(),
+        )
 
 
 def _values(integrator: Integrator, times: Array) -> Array:
