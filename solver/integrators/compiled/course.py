@@ -14,7 +14,8 @@ from .pencil import Frozen, Pencil, new_frozen, new_pencil
 
 # What a call comes back with; and, of an attempt refused, that a shorter one follows.
 ARRIVED, PAUSED, TOO_SMALL, NOT_FINITE, REFUSED, GOES_ON = 0, 1, 2, 3, 4, 5
-# Entries of `clock`: time, next step, last step; its error and Newton's rate of convergence.
+# Entries of `clock`: time, next step, last step; its error and Newton's rate of convergence; step
+# of the last iteration that failed.
 TIME, NEXT, TAKEN = 0, 1, 2
 ERROR_LAST, RATE, LIMIT = 3, 4, 5
 # Entries of `counts`.
@@ -112,7 +113,7 @@ class RadauWorkspace(NamedTuple):
     Z: Array  # (3, n) changes at the stages
     multipliers: Array  # (3, n_r) at the stages, by row of plan.newton
     multipliers_old: Array  # (3, n_r) at those of the last step
-    anchor: Array  # (3, n_r) those from which softened rows measure
+    predicted: Array  # (3, n_r) at the stages, before the iteration
     power: Array  # (3,) at the stages [W]
     load: Array  # (3, nb, n) what the stages leave: forces,
     gamma: Array  # (3, n_r) constraints and laws of elements

@@ -34,7 +34,6 @@ from ...math.compiled import inlined, lean, structure
 from ...math.rotations import along_parameters
 from .elements import freeze_elements
 
-DEPENDENT = REGULAR
 NOTHING = 1e-100  # of stiffness and damping: an element that holds nothing in a direction
 
 
@@ -127,7 +126,7 @@ def factorise_pencil(
     Rows that depend on each other are softened as in `factorise_mass` (system.py).
     """
     _factorise(model, frozen, pencil, mass, damping, stiffness)
-    if model.penalty > 0.0 and pencil.factors.regular[0] < DEPENDENT:
+    if model.penalty > 0.0 and pencil.factors.regular[0] < REGULAR:
         soften(model, frozen.J, frozen.softness)
         _factorise(model, frozen, pencil, mass, damping, stiffness)
 
@@ -149,8 +148,9 @@ def _factorise(
                 k = two + a * m + b
                 L[6 + a, 6 + b] += stiffness * model.K_qq[k] + damping * model.D_qq[k]
         add_inertia(model, i, mass, L, softness)
+    fed = mass + 2.0 * model.alpha * damping + model.beta**2 * stiffness
     for k in range(n_c):
-        softness[k] = frozen.softness[k] / mass
+        softness[k] = frozen.softness[k] / fed
     first = n_c + plan.added_start[model.n_body]
     for k in range(frozen.stiffness.shape[0]):
         hold = stiffness * frozen.stiffness[k] + damping * frozen.damping[k]

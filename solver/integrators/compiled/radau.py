@@ -37,11 +37,11 @@ from .course import (
     next_step,
     refuse,
 )
-from .pencil import factorise_pencil, freeze, solve_pencil
+from .dependent_rows import factorise_stages, reduce_multipliers, softened, yield_rows
+from .pencil import freeze, solve_pencil
 from .residual import residual
 from .stages import (
     accept,
-    anchor_multipliers,
     collect,
     collect_error,
     complete,
@@ -52,11 +52,11 @@ from .stages import (
     norm,
     place,
     predict,
-    softened,
 )
 from .tableau import MU, NU, C
 
 MAX_ITERATIONS = 10
+# Of a step whose iteration failed: the largest that follows, and its growth with each step.
 CAUTION, RELAX = 0.8, 2.0
 SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 8.0
 # Corrections, over what Newton's iteration may leave: the first, and later ones that do not shrink.
@@ -124,13 +124,10 @@ def advance(
                 if iteration == 1 and k == 1:
                     freeze(model, work, stage, frozen)
             if iteration == 1:
-                factorise_pencil(model, frozen, real, (MU / h) ** 2, MU / h, 1.0)
-                hard = not softened(frozen)
-                factorise_pencil(model, frozen, pair, (NU / h) * (NU / h), NU / h, 1.0)
-                if hard and softened(frozen):  # one and the same softness in both
-                    factorise_pencil(model, frozen, real, (MU / h) ** 2, MU / h, 1.0)
+                factorise_stages(model, course, h)
                 counts[FACTORISATIONS] += 1
             counts[EVALUATIONS] += 3
+            yield_rows(course)
             collect(model, course)
             solve_pencil(model, frozen, real, MU / h)
             solve_pencil(model, frozen, pair, NU / h)
@@ -218,7 +215,7 @@ def advance(
             continue
 
         if softened(frozen):
-            anchor_multipliers(model, course)
+            reduce_multipliers(model, course)
         accept(course, h)
         if clock[TAKEN] > 0.0:  # Gustafsson: errors that grow ask for more care
             factor *= min(1.0, h / clock[TAKEN] * (clock[ERROR_LAST] / error) ** 0.25)

@@ -2,12 +2,10 @@
 
 import numpy as np
 
-from ...dynamics.elimination import solve
 from ...dynamics.model import Model
 from ...math.arrays import Array
 from ...math.compiled import inlined
 from .course import Options, RadauWorkspace
-from .pencil import Frozen
 from .residual import rest
 from .tableau import A_INVERSE, ERROR, POWERS, T_INVERSE, A, C, T
 
@@ -29,7 +27,7 @@ def predict(course: RadauWorkspace, h: float, last: float) -> None:
             Z[k, i] = x * (Q[0, i] + x * (Q[1, i] + x * Q[2, i])) - whole
         for i in range(L.shape[1]):
             L[k, i] = w0 * L_old[0, i] + w1 * L_old[1, i] + w2 * L_old[2, i]
-            course.anchor[k, i] = L[k, i]
+            course.predicted[k, i] = L[k, i]
 
 
 @inlined
@@ -47,10 +45,6 @@ def collect(model: Model, course: RadauWorkspace) -> None:
     """Hand what the stages leave to the pencils: T^-1 takes them apart."""
     real, pair = course.real, course.pair
     load, gamma, r = course.load, course.gamma, course.r
-    soft, L = course.frozen.softness, course.multipliers
-    for k in range(3):
-        for i in range(soft.shape[0]):
-            gamma[k, i] += soft[i] * (L[k, i] - course.anchor[k, i])
     for i in range(load.shape[1]):
         for k in range(load.shape[2]):
             one, two = _apart(load[0, i, k], load[1, i, k], load[2, i, k])
@@ -59,40 +53,6 @@ def collect(model: Model, course: RadauWorkspace) -> None:
         real.gamma[i], pair.gamma[i] = _apart(gamma[0, i], gamma[1, i], gamma[2, i])
     for i in range(model.n_pos):
         real.r[i], pair.r[i] = _apart(r[0, i], r[1, i], r[2, i])
-
-
-@inlined
-def softened(frozen: Frozen) -> bool:
-    """Tell whether the matrices of this step treat rows as dependent."""
-    return bool(frozen.softness.shape[0] > 0 and frozen.softness[0] > 0.0)
-
-
-@inlined
-def anchor_multipliers(model: Model, course: RadauWorkspace) -> None:
-    """Take out of the predicted multipliers what does not act, and keep them as anchor.
-
-    Rows that depend on each other leave a part of the multipliers without effect, which the
-    iteration would let grow from step to step. The factors of the softened rows find the rest:
-    least forces that act like the predicted ones.
-    """
-    real, J, L = course.real, course.frozen.J, course.multipliers
-    plan, row_start, body_row = model.plan, model.plan.row_start, model.plan.body_row
-    n_c = model.n_constraint
-    for k in range(3):
-        real.gamma[:] = 0.0
-        real.load[:] = 0.0
-        for i in range(plan.size.shape[0]):
-            first = row_start[i]
-            for a in range(plan.size[i]):
-                s = 0.0
-                for p in range(row_start[i + 1] - first):
-                    row = body_row[first + p]
-                    if row < n_c:
-                        s += J[i, a, p] * L[k, row]
-                real.load[i, a] = s
-        solve(plan, plan.newton, real.factors, real.load, real.gamma, real.x, real.mu)
-        for i in range(n_c):
-            L[k, i] = real.mu[i]
 
 
 @inlined
