@@ -9,7 +9,7 @@ from ..math.arrays import Array
 from .closures import constrained_system, projection, right_hand_side
 from .generic import Integrator
 from .table import INTEGRATORS
-from .tolerances import ToleranceKeys, tolerances
+from .tolerances import ToleranceKeys, blocks, tolerances
 
 EXAMPLES = 3  # integrators that a message names
 
@@ -20,10 +20,6 @@ class SolverKeys(ToleranceKeys, TreatmentKeys, Protocol):
     @property
     def integrator(self) -> str:
         """A name of `INTEGRATORS`."""
-
-    @property
-    def t_end(self) -> float:
-        """End of the run [s]."""
 
     @property
     def max_step(self) -> float | None:
@@ -76,10 +72,11 @@ def make_integrator(
     """
     treatment = treatment or treatment_of(solver)
     kind: type[Any] = INTEGRATORS[solver.integrator]
+    rtol = kind.local_share * solver.rtol
     options: dict[str, Any] = {
-        "rtol": solver.rtol,
-        "atol": tolerances(model, solver),
-        "block_starts": [0, model.n_pos, model.n_pos + model.n_vel],
+        "rtol": rtol,
+        "atol": tolerances(model, y0, solver, rtol),
+        "block_starts": blocks(model),
     }
     for key, step in (("max_step", solver.max_step), ("fixed_step", fixed_step)):
         if step is not None:

@@ -202,6 +202,7 @@ class Radau(StepLoop):
     """
 
     name = "radau"
+    local_share = 0.5
     meaning = "implicit Runge-Kutta of order 5, the fastest where modes are stiff"
     place = 2
     order = 5
@@ -292,6 +293,7 @@ class GeneralizedAlpha(StepLoop):
     """
 
     name = "generalized-alpha"
+    local_share = 0.03
     meaning = "implicit, for constraints = ggl or index3"
     place = 5
     keys = (
