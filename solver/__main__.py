@@ -9,6 +9,7 @@ from typing import Any
 
 from plymotion import __version__
 
+from .commands.run.options import add_run_command
 from .commands.section.options import add_section_command
 from .commands.shell.options import add_shell_command
 from .commands.sweep.options import add_sweep_command
@@ -61,11 +62,7 @@ def _parser() -> argparse.ArgumentParser:
     check.add_argument("--reference", action="store_true", help="print docs/case-reference.md")
     check.set_defaults(command=_check)
 
-    run = commands.add_parser("run", help="integrate one run")
-    run.add_argument("run", type=Path, help="build/<case>/runs/<run>.json, written by check")
-    run.add_argument("--out", type=Path, required=True, help="folder for summary and result")
-    run.add_argument("--quiet", action="store_true", help="no progress bar")
-    run.set_defaults(command=_run)
+    add_run_command(commands, _run)
 
     ahead = commands.add_parser("compile", help="compile the step loop before the first run")
     ahead.add_argument("--all", action="store_true", help="generalized-alpha as well")
@@ -115,20 +112,9 @@ def _check(options: argparse.Namespace) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from .run.execution import INCOMPLETE, run_file
+    from .commands.run.command import run_runs
 
-    summary = run_file(options.run, options.out, progress=not options.quiet)
-    cost = summary["cost"]
-    outcome = "done" if summary["completed"] else summary["status"]
-    print(
-        f"{summary['run']}: {outcome} at t = {summary['t_end']:.4g} s, "
-        f"{cost['steps']} steps, {cost['solve_s']:.2f} s"
-    )
-    for warning in summary["warnings"]:
-        print(f"  warning [{warning['code']}] {warning['message']}")
-    if summary["status"] == "interrupted":
-        return INTERRUPTED
-    return 0 if summary["completed"] else INCOMPLETE
+    return run_runs(options)
 
 
 def _compile(options: argparse.Namespace) -> int:

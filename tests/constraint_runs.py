@@ -7,8 +7,9 @@ from mechanism_samples import Sample
 
 from plymotion.solver.dynamics.constraints.treatment import IMPLICIT, Treatment, treated
 from plymotion.solver.dynamics.model import Model
-from plymotion.solver.dynamics.system import assemble, constraint_rates, energies
+from plymotion.solver.dynamics.system import assemble, by_blocks, constraint_rates, energies
 from plymotion.solver.integrators.closures import constrained_system, projection, right_hand_side
+from plymotion.solver.integrators.explicit_stepping import RungeKutta5Loop, RungeKutta8Loop
 from plymotion.solver.integrators.generic import (
     Integrator,
     Solution,
@@ -51,9 +52,10 @@ def new_run(
     """
     starts = [0, model.n_pos, model.n_pos + model.n_vel]
     options = {"block_starts": starts} | options
-    if integrator == "radau":
+    loops = {"radau": Radau, "rk8": RungeKutta8Loop, "rk5": RungeKutta5Loop}
+    if integrator in loops and treatment.name not in IMPLICIT and by_blocks(model):
         closed = treatment.name == "projection"
-        return Radau(model, 0.0, y0, t_end, closed=closed, **options)
+        return loops[integrator](model, 0.0, y0, t_end, closed=closed, **options)
     if treatment.name in IMPLICIT:
         options["formulation"] = treatment.name
         if integrator == "ida":

@@ -104,11 +104,11 @@ def choice(tests: Tests) -> Choice:
     return Choice(own, tuple(types))
 
 
-def job(tests: Tests, core_type: str) -> Job:
-    """The run of the tests with the kernels of one type."""
+def job(tests: Tests, core_type: str, after: Job | None = None) -> Job:
+    """The run of the tests with the kernels of one type, after another run."""
     command = (tests.python, "-m", "pytest", "-q", "-p", "no:cacheprovider", *tests.arguments)
     title = f"{tests.title}, core type {core_type}"
-    return Job(title, command, environment=variables(core_type, tests.numbers))
+    return Job(title, command, environment=variables(core_type, tests.numbers), after=after)
 
 
 def summary(title: str, choice: Choice, results: list[Done]) -> str:

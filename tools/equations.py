@@ -138,16 +138,17 @@ def functions_of_tests(root: Path = ROOT) -> list[Test]:
         if not path.name.startswith("test_"):
             continue
         text = path.read_text("utf-8")
+        lines = text.splitlines()
         tree = ast.parse(text)
+        imports = modules_imported(tree)
         of_file = frozenset(numbers(ast.get_docstring(tree) or ""))
         for node, name, _, _ in documented(tree):
             if not isinstance(node, ast.FunctionDef) or not node.name.startswith("test"):
                 continue
             words = {n.id for n in ast.walk(node) if isinstance(n, ast.Name)}
             words |= {n.attr for n in ast.walk(node) if isinstance(n, ast.Attribute)}
-            own = numbers(ast.get_source_segment(text, node) or "")
+            own = numbers("\n".join(lines[node.lineno - 1 : node.end_lineno]))
             label = f"{path.relative_to(root).as_posix()}::{name.replace('.', '::')}"
-            imports = modules_imported(tree)
             found.append(Test(label, imports, frozenset(words), of_file | frozenset(own)))
     return found
 

@@ -10,7 +10,6 @@ from dataclasses import dataclass, field
 from typing import IO
 
 POLL = 0.05  # s between two looks at the programs that run
-PATIENCE = 10.0  # s from SIGINT to SIGKILL
 
 
 @dataclass(frozen=True)
@@ -23,12 +22,14 @@ class Job:
     command : program and arguments
     cores : how many cores it uses; no more than there are in all count
     environment : variables that differ from those of this process
+    after : another job of the same call, which must have ended before
     """
 
     title: str
     command: tuple[str, ...]
     cores: int = 1
     environment: Mapping[str, str] = field(default_factory=dict)
+    after: "Job | None" = None
 
 
 @dataclass(frozen=True)
@@ -62,11 +63,14 @@ def run_all(
     *,
     started: Callable[[Job], object] = lambda job: None,
     ended: Callable[[Done], object] = lambda done: None,
+    patience: float = 10.0,
 ) -> list[Done]:
     """Run jobs, the first ones first, as many at once as fit on the cores.
 
-    Returns the results in the order of the jobs. Ctrl-C, SIGTERM and SIGHUP end all jobs; `ended`
-    is called with what they wrote so far, then KeyboardInterrupt is raised.
+    Returns the results in the order of the jobs, each of which must come behind the one it waits
+    for. Ctrl-C, SIGTERM and SIGHUP end all jobs; `ended` is called with what they wrote so far,
+    then KeyboardInterrupt is raised. Those that go on for `patience` [s] after SIGINT are killed;
+    a job that itself runs jobs must have less patience.
     """
     order = list(jobs)
     waiting = list(order)
@@ -77,7 +81,8 @@ def run_all(
         while waiting or running:
             free = cores - sum(min(one.job.cores, cores) for one in running)
             for job in list(waiting):
-                if min(job.cores, cores) <= free:
+                ready = job.after is None or id(job.after) in results
+                if ready and min(job.cores, cores) <= free:
                     free -= min(job.cores, cores)
                     waiting.remove(job)
                     started(job)
@@ -94,7 +99,7 @@ def run_all(
             if running:
                 time.sleep(POLL)
     except KeyboardInterrupt:
-        _stop(running)
+        _stop(running, patience)
         for one in running:
             ended(one.done())
         raise
@@ -135,11 +140,11 @@ def _start(job: Job) -> _Running | Done:
     return _Running(job, process, file, time.monotonic())
 
 
-def _stop(running: list[_Running]) -> None:
+def _stop(running: list[_Running], patience: float) -> None:
     """End all processes of the jobs: SIGINT, and SIGKILL for those that go on."""
     for number in _SIGNALS:
-        signal.signal(number, signal.SIG_IGN)  # it takes PATIENCE at most
-    end = time.monotonic() + PATIENCE
+        signal.signal(number, signal.SIG_IGN)  # it takes `patience` at most
+    end = time.monotonic() + patience
     for number in (signal.SIGINT, signal.SIGKILL):
         for each in running:
             try:

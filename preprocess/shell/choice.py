@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 from ...solver.errors import did_you_mean
+from ...solver.package.shell import elements
 from .drilling import DRILLINGS
 from .errors import ShellError
 from .membranes import MEMBRANES
@@ -24,11 +25,11 @@ class Choice(NamedTuple):
     drilling_factor : factor of the drilling stiffness, to the laminate's A66
     """
 
-    plate: str = "dkmt"
-    membrane: str = "opt"
-    beta0: float | str = 0.5
-    drilling: str = "auto"
-    drilling_factor: float = 1e-2
+    plate: str = elements.PLATE
+    membrane: str = elements.MEMBRANE
+    beta0: float | str = elements.BETA0
+    drilling: str = elements.DRILLING
+    drilling_factor: float = elements.DRILLING_FACTOR
 
     def drilling_form(self) -> str:
         """Name of the drilling stiffness, with "auto" resolved."""

@@ -8,6 +8,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from ...solver.math.arrays import Array
+from ...solver.package.shell import elements
 from .assembly import DOFS
 from .choice import Choice
 from .drilling import DRILLINGS
@@ -43,10 +44,10 @@ def model_warnings(
     sides = Sides(mesh, regions)
     found = [*_slivers(mesh), *_unmerged(mesh, links), *_turned(mesh, sides)]
     if MEMBRANES[choice.membrane].stiff_in_plane:
-        found += _narrow_walls(mesh, sides)
+        found += _narrow_walls(mesh, sides, choice.membrane)
     limit = PLATES[choice.plate].shear_ratio_limit
     if limit is not None:
-        found += _thick_for_dst(mesh, regions, limit)
+        found += _sides_too_short(mesh, regions, choice.plate, limit)
     return found
 
 
@@ -122,7 +123,7 @@ def _turned(mesh: ShellMesh, sides: Sides) -> Warnings:
     return [_warning("normals-disagree", text)]
 
 
-def _narrow_walls(mesh: ShellMesh, sides: Sides) -> Warnings:
+def _narrow_walls(mesh: ShellMesh, sides: Sides, membrane: str) -> Warnings:
     """Walls between folds or free edges with few constant-strain triangles across."""
     n_cell = len(mesh.cells)
     a, b = sides.cells.T
@@ -145,15 +146,18 @@ def _narrow_walls(mesh: ShellMesh, sides: Sides) -> Warnings:
         return []
     cell = int(np.flatnonzero(wall == narrow[0])[0])
     text = (
-        f"membrane = cst with fewer than {ACROSS} cells across {narrow.size} walls, one at "
+        f"membrane = {membrane} with fewer than {ACROSS} cells across {narrow.size} walls, one at "
         f"{_at(mesh.points_G[mesh.cells[cell]].mean(axis=0))}: constant-strain triangles are far "
         "too stiff in bending of a wall in its own plane (4.5 times and more at one cell); use "
-        "membrane = opt"
+        f"membrane = {elements.MEMBRANE}"
     )
     return [_warning("cst-in-plane-bending", text)]
 
 
-def _thick_for_dst(mesh: ShellMesh, regions: Sequence[Region], limit: float) -> Warnings:
+def _sides_too_short(
+    mesh: ShellMesh, regions: Sequence[Region], plate: str, limit: float
+) -> Warnings:
+    """Sides whose `shear_ratio` is above the limit of the plate."""
     worst, place = 0.0, ""
     for region in regions:
         ratio = shear_ratio(region.triangles, region.stiffness.D[None], region.stiffness.Ds[None])
@@ -164,9 +168,9 @@ def _thick_for_dst(mesh: ShellMesh, regions: Sequence[Region], limit: float) -> 
     if worst <= limit:
         return []
     text = (
-        f"plate = dst with sides short for the thickness (12 D / (Ds L^2) = {worst:.2g} at "
+        f"plate = {plate} with sides short for the thickness (12 D / (Ds L^2) = {worst:.2g} at "
         f"{place}, at most {limit:g} is safe): it does not converge there, and "
-        "refinement makes it worse; use plate = dkmt"
+        f"refinement makes it worse; use plate = {elements.PLATE}"
     )
     return [_warning("dst-thick", text)]
 

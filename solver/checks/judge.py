@@ -5,14 +5,24 @@ from dataclasses import dataclass
 
 from ..results.finding import Finding
 from ..strength.beam_bodies import BodyStrength
-from . import constraints, course, energy, modes, momentum, motion, packages, stiffening, strength
+from . import (
+    completion,
+    constraints,
+    energy,
+    modes,
+    momentum,
+    motion,
+    packages,
+    stiffening,
+    strength,
+)
 from .finished import FinishedRun
 
 Check = Callable[[FinishedRun], Iterable[Finding]]
 
 # In the order in which their findings are shown. Strength comes last: what it computes is kept.
 CHECKS: tuple[Check, ...] = (
-    course.course_findings,
+    completion.completion_findings,
     constraints.constraint_findings,
     energy.energy_findings,
     momentum.momentum_findings,

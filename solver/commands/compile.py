@@ -18,12 +18,14 @@ from ..dynamics.system import assemble, derivative, law_at
 from ..dynamics.tables import ForceTable, JointTable, MarkerTable, assemble_model, rigid_body
 from ..integrators.closures import right_hand_side
 from ..integrators.compiled.pencil import factorise_pencil, new_frozen, new_pencil, solve_pencil
+from ..integrators.explicit_stepping import RungeKutta8Loop
 from ..integrators.generic import RungeKutta8, integrate
 from ..integrators.stepping import GeneralizedAlpha, Radau, StepLoop
 from ..math.arrays import Array
 from ..math.compiled import COMPILED, statistics
 from ..math.laws import polynomial
 from ..math.rotations import rotation_matrices, rotation_matrix, vectors_to_matrices
+from ..monitors.singularity import SingularityMonitor
 from ..signals.points import rotation_vectors
 
 
@@ -98,10 +100,16 @@ def _step_loop(kind: type[StepLoop]) -> None:
 
 
 def _compile_others() -> None:
-    """Accelerations, projection, explicit stages, and what is called outside of the loops."""
+    """Accelerations, projection, explicit methods, monitors, and calls outside of the loops."""
     model, y = _hinge()
     projected(model, 0.0, y)
     RungeKutta8(right_hand_side(model), 0.0, y, 1e-3, first_step=1e-3).step()
+    _step_loop(RungeKutta8Loop)
+    passage = SingularityMonitor(model, ["hinge"], "projection")
+    passage.at_start(0.0, y)
+    passage.note(0.0, y)
+    made = RungeKutta8Loop(model, 0.0, y, 1e-3, first_step=1e-3)
+    integrate(made, [0.0, 1e-3], watch=passage)
     derivative(model, 0.0, y)
     series.along_solution(model, np.zeros(1), y[None])
     position_rates(model, y[:7], y[7:13])

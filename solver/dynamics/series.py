@@ -55,7 +55,7 @@ def along_solution(model: Model, t: Array, y: Array) -> tuple[Array, Array]:
             multipliers[k] = dense_derivative_into(model, work, float(t[k]), y[k], spare)
         return rates, multipliers
     # Rows that nearly depend on each other: elimination loses digits that pivoting keeps.
-    for k in map(int, np.flatnonzero(regular < REGULAR)):
+    for k in np.flatnonzero(regular < REGULAR).tolist():
         multipliers[k] = dense_derivative_into(model, work, float(t[k]), y[k], rates[k])
     return rates, multipliers
 

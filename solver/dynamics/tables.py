@@ -95,7 +95,7 @@ class ForceTable:
     kind: str
     marker_1: int
     marker_2: int
-    parameters: tuple[float, ...] = ()  # forces.table.PARAMETERS
+    parameters: tuple[float, ...] = ()  # numbers of its kind: forces/contract.py
     law: Law | None = None  # of an actuator or a load
 
 

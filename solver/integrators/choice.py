@@ -4,9 +4,11 @@ from typing import Any, Protocol
 
 from ..dynamics.constraints.treatment import IMPLICIT, TREATMENTS, Treatment, TreatmentKeys
 from ..dynamics.model import Model
+from ..dynamics.system import by_blocks
 from ..errors import InputError
 from ..math.arrays import Array
 from .closures import constrained_system, projection, right_hand_side
+from .explicit_stepping import ExplicitLoop
 from .generic import Integrator
 from .table import INTEGRATORS
 from .tolerances import ToleranceKeys, blocks, tolerances
@@ -72,6 +74,8 @@ def make_integrator(
     """
     treatment = treatment or treatment_of(solver)
     kind: type[Any] = INTEGRATORS[solver.integrator]
+    if issubclass(kind, ExplicitLoop) and not by_blocks(model):
+        kind = kind.method  # redundant constraints without a penalty take dense linear algebra
     rtol = kind.local_share * solver.rtol
     options: dict[str, Any] = {
         "rtol": rtol,

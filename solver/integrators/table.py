@@ -6,8 +6,10 @@ from . import __path__ as _path
 from .generic.base import Integrator
 from .generic.table import CLASSES, classes_of, named
 
+_loops = named(classes_of(_package, _path, ("table", "choice", "generic")))
+# A loop takes the place of the class for plain equations that has its name.
 INTEGRATORS: dict[str, type[Integrator]] = named(
-    [*CLASSES, *classes_of(_package, _path, ("table", "choice", "generic"))]
+    [*_loops.values(), *(kind for kind in CLASSES if kind.name not in _loops)]
 )
 
 for _kind in INTEGRATORS.values():

@@ -8,7 +8,7 @@ from ..dynamics.bodies.marker import marker_motion
 from ..dynamics.constraints.minimum_norm import RANK_TOLERANCE
 from ..dynamics.constraints.scaling import scaled_jacobian
 from ..dynamics.coordinates import moved
-from ..dynamics.joints.table import KINDS, NAMES, ROWS
+from ..dynamics.joints.table import DRIVES, NAMES, ROWS
 from ..dynamics.model import Model
 from ..dynamics.system import Equations, accelerations, assemble, law_at
 from ..errors import InputError
@@ -20,8 +20,6 @@ _POSITION_TOLERANCE = 1e-12
 _VELOCITY_TOLERANCE = 1e-9
 _MAX_STEP = 0.5  # [m, rad] limit of one Newton correction, for rough initial positions
 _MAX_ITERATIONS = 60
-
-ROTATION = KINDS["rotation_drive"]
 
 
 @dataclass(frozen=True)
@@ -127,7 +125,7 @@ def _assembled(model: Model, y: Array, names: list[str], t: float) -> Array:
             "Check lengths, ground points and initial positions of the bodies"
         )
     for k, name in enumerate(names):
-        if model.joint_kind[k] == ROTATION and _drive_cosine(model, y, k, t) < 0:
+        if _at_another_root(model, y, k, t):
             raise InputError(
                 f"the drive of {name} assembles half a turn away from its value at the start; "
                 "give initial positions closer to it"
@@ -135,13 +133,14 @@ def _assembled(model: Model, y: Array, names: list[str], t: float) -> Array:
     return y
 
 
-def _drive_cosine(model: Model, y: Array, joint: int, t: float) -> float:
-    """Return cos(angle - f(t)) of a rotation drive: +1 on the wanted branch, -1 opposite."""
-    one = marker_motion(model, int(model.joint_marker[joint, 0]), y)
-    two = marker_motion(model, int(model.joint_marker[joint, 1]), y)
+def _at_another_root(model: Model, y: Array, joint: int, t: float) -> bool:
+    """Tell whether the rows of a drive hold, but not its coordinate."""
+    drive = DRIVES.get(NAMES[model.joint_kind[joint]])
+    if drive is None or drive.side is None:
+        return False
+    one, two = (marker_motion(model, int(k), y) for k in model.joint_marker[joint])
     f, _, _ = law_at(model, model.joint_law[joint], t)
-    wanted = one.A[:, 0] * np.cos(f) + one.A[:, 1] * np.sin(f)
-    return float(wanted @ two.A[:, 0])
+    return drive.side(one.A, two.A, f) < 0.0
 
 
 def redundancy(model: Model, y: Array, names: list[str], t: float = 0.0) -> Redundancy:

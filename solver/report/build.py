@@ -1,5 +1,6 @@
 """Build figures and report.html from the files of finished runs."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -7,11 +8,11 @@ from ..errors import InputError
 from ..package.common.container import temporary_sibling
 from .balance import draw_balance
 from .comparison import draw_comparison
+from .drawings import Drawing, draw_all
 from .exposure import draw_exposure
 from .motion import draw_motion
 from .page import page
-from .story import comparisons, read_story
-from .style import house_style
+from .story import Story, comparisons, read_story
 
 
 def make_report(case_dir: Path, runs: list[str], case: dict[str, Any] | None = None) -> Path:
@@ -25,8 +26,9 @@ def make_report(case_dir: Path, runs: list[str], case: dict[str, Any] | None = N
         title by name; `figures`, by name {"title", "signal", "runs"}. Without
         figures, each signal is drawn for all runs.
 
-    Writes <figure>.png into case_dir, motion.png and balance.png into each
-    run's folder, strength.png too where plies have strengths, and report.html last.
+    Writes <figure>.png into case_dir, motion.png and balance.png into each run's folder,
+    strength.png too where plies have strengths, and report.html last. Figures that show the same
+    as before are not drawn again.
 
     Raises
     ------
@@ -41,22 +43,30 @@ def make_report(case_dir: Path, runs: list[str], case: dict[str, Any] | None = N
     titles = case.get("runs", {})
     stories = [read_story(case_dir, run, str(titles.get(run) or run)) for run in runs]
     by_name = {story.name: story for story in stories}
-    drawn = []
-    with house_style():
-        for wanted in comparisons(case, stories):
-            chosen = [by_name[run] for run in wanted.runs]
-            file = case_dir / f"{wanted.name}.png"
-            drawn.append((wanted.title, draw_comparison(file, wanted, chosen)))
-        motions = [draw_motion(case_dir / s.name / "motion.png", s) for s in stories]
-        balances = [draw_balance(case_dir / s.name / "balance.png", s) for s in stories]
-        strengths = [
-            draw_exposure(case_dir / s.name / "strength.png", s)
-            for s in stories
-            if s.summary.get("strength")
-        ]
+    compared = []
+    for wanted in comparisons(case, stories):
+        chosen = [by_name[run] for run in wanted.runs]
+        for story in chosen:
+            story.signal(wanted.signal)
+        content = repr((wanted, [story.content for story in chosen]))
+        file = case_dir / f"{wanted.name}.png"
+        compared.append(Drawing(file, draw_comparison, (wanted, chosen), content))
+    motions = [_of_run(case_dir, story, "motion", draw_motion) for story in stories]
+    balances = [_of_run(case_dir, story, "balance", draw_balance) for story in stories]
+    strong = [story for story in stories if story.summary.get("strength")]
+    strengths = [_of_run(case_dir, story, "strength", draw_exposure) for story in strong]
+    draw_all(case_dir, [*compared, *motions, *balances, *strengths])
+    drawn = [(drawing.arguments[0].title, drawing.path) for drawing in compared]
     title = str(case.get("title") or stories[0].result.case)
     target = case_dir / "report.html"
     with temporary_sibling(target) as temporary:
-        text = page(title, stories, drawn, motions, balances, strengths)
+        pictures = ([d.path for d in kind] for kind in (motions, balances, strengths))
+        text = page(title, stories, drawn, *pictures)
         temporary.write_text(text, encoding="utf-8")
     return target
+
+
+def _of_run(
+    case_dir: Path, story: Story, name: str, draw: Callable[[Path, Story], Path]
+) -> Drawing:
+    return Drawing(case_dir / story.name / f"{name}.png", draw, (story,), story.content)

@@ -1,5 +1,6 @@
 """Data of a run for the report: summary, result and title."""
 
+import hashlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ class Story:
     title: str
     summary: dict[str, Any]
     result: RunResult
+    content: str = ""  # digest of all that figures show
 
     @property
     def stopped(self) -> bool:
@@ -49,7 +51,11 @@ def read_story(case_dir: Path, run: str, title: str) -> Story:
             f"{case_dir / run / 'summary.json'}: key run: expected {run!r}, "
             f"found {summary['run']!r}"
         )
-    return Story(run, title, summary, read_result(case_dir / run / "result.vtkhdf"))
+    file = case_dir / run / "result.vtkhdf"
+    result = read_result(file)
+    shown = repr((run, title, summary.get("completed"), summary.get("strength")))
+    content = hashlib.sha256(shown.encode() + file.read_bytes()).hexdigest()
+    return Story(run, title, summary, result, content)
 
 
 def comparisons(case: dict[str, Any], stories: list[Story]) -> list[Comparison]:

@@ -70,6 +70,11 @@ class Canvas:
 
     def save(self, path: Path) -> Path:
         """Write a PNG under a temporary name, then rename it."""
+        # Saved with a layout engine, a figure is laid out twice and drawn twice.
+        engine = self.figure.get_layout_engine()
+        if engine is not None:
+            engine.execute(self.figure)
+            self.figure.set_layout_engine(None)
         with temporary_sibling(path) as temporary:
             # Without creation tool and date, the same run gives the same bytes.
             self.figure.savefig(temporary, format="png", metadata={"Software": None})

@@ -16,8 +16,10 @@ from ..integrators.generic import Steps, StopRequest, Watch, integrate
 from ..math.arrays import Array
 from ..package import ModalPackage, read_package
 from ..results import RunResult, write_result, write_summary
+from .inputs_digest import inputs_sha256
 from .outcome import RunSpec, collect
 from .preparation import Prepared, prepare
+from .timing import Stopwatch
 
 INCOMPLETE = 3  # exit code of a run that ended early with a result
 
@@ -110,6 +112,7 @@ class _Progress:
 
     def __init__(self, watch: Watch, t_end: float, label: str, show: bool) -> None:
         self.watch, self.note = watch, watch.note
+        self.seconds = 0.0  # CPU time of the monitors
         self.bar: Any = None
         if show and sys.stderr.isatty():
             from tqdm import tqdm  # here: without a terminal nothing is drawn
@@ -126,7 +129,11 @@ class _Progress:
     def __call__(self, steps: Steps) -> StopRequest | None:
         if self.bar is not None:
             self.bar.update(steps.t[-1] - self.bar.n)
-        return self.watch(steps)
+        begin = time.process_time()
+        try:
+            return self.watch(steps)
+        finally:
+            self.seconds += time.process_time() - begin
 
     def close(self) -> None:
         """Remove the bar."""
@@ -143,21 +150,43 @@ def execute(spec: RunSpec, *, progress: bool = True) -> tuple[RunResult, dict[st
         A mechanism that cannot be assembled, contradictory constraints, an integrator that
         does not go with the treatment of constraints.
     """
-    begin = time.perf_counter()
+    begin, clock = time.perf_counter(), Stopwatch()
     prepared = prepare(spec.mechanism, spec.packages)
+    clock.lap("build")
     follow = _Progress(prepared.watch, spec.mechanism.solver.t_end, spec.run, progress)
     try:
         finished = integrated(prepared, follow)
     finally:
         follow.close()
-    return collect(spec, prepared.measured, finished, time.perf_counter() - begin)
+    solve_s = time.perf_counter() - begin
+    clock.lap("integrate")
+    clock.move(follow.seconds, "integrate", "monitors")
+    result, summary = collect(spec, prepared.measured, finished, solve_s)
+    clock.lap("recover")
+    summary["cost"]["seconds"] = clock.seconds
+    return result, summary
 
 
-def run_file(file: Path, out: Path, *, progress: bool = True) -> dict[str, Any]:
-    """Execute a run file and write result.vtkhdf and summary.json into `out`."""
-    result, summary = execute(read_run(file), progress=progress)
+def run_file(
+    file: Path, out: Path, *, progress: bool = True, import_s: float = 0.0
+) -> dict[str, Any]:
+    """Execute a run file and write result.vtkhdf and summary.json into `out`.
+
+    `import_s` is the CPU time that the program had taken before, for the summary.
+    """
+    clock, digest = Stopwatch(), inputs_sha256(file)
+    spec = read_run(file)
+    clock.lap("load")
+    result, summary = execute(spec, progress=progress)
+    clock.skip()
     out.mkdir(parents=True, exist_ok=True)
     write_result(out / "result.vtkhdf", result)
+    clock.lap("write")
+    seconds = summary["cost"]["seconds"]
+    seconds["import"] = import_s
+    seconds["load"] += clock.seconds["load"]
+    seconds["write"] = clock.seconds["write"]
+    summary["inputs_sha256"] = digest
     # Last, because make takes it as the sign of a finished run.
     write_summary(out / "summary.json", summary)
     return summary

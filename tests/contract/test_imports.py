@@ -1,6 +1,7 @@
 """What each half may import: checked in a fresh interpreter and by import-linter."""
 
 import ast
+import json
 import shutil
 import subprocess
 import sys
@@ -8,6 +9,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from case_samples import case_runs
 
 FE_MODULES = {"dolfinx", "petsc4py", "slepc4py", "mpi4py", "gmsh", "basix", "ufl", "ffcx"}
 
@@ -133,3 +135,30 @@ def names(repository: Path) -> dict[str, str]:
 def test_each_contract_is_shown_to_bite(repository: Path) -> None:
     (mark,) = test_import_linter_sees_through_the_links.pytestmark
     assert {contract for _, _, contract in mark.args[1]} == set(names(repository))
+
+
+RUN_AND_LIST = """
+import contextlib, io, sys
+from plymotion.solver.__main__ import main
+with contextlib.redirect_stdout(io.StringIO()):
+    code = main(["run", *sys.argv[1:], "--quiet"])
+assert code == 0, code
+print(*sys.modules)
+"""
+
+
+def test_a_run_imports_what_it_uses(repository: Path, tmp_path: Path) -> None:
+    """Neither figures nor SciPy, and no compiler once everything is in the cache."""
+    runs = case_runs(repository, "double-pendulum", tmp_path / "build")
+    file = runs / "isotropic.json"
+    spec = json.loads(file.read_text())
+    spec["mechanism"]["solver"] |= {"t_end": 0.002, "integrator": "radau"}
+    file.write_text(json.dumps(spec))
+    command = [sys.executable, "-c", RUN_AND_LIST, str(file)]
+    for _ in range(2):  # the first one may compile
+        done = subprocess.run(command, capture_output=True, text=True, cwd=repository)
+        assert done.returncode == 0, done.stderr
+    loaded = set(done.stdout.split())
+    assert not loaded & {"scipy", "matplotlib", "numba", "tqdm", "meshio", "pyvista"}
+    assert "plymotion.solver.report" not in loaded
+    assert "plymotion.solver.inputs.case.load" not in loaded

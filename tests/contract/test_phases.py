@@ -63,6 +63,18 @@ def test_results_tell_code_and_output(side_by_side: ModuleType) -> None:
     assert sorted(map(id, shown)) == sorted(map(id, done))
 
 
+def test_a_job_waits_for_another(side_by_side: ModuleType) -> None:
+    first = job(side_by_side, "time.sleep(0.1)")
+    second = side_by_side.Job("second", (sys.executable, "-c", ""), after=first)
+    third = job(side_by_side, "pass")
+    ended: list[Any] = []
+    done = side_by_side.run_all(
+        [first, second, third], 3, ended=lambda done: ended.append(done.job)
+    )
+    assert [each.job for each in done] == [first, second, third]
+    assert ended.index(first) < ended.index(second)
+
+
 def phases(folder: Path, tools: Path, *targets: str) -> "subprocess.Popen[str]":
     (folder / "Makefile").write_text(MAKEFILE)
     return subprocess.Popen(

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from source_copy import copy_with_recipes, recipe_files, recipe_lines, run_python
 
+from plymotion.solver.dynamics.forces.table import FORCES
 from plymotion.solver.dynamics.joints.contract import DrivenBy
 from plymotion.solver.dynamics.joints.table import JOINTS
 from plymotion.solver.inputs.case.solver import Solver
@@ -29,7 +30,7 @@ PROGRAMS = Path(__file__).resolve().parent.parent / "recipes"
 @pytest.fixture(scope="module")
 def copy(repository, tmp_path_factory) -> Path:
     """The sources with all examples of CONTRIBUTING.md."""
-    assert len(recipe_files(repository)) == 5
+    assert len(recipe_files(repository)) == 6
     assert len(recipe_lines(repository)) == 1
     return copy_with_recipes(repository, tmp_path_factory.mktemp("recipes"))
 
@@ -52,6 +53,13 @@ def test_a_joint(copy, repository, tmp_path):
         tests,
     )
     assert re.search(r"\b[3-9] passed", printed), printed
+
+
+def test_a_force_element(copy, repository, tmp_path):
+    run_python(copy, repository, str(PROGRAMS / "force_element.py"), str(tmp_path))
+    page = run_python(copy, repository, "-m", "plymotion.solver", "check", "--reference")
+    assert '## `[forces.NAME]` with kind = "cubic_spring": a force that grows' in page
+    assert "| `strength` | number | N/m3 | >= 0 | required | k in k s^3 |" in page
 
 
 def test_a_section_shape(copy, repository, tmp_path):
@@ -128,6 +136,25 @@ def test_one_source_file_names_a_joint(repository, kind):
         if quoted.search(file.read_text("utf-8"))
     ]
     assert found == [f"solver/dynamics/joints/{kind}.py"]
+
+
+@pytest.mark.parametrize("kind", sorted(set(FORCES) - {"force"}))
+def test_one_source_file_names_a_force_element(repository, kind):
+    """`force` is also a word for a quantity of a signal."""
+    quoted = re.compile(rf"""["']{kind}["']""")
+    found = [
+        file.relative_to(repository).as_posix()
+        for file in (repository / "solver").rglob("*.py")
+        if quoted.search(file.read_text("utf-8"))
+    ]
+    assert len(found) == 1, found
+    assert found[0].startswith("solver/dynamics/forces/")
+
+
+def test_the_page_on_mechanisms_has_a_line_for_each_force_element(repository):
+    page = (repository / "docs/mechanisms.md").read_text("utf-8")
+    section = page.partition("## Forces")[2].partition("\n## ")[0]
+    assert not [kind for kind in FORCES if f"`{kind}`" not in section]
 
 
 def test_the_page_on_mechanisms_has_a_line_for_each_joint(repository):

@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import re
+import shutil
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -118,11 +119,26 @@ class Page(HTMLParser):
 
 def test_report_leaves_figures_and_a_page_and_nothing_else(case_dir: Path) -> None:
     made = {str(p.relative_to(case_dir)) for p in case_dir.rglob("*") if p.is_file()}
-    expected = {"report.html", "angles.png"}
+    expected = {"report.html", "angles.png", "figures.json"}
     for run in RUNS:
         files = ("summary.json", "result.vtkhdf", "motion.png", "balance.png")
         expected |= {f"{run}/{file}" for file in files}
     assert made == expected
+
+
+def test_only_figures_of_other_data_are_drawn_again(case_dir: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "case"
+    shutil.copytree(case_dir, folder)
+    before = {path: path.stat().st_mtime_ns for path in folder.rglob("*.png")}
+    changed, other = list(RUNS)[:2]
+    result, _ = RUNS[changed]
+    moved = dataclasses.replace(result, node_positions_G=result.node_positions_G + 1.0)
+    write_result(folder / changed / "result.vtkhdf", moved)
+    (folder / other / "balance.png").unlink()
+    make_report(folder, list(RUNS), CASE)
+    drawn = {path for path in folder.rglob("*.png") if path.stat().st_mtime_ns != before[path]}
+    own = {folder / changed / name for name in ("motion.png", "balance.png")}
+    assert drawn == {*own, folder / other / "balance.png", folder / "angles.png"}
 
 
 def test_page_is_well_formed_and_needs_nothing_from_outside(case_dir: Path) -> None:

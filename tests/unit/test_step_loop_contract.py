@@ -18,15 +18,15 @@ from plymotion.solver.integrators.generic import StopRequest, integrate
 from plymotion.solver.integrators.stepping import GeneralizedAlpha, Radau
 from plymotion.solver.math.laws import polynomial
 
-ALL = pytest.mark.parametrize(
-    ("name", "treatment"),
-    [
-        ("radau", "projection"),
-        ("radau", "index1"),
-        ("generalized-alpha", "ggl"),
-        ("generalized-alpha", "index3"),
-    ],
-)
+IMPLICIT = [
+    ("radau", "projection"),
+    ("radau", "index1"),
+    ("generalized-alpha", "ggl"),
+    ("generalized-alpha", "index3"),
+]
+EXPLICIT = [("rk8", "projection"), ("rk5", "index1")]
+ALL = pytest.mark.parametrize(("name", "treatment"), IMPLICIT + EXPLICIT)
+WITH_NEWTON = pytest.mark.parametrize(("name", "treatment"), IMPLICIT)
 
 
 def _new(name, treatment, t_end=0.3, sample=None, **options):
@@ -104,7 +104,7 @@ def test_limits_of_the_step(name, treatment):
     assert _new(name, treatment, first_step=1)._course.clock.dtype == float
 
 
-@ALL
+@WITH_NEWTON
 def test_a_fixed_step_that_is_too_long_ends_as_failed(name, treatment):
     for on_step in (None, lambda i: None):
         done = integrate(_new(name, treatment, 5.0, fixed_step=1.0), [0.0, 5.0], on_step)
@@ -124,7 +124,7 @@ def test_forces_beyond_all_measure_end_as_failed(name, treatment, law, on_step):
     assert np.isfinite(done.y).all()
 
 
-@ALL
+@WITH_NEWTON
 def test_forces_that_become_infinite_end_as_failed(name, treatment):
     """Half way the force jumps to inf: what was there is kept."""
     from plymotion.solver.math.laws import N_COEFFICIENT, Law
@@ -203,7 +203,7 @@ def test_an_interrupted_run_keeps_its_part(name, treatment, monkeypatch):
     np.testing.assert_array_equal(done.y[:-1], whole.y[: len(done.y) - 1])
 
 
-@ALL
+@WITH_NEWTON
 def test_counters_count(name, treatment):
     steps = []
     done = integrate(_new(name, treatment), [0.3], lambda i: steps.append(i.t))

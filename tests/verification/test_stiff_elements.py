@@ -13,7 +13,7 @@ from mechanism_samples import GRAVITY, GROUND, Sample
 from plymotion.solver.dynamics.constraints.treatment import Treatment
 from plymotion.solver.dynamics.coordinates import moved
 from plymotion.solver.dynamics.forces.contract import FORCE, N_ELEMENT_ROW, STIFFNESS
-from plymotion.solver.dynamics.forces.table import FORCE_KINDS, MOST_ROWS, element_rows
+from plymotion.solver.dynamics.forces.table import ELEMENTS, MOST_ROWS, element_rows
 from plymotion.solver.dynamics.system import assemble, energies, evaluate
 from plymotion.solver.dynamics.tables import ForceTable, JointTable, MarkerTable, assemble_model
 from plymotion.solver.dynamics.workspace import new_work
@@ -221,13 +221,13 @@ def test_energy_is_kept_by_undamped_elements(name, treatment):
     assert np.ptp(total) < (1e-5 if name == "radau" else 2e-2)
 
 
-@pytest.mark.parametrize("kind", [k for k in FORCE_KINDS if k.rows], ids=lambda k: k.name)
+@pytest.mark.parametrize("kind", [k for k in ELEMENTS.values() if k.rows], ids=lambda k: k.kind)
 def test_rows_are_the_tangent_of_the_element(kind):
     """Contract: -g'F is the force of the element at rest, k g'g its change where F is small."""
     sample = _links("hinge", flexible=False)
     numbers = {"spring": (50.0, 3.0, 0.9), "rotary_spring": (5.0, 2.0, 0.3)}
-    values = numbers.get(kind.name, (40.0, 30.0, 20.0, 3.0, 2.0, 1.0, *(0.5,) * 6))
-    table = ForceTable("e", kind.name, 1, 4, values)
+    values = numbers.get(kind.kind, (40.0, 30.0, 20.0, 3.0, 2.0, 1.0, *(0.5,) * 6))
+    table = ForceTable("e", kind.kind, 1, 4, values)
     bodies = [body_of(random_points(np.random.default_rng(3), 0)) for _ in range(2)]
     markers = [
         MarkerTable(GROUND, np.zeros(3)),

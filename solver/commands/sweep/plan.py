@@ -3,7 +3,6 @@
 import hashlib
 import json
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +14,9 @@ from ...inputs.case.schema import Mechanism
 from ...package import ModalPackage
 from ...package.common.plain_data import data_sha256
 from ...run.execution import package_of
+from ...run.inputs_digest import solver_sha256
 
 ROWS = 1  # version of what is computed of a member: raised when its numbers change their meaning
-# Rooms of solver/ that have no part in the motion of a mechanism.
-ASIDE = ("__main__.py", "commands", "report")
 
 
 @dataclass(frozen=True)
@@ -131,19 +129,6 @@ def read_plan(file: Path) -> Plan:
             f"run `make {plan.case}-sweep-{plan.name}`"
         )
     return plan
-
-
-@cache
-def solver_sha256() -> str:
-    """Return the hash of the sources that a member's motion depends on."""
-    here = Path(__file__).resolve().parents[2]
-    digest = hashlib.sha256()
-    for source in sorted(here.rglob("*.py")):
-        inside = source.relative_to(here)
-        if inside.parts[0] not in ASIDE:
-            digest.update(inside.as_posix().encode())
-            digest.update(source.read_bytes())
-    return digest.hexdigest()
 
 
 def _content(file: Path) -> str:

@@ -8,7 +8,7 @@ from ...math.rotations import moment_of_gradient, vector_of
 from ...math.triple import cross3, dot3, minus3, triple
 from ..bodies.motion import axis, from_axes, in_axes, place, velocity
 from ..bodies.motion import spin as spin_of
-from .contract import DAMPING, FORCE, STIFFNESS, ForceKind, Wrench
+from .contract import DAMPING, FORCE, STIFFNESS, Direction, Element, Three, Wrench
 
 
 @jit
@@ -81,11 +81,26 @@ def _rows_in_use(parameters: Sequence[float]) -> list[int]:
     return [i for i in range(6) if parameters[i] or parameters[6 + i]]
 
 
-KIND = ForceKind(
-    name="bushing",
-    parameters=tuple(f"{word} {axis}" for word in ("stiffness", "damping") for axis in range(6)),
+ELEMENT = Element(
+    kind="bushing",
+    meaning="springs and dampers on all six relative motions",
+    remark="At rest where the two places coincide with the axes of the given starting position.",
+    keys=(
+        Direction("axis", "third axis at the start, global; fixed in the first place"),
+        Direction(
+            "axis_1",
+            "first axis, at a right angle to `axis`; absent: the global axis farthest from "
+            "`axis`, made orthogonal",
+            absent=True,
+        ),
+        Three("stiffness", "N/m", "along the three axes", required=True),
+        Three("rotary_stiffness", "N m/rad", "about the three axes"),
+        Three("damping", "N s/m", "along the three axes"),
+        Three("rotary_damping", "N m s/rad", "about the three axes"),
+    ),
     wrench=bushing,
     rows=bushing_rows,
     most_rows=6,
     rows_in_use=_rows_in_use,
+    order=3,
 )

@@ -1,13 +1,18 @@
-"""What a force element must supply.
+"""What the file of a force element supplies.
 
-A kind of force element is one file of this folder that ends in a `ForceKind`, and one entry with
-its two branches in table.py. Its keys in a case file stand in inputs/case/forces.py.
+A force element is one file of this folder: a kernel of its wrench, one of its rows in Newton's
+matrix, and an `Element` or `Load` that says everything else. Nothing else names it: table.py finds
+the file, inputs/case/forces.py makes the table of the case file from its keys, mechanism/forces.py
+its markers, parameters and law. CONTRIBUTING.md has the recipe.
+
+Markers of an `Element`: z along its key `axis` (global z without one), x along `axis_1` if it has
+one; in the given starting position both markers have the same axes. Their origins are the places.
 
 A kernel is compiled (`@jit`) and sees two markers as rows of bodies/motion.py, in global
 components:
 
 wrench(one, two, parameters, law) -> Wrench
-    parameters : (N_PARAMETER,) those of `ForceKind.parameters`, in their order
+    parameters : (N_PARAMETER,) the numbers among the keys, in their order
     law : value of the element's law at the present time [N or N m]; 0 without one
 
 rows(one, two, parameters, rows) -> None
@@ -23,12 +28,18 @@ rows(one, two, parameters, rows) -> None
     steps do not resolve the element; above it, it is slow.
 """
 
-from collections.abc import Callable, Sequence
+import inspect
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
+from ...math.arrays import Array
+from ...math.keys import Direction, Number, OfTime, Three
 from ...math.triple import Triple
 from ..workspace import DAMPING, FORCE, N_ELEMENT_ROW, STIFFNESS
+
+Key = Direction | Number | Three | OfTime
+OF_ALL = ("one", "two", "parameters")  # first arguments of the kernels
 
 
 class Wrench(NamedTuple):
@@ -44,22 +55,117 @@ class Wrench(NamedTuple):
     power: float  # of dampers, actuators and loads, into the system [W]
 
 
-def no_rows(parameters: Sequence[float]) -> list[int]:
+def none_in_use(parameters: Sequence[float]) -> list[int]:
     """Return the rows of a kind that is left out of Newton's matrix."""
     return []
 
 
-@dataclass(frozen=True)
-class ForceKind:
-    """A kind of force element, as dynamics sees it."""
+def as_given(values: Mapping[str, Any], shift: Array) -> Mapping[str, Any]:
+    """Return the numbers as they stand in the case file."""
+    return values
 
-    name: str  # `kind` in a case file
-    parameters: tuple[str, ...]  # names of its numbers, in SI units
-    wrench: Callable[..., Any]  # kernel
-    rows: Callable[..., Any] | None = None  # kernel; None: left out of Newton's matrix
-    most_rows: int = 0  # that the kernel fills
-    rows_in_use: Callable[[Sequence[float]], list[int]] = no_rows  # of an element, by parameters
-    from_outside: bool = False  # a load: nothing acts back on marker one
+
+@dataclass(frozen=True, kw_only=True)
+class ForceElement:
+    """What springs and loads have in common.
+
+    Attributes
+    ----------
+    kind : name in tables and in the case file
+    meaning, remark : title and text for docs/case-reference.md; no full stop behind the title
+    wrench : kernel
+    order : place in the manual and in lists; those of equal order follow by name
+    """
+
+    kind: str
+    meaning: str
+    wrench: Callable[..., Any]
+    remark: str = ""
+    order: int = 100
+
+    def __post_init__(self) -> None:
+        _check(self.kind, "wrench", self.wrench)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Load(ForceElement):
+    """A load from outside at one place; nothing acts back.
+
+    Its keys are `at`, `direction`, `frame` and `law`. Its parameters are the unit vector along
+    `direction`, in axes of marker one: the ground, or the place itself if `frame` is "following".
+    """
+
+    parameters: ClassVar[tuple[str, ...]] = ("direction x", "direction y", "direction z")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Element(ForceElement):
+    """An element between two places.
+
+    Attributes
+    ----------
+    keys : of the case file, behind `between` and `kind`; the numbers among them, in their order,
+        are the parameters of the kernels
+    complete : f(values, shift) -> numbers by key, from those of the case file (None: not given),
+        its `between`, and the way `shift` (3,) from place one to two at the given start, in axes
+        of marker one [m]; the text of an InputError goes on "forces.NAME"
+    acts_by : keys of which a case must give one that is not zero; none: whatever it gives
+    rows : kernel; None: left out of Newton's matrix
+    most_rows : that the kernel fills
+    rows_in_use : of an element, by its parameters
+    """
+
+    keys: tuple[Key, ...]
+    complete: Callable[[Mapping[str, Any], Array], Mapping[str, Any]] = as_given
+    acts_by: tuple[str, ...] = ()
+    rows: Callable[..., Any] | None = None
+    most_rows: int = 0
+    rows_in_use: Callable[[Sequence[float]], list[int]] = none_in_use
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.rows is not None:
+            _check(self.kind, "rows", self.rows)
+        if (self.rows is None) != (self.most_rows == 0):
+            raise ValueError(f"{self.kind}: expected `rows` and `most_rows`, or neither")
+        if len(self.laws) > 1:
+            raise ValueError(f"{self.kind}: laws {self.laws}: expected one at most")
+        if set(self.acts_by) - {key.name for key in self.keys}:
+            raise ValueError(f"{self.kind}: acts_by = {self.acts_by}: expected some of its keys")
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the kernels' numbers, in SI units."""
+        return tuple(name for key in self.keys for name in _names(key))
+
+    @property
+    def laws(self) -> tuple[str, ...]:
+        """Keys that are laws of time: none, or one."""
+        return tuple(key.name for key in self.keys if isinstance(key, OfTime))
+
+    def numbers(self, values: Mapping[str, Any], shift: Array) -> tuple[float, ...]:
+        """Return the parameters of an element with these keys; see `complete`."""
+        complete = self.complete(values, shift)
+        found: list[float] = []
+        for key in self.keys:
+            if isinstance(key, Number):
+                found.append(float(complete[key.name]))
+            elif isinstance(key, Three):
+                found += [float(value) for value in complete[key.name]]
+        return tuple(found)
+
+
+def _names(key: Key) -> list[str]:
+    if isinstance(key, Number):
+        return [key.name]
+    return [f"{key.name} {axis}" for axis in "xyz"] if isinstance(key, Three) else []
+
+
+def _check(kind: str, what: str, kernel: Callable[..., Any]) -> None:
+    """Raise ValueError unless a kernel takes four arguments."""
+    found = tuple(inspect.signature(getattr(kernel, "py_func", kernel)).parameters)
+    if found[:3] != OF_ALL or len(found) != len(OF_ALL) + 1:
+        raise ValueError(f"{kind}: its {what} takes {found}: expected {OF_ALL} and one more")
 
 
 __all__ = [
@@ -67,7 +173,12 @@ __all__ = [
     "FORCE",
     "N_ELEMENT_ROW",
     "STIFFNESS",
-    "ForceKind",
+    "Direction",
+    "Element",
+    "ForceElement",
+    "Load",
+    "Number",
+    "OfTime",
+    "Three",
     "Wrench",
-    "no_rows",
 ]

@@ -4,7 +4,7 @@ from ...math.arrays import Array
 from ...math.compiled import jit
 from ...math.triple import dot3, times3, triple
 from ..bodies.motion import from_axes, spin, velocity
-from .contract import ForceKind, Wrench
+from .contract import Load, Wrench
 
 
 @jit
@@ -21,6 +21,5 @@ def torque(one: Array, two: Array, parameters: Array, size: float) -> Wrench:
     return Wrench((0.0, 0.0, 0.0), load, 0.0, dot3(load, spin(two)))
 
 
-DIRECTION = ("direction x", "direction y", "direction z")
-FORCE = ForceKind("force", DIRECTION, force, from_outside=True)
-TORQUE = ForceKind("torque", DIRECTION, torque, from_outside=True)
+FORCE = Load(kind="force", meaning="a force [N] from outside", wrench=force, order=1)
+TORQUE = Load(kind="torque", meaning="a torque [N m] from outside", wrench=torque, order=2)

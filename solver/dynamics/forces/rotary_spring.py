@@ -8,7 +8,7 @@ from ...math.arrays import Array
 from ...math.compiled import jit
 from ...math.triple import Triple, cross3, dot3, minus3, times3
 from ..bodies.motion import axis, spin
-from .contract import DAMPING, FORCE, STIFFNESS, ForceKind, Wrench
+from .contract import DAMPING, FORCE, STIFFNESS, Direction, Element, Number, OfTime, Wrench
 
 
 @jit
@@ -56,11 +56,23 @@ def _rows_in_use(parameters: Sequence[float]) -> list[int]:
     return [0] if parameters[0] or parameters[1] else []
 
 
-KIND = ForceKind(
-    name="rotary_spring",
-    parameters=("stiffness", "damping", "angle"),
+ELEMENT = Element(
+    kind="rotary_spring",
+    meaning="spring, damper and actuator of a hinge",
+    remark="Its moment is discontinuous half a turn away from the rest angle.",
+    keys=(
+        Direction("axis", "axis at the start, global"),
+        Number("stiffness", "N m/rad", "k", default=0.0, least=0.0),
+        Number("damping", "N m s/rad", "c", default=0.0, least=0.0),
+        Number(
+            "angle", "rad", "angle without moment, from the given starting position", default=0.0
+        ),
+        OfTime("actuator", "torque [N m] on the second place about the axis"),
+    ),
+    acts_by=("stiffness", "damping", "actuator"),
     wrench=rotary_spring,
     rows=rotary_spring_rows,
     most_rows=1,
     rows_in_use=_rows_in_use,
+    order=2,
 )

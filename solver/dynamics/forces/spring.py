@@ -1,6 +1,7 @@
 """Spring, damper and actuator along the line between two points."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -8,7 +9,7 @@ from ...math.arrays import Array
 from ...math.compiled import jit
 from ...math.triple import Triple, dot3, minus3, times3
 from ..bodies.motion import place, velocity
-from .contract import DAMPING, FORCE, STIFFNESS, ForceKind, Wrench
+from .contract import DAMPING, FORCE, STIFFNESS, Element, Number, OfTime, Wrench
 
 COINCIDENT = 1e-12  # distance of two points without a direction [m]
 
@@ -71,11 +72,31 @@ def _rows_in_use(parameters: Sequence[float]) -> list[int]:
     return [*([0] if damping else []), *([1, 2, 3] if stiffness else [])]
 
 
-KIND = ForceKind(
-    name="spring",
-    parameters=("stiffness", "damping", "length"),
+def with_length(values: Mapping[str, Any], shift: Array) -> Mapping[str, Any]:
+    """Return the numbers with the distance at the given start [m] as an absent length."""
+    length = values["length"]
+    return {**values, "length": float(np.linalg.norm(shift)) if length is None else length}
+
+
+ELEMENT = Element(
+    kind="spring",
+    meaning="spring, damper and actuator between two places",
+    keys=(
+        Number("stiffness", "N/m", "k", default=0.0, least=0.0),
+        Number("damping", "N s/m", "c", default=0.0, least=0.0),
+        Number(
+            "length",
+            "m",
+            "of the spring without force; absent: the distance in the given starting position",
+            least=0.0,
+        ),
+        OfTime("actuator", "force [N] that pushes the places apart"),
+    ),
+    complete=with_length,
+    acts_by=("stiffness", "damping", "actuator"),
     wrench=spring,
     rows=spring_rows,
     most_rows=4,
     rows_in_use=_rows_in_use,
+    order=1,
 )

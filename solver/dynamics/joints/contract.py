@@ -34,7 +34,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from ...math.arrays import Array
-from ...math.keys import Number
+from ...math.keys import Direction, Number
 
 Rows = Callable[..., None]
 Numbers = dict[str, float]
@@ -96,22 +96,21 @@ class Constraint:
 
 @dataclass(frozen=True)
 class Drive(Constraint):
-    """Rows that prescribe a coordinate; their kernel takes f, f_d, f_dd (OF_A_LAW)."""
+    """Rows that prescribe a coordinate; their kernel takes f, f_d, f_dd (OF_A_LAW).
+
+    Attributes
+    ----------
+    side : f(A_1, A_2, value) -> above 0 where the rows hold the coordinate itself, below 0 where
+        they hold another root, from the axes (3, 3) of both markers, global components, and the
+        value of the law; None: the rows have no other root
+    """
 
     coordinate: Coordinate
+    side: Callable[[Array, Array, float], float] | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
         self._check(OF_A_LAW)
-
-
-@dataclass(frozen=True)
-class Direction:
-    """Key of the case file: a global direction at the start."""
-
-    name: Literal["axis", "axis_2"]
-    meaning: str  # one line
-    required: bool = False  # else: global z
 
 
 @dataclass(frozen=True)

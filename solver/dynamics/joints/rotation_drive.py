@@ -26,10 +26,17 @@ def rotation_drive(
     orthogonal_axes(rows, k, one, two, a, axis(two, 0), times3(f_d, z), turning_rate)
 
 
+def cosine(A_1: Array, A_2: Array, f: float) -> float:
+    """Return cos(angle - f): 1 at the wanted angle, -1 half a turn away, where the row is 0 too."""
+    wanted = A_1[:, 0] * np.cos(f) + A_1[:, 1] * np.sin(f)
+    return float(wanted @ A_2[:, 0])
+
+
 ROTATION_DRIVE = Drive(
     kind="rotation_drive",
     rows=rotation_drive,
     units="r",
     removes=("about z",),
     coordinate=ANGLE,
+    side=cosine,
 )

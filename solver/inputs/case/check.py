@@ -2,13 +2,14 @@
 
 import numpy as np
 
+from ...dynamics.forces.table import ELEMENTS
 from ...dynamics.joints.table import JOINTS
 from ...errors import InputError, nearest
 from ...integrators.choice import treatment_of
 from ..common.material import check_materials
 from .body_specs import BodySpec, BodySpecs
 from .check_bodies import check_bodies, interfaces
-from .forces import Bushing, ForceLoad, TorqueLoad
+from .forces import LoadTable
 from .joints import drives
 from .laws import RotationDrive
 from .schema import BeamBody, Mechanism, RigidBody, ShellBody
@@ -115,17 +116,20 @@ def _two_drives(mechanism: Mechanism) -> list[str]:
 
 def _forces(mechanism: Mechanism) -> list[str]:
     found = []
-    for name, element in mechanism.forces.items():
+    for name, force in mechanism.forces.items():
         key = f"forces.{name}"
-        if isinstance(element, ForceLoad | TorqueLoad):
-            found += check_place(f"{key}.at", element.at, mechanism, ground=False)
+        if isinstance(force, LoadTable):
+            found += check_place(f"{key}.at", force.at, mechanism, ground=False)
             continue
-        found += _between(f"{key}.between", element.between, mechanism, one_body=True)
-        if isinstance(element, Bushing):
-            if element.axis_1 is not None:
-                found += _right_angle(f"{key}.axis_1", element.axis, element.axis_1)
-        elif not element.stiffness and not element.damping and element.actuator is None:
-            found.append(f"{key}: has no effect; expected stiffness, damping or actuator")
+        found += _between(f"{key}.between", force.between, mechanism, one_body=True)
+        axis, axis_1 = getattr(force, "axis", None), getattr(force, "axis_1", None)
+        if axis is not None and axis_1 is not None:
+            found += _right_angle(f"{key}.axis_1", axis, axis_1)
+        acts_by = ELEMENTS[force.kind].acts_by
+        if acts_by and not any(getattr(force, word) for word in acts_by):
+            *most, last = acts_by
+            words = f"{', '.join(most)} or {last}" if most else last
+            found.append(f"{key}: has no effect; expected {words}")
     return found
 
 

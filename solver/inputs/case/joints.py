@@ -2,24 +2,14 @@
 
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 
-from pydantic import AfterValidator, Field, create_model
+from pydantic import Field, create_model
 from pydantic.fields import FieldInfo
 
-from ...dynamics.joints.contract import Angle, Direction, DrivenBy, Joint, Key
+from ...dynamics.joints.contract import Angle, DrivenBy, Joint, Key
 from ...dynamics.joints.table import JOINTS
-from ..common.keys import number_field
-from ..common.table import Table, Vector, unit
+from ..common.table import Table
+from .keys import field_of
 from .laws import RotationDrive, TranslationDrive
-
-
-def _of_some_length(vector: list[float]) -> list[float]:
-    if not any(vector):
-        raise ValueError("expected a vector of non-zero length")
-    return vector
-
-
-GlobalDirection = Annotated[Vector, AfterValidator(_of_some_length)]
-Z = [0.0, 0.0, 1.0]
 
 
 class JointTable(Table):
@@ -36,18 +26,12 @@ class JointTable(Table):
 
 def _field(key: Key) -> tuple[Any, FieldInfo]:
     """Return type and field of a key."""
-    default: Any = None
     if isinstance(key, DrivenBy):
         law: Any = RotationDrive if isinstance(key.drive.coordinate, Angle) else TranslationDrive
+        default: Any = None
         drive: FieldInfo = Field(default=default, description=key.meaning)
         return law | None, drive
-    if isinstance(key, Direction):
-        default = ... if key.required else Z
-        direction: FieldInfo = Field(
-            default=default, description=key.meaning, json_schema_extra=unit("-")
-        )
-        return GlobalDirection, direction
-    return number_field(key)
+    return field_of(key)
 
 
 def _table(joint: Joint) -> type[JointTable]:

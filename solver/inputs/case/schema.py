@@ -11,7 +11,7 @@ from ...package.body.specification import LinkKind, MassForm, Theory
 from ..common.material import Material
 from ..common.table import Name, Table, Vector, unit
 from ..section.mesh_table import ShapeMesh, shape_or
-from .forces import Force
+from .forces import CaseForce
 from .joints import CaseJoint
 from .modes import Modes, Reference
 from .signals import Signal
@@ -220,7 +220,7 @@ class Mechanism(Table):
     bodies: dict[Name, Body] = Field(min_length=1, description="moving bodies")
     ground: dict[Name, GroundPoint] = Field(default={}, description="points of the ground")
     joints: dict[Name, CaseJoint] = Field(default={}, description="constraints")
-    forces: dict[Name, Force] = Field(default={}, description="springs, bushings, loads")
+    forces: dict[Name, CaseForce] = Field(default={}, description="springs, bushings, loads")
     masses: dict[Name, PointMass] = Field(default={}, description="point masses")
     signals: dict[Name, Signal] = Field(default={}, description="what is measured")
     solver: Solver = Field(description="time integration")

@@ -9,8 +9,8 @@ from pydantic import Field, create_model
 
 from ...dynamics.constraints.treatment import Treatment
 from ...integrators.table import INTEGRATORS
-from ..common.keys import number_field
 from ..common.table import Table, unit
+from .keys import field_of
 
 if TYPE_CHECKING:
     IntegratorName = str
@@ -70,7 +70,7 @@ else:
     _WithOptions = create_model(
         "_WithOptions",
         __base__=_Integration,
-        **{key.name: number_field(key) for kind in INTEGRATORS.values() for key in kind.keys},
+        **{key.name: field_of(key) for kind in INTEGRATORS.values() for key in kind.keys},
     )
 
 

@@ -18,6 +18,7 @@ from typing import Any
 
 from ...package.common.container import temporary_sibling
 from .body_specs import BodySpec
+from .forces import law
 from .joints import drives
 from .load import Case
 from .schema import Mechanism, PackageBody
@@ -142,7 +143,7 @@ def _write_rules(
     *,
     built: bool,
 ) -> None:
-    """Write case.mk: lists for the Makefile, and which packages each run needs."""
+    """Write case.mk: lists for the Makefile, and what the runs need."""
     base = os.path.relpath(out)
     text = [
         "# Written by `python -m plymotion.solver check`; do not edit.",
@@ -152,8 +153,9 @@ def _write_rules(
     ]
     for name, specs in sweep_specs.items() if built else ():
         text.append(f"{case.name}_{name}_SPECS := {' '.join(map(os.path.relpath, specs))}")
-    for run, needed in run_packages.items():
-        text.append(f"{base}/{run}/summary.json: {base}/runs/{run}.json {' '.join(needed)}")
+    run_files = [f"{base}/runs/{run}.json" for run in run_packages]
+    needed = sorted({file for files in run_packages.values() for file in files})
+    text.append(f"{base}/ran: {' '.join([*run_files, *needed])}")
     folder = case.file.parent
     mechanisms = [*case.runs.values(), *(s.base for s in case.sweeps.values())]
     bodies = [*case.bodies.values(), *(b for s in case.sweeps.values() for b in s.bodies)]
@@ -171,12 +173,8 @@ def _law_sources(mechanism: Mechanism, folder: Path) -> list[Path]:
     laws: list[Any] = []
     for joint in mechanism.joints.values():
         laws += drives(joint).values()
-    laws += [
-        getattr(element, key, None)
-        for element in mechanism.forces.values()
-        for key in ("law", "actuator")
-    ]
-    tables = [law.table for law in laws if law is not None and law.table is not None]
+    laws += [law(force) for force in mechanism.forces.values()]
+    tables = [each.table for each in laws if each is not None and each.table is not None]
     return [folder / table.file for table in tables if table.file is not None]
 
 

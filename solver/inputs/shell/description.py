@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from pydantic import Field, ValidationError, model_validator
 
 from ...errors import InputError
+from ...package.shell import elements
 from ...package.shell.elements import DRILLINGS, MEMBRANES, PLATES, in_words
 from ..common import lines, read_toml
 from ..common.lay_up import Angle, LayUp, LayUpPly
@@ -176,19 +177,23 @@ class Elements(Table):
     """`[elements]`: which triangle; the defaults are the best of them."""
 
     plate: Plate = Field(
-        default="dkmt", description=f"bending and transverse shear: {in_words(PLATES)}"
+        default=elements.PLATE, description=f"bending and transverse shear: {in_words(PLATES)}"
     )
-    membrane: Membrane = Field(default="opt", description=f"stretching: {in_words(MEMBRANES)}")
+    membrane: Membrane = Field(
+        default=elements.MEMBRANE, description=f"stretching: {in_words(MEMBRANES)}"
+    )
     beta0: Annotated[float, Field(gt=0)] | Literal["felippa"] = Field(
-        default=0.5, description="opt only: size of its higher-order stiffness"
+        default=elements.BETA0, description="opt only: size of its higher-order stiffness"
     )
     drilling: Drilling = Field(
-        default="auto",
+        default=elements.DRILLING,
         description=f"stiffness of the rotation about the normal: {', '.join(DRILLINGS.values())}; "
         "auto: tie for cst, none for the others. none with cst: nodes in a flat surface have five "
         "degrees of freedom",
     )
-    drilling_factor: float = Field(default=1e-2, gt=0, description="of the drilling stiffness")
+    drilling_factor: float = Field(
+        default=elements.DRILLING_FACTOR, gt=0, description="of the drilling stiffness"
+    )
     mass_form: Literal["consistent", "lumped"] = Field(
         default="consistent", description="mass matrix"
     )

@@ -1,10 +1,50 @@
-"""Stages of an explicit Runge-Kutta step, all in one call."""
+"""Explicit Runge-Kutta methods: stages, and the step loop for mechanisms.
+
+The methods, their control of steps and their letters are those of generic/explicit.py.
+"""
+
+import numpy as np
 
 from ...dynamics.model import Model
+from ...dynamics.projection import project
 from ...dynamics.system import derivative_into
 from ...dynamics.workspace import Work
 from ...math.arrays import Array
-from ...math.compiled import lean
+from ...math.compiled import inlined, lean
+from ..generic.explicit import SAFETY, STIFF_TESTS, TEST_EVERY
+from .course import (
+    ARRIVED,
+    ERROR_LAST,
+    EVALUATIONS,
+    GOES_ON,
+    ILL,
+    NEXT,
+    NONE,
+    OFF,
+    PAUSED,
+    STEPS,
+    TIME,
+    TOO_ROUGH,
+    TOO_SMALL,
+    TROUBLE,
+    Ends,
+    Options,
+    count_step,
+    keep_end,
+    next_step,
+    refuse,
+)
+from .explicit_workspace import (
+    CLEAR,
+    REFUSED_LAST,
+    STIFF_STEP,
+    STIFF_TIME,
+    SUSPECT,
+    TIME_OLD,
+    ExplicitTableau,
+    ExplicitWorkspace,
+)
+from .stages import finite, norm
 
 
 @lean
@@ -38,3 +78,201 @@ def fill_stages(
         for k in range(n):
             point[k] = y[k] + h * point[k]
         derivative_into(model, work, t + C[i] * h, point, K[i])
+
+
+@lean
+def advance_explicit(
+    model: Model,
+    options: Options,
+    tableau: ExplicitTableau,
+    course: ExplicitWorkspace,
+    most_steps: int,
+    times: Array,
+    rows: Array,
+    filled: int,
+    ends: Ends,
+) -> tuple[int, int]:
+    """Take steps until t_end or `most_steps` accepted ones; see `advance` (radau.py)."""
+    clock, counts, work, K = course.clock, course.counts, course.work, course.K
+    y, y_new, s, n = course.y, course.y_new, tableau.B.shape[0], course.y.shape[0]
+    fixed = options.fixed_step > 0.0
+    taken = 0
+    while clock[TIME] < options.t_end:
+        if taken == most_steps:
+            return PAUSED, filled
+        t = clock[TIME]
+        h, t_new, too_small = next_step(options, clock)
+        if too_small:
+            return TOO_SMALL, filled
+        for i in range(n):
+            K[0, i] = course.f[i]
+        fill_stages(model, work, tableau.A, tableau.C, t, y, h, K, course.point)
+        counts[EVALUATIONS] += s - 1
+        for i in range(n):
+            sum_of = 0.0
+            for j in range(s):
+                sum_of += tableau.B[j] * K[j, i]
+            y_new[i] = y[i] + h * sum_of
+        if tableau.first_same_as_last:
+            derivative_into(model, work, t_new, y_new, K[s])
+            counts[EVALUATIONS] += 1
+        error = _error(options, tableau, course, h)
+
+        counts[TROUBLE] = NONE
+        factor = 0.25
+        if not error < np.inf:
+            counts[TROUBLE] = ILL
+        elif error > 1.0 and not fixed:
+            counts[TROUBLE] = TOO_ROUGH
+            factor = max(tableau.min_factor, SAFETY * error ** (-1.0 / tableau.exponent))
+        elif options.closes:
+            reached = project(model, work, t_new, y_new, course.step, course.before)
+            if not (reached and finite(y_new)):
+                counts[TROUBLE] = OFF
+        if counts[TROUBLE] == NONE and (options.closes or not tableau.first_same_as_last):
+            derivative_into(model, work, t_new, y_new, K[s])
+            counts[EVALUATIONS] += 1
+            if not finite(K[s]):
+                counts[TROUBLE] = ILL
+        if counts[TROUBLE] != NONE:
+            clock[REFUSED_LAST] = 1.0
+            code = refuse(options, clock, counts, h, factor)
+            if code != GOES_ON:
+                return code, filled
+            continue
+
+        error = max(error, 1e-8)
+        proportional = 1.0 / tableau.exponent - 0.75 * tableau.integral
+        factor = SAFETY * error**-proportional * clock[ERROR_LAST] ** tableau.integral
+        largest = 1.0 if clock[REFUSED_LAST] > 0.0 else tableau.max_factor
+        clock[NEXT] = h * min(largest, max(tableau.min_factor, factor))
+        clock[ERROR_LAST], clock[REFUSED_LAST] = max(error, 1e-4), 0.0
+        if clock[SUSPECT] > 0.0 or counts[STEPS] % TEST_EVERY == 0:
+            _test_stiffness(options, tableau, course, h)
+        for i in range(n):
+            course.y_old[i], y[i] = y[i], y_new[i]
+            course.f[i] = K[s, i]
+        clock[TIME_OLD] = t
+        count_step(clock, counts, h, t_new)
+        keep_end(ends, taken, t_new, y)
+        taken += 1
+        known = False
+        while filled < times.shape[0] and times[filled] <= t_new:
+            row = rows[filled]
+            if times[filled] == t_new:
+                for i in range(n):
+                    row[i] = y[i]
+            else:
+                if not known:
+                    fill_polynomial(model, tableau, course)
+                    known = True
+                _interpolate(tableau, course, (times[filled] - t) / h, row)
+                if options.closes:
+                    _close_row(model, course, times[filled], row)
+            filled += 1
+    return ARRIVED, filled
+
+
+@inlined
+def _error(
+    options: Options, tableau: ExplicitTableau, course: ExplicitWorkspace, h: float
+) -> float:
+    """Local error in units of the tolerance."""
+    for i in range(course.y.shape[0]):
+        larger = max(abs(course.y[i]), abs(course.y_new[i]))
+        course.weight[i] = 1.0 / (options.atol[i] + options.rtol * larger)
+    _combine(tableau.E[0], course)
+    first = norm(options, course.error, course.weight)
+    if tableau.first_same_as_last:
+        return h * first
+    _combine(tableau.E[1], course)
+    second = norm(options, course.error, course.weight)
+    if first == 0.0:
+        return 0.0 * second
+    return float(h * first * first / np.sqrt(first * first + 0.01 * second * second))
+
+
+@inlined
+def _combine(E: Array, course: ExplicitWorkspace) -> None:
+    """Fill course.error with E K."""
+    for i in range(course.error.shape[0]):
+        sum_of = 0.0
+        for j in range(E.shape[0]):
+            sum_of += E[j] * course.K[j, i]
+        course.error[i] = sum_of
+
+
+@inlined
+def _test_stiffness(
+    options: Options, tableau: ExplicitTableau, course: ExplicitWorkspace, h: float
+) -> None:
+    """Compare |h lambda|, seen from the last stage (also at t_new), with the limit."""
+    clock, s, K, n = course.clock, tableau.B.shape[0], course.K, course.y.shape[0]
+    for i in range(n):
+        course.weight[i] = 1.0 / (options.atol[i] + options.rtol * abs(course.y_new[i]))
+        course.error[i] = course.y_new[i] - course.point[i]
+    distance = norm(options, course.error, course.weight)
+    if distance == 0.0:
+        return
+    for i in range(n):
+        course.error[i] = K[s, i] - K[s - 1, i]
+    if h * norm(options, course.error, course.weight) / distance > tableau.stability_limit:
+        clock[SUSPECT] += 1.0
+        clock[CLEAR] = 0.0
+        if clock[SUSPECT] == STIFF_TESTS and clock[STIFF_STEP] == 0.0:
+            clock[STIFF_TIME], clock[STIFF_STEP] = clock[TIME], h
+    elif clock[SUSPECT] > 0.0:
+        clock[CLEAR] += 1.0
+        if clock[CLEAR] == 6.0:
+            clock[SUSPECT] = 0.0
+
+
+@lean
+def fill_polynomial(model: Model, tableau: ExplicitTableau, course: ExplicitWorkspace) -> None:
+    """Fill course.F with the polynomial of the last step, after the extra stages that it needs."""
+    K, F, clock, s = course.K, course.F, course.clock, tableau.B.shape[0] + 1
+    t, h, n = clock[TIME_OLD], clock[TIME] - clock[TIME_OLD], course.y.shape[0]
+    extra = tableau.C_extra.shape[0]
+    for e in range(extra):
+        for i in range(n):
+            sum_of = 0.0
+            for j in range(s + e):
+                sum_of += tableau.A_extra[e, j] * K[j, i]
+            course.point[i] = course.y_old[i] + h * sum_of
+        derivative_into(model, course.work, t + tableau.C_extra[e] * h, course.point, K[s + e])
+    course.counts[EVALUATIONS] += extra
+    first = F.shape[0] - tableau.D.shape[0]
+    for i in range(n):
+        if first == 3:
+            step = course.y[i] - course.y_old[i]
+            F[0, i] = step
+            F[1, i] = h * K[0, i] - step
+            F[2, i] = step - h * K[s - 1, i] - F[1, i]
+        for d in range(tableau.D.shape[0]):
+            sum_of = 0.0
+            for j in range(K.shape[0]):
+                sum_of += tableau.D[d, j] * K[j, i]
+            F[first + d, i] = h * sum_of
+
+
+@inlined
+def _interpolate(tableau: ExplicitTableau, course: ExplicitWorkspace, x: float, out: Array) -> None:
+    """Fill out (n,) with the polynomial of the last step at its part x, 0 to 1."""
+    F, last = course.F, course.F.shape[0] - 1
+    nested = F.shape[0] > tableau.D.shape[0]
+    for i in range(out.shape[0]):
+        change = 0.0
+        for k in range(last + 1):
+            j = last - k
+            change = (change + F[j, i]) * (1.0 - x if nested and j % 2 == 1 else x)
+        out[i] = course.y_old[i] + change
+
+
+@inlined
+def _close_row(model: Model, course: ExplicitWorkspace, t: float, row: Array) -> None:
+    """Bring a row (n,) of the output onto the constraints; left as it is where none are near."""
+    for i in range(row.shape[0]):
+        course.point[i] = row[i]
+    if project(model, course.work, t, course.point, course.step, course.before):
+        for i in range(row.shape[0]):
+            row[i] = course.point[i]

@@ -65,8 +65,8 @@ class ExplicitRungeKutta(Integrator):
         'with max_order = 2), fewer modes, or constraints = "projection" instead of baumgarte'
     )
     stability_limit: ClassVar[float]  # |h lambda| near which steps are limited by stability
-    _exponent: ClassVar[float]  # err grows with h to this power
-    _first_same_as_last: ClassVar[bool]  # the error needs f at the new point
+    exponent: ClassVar[float]  # err grows with h to this power
+    first_same_as_last: ClassVar[bool]  # the error needs f at the new point
 
     def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)
@@ -106,13 +106,13 @@ class ExplicitRungeKutta(Integrator):
             return None
         if err > 1 and self.fixed_step is None:
             self._trouble = f"local error {err:.3g} times the tolerance"
-            self._refuse(h, max(self.min_factor, SAFETY * err ** (-1 / self._exponent)))
+            self._refuse(h, max(self.min_factor, SAFETY * err ** (-1 / self.exponent)))
             return None
         nearest = self.project(t_new, y_new)
         if nearest is None:
             self._refuse(h, 0.25)
             return None
-        if not self._first_same_as_last or nearest is not y_new:
+        if not self.first_same_as_last or nearest is not y_new:
             y_new = nearest
             K[s] = self.derivative(t_new, y_new)
             if not isfinite(K[s].dot(K[s])):
@@ -120,7 +120,7 @@ class ExplicitRungeKutta(Integrator):
                 self._refuse(h, 0.1)
                 return None
         err = max(err, 1e-8)
-        proportional = 1 / self._exponent - 0.75 * self.integral
+        proportional = 1 / self.exponent - 0.75 * self.integral
         factor = SAFETY * err**-proportional * self._err_last**self.integral
         factor = min(1.0 if self._refused else self.max_factor, max(self.min_factor, factor))
         self._h_next = h * factor
@@ -147,10 +147,7 @@ class ExplicitRungeKutta(Integrator):
         if speed > self.stability_limit:
             self._suspect, self._clear = self._suspect + 1, 0
             if self._suspect == STIFF_TESTS and not self.hints:
-                self.hints.append(
-                    f"stiff: at t = {self.t:.6g} s the step {h:.3g} s is limited by stability, not "
-                    "by accuracy; an implicit method (radau, gear) may need fewer steps"
-                )
+                self.hints.append(stiffness_hint(self.t, h))
         elif self._suspect:
             self._clear += 1
             if self._clear == 6:
@@ -159,6 +156,14 @@ class ExplicitRungeKutta(Integrator):
     @abstractmethod
     def _error(self, h: float, t_new: float, y_new: Array) -> float:
         """Local error in units of the tolerance."""
+
+
+def stiffness_hint(t: float, h: float) -> str:
+    """Remark on a run whose step h [s] at time t is as long as stability allows."""
+    return (
+        f"stiff: at t = {t:.6g} s the step {h:.3g} s is limited by stability, not "
+        "by accuracy; an implicit method (radau, gear) may need fewer steps"
+    )
 
 
 class RungeKutta8(ExplicitRungeKutta):
@@ -179,7 +184,7 @@ class RungeKutta8(ExplicitRungeKutta):
     integral, min_factor, max_factor = 0.04, 0.333, 6.0
     stability_limit = 5.4
     limited_above = 2.0
-    _exponent, _first_same_as_last = 8.0, False
+    exponent, first_same_as_last = 8.0, False
 
     def _error(self, h: float, t_new: float, y_new: Array) -> float:
         K = self._K[: self.B.size]
@@ -198,7 +203,7 @@ class RungeKutta8(ExplicitRungeKutta):
         step = y_new - y_old
         first = h * K[0] - step
         F = np.vstack((step, first, step - h * K[s - 1] - first, h * Order8.D.dot(K)))
-        return _Nested(self.t_old, h, y_old, F)
+        return Nested(self.t_old, h, y_old, F)
 
 
 class RungeKutta5(ExplicitRungeKutta):
@@ -218,7 +223,7 @@ class RungeKutta5(ExplicitRungeKutta):
     integral, min_factor, max_factor = 0.04, 0.2, 10.0
     stability_limit = 2.9
     limited_above = 0.8
-    _exponent, _first_same_as_last = 5.0, True
+    exponent, first_same_as_last = 5.0, True
 
     def _error(self, h: float, t_new: float, y_new: Array) -> float:
         self._K[-1] = self.derivative(t_new, y_new)
@@ -244,7 +249,7 @@ class _Polynomial(ABC):
         """Value of p at x, from zeros y of the shape of the answer."""
 
 
-class _Nested(_Polynomial):
+class Nested(_Polynomial):
     """p = x (c0 + (1-x) (c1 + x (c2 + ...)))."""
 
     def _change(self, x: Array, y: Array) -> Array:

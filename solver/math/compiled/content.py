@@ -4,7 +4,6 @@ Two functions of one digest are compiled to the same code, wherever their files 
 """
 
 import hashlib
-import importlib.metadata
 import os
 import platform
 import sys
@@ -14,6 +13,8 @@ from types import CodeType, ModuleType
 from typing import Any
 
 import numpy as np
+
+from .versions import numba_version
 
 
 def digest(*texts: str | bytes) -> str:
@@ -34,7 +35,7 @@ def environment() -> str:
     machinery = [path.read_bytes() for path in sorted(Path(__file__).parent.glob("*.py"))]
     settings = sorted(f"{k}={v}" for k, v in os.environ.items() if k.startswith("NUMBA_"))
     return digest(
-        importlib.metadata.version("numba"),
+        numba_version(),
         llvmlite.__version__,
         sys.version,
         platform.machine(),

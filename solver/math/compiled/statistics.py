@@ -9,6 +9,7 @@ class Statistics:
         self.loaded: list[str] = []
         self.fallbacks: list[str] = []  # compiled by numba.njit
         self.kept = True  # the cache could be written
+        self.load_s = 0.0  # CPU time for all of them
 
 
 statistics = Statistics()

@@ -1,5 +1,6 @@
 """Units of parts: from the cache, or compiled and kept there; the doors by which Python calls."""
 
+import time
 import warnings
 from collections.abc import Callable
 from typing import Any
@@ -17,6 +18,14 @@ def unit(part: Part, text: str) -> Unit:
 
 def door(part: Part, arguments: tuple[Any, ...], kinds: Any) -> Callable[..., Any]:
     """Return what takes words and arguments of such kinds to compiled code."""
+    begin = time.process_time()
+    try:
+        return _door(part, arguments, kinds)
+    finally:
+        statistics.load_s += time.process_time() - begin
+
+
+def _door(part: Part, arguments: tuple[Any, ...], kinds: Any) -> Callable[..., Any]:
     text = None if kinds is None else doors.text(arguments)
     if text is None or len(arguments) != part.function.__code__.co_argcount:
         return lambda words, arguments: part.function(*arguments)

@@ -20,6 +20,10 @@ DRILLINGS = {
     "tie": "a tie to the rotation of the membrane",
 }
 
+# What a description that does not say gets.
+PLATE, MEMBRANE, DRILLING = "dkmt", "opt", "auto"
+BETA0, DRILLING_FACTOR = 0.5, 1e-2
+
 
 def in_words(meanings: dict[str, str]) -> str:
     """Return names and meanings as a list in words; those that mean the same stand together."""

@@ -1,4 +1,4 @@
-"""How the run went: what preparation and monitors noticed, and why it ended early."""
+"""Completion of a run: why it ended early, and what preparation and monitors noticed."""
 
 from collections.abc import Iterator
 
@@ -11,7 +11,7 @@ from .finished import FinishedRun
 _ENDS = {"failed": RUN_FAILED, "interrupted": RUN_INTERRUPTED}
 
 
-def course_findings(run: FinishedRun) -> Iterator[Finding]:
+def completion_findings(run: FinishedRun) -> Iterator[Finding]:
     """Yield invalid bodies first, then an early end, then what else was noticed."""
     yield from (finding for finding in run.noticed if finding.code == SPIN.name)
     known = {finding.code for finding in run.noticed}

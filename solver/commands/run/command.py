@@ -1,0 +1,179 @@
+"""The command `plymotion run`: one run or several, in one process or more."""
+
+import argparse
+import multiprocessing
+import signal
+import sys
+import time
+from collections.abc import Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from ...errors import InputError, PackageError
+from ...results import ResultError, read_summary
+from ...run.execution import INCOMPLETE, run_file
+from ...run.inputs_digest import inputs_sha256
+from ...run.timing import timing_text
+
+INPUT, INTERRUPTED = 2, 130
+
+
+@dataclass
+class Outcome:
+    """What became of one run file."""
+
+    code: int
+    text: list[str] = field(default_factory=list)
+    errors: list[str] = field(default_factory=list)
+
+    def tell(self) -> None:
+        """Print it."""
+        for line in self.text:
+            print(line, flush=True)
+        for line in self.errors:
+            print(f"error: {line}", file=sys.stderr, flush=True)
+
+
+@dataclass(frozen=True)
+class _Task:
+    file: Path
+    out: Path
+    progress: bool
+    timing: bool
+    import_s: float = 0.0
+
+
+def run_runs(options: argparse.Namespace) -> int:
+    """Integrate the runs; return the exit code of the worst."""
+    import_s = time.process_time()
+    files: list[Path] = options.runs
+    if options.out is not None and len(files) > 1:
+        raise InputError(f"--out {options.out}: expected with one run file only; use --out-dir")
+    doubled = {file.stem for file in files if sum(f.stem == file.stem for f in files) > 1}
+    if doubled:
+        raise InputError(f"run files of the same name: {', '.join(sorted(doubled))}")
+    tasks = []
+    for file in files:
+        out = options.out or (options.out_dir or file.parent.parent) / file.stem
+        if options.update and _up_to_date(file, out):
+            print(f"{file.stem}: up to date")
+            continue
+        tasks.append(_Task(file, out, not options.quiet, options.timing, import_s))
+        import_s = 0.0
+    jobs = min(options.jobs, len(tasks))
+    outcomes = _by_workers(tasks, jobs) if jobs > 1 else _here(tasks)
+    codes = []
+    for outcome in outcomes:
+        outcome.tell()
+        codes.append(outcome.code)
+    return next((code for code in (INTERRUPTED, INPUT, INCOMPLETE) if code in codes), 0)
+
+
+def _up_to_date(file: Path, out: Path) -> bool:
+    """Tell whether a result is there that was not interrupted and has the same inputs."""
+    try:
+        summary = read_summary(out / "summary.json")
+    except ResultError:
+        return False
+    there = (out / "result.vtkhdf").is_file() and summary.get("status") != "interrupted"
+    known = summary.get("inputs_sha256")
+    return there and bool(known) and known == inputs_sha256(file)
+
+
+def _outcome(task: _Task) -> Outcome:
+    """Do one run."""
+    try:
+        summary = run_file(task.file, task.out, progress=task.progress, import_s=task.import_s)
+    except (InputError, PackageError) as error:
+        return Outcome(INPUT, errors=str(error).splitlines())
+    except OSError as error:
+        return Outcome(INPUT, errors=[f"{error.filename or ''}: {error.strerror or error}"])
+    except KeyboardInterrupt:
+        return Outcome(INTERRUPTED, errors=[f"{task.file}: interrupted, nothing written"])
+    return Outcome(_code(summary), _lines(summary, task.timing))
+
+
+def _code(summary: dict[str, Any]) -> int:
+    if summary["status"] == "interrupted":
+        return INTERRUPTED
+    return 0 if summary["completed"] else INCOMPLETE
+
+
+def _lines(summary: dict[str, Any], timing: bool) -> list[str]:
+    cost = summary["cost"]
+    outcome = "done" if summary["completed"] else summary["status"]
+    text = [
+        f"{summary['run']}: {outcome} at t = {summary['t_end']:.4g} s, "
+        f"{cost['steps']} steps, {cost['solve_s']:.2f} s"
+    ]
+    text += [f"  warning [{w['code']}] {w['message']}" for w in summary["warnings"]]
+    return [*text, f"  {timing_text(cost['seconds'])}"] if timing else text
+
+
+def _here(tasks: list[_Task]) -> Iterator[Outcome]:
+    for task in tasks:
+        outcome = _outcome(task)
+        yield outcome
+        if outcome.code == INTERRUPTED:
+            return
+
+
+def _by_workers(tasks: list[_Task], jobs: int) -> Iterator[Outcome]:
+    """Do runs in processes; after Ctrl-C those under way end and the others do not begin."""
+    context: Any = multiprocessing.get_context("fork" if sys.platform == "linux" else "spawn")
+    stop = context.Event()
+    with (
+        _interrupts_to(stop),
+        ProcessPoolExecutor(jobs, context, initializer=_begin, initargs=(stop,)) as pool,
+    ):
+        waiting: set[Future[Outcome]] = {pool.submit(_in_worker, _quiet(task)) for task in tasks}
+        while waiting:
+            done, waiting = wait(waiting, return_when=FIRST_COMPLETED)
+            for future in done:
+                try:
+                    outcome = future.result()
+                except BrokenProcessPool:
+                    raise InputError(
+                        "a process that integrated a run died (out of memory?): use --jobs 1"
+                    ) from None
+                yield outcome
+
+
+def _quiet(task: _Task) -> _Task:
+    return _Task(task.file, task.out, progress=False, timing=task.timing)
+
+
+@contextmanager
+def _interrupts_to(stop: Any) -> Iterator[None]:
+    """Leave Ctrl-C, which the workers get as well, to them."""
+    before = signal.signal(signal.SIGINT, lambda *_: stop.set())
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+_stop: Any = None
+
+
+def _begin(stop: Any) -> None:
+    """Prepare a worker: the first Ctrl-C ends its run, later ones do not disturb the writing."""
+    global _stop
+    _stop = stop
+
+    def interrupted(*_: Any) -> None:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        stop.set()
+        raise KeyboardInterrupt
+
+    signal.signal(signal.SIGINT, interrupted)
+
+
+def _in_worker(task: _Task) -> Outcome:
+    if _stop.is_set():
+        return Outcome(INTERRUPTED)
+    return _outcome(task)

@@ -1,0 +1,64 @@
+"""Fields of a table from the keys that the file of a kind declares (math/keys.py)."""
+
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, Field
+from pydantic.fields import FieldInfo
+
+from ...math.keys import Direction, Number, OfTime, Three
+from ..common.table import Vector, unit
+from .laws import LoadLaw
+
+Z = [0.0, 0.0, 1.0]
+NONE = [0.0, 0.0, 0.0]
+
+
+def _of_some_length(vector: list[float]) -> list[float]:
+    if not any(vector):
+        raise ValueError("expected a vector of non-zero length")
+    return vector
+
+
+def _not_zero(value: float | None) -> float | None:
+    if value == 0.0:
+        raise ValueError("expected a number other than 0")
+    return value
+
+
+GlobalDirection = Annotated[Vector, AfterValidator(_of_some_length)]
+Constants = Annotated[list[Annotated[float, Field(ge=0)]], Field(min_length=3, max_length=3)]
+
+
+def field_of(key: Number | Three | Direction | OfTime) -> tuple[Any, FieldInfo]:
+    """Return type and field of a key, as `create_model` takes them."""
+    if isinstance(key, Number):
+        return _number(key)
+    default: Any = None
+    if isinstance(key, OfTime):
+        return LoadLaw | None, Field(default=default, description=key.meaning)
+    if isinstance(key, Three):
+        kind, symbol, default = Constants, key.unit, NONE
+    else:
+        kind, symbol = GlobalDirection, "-"
+        default = None if key.absent else Z
+    default = ... if key.required else default
+    found: FieldInfo = Field(
+        default=default, description=key.meaning, json_schema_extra=unit(symbol)
+    )
+    return (kind | None if default is None else kind), found
+
+
+def _number(key: Number) -> tuple[Any, FieldInfo]:
+    default: Any = ... if key.required else key.default
+    number: FieldInfo = Field(
+        default=default,
+        gt=key.above,
+        ge=key.least,
+        le=key.most,
+        description=key.meaning,
+        json_schema_extra=unit(key.unit),
+    )
+    kind: Any = int if key.integer else float
+    if default is None:
+        kind = kind | None
+    return (Annotated[kind, AfterValidator(_not_zero)] if key.not_zero else kind), number

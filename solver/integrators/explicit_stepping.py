@@ -1,0 +1,133 @@
+"""Explicit Runge-Kutta methods of mechanisms, with a step loop that is compiled whole."""
+
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ..dynamics.model import Model
+from ..math.arrays import Array
+from .closures import projection
+from .compiled.course import Ends
+from .compiled.explicit import advance_explicit, fill_polynomial
+from .compiled.explicit_workspace import (
+    STIFF_STEP,
+    STIFF_TIME,
+    ExplicitTableau,
+    new_explicit_workspace,
+)
+from .generic.base import Dense
+from .generic.dormand_prince import Order5, Order8
+from .generic.explicit import (
+    ExplicitRungeKutta,
+    Nested,
+    Powers,
+    RungeKutta5,
+    RungeKutta8,
+    stiffness_hint,
+)
+from .stepping import StepLoop
+
+
+class ExplicitLoop(StepLoop):
+    """Step loop of an explicit method, for mechanisms that are solved by blocks.
+
+    Steps, error estimate and dense output are those of `method`, which takes any equations; a
+    step goes back onto the constraints before it is accepted unless `closed` is false.
+    """
+
+    method: ClassVar[type[ExplicitRungeKutta]]
+    tableau: ClassVar[ExplicitTableau]
+    fails_before_growth = False
+    on_growth = ExplicitRungeKutta.on_growth
+    on_failure = ExplicitRungeKutta.on_failure
+
+    def __init__(
+        self,
+        model: Model,
+        t0: float,
+        y0: Array,
+        t_end: float,
+        *,
+        closed: bool = True,
+        **options: Any,
+    ) -> None:
+        self._closed = closed and model.n_constraint > 0
+        super().__init__(model, t0, y0, t_end, **options)
+        self._project = projection(model) if self._closed else None
+
+    @classmethod
+    def for_treatment(cls, name: str) -> dict[str, Any]:
+        """Whether steps go back onto the constraints."""
+        return {"closed": name == "projection"}
+
+    def _closes(self) -> bool:
+        return self._closed
+
+    def _begin(self, rate: Array, multipliers: Array) -> Any:
+        model, tableau = self._model, self.tableau
+        return new_explicit_workspace(model, tableau, self.t, self.y, rate, self._h_next)
+
+    def _call(
+        self, most: int, times: Array, rows: Array, filled: int, ends: Ends
+    ) -> tuple[int, int]:
+        model, options, course = self._model, self._options, self._course
+        found = advance_explicit(
+            model, options, self.tableau, course, most, times, rows, filled, ends
+        )
+        t, h = course.clock[STIFF_TIME], course.clock[STIFF_STEP]
+        if h > 0.0 and not self.hints:
+            self.hints.append(stiffness_hint(t, h))
+        return found
+
+    def _dense(self) -> Dense:
+        course = self._course
+        fill_polynomial(self._model, self.tableau, course)
+        self.counters.evaluations += self.tableau.C_extra.size
+        kind = Powers if self.tableau.first_same_as_last else Nested
+        return kind(self.t_old, self.h, course.y_old.copy(), course.F.copy())
+
+
+def _tableau(
+    method: type[ExplicitRungeKutta], E: Array, A_extra: Array, C_extra: Array, D: Array
+) -> ExplicitTableau:
+    return ExplicitTableau(
+        np.ascontiguousarray(method.A),
+        np.ascontiguousarray(method.B),
+        np.ascontiguousarray(method.C),
+        np.ascontiguousarray(E),
+        np.ascontiguousarray(A_extra),
+        np.ascontiguousarray(C_extra),
+        np.ascontiguousarray(D),
+        method.exponent,
+        method.integral,
+        method.min_factor,
+        method.max_factor,
+        method.stability_limit,
+        method.first_same_as_last,
+    )
+
+
+class RungeKutta8Loop(ExplicitLoop):
+    """Dormand-Prince 8(5,3) of mechanisms; see `RungeKutta8`."""
+
+    name, meaning, place = RungeKutta8.name, RungeKutta8.meaning, RungeKutta8.place
+    order, limited_above = RungeKutta8.order, RungeKutta8.limited_above
+    local_share = RungeKutta8.local_share
+    method = RungeKutta8
+    tableau = _tableau(
+        RungeKutta8,
+        np.stack((Order8.E5[:-1], Order8.E3[:-1])),
+        Order8.A_EXTRA,
+        Order8.C_EXTRA,
+        Order8.D,
+    )
+
+
+class RungeKutta5Loop(ExplicitLoop):
+    """Dormand-Prince 5(4) of mechanisms; see `RungeKutta5`."""
+
+    name, meaning, place = RungeKutta5.name, RungeKutta5.meaning, RungeKutta5.place
+    order, limited_above = RungeKutta5.order, RungeKutta5.limited_above
+    local_share = RungeKutta5.local_share
+    method = RungeKutta5
+    tableau = _tableau(RungeKutta5, Order5.E[None, :], np.zeros((0, 7)), np.zeros(0), Order5.P.T)

@@ -1,0 +1,86 @@
+"""Draw the figures of a report: those out of date only, two or more at a time."""
+
+import hashlib
+import importlib.metadata
+import json
+import multiprocessing
+import os
+import sys
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ..package.common.container import temporary_sibling
+from .style import house_style
+
+KEYS = "figures.json"  # digest of what each figure was drawn from, by path
+FEW = 3  # figures that do not pay for a second process
+
+
+class Drawing(NamedTuple):
+    """A figure to draw: `draw(path, *arguments)`."""
+
+    path: Path
+    draw: Callable[..., Path]
+    arguments: tuple[Any, ...]
+    content: str  # digest of the data that it shows
+
+
+def draw_all(folder: Path, drawings: Sequence[Drawing]) -> None:
+    """Draw figures whose data, titles or sources have changed, or that are missing.
+
+    On as many processes as there are cores. `folder` keeps the digests.
+    """
+    before = _keys(folder / KEYS)
+    now = {str(d.path.relative_to(folder)): _key(d) for d in drawings}
+    stale = [
+        d
+        for d, (name, key) in zip(drawings, now.items(), strict=True)
+        if before.get(name) != key or not d.path.is_file()
+    ]
+    with house_style():  # also tells that matplotlib is missing
+        count = min(_cores(), len(stale)) if len(stale) > FEW else 1
+        if count > 1:
+            with ProcessPoolExecutor(count, _context()) as pool:
+                for _ in pool.map(_draw, stale):
+                    pass
+        else:
+            for drawing in stale:
+                _draw(drawing)
+    with temporary_sibling(folder / KEYS) as temporary:
+        temporary.write_text(json.dumps(now, indent=1) + "\n", encoding="utf-8")
+
+
+def _draw(drawing: Drawing) -> None:
+    with house_style():
+        drawing.draw(drawing.path, *drawing.arguments)
+
+
+def _cores() -> int:
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _context() -> Any:
+    """A copy of this process has matplotlib and the data already."""
+    return multiprocessing.get_context("fork" if sys.platform == "linux" else "spawn")
+
+
+def _keys(file: Path) -> dict[str, str]:
+    try:
+        found = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def _key(drawing: Drawing) -> str:
+    """Digest of a figure's data, of the code that draws it and of matplotlib's version."""
+    found = hashlib.sha256(drawing.content.encode())
+    found.update(drawing.draw.__name__.encode())
+    found.update(importlib.metadata.version("matplotlib").encode())
+    for source in sorted(Path(__file__).parent.glob("*.py")):
+        found.update(source.read_bytes())
+    return found.hexdigest()

@@ -1,0 +1,43 @@
+"""Where the CPU time of a run goes."""
+
+import time
+from collections.abc import Mapping
+
+from ..math.compiled import statistics
+
+# import: the program itself; load: run file, packages, compiled functions; build: model, start,
+# signals; integrate: steps; monitors: checks after steps; recover: signals and checks of the
+# solution; write: result.vtkhdf.
+PHASES = ("import", "load", "build", "integrate", "monitors", "recover", "write")
+
+
+class Stopwatch:
+    """CPU seconds of this process by phase."""
+
+    def __init__(self) -> None:
+        self.seconds = dict.fromkeys(PHASES, 0.0)
+        self._last, self._loaded = time.process_time(), statistics.load_s
+
+    def lap(self, phase: str) -> None:
+        """Add the time since the last call to a phase; that of compiled functions is loading."""
+        now, loaded = time.process_time(), statistics.load_s
+        loading = loaded - self._loaded
+        self.seconds["load"] += loading
+        self.seconds[phase] += max(now - self._last - loading, 0.0)
+        self._last, self._loaded = now, loaded
+
+    def skip(self) -> None:
+        """Leave out the time since the last call."""
+        self._last, self._loaded = time.process_time(), statistics.load_s
+
+    def move(self, seconds: float, source: str, target: str) -> None:
+        """Count time of one phase as that of another."""
+        moved = min(seconds, self.seconds[source])
+        self.seconds[source] -= moved
+        self.seconds[target] += moved
+
+
+def timing_text(seconds: Mapping[str, float]) -> str:
+    """Return one line: all phases and their sum."""
+    parts = [f"{phase} {value:.3f}" for phase, value in seconds.items()]
+    return f"CPU seconds: {', '.join(parts)}; sum {sum(seconds.values()):.3f}"
