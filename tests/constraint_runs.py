@@ -53,7 +53,8 @@ def new_run(
     starts = [0, model.n_pos, model.n_pos + model.n_vel]
     options = {"block_starts": starts} | options
     loops = {"radau": Radau, "rk8": RungeKutta8Loop, "rk5": RungeKutta5Loop}
-    if integrator in loops and treatment.name not in IMPLICIT and by_blocks(model):
+    explicit = integrator.startswith("rk") and not by_blocks(model)
+    if integrator in loops and treatment.name not in IMPLICIT and not explicit:
         closed = treatment.name == "projection"
         return loops[integrator](model, 0.0, y0, t_end, closed=closed, **options)
     if treatment.name in IMPLICIT:
