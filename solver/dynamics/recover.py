@@ -3,13 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..math.arrays import Array
 from ..math.rotations import rotation_matrices
 from ..package.body.schema import Interface
 from . import series
-from .joints.table import NAMES, ROWS
+from .joints.table import position_rows
 from .model import Model
 
 
@@ -24,17 +23,11 @@ class History:
     velocity_violation: Array  # (k,) largest |Phidot| [m/s, rad/s]
 
 
-def position_rows(model: Model) -> NDArray[np.bool_]:
-    """Return a mask (n_c,) of the constraint rows with lengths [m]."""
-    units = "".join(ROWS[NAMES[kind]] for kind in model.joint_kind)
-    return np.array([unit == "d" for unit in units], dtype=bool)
-
-
 def history(model: Model, t: Array, y: Array) -> History:
     """Evaluate multipliers, energies and constraint violations at states y (k, n)."""
     _, multipliers = series.along_solution(model, t, y)
     Phi, Phi_d, energy = series.balance(model, t, y)
-    distance = position_rows(model)
+    distance = position_rows(model.joint_kind)
     return History(
         multipliers=multipliers,
         energies={

@@ -41,22 +41,22 @@ def along_solution(model: Model, t: Array, y: Array) -> tuple[Array, Array]:
     """Return dy/dt (k, n) and the multipliers (k, n_c). Paper: Eq. (14).
 
     The rates are those that are integrated. Multipliers of redundant constraints are those of
-    least norm; with a penalty they are those of the augmented Lagrangian, whether converged or not,
-    so that the balance of momentum tells.
+    least norm; with the augmented Lagrangian, those of the equations without it, so that the
+    balance of momentum shows whether its iteration has converged.
     """
     t, y = _contiguous(t, y)
     rates, multipliers = np.zeros(y.shape), np.zeros((t.size, model.n_constraint))
     regular, work = np.zeros(t.size), new_work(model)
     if by_blocks(model):
         _derivatives(model, work, t, y, rates, multipliers, regular)
-    if model.penalty > 0.0:
-        spare = np.zeros(model.n_pos + model.n_vel + 1)
-        for k in range(t.size):
-            multipliers[k] = dense_derivative_into(model, work, float(t[k]), y[k], spare)
-        return rates, multipliers
     # Rows that nearly depend on each other: elimination loses digits that pivoting keeps.
-    for k in np.flatnonzero(regular < REGULAR).tolist():
-        multipliers[k] = dense_derivative_into(model, work, float(t[k]), y[k], rates[k])
+    doubtful = regular < REGULAR
+    if model.penalty > 0.0 and model.beta > 0.0:
+        doubtful[:] = True
+    spare = np.zeros(model.n_pos + model.n_vel + 1)
+    for k in np.flatnonzero(doubtful).tolist():
+        into = rates[k] if model.penalty == 0.0 else spare
+        multipliers[k] = dense_derivative_into(model, work, float(t[k]), y[k], into)
     return rates, multipliers
 
 

@@ -393,14 +393,13 @@ def accelerate(model: Model, work: Work, y: Array) -> None:
 
     For models that are solved `by_blocks`.
     """
+    for k in range(model.n_constraint):
+        work.gamma[k] = work.rows[k, GAMMA]
     if model.alpha != 0.0 or model.beta != 0.0:
         evaluate_rates(model, work, y)
-    for k in range(model.n_constraint):
-        work.gamma[k] = (
-            work.rows[k, GAMMA]
-            - 2.0 * model.alpha * work.left[k]
-            - model.beta * model.beta * work.rows[k, PHI]
-        )
+        for k in range(model.n_constraint):
+            feedback = 2.0 * model.alpha * work.left[k] + model.beta**2 * work.rows[k, PHI]
+            work.gamma[k] -= feedback
     factorise_mass(model, work)
     for i in range(model.n_body):
         for k in range(model.plan.size[i]):

@@ -11,7 +11,7 @@ from .closures import constrained_system, projection, right_hand_side
 from .explicit_stepping import ExplicitLoop
 from .generic import Integrator
 from .table import INTEGRATORS
-from .tolerances import ToleranceKeys, tolerances
+from .tolerances import ToleranceKeys, blocks, tolerances
 
 EXAMPLES = 3  # integrators that a message names
 
@@ -22,10 +22,6 @@ class SolverKeys(ToleranceKeys, TreatmentKeys, Protocol):
     @property
     def integrator(self) -> str:
         """A name of `INTEGRATORS`."""
-
-    @property
-    def t_end(self) -> float:
-        """End of the run [s]."""
 
     @property
     def max_step(self) -> float | None:
@@ -80,10 +76,11 @@ def make_integrator(
     kind: type[Any] = INTEGRATORS[solver.integrator]
     if issubclass(kind, ExplicitLoop) and not by_blocks(model):
         kind = kind.method  # redundant constraints without a penalty take dense linear algebra
+    rtol = kind.local_share * solver.rtol
     options: dict[str, Any] = {
-        "rtol": solver.rtol,
-        "atol": tolerances(model, solver),
-        "block_starts": [0, model.n_pos, model.n_pos + model.n_vel],
+        "rtol": rtol,
+        "atol": tolerances(model, y0, solver, rtol),
+        "block_starts": blocks(model),
     }
     for key, step in (("max_step", solver.max_step), ("fixed_step", fixed_step)):
         if step is not None:

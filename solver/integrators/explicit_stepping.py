@@ -112,6 +112,7 @@ class RungeKutta8Loop(ExplicitLoop):
 
     name, meaning, place = RungeKutta8.name, RungeKutta8.meaning, RungeKutta8.place
     order, limited_above = RungeKutta8.order, RungeKutta8.limited_above
+    local_share = RungeKutta8.local_share
     method = RungeKutta8
     tableau = _tableau(
         RungeKutta8,
@@ -127,5 +128,6 @@ class RungeKutta5Loop(ExplicitLoop):
 
     name, meaning, place = RungeKutta5.name, RungeKutta5.meaning, RungeKutta5.place
     order, limited_above = RungeKutta5.order, RungeKutta5.limited_above
+    local_share = RungeKutta5.local_share
     method = RungeKutta5
     tableau = _tableau(RungeKutta5, Order5.E[None, :], np.zeros((0, 7)), np.zeros(0), Order5.P.T)

@@ -19,6 +19,7 @@ from .compiled.alpha import advance_alpha
 from .compiled.alpha_workspace import new_alpha_workspace
 from .compiled.closing import close
 from .compiled.course import Ends, Options, new_radau_workspace
+from .compiled.dependent_rows import PENALTY
 from .compiled.radau import advance
 from .compiled.tableau import MU
 from .generic import Integrator
@@ -58,7 +59,7 @@ class StepLoop(Integrator):
         if not by_blocks(model):
             # Rows that depend on each other: of effect on Newton's matrix, not on the motion.
             model = model._replace(penalty=Treatment.penalty)
-        self._model = model
+        self._model = self.for_loop(model)
         super().__init__(right_hand_side(model), t0, y0, t_end, **options)
         self._options = Options(
             self.t_end,
@@ -179,6 +180,10 @@ class StepLoop(Integrator):
     def _closes(self) -> bool:
         return False
 
+    def for_loop(self, model: Model) -> Model:
+        """Return the model that the loop is called with."""
+        return model
+
     @abstractmethod
     def _begin(self, rate: Array, multipliers: Array) -> Any:
         """Return the course of the run."""
@@ -197,6 +202,7 @@ class Radau(StepLoop):
     """
 
     name = "radau"
+    local_share = 0.5
     meaning = "implicit Runge-Kutta of order 5, the fastest where modes are stiff"
     place = 2
     order = 5
@@ -221,6 +227,10 @@ class Radau(StepLoop):
     ) -> None:
         self._closed = closed and model.n_constraint > 0
         super().__init__(model, t0, y0, t_end, **options)
+
+    def for_loop(self, model: Model) -> Model:
+        """Return the model with the softness of dependent rows that suits the iteration."""
+        return model._replace(penalty=PENALTY) if model.penalty > 0.0 else model
 
     @classmethod
     def for_treatment(cls, name: str) -> dict[str, Any]:
@@ -283,6 +293,7 @@ class GeneralizedAlpha(StepLoop):
     """
 
     name = "generalized-alpha"
+    local_share = 0.03
     meaning = "implicit, for constraints = ggl or index3"
     place = 5
     keys = (

@@ -6,10 +6,14 @@ from . import __path__ as _path
 from .generic.base import Integrator
 from .generic.table import CLASSES, classes_of, named
 
-_loops = named(classes_of(_package, _path, ("table", "choice", "generic")))
+_own = [
+    kind
+    for kind in classes_of(_package, _path, ("table", "choice", "generic"))
+    if kind not in CLASSES
+]
 # A loop takes the place of the class for plain equations that has its name.
 INTEGRATORS: dict[str, type[Integrator]] = named(
-    [*_loops.values(), *(kind for kind in CLASSES if kind.name not in _loops)]
+    [*_own, *(kind for kind in CLASSES if kind.name not in {own.name for own in _own})]
 )
 
 for _kind in INTEGRATORS.values():

@@ -1,10 +1,11 @@
-"""Absolute tolerances of the state from the keys of `[solver]`."""
+"""Absolute tolerances of the state from the keys of `[solver]` and the scales of a mechanism."""
 
 from typing import Protocol
 
 import numpy as np
 
 from ..dynamics.model import Model
+from ..dynamics.scales import scales, shape_sizes
 from ..math.arrays import Array
 
 
@@ -12,20 +13,49 @@ class ToleranceKeys(Protocol):
     """The keys of `[solver]` that set the tolerances of a step."""
 
     @property
+    def t_end(self) -> float:
+        """End of the run [s]."""
+
+    @property
     def rtol(self) -> float:
-        """Relative tolerance."""
+        """Accuracy asked for, relative."""
 
     @property
-    def atol_position(self) -> float:
-        """Absolute tolerance of positions and modal coordinates."""
+    def atol_position(self) -> float | None:
+        """Absolute tolerance of positions and modal coordinates; None: rtol times their scales."""
 
     @property
-    def atol_velocity(self) -> float:
-        """Absolute tolerance of velocities and modal rates."""
+    def atol_velocity(self) -> float | None:
+        """Absolute tolerance of velocities and modal rates; None: rtol times their scales."""
 
 
-def tolerances(model: Model, solver: ToleranceKeys) -> Array:
-    """Return absolute tolerances (n,) of positions, velocities and the work."""
-    atol = np.full(model.n_pos + model.n_vel + 1, float(solver.atol_velocity))
-    atol[: model.n_pos] = solver.atol_position
+def tolerances(model: Model, y0: Array, solver: ToleranceKeys, rtol: float) -> Array:
+    """Return absolute tolerances (n,) of positions, velocities and the work of a run from y0 (n,).
+
+    With L, V and E of scales.py, and d_j the displacement by mode j: rtol L of positions, rtol of
+    Euler parameters, rtol L / d_j of modal coordinates; rtol V, rtol V / L and rtol V / d_j of
+    their rates; rtol E of the work. The keys of a case have precedence, for all components alike.
+    """
+    size = scales(model, y0, solver.t_end)
+    atol = np.full(model.n_pos + model.n_vel + 1, size.energy)
+    for i in range(model.n_body):
+        shapes = shape_sizes(model, i)
+        a, j = int(model.pos_start[i]), model.n_pos + int(model.vel_start[i])
+        atol[a : a + 3], atol[j : j + 3] = size.length, size.speed
+        atol[a + 3 : a + 7], atol[j + 3 : j + 6] = 1.0, size.speed / size.length
+        ends = a + 7 + shapes.size, j + 6 + shapes.size
+        atol[a + 7 : ends[0]], atol[j + 6 : ends[1]] = size.length / shapes, size.speed / shapes
+    atol *= rtol
+    if solver.atol_position is not None:
+        atol[: model.n_pos] = solver.atol_position
+    if solver.atol_velocity is not None:
+        atol[model.n_pos :] = solver.atol_velocity
     return atol
+
+
+def blocks(model: Model) -> list[int]:
+    """Return the first index of each block of the error norm: positions of each body, velocities
+    of each body, work.
+    """
+    j = model.n_pos + np.asarray(model.vel_start)
+    return [*map(int, model.pos_start), *map(int, j), model.n_pos + model.n_vel]

@@ -1,6 +1,9 @@
 """The joints and drives of this folder by name and number, and the call of their kernels."""
 
-from ...math.arrays import Array
+import numpy as np
+from numpy.typing import NDArray
+
+from ...math.arrays import Array, IntArray
 from ...math.catalogue import by_name, catalogue
 from ...math.compiled import jit
 from ...math.dispatch import Call, dispatched
@@ -31,6 +34,12 @@ COORDINATES: dict[str, Coordinate] = by_name(
     [(c.name, c) for c in dict.fromkeys(c for joint in JOINTS.values() for c in joint.coordinates)],
     "coordinate of joints",
 )
+
+
+def position_rows(joint_kind: IntArray) -> NDArray[np.bool_]:
+    """Return a mask (n_c,) of the constraint rows with lengths [m]; `joint_kind` (nj,)."""
+    units = "".join(ROWS[NAMES[kind]] for kind in joint_kind)
+    return np.array([unit == "d" for unit in units], dtype=bool)
 
 
 def _call(constraint: Constraint) -> Call:

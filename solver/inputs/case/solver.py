@@ -36,16 +36,28 @@ class _Integration(Table):
         "of minimum kinetic energy, for a drive that starts at full speed",
     )
     integrator: IntegratorName = Field(
-        default="gear",
+        default="radau",
         description="; ".join(f"{name}: {kind.meaning}" for name, kind in INTEGRATORS.items())
         + "; see integrators.md",
     )
-    rtol: float = Field(default=1e-6, gt=0, le=0.1, description="relative tolerance of a step")
-    atol_position: float = Field(
-        default=1e-8, gt=0, description="absolute tolerance of positions and modal coordinates"
+    rtol: float = Field(
+        default=1e-5,
+        gt=0,
+        le=0.1,
+        description="accuracy: expected error of positions over the size of the mechanism, of "
+        "velocities over its speed; see accuracy.md",
     )
-    atol_velocity: float = Field(
-        default=1e-6, gt=0, description="absolute tolerance of velocities and modal rates"
+    atol_position: float | None = Field(
+        default=None,
+        gt=0,
+        description="absolute tolerance of positions and modal coordinates; default: rtol times "
+        "their scales",
+    )
+    atol_velocity: float | None = Field(
+        default=None,
+        gt=0,
+        description="absolute tolerance of velocities and modal rates; default: rtol times their "
+        "scales",
     )
     max_step: float | None = Field(
         default=None, gt=0, description="largest step", json_schema_extra=unit("s")

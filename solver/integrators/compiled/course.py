@@ -14,9 +14,10 @@ from .pencil import Frozen, Pencil, new_frozen, new_pencil
 
 # What a call comes back with; and, of an attempt refused, that a shorter one follows.
 ARRIVED, PAUSED, TOO_SMALL, NOT_FINITE, REFUSED, GOES_ON = 0, 1, 2, 3, 4, 5
-# Entries of `clock`: time, next step, last step; its error and Newton's rate of convergence.
+# Entries of `clock`: time, next step, last step; its error and Newton's rate of convergence; step
+# of the last iteration that failed.
 TIME, NEXT, TAKEN = 0, 1, 2
-ERROR_LAST, RATE = 3, 4
+ERROR_LAST, RATE, LIMIT = 3, 4, 5
 # Entries of `counts`.
 STEPS, REJECTED, EVALUATIONS, FACTORISATIONS, BAD, TROUBLE = 0, 1, 2, 3, 4, 5
 # Values of TROUBLE: why the last attempt was refused.
@@ -112,6 +113,7 @@ class RadauWorkspace(NamedTuple):
     Z: Array  # (3, n) changes at the stages
     multipliers: Array  # (3, n_r) at the stages, by row of plan.newton
     multipliers_old: Array  # (3, n_r) at those of the last step
+    predicted: Array  # (3, n_r) at the stages, before the iteration
     power: Array  # (3,) at the stages [W]
     load: Array  # (3, nb, n) what the stages leave: forces,
     gamma: Array  # (3, n_r) constraints and laws of elements
@@ -119,7 +121,7 @@ class RadauWorkspace(NamedTuple):
     stage: Array  # (n,)
     rate: Array  # (n,) at a stage
     weight: Array  # (n,)
-    clock: Array  # (5,)
+    clock: Array  # (6,)
     counts: IntArray  # (6,)
 
 
@@ -141,6 +143,7 @@ def new_radau_workspace(
         np.zeros((3, n)),
         np.zeros((3, n_r)),
         np.zeros((3, n_r)),
+        np.zeros((3, n_r)),
         np.zeros(3),
         np.zeros((3, nb, widest)),
         np.zeros((3, n_r)),
@@ -148,11 +151,11 @@ def new_radau_workspace(
         np.zeros(n),
         np.zeros(n),
         np.zeros(n),
-        np.zeros(5),
+        np.zeros(6),
         np.zeros(6, dtype=np.int64),
     )
     course.clock[TIME], course.clock[NEXT], course.clock[ERROR_LAST] = t, first_step, 1.0
-    course.clock[RATE] = 1.0
+    course.clock[RATE], course.clock[LIMIT] = 1.0, 1e300
     evaluate(model, course.work, t, y)
     for k in range(3):
         course.multipliers_old[k, : model.n_constraint] = multipliers

@@ -148,8 +148,9 @@ def _factorise(
                 k = two + a * m + b
                 L[6 + a, 6 + b] += stiffness * model.K_qq[k] + damping * model.D_qq[k]
         add_inertia(model, i, mass, L, softness)
+    fed = mass + 2.0 * model.alpha * damping + model.beta**2 * stiffness
     for k in range(n_c):
-        softness[k] = frozen.softness[k] / mass
+        softness[k] = frozen.softness[k] / fed
     first = n_c + plan.added_start[model.n_body]
     for k in range(frozen.stiffness.shape[0]):
         hold = stiffness * frozen.stiffness[k] + damping * frozen.damping[k]

@@ -17,6 +17,7 @@ from .course import (
     FACTORISATIONS,
     GOES_ON,
     ILL,
+    LIMIT,
     NEWTON,
     NEXT,
     NONE,
@@ -36,7 +37,8 @@ from .course import (
     next_step,
     refuse,
 )
-from .pencil import factorise_pencil, freeze, solve_pencil
+from .dependent_rows import factorise_stages, reduce_multipliers, softened, yield_rows
+from .pencil import freeze, solve_pencil
 from .residual import residual
 from .stages import (
     accept,
@@ -54,6 +56,8 @@ from .stages import (
 from .tableau import MU, NU, C
 
 MAX_ITERATIONS = 10
+# Of a step whose iteration failed: the largest that follows, and its growth with each step.
+CAUTION, RELAX = 0.8, 2.0
 SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 8.0
 # Corrections, over what Newton's iteration may leave: the first, and later ones that do not shrink.
 NEGLIGIBLE, ROUNDING = 1e-3, 0.1
@@ -120,10 +124,10 @@ def advance(
                 if iteration == 1 and k == 1:
                     freeze(model, work, stage, frozen)
             if iteration == 1:
-                factorise_pencil(model, frozen, real, (MU / h) ** 2, MU / h, 1.0)
-                factorise_pencil(model, frozen, pair, (NU / h) * (NU / h), NU / h, 1.0)
+                factorise_stages(model, course, h)
                 counts[FACTORISATIONS] += 1
             counts[EVALUATIONS] += 3
+            yield_rows(course)
             collect(model, course)
             solve_pencil(model, frozen, real, MU / h)
             solve_pencil(model, frozen, pair, NU / h)
@@ -200,6 +204,7 @@ def advance(
         if counts[TROUBLE] != NONE:
             if counts[TROUBLE] == NEWTON:
                 factor = 0.5
+                clock[LIMIT] = h
             elif counts[TROUBLE] == OFF:
                 factor = 0.25
             else:
@@ -209,10 +214,13 @@ def advance(
                 return code, filled
             continue
 
+        if softened(frozen):
+            reduce_multipliers(model, course)
         accept(course, h)
         if clock[TAKEN] > 0.0:  # Gustafsson: errors that grow ask for more care
             factor *= min(1.0, h / clock[TAKEN] * (clock[ERROR_LAST] / error) ** 0.25)
-        clock[NEXT] = h * max(MIN_FACTOR, min(MAX_FACTOR, factor))
+        clock[NEXT] = min(h * max(MIN_FACTOR, min(MAX_FACTOR, factor)), CAUTION * clock[LIMIT])
+        clock[LIMIT] *= RELAX
         clock[ERROR_LAST] = error
         count_step(clock, counts, h, t_new)
         keep_end(ends, taken, t_new, course.y)

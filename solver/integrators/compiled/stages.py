@@ -27,6 +27,7 @@ def predict(course: RadauWorkspace, h: float, last: float) -> None:
             Z[k, i] = x * (Q[0, i] + x * (Q[1, i] + x * Q[2, i])) - whole
         for i in range(L.shape[1]):
             L[k, i] = w0 * L_old[0, i] + w1 * L_old[1, i] + w2 * L_old[2, i]
+            course.predicted[k, i] = L[k, i]
 
 
 @inlined

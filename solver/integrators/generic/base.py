@@ -81,6 +81,8 @@ class Integrator(ABC):
 
     order: int
     strides = False  # has `stride(times, rows, filled)`: many steps in one call
+    # Of the accuracy that is asked of a run, what the error of a step may be (docs/accuracy.md).
+    local_share: ClassVar[float] = 1.0
     takes: ClassVar[str] = "derivative"  # or "constrained", "model": its first argument
 
     # Words on runs that fail, without the full stop.

@@ -175,6 +175,7 @@ class RungeKutta8(ExplicitRungeKutta):
     """
 
     name = "rk8"
+    local_share = 0.2
     meaning = "explicit Runge-Kutta of order 8"
     place = 3
     order = 8
@@ -213,6 +214,7 @@ class RungeKutta5(ExplicitRungeKutta):
     """
 
     name = "rk5"
+    local_share = 0.1
     meaning = "explicit Runge-Kutta of order 5"
     place = 4
     order = 5

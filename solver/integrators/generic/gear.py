@@ -49,6 +49,7 @@ class Gear(Integrator):
     """
 
     name = "gear"
+    local_share = 0.03
     meaning = "variable-order BDF (the paper)"
     place = 1
     keys = (

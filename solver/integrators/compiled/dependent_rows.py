@@ -1,0 +1,73 @@
+"""Rows that depend on each other, in Newton's iteration of Radau IIA.
+
+Redundant constraints agree with each other in closed positions only. At the stages of a step they
+contradict each other by what these positions miss, and a Newton iteration that insists on all of
+them finds no answer: the part of the multipliers without effect grows, from iteration to
+iteration and from step to step. Where the matrices have softened rows (pencil.py), the stages
+therefore solve
+
+    Phi_q vdot - e (lambda - lambda_p) = gamma
+
+with the softness e of the matrices and the predicted multipliers lambda_p. The motion is that of
+the rows without e: where rows are independent, lambda_p is right up to the error of a prediction.
+"""
+
+from ...dynamics.elimination import solve
+from ...dynamics.model import Model
+from ...math.compiled import inlined
+from .course import RadauWorkspace
+from .pencil import Frozen, factorise_pencil
+from .tableau import MU, NU
+
+# Of the softness, relative to the mass that a row moves. More: Newton's iteration needs shorter
+# steps. Less: multipliers of rows that are nearly dependent are those of the last step.
+PENALTY = 1e5
+
+
+@inlined
+def softened(frozen: Frozen) -> bool:
+    """Tell whether the matrices treat rows as dependent."""
+    return bool(frozen.softness.shape[0] > 0 and frozen.softness[0] > 0.0)
+
+
+@inlined
+def factorise_stages(model: Model, course: RadauWorkspace, h: float) -> None:
+    """Factorise the matrices of a step of h, with the same softness in both."""
+    frozen, real, pair = course.frozen, course.real, course.pair
+    factorise_pencil(model, frozen, real, (MU / h) ** 2, MU / h, 1.0)
+    hard = not softened(frozen)
+    factorise_pencil(model, frozen, pair, (NU / h) * (NU / h), NU / h, 1.0)
+    if hard and softened(frozen):
+        factorise_pencil(model, frozen, real, (MU / h) ** 2, MU / h, 1.0)
+
+
+@inlined
+def yield_rows(course: RadauWorkspace) -> None:
+    """Add e (lambda - lambda_p) to what the stages leave of the constraints."""
+    soft, gamma = course.frozen.softness, course.gamma
+    for k in range(3):
+        for i in range(soft.shape[0]):
+            gamma[k, i] += soft[i] * (course.multipliers[k, i] - course.predicted[k, i])
+
+
+@inlined
+def reduce_multipliers(model: Model, course: RadauWorkspace) -> None:
+    """Take out of the multipliers of the stages what has no effect.
+
+    With the softened rows, least multipliers answer the load Phi_q' lambda.
+    """
+    real, J, L = course.real, course.frozen.J, course.multipliers
+    plan, row_start, body_row = model.plan, model.plan.row_start, model.plan.body_row
+    for k in range(3):
+        real.gamma[:] = 0.0
+        real.load[:] = 0.0
+        for i in range(plan.size.shape[0]):
+            first = row_start[i]
+            for p in range(row_start[i + 1] - first):
+                row = body_row[first + p]
+                if row < model.n_constraint:
+                    for a in range(plan.size[i]):
+                        real.load[i, a] += J[i, a, p] * L[k, row]
+        solve(plan, plan.newton, real.factors, real.load, real.gamma, real.x, real.mu)
+        for i in range(model.n_constraint):
+            L[k, i] = real.mu[i]
