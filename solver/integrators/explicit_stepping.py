@@ -7,7 +7,6 @@ import numpy as np
 from ..dynamics.model import Model
 from ..math.arrays import Array
 from .closures import projection
-from .compiled.course import Ends
 from .compiled.explicit import advance_explicit, fill_polynomial
 from .compiled.explicit_workspace import (
     STIFF_STEP,
@@ -15,6 +14,7 @@ from .compiled.explicit_workspace import (
     ExplicitTableau,
     new_explicit_workspace,
 )
+from .compiled.step_control import Ends
 from .generic.base import Dense
 from .generic.dormand_prince import Order5, Order8
 from .generic.explicit import (
@@ -70,21 +70,21 @@ class ExplicitLoop(StepLoop):
     def _call(
         self, most: int, times: Array, rows: Array, filled: int, ends: Ends
     ) -> tuple[int, int]:
-        model, options, course = self._model, self._options, self._course
+        model, options, workspace = self._model, self._options, self._workspace
         found = advance_explicit(
-            model, options, self.tableau, course, most, times, rows, filled, ends
+            model, options, self.tableau, workspace, most, times, rows, filled, ends
         )
-        t, h = course.clock[STIFF_TIME], course.clock[STIFF_STEP]
+        t, h = workspace.clock[STIFF_TIME], workspace.clock[STIFF_STEP]
         if h > 0.0 and not self.hints:
             self.hints.append(stiffness_hint(t, h))
         return found
 
     def _dense(self) -> Dense:
-        course = self._course
-        fill_polynomial(self._model, self.tableau, course)
+        workspace = self._workspace
+        fill_polynomial(self._model, self.tableau, workspace)
         self.counters.evaluations += self.tableau.C_extra.size
         kind = Powers if self.tableau.first_same_as_last else Nested
-        return kind(self.t_old, self.h, course.y_old.copy(), course.F.copy())
+        return kind(self.t_old, self.h, workspace.y_old.copy(), workspace.F.copy())
 
 
 def _tableau(

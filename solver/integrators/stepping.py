@@ -14,13 +14,14 @@ from ..math.arrays import Array
 from ..math.compiled import COMPILED
 from ..math.keys import Number
 from .closures import right_hand_side
-from .compiled import course as codes
+from .compiled import step_control as codes
 from .compiled.alpha import advance_alpha
 from .compiled.alpha_workspace import new_alpha_workspace
 from .compiled.closing import close
-from .compiled.course import Ends, Options, new_radau_workspace
 from .compiled.dependent_rows import PENALTY
 from .compiled.radau import advance
+from .compiled.radau_workspace import new_radau_workspace
+from .compiled.step_control import Ends, Options
 from .compiled.tableau import MU
 from .generic import Integrator
 from .generic.advice import SHORTER, of_choice
@@ -77,7 +78,7 @@ class StepLoop(Integrator):
                 derivative_into(model, work, self.t, self.y, rate)
             self.counters.evaluations += 1
         self._h_next = float(self._h_next)  # the loops are compiled for numbers of one kind
-        self._course = self._begin(rate, work.multipliers)
+        self._workspace = self._begin(rate, work.multipliers)
         self._evaluated = self.counters.evaluations
         nowhere = np.empty(0), np.empty((0, self.n))
         self._nowhere = *nowhere, 0, Ends(*nowhere)
@@ -138,7 +139,7 @@ class StepLoop(Integrator):
         kept = {name: value for name, value in vars(self).items() if name not in PLACES}
         kept |= {"counters": replace(self.counters), "hints": list(self.hints)}
         return kept, [
-            (array, array.copy()) for array in self._course if isinstance(array, np.ndarray)
+            (array, array.copy()) for array in self._workspace if isinstance(array, np.ndarray)
         ]
 
     def _go_back(self, mark: Any) -> None:
@@ -153,11 +154,11 @@ class StepLoop(Integrator):
 
     def _take_over(self, code: int) -> None:
         """Bring state and counters up to date, and say why a loop came back early."""
-        clock, counts = self._course.clock, self._course.counts
+        clock, counts = self._workspace.clock, self._workspace.counts
         taken = int(counts[codes.STEPS]) - self.counters.steps
         if taken > 0:
             self.counters.steps += taken - 1
-            self._accept(clock[codes.TIME], self._course.y.copy(), clock[codes.TAKEN])
+            self._accept(clock[codes.TIME], self._workspace.y.copy(), clock[codes.TAKEN])
             if taken > 1:
                 self.t_old = self.t - self.h
         self.counters.rejected = int(counts[codes.REJECTED])
@@ -186,7 +187,7 @@ class StepLoop(Integrator):
 
     @abstractmethod
     def _begin(self, rate: Array, multipliers: Array) -> Any:
-        """Return the course of the run."""
+        """Return the workspace of the run."""
 
     @abstractmethod
     def _call(
@@ -246,18 +247,19 @@ class Radau(StepLoop):
     def _call(
         self, most: int, times: Array, rows: Array, filled: int, ends: Ends
     ) -> tuple[int, int]:
-        return advance(self._model, self._options, self._course, most, times, rows, filled, ends)
+        return advance(self._model, self._options, self._workspace, most, times, rows, filled, ends)
 
     def _dense(self) -> Dense:
-        model, course, h = self._model, self._course, self.h
-        polynomial = Powers(self.t_old, h, course.y_old.copy(), course.Q.copy())
+        model, workspace, h = self._model, self._workspace, self.h
+        work, frozen, real = workspace.work, workspace.frozen, workspace.real
+        polynomial = Powers(self.t_old, h, workspace.y_old.copy(), workspace.Q.copy())
 
         def inside(t: Any) -> Array:
             times = np.asarray(t, dtype=float)
             values = polynomial(times.ravel())
             if self._closed:
                 for time, row in zip(times.ravel(), values, strict=True):
-                    close(model, course.work, course.frozen, course.real, MU / h, time, row)
+                    close(model, work, frozen, real, MU / h, time, row)
             return values.reshape((*times.shape, self.n))
 
         return inside
@@ -342,10 +344,12 @@ class GeneralizedAlpha(StepLoop):
     def _call(
         self, most: int, times: Array, rows: Array, filled: int, ends: Ends
     ) -> tuple[int, int]:
-        model, options, course = self._model, self._options, self._course
-        return advance_alpha(model, options, self._scheme, course, most, times, rows, filled, ends)
+        model, options, workspace = self._model, self._options, self._workspace
+        return advance_alpha(
+            model, options, self._scheme, workspace, most, times, rows, filled, ends
+        )
 
     def _dense(self) -> Dense:
-        c = self._course
+        c = self._workspace
         ends = (c.y_old.copy(), c.rate_old.copy(), c.y.copy(), c.rate.copy())
         return Hermite(self.t_old, self.h, *ends)

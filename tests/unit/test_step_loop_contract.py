@@ -101,7 +101,7 @@ def test_limits_of_the_step(name, treatment):
     made = _new(name, treatment, first_step=1e-5)
     made.step()
     assert made.h == 1e-5
-    assert _new(name, treatment, first_step=1)._course.clock.dtype == float
+    assert _new(name, treatment, first_step=1)._workspace.clock.dtype == float
 
 
 @WITH_NEWTON

@@ -9,11 +9,12 @@ from ...dynamics.system import evaluate
 from ...dynamics.workspace import Work, new_work
 from ...math.arrays import Array, IntArray
 from ...math.compiled import structure
-from .course import NEXT, TIME
 from .elements import start_forces
 from .pencil import Frozen, Pencil, new_frozen, new_pencil
+from .step_control import NEXT, TIME
 
-# Entries of `clock` after those of every loop (course.py): power at the ends of the last step.
+# Entries of `clock` after those of every loop (step_control.py): power at the ends of the last
+# step.
 POWER, POWER_LAST = 3, 4
 
 
@@ -45,7 +46,7 @@ class AlphaWorkspace(NamedTuple):
     zero: Array  # (nb, n)
     no_load: Array  # (n_c,)
     clock: Array  # (5,)
-    counts: IntArray  # (6,) see course.py
+    counts: IntArray  # (6,) see step_control.py
 
 
 def new_alpha_workspace(
@@ -54,7 +55,7 @@ def new_alpha_workspace(
     """Return memory for a run from state y (n,) at t [s], with its rate and multipliers (n_c,)."""
     n, n_c, n_vel = y.shape[0], model.n_constraint, model.n_vel
     n_r = model.plan.newton.place.shape[0]
-    course = AlphaWorkspace(
+    workspace = AlphaWorkspace(
         new_work(model),
         new_frozen(model),
         new_pencil(model, 1.0),
@@ -80,9 +81,9 @@ def new_alpha_workspace(
         np.zeros(5),
         np.zeros(6, dtype=np.int64),
     )
-    course.clock[TIME], course.clock[NEXT] = t, first_step
-    course.clock[POWER] = rate[n - 1]
-    course.multipliers[:n_c] = multipliers
-    evaluate(model, course.work, t, y)
-    start_forces(model, course.work, course.multipliers)
-    return course
+    workspace.clock[TIME], workspace.clock[NEXT] = t, first_step
+    workspace.clock[POWER] = rate[n - 1]
+    workspace.multipliers[:n_c] = multipliers
+    evaluate(model, workspace.work, t, y)
+    start_forces(model, workspace.work, workspace.multipliers)
+    return workspace

@@ -15,8 +15,8 @@ the rows without e: where rows are independent, lambda_p is right up to the erro
 from ...dynamics.elimination import solve
 from ...dynamics.model import Model
 from ...math.compiled import inlined
-from .course import RadauWorkspace
 from .pencil import Frozen, factorise_pencil
+from .radau_workspace import RadauWorkspace
 from .tableau import MU, NU
 
 # Of the softness, relative to the mass that a row moves. More: Newton's iteration needs shorter
@@ -31,9 +31,9 @@ def softened(frozen: Frozen) -> bool:
 
 
 @inlined
-def factorise_stages(model: Model, course: RadauWorkspace, h: float) -> None:
+def factorise_stages(model: Model, workspace: RadauWorkspace, h: float) -> None:
     """Factorise the matrices of a step of h, with the same softness in both."""
-    frozen, real, pair = course.frozen, course.real, course.pair
+    frozen, real, pair = workspace.frozen, workspace.real, workspace.pair
     factorise_pencil(model, frozen, real, (MU / h) ** 2, MU / h, 1.0)
     hard = not softened(frozen)
     factorise_pencil(model, frozen, pair, (NU / h) * (NU / h), NU / h, 1.0)
@@ -42,21 +42,21 @@ def factorise_stages(model: Model, course: RadauWorkspace, h: float) -> None:
 
 
 @inlined
-def yield_rows(course: RadauWorkspace) -> None:
+def yield_rows(workspace: RadauWorkspace) -> None:
     """Add e (lambda - lambda_p) to what the stages leave of the constraints."""
-    soft, gamma = course.frozen.softness, course.gamma
+    soft, gamma = workspace.frozen.softness, workspace.gamma
     for k in range(3):
         for i in range(soft.shape[0]):
-            gamma[k, i] += soft[i] * (course.multipliers[k, i] - course.predicted[k, i])
+            gamma[k, i] += soft[i] * (workspace.multipliers[k, i] - workspace.predicted[k, i])
 
 
 @inlined
-def reduce_multipliers(model: Model, course: RadauWorkspace) -> None:
+def reduce_multipliers(model: Model, workspace: RadauWorkspace) -> None:
     """Take out of the multipliers of the stages what has no effect.
 
     With the softened rows, least multipliers answer the load Phi_q' lambda.
     """
-    real, J, L = course.real, course.frozen.J, course.multipliers
+    real, J, L = workspace.real, workspace.frozen.J, workspace.multipliers
     plan, row_start, body_row = model.plan, model.plan.row_start, model.plan.body_row
     for k in range(3):
         real.gamma[:] = 0.0

@@ -12,7 +12,18 @@ from ...dynamics.workspace import Work
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean
 from ..generic.explicit import SAFETY, STIFF_TESTS, TEST_EVERY
-from .course import (
+from .explicit_workspace import (
+    CLEAR,
+    REFUSED_LAST,
+    STIFF_STEP,
+    STIFF_TIME,
+    SUSPECT,
+    TIME_OLD,
+    ExplicitTableau,
+    ExplicitWorkspace,
+)
+from .stages import finite, norm
+from .step_control import (
     ARRIVED,
     ERROR_LAST,
     EVALUATIONS,
@@ -34,17 +45,6 @@ from .course import (
     next_step,
     refuse,
 )
-from .explicit_workspace import (
-    CLEAR,
-    REFUSED_LAST,
-    STIFF_STEP,
-    STIFF_TIME,
-    SUSPECT,
-    TIME_OLD,
-    ExplicitTableau,
-    ExplicitWorkspace,
-)
-from .stages import finite, norm
 
 
 @lean
@@ -85,7 +85,7 @@ def advance_explicit(
     model: Model,
     options: Options,
     tableau: ExplicitTableau,
-    course: ExplicitWorkspace,
+    workspace: ExplicitWorkspace,
     most_steps: int,
     times: Array,
     rows: Array,
@@ -93,8 +93,8 @@ def advance_explicit(
     ends: Ends,
 ) -> tuple[int, int]:
     """Take steps until t_end or `most_steps` accepted ones; see `advance` (radau.py)."""
-    clock, counts, work, K = course.clock, course.counts, course.work, course.K
-    y, y_new, s, n = course.y, course.y_new, tableau.B.shape[0], course.y.shape[0]
+    clock, counts, work, K = workspace.clock, workspace.counts, workspace.work, workspace.K
+    y, y_new, s, n = workspace.y, workspace.y_new, tableau.B.shape[0], workspace.y.shape[0]
     fixed = options.fixed_step > 0.0
     taken = 0
     while clock[TIME] < options.t_end:
@@ -105,8 +105,8 @@ def advance_explicit(
         if too_small:
             return TOO_SMALL, filled
         for i in range(n):
-            K[0, i] = course.f[i]
-        fill_stages(model, work, tableau.A, tableau.C, t, y, h, K, course.point)
+            K[0, i] = workspace.f[i]
+        fill_stages(model, work, tableau.A, tableau.C, t, y, h, K, workspace.point)
         counts[EVALUATIONS] += s - 1
         for i in range(n):
             sum_of = 0.0
@@ -116,7 +116,7 @@ def advance_explicit(
         if tableau.first_same_as_last:
             derivative_into(model, work, t_new, y_new, K[s])
             counts[EVALUATIONS] += 1
-        error = _error(options, tableau, course, h)
+        error = _error(options, tableau, workspace, h)
 
         counts[TROUBLE] = NONE
         factor = 0.25
@@ -126,7 +126,7 @@ def advance_explicit(
             counts[TROUBLE] = TOO_ROUGH
             factor = max(tableau.min_factor, SAFETY * error ** (-1.0 / tableau.exponent))
         elif options.closes:
-            reached = project(model, work, t_new, y_new, course.step, course.before)
+            reached = project(model, work, t_new, y_new, workspace.step, workspace.before)
             if not (reached and finite(y_new)):
                 counts[TROUBLE] = OFF
         if counts[TROUBLE] == NONE and (options.closes or not tableau.first_same_as_last):
@@ -148,10 +148,10 @@ def advance_explicit(
         clock[NEXT] = h * min(largest, max(tableau.min_factor, factor))
         clock[ERROR_LAST], clock[REFUSED_LAST] = max(error, 1e-4), 0.0
         if clock[SUSPECT] > 0.0 or counts[STEPS] % TEST_EVERY == 0:
-            _test_stiffness(options, tableau, course, h)
+            _test_stiffness(options, tableau, workspace, h)
         for i in range(n):
-            course.y_old[i], y[i] = y[i], y_new[i]
-            course.f[i] = K[s, i]
+            workspace.y_old[i], y[i] = y[i], y_new[i]
+            workspace.f[i] = K[s, i]
         clock[TIME_OLD] = t
         count_step(clock, counts, h, t_new)
         keep_end(ends, taken, t_new, y)
@@ -164,59 +164,59 @@ def advance_explicit(
                     row[i] = y[i]
             else:
                 if not known:
-                    fill_polynomial(model, tableau, course)
+                    fill_polynomial(model, tableau, workspace)
                     known = True
-                _interpolate(tableau, course, (times[filled] - t) / h, row)
+                _interpolate(tableau, workspace, (times[filled] - t) / h, row)
                 if options.closes:
-                    _close_row(model, course, times[filled], row)
+                    _close_row(model, workspace, times[filled], row)
             filled += 1
     return ARRIVED, filled
 
 
 @inlined
 def _error(
-    options: Options, tableau: ExplicitTableau, course: ExplicitWorkspace, h: float
+    options: Options, tableau: ExplicitTableau, workspace: ExplicitWorkspace, h: float
 ) -> float:
     """Local error in units of the tolerance."""
-    for i in range(course.y.shape[0]):
-        larger = max(abs(course.y[i]), abs(course.y_new[i]))
-        course.weight[i] = 1.0 / (options.atol[i] + options.rtol * larger)
-    _combine(tableau.E[0], course)
-    first = norm(options, course.error, course.weight)
+    for i in range(workspace.y.shape[0]):
+        larger = max(abs(workspace.y[i]), abs(workspace.y_new[i]))
+        workspace.weight[i] = 1.0 / (options.atol[i] + options.rtol * larger)
+    _combine(tableau.E[0], workspace)
+    first = norm(options, workspace.error, workspace.weight)
     if tableau.first_same_as_last:
         return h * first
-    _combine(tableau.E[1], course)
-    second = norm(options, course.error, course.weight)
+    _combine(tableau.E[1], workspace)
+    second = norm(options, workspace.error, workspace.weight)
     if first == 0.0:
         return 0.0 * second
     return float(h * first * first / np.sqrt(first * first + 0.01 * second * second))
 
 
 @inlined
-def _combine(E: Array, course: ExplicitWorkspace) -> None:
-    """Fill course.error with E K."""
-    for i in range(course.error.shape[0]):
+def _combine(E: Array, workspace: ExplicitWorkspace) -> None:
+    """Fill workspace.error with E K."""
+    for i in range(workspace.error.shape[0]):
         sum_of = 0.0
         for j in range(E.shape[0]):
-            sum_of += E[j] * course.K[j, i]
-        course.error[i] = sum_of
+            sum_of += E[j] * workspace.K[j, i]
+        workspace.error[i] = sum_of
 
 
 @inlined
 def _test_stiffness(
-    options: Options, tableau: ExplicitTableau, course: ExplicitWorkspace, h: float
+    options: Options, tableau: ExplicitTableau, workspace: ExplicitWorkspace, h: float
 ) -> None:
     """Compare |h lambda|, seen from the last stage (also at t_new), with the limit."""
-    clock, s, K, n = course.clock, tableau.B.shape[0], course.K, course.y.shape[0]
+    clock, s, K, n = workspace.clock, tableau.B.shape[0], workspace.K, workspace.y.shape[0]
     for i in range(n):
-        course.weight[i] = 1.0 / (options.atol[i] + options.rtol * abs(course.y_new[i]))
-        course.error[i] = course.y_new[i] - course.point[i]
-    distance = norm(options, course.error, course.weight)
+        workspace.weight[i] = 1.0 / (options.atol[i] + options.rtol * abs(workspace.y_new[i]))
+        workspace.error[i] = workspace.y_new[i] - workspace.point[i]
+    distance = norm(options, workspace.error, workspace.weight)
     if distance == 0.0:
         return
     for i in range(n):
-        course.error[i] = K[s, i] - K[s - 1, i]
-    if h * norm(options, course.error, course.weight) / distance > tableau.stability_limit:
+        workspace.error[i] = K[s, i] - K[s - 1, i]
+    if h * norm(options, workspace.error, workspace.weight) / distance > tableau.stability_limit:
         clock[SUSPECT] += 1.0
         clock[CLEAR] = 0.0
         if clock[SUSPECT] == STIFF_TESTS and clock[STIFF_STEP] == 0.0:
@@ -228,23 +228,25 @@ def _test_stiffness(
 
 
 @lean
-def fill_polynomial(model: Model, tableau: ExplicitTableau, course: ExplicitWorkspace) -> None:
-    """Fill course.F with the polynomial of the last step, after the extra stages that it needs."""
-    K, F, clock, s = course.K, course.F, course.clock, tableau.B.shape[0] + 1
-    t, h, n = clock[TIME_OLD], clock[TIME] - clock[TIME_OLD], course.y.shape[0]
+def fill_polynomial(model: Model, tableau: ExplicitTableau, workspace: ExplicitWorkspace) -> None:
+    """Fill F with the polynomial of the last step, after the extra stages that it needs."""
+    K, F, clock, s = workspace.K, workspace.F, workspace.clock, tableau.B.shape[0] + 1
+    t, h, n = clock[TIME_OLD], clock[TIME] - clock[TIME_OLD], workspace.y.shape[0]
     extra = tableau.C_extra.shape[0]
     for e in range(extra):
         for i in range(n):
             sum_of = 0.0
             for j in range(s + e):
                 sum_of += tableau.A_extra[e, j] * K[j, i]
-            course.point[i] = course.y_old[i] + h * sum_of
-        derivative_into(model, course.work, t + tableau.C_extra[e] * h, course.point, K[s + e])
-    course.counts[EVALUATIONS] += extra
+            workspace.point[i] = workspace.y_old[i] + h * sum_of
+        derivative_into(
+            model, workspace.work, t + tableau.C_extra[e] * h, workspace.point, K[s + e]
+        )
+    workspace.counts[EVALUATIONS] += extra
     first = F.shape[0] - tableau.D.shape[0]
     for i in range(n):
         if first == 3:
-            step = course.y[i] - course.y_old[i]
+            step = workspace.y[i] - workspace.y_old[i]
             F[0, i] = step
             F[1, i] = h * K[0, i] - step
             F[2, i] = step - h * K[s - 1, i] - F[1, i]
@@ -256,23 +258,25 @@ def fill_polynomial(model: Model, tableau: ExplicitTableau, course: ExplicitWork
 
 
 @inlined
-def _interpolate(tableau: ExplicitTableau, course: ExplicitWorkspace, x: float, out: Array) -> None:
+def _interpolate(
+    tableau: ExplicitTableau, workspace: ExplicitWorkspace, x: float, out: Array
+) -> None:
     """Fill out (n,) with the polynomial of the last step at its part x, 0 to 1."""
-    F, last = course.F, course.F.shape[0] - 1
+    F, last = workspace.F, workspace.F.shape[0] - 1
     nested = F.shape[0] > tableau.D.shape[0]
     for i in range(out.shape[0]):
         change = 0.0
         for k in range(last + 1):
             j = last - k
             change = (change + F[j, i]) * (1.0 - x if nested and j % 2 == 1 else x)
-        out[i] = course.y_old[i] + change
+        out[i] = workspace.y_old[i] + change
 
 
 @inlined
-def _close_row(model: Model, course: ExplicitWorkspace, t: float, row: Array) -> None:
+def _close_row(model: Model, workspace: ExplicitWorkspace, t: float, row: Array) -> None:
     """Bring a row (n,) of the output onto the constraints; left as it is where none are near."""
     for i in range(row.shape[0]):
-        course.point[i] = row[i]
-    if project(model, course.work, t, course.point, course.step, course.before):
+        workspace.point[i] = row[i]
+    if project(model, workspace.work, t, workspace.point, workspace.step, workspace.before):
         for i in range(row.shape[0]):
-            row[i] = course.point[i]
+            row[i] = workspace.point[i]

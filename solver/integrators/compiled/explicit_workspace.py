@@ -8,11 +8,11 @@ from ...dynamics.model import Model
 from ...dynamics.workspace import Work, new_work
 from ...math.arrays import Array, IntArray
 from ...math.compiled import structure
-from .course import ERROR_LAST, NEXT, TIME
+from .step_control import ERROR_LAST, NEXT, TIME
 
-# Entries of `clock` after those of every loop (course.py): whether the last attempt was refused,
-# the beginning of the last step; steps in a row that look stiff and that do not, and the step
-# at which they were so many that a hint is due.
+# Entries of `clock` after those of every loop (step_control.py): whether the last attempt was
+# refused, the beginning of the last step; steps in a row that look stiff and that do not, and the
+# step at which they were so many that a hint is due.
 REFUSED_LAST, TIME_OLD, SUSPECT, CLEAR, STIFF_TIME, STIFF_STEP = 4, 5, 6, 7, 8, 9
 
 
@@ -60,7 +60,7 @@ def new_explicit_workspace(
 ) -> ExplicitWorkspace:
     """Return memory for a run from state y (n,) at t [s], with its rate."""
     n, d = y.shape[0], tableau.D.shape[0]
-    course = ExplicitWorkspace(
+    workspace = ExplicitWorkspace(
         new_work(model),
         np.zeros((tableau.D.shape[1], n)),
         y.copy(),
@@ -76,5 +76,5 @@ def new_explicit_workspace(
         np.zeros(10),
         np.zeros(6, dtype=np.int64),
     )
-    course.clock[TIME], course.clock[NEXT], course.clock[ERROR_LAST] = t, first_step, 1e-4
-    return course
+    workspace.clock[TIME], workspace.clock[NEXT], workspace.clock[ERROR_LAST] = t, first_step, 1e-4
+    return workspace

@@ -10,7 +10,24 @@ from ...dynamics.model import Model
 from ...math.arrays import Array
 from ...math.compiled import lean
 from .closing import close
-from .course import (
+from .dependent_rows import factorise_stages, reduce_multipliers, softened, yield_rows
+from .pencil import freeze, solve_pencil
+from .radau_workspace import RadauWorkspace
+from .residual import residual
+from .stages import (
+    accept,
+    complete,
+    correct,
+    embedded_error,
+    error_residual,
+    finite,
+    interpolate,
+    norm,
+    place,
+    predict,
+    transform_residuals,
+)
+from .step_control import (
     ARRIVED,
     ERROR_LAST,
     EVALUATIONS,
@@ -31,27 +48,10 @@ from .course import (
     TROUBLE,
     Ends,
     Options,
-    RadauWorkspace,
     count_step,
     keep_end,
     next_step,
     refuse,
-)
-from .dependent_rows import factorise_stages, reduce_multipliers, softened, yield_rows
-from .pencil import freeze, solve_pencil
-from .residual import residual
-from .stages import (
-    accept,
-    collect,
-    collect_error,
-    complete,
-    correct,
-    embedded_error,
-    finite,
-    interpolate,
-    norm,
-    place,
-    predict,
 )
 from .tableau import MU, NU, C
 
@@ -67,7 +67,7 @@ NEGLIGIBLE, ROUNDING = 1e-3, 0.1
 def advance(
     model: Model,
     options: Options,
-    course: RadauWorkspace,
+    workspace: RadauWorkspace,
     most_steps: int,
     times: Array,
     rows: Array,
@@ -85,8 +85,8 @@ def advance(
     filled : rows that are there already
     ends : of the steps taken, as many as it has room for
     """
-    clock, counts, work, stage = course.clock, course.counts, course.work, course.stage
-    frozen, real, pair = course.frozen, course.real, course.pair
+    clock, counts, work, stage = workspace.clock, workspace.counts, workspace.work, workspace.stage
+    frozen, real, pair = workspace.frozen, workspace.real, workspace.pair
     n = stage.shape[0]
     fixed = options.fixed_step > 0.0
     most = 2 * MAX_ITERATIONS if fixed else MAX_ITERATIONS
@@ -102,36 +102,36 @@ def advance(
 
         # stages
         for i in range(n):
-            course.weight[i] = 1.0 / (options.atol[i] + options.rtol * abs(course.y[i]))
-        predict(course, h, clock[TAKEN])
+            workspace.weight[i] = 1.0 / (options.atol[i] + options.rtol * abs(workspace.y[i]))
+        predict(workspace, h, clock[TAKEN])
         counts[TROUBLE] = NEWTON
         # a rate of convergence known from the last step lets one iteration do
         rate, size_last, iterations = max(clock[RATE], 1e-15) ** 0.8, 0.0, 0
         for iteration in range(1, most + 1):
             for k in range(3):
-                place(course, k, h)
-                course.power[k] = residual(
+                place(workspace, k, h)
+                workspace.power[k] = residual(
                     model,
                     work,
                     t + C[k] * h,
                     stage,
-                    course.rate,
-                    course.multipliers[k],
-                    course.load[k],
-                    course.gamma[k],
-                    course.r[k],
+                    workspace.rate,
+                    workspace.multipliers[k],
+                    workspace.load[k],
+                    workspace.gamma[k],
+                    workspace.r[k],
                 )
                 if iteration == 1 and k == 1:
                     freeze(model, work, stage, frozen)
             if iteration == 1:
-                factorise_stages(model, course, h)
+                factorise_stages(model, workspace, h)
                 counts[FACTORISATIONS] += 1
             counts[EVALUATIONS] += 3
-            yield_rows(course)
-            collect(model, course)
+            yield_rows(workspace)
+            transform_residuals(model, workspace)
             solve_pencil(model, frozen, real, MU / h)
             solve_pencil(model, frozen, pair, NU / h)
-            size = correct(options, course)
+            size = correct(options, workspace)
             if not size < 1e300:
                 if iteration == 1:  # later it is the iteration that runs away
                     counts[TROUBLE] = ILL
@@ -155,34 +155,34 @@ def advance(
         # error, with what is stiff divided out
         error = 1e-10
         if counts[TROUBLE] == NONE:
-            complete(options, course, h)
+            complete(options, workspace, h)
             if not fixed:
                 for again in range(2):
-                    embedded_error(course, h)
+                    embedded_error(workspace, h)
                     if again == 0:
-                        collect_error(model, course)
+                        error_residual(model, workspace)
                     else:
                         # filtered once more: the first error of a stiff transient is too large
                         for i in range(n):
-                            stage[i] = course.y[i] + real.delta[i]
-                            course.rate[i] = -course.rate[i]
+                            stage[i] = workspace.y[i] + real.delta[i]
+                            workspace.rate[i] = -workspace.rate[i]
                         residual(
                             model,
                             work,
                             t,
                             stage,
-                            course.rate,
-                            course.multipliers_old[2],
+                            workspace.rate,
+                            workspace.multipliers_old[2],
                             real.load,
                             real.gamma,
                             real.r,
                         )
                         counts[EVALUATIONS] += 1
                         for i in range(n):
-                            stage[i] = course.y[i] + course.Z[2, i]
+                            stage[i] = workspace.y[i] + workspace.Z[2, i]
                     solve_pencil(model, frozen, real, MU / h)
                     real.delta[n - 1] = 0.0
-                    error = norm(options, real.delta, course.weight)
+                    error = norm(options, real.delta, workspace.weight)
                     if not error > 1.0:
                         break
                 if not error < 1e300:
@@ -215,22 +215,22 @@ def advance(
             continue
 
         if softened(frozen):
-            reduce_multipliers(model, course)
-        accept(course, h)
+            reduce_multipliers(model, workspace)
+        accept(workspace, h)
         if clock[TAKEN] > 0.0:  # Gustafsson: errors that grow ask for more care
             factor *= min(1.0, h / clock[TAKEN] * (clock[ERROR_LAST] / error) ** 0.25)
         clock[NEXT] = min(h * max(MIN_FACTOR, min(MAX_FACTOR, factor)), CAUTION * clock[LIMIT])
         clock[LIMIT] *= RELAX
         clock[ERROR_LAST] = error
         count_step(clock, counts, h, t_new)
-        keep_end(ends, taken, t_new, course.y)
+        keep_end(ends, taken, t_new, workspace.y)
         taken += 1
         while filled < times.shape[0] and times[filled] <= t_new:
             row = rows[filled]
-            interpolate(course, (times[filled] - t) / h, row)
+            interpolate(workspace, (times[filled] - t) / h, row)
             if times[filled] == t_new:
                 for i in range(n):
-                    row[i] = course.y[i]
+                    row[i] = workspace.y[i]
             elif options.closes:
                 close(model, work, frozen, real, MU / h, times[filled], row)
             filled += 1

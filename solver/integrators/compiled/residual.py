@@ -47,7 +47,7 @@ def residual(
         for k in range(model.n_constraint):
             feedback = 2.0 * model.alpha * work.left[k] + model.beta**2 * work.rows[k, PHI]
             gamma[k] -= feedback
-    rest(model, work.M, work.J, rate, multipliers, work.f, load, gamma)
+    inertia_residual(model, work.M, work.J, rate, multipliers, work.f, load, gamma)
     if model.plan.element_row.shape[0] > 0:
         element_residual(model, work, multipliers, load, gamma)
     power = work.power[0]
@@ -57,7 +57,7 @@ def residual(
 
 
 @inlined
-def rest(
+def inertia_residual(
     model: Model,
     M: Array,
     J: Array,

@@ -5,16 +5,17 @@ import numpy as np
 from ...dynamics.model import Model
 from ...math.arrays import Array
 from ...math.compiled import inlined
-from .course import Options, RadauWorkspace
-from .residual import rest
+from .radau_workspace import RadauWorkspace
+from .residual import inertia_residual
+from .step_control import Options
 from .tableau import A_INVERSE, ERROR, POWERS, T_INVERSE, A, C, T
 
 
 @inlined
-def predict(course: RadauWorkspace, h: float, last: float) -> None:
+def predict(workspace: RadauWorkspace, h: float, last: float) -> None:
     """Begin a step of h with the polynomials of the last one, continued; constant without one."""
-    Z, Q = course.Z, course.Q
-    L, L_old = course.multipliers, course.multipliers_old
+    Z, Q = workspace.Z, workspace.Q
+    L, L_old = workspace.multipliers, workspace.multipliers_old
     for k in range(3):
         x, w0, w1, w2 = 1.0, 1.0, 0.0, 0.0
         if last > 0.0:
@@ -22,41 +23,41 @@ def predict(course: RadauWorkspace, h: float, last: float) -> None:
             w0 = (x - C[1]) * (x - C[2]) / ((C[0] - C[1]) * (C[0] - C[2]))
             w1 = (x - C[0]) * (x - C[2]) / ((C[1] - C[0]) * (C[1] - C[2]))
             w2 = (x - C[0]) * (x - C[1]) / ((C[2] - C[0]) * (C[2] - C[1]))
-        for i in range(course.y.shape[0]):
+        for i in range(workspace.y.shape[0]):
             whole = Q[0, i] + Q[1, i] + Q[2, i]
             Z[k, i] = x * (Q[0, i] + x * (Q[1, i] + x * Q[2, i])) - whole
         for i in range(L.shape[1]):
             L[k, i] = w0 * L_old[0, i] + w1 * L_old[1, i] + w2 * L_old[2, i]
-            course.predicted[k, i] = L[k, i]
+            workspace.predicted[k, i] = L[k, i]
 
 
 @inlined
-def place(course: RadauWorkspace, k: int, h: float) -> None:
-    """Fill course.stage and its rate for stage k: K = A^-1 Z / h."""
-    Z, stage, rate = course.Z, course.stage, course.rate
+def place(workspace: RadauWorkspace, k: int, h: float) -> None:
+    """Fill workspace.stage and its rate for stage k: K = A^-1 Z / h."""
+    Z, stage, rate = workspace.Z, workspace.stage, workspace.rate
     a0, a1, a2 = A_INVERSE[k, 0] / h, A_INVERSE[k, 1] / h, A_INVERSE[k, 2] / h
     for i in range(stage.shape[0]):
-        stage[i] = course.y[i] + Z[k, i]
+        stage[i] = workspace.y[i] + Z[k, i]
         rate[i] = a0 * Z[0, i] + a1 * Z[1, i] + a2 * Z[2, i]
 
 
 @inlined
-def collect(model: Model, course: RadauWorkspace) -> None:
+def transform_residuals(model: Model, workspace: RadauWorkspace) -> None:
     """Hand what the stages leave to the pencils: T^-1 takes them apart."""
-    real, pair = course.real, course.pair
-    load, gamma, r = course.load, course.gamma, course.r
+    real, pair = workspace.real, workspace.pair
+    load, gamma, r = workspace.load, workspace.gamma, workspace.r
     for i in range(load.shape[1]):
         for k in range(load.shape[2]):
-            one, two = _apart(load[0, i, k], load[1, i, k], load[2, i, k])
+            one, two = _decouple(load[0, i, k], load[1, i, k], load[2, i, k])
             real.load[i, k], pair.load[i, k] = one, two
     for i in range(gamma.shape[1]):
-        real.gamma[i], pair.gamma[i] = _apart(gamma[0, i], gamma[1, i], gamma[2, i])
+        real.gamma[i], pair.gamma[i] = _decouple(gamma[0, i], gamma[1, i], gamma[2, i])
     for i in range(model.n_pos):
-        real.r[i], pair.r[i] = _apart(r[0, i], r[1, i], r[2, i])
+        real.r[i], pair.r[i] = _decouple(r[0, i], r[1, i], r[2, i])
 
 
 @inlined
-def _apart(a: float, b: float, c: float) -> tuple[float, complex]:
+def _decouple(a: float, b: float, c: float) -> tuple[float, complex]:
     """T^-1 (a, b, c): the real part and the pair of the stages' equations."""
     TI = T_INVERSE
     one = TI[0, 0] * a + TI[0, 1] * b + TI[0, 2] * c
@@ -66,10 +67,10 @@ def _apart(a: float, b: float, c: float) -> tuple[float, complex]:
 
 
 @inlined
-def correct(options: Options, course: RadauWorkspace) -> float:
+def correct(options: Options, workspace: RadauWorkspace) -> float:
     """Add the pencils' answers to stages and multipliers; return their size in tolerances."""
-    real, pair, Z, L = course.real, course.pair, course.Z, course.multipliers
-    stage = course.stage
+    real, pair, Z, L = workspace.real, workspace.pair, workspace.Z, workspace.multipliers
+    stage = workspace.stage
     n = stage.shape[0] - 1
     stage[n] = 0.0
     size = 0.0
@@ -83,78 +84,78 @@ def correct(options: Options, course: RadauWorkspace) -> float:
         for i in range(L.shape[1]):
             c = pair.mu[i]
             L[k, i] += t0 * real.mu[i] + t1 * c.real + t2 * c.imag
-        largest = norm(options, stage, course.weight)
+        largest = norm(options, stage, workspace.weight)
         if largest > size or largest != largest:
             size = largest
     return size
 
 
 @inlined
-def complete(options: Options, course: RadauWorkspace, h: float) -> None:
-    """Fill course.stage with the end of the step, weights, and the work of drives and dampers."""
-    y, Z, stage, power = course.y, course.Z, course.stage, course.power
+def complete(options: Options, workspace: RadauWorkspace, h: float) -> None:
+    """Fill the stage with the end of the step; weights, and the work of drives and dampers."""
+    y, Z, stage, power = workspace.y, workspace.Z, workspace.stage, workspace.power
     n = y.shape[0]
     for k in range(3):
         Z[k, n - 1] = h * (A[k, 0] * power[0] + A[k, 1] * power[1] + A[k, 2] * power[2])
     for i in range(n):
         stage[i] = y[i] + Z[2, i]
         larger = max(abs(y[i]), abs(stage[i]))
-        course.weight[i] = 1.0 / (options.atol[i] + options.rtol * larger)
+        workspace.weight[i] = 1.0 / (options.atol[i] + options.rtol * larger)
 
 
 @inlined
-def embedded_error(course: RadauWorkspace, h: float) -> None:
-    """Fill course.rate with ERROR Z / h: with f, the error of the embedded formula, order 3."""
-    Z, rate = course.Z, course.rate
+def embedded_error(workspace: RadauWorkspace, h: float) -> None:
+    """Fill workspace.rate with ERROR Z / h: with f, the error of the embedded formula, order 3."""
+    Z, rate = workspace.Z, workspace.rate
     e0, e1, e2 = ERROR[0] / h, ERROR[1] / h, ERROR[2] / h
     for i in range(rate.shape[0]):
         rate[i] = e0 * Z[0, i] + e1 * Z[1, i] + e2 * Z[2, i]
 
 
 @inlined
-def collect_error(model: Model, course: RadauWorkspace) -> None:
+def error_residual(model: Model, workspace: RadauWorkspace) -> None:
     """Hand f + ERROR Z / h to the real pencil, velocities as forces."""
-    real, frozen, rate = course.real, course.frozen, course.rate
+    real, frozen, rate = workspace.real, workspace.frozen, workspace.rate
     for i in range(rate.shape[0]):
-        real.r[i] = course.f[i] + rate[i]
+        real.r[i] = workspace.f[i] + rate[i]
         rate[i] = -real.r[i]  # what is left of zero, once it is taken away
-    course.load[0, :, :] = 0.0
-    course.gamma[0, :] = 0.0
+    workspace.load[0, :, :] = 0.0
+    workspace.gamma[0, :] = 0.0
     real.gamma[:] = 0.0
-    rest(
+    inertia_residual(
         model,
         frozen.M,
         frozen.J,
         rate,
-        course.gamma[0],
-        course.load[0],
+        workspace.gamma[0],
+        workspace.load[0],
         real.load,
         real.gamma,
     )
 
 
 @inlined
-def accept(course: RadauWorkspace, h: float) -> None:
-    """Make course.stage the state; keep the step's rate, polynomial and multipliers."""
-    Z, Q, y = course.Z, course.Q, course.y
+def accept(workspace: RadauWorkspace, h: float) -> None:
+    """Make workspace.stage the state; keep the step's rate, polynomial and multipliers."""
+    Z, Q, y = workspace.Z, workspace.Q, workspace.y
     a0, a1, a2 = A_INVERSE[2, 0] / h, A_INVERSE[2, 1] / h, A_INVERSE[2, 2] / h
     for i in range(y.shape[0]):
-        course.y_old[i], y[i] = y[i], course.stage[i]
+        workspace.y_old[i], y[i] = y[i], workspace.stage[i]
         z0, z1, z2 = Z[0, i], Z[1, i], Z[2, i]
-        course.f[i] = a0 * z0 + a1 * z1 + a2 * z2
+        workspace.f[i] = a0 * z0 + a1 * z1 + a2 * z2
         for k in range(3):
             Q[k, i] = POWERS[k, 0] * z0 + POWERS[k, 1] * z1 + POWERS[k, 2] * z2
     for k in range(3):
-        for i in range(course.multipliers.shape[1]):
-            course.multipliers_old[k, i] = course.multipliers[k, i]
+        for i in range(workspace.multipliers.shape[1]):
+            workspace.multipliers_old[k, i] = workspace.multipliers[k, i]
 
 
 @inlined
-def interpolate(course: RadauWorkspace, x: float, out: Array) -> None:
+def interpolate(workspace: RadauWorkspace, x: float, out: Array) -> None:
     """Fill out (n,) with the polynomial of the last step at its part x, 0 to 1."""
-    Q = course.Q
+    Q = workspace.Q
     for i in range(out.shape[0]):
-        out[i] = course.y_old[i] + x * (Q[0, i] + x * (Q[1, i] + x * Q[2, i]))
+        out[i] = workspace.y_old[i] + x * (Q[0, i] + x * (Q[1, i] + x * Q[2, i]))
 
 
 @inlined

@@ -1,0 +1,79 @@
+"""Memory of the compiled step loop of Radau IIA."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...dynamics.model import Model
+from ...dynamics.system import evaluate
+from ...dynamics.workspace import Work, new_work
+from ...math.arrays import Array, IntArray
+from ...math.compiled import structure
+from .elements import start_forces
+from .pencil import Frozen, Pencil, new_frozen, new_pencil
+from .step_control import ERROR_LAST, LIMIT, NEXT, RATE, TIME
+
+
+@structure
+class RadauWorkspace(NamedTuple):
+    """Memory of a run, which a call takes up where the last one left it."""
+
+    work: Work
+    frozen: Frozen
+    real: Pencil
+    pair: Pencil
+    y: Array  # (n,) state
+    f: Array  # (n,) its rate
+    y_old: Array  # (n,) state at the beginning of the last step
+    Q: Array  # (3, n) polynomial of the last step
+    Z: Array  # (3, n) changes at the stages
+    multipliers: Array  # (3, n_r) at the stages, by row of plan.newton
+    multipliers_old: Array  # (3, n_r) at those of the last step
+    predicted: Array  # (3, n_r) at the stages, before the iteration
+    power: Array  # (3,) at the stages [W]
+    load: Array  # (3, nb, n) what the stages leave: forces,
+    gamma: Array  # (3, n_r) constraints and laws of elements
+    r: Array  # (3, n) and kinematics
+    stage: Array  # (n,)
+    rate: Array  # (n,) at a stage
+    weight: Array  # (n,)
+    clock: Array  # (6,)
+    counts: IntArray  # (6,)
+
+
+def new_radau_workspace(
+    model: Model, t: float, y: Array, rate: Array, multipliers: Array, first_step: float
+) -> RadauWorkspace:
+    """Return memory for a run from state y (n,) at t [s], with its rate and multipliers (n_c,)."""
+    n, nb, widest = y.shape[0], model.n_body, model.plan.widest
+    n_r = model.plan.newton.place.shape[0]
+    workspace = RadauWorkspace(
+        new_work(model),
+        new_frozen(model),
+        new_pencil(model, 1.0),
+        new_pencil(model, 1.0 + 0.0j),
+        y.copy(),
+        rate.copy(),
+        y.copy(),
+        np.zeros((3, n)),
+        np.zeros((3, n)),
+        np.zeros((3, n_r)),
+        np.zeros((3, n_r)),
+        np.zeros((3, n_r)),
+        np.zeros(3),
+        np.zeros((3, nb, widest)),
+        np.zeros((3, n_r)),
+        np.zeros((3, n)),
+        np.zeros(n),
+        np.zeros(n),
+        np.zeros(n),
+        np.zeros(6),
+        np.zeros(6, dtype=np.int64),
+    )
+    workspace.clock[TIME], workspace.clock[NEXT], workspace.clock[ERROR_LAST] = t, first_step, 1.0
+    workspace.clock[RATE], workspace.clock[LIMIT] = 1.0, 1e300
+    evaluate(model, workspace.work, t, y)
+    for k in range(3):
+        workspace.multipliers_old[k, : model.n_constraint] = multipliers
+        start_forces(model, workspace.work, workspace.multipliers_old[k])
+    return workspace
