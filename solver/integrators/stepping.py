@@ -190,21 +190,8 @@ class StepLoop(Integrator):
         """Call the compiled loop for `most` steps."""
 
 
-class Radau(StepLoop):
-    """Radau IIA of order 5 for mechanisms (compiled/radau.py): L-stable, so that modes stiffer than
-    the motion are damped, not followed; every step is brought back onto the constraints unless
-    `closed` is false.
-    """
-
-    order = 5
-    on_growth = (
-        "Newton's iteration finds no answer for a step this long, or constraints contradict each "
-        f"other: take a shorter step ({SHORTER})"
-    )
-    on_failure = (
-        "Look for a jump or a singularity in the forces just after it, or for constraints that "
-        "contradict each other, or loosen rtol and atol"
-    )
+class ClosingLoop(StepLoop):
+    """A step loop that brings every step back onto the constraints, unless `closed` is false."""
 
     def __init__(
         self,
@@ -226,6 +213,23 @@ class Radau(StepLoop):
 
     def _closes(self) -> bool:
         return self._closed
+
+
+class Radau(ClosingLoop):
+    """Radau IIA of order 5 for mechanisms (compiled/radau.py): L-stable, so that modes stiffer than
+    the motion are damped, not followed; every step is brought back onto the constraints unless
+    `closed` is false.
+    """
+
+    order = 5
+    on_growth = (
+        "Newton's iteration finds no answer for a step this long, or constraints contradict each "
+        f"other: take a shorter step ({SHORTER})"
+    )
+    on_failure = (
+        "Look for a jump or a singularity in the forces just after it, or for constraints that "
+        "contradict each other, or loosen rtol and atol"
+    )
 
     def _begin(self, rate: Array, multipliers: Array) -> Any:
         return new_radau_workspace(self._model, self.t, self.y, rate, multipliers, self._h_next)
