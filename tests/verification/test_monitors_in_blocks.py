@@ -57,7 +57,6 @@ def _same(found, expected):
     assert found.energy.largest_jump == pytest.approx(expected.energy.largest_jump, abs=1e-12)
 
 
-@pytest.mark.provokes("branch-change", "singular-position", "singular-passed")
 @pytest.mark.parametrize(
     ("sample", "treatment", "integrator", "t_end", "stop", "status"),
     [
