@@ -108,7 +108,7 @@ def test_a_spin_that_stops_a_run_inside_a_stride(integrator, repository, tmp_pat
     for blocks in (True, False):
         ready = prepare(spec.mechanism, spec.packages)
         solver = ready.mechanism.solver
-        made = make_integrator(ready.model, ready.y0, solver.model_dump(), ready.treatment)
+        made = make_integrator(ready.model, ready.y0, solver, ready.treatment)
         times = output_times(solver.t_end, solver.output_step)
         if blocks:
             done = integrate(made, times, watch=ready.watch)
