@@ -25,10 +25,10 @@ from .generic.explicit import (
     RungeKutta8,
     stiffness_hint,
 )
-from .stepping import StepLoop
+from .stepping import ClosingLoop
 
 
-class ExplicitLoop(StepLoop):
+class ExplicitLoop(ClosingLoop):
     """Step loop of an explicit method, for mechanisms that are solved by blocks.
 
     Steps, error estimate and dense output are those of `method`, which takes any equations; a
@@ -41,27 +41,9 @@ class ExplicitLoop(StepLoop):
     on_growth = ExplicitRungeKutta.on_growth
     on_failure = ExplicitRungeKutta.on_failure
 
-    def __init__(
-        self,
-        model: Model,
-        t0: float,
-        y0: Array,
-        t_end: float,
-        *,
-        closed: bool = True,
-        **options: Any,
-    ) -> None:
-        self._closed = closed and model.n_constraint > 0
+    def __init__(self, model: Model, t0: float, y0: Array, t_end: float, **options: Any) -> None:
         super().__init__(model, t0, y0, t_end, **options)
         self._project = projection(model) if self._closed else None
-
-    @classmethod
-    def for_treatment(cls, name: str) -> dict[str, Any]:
-        """Whether steps go back onto the constraints."""
-        return {"closed": name == "projection"}
-
-    def _closes(self) -> bool:
-        return self._closed
 
     def _begin(self, rate: Array, multipliers: Array) -> Any:
         model, tableau = self._model, self.tableau

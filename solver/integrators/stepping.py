@@ -196,7 +196,32 @@ class StepLoop(Integrator):
         """Call the compiled loop for `most` steps."""
 
 
-class Radau(StepLoop):
+class ClosingLoop(StepLoop):
+    """A step loop that brings every step back onto the constraints, unless `closed` is false."""
+
+    def __init__(
+        self,
+        model: Model,
+        t0: float,
+        y0: Array,
+        t_end: float,
+        *,
+        closed: bool = True,
+        **options: Any,
+    ) -> None:
+        self._closed = closed and model.n_constraint > 0
+        super().__init__(model, t0, y0, t_end, **options)
+
+    @classmethod
+    def for_treatment(cls, name: str) -> dict[str, Any]:
+        """Whether steps go back onto the constraints."""
+        return {"closed": name == "projection"}
+
+    def _closes(self) -> bool:
+        return self._closed
+
+
+class Radau(ClosingLoop):
     """Radau IIA of order 5 for mechanisms (compiled/radau.py): L-stable, so that modes stiffer than
     the motion are damped, not followed; every step is brought back onto the constraints unless
     `closed` is false.
@@ -216,30 +241,9 @@ class Radau(StepLoop):
         "contradict each other, or loosen rtol and atol"
     )
 
-    def __init__(
-        self,
-        model: Model,
-        t0: float,
-        y0: Array,
-        t_end: float,
-        *,
-        closed: bool = True,
-        **options: Any,
-    ) -> None:
-        self._closed = closed and model.n_constraint > 0
-        super().__init__(model, t0, y0, t_end, **options)
-
     def for_loop(self, model: Model) -> Model:
         """Return the model with the softness of dependent rows that suits the iteration."""
         return model._replace(penalty=PENALTY) if model.penalty > 0.0 else model
-
-    @classmethod
-    def for_treatment(cls, name: str) -> dict[str, Any]:
-        """Whether steps go back onto the constraints."""
-        return {"closed": name == "projection"}
-
-    def _closes(self) -> bool:
-        return self._closed
 
     def _begin(self, rate: Array, multipliers: Array) -> Any:
         return new_radau_workspace(self._model, self.t, self.y, rate, multipliers, self._h_next)

@@ -57,7 +57,6 @@ def _same(found, expected):
     assert found.energy.largest_jump == pytest.approx(expected.energy.largest_jump, abs=1e-12)
 
 
-@pytest.mark.provokes("branch-change", "singular-position", "singular-passed")
 @pytest.mark.parametrize(
     ("sample", "treatment", "integrator", "t_end", "stop", "status"),
     [
@@ -109,7 +108,7 @@ def test_a_spin_that_stops_a_run_inside_a_stride(integrator, repository, tmp_pat
     for blocks in (True, False):
         ready = prepare(spec.mechanism, spec.packages)
         solver = ready.mechanism.solver
-        made = make_integrator(ready.model, ready.y0, solver.model_dump(), ready.treatment)
+        made = make_integrator(ready.model, ready.y0, solver, ready.treatment)
         times = output_times(solver.t_end, solver.output_step)
         if blocks:
             done = integrate(made, times, watch=ready.watch)

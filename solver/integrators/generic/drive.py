@@ -114,9 +114,11 @@ class _Drive:
                 if self.request is None:
                     self._reach(integrator.t, integrator.y, filled)
         except KeyboardInterrupt:
-            if watch is None:  # in plain NumPy a loop is heard within; rows beyond are not kept
-                filled = int(np.searchsorted(self.times, integrator.t, side="right"))
-                self._reach(integrator.t, integrator.y, max(self.filled, filled))
+            # Steps that were taken are kept, looked at or not; in plain NumPy a loop is heard
+            # within, and stands where its last stride ended.
+            integrator.take_up()
+            filled = int(np.searchsorted(self.times, integrator.t, side="right"))
+            self._reach(integrator.t, integrator.y, max(self.filled, filled))
             raise
 
     def step_by_step(self, watch: Watch | None) -> None:
