@@ -17,7 +17,7 @@ class JsonLines:
     def __init__(self, descriptor: int) -> None:
         self._descriptor = descriptor
 
-    def tell(self, outcome: Outcome, place: str = "") -> None:
+    def write_outcome(self, outcome: Outcome, place: str = "") -> None:
         """Write one outcome; `place` is not used here."""
         self.write(dataclasses.asdict(outcome))
 

@@ -30,7 +30,7 @@ def build_shell_body(spec: dict[str, Any]) -> ModalPackage:
     Raises
     ------
     SpecError : an unknown or missing key, or a value of another type
-    ModeError : fewer modes of a kind than asked for
+    ModeError : fewer modes of a kind than requested
     ShellError, LaminateError, MaterialError : what the description of the shell says wrongly
     """
     body = read_shell_body(spec)

@@ -40,7 +40,7 @@ def flat_nodes(
     return FlatNodes(np.flatnonzero(flat), axis[flat, :, 2])
 
 
-def turning(flat: FlatNodes, fixed: Array) -> tuple[IntArray, IntArray, Array]:
+def dependent_rotations(flat: FlatNodes, fixed: Array) -> tuple[IntArray, IntArray, Array]:
     """Dependence of one rotation of each flat node on its other two.
 
     Parameters

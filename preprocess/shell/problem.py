@@ -91,9 +91,9 @@ class ShellProblem:
         bow = MEMBRANES[self.choice.membrane].bow
         return Loads(self.freedom, self.regions, lambda: self.M, bow)
 
-    def loose(self, freedom: Freedom) -> tuple[list[Array], list[Array]]:
+    def free_motions(self, freedom: Freedom) -> tuple[list[Array], list[Array]]:
         """Rigid motions that are free, and mechanisms of the drilling stiffness."""
-        return freedom.loose_motions(), drilling_motions(freedom, self.regions, self.choice)
+        return freedom.free_rigid_motions(), drilling_motions(freedom, self.regions, self.choice)
 
     def resultants(self, u: Array) -> Array:
         """Resultants of every cell in E, (m, c, 8), of displacements (n_dof, m); cells have the

@@ -28,9 +28,9 @@ class Drilling:
     ----------
     name : in `[elements]` of a shell description
     stiffness : see above
-    turns_free : a flat part keeps a motion without energy, all nodes turning alike: a warning
+    free_rotation : a flat part keeps a motion without energy, all nodes turning alike: a warning
     """
 
     name: str
     stiffness: Callable[[Triangles, Array, float], Array]
-    turns_free: bool = False
+    free_rotation: bool = False

@@ -26,4 +26,4 @@ def fictitious(t: Triangles, A: Array, factor: float) -> Array:
     return K
 
 
-DRILLING = Drilling("fictitious", fictitious, turns_free=True)
+DRILLING = Drilling("fictitious", fictitious, free_rotation=True)

@@ -91,11 +91,11 @@ def find_interpreter() -> str:
     InputError
         None has FEniCSx; the message says what is missing where, and what to do.
     """
-    if wish := os.environ.get("FENICSX_PYTHON"):
-        report = probe(wish)
+    if python := os.environ.get("FENICSX_PYTHON"):
+        report = probe(python)
         if not usable(report):
-            raise InputError(f"FENICSX_PYTHON = {wish}: cannot use FEniCSx: {reasons(report)}")
-        return wish
+            raise InputError(f"FENICSX_PYTHON = {python}: cannot use FEniCSx: {reasons(report)}")
+        return python
     folders = checkouts()
     for folder in folders:
         if python := recorded(folder):

@@ -36,7 +36,7 @@ class Corrected:
     shapes_B: Array
     warnings: list[dict[str, str]] = field(default_factory=list)
 
-    def doubt(self, code: str, message: str) -> None:
+    def add_warning(self, code: str, message: str) -> None:
         """Add a warning."""
         self.warnings.append({"code": code, "message": message})
 
@@ -50,9 +50,9 @@ def corrected_shapes(measured: Measurement) -> Corrected:
     """
     out = Corrected(measured.shapes_B.copy())
     if measured.table.reference.kind == "clamped":
-        _hold(measured, out)
+        _apply_clamped(measured, out)
     else:
-        _float(measured, out)
+        _apply_mean_axis(measured, out)
     _orthonormalise(measured, out)
     return out
 
@@ -64,7 +64,7 @@ def mass_times(measured: Measurement, shapes_B: Array) -> Array:
     return np.concatenate([momentum, spin], axis=-1)
 
 
-def _hold(measured: Measurement, out: Corrected) -> None:
+def _apply_clamped(measured: Measurement, out: Corrected) -> None:
     at = str(measured.table.reference.at)
     rows = measured.rows(at)
     for part, unit in ((slice(0, 3), "displacement"), (slice(3, 6), "rotation")):
@@ -81,7 +81,7 @@ def _hold(measured: Measurement, out: Corrected) -> None:
     out.shapes_B[:, rows] = 0.0
 
 
-def _float(measured: Measurement, out: Corrected) -> None:
+def _apply_mean_axis(measured: Measurement, out: Corrected) -> None:
     R = np.moveaxis(rigid_motions(measured.nodes_B), 2, 0)  # (6, n, 6)
     MR, X = mass_times(measured, R), out.shapes_B
     inertia = np.einsum("ink,jnk->ij", R, MR)
@@ -92,7 +92,7 @@ def _float(measured: Measurement, out: Corrected) -> None:
     ratio = np.sqrt(np.einsum("mnk,mnk->m", rigid, mass_times(measured, rigid)) / before)
     out.shapes_B = X - rigid
     for i in np.flatnonzero(ratio > RIGID):
-        out.doubt(
+        out.add_warning(
             "measured-shape-rigid",
             f"mode {measured.labels[i]!r}: {ratio[i]:.0%} of the shape is rigid-body motion "
             f"(expected for a free body: below {RIGID:.0%}); it was removed. Check the nodal "
@@ -111,7 +111,7 @@ def _orthonormalise(measured: Measurement, out: Corrected) -> None:
         )
     if measured.table.mass_normalised:
         for i in np.flatnonzero(np.abs(scale**2 - 1.0) > SCALED):
-            out.doubt(
+            out.add_warning(
                 "measured-modal-mass",
                 f"mode {measured.labels[i]!r}: the nodal masses give a modal mass of "
                 f"{scale[i] ** 2:.3g}, but mass_normalised = true requires 1",
@@ -126,7 +126,7 @@ def _orthonormalise(measured: Measurement, out: Corrected) -> None:
         )
     pairs = np.argwhere(np.abs(np.triu(cosine, 1)) > COUPLED)
     for i, j in pairs:
-        out.doubt(
+        out.add_warning(
             "measured-shapes-coupled",
             f"modes {measured.labels[i]!r} and {measured.labels[j]!r}: cosine "
             f"{cosine[i, j]:.2f} in the nodal masses (modes: below {COUPLED:g}); the second was "

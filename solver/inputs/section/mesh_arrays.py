@@ -25,13 +25,13 @@ from ...package.common.container import temporary_sibling
 from .foreign import ForeignMesh
 
 
-def assign_regions(mesh: ForeignMesh, names: Iterable[str], rest: str | None) -> IntArray:
-    """Return the region of every cell as a row of `names`, (c,); `rest` comes after the last.
+def assign_regions(mesh: ForeignMesh, names: Iterable[str], default: str | None) -> IntArray:
+    """Return the region of every cell as a row of `names`, (c,); `default` comes after the last.
 
     Parameters
     ----------
     names : described regions, names of sets of the mesh
-    rest : name for all cells that are in none of them; None: there must be no such cell
+    default : name for all cells that are in none of them; None: there must be no such cell
 
     Raises
     ------
@@ -55,7 +55,7 @@ def assign_regions(mesh: ForeignMesh, names: Iterable[str], rest: str | None) ->
             )
         region[mesh.sets[name]] = row
     bare = region < 0
-    if rest is None and bare.any() and not found:
+    if default is None and bare.any() and not found:
         left = [name for name, mask in mesh.sets.items() if (mask & bare).any()]
         listed = f"; they are in {', '.join(left)}" if left else ""
         found.append(

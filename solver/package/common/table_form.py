@@ -16,9 +16,9 @@ class SpecError(ValueError):
     """A specification that cannot be used; names key, value and expectation."""
 
 
-def expected(key: str, value: Any, wish: str) -> str:
+def expected(key: str, value: Any, expectation: str) -> str:
     """Message of a value that is not what it should be."""
-    return f"{key or 'specification'}: expected {wish}, found {value!r}"
+    return f"{key or 'specification'}: expected {expectation}, found {value!r}"
 
 
 def check_form(value: Any, form: Any, key: str = "") -> None:
@@ -79,8 +79,8 @@ def _meant(value: Any, forms: tuple[Any, ...], key: str) -> Any:
     kinds = {word: form for form in forms for word in get_args(get_type_hints(form)["kind"])}
     _require(isinstance(value, dict), key, value, "an object")
     if kind not in kinds:
-        wish = f"one of {', '.join(kinds)}"
-        raise SpecError(expected(f"{key}.kind", kind, wish) + did_you_mean(str(kind), kinds))
+        expectation = f"one of {', '.join(kinds)}"
+        raise SpecError(expected(f"{key}.kind", kind, expectation) + did_you_mean(str(kind), kinds))
     return kinds[kind]
 
 
@@ -107,9 +107,9 @@ def _words(form: Any) -> str:
     return SCALARS.get(form, "a list" if get_origin(form) is list else "an object")
 
 
-def _require(fulfilled: bool, key: str, value: Any, wish: str) -> None:
+def _require(fulfilled: bool, key: str, value: Any, expectation: str) -> None:
     if not fulfilled:
-        raise SpecError(expected(key, value, wish))
+        raise SpecError(expected(key, value, expectation))
 
 
 def _join(where: str, key: Any) -> str:

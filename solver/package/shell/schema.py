@@ -126,24 +126,3 @@ class ShellFile:
     modes: ShellModes | None = None
     warnings: tuple[dict[str, str], ...] = ()  # {"code", "message"}
     provenance: dict[str, Any] = field(default_factory=dict)  # spec, dofs, seconds, versions, ...
-
-
-def ply_stress(shell: ShellFile, resultants_E: Array) -> list[Array]:
-    """Stress of every ply in its own axes, region by region, [(l, cells, k, 3, 6)] [Pa].
-
-    Parameters
-    ----------
-    resultants_E : (l, c, 8) of load cases or modes
-
-    Returns
-    -------
-    For each region: load case, cell of the region (in the order of the mesh), ply from the bottom
-    up, bottom, middle and top of it, and 11, 22, 33, 23, 13, 12.
-    """
-    out = []
-    for row, laminate in enumerate(shell.mesh.laminate):
-        operator = shell.laminates[laminate].stress_M
-        some = resultants_E[:, shell.mesh.region == row]
-        stress = some @ operator.reshape(-1, 8).T
-        out.append(stress.reshape(*some.shape[:2], *operator.shape[:3]))
-    return out

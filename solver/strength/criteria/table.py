@@ -10,8 +10,6 @@ _found = catalogue(_package, _path, Criterion, besides=("table",))
 CRITERIA = by_name(
     [(c.name, c) for c in sorted(_found, key=lambda c: (c.order, c.name))], "criterion"
 )
-PLY_CRITERIA = tuple(c for c in CRITERIA.values() if c.strength is PlyStrength)
-YIELD_CRITERIA = tuple(c for c in CRITERIA.values() if c.strength is YieldStrength)
 
 
 def criteria_of(strength: PlyStrength | YieldStrength) -> tuple[Criterion, ...]:
