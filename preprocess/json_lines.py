@@ -18,7 +18,7 @@ class JsonLines:
         self._descriptor = descriptor
 
     def write_outcome(self, outcome: Outcome, place: str = "") -> None:
-        """Write one outcome; `place` is not used here."""
+        """Write one outcome; `place` is not written."""
         self.write(dataclasses.asdict(outcome))
 
     def progress(self, line: str) -> None:

@@ -1,4 +1,4 @@
-"""Progress output of the commands that make files, and names read from standard input."""
+"""Progress output of the commands that make files, and file names from standard input."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -14,7 +14,7 @@ Report = Callable[[Outcome, str], None]
 def build_from_stdin(
     product: Product, target_of: Callable[[Path], Path], *, force: bool, report: Report
 ) -> int:
-    """Make a file for each name of a specification that arrives on standard input."""
+    """Make a file for each name of a specification read from standard input."""
     code = 0
     for line in sys.stdin:
         path = Path(line.rstrip("\n"))

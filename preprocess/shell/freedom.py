@@ -64,7 +64,7 @@ class Freedom:
         own = self._own(A)
         if self._follow is None:
             return own
-        # few dofs are dependent: all other rows of T are those of the unit matrix
+        # few dofs are dependent: all other rows of T are rows of the unit matrix
         dependent = self._follow.dependent
         C = self._follow.T[dependent][:, self.free]
         rows = A[dependent]
@@ -171,7 +171,7 @@ class Freedom:
 
 
 def _plain_basis(rows: Array) -> Array:
-    """The same space in echelon form, with a 1 in one column for each row."""
+    """Basis of the same space in echelon form: each row has a 1 in a column of its own."""
     rows = rows.copy()
     done = 0
     for column in range(rows.shape[1] if len(rows) else 0):
@@ -246,7 +246,7 @@ def _followed(
 
 def _axis(direction: Array) -> str:
     unit = direction / np.linalg.norm(direction)
-    # the first component among those as large as the largest, to rounding, is positive
+    # the first of the largest components, equal to round-off, is positive
     unit = unit * np.sign(unit[np.argmax(np.abs(unit) > 0.999 * np.abs(unit).max())])
     for name, row in zip("xyz", np.eye(3), strict=True):
         if np.allclose(unit, row, atol=1e-6):

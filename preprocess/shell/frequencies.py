@@ -18,9 +18,9 @@ from .errors import ShellError
 from .freedom import Freedom
 
 EXTRA = 1  # modes beyond the requested ones, to find a gap
-TOLERANCE = 1e-10  # of the iteration: values are better by far, their errors are its square
+TOLERANCE = 1e-10  # of the iteration; the error of a value is its square
 GAP = 1e-4  # relative distance of two values between which the modes are counted
-ZERO = 1e-6  # of the lowest elastic value: a mode below it is no vibration
+ZERO = 1e-6  # of the lowest elastic value: a mode below it is not a vibration
 ROUNDING = 1e-13  # of |x|'|K||x|: x'Kx below it is rounding
 
 
@@ -30,9 +30,7 @@ class Frequencies(NamedTuple):
     values: Array  # (m,) squared circular frequencies      [rad2/s2]
     shapes: Array  # (n_dof, m)                             [m, rad per sqrt(kg) m]
     n_zero: int  # number of modes without strain energy, which come first
-    n_free_motions: (
-        int  # number of those that are expected: free rigid motions and known mechanisms
-    )
+    n_free_motions: int  # expected number of these: free rigid motions and known mechanisms
     warnings: tuple[dict[str, str], ...]
 
 
@@ -89,8 +87,8 @@ def natural_modes(
 def _without_energy(K: sp.csr_matrix, values: Array, X: Array, n_free_motions: int) -> int:
     """How many of the modes X (n, m), unit modal mass, have no strain energy.
 
-    A thin shell stretches much more stiffly than it bends: what rounding leaves of a rigid
-    motion's x'Kx may be 1e-4 of the lowest elastic value, of either sign.
+    The membrane stiffness of a thin shell is much larger than its bending stiffness. The round-off
+    in x'Kx of a rigid motion may therefore be 1e-4 of the lowest elastic value, of either sign.
     """
     lowest = abs(values[n_free_motions] if n_free_motions < len(values) else values[-1])
     rounding = ROUNDING * np.einsum("nm,nm->m", np.abs(X), abs(K) @ np.abs(X))
@@ -100,7 +98,7 @@ def _without_energy(K: sp.csr_matrix, values: Array, X: Array, n_free_motions: i
 def soft_value(
     K: sp.csr_matrix, M: sp.csr_matrix, free_motions: Array, team: fenicsx.Team = fenicsx.ALONE
 ) -> float:
-    """About the lowest elastic eigenvalue of a structure that can move in the ways `free_motions`.
+    """Estimate of the lowest elastic eigenvalue of a structure with the motions `free_motions`.
 
     Rayleigh quotient of its shape under a random load, with as many held degrees of freedom as
     there are motions. The second load is the inertia of the first shape.
@@ -138,8 +136,8 @@ def _massive(M: sp.csr_matrix) -> int:
 
 
 def _signs(shapes: Array, freedom: Freedom) -> Array:
-    """+1 or -1 for each mode: the largest displacement is positive, the first in the file's order
-    among those that are as large."""
+    """+1 or -1 for each mode: the largest displacement is positive; of equal ones, the first in the
+    order of the file."""
     nodes = shapes.reshape(-1, 6, shapes.shape[1])[freedom.mesh.file_nodes, :3]
     table = nodes.reshape(-1, shapes.shape[1])
     size = np.abs(table)

@@ -26,7 +26,7 @@ SLIVER = 0.05  # 4 sqrt(3) area over the sum of squared sides; 1 is equilateral
 COINCIDENT = 1e-7  # relative to the size of the mesh: two nodes at the same position
 FLAT = 1e-6  # sine of the angle between normals of a flat part
 KINK = 0.9  # cosine between neighbouring normals below which a wall ends
-ACROSS = 4  # cells across a wall that constant-strain triangles need to bend in its plane
+ACROSS = 4  # cells across a wall that constant-strain triangles need for bending in its plane
 
 
 def _warning(code: str, message: str) -> dict[str, str]:

@@ -22,7 +22,7 @@ from .links import Link
 from .problem import ShellProblem
 from .stations import nodal_mass
 
-# Held dofs of the reference nodes: all if clamped; for a chord those that keep x through both.
+# Held dofs of the reference nodes: all if clamped; for a chord those that keep both nodes on x.
 CLAMPED = (range(6),)
 CHORD = ((0, 1, 2, 3), (1, 2))
 ALONG = 1e-6  # sine of the angle between a chord and the x axis

@@ -115,7 +115,7 @@ def summary(found: BodyStrength) -> dict[str, Any]:
 
 
 def failure_text(body: str, failure: Failure) -> str:
-    """Message of the warning about a failing ply."""
+    """Message of the warning about a ply that fails."""
     return (
         f"{body}: {failure.criterion} gives a strength ratio of {failure.ratio:.3g} (expected "
         f"above 1; {failure.mode}) at x = {failure.x:.4g} m, t = {failure.time:.4g} s, in ply "

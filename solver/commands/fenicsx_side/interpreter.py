@@ -84,12 +84,12 @@ def recorded(folder: Path) -> str | None:
 def find_interpreter() -> str:
     """The Python to run the preprocessor with.
 
-    $FENICSX_PYTHON if it is set; what `make fenicsx` recorded; the first of `candidates`.
+    The first of: $FENICSX_PYTHON, the interpreter that `make fenicsx` recorded, `candidates`.
 
     Raises
     ------
     InputError
-        None has FEniCSx; the message says what is missing where, and what to do.
+        None has FEniCSx; the message names the missing parts of each, and the remedy.
     """
     if python := os.environ.get("FENICSX_PYTHON"):
         report = probe(python)
@@ -104,7 +104,7 @@ def find_interpreter() -> str:
     if found is None:
         tried = "".join(f"\n  {report['python']}: {reasons(report)}" for report in refused)
         raise InputError(
-            "no Python with FEniCSx here; run `make fenicsx` in a checkout of Plymotion, or set "
+            "no Python with FEniCSx found; run `make fenicsx` in a checkout of Plymotion, or set "
             f"FENICSX_PYTHON to one with real-scalar DOLFINx, slepc4py and gmsh. Tried:{tried}"
         )
     return str(found["python"])

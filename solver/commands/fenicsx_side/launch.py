@@ -1,4 +1,4 @@
-"""Start the preprocessor in the Python with FEniCSx, and communicate with it line by line."""
+"""Start the preprocessor in the Python with FEniCSx and exchange lines of text with it."""
 
 import contextlib
 import json
@@ -50,7 +50,7 @@ def environment(folder: Path) -> dict[str, str]:
     }
     paths = [str(folder), *filter(None, [variables.get("PYTHONPATH")])]
     variables["PYTHONPATH"] = os.pathsep.join(paths)
-    variables.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads are of no use for small matrices
+    variables.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads do not help with small matrices
     return variables
 
 
@@ -99,7 +99,7 @@ class Worker:
             self._process.stdin.flush()
 
     def close(self) -> None:
-        """Signal that there is no more work: the process ends."""
+        """Close standard input: no more work, the process ends."""
         assert self._process.stdin is not None
         with contextlib.suppress(BrokenPipeError):
             self._process.stdin.close()

@@ -1,4 +1,4 @@
-"""Columns of numbers from a CSV file whose first line names them."""
+"""Columns of numbers from a CSV file with the names in its first line."""
 
 import csv
 from pathlib import Path

@@ -8,7 +8,7 @@ if it is large:
   motions are removed, so that they have no momentum (mean axis);
 - scale: unit modal mass;
 - orthogonality: each shape is made orthogonal to those of lower frequency (Gram-Schmidt).
-  The lowest shapes, which are most important and most accurate, change least. An equal correction
+  The lowest shapes are most important and most accurate; they change least. An equal correction
   of all shapes makes the lowest frequencies of a modified body several times less accurate.
 
 The measured frequencies are kept.
@@ -76,7 +76,7 @@ def _apply_clamped(measured: Measurement, out: Corrected) -> None:
             raise InputError(
                 f"mode {measured.labels[i]!r}: the {unit} of the held interface {at} is "
                 f"{moved[i] / largest[i]:.1%} of the largest, expected below {HELD:.0%}: "
-                'a body that was not held needs reference.kind = "mean-axis"'
+                'for a body that was not held, use reference.kind = "mean-axis"'
             )
     out.shapes_B[:, rows] = 0.0
 
@@ -85,7 +85,7 @@ def _apply_mean_axis(measured: Measurement, out: Corrected) -> None:
     R = np.moveaxis(rigid_motions(measured.nodes_B), 2, 0)  # (6, n, 6)
     MR, X = mass_times(measured, R), out.shapes_B
     inertia = np.einsum("ink,jnk->ij", R, MR)
-    # nodes on a line without rotary inertia have no inertia about it, and no motion to remove
+    # nodes on a line without rotary inertia have no inertia about the line, so nothing is removed
     share = np.linalg.pinv(inertia, rcond=1e-10, hermitian=True) @ np.einsum("ink,mnk->im", MR, X)
     rigid = np.einsum("im,ink->mnk", share, R)
     before = np.einsum("mnk,mnk->m", X, mass_times(measured, X))

@@ -1,4 +1,4 @@
-"""A foreign mesh as the FE side reads it: plain arrays, each cell in one described region.
+"""A foreign mesh as plain arrays for the preprocessor, each cell in one described region.
 
 An .npz file with
 
@@ -31,7 +31,7 @@ def assign_regions(mesh: ForeignMesh, names: Iterable[str], default: str | None)
     Parameters
     ----------
     names : described regions, names of sets of the mesh
-    default : name for all cells that are in none of them; None: there must be no such cell
+    default : name of the region of all other cells; None: there must be no other cell
 
     Raises
     ------
@@ -73,7 +73,7 @@ def write_arrays(
 ) -> tuple[Path, str]:
     """Write the arrays beside the specification; return the file and its SHA-256.
 
-    The name holds the hash, so that equal content is written once.
+    The name contains the hash, so that equal content is written once.
     """
     rows, curve = np.nonzero(
         np.array(list(mesh.curves.values()), dtype=bool).T.reshape(

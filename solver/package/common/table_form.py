@@ -1,6 +1,6 @@
-"""Compare plain data (JSON) with the TypedDict that says what they hold.
+"""Check of plain data (JSON) against the TypedDict of their form.
 
-Keys, types and words are compared; values were checked by whoever wrote the file.
+Keys, types and literals are checked; the writer of the file has checked the values.
 """
 
 import math
@@ -17,17 +17,17 @@ class SpecError(ValueError):
 
 
 def expected(key: str, value: Any, expectation: str) -> str:
-    """Message of a value that is not what it should be."""
+    """Message for a wrong value."""
     return f"{key or 'specification'}: expected {expectation}, found {value!r}"
 
 
 def check_form(value: Any, form: Any, key: str = "") -> None:
-    """Raise SpecError for the first entry of `value` that does not have its form.
+    """Raise SpecError for the first entry of `value` with a wrong form.
 
     Parameters
     ----------
     form : a TypedDict, Literal, list[...], dict[str, ...], a union of such, str, bool, int, float
-        or Any. In a union of tables the key `kind` tells which one is meant.
+        or Any. In a union of tables the key `kind` selects one.
     key : of the value, for messages
     """
     origin = get_origin(form)

@@ -48,7 +48,7 @@ class ShellPly:
 
 @dataclass(frozen=True)
 class ShellLaminate:
-    """A laminate as it went into the shell; `k` counts its plies."""
+    """A laminate of the shell; `k` counts its plies."""
 
     name: str
     plies: tuple[ShellPly, ...]  # bottom to top
@@ -66,7 +66,7 @@ class ShellLaminate:
 
 @dataclass(frozen=True)
 class ShellPlaces:
-    """Named points: of supports (where reaction moments are told) or reference points of links."""
+    """Named points: of supports (reference points of reaction moments) or of links."""
 
     names: tuple[str, ...]
     points_G: Array  # (p, 3)                               [m]
@@ -89,7 +89,7 @@ class ShellCases:
 
 @dataclass(frozen=True)
 class ShellProbes:
-    """Numbers that the description asks for."""
+    """Values requested by the description."""
 
     names: tuple[str, ...]
     quantities: tuple[str, ...]  # of SHELL_MOTIONS or SHELL_RESULTANTS
@@ -113,7 +113,7 @@ class ShellModes:
 
 @dataclass(frozen=True)
 class ShellFile:
-    """All that a shell results file holds."""
+    """The content of a shell results file."""
 
     name: str
     mesh: ShellMeshData

@@ -1,4 +1,4 @@
-"""The criteria of this folder, and which of them apply to a material."""
+"""The criteria of this folder, and the selection of those for a material."""
 
 from ...math.catalogue import by_name, catalogue
 from ...package.common.strengths import PlyStrength, YieldStrength
