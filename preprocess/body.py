@@ -30,7 +30,7 @@ def build_body(spec: dict[str, Any]) -> ModalPackage:
     Raises
     ------
     SpecError : an unknown or missing key, or a value of another type
-    ModeError : fewer modes of a kind than asked for
+    ModeError : fewer modes of a kind than requested
     Errors of the analysis (material, mesh) pass through.
     """
     if isinstance(spec, dict) and spec.get("kind") == "shell":
@@ -53,7 +53,7 @@ def _build_beam(spec: dict[str, Any]) -> ModalPackage:
     Raises
     ------
     SpecError : an unknown or missing key, or a value of another type
-    ModeError : fewer modes of a kind than asked for
+    ModeError : fewer modes of a kind than requested
     Errors of the section analysis (material, mesh) pass through.
     """
     beam = read_spec(spec)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from body_specs import beam_body
+from ply_stresses import beam_ply_stress
 from recovery_samples import mode_resultants
 
 from plymotion.preprocess.beam.body import beam_model
@@ -19,7 +20,7 @@ from plymotion.solver.package import ModalPackage, read_package, validate, write
 from plymotion.solver.package.common.materials import bond
 from plymotion.solver.package.section.schema import SectionFile
 from plymotion.solver.package.section.stress import resultants
-from plymotion.solver.strength.beam_bodies import body_strength, ply_stress
+from plymotion.solver.strength.beam_bodies import body_strength
 
 LENGTH = 0.5
 STEEL = {
@@ -117,7 +118,7 @@ def section_of(spec: dict[str, Any]) -> SectionFile:
 
 
 def at_root(package: ModalPackage, q: np.ndarray) -> np.ndarray:
-    return ply_stress(package, 0, q)[0]
+    return beam_ply_stress(package, 0, q)[0]
 
 
 def test_root_stress_of_a_steel_bar_is_m_z_over_i() -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from plymotion.solver.commands.described.entries import Entry, entries_of
-from plymotion.solver.commands.fenicsx_side.crew import Work
+from plymotion.solver.commands.fenicsx_side.workers import Work
 from plymotion.solver.commands.section.batch_list import read_list
 from plymotion.solver.commands.section.results import SectionResults
 from plymotion.solver.commands.section.show import section_json, section_text
@@ -281,7 +281,7 @@ def test_work_of_a_lost_worker_goes_to_the_others() -> None:
     one, two = object(), object()
     work: Work = Work([[Path("a0"), Path("a1"), Path("a2")]])
     assert work.next(one) == Path("a0")  # type: ignore[arg-type]
-    work.give_back(one)  # type: ignore[arg-type]
+    work.release(one)  # type: ignore[arg-type]
     assert [work.next(two), work.next(two), work.next(two)] == [  # type: ignore[arg-type]
         Path("a1"),
         Path("a2"),

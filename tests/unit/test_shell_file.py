@@ -8,12 +8,13 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
+from ply_stresses import shell_file_ply_stress
 from shell_file_samples import plate
 
 from plymotion.solver.errors import PackageError
 from plymotion.solver.package.shell.io import read_shell, write_shell
 from plymotion.solver.package.shell.layout import SHELL_LAYOUT, shell_values
-from plymotion.solver.package.shell.schema import ShellFile, ply_stress
+from plymotion.solver.package.shell.schema import ShellFile
 
 
 @pytest.fixture
@@ -72,7 +73,7 @@ def test_paraview_sees_displacements(file: Path) -> None:
 
 def test_ply_stress_is_the_operator_on_resultants() -> None:
     shell = plate()
-    by_region = ply_stress(shell, shell.cases.resultants_E)
+    by_region = shell_file_ply_stress(shell, shell.cases.resultants_E)
     assert len(by_region) == len(shell.mesh.regions)
     for row, stress in enumerate(by_region):
         laminate = shell.laminates[shell.mesh.laminate[row]]

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from plymotion.solver.package.common.materials import MaterialError, bond
 from plymotion.solver.package.common.strengths import PlyStrength, YieldStrength, read_strength
-from plymotion.solver.strength import PLY_CRITERIA, YIELD_CRITERIA, Criterion
+from plymotion.solver.strength import CRITERIA, Criterion, criteria_of
 from plymotion.solver.strength.criteria.hashin import hashin
 from plymotion.solver.strength.criteria.max_stress import max_stress
 from plymotion.solver.strength.criteria.ray import exposure
@@ -29,7 +29,7 @@ PLY = PlyStrength(1500e6, 1200e6, 50e6, 200e6, 40e6, 260e6, 70e6, 60e6, 75e6)
 S23_ROUND = math.sqrt(50e6 * 200e6 / 3.0)  # Tsai-Wu's shear strength for F23 = -1/2 F22
 ROUND = PlyStrength(1500e6, 1200e6, 50e6, 200e6, 50e6, 200e6, 70e6, 70e6, S23_ROUND)
 
-names = pytest.mark.parametrize("criterion", PLY_CRITERIA, ids=lambda c: c.name)
+names = pytest.mark.parametrize("criterion", criteria_of(PLY), ids=lambda c: c.name)
 stresses = st.tuples(*(st.floats(-1.0, 1.0) for _ in range(6))).map(
     lambda s: np.array(s) * [2000e6, 100e6, 100e6, 80e6, 80e6, 80e6]
 )
@@ -238,8 +238,8 @@ def test_left_hand_side_is_continuous_where_a_stress_changes_sign(
 
 
 def test_no_stress_never_fails() -> None:
-    for criterion in (*PLY_CRITERIA, *YIELD_CRITERIA):
-        strength = PLY if criterion in PLY_CRITERIA else YieldStrength(1e6)
+    for criterion in CRITERIA.values():
+        strength = PLY if criterion.strength is PlyStrength else YieldStrength(1e6)
         verdict = criterion.assess(np.zeros((2, 6)), strength)
         assert np.all(np.isinf(verdict.ratio))
         assert np.all(verdict.index == 0.0)

@@ -58,7 +58,7 @@ class SecondOrder:
 
 @dataclass(frozen=True)
 class Interface:
-    """A named place where joints, loads and masses attach."""
+    """A named point where joints, loads and masses attach."""
 
     name: str
     kind: str  # "node" (one node) or "average" (weighted nodes)

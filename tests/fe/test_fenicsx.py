@@ -1,4 +1,4 @@
-"""The door to FEniCSx: eigenpairs, factorisation, gmsh scripts, messages when parts are missing."""
+"""preprocess/fenicsx: eigenpairs, factorisation, gmsh scripts, messages when parts are missing."""
 
 import os
 import subprocess
