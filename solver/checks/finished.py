@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,13 +12,15 @@ from ..dynamics.constraints.treatment import Treatment
 from ..dynamics.freedom import degrees_of_freedom
 from ..dynamics.model import Model
 from ..dynamics.reactions import momentum_balance
-from ..inputs.case.schema import Mechanism
 from ..integrators.generic import Solution
 from ..math.arrays import Array, IntArray
 from ..mechanism import BuiltMechanism
 from ..package import ModalPackage
 from ..results import relative_balance
 from ..results.finding import Finding
+
+if TYPE_CHECKING:
+    from ..inputs.case.schema import Mechanism
 
 
 @dataclass(frozen=True)
@@ -45,7 +48,7 @@ class FinishedRun:
     noticed : findings of preparation and monitors
     """
 
-    mechanism: Mechanism
+    mechanism: "Mechanism"
     built: BuiltMechanism
     treatment: Treatment
     solution: Solution

@@ -1,13 +1,12 @@
 """Build the model of a mechanism, with its names and its start."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..dynamics.model import Model
 from ..dynamics.tables import Body, assemble_model, flexible_body, rigid_body
-from ..inputs.case.schema import Mechanism, RigidBody
-from ..inputs.case.signals import PointSignal
 from ..math.rotations import matrix_to_parameters
 from ..package import Interface, ModalPackage
 from .forces import force_tables
@@ -15,6 +14,9 @@ from .initial import Start
 from .joints import BuiltJoint, joint_tables
 from .places import Places
 from .virtual import VirtualBodies, through_virtual_bodies
+
+if TYPE_CHECKING:
+    from ..inputs.case.schema import Mechanism
 
 
 @dataclass(frozen=True)
@@ -32,7 +34,7 @@ class BuiltMechanism:
 
 
 def build(
-    mechanism: Mechanism, packages: dict[str, ModalPackage], *, stiffening: bool = False
+    mechanism: "Mechanism", packages: dict[str, ModalPackage], *, stiffening: bool = False
 ) -> BuiltMechanism:
     """Build the model of a checked mechanism (inputs/case/schema.py).
 
@@ -53,9 +55,9 @@ def build(
         for name, mass in mechanism.masses.items()
     ]
     signal_marker = {
-        name: places.marker(f"signals.{name}.at", signal.at, np.eye(3))
+        name: places.marker(f"signals.{name}.at", at, np.eye(3))
         for name, signal in mechanism.signals.items()
-        if isinstance(signal, PointSignal)
+        if (at := getattr(signal, "at", None)) is not None  # signals of a place
     }
     virtual = VirtualBodies([], places.markers, joints)
     if mechanism.solver.attachment == "virtual":
@@ -81,17 +83,17 @@ def build(
 
 
 def _bodies(
-    mechanism: Mechanism, packages: dict[str, ModalPackage], *, stiffening: bool
+    mechanism: "Mechanism", packages: dict[str, ModalPackage], *, stiffening: bool
 ) -> list[Body]:
     return [
         rigid_body(name, body.mass, np.array(body.centre), np.array(body.inertia))
-        if isinstance(body, RigidBody)
+        if body.kind == "rigid"
         else flexible_body(name, packages[name], stiffening=stiffening)
         for name, body in mechanism.bodies.items()
     ]
 
 
-def _start(mechanism: Mechanism, places: Places, virtual: VirtualBodies, model: Model) -> Start:
+def _start(mechanism: "Mechanism", places: Places, virtual: VirtualBodies, model: Model) -> Start:
     """Return the given start; what is not given is free to follow from joints and drives."""
     positions = np.zeros(model.n_pos)
     velocities = np.zeros(model.n_vel)

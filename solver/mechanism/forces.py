@@ -1,30 +1,33 @@
 """Force elements and loads from the tables of a case."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ..dynamics.forces.contract import Number, Three
 from ..dynamics.forces.table import ELEMENTS
 from ..dynamics.tables import ForceTable
 from ..errors import InputError
-from ..inputs.case.forces import ElementTable, LoadTable, law
-from ..inputs.case.schema import Mechanism
+from ..inputs.case.of_time import is_load, law
 from .laws import law_of
 from .places import Places, axes
+
+if TYPE_CHECKING:
+    from ..inputs.case.forces import ElementTable, LoadTable
+    from ..inputs.case.schema import Mechanism
 
 _Z = [0.0, 0.0, 1.0]
 
 
-def force_tables(mechanism: Mechanism, places: Places) -> list[ForceTable]:
+def force_tables(mechanism: "Mechanism", places: Places) -> list[ForceTable]:
     """Return the force elements in the order of the case."""
     return [
-        _load(name, force, places)
-        if isinstance(force, LoadTable)
-        else _element(name, force, places)
+        _load(name, force, places) if is_load(force) else _element(name, force, places)
         for name, force in mechanism.forces.items()
     ]
 
 
-def _element(name: str, force: ElementTable, places: Places) -> ForceTable:
+def _element(name: str, force: "ElementTable", places: Places) -> ForceTable:
     kind = ELEMENTS[force.kind]
     A_GM = axes(getattr(force, "axis", _Z), getattr(force, "axis_1", None))
     key = f"forces.{name}.between"
@@ -40,7 +43,7 @@ def _element(name: str, force: ElementTable, places: Places) -> ForceTable:
     return ForceTable(name, force.kind, one, two, numbers, of_time)
 
 
-def _load(name: str, load: LoadTable, places: Places) -> ForceTable:
+def _load(name: str, load: "LoadTable", places: Places) -> ForceTable:
     at = places.marker(f"forces.{name}.at", load.at, np.eye(3))
     reference = at if load.frame == "following" else places.ground_axes()
     direction = np.array(load.direction, dtype=float)

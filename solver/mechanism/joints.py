@@ -1,16 +1,20 @@
 """Joints and their drives from the tables of a case."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from ..dynamics.joints.contract import Displacement, DrivenBy, Number
 from ..dynamics.joints.table import JOINTS
 from ..dynamics.tables import JointTable
 from ..errors import InputError
-from ..inputs.case.joints import CaseJoint, drives
-from ..inputs.case.schema import Mechanism
+from ..inputs.case.of_time import drives
 from ..math.arrays import Array
 from .laws import law_of, shifted
 from .places import Places, axes
+
+if TYPE_CHECKING:
+    from ..inputs.case.joints import CaseJoint
+    from ..inputs.case.schema import Mechanism
 
 
 @dataclass(frozen=True)
@@ -23,7 +27,7 @@ class BuiltJoint:
 
 
 def joint_tables(
-    mechanism: Mechanism, places: Places
+    mechanism: "Mechanism", places: Places
 ) -> tuple[list[JointTable], dict[str, BuiltJoint]]:
     """Return the joints and drives, each drive after its joint, and their positions in the
     model."""
@@ -49,7 +53,7 @@ def joint_tables(
     return tables, built
 
 
-def _numbers(name: str, joint: CaseJoint, shift: Array) -> tuple[float, ...]:
+def _numbers(name: str, joint: "CaseJoint", shift: Array) -> tuple[float, ...]:
     """Return the numbers of a joint in the order of its kernel."""
     kind = JOINTS[joint.kind]
     given = {key.name: getattr(joint, key.name) for key in kind.keys if isinstance(key, Number)}

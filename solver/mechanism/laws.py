@@ -1,13 +1,16 @@
 """Laws of time from the tables of a case."""
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
-from ..inputs.case.laws import LoadLaw, RotationDrive, TranslationDrive
 from ..math import laws
 from ..math.laws import Law
 
+if TYPE_CHECKING:
+    from ..inputs.case.laws import LoadLaw, RotationDrive, TranslationDrive
 
-def law_of(given: RotationDrive | TranslationDrive | LoadLaw) -> Law:
+
+def law_of(given: "RotationDrive | TranslationDrive | LoadLaw") -> Law:
     """Return the law of a table that has exactly one (inputs/case/laws.py)."""
     if given.polynomial is not None:
         return laws.polynomial(given.polynomial)
@@ -15,15 +18,17 @@ def law_of(given: RotationDrive | TranslationDrive | LoadLaw) -> Law:
         step = given.smooth_step
         return laws.smooth_step(step.value, step.duration, step.start)
     if given.table is not None:
-        smooth = not isinstance(given, LoadLaw) or given.table.interpolation == "spline"
+        smooth = getattr(given.table, "interpolation", "spline") == "spline"
         return laws.table(given.table.times or [], given.table.values or [], smooth=smooth)
-    if isinstance(given, LoadLaw):
-        return laws.polynomial([given.constant or 0.0])
-    offset = given.angle if isinstance(given, RotationDrive) else given.displacement
-    if given.ramp is not None:
-        rise = given.ramp
+    # Keys that only some of the tables have.
+    keys = {key: getattr(given, key, None) for key in ("constant", "ramp", "speed")}
+    offset = getattr(given, "angle", 0.0) or getattr(given, "displacement", 0.0)
+    if keys["constant"] is not None:
+        return laws.polynomial([keys["constant"]])
+    if keys["ramp"] is not None:
+        rise = keys["ramp"]
         return laws.ramp(rise.speed, rise.duration, offset, sine=rise.shape == "sine")
-    return laws.polynomial([offset, given.speed or 0.0])
+    return laws.polynomial([offset, keys["speed"] or 0.0])
 
 
 def shifted(law: Law, by: float) -> Law:

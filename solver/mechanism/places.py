@@ -1,14 +1,18 @@
 """Places of a mechanism: their positions at the start, and their markers."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ..dynamics.model import GROUND
 from ..dynamics.tables import MarkerTable
 from ..errors import InputError, nearest
-from ..inputs.case.schema import Mechanism, RigidBody
 from ..math.arrays import Array
 from ..math.rotations import frame_from_axis, vector_to_matrix
 from ..package import Interface, ModalPackage
+
+if TYPE_CHECKING:
+    from ..inputs.case.schema import Mechanism
 
 
 class Places:
@@ -21,7 +25,7 @@ class Places:
     r_start, A_start : (nb, 3) [m], (nb, 3, 3) frames of the bodies at the given start
     """
 
-    def __init__(self, mechanism: Mechanism, packages: dict[str, ModalPackage]) -> None:
+    def __init__(self, mechanism: "Mechanism", packages: dict[str, ModalPackage]) -> None:
         bodies = mechanism.bodies
         self._ground = {
             f"ground.{name}": np.array(point.position, dtype=float)
@@ -29,7 +33,7 @@ class Places:
         }
         self.known: dict[str, tuple[int, Interface]] = {}
         for index, (name, body) in enumerate(bodies.items()):
-            if isinstance(body, RigidBody):
+            if body.kind == "rigid":
                 found = [_rigid(point, at.position) for point, at in body.interfaces.items()]
             else:
                 found = list(packages[name].interfaces)

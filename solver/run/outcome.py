@@ -2,15 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..checks.finished import FinishedRun
 from ..checks.judge import judge
 from ..dynamics import recover
-from ..inputs.case.resolved import changed_mechanism
-from ..inputs.case.schema import Mechanism
 from ..math.arrays import Array
 from ..mechanism import BuiltMechanism
 from ..package import ModalPackage
@@ -18,6 +16,9 @@ from ..results import BodyGeometry, RunResult, Signal, signal_summary
 from ..results.codes.course import FEEDBACK
 from ..signals import Recording, Sensor
 from ..strength.beam_bodies import summary as strength_entry
+
+if TYPE_CHECKING:
+    from ..inputs.case.schema import Mechanism
 
 VTK_LINE = 3
 
@@ -28,7 +29,7 @@ class RunSpec:
 
     case: str
     run: str
-    mechanism: Mechanism
+    mechanism: "Mechanism"
     packages: dict[str, ModalPackage]
 
     def changed(self, changes: Mapping[str, Any]) -> "RunSpec":
@@ -39,6 +40,8 @@ class RunSpec:
         InputError
             Values that a run file may not have.
         """
+        from ..inputs.case.resolved import changed_mechanism  # a run does without the models
+
         return replace(self, mechanism=changed_mechanism(self.mechanism, changes))
 
 

@@ -2,13 +2,13 @@
 
 from collections.abc import Container
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..checks.finished import FinishedRun, Look
 from ..dynamics.constraints.treatment import Treatment, treated
 from ..dynamics.model import Model
-from ..inputs.case.schema import Mechanism
 from ..integrators.choice import treatment_of
 from ..integrators.generic import Solution
 from ..math.arrays import Array
@@ -23,12 +23,15 @@ from ..results.codes.course import SINGULAR
 from ..results.finding import Finding
 from ..signals import Sensor, sensors
 
+if TYPE_CHECKING:
+    from ..inputs.case.schema import Mechanism
+
 
 @dataclass(frozen=True)
 class Prepared:
     """What a run has before its first step, and what judges it afterwards."""
 
-    mechanism: Mechanism
+    mechanism: "Mechanism"
     built: BuiltMechanism
     treatment: Treatment
     y0: Array  # (n,)
@@ -76,7 +79,7 @@ class Prepared:
 
 
 def prepare(
-    mechanism: Mechanism,
+    mechanism: "Mechanism",
     packages: dict[str, ModalPackage],
     signals: Container[str] | None = None,
 ) -> Prepared:

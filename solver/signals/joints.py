@@ -1,16 +1,19 @@
 """Joint coordinates and joint reactions."""
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..dynamics.joints.contract import Angle, Displacement, Drive
 from ..dynamics.joints.table import CONSTRAINTS, COORDINATES, NAMES
 from ..dynamics.system import law_at
-from ..inputs.case.signals import ReactionSignal
 from ..math.arrays import Array
 from ..mechanism import BuiltJoint
 from .recording import Recording
+
+if TYPE_CHECKING:
+    from ..inputs.case.signals import ReactionSignal
 
 
 def joint_coordinate(joint: BuiltJoint, coordinate: str) -> Callable[[Recording], Array]:
@@ -23,7 +26,7 @@ def joint_coordinate(joint: BuiltJoint, coordinate: str) -> Callable[[Recording]
     return lambda recording: _angles(recording, joint, angle)
 
 
-def reaction(joint: BuiltJoint, signal: ReactionSignal) -> Callable[[Recording], Array]:
+def reaction(joint: BuiltJoint, signal: "ReactionSignal") -> Callable[[Recording], Array]:
     """Return what gives the force or moment (k, 3) of a joint and its drives on one side."""
 
     def vectors(recording: Recording) -> Array:

@@ -1,16 +1,19 @@
 """Motion of places of bodies: global motion, orientation, elastic deflection and rotation."""
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..dynamics.recover import elastic_motion, stiffened
-from ..inputs.case.signals import PointSignal
 from ..math.arrays import Array
 from ..math.compiled import lean
 from ..math.rotations import vector_of, vectors_to_matrices
 from ..mechanism import BuiltMechanism
 from .recording import Recording
+
+if TYPE_CHECKING:
+    from ..inputs.case.signals import PointSignal
 
 POINT_UNITS = {
     "position": "m",
@@ -24,7 +27,7 @@ POINT_UNITS = {
 
 
 def point_values(
-    built: BuiltMechanism, name: str, signal: PointSignal
+    built: BuiltMechanism, name: str, signal: "PointSignal"
 ) -> Callable[[Recording], Array]:
     """Return what gives the vectors (k, 3) of a signal of a place."""
     kind = signal.kind
@@ -42,7 +45,7 @@ def point_values(
     return lambda recording: rotation_vectors(recording.axes(marker))
 
 
-def _elastic(built: BuiltMechanism, signal: PointSignal) -> Callable[[Recording], Array]:
+def _elastic(built: BuiltMechanism, signal: "PointSignal") -> Callable[[Recording], Array]:
     """Return what gives the deflection or elastic rotation (k, 3) of an interface."""
     body, at = built.places[signal.at]
     second_order = stiffened(built.model, body)

@@ -1,11 +1,11 @@
 """Resultants and ply stresses at a position along a flexible body."""
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import InputError, nearest
-from ..inputs.case.signals import PlyStressSignal, ResultantSignal
 from ..math.arrays import Array, IntArray
 from ..package import ModalPackage
 from ..package.body.schema import BodyRecovery
@@ -13,10 +13,15 @@ from ..package.section.schema import RESULTANTS, STRESSES, SectionRecovery
 from ..strength.beam_bodies import unit_stress_M
 from .recording import Recording
 
+if TYPE_CHECKING:
+    from ..inputs.case.signals import PlyStressSignal, ResultantSignal
+
 Values = Callable[[Recording], Array]
 
 
-def resultant_values(key: str, body: int, package: ModalPackage, signal: ResultantSignal) -> Values:
+def resultant_values(
+    key: str, body: int, package: ModalPackage, signal: "ResultantSignal"
+) -> Values:
     """Return what gives a resultant (k,) [N or N m].
 
     Raises
@@ -30,7 +35,7 @@ def resultant_values(key: str, body: int, package: ModalPackage, signal: Resulta
 
 
 def ply_stress_values(
-    key: str, body: int, package: ModalPackage, signal: PlyStressSignal
+    key: str, body: int, package: ModalPackage, signal: "PlyStressSignal"
 ) -> Values:
     """Return what gives a stress (k,) in ply axes [Pa].
 
@@ -78,7 +83,7 @@ def _at(key: str, package: ModalPackage, x: float) -> tuple[int, Array]:
     return int(recovery.section[last]), (1.0 - share) * F[last] + share * F[last + 1]
 
 
-def _points(key: str, recovery: SectionRecovery, signal: PlyStressSignal) -> IntArray:
+def _points(key: str, recovery: SectionRecovery, signal: "PlyStressSignal") -> IntArray:
     """Return the rows of the points of a ply: all, or the one nearest to `point`."""
     regions = list(dict.fromkeys(ply.region for ply in recovery.plies))
     region = signal.region

@@ -2,17 +2,20 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..dynamics.joints.table import COORDINATES
-from ..inputs.case.signals import JointSignal, PointSignal, ReactionSignal, ResultantSignal, Signal
 from ..math.arrays import Array
 from ..mechanism import BuiltMechanism
 from .joints import joint_coordinate, reaction
 from .points import POINT_UNITS, point_values
 from .recording import Recording
 from .sections import ply_stress_values, resultant_values
+
+if TYPE_CHECKING:
+    from ..inputs.case.signals import Signal
 
 Values = Callable[[Recording], Array]
 _AXES = {"x": 0, "y": 1, "z": 2}
@@ -27,7 +30,7 @@ class Sensor:
     values: Values
 
 
-def sensors(built: BuiltMechanism, signals: Mapping[str, Signal]) -> dict[str, Sensor]:
+def sensors(built: BuiltMechanism, signals: Mapping[str, "Signal"]) -> dict[str, Sensor]:
     """Return the sensors of the signals of a case (inputs/case/signals.py).
 
     Raises
@@ -44,23 +47,23 @@ def sensors(built: BuiltMechanism, signals: Mapping[str, Signal]) -> dict[str, S
     return found
 
 
-def _measuring(built: BuiltMechanism, name: str, signal: Signal) -> tuple[str, Values]:
-    if isinstance(signal, PointSignal):
-        vectors = point_values(built, name, signal)
-        return POINT_UNITS[signal.kind], _component(vectors, signal.component)
-    if isinstance(signal, JointSignal):
+def _measuring(built: BuiltMechanism, name: str, signal: "Signal") -> tuple[str, Values]:
+    if signal.kind == "joint":
         values = joint_coordinate(built.joints[signal.joint], signal.coordinate)
         return COORDINATES[signal.coordinate].unit, values
-    if isinstance(signal, ReactionSignal):
+    if signal.kind == "reaction":
         vectors = reaction(built.joints[signal.joint], signal)
         unit = "N" if signal.quantity == "force" else "N m"
         return unit, _component(vectors, signal.component)
-    body = built.body_names.index(signal.body)
-    package = built.packages[signal.body]
-    if isinstance(signal, ResultantSignal):
+    if signal.kind == "resultant" or signal.kind == "ply_stress":
+        body = built.body_names.index(signal.body)
+        package = built.packages[signal.body]
+        if signal.kind == "ply_stress":
+            return "Pa", ply_stress_values(f"signals.{name}", body, package, signal)
         unit = "N" if signal.component.startswith("F") else "N m"
         return unit, resultant_values(f"signals.{name}", body, package, signal)
-    return "Pa", ply_stress_values(f"signals.{name}", body, package, signal)
+    vectors = point_values(built, name, signal)
+    return POINT_UNITS[signal.kind], _component(vectors, signal.component)
 
 
 def _component(vectors: Values, component: str) -> Values:

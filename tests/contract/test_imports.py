@@ -11,6 +11,9 @@ from pathlib import Path
 import pytest
 from case_samples import case_runs
 
+from plymotion.solver.inputs.case.record import seal
+from plymotion.solver.inputs.case.resolved import resolved
+
 FE_MODULES = {"dolfinx", "petsc4py", "slepc4py", "mpi4py", "gmsh", "basix", "ufl", "ffcx"}
 
 IMPORT_ALL = """
@@ -148,11 +151,12 @@ print(*sys.modules)
 
 
 def test_a_run_imports_what_it_uses(repository: Path, tmp_path: Path) -> None:
-    """Neither figures nor SciPy, and no compiler once everything is in the cache."""
+    """Neither figures nor SciPy, no models of a checked file, no compiler if the cache is full."""
     runs = case_runs(repository, "double-pendulum", tmp_path / "build")
     file = runs / "isotropic.json"
     spec = json.loads(file.read_text())
     spec["mechanism"]["solver"] |= {"t_end": 0.002, "integrator": "radau"}
+    spec["checked"] = seal(resolved(spec["mechanism"], str(file)))
     file.write_text(json.dumps(spec))
     command = [sys.executable, "-c", RUN_AND_LIST, str(file)]
     for _ in range(2):  # the first one may compile

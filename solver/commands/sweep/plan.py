@@ -11,10 +11,10 @@ from plymotion import __version__
 from ...errors import InputError, PackageError
 from ...inputs.case.resolved import put, resolved
 from ...inputs.case.schema import Mechanism
+from ...inputs.case.sources import solver_sha256
 from ...package import ModalPackage
 from ...package.common.plain_data import data_sha256
 from ...run.execution import package_of
-from ...run.inputs_digest import solver_sha256
 
 ROWS = 1  # version of what is computed of a member: raised when its numbers change their meaning
 

@@ -10,8 +10,8 @@ from ..common.material import check_materials
 from .body_specs import BodySpec, BodySpecs
 from .check_bodies import check_bodies, interfaces
 from .forces import LoadTable
-from .joints import drives
 from .laws import RotationDrive
+from .of_time import drives
 from .schema import BeamBody, Mechanism, RigidBody, ShellBody
 from .signals import JointSignal, PlyStressSignal, PointSignal, ReactionSignal, ResultantSignal
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 from pydantic import Field, create_model
 
 from ...dynamics.forces.contract import Element, ForceElement
-from ...dynamics.forces.table import ELEMENTS, FORCES
+from ...dynamics.forces.table import FORCES
 from ..common.table import Table, unit
 from .keys import GlobalDirection, field_of
 from .laws import LoadLaw
@@ -55,11 +55,3 @@ if TYPE_CHECKING:
     CaseForce = ElementTable | LoadTable
 else:
     CaseForce = Annotated[Union[(*FORCE_TABLES,)], Field(discriminator="kind")]
-
-
-def law(force: ElementTable | LoadTable) -> LoadLaw | None:
-    """Return the law of a load, or of the actuator of an element if it has one."""
-    if isinstance(force, LoadTable):
-        return force.law
-    laws = [getattr(force, key) for key in ELEMENTS[force.kind].laws]
-    return laws[0] if laws else None

@@ -47,10 +47,3 @@ if TYPE_CHECKING:
     CaseJoint = JointTable
 else:
     CaseJoint = Annotated[Union[(*JOINT_TABLES,)], Field(discriminator="kind")]
-
-
-def drives(joint: JointTable) -> dict[str, RotationDrive | TranslationDrive]:
-    """Return the drives of a joint by their keys."""
-    names = [key.name for key in JOINTS[joint.kind].keys if isinstance(key, DrivenBy)]
-    found = {name: getattr(joint, name) for name in names}
-    return {name: drive for name, drive in found.items() if drive is not None}

@@ -18,9 +18,9 @@ from typing import Any
 
 from ...package.common.container import temporary_sibling
 from .body_specs import BodySpec
-from .forces import law
-from .joints import drives
 from .load import Case
+from .of_time import drives, law
+from .record import seal
 from .schema import Mechanism, PackageBody
 from .sweep_members import CheckedSweep
 from .sweep_table import sweep_content
@@ -46,6 +46,7 @@ def write_case(case: Case, out: Path, packages: Path | None = None) -> None:
                     "run": run,
                     "title": case.top.runs[run].title or run,
                     "packages": table,
+                    "checked": seal(mechanism),
                     "mechanism": mechanism.model_dump(),
                 }
             ),

@@ -11,6 +11,7 @@ import h5py
 from ...errors import PackageError
 from .container import new_file, open_file
 from .identity import FileFormat, checksum_findings, identity_notes, write_checksum, write_identity
+from .read_before import keep, key_of, recall
 from .remark import Remark, raise_first
 
 Object = TypeVar("Object")
@@ -63,11 +64,18 @@ def read_object_file(
         numbers cannot be used; names file and dataset.
     """
     path = Path(path)
+    key = key_of(path)
+    before: Object | None = recall(key, known.group)
+    if before is not None:
+        return before
     with open_file(path, PackageError) as file:
-        for note in identity_notes(path, file, known):
+        notes = identity_notes(path, file, known)
+        for note in notes:
             warnings.warn(note.message, UserWarning, stacklevel=3)
         raise_first(path, layout_findings(file[known.group]))
         raise_first(path, checksum_findings(file, known))
         found = load(file)
     raise_first(path, content_findings(found))
+    if not notes:  # they are shown at each reading
+        keep(key, known.group, found)
     return found

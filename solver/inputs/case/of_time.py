@@ -1,0 +1,34 @@
+"""Which laws of time the joints and forces of a case have."""
+
+from typing import TYPE_CHECKING
+
+from ...dynamics.forces.table import ELEMENTS, LOADS
+from ...dynamics.joints.contract import DrivenBy
+from ...dynamics.joints.table import JOINTS
+
+if TYPE_CHECKING:
+    from typing_extensions import TypeIs
+
+    from .forces import ElementTable, LoadTable
+    from .joints import JointTable
+    from .laws import LoadLaw, RotationDrive, TranslationDrive
+
+
+def drives(joint: "JointTable") -> dict[str, "RotationDrive | TranslationDrive"]:
+    """Return the drives of a joint by their keys."""
+    names = [key.name for key in JOINTS[joint.kind].keys if isinstance(key, DrivenBy)]
+    found = {name: getattr(joint, name) for name in names}
+    return {name: drive for name, drive in found.items() if drive is not None}
+
+
+def is_load(force: "ElementTable | LoadTable") -> "TypeIs[LoadTable]":
+    """Whether a force comes from outside, at one place."""
+    return force.kind in LOADS
+
+
+def law(force: "ElementTable | LoadTable") -> "LoadLaw | None":
+    """Return the law of a load, or of the actuator of an element if it has one."""
+    if is_load(force):
+        return force.law
+    laws = [getattr(force, key) for key in ELEMENTS[force.kind].laws]
+    return laws[0] if laws else None
