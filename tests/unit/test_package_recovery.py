@@ -1,4 +1,4 @@
-"""Recovery of stresses in the package: kept whole, checked, and optional."""
+"""Recovery of stresses in the package: round trip, checks, optional."""
 
 import dataclasses
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""Batch lists, studies, shares, options and what the screen shows; nothing here needs FEniCSx."""
+"""Batch lists, studies, shares, options and text output, without FEniCSx."""
 
 import argparse
 import csv
