@@ -35,7 +35,7 @@ def build(gmsh: Any, parameters: Mapping[str, Any]) -> None:
     half_width = 0.5 * (float(table["width"]) - float(table["wall"]))
     half_height = 0.5 * (float(table["height"]) - float(table["wall"]))
     length = float(table["length"])
-    # clockwise seen from the tip, so that x cross the direction of travel points outwards
+    # clockwise seen from the tip, so that x times the way around points outwards
     ring = np.array([[-1, 1], [1, 1], [1, -1], [-1, -1], [-1, 1]]) * [half_width, half_height]
     across = int(table["n_width"]), int(table["n_height"])
     walls = []

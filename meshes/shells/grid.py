@@ -1,8 +1,8 @@
-"""Structured triangles on mapped rectangles, written to gmsh's current model.
+"""Structured triangles on mapped rectangles, and their way into gmsh's current model.
 
-A `Grid` is a rectangle of (n_u + 1) x (n_v + 1) nodes; each cell is divided into two triangles with
-the normal d/du x d/dv. Coincident nodes of several grids are merged. The scripts beside this file
-give grids, physical curves and physical points of one shape each.
+A `Grid` is a rectangle of (n_u + 1) x (n_v + 1) nodes; each of its cells is cut into two triangles
+whose normal is d/du x d/dv. Nodes of several grids that lie at one place become one. The scripts
+beside this file give grids, physical curves and physical points of one shape each.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -33,16 +33,16 @@ def mapped(
     place: Callable[[Array, Array], tuple[Any, Any, Any]],
     n: tuple[int, int],
     table: Mapping[str, Any],
-    fixed: tuple[int, int] | None = None,
+    still: tuple[int, int] | None = None,
 ) -> Grid:
-    """A grid uniform in u and v from 0 to 1, mapped to space by place(u, v) -> x, y, z.
+    """A grid of equal steps of u and v, from 0 to 1, put in space by place(u, v) -> x, y, z.
 
     Parameters
     ----------
     n : cells along u and v
     table : `diagonals`; `distortion`, the largest shift of an inner node over the length of a
         cell; `seed` of these random shifts
-    fixed : an inner node that is not shifted
+    still : an inner node that is not shifted
 
     Raises
     ------
@@ -58,15 +58,15 @@ def mapped(
     shift = np.random.default_rng(int(table.get("seed", 1))).uniform(-1.0, 1.0, (2, *u.shape))
     inside = np.zeros(u.shape)
     inside[1:-1, 1:-1] = distortion
-    if fixed is not None:
-        inside[fixed] = 0.0
+    if still is not None:
+        inside[still] = 0.0
     x, y, z = place((u + inside * shift[0]) / n[0], (v + inside * shift[1]) / n[1])
     places = np.stack(np.broadcast_arrays(x, y, z), axis=-1).astype(float)
     return Grid(region, places, int(table.get("diagonals", ALTERNATING)))
 
 
 def triangles(grid: Grid) -> IntArray:
-    """Corners of the triangles, (c, 3): rows of the nodes, numbered along v first."""
+    """Corners of its triangles, (c, 3) rows of its nodes counted along v first."""
     n_u, n_v = grid.places.shape[0] - 1, grid.places.shape[1] - 1
     i, j = (k.ravel() for k in np.meshgrid(np.arange(n_u), np.arange(n_v), indexing="ij"))
     a = i * (n_v + 1) + j
@@ -86,13 +86,13 @@ def write(
     curves: Mapping[str, Sequence[Array]],
     points: Mapping[str, Sequence[float]],
 ) -> None:
-    """Write nodes, cells and groups to gmsh's current model.
+    """Hand everything to gmsh's current model.
 
     Parameters
     ----------
     gmsh : the module, initialised
     curves : physical curve -> polylines (k, 3) through neighbouring nodes [m]
-    points : physical point -> place of a node [m]; a point without a node is omitted
+    points : physical point -> place of a node [m]; one where no node lies is left out
     """
     places = np.concatenate([grid.places.reshape(-1, 3) for grid in grids])
     first = np.cumsum([0] + [grid.places[..., 0].size for grid in grids])
