@@ -184,7 +184,7 @@ def halved(ends: Array, times: int) -> Array:
 
 
 def spaced(size: Array, place: Array, count_by: float) -> Array:
-    """Ends of elements from 0 to 1 whose lengths follow `size`, given at places along a line."""
+    """Ends of elements from 0 to 1 with lengths by `size`, given at positions along a line."""
     density = count_by / size
     total = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(place))])
     n = max(1, int(np.ceil(total[-1] - 1e-9)))
@@ -232,7 +232,7 @@ class Section:
         opening = np.interp(x, *_ascending(upper)) - np.interp(x, *_ascending(lower))
         wide = np.flatnonzero(opening >= OPENING * t)
         if not wide.size:
-            raise ValueError(f"skin_rear = {t:g}: leaves no hollow inside the airfoil")
+            raise ValueError(f"skin_rear = {t:g}: too thick, no hollow is left in the airfoil")
         tail = float(x[wide[0]] + t)
         if self.n_web and tail - t <= self.x_web[-1] + 0.5 * self.t_web[-1]:
             raise ValueError(

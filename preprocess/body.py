@@ -64,7 +64,7 @@ def _build_beam(spec: dict[str, Any]) -> ModalPackage:
     after_section = time.perf_counter()
     try:
         model = beam_model(beam, result.K, result.M)
-        model.line.section_mass  # noqa: B018  a section that is no rigid slice fails here
+        model.line.section_mass  # noqa: B018  raises for a wrong section mass
     except SpecError:
         raise
     except ValueError as error:

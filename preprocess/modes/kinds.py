@@ -18,7 +18,7 @@ import scipy.linalg
 
 from ...solver.math.arrays import Array, IntArray
 
-# Component (of ux uy uz rx ry rz) whose motion determines name and sign of the mode.
+# Component (of ux uy uz rx ry rz) that determines name and sign of the mode.
 COMPONENTS = {"bending-xy": 1, "bending-xz": 2, "torsion": 3, "axial": 0}
 KINDS = tuple(COMPONENTS)
 

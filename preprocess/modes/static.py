@@ -31,7 +31,7 @@ MASSLESS = 1e-14  # inverse eigenvalues below this, relative to the largest of a
 
 @dataclass(frozen=True)
 class StaticLoad:
-    """A load whose static shape is requested.
+    """A load of a requested static shape.
 
     Attributes
     ----------

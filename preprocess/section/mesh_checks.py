@@ -79,7 +79,7 @@ def _area_range(plain: PlainMesh) -> tuple[Array, Array, Array]:
 
 
 def folds(plain: PlainMesh) -> bool:
-    """True if the map of a cell turns over within it."""
+    """True if the Jacobian of a cell changes its sign within the cell."""
     low, high, rounding = _area_range(plain)
     return bool(np.any((low < -rounding) & (high > rounding)))
 
@@ -87,7 +87,7 @@ def folds(plain: PlainMesh) -> bool:
 def _counter_clockwise(plain: PlainMesh, where: str) -> PlainMesh:
     """Reverse cells that are numbered clockwise; their shape does not change.
 
-    Error for a cell whose Jacobian changes its sign: its integrals would be wrong.
+    Error if the Jacobian of a cell changes its sign: the integrals would be wrong.
     """
     low, high, rounding = _area_range(plain)
     flat = np.flatnonzero(np.maximum(-low, high) <= rounding)

@@ -28,7 +28,7 @@ class FlatNodes(NamedTuple):
 def flat_nodes(
     mesh: ShellMesh, regions: Sequence[Region], stiffeners: Sequence[Stiffener] = ()
 ) -> FlatNodes:
-    """Nodes whose triangles lie in one plane to within one degree, without a stiffener."""
+    """Nodes with all triangles in one plane to within one degree, without a stiffener."""
     table = np.zeros((mesh.n_node, 3, 3))
     for region in regions:
         n = region.triangles.A_GE[:, :, 2]

@@ -157,7 +157,7 @@ def _narrow_walls(mesh: ShellMesh, sides: Sides, membrane: str) -> Warnings:
 def _sides_too_short(
     mesh: ShellMesh, regions: Sequence[Region], plate: str, limit: float
 ) -> Warnings:
-    """Sides whose `shear_ratio` is above the limit of the plate."""
+    """Sides with a `shear_ratio` above the limit of the plate."""
     worst, place = 0.0, ""
     for region in regions:
         ratio = shear_ratio(region.triangles, region.stiffness.D[None], region.stiffness.Ds[None])

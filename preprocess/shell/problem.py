@@ -26,7 +26,7 @@ from .stiffness import element_stiffness
 from .supports import read_supports
 from .triangles import Triangles
 
-AT_ONCE = 8  # states whose resultants are computed together
+AT_ONCE = 8  # number of states for which resultants are computed together
 
 
 class ShellProblem:

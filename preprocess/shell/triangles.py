@@ -58,7 +58,7 @@ def triangles(
     ----------
     points_G : (n, 3) nodes [m]
     cells : (c, 3) nodes of each triangle; their order gives the normal, right-handed
-    direction_G : (3,) or (c, 3) reference direction, whose projection onto a triangle is e1
+    direction_G : (3,) or (c, 3) reference direction; its projection onto a triangle is e1
     flip : bool or (c,), True where the normal e3 is reversed
 
     Raises

@@ -90,7 +90,7 @@ def body_spec(section: dict[str, Any], modes: list[dict[str, Any]]) -> dict[str,
 
 
 def held_statically(section: dict[str, Any], load_E: np.ndarray) -> tuple[ModalPackage, Any]:
-    """A package whose one shape is the static answer to a load at the tip; its resultants.
+    """A package with one shape, the static response to a load at the tip; its resultants.
 
     load_E : (6,) force and moment along the section's axes
     """
@@ -166,7 +166,7 @@ def test_package_and_section_give_the_same_ply_stress(
     alone = section_of(section).recovery
     expected = np.einsum("pij,pjk,k->pi", alone.C_M[alone.ply], alone.strain_M, root)
     assert np.abs(stress - expected).max() < 2e-6 * np.abs(expected).max()
-    # What the stresses integrate to is what was asked for.
+    # The stresses integrate to the given resultants.
     stress_B = np.einsum("pij,pj->pi", bond(alone.A_BM), stress)
     back = resultants(alone, stress_B)
     assert np.abs(back - root).max() < 1e-6 * np.abs(root).max()

@@ -44,7 +44,7 @@ def body(shell: dict[str, Any], **changes: Any) -> dict[str, Any]:
 
 
 def built(spec: dict[str, Any]) -> ModalPackage:
-    """The package, from a specification whose changes need not be complete."""
+    """The package of a specification with some changes."""
     return build_body(shell_body(**spec))
 
 
@@ -174,7 +174,7 @@ def test_a_plate_is_a_beam(record: Record) -> None:
 
 
 def _shift(S_B: np.ndarray, centre: np.ndarray) -> np.ndarray:
-    """Angular momentum that linear momentum through a point off the origin adds."""
+    """Angular momentum of the linear momentum through a point off the origin."""
     return np.cross(centre[:, None], S_B, axis=0)
 
 

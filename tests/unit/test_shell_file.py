@@ -135,7 +135,7 @@ def test_what_is_inconsistent_is_not_written(
 
 
 def test_other_names_and_damage(file: Path) -> None:
-    with pytest.raises(PackageError, match=r"ends in \.vtkhdf"):
+    with pytest.raises(PackageError, match=r"ending \.vtkhdf"):
         write_shell(file.with_suffix(".h5"), plate())
     with h5py.File(file, "r+") as raw:
         raw["shell/cases/energy"][0] += 1.0

@@ -25,7 +25,7 @@ KAW_TABLE = {"Xt": 1500e6, "Xc": 1500e6, "Yt": 40e6, "Yc": 246e6, "S12": 68e6}
 KAW = read_strength(KAW_TABLE, "orthotropic", "kaw")
 # A ply whose strengths all differ, S23 above Yt / 2.
 PLY = PlyStrength(1500e6, 1200e6, 50e6, 200e6, 40e6, 260e6, 70e6, 60e6, 75e6)
-# Alike in 2 and 3, so that nothing may depend on how these two axes are turned about the fibre.
+# Equal in 2 and 3: results must not depend on a rotation of these axes about the fibre.
 S23_ROUND = math.sqrt(50e6 * 200e6 / 3.0)  # Tsai-Wu's shear strength for F23 = -1/2 F22
 ROUND = PlyStrength(1500e6, 1200e6, 50e6, 200e6, 50e6, 200e6, 70e6, 70e6, S23_ROUND)
 
@@ -101,7 +101,7 @@ def test_one_stress_alone_fails_at_its_strength(
 ) -> None:
     stress = np.zeros(6)
     stress[component] = sign * 1e6
-    # Hashin knows one matrix: the strengths normal to the ply are those across it.
+    # Hashin's criterion has one matrix: strengths normal to the ply equal those across it.
     key = key.replace("Z", "Y") if criterion.name == "hashin" else key
     verdict = criterion.assess(stress, PLY)
     assert float(verdict.ratio) == pytest.approx(getattr(PLY, key) / 1e6, rel=1e-12)
@@ -176,7 +176,7 @@ def test_half_turns_of_the_ply_change_nothing(
 def test_turn_about_the_fibre_changes_nothing(
     criterion: Any, stress: np.ndarray, angle: float
 ) -> None:
-    """These two see a ply that is alike in 2 and 3 by invariants of turns about its fibre."""
+    """For a ply with equal 2 and 3, these two depend on invariants of rotations about its fibre."""
     c, s = math.cos(angle), math.sin(angle)
     turn = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
     expected = float(criterion(stress, ROUND).exposure)

@@ -1,4 +1,4 @@
-"""Stresses of a beam from its modes against beam theory, exact modes and a search everywhere."""
+"""Stresses of a beam from its modes against beam theory, exact modes and a full search."""
 
 import dataclasses
 import math
@@ -191,7 +191,7 @@ def beam_theory() -> np.ndarray:
 
 
 def test_stress_at_the_root_under_a_tip_load() -> None:
-    """A static shape gives M z / I to round-off; eigenmodes come near it with their number."""
+    """A static shape gives M z / I to round-off; eigenmodes converge to it with their number."""
     expected = beam_theory()
     largest = np.abs(expected).max()
     errors = []
@@ -217,7 +217,7 @@ def test_stress_at_the_root_under_a_tip_load() -> None:
 
 @pytest.mark.parametrize("x2_axis", [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, -0.6, 0.8]])
 def test_section_axes_turn_with_the_section(x2_axis: list[float]) -> None:
-    """The same load along the section's axes makes the same resultants."""
+    """The same load along the section's axes gives the same resultants."""
     _, package = body(STEEL_BAR, 6, 20, x2_axis=x2_axis)
     assert package.recovery is not None
     F = resultants(package, quasi_static(package, package.recovery.A_BE @ FORCE))[0, :, 0]
@@ -269,7 +269,7 @@ def test_lowest_ratio_is_that_of_looking_everywhere() -> None:
 
 
 def test_ply_stress_is_that_of_the_resultants() -> None:
-    """Two routes: modes to plies; statics, beam theory and turning by hand."""
+    """Two routes: modes to plies; statics, beam theory and rotation by hand."""
     _, package = body(LAMINATE, 16)
     q = quasi_static(package, FORCE)
     stress = beam_ply_stress(package, 0, q)[0]
@@ -295,7 +295,7 @@ def test_ply_stress_is_that_of_the_resultants() -> None:
 
 
 def test_metal_and_plies_are_judged_apart() -> None:
-    """Steel has the ply criteria's silence; of two materials the weaker one governs."""
+    """Ply criteria ignore steel; of two materials the weaker one governs."""
     materials = {
         "steel": {**STEEL, "strength": {"yield_stress": 1.0}},
         "cfrp": {**PLY, "strength": PLY_STRENGTH},

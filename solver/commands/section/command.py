@@ -116,8 +116,10 @@ def _summarise(made: Sequence[Made], options: argparse.Namespace) -> int:
     else:
         print(summary_text(rows))
         counts = Counter(row.status for row in rows)
-        told = ", ".join(f"{counts[s]} {s}" for s in ("built", "unchanged", "failed") if counts[s])
-        print(f"{told}; table: {files[0]}, {files[1].name}")
+        counted = ", ".join(
+            f"{counts[s]} {s}" for s in ("built", "unchanged", "failed") if counts[s]
+        )
+        print(f"{counted}; table: {files[0]}, {files[1].name}")
     for one in made:
         if one.status == "failed":
             tell_failure(one)

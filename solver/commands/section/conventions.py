@@ -124,7 +124,7 @@ def _both(A: Array) -> Array:
 
 
 def _direction(axes: Array) -> float:
-    """Return -1 for axes whose beam axis is -x1."""
+    """Return -1 if the beam axis is -x1, otherwise 1."""
     return -1.0 if axes[:, 0].sum() < 0.0 else 1.0
 
 

@@ -135,11 +135,12 @@ direction = { curve = "outer" }    # circle = [0, 0] is equivalent here
 material = "aluminium"             # a laminate would need vector = [-1, 0]: normal down
 ```
 
-meshio reads other meshes: Abaqus and CalculiX `.inp` (regions are element sets), MED (groups),
-Nastran `.bdf`, VTK `.vtu`, XDMF and more (integer cell data: the region is named `NAME-VALUE`, such
-as `MaterialIds-2`). Sets without a table are ignored, for example a set of all elements. Every
-element must be in exactly one described region, or in `regions.all`. Cells are triangles or
-quadrilaterals of one kind, of degree 1 or 2. A mesh without sets is one region, `section`.
+meshio reads other meshes. Regions are element sets in Abaqus and CalculiX `.inp`, and groups in
+MED. In Nastran `.bdf`, VTK `.vtu`, XDMF and others they are values of integer cell data, named
+`NAME-VALUE`, such as `MaterialIds-2`. Sets without a table are ignored, for example a set of all
+elements. Every element must be in exactly one described region, or in `regions.all`. Cells are
+triangles or quadrilaterals of one kind, of degree 1 or 2. A mesh without sets is one region,
+`section`.
 """
 
 

@@ -133,7 +133,7 @@ def declared_sizes(values: Mapping[str, Any], defining: Mapping[str, str]) -> di
 
 
 def read_dataset(dataset: h5py.Dataset, spec: DatasetSpec) -> Any:
-    """Return the value of a dataset whose type and shape have been checked."""
+    """Return the value of a dataset with checked type and shape."""
     if spec.type != "text":
         return np.asarray(dataset[()], dtype=spec.type)[()]
     if not spec.shape:

@@ -54,7 +54,7 @@ def read_object_file(
     Parameters
     ----------
     layout_findings : checks presence, type and shape of the datasets
-    load : reads a file whose layout has been checked
+    load : reads a file with a checked layout
     content_findings : checks the numbers
 
     Raises

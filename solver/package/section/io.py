@@ -50,7 +50,7 @@ def read_section(path: str | Path) -> SectionFile:
 
 
 def load_section(file: h5py.File) -> SectionFile:
-    """Read all arrays of a file whose layout has been checked."""
+    """Read all arrays of a file with a checked layout."""
     group = file[SECTION_GROUP]
     data = read_datasets(group, SECTION_FILE_LAYOUT)
     mesh = {name: data[f"mesh/{name}"] for name in ("nodes", "connectivity", "offsets", "region")}

@@ -67,7 +67,7 @@ class Shape:
         "coordinates" for one that takes points; numbers of elements and rows included, for an error
         of about 1e-3 at density 1. `values` has every parameter, within bounds. An InputError
         for sizes that do not fit together begins with the key: "KEY = VALUE: expected ..."
-    walls_of : f(values) -> regions, of a shape whose regions depend on its sizes; `walls` is
+    walls_of : f(values) -> regions, of a shape with regions that depend on its sizes; `walls` is
         empty then
     example : sizes for the regions in the manual, if `walls_of` needs sizes
     order : position in the manual and in lists; shapes of equal order are sorted by name
