@@ -1,7 +1,7 @@
 """Airfoil section: skin along a contour, spar webs and caps, nine-node quadrilaterals.
 
-x = x2 runs from nose to tail, y = x3 from the lower to the upper side. The skin is cut into rows
-at given depths below the contour, so that every ply ends on element edges. In front of the
+x = x2 runs from nose to tail, y = x3 from the lower to the upper side. The skin is divided into
+rows at given depths below the contour, so that every ply ends on element edges. In front of the
 trailing edge, where the space between the skins closes, a wall of the skin's thickness ends the
 section. Seen from the nose:
 
@@ -42,7 +42,7 @@ SAMPLES = 4001  # of the contour, to start iterations from
 FIRST = 1 / 2  # length of the first element at a corner over the thinnest wall
 GROWTH = 0.25  # of the elements' length with the distance from a corner
 LONGEST = 1 / 20  # of the chord
-TURN = 0.2  # angle that one element may turn by [rad]
+TURN = 0.2  # largest change of direction over one element [rad]
 CURVED = 0.7  # length over sqrt(thickness x radius), for the bending of thin curved walls
 CLOSE = 2e-4  # distance of the elements' edges from the contour over the skin's thickness
 OPENING = 1.0  # height of the hollow at the rear wall over the skin's thickness
@@ -104,13 +104,13 @@ class Contour:
             s = s - (self.at(s, d)[..., 0] - x) / slope
         return s
 
-    def ridge(self, d: Array) -> tuple[Array, Array]:
-        """The two s whose points at depth d meet behind the nose: its normal, or the skeleton."""
+    def meeting_points(self, d: Array) -> tuple[Array, Array]:
+        """Both s with one common point at depth d: at the nose, or on the medial axis behind it."""
         upper, lower = np.full(d.shape, self.nose), np.full(d.shape, self.nose)
         for i in np.flatnonzero(d * self.curvature(np.array(self.nose)) > 1.0):
             a, b = self.side(True)[::-1], self.side(False)[::-1]
             p, q = self.at(a, d[i]), self.at(b, d[i])
-            # the sides cross where the upper one comes to lie below the lower one
+            # the two sides cross where the upper one falls below the lower one
             gap = p[:, 1] - np.interp(p[:, 0], *_ascending(q))
             k = int(np.flatnonzero((gap[:-1] < 0.0) & (gap[1:] >= 0.0))[-1])
             s = np.array([a[k], np.interp(p[k, 0], *_ascending(q, b))])
@@ -130,7 +130,7 @@ def _ascending(q: Array, value: Array | None = None) -> tuple[Array, Array]:
 
 
 class Mesh:
-    """Nodes and cells gathered block by block; nodes at the same place become one."""
+    """Nodes and cells, added block by block; coincident nodes are merged."""
 
     def __init__(self) -> None:
         self.points: list[Array] = []
@@ -152,7 +152,7 @@ class Mesh:
             self.outer.append(number[i[:, 0][:, None] + np.array([0, 2, 1]), 0])
 
     def write(self, gmsh: Any) -> None:
-        """Hand everything to gmsh's current model."""
+        """Write nodes, cells and groups to gmsh's current model."""
         points = np.concatenate(self.points)
         near = 1e-8 * float(np.ptp(points, axis=0).max())
         pairs = cKDTree(points).query_pairs(near, output_type="ndarray")
@@ -184,7 +184,7 @@ def halved(ends: Array, times: int) -> Array:
 
 
 def spaced(size: Array, place: Array, count_by: float) -> Array:
-    """Ends of elements from 0 to 1 whose lengths follow `size`, given at places along a line."""
+    """Ends of elements from 0 to 1 with lengths by `size`, given at positions along a line."""
     density = count_by / size
     total = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(place))])
     n = max(1, int(np.ceil(total[-1] - 1e-9)))
@@ -232,7 +232,7 @@ class Section:
         opening = np.interp(x, *_ascending(upper)) - np.interp(x, *_ascending(lower))
         wide = np.flatnonzero(opening >= OPENING * t)
         if not wide.size:
-            raise ValueError(f"skin_rear = {t:g}: leaves no hollow inside the airfoil")
+            raise ValueError(f"skin_rear = {t:g}: too thick, no hollow is left in the airfoil")
         tail = float(x[wide[0]] + t)
         if self.n_web and tail - t <= self.x_web[-1] + 0.5 * self.t_web[-1]:
             raise ValueError(
@@ -273,7 +273,7 @@ class Section:
         return self.front if bay == 0 else self.rear if bay == self.n_web else self.cap
 
     def _owner(self, web: int) -> int:
-        """Bay whose skin goes on over a web: the thicker one."""
+        """Bay with the skin that continues over a web: the thicker skin."""
         before, behind = self._thickness(web), self._thickness(web + 1)
         if before == behind:
             return web if web else min(1, self.n_web - 1)
@@ -307,7 +307,7 @@ class Section:
             if bay > 0:
                 self._skin(rear, np.full(d.shape, columns[bay - 1][0]), d, region, upper)
                 continue
-            tip = self.contour.ridge(d)[0 if upper else 1]
+            tip = self.contour.meeting_points(d)[0 if upper else 1]
             bent = self._bent(d[-1], upper, rear[0])
             if bent is None:
                 self._skin(rear, tip, d, region, upper)
@@ -317,7 +317,7 @@ class Section:
                 self._skin(begin, tip, d, region, upper, by_length=True)
 
     def _bent(self, thickness: float, upper: bool, rear: float) -> float | None:
-        """s where the strongly bent part of the nose begins, if the skin is thick for it."""
+        """s where the strongly curved part of the nose begins; None if the skin is thin there."""
         s = self.contour.side(upper)
         bend = self.contour.curvature(s) * thickness
         if bend[-1] <= BENT:
@@ -333,7 +333,7 @@ class Section:
     def _skin(
         self, a: Array, b: Array, d: Array, region: str, upper: bool, by_length: bool = False
     ) -> None:
-        """Skin between two columns s = a(d) and b(d), which lies further from the tail."""
+        """Skin from column s = a(d) to column s = b(d); b is farther from the tail."""
         line = np.linspace(a[0], b[0], 400)
         dist = np.abs(line[:, None] - np.array(self.corners)).min(axis=1)
         size = np.minimum(self.first + GROWTH * dist, self.longest)
@@ -372,7 +372,7 @@ def build(gmsh: Any, parameters: Mapping[str, Any], coordinates: Any, refine: in
     parameters : see DEFAULTS, numbers or lists of numbers
     coordinates : (n, 2) of the contour for unit chord, from the upper trailing edge around the
         nose to the lower one
-    refine : how often every element is cut into four; nodes stay on the contour
+    refine : how often every element is divided into four; nodes stay on the contour
 
     Raises
     ------

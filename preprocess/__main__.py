@@ -37,10 +37,10 @@ shell after the other with all ranks; rank 0 writes and prints.
 exit code: 0 all files are up to date; 2 a shell could not be analysed (the others
 were analysed); 130 interrupted.
 """
-TOGETHER = """\
+RANKS_EPILOG = """\
 `mpirun -n N python -m plymotion.preprocess section ...` analyses one section
 after the other with all ranks; rank 0 writes and prints."""
-APART = """\
+POOL_EPILOG = """\
 Start this command with
     mpirun -n N python -m mpi4py.futures -m plymotion.preprocess section-batch ...
 Rank 0 distributes the sections and prints. Every other rank analyses one section
@@ -84,8 +84,8 @@ def _parser() -> argparse.ArgumentParser:
     )
     body.set_defaults(run=_body)
     for name, text, ranks in (
-        ("section", "analyse cross-sections", TOGETHER),
-        ("section-batch", "analyse many cross-sections over the ranks of an MPI job", APART),
+        ("section", "analyse cross-sections", RANKS_EPILOG),
+        ("section-batch", "analyse many cross-sections over the ranks of an MPI job", POOL_EPILOG),
     ):
         section = commands.add_parser(
             name,

@@ -1,4 +1,4 @@
-"""Results of analyses as products of the batch: one specification, one file beside it."""
+"""Result files of a batch of analyses: one file for each specification."""
 
 import dataclasses
 import json
@@ -12,7 +12,7 @@ from ..solver.package.common.container import get_text, open_file
 from ..solver.package.section.schema import SectionFile
 from ..solver.package.shell.schema import ShellFile
 
-# What the common MPI launchers tell the processes that they start.
+# Environment variables that the common MPI launchers set.
 LAUNCHERS = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK", "MPI_LOCALNRANKS")
 
 Result = TypeVar("Result", SectionFile, ShellFile)
@@ -24,10 +24,10 @@ class Ranks(Protocol):
     rank: int
     team: Any  # for `analyse`; None: one process
 
-    def agreed(self, value: Any) -> Any:
+    def broadcast(self, value: Any) -> Any:
         """The value of rank 0."""
 
-    def together(self) -> None:
+    def barrier(self) -> None:
         """Wait for the others."""
 
 
@@ -37,12 +37,12 @@ class Alone:
     rank = 0
     team = None
 
-    def agreed(self, value: Any) -> Any:
+    def broadcast(self, value: Any) -> Any:
         """The value itself."""
         return value
 
-    def together(self) -> None:
-        """Nobody to wait for."""
+    def barrier(self) -> None:
+        """No other process to wait for."""
 
 
 def launched_ranks() -> Ranks:
@@ -55,12 +55,12 @@ def launched_ranks() -> Ranks:
 
 
 class AnalysedFiles(Generic[Result]):
-    """One specification becomes the file of its results.
+    """Writes the results file of each specification.
 
     Parameters
     ----------
-    ranks : who works on each file together; only rank 0 writes
-    progress : called with words while one is analysed
+    ranks : processes that share the work on each file; only rank 0 writes
+    progress : called with the name of each step of an analysis
     """
 
     def __init__(
@@ -70,7 +70,7 @@ class AnalysedFiles(Generic[Result]):
         self.progress = progress
 
     def fingerprint(self, spec: dict[str, Any]) -> str:
-        """Hash of all that a file is made from."""
+        """Hash of all inputs of a file."""
         raise NotImplementedError
 
     def analyse(self, spec: dict[str, Any], **team: Any) -> Result:
@@ -82,9 +82,9 @@ class AnalysedFiles(Generic[Result]):
         raise NotImplementedError
 
     def unchanged(self, target: Path, spec: dict[str, Any]) -> bool:
-        """True if the target was made from these very inputs; the same on all ranks."""
+        """True if the target was made from the same inputs; the same on all ranks."""
         same = self.ranks.rank == 0 and stored_fingerprint(target) == self.fingerprint(spec)
-        return bool(self.ranks.agreed(same))
+        return bool(self.ranks.broadcast(same))
 
     def make(self, spec: dict[str, Any], target: Path) -> tuple[str, Sequence[dict[str, str]]]:
         """Analyse and write the file."""
@@ -95,14 +95,14 @@ class AnalysedFiles(Generic[Result]):
             if self.ranks.rank == 0:
                 self.write(target, result)
         finally:
-            self.ranks.together()
+            self.ranks.barrier()
         return f"{result.provenance['dofs']} dofs", result.warnings
 
 
 def stored_fingerprint(target: Path) -> str | None:
-    """What one of our files says that it was made from; None if it is no such file.
+    """Stored fingerprint of a section or shell file; None for any other file.
 
-    Only the header is read: the file took its name when it was complete.
+    Only the header is read: a file gets its name only when it is complete.
     """
     try:
         with open_file(target, PackageError) as file:

@@ -79,7 +79,7 @@ def build_all(
     target_of: Callable[[Path], Path],
     *,
     force: bool = False,
-    tell: "Callable[[Outcome, str], None] | None" = None,
+    report: "Callable[[Outcome, str], None] | None" = None,
 ) -> int:
     """Make the file of every specification, one after the other; returns the exit code.
 
@@ -88,19 +88,19 @@ def build_all(
     specs : JSON files
     target_of : the file that a specification becomes
     force : build also files that are up to date
-    tell : called with each outcome and its number ("3/14"); `tell_text` by default
+    report : called with each outcome and its number ("3/14"); `print_outcome` by default
     """
-    tell = tell or tell_text
+    report = report or print_outcome
     code = 0
     for count, path in enumerate(specs, start=1):
         outcome = build(product, path, target_of(path), force=force)
-        tell(outcome, f"{count}/{len(specs)}")
+        report(outcome, f"{count}/{len(specs)}")
         if outcome.status == "failed":
             code = USER_ERROR
     return code
 
 
-def tell_text(outcome: Outcome, place: str) -> None:
+def print_outcome(outcome: Outcome, place: str) -> None:
     """Print one line of progress on stdout, and warnings and errors, one line each, on stderr."""
     name = Path(outcome.file).stem
     for warning in outcome.warnings:

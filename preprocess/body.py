@@ -30,7 +30,7 @@ def build_body(spec: dict[str, Any]) -> ModalPackage:
     Raises
     ------
     SpecError : an unknown or missing key, or a value of another type
-    ModeError : fewer modes of a kind than asked for
+    ModeError : fewer modes of a kind than requested
     Errors of the analysis (material, mesh) pass through.
     """
     if isinstance(spec, dict) and spec.get("kind") == "shell":
@@ -53,7 +53,7 @@ def _build_beam(spec: dict[str, Any]) -> ModalPackage:
     Raises
     ------
     SpecError : an unknown or missing key, or a value of another type
-    ModeError : fewer modes of a kind than asked for
+    ModeError : fewer modes of a kind than requested
     Errors of the section analysis (material, mesh) pass through.
     """
     beam = read_spec(spec)
@@ -64,7 +64,7 @@ def _build_beam(spec: dict[str, Any]) -> ModalPackage:
     after_section = time.perf_counter()
     try:
         model = beam_model(beam, result.K, result.M)
-        model.line.section_mass  # noqa: B018  a section that is no rigid slice fails here
+        model.line.section_mass  # noqa: B018  raises for a wrong section mass
     except SpecError:
         raise
     except ValueError as error:

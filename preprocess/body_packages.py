@@ -1,4 +1,4 @@
-"""Modal packages of bodies as a product of the batch."""
+"""Modal packages of bodies made by a batch."""
 
 import math
 import time

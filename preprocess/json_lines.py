@@ -17,8 +17,8 @@ class JsonLines:
     def __init__(self, descriptor: int) -> None:
         self._descriptor = descriptor
 
-    def tell(self, outcome: Outcome, place: str = "") -> None:
-        """Write one outcome; `place` is not used here."""
+    def write_outcome(self, outcome: Outcome, place: str = "") -> None:
+        """Write one outcome; `place` is not written."""
         self.write(dataclasses.asdict(outcome))
 
     def progress(self, line: str) -> None:

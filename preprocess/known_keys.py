@@ -1,4 +1,4 @@
-"""Tables with keys that nobody knows."""
+"""Check of the keys of a table."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -7,7 +7,7 @@ from ..solver.errors import did_you_mean
 
 
 def check_keys(table: Any, known: tuple[str, ...], where: str, error: type[Exception]) -> None:
-    """Raise `error` for what is no table, and for the first unknown key; names the nearest."""
+    """Raise `error` if this is not a table, or for its first unknown key, with the nearest one."""
     if not isinstance(table, Mapping):
         raise error(f"{where} = {table!r}: expected a table")
     for key in table:

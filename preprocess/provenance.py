@@ -1,4 +1,4 @@
-"""Where a modal package comes from, for its reader and for the next build."""
+"""Provenance of a modal package, for its reader and for the next build."""
 
 from collections.abc import Sequence
 from datetime import UTC, datetime

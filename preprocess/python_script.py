@@ -1,4 +1,4 @@
-"""Python files that describe a mesh: of the library or the user's, none of this package."""
+"""Import of Python files that describe a mesh: of the library, or of the user."""
 
 import importlib.util
 from pathlib import Path

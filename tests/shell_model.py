@@ -109,10 +109,12 @@ class Solved:
     @cached_property
     def modes(self) -> Frequencies:
         """Natural modes, those of rigid motions first."""
-        wanted, loose = self.spec["frequencies"], np.zeros((self.freedom.n_dof, 0))
+        wanted, free_motions = self.spec["frequencies"], np.zeros((self.freedom.n_dof, 0))
         if wanted.get("free"):
-            loose = np.stack(self.freedom.loose_motions(), axis=1)
-        return natural_modes(self.problem.K, self.problem.M, self.freedom, wanted["count"], loose)
+            free_motions = np.stack(self.freedom.free_rigid_motions(), axis=1)
+        return natural_modes(
+            self.problem.K, self.problem.M, self.freedom, wanted["count"], free_motions
+        )
 
     @property
     def frequencies(self) -> Array:
@@ -122,7 +124,7 @@ class Solved:
     @property
     def elastic(self) -> Array:
         """Natural frequencies behind the rigid motions [Hz]."""
-        return self.frequencies[self.modes.n_loose :]
+        return self.frequencies[self.modes.n_free_motions :]
 
     @property
     def shapes(self) -> Array:

@@ -44,7 +44,7 @@ KERNEL_TESTS = (
         for name in (
             "beam_cantilever",
             "body_recovery",
-            "door",
+            "fenicsx",
             "modes_slepc",
             "section_energy",
             "section_guards",
@@ -54,7 +54,7 @@ KERNEL_TESTS = (
             "shell_stiffeners",
         )
     ),
-    "--deselect=tests/fe/test_door.py::test_missing_part_is_named",
+    "--deselect=tests/fe/test_fenicsx.py::test_missing_part_is_named",
 )
 LIGHT_KERNEL_TESTS = (
     *(

@@ -17,7 +17,7 @@ from ...solver.math.arrays import Array
 from .element import BeamElement, scaled_inverse
 from .line import BeamLine
 
-LIMIT = 0.01  # relative frequency error above which a mesh is called coarse
+LIMIT = 0.01  # relative frequency error above which a mesh is reported as coarse
 
 
 def frequency_error(line: BeamLine, values: Array, columns_B: Array, mass_form: str) -> Array:

@@ -37,7 +37,7 @@ MASS_POINTS = 4  # N' m N has degree 6 in x: four Gauss points are exact
 
 
 def scaled_inverse(A: Array) -> Array:
-    """Inverse of a symmetric positive definite matrix whose rows have mixed units.
+    """Inverse of a symmetric positive definite matrix with rows of different units.
 
     The entries for slender members differ by many orders of magnitude. Scaling by the
     diagonal first keeps the inverse accurate to round-off.

@@ -61,12 +61,12 @@ def static_loads(
         force[6 * node_of[at] + DIRECTIONS.index(direction)] = 1.0
         loads.append(StaticLoad(f"attachment {at} {direction}", force, zero))
     if spec.static_axial:
-        loads.append(StaticLoad("static-axial", zero, _rising(line, origin)))
+        loads.append(StaticLoad("static-axial", zero, _centrifugal(line, origin)))
     return loads
 
 
-def _rising(line: BeamLine, origin: int) -> Array:
-    """Acceleration x - x_origin along x, (6 n,): the outward one of a spin of 1 rad/s."""
+def _centrifugal(line: BeamLine, origin: int) -> Array:
+    """Centrifugal acceleration x - x_origin along x at 1 rad/s, (6 n,)."""
     acceleration = np.zeros((line.n_node, 6))
     acceleration[:, 0] = line.x_B - line.x_B[origin]
     return acceleration.ravel()

@@ -1,4 +1,4 @@
-"""What a beam body is made of: its specification with places and axes as numbers."""
+"""Specification of a beam body, with positions and axes as numbers."""
 
 from dataclasses import dataclass
 from typing import Any, cast
@@ -26,7 +26,7 @@ class BeamSpec:
     theory : "timoshenko" or "classical" (no shear)
     mass_form : "consistent" or "lumped"
     interfaces : name and place as a fraction of the length
-    reference : what ties the body frame to the beam
+    reference : how the body frame is attached to the beam
     modes : requested modes
     damping_ratio : of every mode, fraction of critical
     """
@@ -45,11 +45,11 @@ class BeamSpec:
 
 
 def read_spec(spec: dict[str, Any]) -> BeamSpec:
-    """Take over a specification (solver/package/body/specification.py).
+    """Read a specification (solver/package/body/specification.py).
 
     Raises
     ------
-    SpecError : a key is unknown or missing, a value has another type, an interface no place.
+    SpecError : an unknown or missing key, a value of another type, an interface without position.
     """
     check_form(spec, BeamSpecification)
     table = cast(BeamSpecification, spec)

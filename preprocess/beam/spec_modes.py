@@ -11,7 +11,7 @@ from ..modes import ModeRequest
 
 @dataclass(frozen=True)
 class Reference:
-    """What ties the body frame to the body.
+    """Reference condition: how the body frame is attached to the body.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class ModeSpec:
     ----------
     eigenmodes : kinds and counts
     attachments : interface and direction (one of DIRECTIONS) of each unit load
-    static_axial : whether the shape under a load that rises along the beam is wanted
+    static_axial : True if the shape under a load that increases along the beam is requested
     spinning : plane and number of the shapes of a spinning beam
     """
 
@@ -52,7 +52,7 @@ def read_reference(table: ReferenceTable, places: dict[str, float]) -> Reference
 
 
 def read_modes(tables: list[Any], places: dict[str, float]) -> ModeSpec:
-    """Sort the modes that are asked for. Raises SpecError: a load at an unknown interface."""
+    """Sort the requested modes by kind. Raises SpecError for a load at an unknown interface."""
     eigenmodes: list[ModeRequest] = []
     attachments: list[tuple[str, str]] = []
     static_axial = False
@@ -73,5 +73,5 @@ def read_modes(tables: list[Any], places: dict[str, float]) -> ModeSpec:
 
 def _known(name: str, places: dict[str, float], key: str) -> None:
     if name not in places:
-        wish = f"one of the interfaces {', '.join(places)}"
-        raise SpecError(expected(key, name, wish) + did_you_mean(name, places))
+        known = f"one of the interfaces {', '.join(places)}"
+        raise SpecError(expected(key, name, known) + did_you_mean(name, places))

@@ -19,22 +19,22 @@ PLANES = {"spinning-xy": (1, 5, 1.0), "spinning-xz": (2, 4, -1.0)}
 
 
 def spinning_loads(
-    condition: Condition, line: BeamLine, asked: tuple[tuple[str, int], ...], origin: int
+    condition: Condition, line: BeamLine, requested: tuple[tuple[str, int], ...], origin: int
 ) -> list[StaticLoad]:
     """Loads of the static modes "spinning-xy" and "spinning-xz".
 
     Parameters
     ----------
-    condition : reference condition; not a mean axis, which carries the first load
+    condition : reference condition; not a mean axis, because a mean axis carries the first load
     line : the beam, of one section
-    asked : key of PLANES and number of shapes
+    requested : key of PLANES and number of shapes
     origin : node on the axis of rotation
     """
     x = line.x_B - line.x_B[origin]
     tension = 0.5 * (np.where(x < 0.0, x[0], x[-1]) ** 2 - x**2)
     zero = np.zeros(6 * line.n_node)
     loads = []
-    for kind, count in asked:
+    for kind, count in requested:
         across, turning, sign = PLANES[kind]
         pull = x
         for k in range(count):

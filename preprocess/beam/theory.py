@@ -4,7 +4,7 @@ import numpy as np
 
 from ...solver.math.arrays import Array
 
-_REMAINING_SHEAR = 1e-4  # per row and column: 1e-8 of the shear compliance is as good as none
+_REMAINING_SHEAR = 1e-4  # per row and column: 1e-8 of the shear compliance is negligible
 
 
 def section_stiffness(K: Array, theory: str) -> Array:

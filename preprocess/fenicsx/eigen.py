@@ -45,12 +45,12 @@ def eigenpairs(
 
     Raises
     ------
-    EigenError : more pairs asked for than exist, K singular at target 0, too few converged, or a
+    EigenError : more pairs requested than exist, K singular at target 0, too few converged, or a
         residual too large.
     """
     K, M = sorted_csr(K), sorted_csr(M)
     n_dof = K.shape[0]
-    # rows of M without an entry are massless: each gives one infinite eigenvalue
+    # a row of M without an entry has no mass and gives one infinite eigenvalue
     n_finite = int(np.count_nonzero(np.abs(M).sum(axis=1)))
     if not 1 <= n_mode <= n_finite:
         raise EigenError(
@@ -88,8 +88,8 @@ def _krylov_schur(
         petsc_matrix(M, spd=False, team=team),
     )
     try:
-        # a shift away from zero separates the factorised matrix from a singular one as far as the
-        # eigenvalues ask for; K alone must be definite
+        # with a shift away from zero the factorised matrix is as far from singular as the
+        # eigenvalues require; K alone must be definite
         random = RandomLoad(K.diagonal()) if target == 0.0 else None
         return _solved(eps, operators, n_mode, n_krylov, target, tolerance, team, purify, random)
     finally:

@@ -114,7 +114,7 @@ def _check_membership(groups: Mapping[str, Sequence[int]], where: str) -> None:
         listed = ": " + " and ".join(map(repr, names)) if names else ""
         raise MeshError(
             f"{where}: {place} is in {len(names)} physical groups{listed}; expected exactly one, "
-            "the region whose material it has"
+            "the region of its material"
         )
 
 

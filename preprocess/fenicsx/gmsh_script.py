@@ -48,7 +48,7 @@ def run_script(path: Path, parameters: Parameters, *, refine: int = 0, gdim: int
 
     Parameters
     ----------
-    path : a .geo file whose DefineConstant entries are named "Parameters/<key>"
+    path : a .geo file with DefineConstant entries named "Parameters/<key>"
     parameters : value of each <key>, a number or a list of numbers
     refine : how many times every edge is halved; new nodes on curves lie on the geometry
     gdim : of the space

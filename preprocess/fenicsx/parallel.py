@@ -22,11 +22,11 @@ class Ranks:
         self._comm = MPI.COMM_WORLD.Dup()  # separate from the messages of an analysis
         self.rank = self.team.rank
 
-    def agreed(self, value: Any) -> Any:
+    def broadcast(self, value: Any) -> Any:
         """The value of rank 0, on every rank."""
         return self._comm.bcast(value, root=0)
 
-    def together(self) -> None:
+    def barrier(self) -> None:
         """Wait for the others; a rank whose partners do not arrive ends the job."""
         request = self._comm.Ibarrier()
         deadline = time.monotonic() + PATIENCE

@@ -8,8 +8,8 @@ import scipy.sparse as sp
 from .stack import HAS_MUMPS, PETSc
 from .team import ALONE, Team
 
-# Approximate minimum degree needs half the time of nested dissection for these matrices, with no
-# more fill-in; for large ones MUMPS chooses.
+# For these matrices approximate minimum degree takes half the time of nested dissection, with the
+# same fill-in. For large matrices MUMPS selects the ordering.
 MINIMUM_DEGREE = 0
 LARGE = 100_000
 PREFIX = "plymotion_mumps_"

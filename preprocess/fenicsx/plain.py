@@ -120,8 +120,8 @@ def split(plain: PlainMesh) -> PlainMesh:
 
 
 def _lattice(cell: str, degree: int) -> tuple[IntArray, IntArray]:
-    """Nodes of all children of a cell, (l, 2), counted in steps of 1/(2 degree), and which
-    of them each child has, (4, k)."""
+    """Nodes of all children of a cell, (l, 2), in steps of 1/(2 degree), and the nodes of each
+    child, (4, k)."""
     n = 2 * degree
     grid = np.stack(np.meshgrid(np.arange(n + 1), np.arange(n + 1), indexing="ij"), axis=-1)
     lattice = grid.reshape(-1, 2)

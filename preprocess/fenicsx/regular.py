@@ -1,8 +1,8 @@
-"""Is a factorised matrix regular?
+"""Test of a factorised matrix for singularity.
 
-A factorisation seldom fails on a singular matrix: rounding leaves a last pivot of about 1e-16 of
-the others, of either sign. The solution for a random load shows it: scaled by the diagonal, which
-takes the units out, it is about 1e15 times as large as the load.
+A factorisation rarely fails on a singular matrix: with rounding, the last pivot is about 1e-16 of
+the others, of either sign. The solution for a random load shows the singularity. Scaled by the
+diagonal, which removes the units, it is about 1e15 times as large as the load.
 """
 
 import numpy as np
@@ -14,7 +14,7 @@ LARGEST_GROWTH = 1.0 / REGULAR
 
 
 class RandomLoad:
-    """A load, and what its solution says of the matrix.
+    """A random load; its solution shows whether the matrix is regular.
 
     Attributes
     ----------

@@ -57,7 +57,7 @@ def report(laminate: Laminate, name: str = "laminate") -> LaminateReport:
         findings.append(
             {
                 "code": "laminate-unbalanced",
-                "message": f"{name}: not balanced, extension shears it "
+                "message": f"{name}: not balanced, extension causes shear "
                 f"(A16, A26 are {extension:.2g} of sqrt(A11 A66))",
             }
         )
@@ -66,7 +66,7 @@ def report(laminate: Laminate, name: str = "laminate") -> LaminateReport:
             {
                 "code": "laminate-soft-core",
                 "message": f"{name}: shear correction {factors.min():.2g}: a soft core carries "
-                'the shear; use "energy-1d" or "energy-2x2", "5/6" would be too stiff',
+                'the shear; use "energy-1d" or "energy-2x2"; "5/6" would be too stiff',
             }
         )
     return LaminateReport(

@@ -77,7 +77,7 @@ class Laminate:
     def plane(self) -> Array:
         """Stiffness of each ply in plane stress, (k, 3, 3) [Pa].
 
-        sigma_33 = 0 eliminates eps_33, which (29) does not state. The coefficients c_11 .. c_66 of
+        sigma_33 = 0 eliminates eps_33; (29) does not state this. The coefficients c_11 .. c_66 of
         (18) alone would imply eps_33 = 0 and be too stiff.
         """
         C = self.stiffness

@@ -30,7 +30,7 @@ def stress_operators(laminate: Laminate) -> Array:
 
 
 def strain_stress(laminate: Laminate) -> Array:
-    """As `stress_operators`, per unit strain e, curvature k and unit T, (k, 3, 6, 8)."""
+    """The same as `stress_operators`, per unit strain e, curvature k and unit T, (k, 3, 6, 8)."""
     return strain_stress_at(laminate, _HEIGHTS)
 
 

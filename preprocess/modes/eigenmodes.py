@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
-from .kinds import KINDS, Participation, clusters, kind_of, separating_turn, shares_of, signs
+from .kinds import KINDS, Participation, clusters, kind_of, separating_rotation, shares_of, signs
 from .reference import Condition, EigenSolver, ModeError
 
 SPARE = 4
@@ -70,10 +70,10 @@ def eigenmodes(
             and condition.count_below(0.5 * values[usable - 1 : usable + 1].sum()) == usable
         )
         P = participation(X[:, :usable])
-        turn = separating_turn(values[:usable], P)
-        values = np.einsum("ij,i,ij->j", turn, values[:usable], turn)
-        X = X[:, :usable] @ turn
-        shares = shares_of(np.einsum("ai,kab,bj->kij", turn, P, turn, optimize=True))
+        rotation = separating_rotation(values[:usable], P)
+        values = np.einsum("ij,i,ij->j", rotation, values[:usable], rotation)
+        X = X[:, :usable] @ rotation
+        shares = shares_of(np.einsum("ai,kab,bj->kij", rotation, P, rotation, optimize=True))
         names = [kind_of(share) for share in shares]
         chosen, missing = _choose(names, requests)
         if found and missing is None:

@@ -3,12 +3,11 @@
 An eigensolver does not determine the sign of a mode and, for equal frequencies, the basis of
 their space. Both are fixed here, so that repeated builds give the same package:
 
-- modes of equal frequency (a square section bends alike in any plane) are rotated so that
-  their motion separates into the body's directions, bending-xy first, then bending-xz, torsion,
-  axial;
-  - nodes are searched from the farthest from the reference node towards it. The first node that
-  moves by at least half of the largest motion moves in the positive direction (of the component
-  that names the mode: y, z, rotation x, x).
+- modes of equal frequency (a square section has equal bending modes in any plane) are rotated so
+  that their motion separates into the body's directions, bending-xy first, then bending-xz,
+  torsion, axial; - nodes are searched from the farthest from the reference node towards it. The
+  first node that moves by at least half of the largest motion moves in the positive direction (of
+  the component that names the mode: y, z, rotation x, x).
 """
 
 from collections.abc import Callable
@@ -19,12 +18,12 @@ import scipy.linalg
 
 from ...solver.math.arrays import Array, IntArray
 
-# Component (of ux uy uz rx ry rz) whose motion determines name and sign of the mode.
+# Component (of ux uy uz rx ry rz) that determines name and sign of the mode.
 COMPONENTS = {"bending-xy": 1, "bending-xz": 2, "torsion": 3, "axial": 0}
 KINDS = tuple(COMPONENTS)
 
 COINCIDENT = 1e-8  # relative distance below which eigenvalues are treated as equal
-TIE = 1e-6  # shares of mass or work closer than this are equal: the earlier kind or load is used
+TIE = 1e-6  # shares of mass or work closer than this count as equal: the first kind or load is used
 
 # columns (n_dof, m) -> (4, m, m): modal mass split over KINDS
 Participation = Callable[[Array], Array]
@@ -38,7 +37,7 @@ def clusters(values: Array) -> list[tuple[int, int]]:
     return list(pairwise([0, *breaks.tolist(), len(values)]))
 
 
-def separating_turn(values: Array, P: Array) -> Array:
+def separating_rotation(values: Array, P: Array) -> Array:
     """Rotation (m, m) of modes that aligns those of equal frequency with the body's directions.
 
     Parameters

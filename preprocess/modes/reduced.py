@@ -12,7 +12,7 @@ from .reference import Condition, EigenSolver, ModeError
 from .static import StaticLoad, static_modes
 
 RESIDUAL = 1e-8  # of X'MX = I and X'KX = Lambda, scaled
-STATIC_RESIDUAL = 1e-6  # of X'KX with static modes: small differences of whole shapes
+STATIC_RESIDUAL = 1e-6  # of X'KX with static modes: they are small differences of large shapes
 
 
 @dataclass(frozen=True)

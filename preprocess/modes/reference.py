@@ -1,4 +1,4 @@
-"""Reference conditions: six equations that tie the body frame to the deforming body.
+"""Reference conditions: six equations that define the body frame of a deforming body.
 
 Modes and static shapes are computed among the displacements that fulfil the condition of the
 frame:
@@ -115,7 +115,7 @@ class MeanAxis:
         size[3:] = size[3:].max()
         if not smallest_eigenvalue(inertia, size) > LEAST_INERTIA:
             raise ModeError(
-                "reference: a mean-axis frame needs inertia about every axis, and the body has "
+                "reference: a mean-axis frame needs inertia about every axis, but the body has "
                 "none about one (see its section's mass): expected clamped or chord"
             )
         self._inertia = scipy.linalg.cho_factor(inertia)

@@ -3,7 +3,7 @@
 A load at an interface deforms the body in the shape K^-1 f. Eigenmodes converge slowly to it (for a
 force with 1/k^3, for a moment with 1/k in the number k of bending modes). With the shape itself
 added, the static response is exact for any number of eigenmodes. The parts along the eigenmodes are
-removed from each shape, and the remainders are combined to the natural modes of the space that they
+removed from each shape. The remainders are combined to the natural modes of the space that they
 add. Then all modes are orthonormal, and modal mass and stiffness are diagonal. The frequencies of
 static modes are those of the reduced model. They are high and are not frequencies of the body.
 
@@ -21,17 +21,17 @@ import scipy.optimize
 
 from ...solver.math.arrays import Array, IntArray
 from .eigenmodes import Eigenmodes
-from .kinds import TIE, Participation, separating_turn
+from .kinds import TIE, Participation, separating_rotation
 from .reference import Condition
 
 DEPENDENT = 1e-6  # energy norm of the new part of a shape, relative to that of the whole shape
-GRADED = 1e-6  # inverse eigenvalues below this, relative to the largest, are left to the next pass
+GRADED = 1e-6  # smaller inverse eigenvalues, relative to the largest, are computed in the next pass
 MASSLESS = 1e-14  # inverse eigenvalues below this, relative to the largest of all, are round-off
 
 
 @dataclass(frozen=True)
 class StaticLoad:
-    """A load whose static shape is requested.
+    """A load of a requested static shape.
 
     Attributes
     ----------
@@ -103,8 +103,8 @@ def static_modes(
     shapes = _Shapes(found.columns, found.accelerations, found.loads)
     inertia = kept.columns_B * kept.values
     eigen = _Shapes(kept.columns_B, inertia, condition.M @ inertia)
-    rests, independent = _independent(eigen @ np.diag(1.0 / np.sqrt(kept.values)), shapes)
-    values, modes = _diagonalised(condition.M, eigen, rests, participation)
+    remainders, independent = _independent(eigen @ np.diag(1.0 / np.sqrt(kept.values)), shapes)
+    values, modes = _diagonalised(condition.M, eigen, remainders, participation)
     applied = shapes.load[:, independent] / np.sqrt(shapes.energy()[independent])
     work = applied.T @ (modes.x / np.sqrt(values))
     owner = _owners(work)
@@ -130,42 +130,44 @@ def _independent(basis: _Shapes, shapes: _Shapes) -> tuple[_Shapes, list[int]]:
         one = shapes @ (np.eye(len(energy))[:, [k]] / np.sqrt(energy[k]))
         for _ in range(2):  # two passes are enough: the second removes the round-off of the first
             one = one - basis @ (basis.load.T @ one.x)
-        rest = float(np.sqrt(one.energy()[0].clip(min=0.0)))
-        if rest > DEPENDENT:
-            basis = _Shapes.joined([basis, one @ np.array([[1.0 / rest]])])
+        norm = float(np.sqrt(one.energy()[0].clip(min=0.0)))
+        if norm > DEPENDENT:
+            basis = _Shapes.joined([basis, one @ np.array([[1.0 / norm]])])
             kept.append(int(k))
     first = basis.x.shape[1] - len(kept)
     return basis @ np.eye(basis.x.shape[1])[:, first:], kept
 
 
 def _diagonalised(
-    M: Any, eigen: _Shapes, rests: _Shapes, participation: Participation
+    M: Any, eigen: _Shapes, remainders: _Shapes, participation: Participation
 ) -> tuple[Array, _Shapes]:
-    """Natural modes of the space of `rests`, of unit modal mass, in ascending frequency.
+    """Natural modes of the space of `remainders`, of unit modal mass, in ascending frequency.
 
     Inverse eigenvalues far below the largest one are affected by round-off. Therefore the softest
     modes are computed first, then those of the remainder. Shapes that move no mass have no mode.
     """
     found, largest = [eigen], 0.0
-    while rests.x.shape[1]:
-        inverse, V = (part[..., ::-1] for part in scipy.linalg.eigh(rests.x.T @ (M @ rests.x)))
+    while remainders.x.shape[1]:
+        inverse, V = (
+            part[..., ::-1] for part in scipy.linalg.eigh(remainders.x.T @ (M @ remainders.x))
+        )
         largest = max(largest, inverse[0])
         if inverse[0] <= MASSLESS * largest:
             break
         count = np.count_nonzero(inverse > GRADED * inverse[0])
-        found.append(rests @ (V[:, :count] / np.sqrt(inverse[:count])))
-        rests = rests @ V[:, count:]
+        found.append(remainders @ (V[:, :count] / np.sqrt(inverse[:count])))
+        remainders = remainders @ V[:, count:]
     modes = _Shapes.joined(found)
     # Gram-Schmidt in mass from soft to stiff: removing soft parts hardly changes a stiff mode's
     # energy.
     factor = np.linalg.cholesky(modes.x.T @ (M @ modes.x))
     modes = modes @ np.linalg.inv(factor).T[:, eigen.x.shape[1] :]
-    modes = modes @ separating_turn(modes.energy(), participation(modes.x))
+    modes = modes @ separating_rotation(modes.energy(), participation(modes.x))
     return modes.energy(), modes
 
 
 def _owners(work: Array) -> IntArray:
-    """Load that gives each mode its name and sign, (k,): the one that does most work in it.
+    """Load that determines name and sign of each mode, (k,): the load that does most work on it.
 
     `work` (l, k): rows loads, columns modes. If loads do equal work (the two ends of a free
     beam), they are assigned in order.

@@ -20,7 +20,7 @@ from .spec import check_spec
 from .timoshenko import SectionStiffness, shear_centre, tension_centre
 
 DEGREE = 2  # of the warping field
-MOST_DOFS = 400_000  # limit of refinement: beyond, minutes and gigabytes are needed
+MOST_DOFS = 400_000  # limit of refinement: a larger problem takes minutes and gigabytes
 
 Progress = Callable[[str], None]
 
@@ -58,21 +58,21 @@ def analyse(
     start = time.perf_counter()
     where = where or f"section {spec.get('name', '')}".strip()
     check_spec(spec, where)
-    tell = progress or (lambda _line: None)
+    begin = progress or (lambda _line: None)
     degree = int(spec["mesh"].get("degree", DEGREE))
     steps: list[dict[str, float | None]] = []
     refine = 0
     while True:
-        tell(f"mesh, refined {refine} times" if refine else "mesh")
+        begin(f"mesh, refined {refine} times" if refine else "mesh")
         problem = section_problem(spec["mesh"], where, degree, refine, team)
         lay = layup(spec, problem.mesh, problem.space, where)
         warnings = [*problem.mesh.warnings, *lay.warnings, *check_degree(problem.space, lay, where)]
-        tell(f"warping, {problem.space.n_dof} dofs")
+        begin(f"warping, {problem.space.n_dof} dofs")
         result = _solve(problem, lay, where)
         warnings += solvability_warnings(result)
         error = None
         if estimate or accuracy is not None:
-            tell("error estimate")
+            begin("error estimate")
             error = _estimate(spec, where, problem, refine, result.K)
         lap = time.perf_counter() - start
         worst = None if error is None else float(scaled(error, result.K).max())
@@ -91,7 +91,7 @@ def analyse(
             )
             break
         refine += 1
-    tell("recovery")
+    begin("recovery")
     M = mass_matrix(problem.space, lay.density)
     fields = unit_displacements(problem.space, result)
     points, lay_points = problem.space, lay

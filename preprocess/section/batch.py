@@ -1,4 +1,4 @@
-"""Section files as a product of the batch."""
+"""Section files made by a batch."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -11,7 +11,7 @@ from ..fingerprint import fingerprint
 
 
 class SectionFiles(AnalysedFiles[SectionFile]):
-    """One section's specification becomes its section file.
+    """Writes the section file of each specification.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ class SectionFiles(AnalysedFiles[SectionFile]):
 
         return analyse(
             spec,
-            "section",  # the same for all: it is part of what finds a mesh that is kept
+            "section",  # the same for all sections: it is part of the key of a cached mesh
             estimate=self.estimate,
             accuracy=self.accuracy,
             progress=self.progress,

@@ -41,7 +41,7 @@ def check_degree(space: SectionSpace, lay: Layup, where: str) -> list[dict[str, 
 
 
 def solvability_warnings(result: SectionStiffness) -> list[dict[str, str]]:
-    """Warning if the loads of the warping do more work on rigid motions than by round-off."""
+    """Warning if the loads of the warping do work on rigid motions beyond round-off."""
     if result.solvability <= SOLVABILITY:
         return []
     return [

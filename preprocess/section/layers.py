@@ -186,7 +186,7 @@ class _Direction:
             )
 
     def at(self, x: Array) -> tuple[Array, Array]:
-        """y2 (..., 2) and depth (...) at points x (..., 2); depth up to an unknown constant."""
+        """y2 (..., 2) and depth (...) at points x (..., 2); the depth has an unknown offset."""
         if self.kind == "vector":
             y3 = np.array([-self._y2[1], self._y2[0]])
             return np.broadcast_to(self._y2, x.shape), -(x @ y3)

@@ -27,10 +27,10 @@ TURNED = {
     ("quadrilateral", 2): [0, 3, 2, 1, 7, 6, 5, 4, 8],
 }
 COINCIDENT = 1e-7  # of the section's size: two nodes at the same place
-ROUNDING = 1e-12  # of the square of a cell's size: an area below it is none
+ROUNDING = 1e-12  # of the square of a cell's size: a smaller area counts as zero
 
 # Sliver: smallest angle, largest change of area within a cell, largest aspect ratio. The graded
-# walls of the library are long rectangles, which do no harm, unlike small angles and folds.
+# walls of the library are long rectangles. They are harmless; small angles and folds are not.
 LEAST_SINE = 0.04
 LEAST_AREA_RATIO = 0.02
 LONGEST = 5000.0
@@ -70,8 +70,8 @@ def _slopes(plain: PlainMesh, points: Array) -> tuple[Array, Array]:
 
 
 def _area_range(plain: PlainMesh) -> tuple[Array, Array, Array]:
-    """Smallest and largest determinant of the map at the integration points of every cell, and
-    what rounding may make of a zero, (c,) each."""
+    """Smallest and largest determinant of the map at the integration points of every cell, and the
+    round-off of a zero determinant, (c,) each."""
     points, _ = fenicsx.quadrature(plain.cell, QUADRATURE_DEGREE)
     area = _slopes(plain, points)[1]
     side = np.ptp(plain.points[plain.corners], axis=1).max(axis=1)
@@ -79,7 +79,7 @@ def _area_range(plain: PlainMesh) -> tuple[Array, Array, Array]:
 
 
 def folds(plain: PlainMesh) -> bool:
-    """True if the map of a cell turns over within it."""
+    """True if the Jacobian of a cell changes its sign within the cell."""
     low, high, rounding = _area_range(plain)
     return bool(np.any((low < -rounding) & (high > rounding)))
 
@@ -87,7 +87,7 @@ def folds(plain: PlainMesh) -> bool:
 def _counter_clockwise(plain: PlainMesh, where: str) -> PlainMesh:
     """Reverse cells that are numbered clockwise; their shape does not change.
 
-    Error for a cell whose Jacobian changes its sign: its integrals would be wrong.
+    Error if the Jacobian of a cell changes its sign: the integrals would be wrong.
     """
     low, high, rounding = _area_range(plain)
     flat = np.flatnonzero(np.maximum(-low, high) <= rounding)
@@ -159,7 +159,7 @@ def _one_part(plain: PlainMesh, neighbours: sp.csr_matrix, where: str) -> None:
     if np.any(owners > 1):
         place = _at(plain.points[np.flatnonzero(owners > 1)[0]])
         reason = (
-            f"they touch in single nodes, as at {place}, which is a hinge: let them share edges"
+            f"they touch in single nodes, as at {place}, which is a hinge: they must share edges"
         )
     elif pairs.size:
         reason = (

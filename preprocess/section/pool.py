@@ -1,4 +1,4 @@
-"""Sections of a batch sorted by mesh, and distributed over the workers of an MPI job."""
+"""Sections of a batch, sorted by mesh and distributed over the workers of an MPI job."""
 
 import json
 import math
@@ -33,7 +33,7 @@ def build_over_ranks(
     target_of: Callable[[Path], Path],
     *,
     force: bool,
-    tell: Callable[[Outcome, str], None],
+    report: Callable[[Outcome, str], None],
 ) -> int:
     """Make all section files on the workers of the MPI job; returns the exit code.
 
@@ -56,7 +56,7 @@ def build_over_ranks(
         for future in as_completed(futures):
             for outcome in future.result():
                 count += 1
-                tell(outcome, f"{count}/{len(specs)}")
+                report(outcome, f"{count}/{len(specs)}")
                 if outcome.status == "failed":
                     code = USER_ERROR
     return code

@@ -6,7 +6,7 @@ from pathlib import Path
 from ...solver.package.common.shares import share
 from ..analysed_files import launched_ranks
 from ..batch import build_all
-from ..telling import answer, teller
+from ..reporting import build_from_stdin, reporter
 from .batch import SectionFiles
 from .pool import build_over_ranks, mesh_groups
 
@@ -20,7 +20,7 @@ def run_sections(options: argparse.Namespace, *, pool: bool) -> int:
     """
     ranks = None if pool else launched_ranks()
     first = ranks is None or ranks.rank == 0
-    with teller(options.json, first) as (tell, progress):
+    with reporter(options.json, first) as (report, progress):
         product = SectionFiles(
             estimate=not options.no_estimate,
             accuracy=options.accuracy,
@@ -33,13 +33,13 @@ def run_sections(options: argparse.Namespace, *, pool: bool) -> int:
             return folder / f"{spec.stem}.vtkhdf"
 
         if options.specs == [Path("-")]:
-            return answer(product, target_of, force=options.force, tell=tell)
+            return build_from_stdin(product, target_of, force=options.force, report=report)
         grouped = [path for group in mesh_groups(options.specs) for path in group]
         specs = share(grouped, options.shard)
         if pool and _world_size() > 1:
             product.progress = None  # progress of workers would come from another process
-            return build_over_ranks(product, specs, target_of, force=options.force, tell=tell)
-        return build_all(product, specs, target_of, force=options.force, tell=tell)
+            return build_over_ranks(product, specs, target_of, force=options.force, report=report)
+        return build_all(product, specs, target_of, force=options.force, report=report)
 
 
 def _world_size() -> int:

@@ -15,8 +15,8 @@ from ...solver.math.arrays import Array
 from .. import fenicsx
 from .pattern import Pattern
 
-# Row of the strain (11, 22, 33, 23, 13, 12) that each derivative d w_a / d x_alpha enters,
-# in the order (a, alpha) = 1,2  1,3  2,2  2,3  3,2  3,3; and that each w_a' enters.
+# Row of the strain (11, 22, 33, 23, 13, 12) to which each derivative d w_a / d x_alpha contributes,
+# in the order (a, alpha) = 1,2  1,3  2,2  2,3  3,2  3,3; and the same for each w_a'.
 IN_SECTION = [5, 4, 1, 3, 3, 2]
 ALONG_BEAM = [0, 5, 4]
 BY_SLOPE = [5, 1, 3, 4, 3, 2]  # IN_SECTION in the order 3 alpha + a

@@ -13,7 +13,7 @@ PLY = ("material", "angle_deg", "thickness")
 
 
 def check_spec(spec: Mapping[str, Any], where: str) -> None:
-    """Raise SectionError for a key that is unknown, missing or no table; names the nearest."""
+    """Raise SectionError for a key that is unknown, missing or not a table."""
     check_keys(spec, (*REQUIRED, *OPTIONAL), where, SectionError)
     for key in REQUIRED:
         if not isinstance(spec.get(key), Mapping) or not spec[key]:

@@ -89,10 +89,10 @@ class WarpingSolver:
     def solve(self, load: Array, size: float) -> Array:
         """Warping (n_dof, m) under loads (n_dof, m).
 
-        `size` is the norm of the terms whose sum is the load. The relative work of the loads
+        `size` is the norm of the terms of the load. The relative work of the loads
         on rigid motions is stored in `solvability`; raises SectionError if it exceeds round-off.
         """
-        assert self._factor is not None, "factorise() comes first"
+        assert self._factor is not None, "call factorise() first"
         work = np.linalg.norm(self.rigid.T @ load, axis=1) / self._rigid_size
         self.solvability = max(self.solvability, float(np.max(work)) / size if size else 0.0)
         if not self.solvability <= NO_SOLUTION:

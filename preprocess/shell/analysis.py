@@ -61,13 +61,13 @@ def analyse(
     """
     start = time.perf_counter()
     where = where or f"shell {spec.get('name', '')}".strip()
-    tell = progress or (lambda _line: None)
-    tell("mesh")
+    begin = progress or (lambda _line: None)
+    begin("mesh")
     problem = ShellProblem(spec, where, team, mesh)
     laminates, warnings = _laminates(problem)
     warnings = [*problem.warnings, *warnings]
-    cases, probes = _cases(problem, warnings, tell)
-    modes = _modes(problem, warnings, tell) if "frequencies" in spec else None
+    cases, probes = _cases(problem, warnings, begin)
+    modes = _modes(problem, warnings, begin) if "frequencies" in spec else None
     return ShellFile(
         name=str(spec.get("name", "shell")),
         mesh=_mesh_data(problem, [laminate.name for laminate in laminates]),
@@ -98,7 +98,7 @@ def analyse(
 
 
 def _cases(
-    problem: ShellProblem, warnings: Warnings, tell: Progress
+    problem: ShellProblem, warnings: Warnings, begin: Progress
 ) -> tuple[ShellCases, ShellProbes]:
     spec, freedom, mesh = problem.spec, problem.freedom, problem.mesh
     probes = read_probes(problem)
@@ -109,8 +109,8 @@ def _cases(
     u, energy, residual = np.zeros_like(forces), np.zeros(len(names)), np.zeros(len(names))
     reactions = np.zeros((len(names), len(problem.supports), 6))
     if names:
-        check_supported(freedom, *problem.loose(freedom))
-        tell(f"load cases, {freedom.n_free} unknowns")
+        check_supported(freedom, *problem.free_motions(freedom))
+        begin(f"load cases, {freedom.n_free} unknowns")
         solved = solve_cases(problem.K, freedom, forces, names, problem.team)
         u, energy, residual = solved.displacements, solved.energy, solved.residual
         warnings += solved.warnings
@@ -142,18 +142,18 @@ def _cases(
     return cases, told
 
 
-def _modes(problem: ShellProblem, warnings: Warnings, tell: Progress) -> ShellModes:
+def _modes(problem: ShellProblem, warnings: Warnings, begin: Progress) -> ShellModes:
     table = problem.spec["frequencies"]
     count = mode_count(table, f"{problem.where}.frequencies")
     mesh, freedom = problem.mesh, problem.freedom
     if table.get("free", False):
         freedom = Freedom(mesh, problem.links, flat=problem.flat)
-    rigid, drilling = problem.loose(freedom)
+    rigid, drilling = problem.free_motions(freedom)
     if drilling:
         warnings.append(drilling_warning(len(drilling)))
-    loose = np.array([*rigid, *drilling]).reshape(-1, freedom.n_dof).T
-    tell(f"{count} modes, {freedom.n_free} unknowns")
-    found = natural_modes(problem.K, problem.M, freedom, count, loose, problem.team)
+    free_motions = np.array([*rigid, *drilling]).reshape(-1, freedom.n_dof).T
+    begin(f"{count} modes, {freedom.n_free} unknowns")
+    found = natural_modes(problem.K, problem.M, freedom, count, free_motions, problem.team)
     warnings += zero_energy_warnings(found.n_zero, len(rigid))
     values = np.where(np.arange(len(found.values)) < found.n_zero, 0.0, found.values)
     return ShellModes(

@@ -1,4 +1,4 @@
-"""Reference direction of every cell, whose projection is e1 of its laminate.
+"""Reference direction of every cell. Its projection on the cell is e1 of the laminate.
 
 A region has one of
     axis = [x, y, z]                                   the same vector everywhere

@@ -1,4 +1,4 @@
-"""Shell results files as a product of the batch."""
+"""Shell results files made by a batch."""
 
 from pathlib import Path
 from typing import Any
@@ -10,7 +10,7 @@ from ..fingerprint import fingerprint
 
 
 class ShellFiles(AnalysedFiles[ShellFile]):
-    """One shell's specification becomes its results file; see `AnalysedFiles`."""
+    """Writes the results file of each shell; see `AnalysedFiles`."""
 
     def fingerprint(self, spec: dict[str, Any]) -> str:
         """Hash of all inputs of a shell file."""

@@ -30,8 +30,8 @@ def build_shell_body(spec: dict[str, Any]) -> ModalPackage:
     Raises
     ------
     SpecError : an unknown or missing key, or a value of another type
-    ModeError : fewer modes of a kind than asked for
-    ShellError, LaminateError, MaterialError : what the description of the shell says wrongly
+    ModeError : fewer modes of a kind than requested
+    ShellError, LaminateError, MaterialError : errors in the description of the shell
     """
     body = read_shell_body(spec)
     start = time.perf_counter()

@@ -1,4 +1,4 @@
-"""What a shell body is made of: its specification with axes and places as arrays."""
+"""Specification of a shell body, with axes and positions as arrays."""
 
 from dataclasses import dataclass
 from typing import Any, cast
@@ -19,7 +19,8 @@ class ShellInterface:
     Attributes
     ----------
     at : physical group of the mesh
-    link : "rigid" (the group moves as one) or "average" (the interface follows its mean motion)
+    link : "rigid" (the group moves as a rigid body) or "average" (the interface follows its mean
+     motion)
     position_B : (3,) reference point, None for the centre of the group [m]
     A_BI : (3, 3) interface axes in body axes
     """
@@ -41,7 +42,7 @@ class ShellBodySpec:
     shell : specification of the shell, with links for the interfaces and the mass form
     mass_form : "consistent" or "lumped"
     interfaces : in the order of the links
-    reference : what ties the body frame to the shell; its places are interfaces, by number
+    reference : how the body frame is attached to the shell; its places are interfaces, by number
     modes : requested modes
     damping_ratio : of every mode, fraction of critical
     """
@@ -56,7 +57,7 @@ class ShellBodySpec:
 
 
 def read_shell_body(spec: dict[str, Any]) -> ShellBodySpec:
-    """Take over a specification (solver/package/body/specification.py).
+    """Read a specification (solver/package/body/specification.py).
 
     Raises
     ------

@@ -28,7 +28,7 @@ class FlatNodes(NamedTuple):
 def flat_nodes(
     mesh: ShellMesh, regions: Sequence[Region], stiffeners: Sequence[Stiffener] = ()
 ) -> FlatNodes:
-    """Nodes whose triangles lie in one plane to within one degree, without a stiffener."""
+    """Nodes with all triangles in one plane to within one degree, without a stiffener."""
     table = np.zeros((mesh.n_node, 3, 3))
     for region in regions:
         n = region.triangles.A_GE[:, :, 2]
@@ -40,7 +40,7 @@ def flat_nodes(
     return FlatNodes(np.flatnonzero(flat), axis[flat, :, 2])
 
 
-def turning(flat: FlatNodes, fixed: Array) -> tuple[IntArray, IntArray, Array]:
+def dependent_rotations(flat: FlatNodes, fixed: Array) -> tuple[IntArray, IntArray, Array]:
     """Dependence of one rotation of each flat node on its other two.
 
     Parameters
@@ -49,8 +49,8 @@ def turning(flat: FlatNodes, fixed: Array) -> tuple[IntArray, IntArray, Array]:
 
     Returns
     -------
-    (k,) dependent degrees of freedom, (k, 2) those they follow, (k, 2) factors. Nodes whose
-    supports prevent the rotation are omitted.
+    (k,) dependent degrees of freedom, (k, 2) the degrees of freedom that determine them, (k, 2)
+    factors. Nodes with supports that prevent the rotation are omitted.
     """
     rotations = 6 * flat.nodes[:, None] + np.arange(3, 6)  # (k, 3)
     share = np.where(fixed[rotations], 0.0, np.abs(flat.normals_G))

@@ -16,7 +16,7 @@ from ...solver.math.arrays import Array, IntArray
 from ...solver.package.body.specification import LINK_KINDS
 from .assembly import DOFS
 from .errors import ShellError
-from .flat_nodes import FlatNodes, turning
+from .flat_nodes import FlatNodes, dependent_rotations
 from .links import Link, averaged, carried
 from .mesh import ShellMesh
 from .supports import COMPONENTS, Support
@@ -64,7 +64,7 @@ class Freedom:
         own = self._own(A)
         if self._follow is None:
             return own
-        # few dofs are dependent: all other rows of T are those of the unit matrix
+        # few dofs are dependent: all other rows of T are rows of the unit matrix
         dependent = self._follow.dependent
         C = self._follow.T[dependent][:, self.free]
         rows = A[dependent]
@@ -128,13 +128,13 @@ class Freedom:
         graph = sp.csr_matrix((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(n, n))
         return np.asarray(connected_components(graph, directed=False)[1])
 
-    def loose_motions(self) -> list[Array]:
+    def free_rigid_motions(self) -> list[Array]:
         """Rigid motions of each part that no support prevents, as (n_dof,) columns of norm 1."""
         rigid, parts = self.rigid_motions(), np.repeat(self.parts(), DOFS)
         size = max(self.mesh.size, 1e-300)
         scale = np.array([1.0, 1.0, 1.0, 1.0 / size, 1.0 / size, 1.0 / size])
         weight = np.tile([1.0, 1.0, 1.0, size, size, size], self.n_dof // DOFS)
-        loose = []
+        found = []
         for part in range(parts.max() + 1):
             motions = np.where((parts == part)[:, None], rigid, 0.0) * scale
             held = (motions * weight[:, None])[self.fixed[parts[self.fixed] == part]]
@@ -142,8 +142,8 @@ class Freedom:
                 np.concatenate([held, np.zeros((6, 6))]), full_matrices=False
             )
             free = _plain_basis(axes[value <= FREE * max(1.0, value[0])])
-            loose += [motions @ axis for axis in free]
-        return loose
+            found += [motions @ axis for axis in free]
+        return found
 
     def describe(self, motion: Array) -> str:
         """Description of a rigid motion: along or about which axis."""
@@ -171,7 +171,7 @@ class Freedom:
 
 
 def _plain_basis(rows: Array) -> Array:
-    """The same space in echelon form, with a 1 in one column for each row."""
+    """Basis of the same space in echelon form: each row has a 1 in a column of its own."""
     rows = rows.copy()
     done = 0
     for column in range(rows.shape[1] if len(rows) else 0):
@@ -205,7 +205,9 @@ def _followed(
     if flat is not None:
         carried_nodes = [link.group.nodes for link in links if link.kind == "rigid"]
         own = ~np.isin(flat.nodes, np.concatenate([np.zeros(0, int), *carried_nodes]))
-        last, others, factors = turning(FlatNodes(flat.nodes[own], flat.normals_G[own]), held)
+        last, others, factors = dependent_rotations(
+            FlatNodes(flat.nodes[own], flat.normals_G[own]), held
+        )
         keep = np.ones(n_dof)
         keep[last] = 0.0
         entries = (factors.ravel(), (np.repeat(last, 2), others.ravel()))
@@ -244,7 +246,7 @@ def _followed(
 
 def _axis(direction: Array) -> str:
     unit = direction / np.linalg.norm(direction)
-    # the first component among those as large as the largest, to rounding, is positive
+    # the first of the largest components, equal to round-off, is positive
     unit = unit * np.sign(unit[np.argmax(np.abs(unit) > 0.999 * np.abs(unit).max())])
     for name, row in zip("xyz", np.eye(3), strict=True):
         if np.allclose(unit, row, atol=1e-6):

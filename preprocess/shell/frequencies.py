@@ -17,10 +17,10 @@ from .. import fenicsx
 from .errors import ShellError
 from .freedom import Freedom
 
-EXTRA = 1  # modes beyond those that are asked for, to find a gap
-TOLERANCE = 1e-10  # of the iteration: values are better by far, their errors are its square
+EXTRA = 1  # modes beyond the requested ones, to find a gap
+TOLERANCE = 1e-10  # of the iteration; the error of a value is its square
 GAP = 1e-4  # relative distance of two values between which the modes are counted
-ZERO = 1e-6  # of the lowest elastic value: a mode below it is no vibration
+ZERO = 1e-6  # of the lowest elastic value: a mode below it is not a vibration
 ROUNDING = 1e-13  # of |x|'|K||x|: x'Kx below it is rounding
 
 
@@ -30,7 +30,7 @@ class Frequencies(NamedTuple):
     values: Array  # (m,) squared circular frequencies      [rad2/s2]
     shapes: Array  # (n_dof, m)                             [m, rad per sqrt(kg) m]
     n_zero: int  # number of modes without strain energy, which come first
-    n_loose: int  # number of those that are expected: free rigid motions and known mechanisms
+    n_free_motions: int  # expected number of these: free rigid motions and known mechanisms
     warnings: tuple[dict[str, str], ...]
 
 
@@ -39,7 +39,7 @@ def natural_modes(
     M: sp.csr_matrix,
     freedom: Freedom,
     count: int,
-    loose: Array,
+    free_motions: Array,
     team: fenicsx.Team = fenicsx.ALONE,
     check: bool = True,
 ) -> Frequencies:
@@ -49,7 +49,7 @@ def natural_modes(
     ----------
     K, M : stiffness and mass of all degrees of freedom
     count : requested elastic modes
-    loose : (n_dof, k) free motions without strain energy
+    free_motions : (n_dof, k) free motions without strain energy
     check : count the modes by the signs of pivots, which costs one factorisation
 
     Raises
@@ -57,11 +57,11 @@ def natural_modes(
     ShellError : fewer modes than requested, or modes that do not converge.
     """
     K_free, M_free = freedom.reduced(K), freedom.reduced(M)
-    n_loose = loose.shape[1]
+    n_free_motions = free_motions.shape[1]
     target = 0.0
-    if n_loose:
-        target = -soft_value(K_free, M_free, loose[freedom.free], team)
-    wanted = count + n_loose
+    if n_free_motions:
+        target = -soft_value(K_free, M_free, free_motions[freedom.free], team)
+    wanted = count + n_free_motions
     try:
         n_mode = min(wanted + EXTRA, _massive(M_free))
         while True:
@@ -78,33 +78,33 @@ def natural_modes(
             n_mode = min(max(n_mode, found) + EXTRA, _massive(M_free))
     except (fenicsx.EigenError, fenicsx.InertiaError) as error:
         raise ShellError(f"frequencies: {error}") from error
-    n_zero = _without_energy(K_free, values, X, n_loose) if n_loose else 0
+    n_zero = _without_energy(K_free, values, X, n_free_motions) if n_free_motions else 0
     values, X = values[:wanted], X[:, :wanted]
     shapes = freedom.expanded(X)
-    return Frequencies(values, shapes * _signs(shapes, freedom), n_zero, n_loose, ())
+    return Frequencies(values, shapes * _signs(shapes, freedom), n_zero, n_free_motions, ())
 
 
-def _without_energy(K: sp.csr_matrix, values: Array, X: Array, n_loose: int) -> int:
+def _without_energy(K: sp.csr_matrix, values: Array, X: Array, n_free_motions: int) -> int:
     """How many of the modes X (n, m), unit modal mass, have no strain energy.
 
-    A thin shell stretches much more stiffly than it bends: what rounding leaves of a rigid
-    motion's x'Kx may be 1e-4 of the lowest elastic value, of either sign.
+    The membrane stiffness of a thin shell is much larger than its bending stiffness. The round-off
+    in x'Kx of a rigid motion may therefore be 1e-4 of the lowest elastic value, of either sign.
     """
-    lowest = abs(values[n_loose] if n_loose < len(values) else values[-1])
+    lowest = abs(values[n_free_motions] if n_free_motions < len(values) else values[-1])
     rounding = ROUNDING * np.einsum("nm,nm->m", np.abs(X), abs(K) @ np.abs(X))
     return int(np.count_nonzero(np.abs(values) < np.maximum(ZERO * lowest, rounding)))
 
 
 def soft_value(
-    K: sp.csr_matrix, M: sp.csr_matrix, loose: Array, team: fenicsx.Team = fenicsx.ALONE
+    K: sp.csr_matrix, M: sp.csr_matrix, free_motions: Array, team: fenicsx.Team = fenicsx.ALONE
 ) -> float:
-    """About the lowest elastic eigenvalue of a structure that can move in the ways `loose`.
+    """Estimate of the lowest elastic eigenvalue of a structure with the motions `free_motions`.
 
     Rayleigh quotient of its shape under a random load, with as many held degrees of freedom as
     there are motions. The second load is the inertia of the first shape.
     """
-    _, _, pivots = scipy.linalg.qr(loose.T, mode="economic", pivoting=True)
-    held = pivots[: loose.shape[1]]
+    _, _, pivots = scipy.linalg.qr(free_motions.T, mode="economic", pivoting=True)
+    held = pivots[: free_motions.shape[1]]
     rest = np.setdiff1d(np.arange(K.shape[0]), held)
     load = M @ np.random.default_rng(0).standard_normal(K.shape[0])
     shape = np.zeros(K.shape[0])
@@ -136,8 +136,8 @@ def _massive(M: sp.csr_matrix) -> int:
 
 
 def _signs(shapes: Array, freedom: Freedom) -> Array:
-    """+1 or -1 for each mode: the largest displacement is positive, the first in the file's order
-    among those that are as large."""
+    """+1 or -1 for each mode: the largest displacement is positive; of equal ones, the first in the
+    order of the file."""
     nodes = shapes.reshape(-1, 6, shapes.shape[1])[freedom.mesh.file_nodes, :3]
     table = nodes.reshape(-1, shapes.shape[1])
     size = np.abs(table)

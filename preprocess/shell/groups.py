@@ -22,7 +22,7 @@ class Group(NamedTuple):
 
 
 def group(mesh: ShellMesh, name: str, where: str) -> Group:
-    """The group of a name. Raises ShellError for an unknown or an ambiguous one."""
+    """The group with this name. Raises ShellError for an unknown or an ambiguous name."""
     kinds: Mapping[str, Mapping[str, object] | tuple[str, ...]] = {
         "point": mesh.marks,
         "curve": mesh.curves,

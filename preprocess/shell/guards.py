@@ -26,7 +26,7 @@ SLIVER = 0.05  # 4 sqrt(3) area over the sum of squared sides; 1 is equilateral
 COINCIDENT = 1e-7  # relative to the size of the mesh: two nodes at the same position
 FLAT = 1e-6  # sine of the angle between normals of a flat part
 KINK = 0.9  # cosine between neighbouring normals below which a wall ends
-ACROSS = 4  # cells across a wall that constant-strain triangles need to bend in its plane
+ACROSS = 4  # cells across a wall that constant-strain triangles need for bending in its plane
 
 
 def _warning(code: str, message: str) -> dict[str, str]:
@@ -157,7 +157,7 @@ def _narrow_walls(mesh: ShellMesh, sides: Sides, membrane: str) -> Warnings:
 def _sides_too_short(
     mesh: ShellMesh, regions: Sequence[Region], plate: str, limit: float
 ) -> Warnings:
-    """Sides whose `shear_ratio` is above the limit of the plate."""
+    """Sides with a `shear_ratio` above the limit of the plate."""
     worst, place = 0.0, ""
     for region in regions:
         ratio = shear_ratio(region.triangles, region.stiffness.D[None], region.stiffness.Ds[None])
@@ -180,7 +180,7 @@ def drilling_motions(freedom: Freedom, regions: Sequence[Region], choice: Choice
     nodes rotate about the normal by the same angle without displacement.
     """
     drilling = DRILLINGS.get(choice.drilling_form())
-    if MEMBRANES[choice.membrane].rotations or drilling is None or not drilling.turns_free:
+    if MEMBRANES[choice.membrane].rotations or drilling is None or not drilling.free_rotation:
         return []
     mesh = freedom.mesh
     normals = Sides(mesh, regions).normals_G
@@ -215,14 +215,14 @@ def drilling_warning(count: int) -> dict[str, str]:
     )
 
 
-def check_supported(freedom: Freedom, loose: Sequence[Array], drilling: Sequence[Array]) -> None:
+def check_supported(freedom: Freedom, motions: Sequence[Array], drilling: Sequence[Array]) -> None:
     """Raise ShellError for load cases of a shell with free rigid motions; the message lists
     them."""
-    if loose:
-        listed = "; ".join(freedom.describe(motion) for motion in loose[:6])
+    if motions:
+        listed = "; ".join(freedom.describe(motion) for motion in motions[:6])
         part = " of its parts" if freedom.parts().max() > 0 else ""
         raise ShellError(
-            f"supports: {len(loose)} rigid motions{part} are free: {listed}. Load cases need "
+            f"supports: {len(motions)} rigid motions{part} are free: {listed}. Load cases need "
             "supports that prevent all of them"
         )
     if drilling:

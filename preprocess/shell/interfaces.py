@@ -53,7 +53,7 @@ def node_shapes(mesh: ShellMesh, links: Sequence[Link], found: Places, u: Array)
 
 
 def interfaces(
-    asked: Sequence[ShellInterface],
+    requested: Sequence[ShellInterface],
     mesh: ShellMesh,
     links: Sequence[Link],
     found: Places,
@@ -63,12 +63,12 @@ def interfaces(
 
     Parameters
     ----------
-    asked, links : in the same order
+    requested, links : in the same order
     u : (n_dof, m) motion of all degrees of freedom, those of the links last
     """
     rows = u.reshape(len(u) // 6, 6, u.shape[1])
     result = []
-    for i, (interface, link) in enumerate(zip(asked, links, strict=True)):
+    for i, (interface, link) in enumerate(zip(requested, links, strict=True)):
         motion = rows[mesh.n_node + i]
         nodes = link.group.nodes
         order = np.argsort(mesh.node_tags[nodes])

@@ -25,7 +25,7 @@ from .errors import ShellError
 from .groups import Group, group
 from .mesh import ShellMesh
 
-OPEN = 1e-8  # second moment about an axis over the largest, from which a rotation is left open
+OPEN = 1e-8  # second moment about an axis over the largest: below it the rotation is undetermined
 
 
 @dataclass(frozen=True)

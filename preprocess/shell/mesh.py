@@ -146,7 +146,7 @@ def _rows(file_nodes: IntArray, rows: IntArray, name: str, where: str) -> IntArr
     if np.any(rows < 0):
         raise ShellError(
             f"{where}: {np.count_nonzero(rows < 0)} nodes of physical group {name!r} belong to no "
-            "cell, so nothing holds them. In gmsh, let the surface contain the entity "
+            "cell, so they have no stiffness. In gmsh, let the surface contain the entity "
             "(`Point{..} In Surface{..}`, BooleanFragments), or remove it from the group"
         )
     return file_nodes[rows]

@@ -26,7 +26,7 @@ from .stiffness import element_stiffness
 from .supports import read_supports
 from .triangles import Triangles
 
-AT_ONCE = 8  # states whose resultants are computed together
+AT_ONCE = 8  # number of states for which resultants are computed together
 
 
 class ShellProblem:
@@ -87,13 +87,13 @@ class ShellProblem:
 
     @cached_property
     def loads(self) -> Loads:
-        """What turns descriptions of loads into nodal forces."""
+        """Converter from descriptions of loads to nodal forces."""
         bow = MEMBRANES[self.choice.membrane].bow
         return Loads(self.freedom, self.regions, lambda: self.M, bow)
 
-    def loose(self, freedom: Freedom) -> tuple[list[Array], list[Array]]:
-        """Rigid motions that are free, and mechanisms of the drilling stiffness."""
-        return freedom.loose_motions(), drilling_motions(freedom, self.regions, self.choice)
+    def free_motions(self, freedom: Freedom) -> tuple[list[Array], list[Array]]:
+        """Free rigid motions, and mechanisms of the drilling stiffness."""
+        return freedom.free_rigid_motions(), drilling_motions(freedom, self.regions, self.choice)
 
     def resultants(self, u: Array) -> Array:
         """Resultants of every cell in E, (m, c, 8), of displacements (n_dof, m); cells have the
@@ -101,7 +101,7 @@ class ShellProblem:
         nodes = u.reshape(len(u) // 6, 6, u.shape[1])
         out = np.empty((u.shape[1], len(self.mesh.cells), 8))
         for region in self.regions:
-            for first in range(0, u.shape[1], AT_ONCE):  # nothing without states
+            for first in range(0, u.shape[1], AT_ONCE):  # no pass without states
                 some = slice(first, first + AT_ONCE)
                 corners = nodes[self.mesh.cells[region.cells]][..., some]
                 found = element_resultants(

@@ -22,7 +22,7 @@ from .links import Link
 from .problem import ShellProblem
 from .stations import nodal_mass
 
-# Held dofs of the reference nodes: all if clamped; for a chord those that keep x through both.
+# Held dofs of the reference nodes: all if clamped; for a chord those that keep both nodes on x.
 CLAMPED = (range(6),)
 CHORD = ((0, 1, 2, 3), (1, 2))
 ALONG = 1e-6  # sine of the angle between a chord and the x axis
@@ -48,7 +48,7 @@ class ShellModel:
     problem: ShellProblem
 
     def __post_init__(self) -> None:
-        rigid, drilling = self.problem.loose(self.problem.freedom)
+        rigid, drilling = self.problem.free_motions(self.problem.freedom)
         if len(rigid) > 6:
             raise SpecError("shell: it consists of unconnected parts; expected one body")
         if drilling:
@@ -97,9 +97,9 @@ class ShellModel:
         length = np.linalg.norm(along)
         one_place = length <= SAME_PLACE * self.problem.mesh.size
         if one_place or np.linalg.norm(along[1:]) > ALONG * length:
-            wish = "two interfaces on a line along the body's x, which a chord frame's x axis is"
+            known = "two interfaces on a line along the body's x, which a chord frame's x axis is"
             shown = f"{first.name} at {_point(first)} and {second.name} at {_point(second)}"
-            raise SpecError(expected("reference.at", shown, wish))
+            raise SpecError(expected("reference.at", shown, known))
 
     def static_loads(self) -> list[StaticLoad]:
         """Loads of the requested static modes."""

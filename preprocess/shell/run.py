@@ -5,7 +5,7 @@ from pathlib import Path
 
 from ..analysed_files import launched_ranks
 from ..batch import build_all
-from ..telling import answer, teller
+from ..reporting import build_from_stdin, reporter
 from .batch import ShellFiles
 
 
@@ -13,7 +13,7 @@ def run_shells(options: argparse.Namespace) -> int:
     """Make the requested shell files; returns the exit code."""
     ranks = launched_ranks()
     out: Path | None = options.out
-    with teller(options.json, ranks.rank == 0) as (tell, progress):
+    with reporter(options.json, ranks.rank == 0) as (report, progress):
         product = ShellFiles(ranks, progress)
 
         def target_of(spec: Path) -> Path:
@@ -21,5 +21,5 @@ def run_shells(options: argparse.Namespace) -> int:
             return out or folder / f"{spec.stem}.vtkhdf"
 
         if options.specs == [Path("-")]:
-            return answer(product, target_of, force=options.force, tell=tell)
-        return build_all(product, options.specs, target_of, force=options.force, tell=tell)
+            return build_from_stdin(product, target_of, force=options.force, report=report)
+        return build_all(product, options.specs, target_of, force=options.force, report=report)

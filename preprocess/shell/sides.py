@@ -22,8 +22,8 @@ BULGES, EDGES = 4.0 * _weights(+1.0), _weights(-1.0)
 
 
 def bulge_slopes(t: Triangles) -> Array:
-    """Gradient of P_k = 4 l_i l_j, which is 1 in the middle of its side, (c, point, side, 2)
-    [1/m]."""
+    """Gradient of P_k = 4 l_i l_j, (c, point, side, 2) [1/m]; P_k is 1 in the middle of its
+    side."""
     return np.asarray((BULGES @ t.grad).reshape(-1, 3, 3, 2))
 
 

@@ -59,7 +59,7 @@ class Elements(NamedTuple):
 
 
 def check_spec(spec: Mapping[str, Any], where: str) -> None:
-    """Raise ShellError for a key that is unknown, missing or no table; names the nearest."""
+    """Raise ShellError for a key that is unknown, missing or not a table."""
     check_keys(spec, (*REQUIRED, *TABLES, *OTHER), where, ShellError)
     for key in REQUIRED:
         if not isinstance(spec.get(key), Mapping) or not spec[key]:

@@ -61,7 +61,7 @@ def solve_cases(
         freedom.on_supports(Ku - forces),
         energy,
         residual,
-        tuple(_doubts(names, residual, energy, work)),
+        tuple(_warnings(names, residual, energy, work)),
     )
 
 
@@ -79,19 +79,19 @@ def _refined(factor: fenicsx.Cholesky, K: sp.csr_matrix, loads: Array) -> Array:
     return np.asarray(q)
 
 
-def _doubts(
+def _warnings(
     names: tuple[str, ...], residual: Array, energy: Array, work: Array
 ) -> list[dict[str, str]]:
     found = []
-    for name, rest, stored, done in zip(names, residual, energy, work, strict=True):
+    for name, relative, stored, done in zip(names, residual, energy, work, strict=True):
         gap = abs(2.0 * stored - done) / (abs(done) or 1.0)
-        if rest > RESIDUAL or gap > BALANCE:
+        if relative > RESIDUAL or gap > BALANCE:
             found.append(
                 {
                     "code": "few-digits",
-                    "message": f"load case {name}: residual {rest:.1e}, work and energy differ by "
-                    f"{gap:.1e} (relative): the stiffness is ill-conditioned, as for a very "
-                    "thin shell; the displacements have fewer correct digits",
+                    "message": f"load case {name}: residual {relative:.1e}, work and energy "
+                    f"differ by {gap:.1e} (relative): the stiffness is ill-conditioned, as for "
+                    "a very thin shell; the displacements have fewer correct digits",
                 }
             )
     return found

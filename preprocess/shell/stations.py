@@ -54,15 +54,15 @@ def nodal_mass(
     mesh: ShellMesh, regions: Sequence[Region], stiffeners: Sequence[Stiffener]
 ) -> tuple[Array, Array]:
     """Lumped mass of each node, (n,) [kg], and inertia about the node, (n, 3, 3) [kg m2]."""
-    mass, turning = np.zeros(mesh.n_node), np.zeros(mesh.n_node)
+    mass, rotary = np.zeros(mesh.n_node), np.zeros(mesh.n_node)
     for region in regions:
         m0, _, m2 = region.stiffness.mass
         third = np.repeat(region.triangles.area / 3.0, 3)
         nodes = mesh.cells[region.cells].ravel()
         area = np.bincount(nodes, weights=third, minlength=mesh.n_node)
         mass += m0 * area
-        turning += m2 * area
-    inertia = turning[:, None, None] * np.eye(3)
+        rotary += m2 * area
+    inertia = rotary[:, None, None] * np.eye(3)
     for stiffener in stiffeners:
         M = stiffener.mass("lumped").reshape(-1, 2, 6, 2, 6)
         for end in range(2):

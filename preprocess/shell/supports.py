@@ -36,8 +36,8 @@ def read_supports(
 ) -> list[Support]:
     """The supports of a specification: {name: {at, fixed}}; `at` is a group or a link.
 
-    Raises ShellError for an unknown group or component, and for a support on the reference point
-    of an average link.
+    Raises ShellError for an unknown group or component, and for a support on the reference point of
+    an average link.
     """
     rows = {link.name: i for i, link in enumerate(links)}
     supports = []
@@ -74,7 +74,7 @@ def fixed_components(value: Any, where: str) -> IntArray:
     for name in names:
         if name not in COMPONENTS:
             raise ShellError(
-                f"{where} = {list(names)!r}: {name!r} is none of {', '.join(COMPONENTS)}"
+                f"{where} = {list(names)!r}: {name!r} is not one of {', '.join(COMPONENTS)}"
                 + did_you_mean(str(name), COMPONENTS)
             )
     return np.unique([COMPONENTS.index(name) for name in names])

@@ -1,7 +1,7 @@
 """Geometry of flat triangles in their axes, which are those of the laminate.
 
 Sides run 1-2, 2-3, 3-1, always from corner START[k] to corner END[k]. The formulas of the elements
-do not depend on the sense of the corners about e3, so a region may reverse its normals.
+do not depend on the direction of the corners about e3, so a region may reverse its normals.
 """
 
 from dataclasses import dataclass, fields
@@ -58,13 +58,13 @@ def triangles(
     ----------
     points_G : (n, 3) nodes [m]
     cells : (c, 3) nodes of each triangle; their order gives the normal, right-handed
-    direction_G : (3,) or (c, 3) reference direction, whose projection onto a triangle is e1
+    direction_G : (3,) or (c, 3) reference direction; its projection onto a triangle is e1
     flip : bool or (c,), True where the normal e3 is reversed
 
     Raises
     ------
     ShellError
-        for a triangle without area, or whose normal is the reference direction
+        for a triangle without area, or with the reference direction as its normal
     """
     corners = np.asarray(points_G, dtype=float)[np.asarray(cells)]
     edge = corners[:, END] - corners[:, START]
@@ -86,8 +86,7 @@ def triangles(
     xy_E = (corners - corners.mean(axis=1, keepdims=True)) @ A_GE[:, :, :2]
     edge_E = xy_E[:, END] - xy_E[:, START]
     # Corner i is opposite to the side that starts at the next corner. Its gradient is this side,
-    # rotated by 90 degrees and divided by twice the area, with the sign of the sense of the
-    # corners.
+    # rotated by 90 degrees and divided by twice the area, with the sign of the corners' direction.
     opposite = edge_E[:, END]
     signed = edge_E[:, 0, 0] * edge_E[:, 1, 1] - edge_E[:, 0, 1] * edge_E[:, 1, 0]
     grad = np.stack([-opposite[..., 1], opposite[..., 0]], axis=2) / signed[:, None, None]

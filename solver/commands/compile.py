@@ -11,9 +11,11 @@ from ..dynamics import series
 from ..dynamics.bodies.marker import single_motion
 from ..dynamics.coordinates import moved, position_rates
 from ..dynamics.forces.table import KINDS as FORCE_KINDS
+from ..dynamics.independence import new_independence
 from ..dynamics.joints.table import KINDS, N_PARAMETER
 from ..dynamics.model import Model
 from ..dynamics.projection import projected
+from ..dynamics.singular_value import difference, new_spectrum
 from ..dynamics.system import assemble, derivative, law_at
 from ..dynamics.tables import ForceTable, JointTable, MarkerTable, assemble_model, rigid_body
 from ..integrators.closures import right_hand_side
@@ -111,6 +113,9 @@ def _compile_others() -> None:
         passage = SingularityMonitor(model, ["hinge"], "projection")
         passage.at_start(0.0, y)
         integrate(made, [0.0, 1e-3], watch=passage)
+        passage.explain(1e-3, y)
+    rows = new_independence(model)
+    difference(model, new_spectrum(rows), rows.C, rows.C)
     derivative(model, 0.0, y)
     series.along_solution(model, np.zeros(1), y[None])
     position_rates(model, y[:7], y[7:13])

@@ -155,6 +155,25 @@ def factorise_profile(order: Order, S: Array, pivot: Array) -> float:
     return least
 
 
+@inlined
+def solve_profile(order: Order, S: Array, pivot: Array, mu: Array) -> None:
+    """Replace mu (n_p,), by place, by the solution of L D L' x = mu (`factorise_profile`)."""
+    first, profile = order.first, order.profile_start
+    for i in range(pivot.shape[0]):
+        row = profile[i + 1] - 1 - i
+        s = mu[i]
+        for j in range(first[i], i):
+            s -= S[row + j] * mu[j]
+        mu[i] = s
+    for i in range(pivot.shape[0]):
+        mu[i] *= pivot[i]
+    for i in range(pivot.shape[0] - 1, -1, -1):
+        row = profile[i + 1] - 1 - i
+        s = mu[i]
+        for j in range(first[i], i):
+            mu[j] -= S[row + j] * s
+
+
 @lean
 def solve(
     plan: Plan,
@@ -169,8 +188,7 @@ def solve(
 
     k is the number of rows or less; gamma of the others is zero, their multipliers stay inside.
     """
-    mu, S, pivot = factors.mu, factors.S, factors.S_pivot
-    first, profile, place, start = order.first, order.profile_start, order.place, order.free_start
+    mu, place, start = factors.mu, order.place, order.free_start
     mu[:] = 0.0
     for row in range(gamma.shape[0]):
         if place[row] >= 0:
@@ -184,19 +202,7 @@ def solve(
             columns = plan.driven_column[plan.driven_start[i] :]
             _drive(rows, columns, factors.P[i], gamma, a[i])
         _eliminate(n, base, lead, places, L, D, W, f[i], a[i], z, mu)
-    for i in range(pivot.shape[0]):
-        row = profile[i + 1] - 1 - i
-        s = mu[i]
-        for j in range(first[i], i):
-            s -= S[row + j] * mu[j]
-        mu[i] = s
-    for i in range(pivot.shape[0]):
-        mu[i] *= pivot[i]
-    for i in range(pivot.shape[0] - 1, -1, -1):
-        row = profile[i + 1] - 1 - i
-        s = mu[i]
-        for j in range(first[i], i):
-            mu[j] -= S[row + j] * s
+    solve_profile(order, factors.S, factors.S_pivot, mu)
     for row in range(gamma.shape[0]):
         if place[row] >= 0:
             multipliers[row] = mu[place[row]]

@@ -203,28 +203,10 @@ def least_pivot(model: Model, rows: Independence, A: Array, B: Array) -> float:
 
     -1 where a row turns by a right angle or more, or is not finite.
     """
-    plan, place = model.plan, rows.order.place
     H, profile, diagonal = rows.H, rows.order.profile_start, rows.diagonal
-    for k in range(H.shape[0]):
-        H[k] = 0.0
-    for i in range(model.n_body):
-        first, n = plan.row_start[i], plan.size[i]
-        r = plan.row_start[i + 1] - first
-        for p in range(r):
-            row = plan.body_row[first + p]
-            start = profile[place[row] + 1] - 1 - place[row]
-            for q in range(r):
-                other = plan.body_row[first + q]
-                if place[other] <= place[row] and rows.kept[row] * rows.kept[other] > 0:
-                    s = 0.0
-                    for k in range(n):
-                        s += A[i, p, k] * B[i, q, k] + B[i, p, k] * A[i, q, k]
-                    H[start + place[other]] += 0.5 * s
-    for row in range(place.shape[0]):
-        end = profile[place[row] + 1] - 1
-        if rows.kept[row] == 0:
-            H[end] = 1.0
-        diagonal[place[row]] = H[end]
+    gram_into(model, rows.order, rows.kept, A, B, H)
+    for k in range(diagonal.shape[0]):
+        diagonal[k] = H[profile[k + 1] - 1]
     factorise_profile(rows.order, H, rows.pivot)
     least = 1.0
     for k in range(diagonal.shape[0]):
@@ -236,3 +218,30 @@ def least_pivot(model: Model, rows: Independence, A: Array, B: Array) -> float:
         elif ratio != ratio:
             return -1.0
     return least
+
+
+@inlined
+def gram_into(model: Model, order: Order, kept: IntArray, A: Array, B: Array, H: Array) -> None:
+    """Fill the profile H of (C_a C_b' + C_b C_a') / 2, A and B (nb, r, n).
+
+    Rows with kept (n_c,) = 0 are those of the identity.
+    """
+    plan, place, profile = model.plan, order.place, order.profile_start
+    for k in range(H.shape[0]):
+        H[k] = 0.0
+    for i in range(model.n_body):
+        first, n = plan.row_start[i], plan.size[i]
+        r = plan.row_start[i + 1] - first
+        for p in range(r):
+            row = plan.body_row[first + p]
+            start = profile[place[row] + 1] - 1 - place[row]
+            for q in range(r):
+                other = plan.body_row[first + q]
+                if place[other] <= place[row] and kept[row] * kept[other] > 0:
+                    s = 0.0
+                    for k in range(n):
+                        s += A[i, p, k] * B[i, q, k] + B[i, p, k] * A[i, q, k]
+                    H[start + place[other]] += 0.5 * s
+    for row in range(place.shape[0]):
+        if kept[row] == 0:
+            H[profile[place[row] + 1] - 1] = 1.0

@@ -15,6 +15,7 @@ import numpy as np
 from ..dynamics.constraints.treatment import PASSES_SINGULAR
 from ..dynamics.independence import CERTAIN, begin, scaled_jacobian_into
 from ..dynamics.model import Model
+from ..dynamics.singular_value import difference, new_spectrum, smallest_at
 from ..dynamics.system import assemble, energies
 from ..integrators.generic import Integrator, Steps, StopRequest
 from ..integrators.generic.base import Dense
@@ -31,14 +32,15 @@ TURN = 0.2  # change of velocity within the neighbourhood of a singular position
 LOSS = 1e-3  # of the energy in play, there
 LOOK, RISE = 0.25, 4.0  # of the pivot where sigma was found last: found again beyond
 GOLDEN = 0.5 * (5.0**0.5 - 1.0)
+ROUGH = 0.02  # of a step: as near a minimum, sigma^2 is a parabola
 
 
 @dataclass
 class _Rank:
-    """Scaled Jacobian C (n_c, n) at a time, and the smallest singular value that counts."""
+    """Scaled Jacobian of a state, and the smallest singular value that counts."""
 
     t: float
-    C: Array
+    C: Array  # (nb, r, n) by body
     sigma: float
 
 
@@ -73,6 +75,7 @@ class SingularityMonitor:
         self._rank = min(self.model.n_constraint - self.model.redundant, self.model.n_vel)
         self.energy = EnergyMonitor()
         self._observation = new_observation(self.model, MOST_NOTED)
+        self._spectrum = new_spectrum(self._observation.rows)
         self._root = np.sqrt(self.model.inertia_scale)
         self._last: _State | None = None
         self._known: _Rank | None = None  # the last that was needed
@@ -255,8 +258,9 @@ class SingularityMonitor:
         return C
 
     def _decompose(self, t: float, y: Array) -> _Rank:
-        C = self._scaled_jacobian(t, y)
-        sigma = float(np.linalg.svd(C, compute_uv=False)[self._rank - 1])
+        seen, null = self._observation, self.model.n_constraint - self._rank
+        C = np.zeros_like(seen.rows.C)
+        sigma = smallest_at(self.model, seen.work, seen.rows, self._spectrum, null, float(t), y, C)
         self._typical = max(self._typical, sigma)
         return _Rank(float(t), C, sigma)
 
@@ -265,7 +269,7 @@ class SingularityMonitor:
 
     def _valley(self, a: _Rank, b: _Rank, integrator: Integrator) -> tuple[float, float] | None:
         """Return times between which sigma may go through zero; None if it does not."""
-        change = _size(b.C - a.C)
+        change = difference(self.model, self._spectrum, a.C, b.C)
         if a.sigma + b.sigma > change:
             return None
         dense = integrator.dense_output()
@@ -295,21 +299,36 @@ class SingularityMonitor:
         return float(s[self._rank - 1]), names
 
     def _locate(self, a: float, b: float, dense: Dense) -> None:
-        """Find the smallest singular value between times a and b, by golden section."""
+        """Find the smallest singular value between times a and b.
+
+        Golden section, then parabolas through sigma^2, which is smooth where sigma has an edge.
+        """
+
+        def square(t: float) -> float:
+            return self._at(t, dense).sigma ** 2
+
         c, d = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
-        at_c, at_d = self._at(c, dense).sigma, self._at(d, dense).sigma
-        accuracy = 1e-7 * (b - a) + 4 * np.spacing(b)
-        while b - a > accuracy:
+        at_c, at_d, enough = square(c), square(d), ROUGH * (b - a)
+        while b - a > enough:
             if at_c < at_d:
                 b, d, at_d = d, c, at_c
                 c = b - GOLDEN * (b - a)
-                at_c = self._at(c, dense).sigma
+                at_c = square(c)
             else:
                 a, c, at_c = c, d, at_d
                 d = a + GOLDEN * (b - a)
-                at_d = self._at(d, dense).sigma
-        if min(at_c, at_d) < self._lowest:
-            self._lowest, self._t_lowest = min((at_c, c), (at_d, d))
+                at_d = square(d)
+        least, t = min((at_c, c), (at_d, d))
+        for width in (0.5 * (b - a), 0.05 * (b - a)):
+            middle = min(max(t, a + width), b - width)
+            left, here, right = (square(middle + x) for x in (-width, 0.0, width))
+            bend = left - 2.0 * here + right
+            if bend <= 0.0:
+                break
+            t = middle + min(max(0.5 * width * (left - right) / bend, -width), width)
+            least = min(least, square(t))
+        if least**0.5 < self._lowest:
+            self._lowest, self._t_lowest = least**0.5, t
 
     def _where(self, t: float, names: list[str]) -> str:
         return f"the constraint Jacobian loses rank at t = {t:.6g} s, in joints {', '.join(names)}"
@@ -383,9 +402,3 @@ class SingularityMonitor:
         if change <= 10.0 * self._hardest * (last.t - first.t):
             return 0.0
         return change / max(float(np.linalg.norm(first.velocity)), 1e-300)
-
-
-def _size(C: Array) -> float:
-    """Return a bound of the largest singular value, without finding it."""
-    absolute = np.abs(C)
-    return float(np.sqrt(absolute.sum(axis=0).max() * absolute.sum(axis=1).max()))

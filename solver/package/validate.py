@@ -60,7 +60,7 @@ _SECTION = _Kind(
 
 
 def validate(path: str | Path) -> list[Remark]:
-    """Return every finding on a modal package or a section file; no "error": it is usable.
+    """Return all findings on a modal package or a section file; it is usable without an "error".
 
     Later stages require earlier ones: arrays of a wrong shape are not compared.
     A file of another format gives one finding.

@@ -1,7 +1,7 @@
-"""Failure criteria of plies and metals, and where bodies come nearest to failure."""
+"""Failure criteria of plies and metals, and the lowest strength ratio of a body."""
 
 from .criteria.contract import Criterion
 from .criteria.ray import Verdict
-from .criteria.table import CRITERIA, PLY_CRITERIA, YIELD_CRITERIA, criteria_of
+from .criteria.table import CRITERIA, criteria_of
 
-__all__ = ["CRITERIA", "PLY_CRITERIA", "YIELD_CRITERIA", "Criterion", "Verdict", "criteria_of"]
+__all__ = ["CRITERIA", "Criterion", "Verdict", "criteria_of"]

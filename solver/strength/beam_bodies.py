@@ -55,30 +55,9 @@ class BodyStrength:
 def resultants(package: ModalPackage, q: Array) -> Array:
     """Resultants at the stations of a package, section axes, (s, 6, t) [N, N m].
 
-    q : (t, m) modal coordinates
+    q : (t, m) modal coordinates. Raises ValueError if the package has no recovery.
     """
     return np.asarray(_recovery(package).resultants_E @ q.T)
-
-
-def ply_stress(package: ModalPackage, station: int, q: Array) -> Array:
-    """Stress of all points of a station's section in ply axes, (t, p, 6) [Pa].
-
-    Parameters
-    ----------
-    station : row of the package's stations
-    q : (t, m) modal coordinates
-
-    Raises
-    ------
-    ValueError : the package has no recovery.
-    """
-    body = _recovery(package)
-    section = package.sections[body.section[station]].recovery
-    if section is None:
-        name = package.sections[body.section[station]].name
-        raise ValueError(f"{package.body}: section {name} has no recovery of stresses")
-    F = body.resultants_E[station] @ q.T
-    return np.einsum("pij,jt->tpi", unit_stress_M(section), F, optimize=True)
 
 
 def unit_stress_M(recovery: SectionRecovery) -> Array:
@@ -136,7 +115,7 @@ def summary(found: BodyStrength) -> dict[str, Any]:
 
 
 def failure_text(body: str, failure: Failure) -> str:
-    """Message of the warning about a failing ply."""
+    """Message of the warning about a ply that fails."""
     return (
         f"{body}: {failure.criterion} gives a strength ratio of {failure.ratio:.3g} (expected "
         f"above 1; {failure.mode}) at x = {failure.x:.4g} m, t = {failure.time:.4g} s, in ply "

@@ -248,13 +248,13 @@ def test_ctrl_c_within_a_member(tmp_path):
     file.write_text(json.dumps(table))
     code = (
         "import sys\n"
-        "from plymotion.solver.run.preparation import Prepared\n"
+        "from plymotion.solver.monitors.together import Monitors\n"
         "from plymotion.solver.__main__ import main\n"
-        "watch = Prepared.watch\n"
-        "def told(self, i):\n"
-        "    print('stepping', flush=True) if i.t > 5 else None\n"
-        "    return watch(self, i)\n"
-        "Prepared.watch = told\n"
+        "watch = Monitors.__call__\n"
+        "def told(self, steps):\n"
+        "    print('stepping', flush=True) if steps.t[-1] > 5 else None\n"
+        "    return watch(self, steps)\n"
+        "Monitors.__call__ = told\n"
         "sys.exit(main(sys.argv[1:]))\n"
     )
     process = subprocess.Popen(

@@ -28,7 +28,7 @@ LIMITS = {
     "sliver-elements": ("preprocess/section/mesh_checks.py", "LEAST_SINE"),
     "accuracy-not-met": ("preprocess/section/analysis.py", "MOST_DOFS"),
 }
-MAKERS = {"_warning", "doubt"}  # functions that take a code first
+MAKERS = {"_warning", "add_warning"}  # functions that take a code first
 
 
 def trees(folder: Path) -> Iterator[tuple[Path, ast.AST]]:

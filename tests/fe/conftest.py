@@ -1,4 +1,4 @@
-"""FE tests run where FEniCSx is, and record numbers for the comparison of its versions."""
+"""FE tests need FEniCSx and record numbers for the comparison of its versions."""
 
 import importlib.util
 import os

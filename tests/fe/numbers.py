@@ -1,4 +1,4 @@
-"""Numbers that every version of DOLFINx must give: recorded here, compared afterwards."""
+"""Numbers that must be equal for every version of DOLFINx: recorded here, compared afterwards."""
 
 import json
 import os

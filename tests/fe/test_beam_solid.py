@@ -1,7 +1,7 @@
 """The free 30 deg strip as a beam and as a three-dimensional solid: two routes to its frequencies.
 
 Free ends on both sides, because a clamped face of the solid also blocks the warping of the
-section, which is no error of the beam. Quadratic hexahedra, real SLEPc.
+section, which is not an error of the beam. Quadratic hexahedra, real SLEPc.
 """
 
 import numpy as np

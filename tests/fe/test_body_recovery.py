@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from body_specs import beam_body
+from ply_stresses import beam_ply_stress
 from recovery_samples import mode_resultants
 
 from plymotion.preprocess.beam.body import beam_model
@@ -19,7 +20,7 @@ from plymotion.solver.package import ModalPackage, read_package, validate, write
 from plymotion.solver.package.common.materials import bond
 from plymotion.solver.package.section.schema import SectionFile
 from plymotion.solver.package.section.stress import resultants
-from plymotion.solver.strength.beam_bodies import body_strength, ply_stress
+from plymotion.solver.strength.beam_bodies import body_strength
 
 LENGTH = 0.5
 STEEL = {
@@ -89,7 +90,7 @@ def body_spec(section: dict[str, Any], modes: list[dict[str, Any]]) -> dict[str,
 
 
 def held_statically(section: dict[str, Any], load_E: np.ndarray) -> tuple[ModalPackage, Any]:
-    """A package whose one shape is the static answer to a load at the tip; its resultants.
+    """A package with one shape, the static response to a load at the tip; its resultants.
 
     load_E : (6,) force and moment along the section's axes
     """
@@ -117,7 +118,7 @@ def section_of(spec: dict[str, Any]) -> SectionFile:
 
 
 def at_root(package: ModalPackage, q: np.ndarray) -> np.ndarray:
-    return ply_stress(package, 0, q)[0]
+    return beam_ply_stress(package, 0, q)[0]
 
 
 def test_root_stress_of_a_steel_bar_is_m_z_over_i() -> None:
@@ -165,7 +166,7 @@ def test_package_and_section_give_the_same_ply_stress(
     alone = section_of(section).recovery
     expected = np.einsum("pij,pjk,k->pi", alone.C_M[alone.ply], alone.strain_M, root)
     assert np.abs(stress - expected).max() < 2e-6 * np.abs(expected).max()
-    # What the stresses integrate to is what was asked for.
+    # The stresses integrate to the given resultants.
     stress_B = np.einsum("pij,pj->pi", bond(alone.A_BM), stress)
     back = resultants(alone, stress_B)
     assert np.abs(back - root).max() < 1e-6 * np.abs(root).max()

@@ -121,7 +121,7 @@ def test_opposite_ply_angle_turns_the_couplings() -> None:
 
 
 def test_one_mesh_serves_every_material() -> None:
-    """Nothing of one material stays behind in the kept mesh and factorisation."""
+    """The cached mesh and factorisation keep no data of another material."""
     size = {"width": 0.05, "height": 0.02}
     first = solved("rectangle", size, ALUMINIUM)
     other = solved("rectangle", size, CARBON, 30.0)

@@ -79,7 +79,7 @@ def test_load_on_a_rigid_motion_is_refused(off_axis: Solved) -> None:
 
 @pytest.mark.provokes("few-digits")
 def test_a_little_work_on_a_rigid_motion_is_told(off_axis: Solved) -> None:
-    """Between round-off and a wrong equation lies a warning."""
+    """Between round-off and a wrong equation there is a warning."""
     problem, C, result = off_axis
     assert result.solvability < 1e-12
     assert solvability_warnings(result) == []
@@ -114,7 +114,7 @@ def test_thin_open_arc() -> None:
 
 
 def test_printed_eq_44_gives_two_thirds_of_the_axial_stiffness() -> None:
-    """A = C_ee + 2 V0' C_he of the paper: EA 0.654 of the truth for a square bar, nu = 0.3."""
+    """A = C_ee + 2 V0' C_he of the paper: EA is 0.654 of the exact value (square, nu = 0.3)."""
     problem, C, result = rectangle(isotropic(1.0, 0.3, 1.0).stiffness_M, 0.0, 1.0, 1.0, 4)
     space = problem.space
     rigid = space.strain_along_beam(warping.beam_strain_fields(space))
@@ -127,7 +127,7 @@ def test_printed_eq_44_gives_two_thirds_of_the_axial_stiffness() -> None:
 
 
 def test_printed_eq_45_has_no_shear_energy_without_poisson() -> None:
-    """R = V0' C_ll V0 + 2 V1' C_hl V0 vanishes at nu = 0, where bending warps nothing."""
+    """R = V0' C_ll V0 + 2 V1' C_hl V0 is zero at nu = 0: bending causes no warping there."""
     problem, C, result = rectangle(isotropic(70e9, 0.0, 1.0).stiffness_M)
     space = problem.space
     change = space.strain_along_beam(result.V0 @ result.T)

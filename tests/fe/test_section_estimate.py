@@ -10,7 +10,7 @@ from section_cases import section
 from plymotion.preprocess.section import analyse
 from plymotion.preprocess.section.estimate import scaled
 
-SMALL = 0.05  # errors below this share of the worst one mean nothing to the user
+SMALL = 0.05  # errors below this share of the worst one are irrelevant
 
 
 @cache
@@ -29,7 +29,7 @@ def compared(name: str, density: float, degree: int) -> tuple[Any, Any]:
 @pytest.mark.parametrize("name", ["02", "08", "11", "12", "15", "21", "22"])
 @pytest.mark.parametrize(("density", "degree"), [(0.5, 2), (1.0, 2), (0.5, 3)])
 def test_estimate_bounds_the_error(name: str, density: float, degree: int) -> None:
-    """The largest is above the largest error, by little; no entry that counts is far off."""
+    """The largest estimate is slightly above the largest error; relevant entries are close."""
     error, estimate = compared(name, density, degree)
     assert 1.0 < estimate.max() / error.max() < 2.6
     counts = error > SMALL * error.max()

@@ -1,4 +1,4 @@
-"""Meshes that would give plausible but wrong numbers are refused, or warned of."""
+"""Meshes that would give plausible but wrong numbers give errors or warnings."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -17,7 +17,7 @@ ISOTROPIC = {"kind": "isotropic", "E": 1.0, "nu": 0.3, "rho": 1.0}
 
 
 def squares(*places: tuple[float, float], n: tuple[int, ...] = ()) -> str:
-    """Unit squares side by side as gmsh text, without anything in common: surfaces s1, s2, ..."""
+    """Unit squares side by side as gmsh text, without common nodes: surfaces s1, s2, ..."""
     text = "Geometry.AutoCoherence = 0;\n"
     for k, (x, y) in enumerate(places, start=1):
         points, lines = 10 * k, 10 * k
@@ -106,7 +106,7 @@ def test_parts_apart(mesh: Mesher) -> None:
 
 
 def test_parts_that_are_not_merged(mesh: Mesher) -> None:
-    """Side by side with nodes at the same places: the commonest mistake."""
+    """Side by side with nodes at the same positions: the most frequent mistake."""
     text = squares((0, 0), (1, 0)) + groups(left="1", right="2")
     with pytest.raises(SectionError, match=r"in 2 parts.*3 pairs of nodes.*\(1, .*Coherence"):
         mesh(text)
@@ -141,7 +141,7 @@ def test_a_slit_is_warned_of(mesh: Mesher, tmp_path: Path) -> None:
 
 
 def test_clockwise_cells_are_turned(tmp_path: Path) -> None:
-    """How a cell is numbered says nothing of its shape, in the whole mesh or in part of it."""
+    """The direction of numbering of cells does not change results, in all or in some cells."""
     nodes = [(x, y) for y in (0, 0.5, 1, 1.5, 2) for x in (0, 0.5, 1, 1.5, 2)]
 
     def nine(i: int, j: int) -> list[int]:
@@ -166,7 +166,7 @@ def test_clockwise_cells_are_turned(tmp_path: Path) -> None:
 
 
 def test_folded_cell(tmp_path: Path) -> None:
-    """A middle node dragged through the cell."""
+    """A middle node moved through the cell."""
     nodes = [(0, 0), (1, 0), (0, 1), (0.5, 0.45), (0.5, 0.5), (0, 0.5)]
     with pytest.raises(SectionError, match=r"1 of 1 cells are folded.*\(0.3333, 0.3333\).*'body'"):
         by_hand(tmp_path, nodes, [range(6)], 9)
@@ -178,7 +178,7 @@ def test_quadrilateral_with_crossed_corners(tmp_path: Path) -> None:
 
 
 def test_node_dragged_over_a_neighbour(tmp_path: Path) -> None:
-    """The cells keep an area, but one lies upside down on the others."""
+    """The cells have an area, but one is inverted on top of the others."""
     nodes = [(0, 0), (2, 0), (2, 2), (0, 2), (3, 1)]
     cells = [(0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)]
     with pytest.raises(SectionError, match=r"cells overlap at .*cell is inverted"):
@@ -274,7 +274,7 @@ def test_no_group_at_all(mesh: Mesher) -> None:
 
 @pytest.mark.parametrize("version", [2.2, 4.1])
 def test_two_groups_of_one_name(version: float, mesh: Mesher, tmp_path: Path) -> None:
-    """gmsh writes no such file, and reads it as if the second name were missing."""
+    """gmsh does not write such a file, and reads it without the second name."""
     text = squares((0, 0), (1, 0)) + "Coherence;\n" + groups(skin="1", web="2")
     assert mesh(text, version).labelled.names.keys() == {"skin", "web"}
     path = tmp_path / "part.msh"
@@ -366,7 +366,7 @@ def test_off_the_plane(z: tuple[float, ...], tmp_path: Path) -> None:
     ["Point(1) = {0, 0, ;", 'DefineConstant[ n = {4}, Name "x"} ];', "If(1)\n Point(1) = {,};\n"],
 )
 def test_a_script_after_one_with_a_mistake(mistake: str, mesh: Mesher) -> None:
-    """gmsh keeps the rest of a faulty script in its parser, for the next one to stumble over."""
+    """gmsh keeps the rest of a faulty script in its parser, which would affect the next script."""
     with pytest.raises(SectionError, match="syntax error"):
         mesh(mistake + "\n" + SOUND)
     assert mesh(f"// after {mistake!r}\n" + SOUND).labelled.n_cell == 4

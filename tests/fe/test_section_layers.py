@@ -1,4 +1,4 @@
-"""Plies and their directions: conventions, curves, and what is wrong in a description."""
+"""Plies and their directions: conventions, curves, and errors in a description."""
 
 from pathlib import Path
 from typing import Any
@@ -143,10 +143,10 @@ def test_circle_and_curve_give_the_same_tube(tmp_path: Path) -> None:
     K = stiffness(ring)
     ring["regions"]["wall"]["direction"] = {"curve": "outer"}
     assert scaled(stiffness(ring) - K, K).max() < 1e-6
-    # turning the tube by 90 deg changes nothing: directions follow the wall
+    # a rotation of the tube by 90 deg changes nothing: directions follow the wall
     assert K[1, 1] == pytest.approx(K[2, 2], rel=1e-9)
     assert K[1, 4] == pytest.approx(K[2, 5], rel=1e-9)
-    # the library's tube has another mesh of the same thing
+    # the library's tube has another mesh of the same section
     library = tube(plies, {"circle": [0.0, 0.0]}, [0.25, 0.5, 0.75, 1.0])
     assert scaled(stiffness(library) - K, K).max() < 1e-4
 

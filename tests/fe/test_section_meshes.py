@@ -266,7 +266,7 @@ def test_webs_stand_where_they_are_asked_for() -> None:
 
 
 def test_blunt_trailing_edge_is_kept() -> None:
-    """A tail thicker than its skins is not cut off."""
+    """A trailing edge thicker than its skins is not cut off."""
     outline = np.array(expand("airfoil", SIZES["airfoil"])["coordinates"])
     outline[:, 1] += np.where(np.arange(len(outline)) < len(outline) / 2, 1, -1) * (
         0.03 * outline[:, 0]
@@ -281,7 +281,7 @@ def test_blunt_trailing_edge_is_kept() -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"skin": 0.025}, "skin_rear = 0.025: leaves no hollow"),
+        ({"skin": 0.025}, "skin_rear = 0.025: too thick, no hollow"),
         ({"webs": [0.3, 0.98]}, "webs: the last one lies behind"),
         ({"skin": 0.012, "webs": [0.03, 0.5], "skin_rear": 0.001}, "webs: .* no room"),
         ({"skin": 0.012, "skin_rear": 0.001}, "skin_front = 0.012: too thick for the nose"),
@@ -374,7 +374,7 @@ def test_user_script_and_saved_mesh_agree(kind: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_refinement_of_a_script_and_of_its_mesh(kind: str, tmp_path: Path) -> None:
-    """A script follows its geometry; a mesh keeps its shape, hence its moments."""
+    """Refinement of a script follows its geometry; a mesh keeps its shape and its moments."""
     script = ring(tmp_path, kind)
     path = saved(script, tmp_path / f"{kind}.msh")
     exact = pi * (4 - 1) / 4
@@ -430,7 +430,7 @@ def test_script_with_a_macro_is_read_again_and_again(tmp_path: Path) -> None:
 
 
 def test_arrays(tmp_path: Path) -> None:
-    """As the light side writes meshes of other programs."""
+    """Arrays in the form that the solver writes for meshes of other programs."""
     path = tmp_path / "part.npz"
     np.savez(
         path,

@@ -49,7 +49,7 @@ CASES = {
 
 
 def assembled_by_dolfinx(space: SectionSpace, C: Any) -> list[Any]:
-    """E, H, L with the strain operators written down a second time."""
+    """E, H, L with an independent implementation of the strain operators."""
     mesh = space.labelled.mesh
     V = fenicsx.vector_space(mesh, space.degree, 3)
     stiffness = cell_function(mesh, C)
@@ -71,7 +71,7 @@ def assembled_by_dolfinx(space: SectionSpace, C: Any) -> list[Any]:
 def test_matrices_are_those_of_dolfinx(name: str) -> None:
     make, degree = CASES[name]
     space = SectionSpace(make(), degree)
-    # another material in every cell: nothing may hide behind symmetry
+    # another material in every cell, so that symmetry does not hide errors
     factor = 1.0 + np.random.default_rng(1).random(space.n_cell)
     C = factor[:, None, None] * C_30
     E, H, L = assembled_by_dolfinx(space, C)

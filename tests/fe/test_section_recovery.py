@@ -1,4 +1,4 @@
-"""Stresses recovered from the resultants: they carry them, hold their energy, and match others'."""
+"""Stresses recovered from the resultants: their integrals, their energy, and reference values."""
 
 import tomllib
 from collections.abc import Callable
@@ -17,7 +17,7 @@ LOADS = [*np.eye(6), np.array([300.0, -20.0, 10.0, 0.1, 0.2, -0.3])]
 
 
 def box(angles: list[float], **mesh: Any) -> dict[str, Any]:
-    """A box of six plies on all walls, moved off its centre line by nothing."""
+    """A box of six plies on all walls, centred."""
     plies = [{"material": "m", "angle_deg": a, "thickness": 0.127e-3} for a in angles]
     reference = tomllib.loads((FOLDER / "21_box_layup2_30_0.toml").read_text(encoding="utf-8"))
     constants = {k: v for k, v in reference["material"].items() if k != "name"}

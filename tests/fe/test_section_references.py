@@ -37,7 +37,7 @@ def test_stiffness_and_mass(path: Path, record: Callable[[str, Any], None]) -> N
     section = analyse(described(path.name[:3]), estimate=False)
     expected = np.array(verified["K"])
     error = scaled(section.K - expected, expected)
-    # a reference is as exact as its last refinement changed it: two codes cannot agree better
+    # the accuracy of a reference is the change in its last refinement: codes cannot agree better
     tolerance = max(verified["change_between_last_two_levels"], 1e-4)
     assert tolerance < 1e-3
     assert error.max() < tolerance, (
@@ -58,7 +58,7 @@ def test_stiffness_and_mass(path: Path, record: Callable[[str, Any], None]) -> N
 
 @pytest.mark.parametrize("path", BOXES, ids=lambda path: path.stem)
 def test_paper_boxes_on_default_and_fine_meshes(path: Path) -> None:
-    """Default mesh within 5e-4; a fine one within 1e-4 of where refinement leads."""
+    """Default mesh within 5e-4; a fine one within 1e-4 of the limit of refinement."""
     reference = read(path)
     expected = np.array(reference["verified"]["K"])
     spec = described(path.name[:3])

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 from body_specs import CLAMPED, beam_body, shell_body
+from ply_stresses import shell_file_ply_stress, shell_ply_stress
 from section_specs import rectangle_spec
 from shell_specs import CFRP, METAL, box, plate
-from shell_stress import shell_ply_stress
 
 from plymotion.preprocess.body import build_body
 from plymotion.preprocess.body_packages import BodyPackages
@@ -23,7 +23,6 @@ from plymotion.solver.package import ModalPackage, read_package, validate, write
 from plymotion.solver.package.body.invariants import free_body_mass, rigid_motions
 from plymotion.solver.package.body.plausibility import plausibility_findings
 from plymotion.solver.package.common.table_form import SpecError
-from plymotion.solver.package.shell.schema import ply_stress
 
 Record = Callable[[str, Any], None]
 PARTS = ("mesh", "materials", "laminates", "regions", "elements", "stiffeners")
@@ -45,7 +44,7 @@ def body(shell: dict[str, Any], **changes: Any) -> dict[str, Any]:
 
 
 def built(spec: dict[str, Any]) -> ModalPackage:
-    """The package, from a specification whose changes need not be complete."""
+    """The package of a specification with some changes."""
     return build_body(shell_body(**spec))
 
 
@@ -175,7 +174,7 @@ def test_a_plate_is_a_beam(record: Record) -> None:
 
 
 def _shift(S_B: np.ndarray, centre: np.ndarray) -> np.ndarray:
-    """Angular momentum that linear momentum through a point off the origin adds."""
+    """Angular momentum of the linear momentum through a point off the origin."""
     return np.cross(centre[:, None], S_B, axis=0)
 
 
@@ -235,7 +234,7 @@ def test_attachment_is_the_static_answer(link: str, record: Record) -> None:
     u = np.einsum("mnd,m->nd", package.shapes_B, q)
     exact = statics.cases.displacements_G[0]
     assert np.abs(u - exact).max() < 1e-8 * np.abs(exact).max()
-    (expected,) = ply_stress(statics, statics.cases.resultants_E)
+    (expected,) = shell_file_ply_stress(statics, statics.cases.resultants_E)
     rows = range(len(package.cell_types))
     found = np.array([shell_ply_stress(package, row, q[None])[0] for row in rows])
     largest = np.abs(expected).max()

@@ -143,7 +143,7 @@ def test_unknown_keys_are_named() -> None:
         ShellProblem(plate(2, 0.1, loads={"a": {"b": {"preassure": 1.0}}}))
     with pytest.raises(ShellError, match=r"support: unknown key.*did you mean 'supports'"):
         ShellProblem(plate(2, 0.1, support={}))
-    with pytest.raises(ShellError, match=r"fixed.*'ua' is none of ux"):
+    with pytest.raises(ShellError, match=r"fixed.*'ua' is not one of ux"):
         ShellProblem(plate(2, 0.1, supports={"a": {"at": "left", "fixed": ["ua"]}}))
     with pytest.raises(ShellError, match=r"kind = 'ridgid'.*did you mean 'rigid'"):
         ShellProblem(plate(2, 0.1, links={"a": {"at": "left", "kind": "ridgid"}}))

@@ -237,8 +237,8 @@ def test_missed_modes_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
         return (values[keep], X[:, keep]) if len(asked) == 1 else (values[:-1], X[:, :-1])
 
     monkeypatch.setattr(fenicsx, "eigenpairs", losing)
-    loose = np.zeros((problem.freedom.n_dof, 0))
-    found = natural_modes(problem.K, problem.M, problem.freedom, 3, loose)
+    free_motions = np.zeros((problem.freedom.n_dof, 0))
+    found = natural_modes(problem.K, problem.M, problem.freedom, 3, free_motions)
     assert len(asked) == 2
     assert found.values[1] == pytest.approx(found.values[2], rel=1e-6)
 
@@ -295,7 +295,7 @@ def test_parts_are_told_apart() -> None:
     of_file = freedom.parts()[mesh.file_nodes]
     assert len(set(of_file[:3])) == len(set(of_file[3:])) == 1
     assert of_file[0] != of_file[3]
-    assert len(freedom.loose_motions()) == 12
+    assert len(freedom.free_rigid_motions()) == 12
 
 
 def command(*arguments: str | Path) -> list[str]:

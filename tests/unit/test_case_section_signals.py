@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from case_samples import HEAD, SOLVER
+from ply_stresses import beam_ply_stress
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case
@@ -11,7 +12,7 @@ from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.mechanism import build
 from plymotion.solver.run.execution import read_run
 from plymotion.solver.signals import Recording, sensors
-from plymotion.solver.strength import beam_bodies as ply_stress
+from plymotion.solver.strength.beam_bodies import resultants
 
 TEXT = """
 [bodies.arm]
@@ -46,7 +47,7 @@ def _values(arm, **table):
 
 def test_resultants_at_and_between_stations(arm):
     _, package, recording = arm
-    F = ply_stress.resultants(package, recording.modes(0))
+    F = resultants(package, recording.modes(0))
     x = package.recovery.station_x
     for k in (0, 3, len(x) - 1):
         found = _values(arm, kind="resultant", x=float(x[k]), component="M3")
@@ -59,7 +60,7 @@ def test_resultants_at_and_between_stations(arm):
 def test_stress_of_a_point_and_the_worst_of_a_ply(arm):
     _, package, recording = arm
     recovery = package.sections[0].recovery
-    stress = ply_stress.ply_stress(package, 3, recording.modes(0))[:, :, 0]  # along the fibre
+    stress = beam_ply_stress(package, 3, recording.modes(0))[:, :, 0]  # along the fibre
     x = float(package.recovery.station_x[3])
     table = {"kind": "ply_stress", "x": x, "region": None, "ply": 0, "component": "11"}
     point = recovery.points[7]

@@ -225,7 +225,7 @@ def test_held_interface_must_be_at_rest(tmp_path: Path, capsys) -> None:
     file = write_test(tmp_path, beam_of("mean-axis"))
     file.write_text(file.read_text().replace('kind = "mean-axis"', 'kind = "clamped"\nat = "root"'))
     assert main(["experimental", str(file), "--out", str(tmp_path / "out.vtkhdf")]) == 2
-    assert 'needs reference.kind = "mean-axis"' in capsys.readouterr().err
+    assert 'use reference.kind = "mean-axis"' in capsys.readouterr().err
 
 
 def test_same_shape_twice(tmp_path: Path, capsys) -> None:

@@ -1,4 +1,4 @@
-"""Meshes of other programs: regions and curves by name, arrays for the FE side."""
+"""Meshes of other programs: regions and curves by name, arrays for the preprocessor."""
 
 import hashlib
 import json
@@ -100,7 +100,7 @@ def test_all_takes_the_cells_of_no_other_region(abaqus):
     spec = load_section(describe(abaqus, "two.inp", "all", "right"), abaqus)
     found = arrays(spec)
     assert found["region_names"][found["region"]].tolist() == ["all", "right"]
-    # nothing is left for it: no empty region reaches the FE side
+    # it has no cells: the preprocessor gets no empty region
     spec = load_section(describe(abaqus, "two.inp", "all", "EALL"), abaqus)
     assert list(spec["regions"]) == ["EALL"]
 
@@ -193,7 +193,7 @@ def test_eight_node_cells_get_the_middle_that_keeps_their_shape(tmp_path):
 
 @pytest.mark.parametrize("kind", ["triangle", "triangle6", "quad", "quad9"])
 def test_clockwise_cells_are_turned(tmp_path, kind):
-    """Every node stays where it belongs: middles between their corners."""
+    """Middle nodes stay between their corners."""
     count = 3 if kind.startswith("triangle") else 4
     angle = -2 * np.pi * np.arange(count) / count
     corners = np.column_stack([np.cos(angle), np.sin(angle)])

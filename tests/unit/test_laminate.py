@@ -35,7 +35,7 @@ def test_isotropic_plate_is_the_textbook_one() -> None:
 
 
 def test_printed_pairing_of_eq_29_gives_a_plate_without_bending_stiffness() -> None:
-    """H_2 of a plate about its middle is 0: with D_b on H_2, as printed, it would not resist."""
+    """H_2 about the middle of a plate is 0: D_b with H_2, as printed, is then 0."""
     from plymotion.preprocess.laminate.stack import moments
 
     plate = stack(0.0, 90.0, 90.0, 0.0)
@@ -43,7 +43,7 @@ def test_printed_pairing_of_eq_29_gives_a_plate_without_bending_stiffness() -> N
     as_printed = np.einsum("k,kij->ij", H[1], plate.plane)
     D = laminate_stiffness(plate).D
     assert np.max(np.abs(as_printed)) < 1e-12 * np.max(plate.plane) * plate.thickness**2
-    # and the right pairing is what bending the plies one by one takes: sum E int z^2
+    # and the correct pairing is the sum of the bending stiffness of the plies: sum E int z^2
     z = np.linspace(plate.faces[0], plate.faces[-1], 40001)
     z = 0.5 * (z[1:] + z[:-1])
     ply = np.searchsorted(plate.faces, z) - 1
@@ -112,7 +112,7 @@ def test_parabola_of_a_homogeneous_plate() -> None:
 
 
 def test_ply_stresses_add_up_to_the_resultants() -> None:
-    """Turned back into laminate axes and integrated they are N, M and T again."""
+    """Rotated back to laminate axes and integrated, they are N, M and T."""
     from plymotion.preprocess.materials import bond, ply_rotation
 
     laminate = replace(hybrid(), offset=1e-3)

@@ -52,7 +52,7 @@ def column(T: Any, shear: float) -> Any:
 
 
 def test_isotropic_is_hooke() -> None:
-    """Stress = lambda trace(eps) 1 + 2 mu eps; the shear modulus settles the factor of (17)."""
+    """Stress = lambda trace(eps) 1 + 2 mu eps; the shear modulus decides the factor of (17)."""
     E, nu = 73e9, 0.33
     mu, lam = E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu))
     strain = np.array([1.0, -2.0, 3.0, 0.5, -0.25, 0.75]) * 1e-3
@@ -153,7 +153,7 @@ def test_constants_at_the_bound_are_refused_whatever_the_rounding(ulps: int) -> 
 
 @pytest.mark.parametrize("factor", [0.999999, 1.000001])
 def test_bound_is_where_definiteness_ends(factor: float) -> None:
-    """The message's bound is the true one: the compliance is definite just below it."""
+    """The bound in the message is exact: just below it, the compliance is definite."""
     base = {"nu13": 0.0, "nu23": 0.0, "nu12": factor * np.sqrt(142 / 9.8)}
     if factor < 1:
         m = material_from_dict({**GRAPHITE, **base}, "m")

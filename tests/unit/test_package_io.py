@@ -1,4 +1,4 @@
-"""The package file: nothing lost, nothing half-written, every bad file refused by name."""
+"""The package file: round trip, no incomplete files, an error for every damaged file."""
 
 import dataclasses
 import os

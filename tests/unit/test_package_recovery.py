@@ -1,4 +1,4 @@
-"""Recovery of stresses in the package: kept whole, checked, and optional."""
+"""Recovery of stresses in the package: round trip, checks, optional."""
 
 import dataclasses
 from collections.abc import Callable
@@ -101,7 +101,10 @@ BAD_STRENGTH = {"cfrp": {**PLY, "strength": {"Xt": 1.0}}}
         (with_section(A_BM=np.zeros((12, 3, 3))), f"{SECTION}/recovery/A_BM: expected a rotation"),
         (with_section(weights=np.zeros(12)), f"{SECTION}/recovery/weights: expected an area abo"),
         (with_section(C_M=-np.ones((3, 6, 6))), f"{SECTION}/plies/C_M[0]: expected a positive"),
-        (with_section(materials={"gfrp": PLY}), f"{SECTION}/plies/material: row 0: 'cfrp' is no m"),
+        (
+            with_section(materials={"gfrp": PLY}),
+            f"{SECTION}/plies/material: row 0: 'cfrp' is not a m",
+        ),
         (with_section(materials={"cfrp": 3}), f"{SECTION}/materials: cfrp: expected a table"),
         (with_section(materials=BAD_STRENGTH), f"{SECTION}/materials: cfrp.strength.Xc: missing"),
         (

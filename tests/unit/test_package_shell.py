@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from package_samples import same
 from panel_sample import THICKNESS, WIDTH, E, panel
+from ply_stresses import shell_ply_stress, shell_resultants
 from recovery_samples import STEEL_STRENGTH
-from shell_stress import shell_ply_stress, shell_resultants
 
 from plymotion.solver.errors import PackageError
 from plymotion.solver.package import read_package, validate, write_package
 from plymotion.solver.package.body.laminate_data import CellResultants, LaminateData
-from plymotion.solver.strength import beam_bodies as ply_stress
+from plymotion.solver.strength.beam_bodies import failure_text, summary
 from plymotion.solver.strength.shell_bodies import shell_strength
 
 
@@ -140,9 +140,9 @@ def test_strength_is_the_worst_of_all_cells_plies_and_instants() -> None:
     centre = package.nodes_B[package.connectivity.reshape(-1, 3)[row]].mean(axis=0)
     np.testing.assert_allclose(governing.point, centre)
     assert max(found.exposure["von-mises"]) == pytest.approx(1.0 / governing.ratio)
-    table = ply_stress.summary(found)
+    table = summary(found)
     assert table["ply"] == {"region": "wall", "index": 0, "material": "steel", "angle_deg": 0.0}
     assert len(table["along_beam"]["x"]) == len(found.station_x) <= 32
-    text = ply_stress.failure_text("panel", governing)
+    text = failure_text("panel", governing)
     assert "at its bottom" in text or "at its top" in text
     assert 0.0 < centre[1] < WIDTH

@@ -1,4 +1,4 @@
-"""Batch lists, studies, shares, options and what the screen shows; nothing here needs FEniCSx."""
+"""Batch lists, studies, shares, options and text output, without FEniCSx."""
 
 import argparse
 import csv
@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from plymotion.solver.commands.described.entries import Entry, entries_of
-from plymotion.solver.commands.fenicsx_side.crew import Work
+from plymotion.solver.commands.fenicsx_side.workers import Work
 from plymotion.solver.commands.section.batch_list import read_list
 from plymotion.solver.commands.section.results import SectionResults
 from plymotion.solver.commands.section.show import section_json, section_text
@@ -71,7 +71,7 @@ def test_error_off_the_diagonal_is_named_by_both_strains() -> None:
     error[3, 0] = error[0, 3] = 1.0
     text = section_text(results(error_estimate=error))
     assert "of sqrt(K11 K44) in K14 (extension - twist)" in text
-    assert "not asked for" in section_text(results(error_estimate=None))
+    assert "not requested" in section_text(results(error_estimate=None))
 
 
 def test_steps_of_a_refinement_are_shown() -> None:
@@ -204,7 +204,7 @@ def test_study_with_names_and_csv(tmp_path: Path) -> None:
         ),
         (
             'sections = ["box.toml"]\n[[sweep]]\nkey = "a"\nvalues = [1, 2]\nnames = ["x", "x"]',
-            'the name "x" is there 2 times',
+            'the name "x" occurs 2 times',
         ),
         ('sections = ["box.toml"]\n[[sweep]]\nkey = "a"\ncsv = "no.csv"', "no such table"),
         (
@@ -232,11 +232,11 @@ def test_changes_reach_into_tables_and_lists() -> None:
     ("key", "message"),
     [
         ("laminates.wal.angles_deg", r"box.toml: laminates.wal: .*did you mean 'wall'"),
-        ("laminates.wall.angles_deg.1", "laminates.wall.angles_deg: holds no 1"),
-        ("laminates.wall.angles_deg.0.x", "laminates.wall.angles_deg.0: holds no x"),
+        ("laminates.wall.angles_deg.1", "laminates.wall.angles_deg: has no 1"),
+        ("laminates.wall.angles_deg.0.x", "laminates.wall.angles_deg.0: has no x"),
         ("laminates.wall.angles_deg.0.x.y", "laminates.wall.angles_deg.0.x: no such table"),
-        ("a b", "no dotted key"),
-        ("a = 1\nb", "no dotted key"),
+        ("a b", "not a dotted key"),
+        ("a = 1\nb", "not a dotted key"),
     ],
 )
 def test_changes_that_lead_nowhere(key: str, message: str) -> None:
@@ -281,7 +281,7 @@ def test_work_of_a_lost_worker_goes_to_the_others() -> None:
     one, two = object(), object()
     work: Work = Work([[Path("a0"), Path("a1"), Path("a2")]])
     assert work.next(one) == Path("a0")  # type: ignore[arg-type]
-    work.give_back(one)  # type: ignore[arg-type]
+    work.release(one)  # type: ignore[arg-type]
     assert [work.next(two), work.next(two), work.next(two)] == [  # type: ignore[arg-type]
         Path("a1"),
         Path("a2"),

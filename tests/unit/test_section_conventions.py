@@ -73,7 +73,7 @@ def strain_rows(code, points):
 
 
 class Bars:
-    """A beam of bundled bars: each resists the strains 11, 12, 13 of its point, with coupling."""
+    """A beam of bars: each has stiffness for the strains 11, 12, 13 of its point, with coupling."""
 
     def __init__(self, seed=3, n=9):
         random = np.random.default_rng(seed)
@@ -198,7 +198,7 @@ def test_kinds_belong_together(code, axes):
 
 
 def test_resultants_of_a_beam_walked_backwards_change_sign():
-    """Tension stays tension; a shear force up and the face's moment turn with the face."""
+    """Tension stays tension; a shear force and the moment on the face rotate with the face."""
     tension = convert([1, 0, 0, 0, 0, 0], "beamdyn", "resultants")
     np.testing.assert_array_equal(tension, [0, 0, 1, 0, 0, 0])
     up = convert([0, 0, 1, 0, 0, 0], "beamdyn", "resultants")

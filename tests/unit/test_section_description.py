@@ -1,4 +1,4 @@
-"""Section descriptions: what they expand to, and one line for each thing that is wrong."""
+"""Section descriptions: expansion, and one message line for each error."""
 
 import hashlib
 import json
@@ -107,7 +107,7 @@ def test_ready_descriptions_are_valid(repository):
 
 
 def test_boxes_have_the_lay_ups_of_the_paper(repository):
-    """Table I of the paper; 0 deg outermost in lay-up 2, as the published stiffness wants it."""
+    """Table I of the paper; 0 deg outermost in lay-up 2, as the published stiffness requires."""
 
     def of(name: str) -> dict[str, list[float]]:
         spec = load_section(repository / f"cases/sections/{name}.toml")

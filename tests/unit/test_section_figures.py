@@ -1,4 +1,4 @@
-"""Figures of a section: what is drawn is what the section file says."""
+"""Figures of a section show the content of the section file."""
 
 import dataclasses
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The section file: nothing lost, ParaView opens it, every bad file refused by name."""
+"""The section file: round trip, ParaView, an error for every damaged file."""
 
 import dataclasses
 import os

@@ -172,7 +172,7 @@ def test_rows_of_few_plies_thin_out_towards_corners() -> None:
 
 
 def test_a_thick_ply_gets_several_rows() -> None:
-    """A sandwich: the core is no single element."""
+    """A sandwich: the core has more than one element."""
     lines = rows(faces([0.05, 0.9, 0.05]), 5, "inner")
     assert lines == pytest.approx([0.05, 0.35, 0.65, 0.95, 1.0])
 

@@ -1,4 +1,4 @@
-"""Names of shell elements: what is decided, what is refused."""
+"""Names of shell elements: defaults and errors."""
 
 import numpy as np
 import pytest

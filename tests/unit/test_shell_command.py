@@ -1,4 +1,4 @@
-"""What the command `plymotion shell` shows, draws and says; nothing here needs FEniCSx."""
+"""Output, figures and messages of the command `plymotion shell`, without FEniCSx."""
 
 import dataclasses
 import json

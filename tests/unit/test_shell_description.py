@@ -1,4 +1,4 @@
-"""Shell descriptions: what they expand to, and one line for each thing that is wrong."""
+"""Shell descriptions: expansion, and one message line for each error."""
 
 import hashlib
 import json

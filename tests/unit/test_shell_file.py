@@ -8,12 +8,13 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
+from ply_stresses import shell_file_ply_stress
 from shell_file_samples import plate
 
 from plymotion.solver.errors import PackageError
 from plymotion.solver.package.shell.io import read_shell, write_shell
 from plymotion.solver.package.shell.layout import SHELL_LAYOUT, shell_values
-from plymotion.solver.package.shell.schema import ShellFile, ply_stress
+from plymotion.solver.package.shell.schema import ShellFile
 
 
 @pytest.fixture
@@ -72,7 +73,7 @@ def test_paraview_sees_displacements(file: Path) -> None:
 
 def test_ply_stress_is_the_operator_on_resultants() -> None:
     shell = plate()
-    by_region = ply_stress(shell, shell.cases.resultants_E)
+    by_region = shell_file_ply_stress(shell, shell.cases.resultants_E)
     assert len(by_region) == len(shell.mesh.regions)
     for row, stress in enumerate(by_region):
         laminate = shell.laminates[shell.mesh.laminate[row]]
@@ -134,7 +135,7 @@ def test_what_is_inconsistent_is_not_written(
 
 
 def test_other_names_and_damage(file: Path) -> None:
-    with pytest.raises(PackageError, match=r"ends in \.vtkhdf"):
+    with pytest.raises(PackageError, match=r"ending \.vtkhdf"):
         write_shell(file.with_suffix(".h5"), plate())
     with h5py.File(file, "r+") as raw:
         raw["shell/cases/energy"][0] += 1.0

@@ -1,4 +1,4 @@
-"""Geometry of shell triangles: their axes, gradients, and what is refused."""
+"""Geometry of shell triangles: axes, gradients, errors."""
 
 import numpy as np
 import pytest

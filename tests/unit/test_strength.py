@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from plymotion.solver.package.common.materials import MaterialError, bond
 from plymotion.solver.package.common.strengths import PlyStrength, YieldStrength, read_strength
-from plymotion.solver.strength import PLY_CRITERIA, YIELD_CRITERIA, Criterion
+from plymotion.solver.strength import CRITERIA, Criterion, criteria_of
 from plymotion.solver.strength.criteria.hashin import hashin
 from plymotion.solver.strength.criteria.max_stress import max_stress
 from plymotion.solver.strength.criteria.ray import exposure
@@ -25,11 +25,11 @@ KAW_TABLE = {"Xt": 1500e6, "Xc": 1500e6, "Yt": 40e6, "Yc": 246e6, "S12": 68e6}
 KAW = read_strength(KAW_TABLE, "orthotropic", "kaw")
 # A ply whose strengths all differ, S23 above Yt / 2.
 PLY = PlyStrength(1500e6, 1200e6, 50e6, 200e6, 40e6, 260e6, 70e6, 60e6, 75e6)
-# Alike in 2 and 3, so that nothing may depend on how these two axes are turned about the fibre.
+# Equal in 2 and 3: results must not depend on a rotation of these axes about the fibre.
 S23_ROUND = math.sqrt(50e6 * 200e6 / 3.0)  # Tsai-Wu's shear strength for F23 = -1/2 F22
 ROUND = PlyStrength(1500e6, 1200e6, 50e6, 200e6, 50e6, 200e6, 70e6, 70e6, S23_ROUND)
 
-names = pytest.mark.parametrize("criterion", PLY_CRITERIA, ids=lambda c: c.name)
+names = pytest.mark.parametrize("criterion", criteria_of(PLY), ids=lambda c: c.name)
 stresses = st.tuples(*(st.floats(-1.0, 1.0) for _ in range(6))).map(
     lambda s: np.array(s) * [2000e6, 100e6, 100e6, 80e6, 80e6, 80e6]
 )
@@ -101,7 +101,7 @@ def test_one_stress_alone_fails_at_its_strength(
 ) -> None:
     stress = np.zeros(6)
     stress[component] = sign * 1e6
-    # Hashin knows one matrix: the strengths normal to the ply are those across it.
+    # Hashin's criterion has one matrix: strengths normal to the ply equal those across it.
     key = key.replace("Z", "Y") if criterion.name == "hashin" else key
     verdict = criterion.assess(stress, PLY)
     assert float(verdict.ratio) == pytest.approx(getattr(PLY, key) / 1e6, rel=1e-12)
@@ -176,7 +176,7 @@ def test_half_turns_of_the_ply_change_nothing(
 def test_turn_about_the_fibre_changes_nothing(
     criterion: Any, stress: np.ndarray, angle: float
 ) -> None:
-    """These two see a ply that is alike in 2 and 3 by invariants of turns about its fibre."""
+    """For a ply with equal 2 and 3, these two depend on invariants of rotations about its fibre."""
     c, s = math.cos(angle), math.sin(angle)
     turn = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
     expected = float(criterion(stress, ROUND).exposure)
@@ -238,8 +238,8 @@ def test_left_hand_side_is_continuous_where_a_stress_changes_sign(
 
 
 def test_no_stress_never_fails() -> None:
-    for criterion in (*PLY_CRITERIA, *YIELD_CRITERIA):
-        strength = PLY if criterion in PLY_CRITERIA else YieldStrength(1e6)
+    for criterion in CRITERIA.values():
+        strength = PLY if criterion.strength is PlyStrength else YieldStrength(1e6)
         verdict = criterion.assess(np.zeros((2, 6)), strength)
         assert np.all(np.isinf(verdict.ratio))
         assert np.all(verdict.index == 0.0)

@@ -1,4 +1,4 @@
-"""Stresses of a beam from its modes against beam theory, exact modes and a search everywhere."""
+"""Stresses of a beam from its modes against beam theory, exact modes and a full search."""
 
 import dataclasses
 import math
@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 from body_specs import beam_body
+from ply_stresses import beam_ply_stress
 from recovery_samples import (
     PLY,
     PLY_STRENGTH,
@@ -25,8 +26,8 @@ from plymotion.preprocess.beam.spec import read_spec
 from plymotion.solver.package import ModalPackage, SectionData, validate, write_package
 from plymotion.solver.package.section.recovery_data import strengths
 from plymotion.solver.package.section.schema import SectionRecovery
-from plymotion.solver.strength import PLY_CRITERIA
-from plymotion.solver.strength.beam_bodies import body_strength, ply_stress, resultants
+from plymotion.solver.strength import criteria_of
+from plymotion.solver.strength.beam_bodies import body_strength, resultants
 
 LENGTH, WIDTH, HEIGHT = 0.5, 0.02, 0.05
 E, NU, RHO = STEEL["E"], STEEL["nu"], STEEL["rho"]
@@ -41,6 +42,7 @@ LAYUP = plies_of(("cfrp", 30.0), ("cfrp", -30.0), ("cfrp", 90.0), ("cfrp", 0.0))
 LAMINATE = rectangle_recovery(
     WIDTH, HEIGHT, LAYUP, {"cfrp": {**PLY, "strength": PLY_STRENGTH}}, columns=5
 )
+PLY_CRITERIA = criteria_of(strengths(LAMINATE)["cfrp"])
 
 
 def coupled() -> np.ndarray:
@@ -176,7 +178,7 @@ def quasi_static(package: ModalPackage, force_B: np.ndarray) -> np.ndarray:
 def root_stress(package: ModalPackage, q: np.ndarray) -> np.ndarray:
     assert package.recovery is not None
     assert package.recovery.station_x[0] == 0.0
-    return ply_stress(package, 0, q)[0, :, 0]
+    return beam_ply_stress(package, 0, q)[0, :, 0]
 
 
 FORCE = np.array([0.0, 300.0, -800.0])  # at the tip, body axes [N]
@@ -189,7 +191,7 @@ def beam_theory() -> np.ndarray:
 
 
 def test_stress_at_the_root_under_a_tip_load() -> None:
-    """A static shape gives M z / I to round-off; eigenmodes come near it with their number."""
+    """A static shape gives M z / I to round-off; eigenmodes converge to it with their number."""
     expected = beam_theory()
     largest = np.abs(expected).max()
     errors = []
@@ -215,7 +217,7 @@ def test_stress_at_the_root_under_a_tip_load() -> None:
 
 @pytest.mark.parametrize("x2_axis", [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, -0.6, 0.8]])
 def test_section_axes_turn_with_the_section(x2_axis: list[float]) -> None:
-    """The same load along the section's axes makes the same resultants."""
+    """The same load along the section's axes gives the same resultants."""
     _, package = body(STEEL_BAR, 6, 20, x2_axis=x2_axis)
     assert package.recovery is not None
     F = resultants(package, quasi_static(package, package.recovery.A_BE @ FORCE))[0, :, 0]
@@ -243,14 +245,14 @@ def motion(package: ModalPackage, instants: int = 333) -> tuple[np.ndarray, np.n
 
 
 def test_lowest_ratio_is_that_of_looking_everywhere() -> None:
-    """Every station, point and instant by ply_stress, against the search."""
+    """Every station, point and instant by beam_ply_stress, against the search."""
     _, package = body(LAMINATE, 3, 10)
     t, q = motion(package)
     found = body_strength(package, t, q)
     assert found is not None
     assert found.worst.keys() == {c.name for c in PLY_CRITERIA}
     (ply,) = strengths(LAMINATE).values()
-    stress_of = [ply_stress(package, s, q) for s in range(len(found.station_x))]
+    stress_of = [beam_ply_stress(package, s, q) for s in range(len(found.station_x))]
     for criterion in PLY_CRITERIA:
         worst = found.worst[criterion.name]
         everywhere = np.array([criterion.assess(stress, ply).exposure for stress in stress_of])
@@ -267,10 +269,10 @@ def test_lowest_ratio_is_that_of_looking_everywhere() -> None:
 
 
 def test_ply_stress_is_that_of_the_resultants() -> None:
-    """Two routes: modes to plies; statics, beam theory and turning by hand."""
+    """Two routes: modes to plies; statics, beam theory and rotation by hand."""
     _, package = body(LAMINATE, 16)
     q = quasi_static(package, FORCE)
-    stress = ply_stress(package, 0, q)[0]
+    stress = beam_ply_stress(package, 0, q)[0]
     # By hand: s11 in section axes, then s11 cos^2, s11 sin^2, -s11 sin cos in the ply.
     s11 = -LENGTH * FORCE[2] * LAMINATE.points[:, 1] / I2
     s11 = s11 - LENGTH * FORCE[1] * LAMINATE.points[:, 0] / I3
@@ -293,7 +295,7 @@ def test_ply_stress_is_that_of_the_resultants() -> None:
 
 
 def test_metal_and_plies_are_judged_apart() -> None:
-    """Steel has the ply criteria's silence; of two materials the weaker one governs."""
+    """Ply criteria ignore steel; of two materials the weaker one governs."""
     materials = {
         "steel": {**STEEL, "strength": {"yield_stress": 1.0}},
         "cfrp": {**PLY, "strength": PLY_STRENGTH},
@@ -324,9 +326,6 @@ def test_nothing_is_said_without_strengths_or_recovery() -> None:
     assert body_strength(bare, t, q) is None
     with pytest.raises(ValueError, match="arm: the package has no recovery of resultants"):
         resultants(bare, q)
-    sections = (dataclasses.replace(bar, recovery=None),)
-    with pytest.raises(ValueError, match="section bar has no recovery of stresses"):
-        ply_stress(dataclasses.replace(package, sections=sections), 0, q)
 
 
 def test_body_at_rest_never_fails() -> None:

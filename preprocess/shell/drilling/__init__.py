@@ -1,4 +1,4 @@
-"""Stiffness against the rotation about the normal: one file a form; see contract.py."""
+"""Stiffness against the rotation about the normal: one file for each form; see contract.py."""
 
 from ....solver.math.catalogue import catalogue, listed
 from ....solver.package.shell import elements

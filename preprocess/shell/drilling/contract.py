@@ -1,7 +1,7 @@
-"""What the file of a drilling stiffness supplies.
+"""Contract of a drilling stiffness: what its file supplies.
 
 It is one file of this folder with an object of class `Drilling`, and a line in `DRILLINGS` of
-solver/package/shell/elements.py, from which descriptions and their manual take the names.
+solver/package/shell/elements.py, the source of the names in descriptions and in their manual.
 
     stiffness(t, A, factor) -> (c, 9, 9) [N/m, N, N m]
 
@@ -28,9 +28,9 @@ class Drilling:
     ----------
     name : in `[elements]` of a shell description
     stiffness : see above
-    turns_free : a flat part keeps a motion without energy, all nodes turning alike: a warning
+    free_rotation : a flat part has a zero-energy motion, equal rotation of all nodes: a warning
     """
 
     name: str
     stiffness: Callable[[Triangles, Array, float], Array]
-    turns_free: bool = False
+    free_rotation: bool = False

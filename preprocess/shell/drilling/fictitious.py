@@ -12,10 +12,10 @@ DIFFERENCES = 1.5 * np.eye(3) - 0.5  # [1 -1/2 -1/2; ..]
 def fictitious(t: Triangles, A: Array, factor: float) -> Array:
     """Stiffness factor A66 area [1 -1/2 -1/2; -1/2 1 -1/2; -1/2 -1/2 1] of (tz1, tz2, tz3).
 
-    It removes the singularity of nodes whose triangles lie in one plane. Three equal tz have no
+    It removes the singularity of nodes with all triangles in one plane. Three equal tz have no
     energy for any motion of the triangle. A flat shell therefore keeps one zero-frequency mode, and
-    the rotation of the triangle about its normal is not coupled with tz. No factor suits warped
-    shells.
+    the rotation of the triangle about its normal is not coupled with tz. No factor is suitable for
+    warped shells.
 
     Returns
     -------
@@ -26,4 +26,4 @@ def fictitious(t: Triangles, A: Array, factor: float) -> Array:
     return K
 
 
-DRILLING = Drilling("fictitious", fictitious, turns_free=True)
+DRILLING = Drilling("fictitious", fictitious, free_rotation=True)

@@ -1,4 +1,4 @@
-"""Stretching of a flat triangle: one file an element; contract.py says what it supplies."""
+"""Membrane of a flat triangle: one file for each element; see contract.py."""
 
 from ....solver.math.catalogue import catalogue, listed
 from ....solver.package.shell import elements

@@ -1,7 +1,7 @@
-"""What the file of a membrane supplies.
+"""Contract of a membrane: what its file supplies.
 
 A membrane is one file of this folder with an object of class `Membrane`, and a line in `MEMBRANES`
-of solver/package/shell/elements.py: from there descriptions and their manual take the names.
+of solver/package/shell/elements.py, the source of the names in descriptions and in their manual.
 CONTRIBUTING.md has the recipe.
 
     strains(t, A, beta0) -> MembraneStrains
@@ -11,8 +11,8 @@ CONTRIBUTING.md has the recipe.
     beta0  number, or "felippa"; of "opt" alone, others ignore it
 
 gives strain per unit of the nine degrees of freedom (u, v, tz) of corners 1, 2, 3 [m, rad], tz the
-rotation about e3, and stiffness beside that of the strain. A rigid motion has neither. strains.py
-has what the membranes share.
+rotation about e3, and a stiffness in addition to that of the strain. Both are zero for a rigid
+motion. strains.py has the common parts of the membranes.
 """
 
 from collections.abc import Callable
@@ -25,16 +25,16 @@ from .strains import MembraneStrains
 
 @dataclass(frozen=True)
 class Membrane:
-    """Stretching of a flat triangle.
+    """Membrane of a flat triangle.
 
     Attributes
     ----------
     name : in `[elements]` of a shell description
     strains : see above
-    rotations : whether it gives stiffness to tz; without, `drilling` does
-    bow : a side of length L leaves its chord by bow L/12 (tz_j - tz_i) on average, which loads
-        along the side feel; 0: straight sides
-    stiff_in_plane : far too stiff in bending of a narrow wall in its own plane: a warning
+    rotations : True if it gives stiffness to tz; otherwise `drilling` does
+    bow : mean distance of a side of length L from its chord is bow L/12 (tz_j - tz_i), with an
+     effect on loads along the side; 0: straight sides
+    stiff_in_plane : True if it is far too stiff in in-plane bending of a narrow wall: a warning
     """
 
     name: str

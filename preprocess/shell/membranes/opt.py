@@ -29,8 +29,8 @@ SIDE_SUM = np.einsum("pia,pjb->ijab", AT_SIDES, AT_SIDES).reshape(9, 9)
 def opt(t: Triangles, A: Array, beta0: float | str) -> MembraneStrains:
     """Strains of the optimal triangle, and its higher-order stiffness.
 
-    The basic strain is constant, that of the linear triangle with corner i moved on by
-    -(3/4) e3 x r_i tz_i, r_i from the centroid:
+    The basic strain is constant: the strain of the linear triangle with corner i displaced in
+    addition by -(3/4) e3 x r_i tz_i, r_i from the centroid:
 
         e = sum_i (gx u', gy v', gy u' + gx v')_i,   u' = u + (3/4) y tz,   v' = v - (3/4) x tz.
 
@@ -60,7 +60,7 @@ def opt(t: Triangles, A: Array, beta0: float | str) -> MembraneStrains:
 
 
 def best_beta0(A: Array) -> Array:
-    """Factor for correct in-plane bending, on average over the directions, (c|1,).
+    """Factor beta0 for correct in-plane bending, on average over the directions, (c|1,).
 
     beta0 = 256 det(E)/W - 3/2 for any scale of E, at least 0.01; (1 - 4 nu^2)/2 where isotropic.
 

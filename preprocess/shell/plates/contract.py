@@ -1,7 +1,7 @@
-"""What the file of a plate supplies.
+"""Contract of a plate: what its file supplies.
 
 A plate is one file of this folder with an object of class `Plate`, and a line in `PLATES` of
-solver/package/shell/elements.py: from there descriptions and their manual take the names.
+solver/package/shell/elements.py, the source of the names in descriptions and in their manual.
 CONTRIBUTING.md has the recipe.
 
     strains(t, D, Ds) -> PlateStrains
@@ -12,7 +12,7 @@ CONTRIBUTING.md has the recipe.
 
 gives curvature and shear strain per unit of the nine degrees of freedom (w, bx, by) of corners
 1, 2, 3 [m, rad]: w the deflection along e3, (bx, by) the rotation of the normal, u = z bx and
-v = z by. A rigid motion has no strain. strains.py has what the plates share.
+v = z by. A rigid motion has no strain. strains.py has the common parts of the plates.
 """
 
 from collections.abc import Callable

@@ -7,8 +7,8 @@ from ..triangles import END, START, Triangles
 from .contract import Plate
 from .strains import PlateStrains, curvature, side_differences
 
-# `shear_ratio` above which the incompatible sides of this element have an effect: the error is some
-# 2 % of constant curvature on an irregular patch, and of deflections of laminated plates.
+# `shear_ratio` above which the incompatible sides of this element have an effect: the error is
+# about 2 % in constant curvature on an irregular patch, and in deflections of laminated plates.
 SHEAR_RATIO_LIMIT = 0.1
 
 

@@ -10,8 +10,8 @@ from typing import Any
 from ...errors import InputError
 from ...package.common.container import temporary_sibling
 from ...package.common.shares import by_mesh, mesh_key
-from ..fenicsx_side.crew import outcomes
 from ..fenicsx_side.interpreter import find_interpreter
+from ..fenicsx_side.workers import outcomes
 from .entries import Entry
 
 SpecOf = Callable[[Entry], dict[str, Any]]  # checks a description; raises InputError

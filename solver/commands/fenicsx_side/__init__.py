@@ -1,1 +1,1 @@
-"""The preprocessor in its own Python: find it, start it, distribute work over several processes."""
+"""The preprocessor in its own Python: find, start, and distribute work over several processes."""

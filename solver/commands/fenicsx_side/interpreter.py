@@ -84,18 +84,18 @@ def recorded(folder: Path) -> str | None:
 def find_interpreter() -> str:
     """The Python to run the preprocessor with.
 
-    $FENICSX_PYTHON if it is set; what `make fenicsx` recorded; the first of `candidates`.
+    The first of: $FENICSX_PYTHON, the interpreter that `make fenicsx` recorded, `candidates`.
 
     Raises
     ------
     InputError
-        None has FEniCSx; the message says what is missing where, and what to do.
+        None has FEniCSx; the message names the missing parts of each, and the remedy.
     """
-    if wish := os.environ.get("FENICSX_PYTHON"):
-        report = probe(wish)
+    if python := os.environ.get("FENICSX_PYTHON"):
+        report = probe(python)
         if not usable(report):
-            raise InputError(f"FENICSX_PYTHON = {wish}: cannot use FEniCSx: {reasons(report)}")
-        return wish
+            raise InputError(f"FENICSX_PYTHON = {python}: cannot use FEniCSx: {reasons(report)}")
+        return python
     folders = checkouts()
     for folder in folders:
         if python := recorded(folder):
@@ -104,7 +104,7 @@ def find_interpreter() -> str:
     if found is None:
         tried = "".join(f"\n  {report['python']}: {reasons(report)}" for report in refused)
         raise InputError(
-            "no Python with FEniCSx here; run `make fenicsx` in a checkout of Plymotion, or set "
+            "no Python with FEniCSx found; run `make fenicsx` in a checkout of Plymotion, or set "
             f"FENICSX_PYTHON to one with real-scalar DOLFINx, slepc4py and gmsh. Tried:{tried}"
         )
     return str(found["python"])

@@ -1,4 +1,4 @@
-"""Start the preprocessor in the Python with FEniCSx, and communicate with it line by line."""
+"""Start the preprocessor in the Python with FEniCSx and exchange lines of text with it."""
 
 import contextlib
 import json
@@ -18,7 +18,7 @@ import plymotion
 Line = dict[str, Any]  # {"progress": text}, or an outcome as in preprocess/batch.py
 # Variables of this process's MPI job, if any; a worker must not join it.
 LAUNCHER = ("OMPI_", "PMI_", "PMIX_", "MPI_LOCAL")
-GRACE = 2.0  # time for an interrupted process to clean up [s]
+CLEANUP_TIMEOUT = 2.0  # time for an interrupted process to clean up [s]
 
 
 @contextmanager
@@ -50,7 +50,7 @@ def environment(folder: Path) -> dict[str, str]:
     }
     paths = [str(folder), *filter(None, [variables.get("PYTHONPATH")])]
     variables["PYTHONPATH"] = os.pathsep.join(paths)
-    variables.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads are of no use for small matrices
+    variables.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads do not help with small matrices
     return variables
 
 
@@ -63,7 +63,7 @@ class Worker:
     folder : folder that contains `plymotion`
     command : of the preprocessor that reads names from standard input: section, shell
     options : of the command
-    hear : called with (worker, line) from a separate thread; line None: the process has ended
+    on_line : called with (worker, line) from a separate thread; line None: the process has ended
     """
 
     def __init__(
@@ -72,7 +72,7 @@ class Worker:
         folder: Path,
         command: str,
         options: Sequence[str],
-        hear: "Callable[[Worker, Line | None], None]",
+        on_line: "Callable[[Worker, Line | None], None]",
     ) -> None:
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115  as long as the process
         # -P: modules of the current folder must not shadow installed ones. A new session:
@@ -87,19 +87,19 @@ class Worker:
             encoding="utf-8",
             start_new_session=True,
         )
-        self._hear = hear
-        self._thread = threading.Thread(target=self._listen, daemon=True)
+        self._on_line = on_line
+        self._thread = threading.Thread(target=self._read_lines, daemon=True)
         self._thread.start()
 
-    def give(self, spec: Path) -> None:
+    def request(self, spec: Path) -> None:
         """Request one file."""
         assert self._process.stdin is not None
         with contextlib.suppress(BrokenPipeError):  # it has ended: the thread reports this
             self._process.stdin.write(f"{spec}\n")
             self._process.stdin.flush()
 
-    def dismiss(self) -> None:
-        """Signal that there is no more work: the process ends."""
+    def close(self) -> None:
+        """Close standard input: no more work, the process ends."""
         assert self._process.stdin is not None
         with contextlib.suppress(BrokenPipeError):
             self._process.stdin.close()
@@ -108,10 +108,10 @@ class Worker:
         """Interrupt the process; it removes its unfinished file."""
         self._signal(signal.SIGINT)
 
-    def end(self, patience: float) -> None:
-        """Wait for the process for `patience` [s], then kill it."""
+    def end(self, timeout: float) -> None:
+        """Wait for the process for `timeout` [s], then kill it."""
         try:
-            self._process.wait(patience)
+            self._process.wait(timeout)
         except subprocess.TimeoutExpired:
             self._signal(signal.SIGKILL)
             self._process.wait()
@@ -126,7 +126,7 @@ class Worker:
         """Exit code of the process; negative: ended by that signal."""
         return self._process.wait()
 
-    def last_words(self) -> str:
+    def end_reason(self) -> str:
         """Reason of its end: exit code or signal, and the last lines of its standard error."""
         code = self.exit_code()
         self._errors.seek(0)
@@ -135,8 +135,8 @@ class Worker:
         how = f"killed by signal {-code}" if code < 0 else f"ended with code {code}"
         return "\n".join([how, *text.splitlines()[-5:]])
 
-    def _listen(self) -> None:
+    def _read_lines(self) -> None:
         assert self._process.stdout is not None
         for text in self._process.stdout:
-            self._hear(self, json.loads(text))
-        self._hear(self, None)
+            self._on_line(self, json.loads(text))
+        self._on_line(self, None)

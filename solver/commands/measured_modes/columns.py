@@ -1,4 +1,4 @@
-"""Columns of numbers from a CSV file whose first line names them."""
+"""Columns of numbers from a CSV file with the names in its first line."""
 
 import csv
 from pathlib import Path
@@ -79,6 +79,8 @@ def _number(file: Path, line: int, column: str, text: str) -> float:
     except ValueError:
         value = float("nan")
     if not np.isfinite(value) or (column == "node" and value != round(value)):
-        wish = "a whole number" if column == "node" else "a number with a decimal point"
-        raise InputError(f"{file}:{line}: column {column!r}: expected {wish}, found {text!r}")
+        expectation = "a whole number" if column == "node" else "a number with a decimal point"
+        raise InputError(
+            f"{file}:{line}: column {column!r}: expected {expectation}, found {text!r}"
+        )
     return value

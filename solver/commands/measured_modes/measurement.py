@@ -36,7 +36,7 @@ class Measurement:
     node_mass : (n,) [kg]
     node_inertia_B : (n, 3, 3) about the node [kg m2]
     shapes_B : (m, n, 6) displacements and rotations, any scale; zero where not measured
-    turns : whether rotations were measured, in every mode
+    has_rotations : whether rotations were measured, in every mode
     frequencies : (m,) [rad/s]
     damping_ratios : (m,)
     labels : m names
@@ -49,7 +49,7 @@ class Measurement:
     node_mass: Array
     node_inertia_B: Array
     shapes_B: Array
-    turns: bool
+    has_rotations: bool
     frequencies: Array
     damping_ratios: Array
     labels: tuple[str, ...]
@@ -83,13 +83,13 @@ def load_measurement(file: Path) -> Measurement:
     inertia = np.zeros((len(node_ids), 3, 3))
     for name, (i, j) in INERTIAS.items():
         inertia[:, i, j] = inertia[:, j, i] = columns.get(name, 0.0)
-    still = keys.interfaces[keys.reference.at].nodes if keys.reference.at else []
+    held = keys.interfaces[keys.reference.at].nodes if keys.reference.at else []
     modes = sorted(keys.modes, key=lambda mode: mode.frequency_hz)
-    shapes, turns = [], True
+    shapes, has_rotations = [], True
     for mode in modes:
-        shape, turned = _shape(file.parent / mode.shape, node_ids, still)
+        shape, complete = _shape(file.parent / mode.shape, node_ids, held)
         shapes.append(shape)
-        turns = turns and turned
+        has_rotations = has_rotations and complete
     names = [file.name, keys.nodes, *(mode.shape for mode in modes)]
     return Measurement(
         table=keys,
@@ -98,7 +98,7 @@ def load_measurement(file: Path) -> Measurement:
         node_mass=columns["mass"],
         node_inertia_B=inertia,
         shapes_B=np.array(shapes),
-        turns=turns,
+        has_rotations=has_rotations,
         frequencies=2.0 * np.pi * np.array([mode.frequency_hz for mode in modes]),
         damping_ratios=np.array([mode.damping_ratio for mode in modes]),
         labels=tuple(mode.label or Path(mode.shape).stem for mode in modes),
@@ -124,19 +124,19 @@ def _unknown_nodes(file: Path, keys: MeasuredFile, node_ids: IntArray) -> list[s
     return found
 
 
-def _shape(file: Path, node_ids: IntArray, still: list[int]) -> tuple[Array, bool]:
+def _shape(file: Path, node_ids: IntArray, held: list[int]) -> tuple[Array, bool]:
     """Shape (n, 6) from a file, zero for missing columns; whether it has all rotations.
 
-    Nodes in `still` were held and may be omitted.
+    Nodes in `held` were held and may be omitted.
     """
     ids, columns = read_columns(file, (), TRANSLATIONS + ROTATIONS)
     if not any(name in columns for name in TRANSLATIONS):
         raise InputError(f"{file}: expected a column {', '.join(TRANSLATIONS)}, or several")
     known, measured = node_ids.tolist(), ids.tolist()
-    strange = sorted(set(measured) - set(known))
-    missing = sorted(set(known) - set(measured) - set(still))
-    if strange:
-        raise InputError(f"{file}: node {strange[0]}: expected one of the nodes of the test")
+    unknown = sorted(set(measured) - set(known))
+    missing = sorted(set(known) - set(measured) - set(held))
+    if unknown:
+        raise InputError(f"{file}: node {unknown[0]}: expected one of the nodes of the test")
     if missing:
         raise InputError(
             f"{file}: node {missing[0]}{' and others' if len(missing) > 1 else ''}: missing; "

@@ -84,11 +84,11 @@ def _interface(measured: Measurement, name: str, out: Corrected) -> Interface:
     mean = out.shapes_B[:, rows].mean(axis=1)
     position = measured.nodes_B[rows].mean(axis=0)
     psi = mean[:, 3:].T
-    if not measured.turns and name != measured.table.reference.at:
+    if not measured.has_rotations and name != measured.table.reference.at:
         arms = measured.nodes_B[rows] - position
         psi, rank = _fitted_rotation(arms, out.shapes_B[:, rows, :3])
         if rank < 3:
-            out.doubt(
+            out.add_warning(
                 "interface-without-rotation",
                 f"interface {name}: its {len(rows)} node(s) determine {rank} of 3 rotations "
                 "and none was measured; a joint that constrains rotations there would be wrong. "

@@ -8,7 +8,7 @@ if it is large:
   motions are removed, so that they have no momentum (mean axis);
 - scale: unit modal mass;
 - orthogonality: each shape is made orthogonal to those of lower frequency (Gram-Schmidt).
-  The lowest shapes, which are most important and most accurate, change least. An equal correction
+  The lowest shapes are most important and most accurate; they change least. An equal correction
   of all shapes makes the lowest frequencies of a modified body several times less accurate.
 
 The measured frequencies are kept.
@@ -36,7 +36,7 @@ class Corrected:
     shapes_B: Array
     warnings: list[dict[str, str]] = field(default_factory=list)
 
-    def doubt(self, code: str, message: str) -> None:
+    def add_warning(self, code: str, message: str) -> None:
         """Add a warning."""
         self.warnings.append({"code": code, "message": message})
 
@@ -50,9 +50,9 @@ def corrected_shapes(measured: Measurement) -> Corrected:
     """
     out = Corrected(measured.shapes_B.copy())
     if measured.table.reference.kind == "clamped":
-        _hold(measured, out)
+        _apply_clamped(measured, out)
     else:
-        _float(measured, out)
+        _apply_mean_axis(measured, out)
     _orthonormalise(measured, out)
     return out
 
@@ -64,7 +64,7 @@ def mass_times(measured: Measurement, shapes_B: Array) -> Array:
     return np.concatenate([momentum, spin], axis=-1)
 
 
-def _hold(measured: Measurement, out: Corrected) -> None:
+def _apply_clamped(measured: Measurement, out: Corrected) -> None:
     at = str(measured.table.reference.at)
     rows = measured.rows(at)
     for part, unit in ((slice(0, 3), "displacement"), (slice(3, 6), "rotation")):
@@ -76,23 +76,23 @@ def _hold(measured: Measurement, out: Corrected) -> None:
             raise InputError(
                 f"mode {measured.labels[i]!r}: the {unit} of the held interface {at} is "
                 f"{moved[i] / largest[i]:.1%} of the largest, expected below {HELD:.0%}: "
-                'a body that was not held needs reference.kind = "mean-axis"'
+                'for a body that was not held, use reference.kind = "mean-axis"'
             )
     out.shapes_B[:, rows] = 0.0
 
 
-def _float(measured: Measurement, out: Corrected) -> None:
+def _apply_mean_axis(measured: Measurement, out: Corrected) -> None:
     R = np.moveaxis(rigid_motions(measured.nodes_B), 2, 0)  # (6, n, 6)
     MR, X = mass_times(measured, R), out.shapes_B
     inertia = np.einsum("ink,jnk->ij", R, MR)
-    # nodes on a line without rotary inertia have no inertia about it, and no motion to remove
+    # nodes on a line without rotary inertia have no inertia about the line, so nothing is removed
     share = np.linalg.pinv(inertia, rcond=1e-10, hermitian=True) @ np.einsum("ink,mnk->im", MR, X)
     rigid = np.einsum("im,ink->mnk", share, R)
     before = np.einsum("mnk,mnk->m", X, mass_times(measured, X))
     ratio = np.sqrt(np.einsum("mnk,mnk->m", rigid, mass_times(measured, rigid)) / before)
     out.shapes_B = X - rigid
     for i in np.flatnonzero(ratio > RIGID):
-        out.doubt(
+        out.add_warning(
             "measured-shape-rigid",
             f"mode {measured.labels[i]!r}: {ratio[i]:.0%} of the shape is rigid-body motion "
             f"(expected for a free body: below {RIGID:.0%}); it was removed. Check the nodal "
@@ -111,7 +111,7 @@ def _orthonormalise(measured: Measurement, out: Corrected) -> None:
         )
     if measured.table.mass_normalised:
         for i in np.flatnonzero(np.abs(scale**2 - 1.0) > SCALED):
-            out.doubt(
+            out.add_warning(
                 "measured-modal-mass",
                 f"mode {measured.labels[i]!r}: the nodal masses give a modal mass of "
                 f"{scale[i] ** 2:.3g}, but mass_normalised = true requires 1",
@@ -126,7 +126,7 @@ def _orthonormalise(measured: Measurement, out: Corrected) -> None:
         )
     pairs = np.argwhere(np.abs(np.triu(cosine, 1)) > COUPLED)
     for i, j in pairs:
-        out.doubt(
+        out.add_warning(
             "measured-shapes-coupled",
             f"modes {measured.labels[i]!r} and {measured.labels[j]!r}: cosine "
             f"{cosine[i, j]:.2f} in the nodal masses (modes: below {COUPLED:g}); the second was "

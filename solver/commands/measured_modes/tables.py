@@ -8,10 +8,10 @@ from ...inputs.common.table import Name, Table, unit
 
 
 class MeasuredReference(Table):
-    """`[reference]`: how the body was supported in the test, which is how its frame is tied."""
+    """`[reference]`: support of the body in the test; it defines the reference condition."""
 
     kind: Literal["clamped", "mean-axis"] = Field(
-        description="clamped: one interface was held on a rig; mean-axis: the body hung freely"
+        description="clamped: one interface was fixed to a rig; mean-axis: the body was free"
     )
     at: Name | None = Field(default=None, description="interface that was held, if clamped")
 
@@ -32,14 +32,14 @@ class MeasuredMode(Table):
     damping_ratio: float = Field(
         default=0.0, ge=0, lt=1, description="fraction of critical", json_schema_extra=unit("-")
     )
-    label: str = Field(default="", description="a name for people; absent: the file of the shape")
+    label: str = Field(default="", description="name in results; absent: name of the shape's file")
 
 
 class MeasuredInterface(Table):
     """`[interfaces.NAME]`: where joints, masses and signals attach."""
 
     nodes: list[int] = Field(
-        min_length=1, description="nodes that carry it; its motion is their mean"
+        min_length=1, description="nodes of the interface; its motion is their mean"
     )
 
 
@@ -48,16 +48,16 @@ class MeasuredFile(Table):
 
     format: Literal[1] = Field(description="version of this format")
     body: str = Field(min_length=1, description="name of the body")
-    title: str = Field(default="", description="which test, one line")
+    title: str = Field(default="", description="description of the test, one line")
     nodes: str = Field(
         description="CSV file: node, x, y, z [m], mass [kg] and Jxx, Jyy, Jzz, Jxy, Jxz, Jyz "
         "[kg m2] about the node where known"
     )
     lines: list[list[int]] = Field(
-        default=[], description="nodes to join by lines in pictures, one list a line"
+        default=[], description="nodes connected by lines in pictures, one list for each line"
     )
     mass_normalised: bool = Field(
-        default=False, description="shapes are scaled to unit modal mass: compared with the nodes'"
+        default=False, description="shapes have unit modal mass; compared with the nodal masses"
     )
     reference: MeasuredReference = Field(description="support in the test")
     modes: list[MeasuredMode] = Field(min_length=1, description="measured modes")

@@ -1,1 +1,1 @@
-"""Beam cross-sections on the light side: description, command line, figures, conventions."""
+"""Beam cross-sections without FEniCSx: description, command line, figures, conventions."""

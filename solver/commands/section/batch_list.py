@@ -1,4 +1,4 @@
-"""Which sections a batch is made of: a folder, a pattern, a list, or a study."""
+"""The sections of a batch: a folder, a pattern, a list, or a study."""
 
 import glob
 from pathlib import Path
@@ -15,12 +15,12 @@ def read_list(place: str) -> list[Entry]:
     Parameters
     ----------
     place : a folder of descriptions (*.toml), a pattern such as "sections/box-*.toml", a study
-        (see study.py), or a text file with the name of a description in each line,
-        beside itself; `#` starts a comment
+        (see study.py), or a text file with the name of a description in each line, relative to its
+        folder; `#` starts a comment
 
     Raises
     ------
-    InputError : there is no such thing, it names nothing, or it is wrong.
+    InputError : it does not exist, names no section, or is wrong.
     """
     path = Path(place)
     if path.is_dir():
@@ -32,7 +32,7 @@ def read_list(place: str) -> list[Entry]:
     else:
         found = entries_of(path.parent / name for name in _names(path))
     if not found:
-        raise InputError(f"{place}: it names no section; expected descriptions (*.toml)")
+        raise InputError(f"{place}: names no section; expected descriptions (*.toml)")
     return found
 
 
@@ -41,7 +41,7 @@ def _names(path: Path) -> list[str]:
         text = path.read_text(encoding="utf-8")
     except (FileNotFoundError, UnicodeDecodeError) as error:
         raise InputError(
-            f"{path}: no batch list; expected a folder, a pattern, a study (.toml) or a text file"
+            f"{path}: not a batch list; expected folder, pattern, study (.toml) or text file"
         ) from error
     return [name for line in text.splitlines() if (name := line.split("#")[0].strip())]
 
@@ -49,7 +49,7 @@ def _names(path: Path) -> list[str]:
 def _study_entries(path: Path) -> list[Entry]:
     table = read_toml(path, "batch list")
     if "mesh" in table:
-        raise InputError(f"{path}: this is a section description: give it without --batch")
+        raise InputError(f"{path}: this is a section description: use it without --batch")
     study, variants = study_variants(path, table)
     return [
         Entry(base.name + suffix, base.file, changes)

@@ -1,4 +1,4 @@
-"""The command `plymotion section`: from descriptions to numbers, section files and figures."""
+"""The command `plymotion section`: numbers, section files and figures from descriptions."""
 
 import argparse
 import json
@@ -27,7 +27,7 @@ from .summary import Row, summary_json, summary_text, write_summary
 
 
 def run_section(options: argparse.Namespace) -> int:
-    """Make and show what the options ask for; returns the exit code."""
+    """Make and show the requested results; returns the exit code."""
 
     def show(made: list[Made], requests: list[Request]) -> int:
         if options.batch and not options.check:
@@ -101,7 +101,7 @@ def _show(made: Sequence[Made], titles: dict[str, str], options: argparse.Namesp
 
 
 def _summarise(made: Sequence[Made], options: argparse.Namespace) -> int:
-    """Write and show the table of a batch, tell failures; returns the exit code."""
+    """Write and show the table of a batch, report failures; returns the exit code."""
     rows = []
     for one in made:
         results = None if one.status == "failed" else read_results(one.file)
@@ -116,8 +116,10 @@ def _summarise(made: Sequence[Made], options: argparse.Namespace) -> int:
     else:
         print(summary_text(rows))
         counts = Counter(row.status for row in rows)
-        told = ", ".join(f"{counts[s]} {s}" for s in ("built", "unchanged", "failed") if counts[s])
-        print(f"{told}; table: {files[0]}, {files[1].name}")
+        counted = ", ".join(
+            f"{counts[s]} {s}" for s in ("built", "unchanged", "failed") if counts[s]
+        )
+        print(f"{counted}; table: {files[0]}, {files[1].name}")
     for one in made:
         if one.status == "failed":
             tell_failure(one)
@@ -128,7 +130,7 @@ def figures_of(file: Path) -> list[Path]:
     """Draw the figures of a section file beside it, or return those that are up to date."""
 
     def draw() -> list[Path]:
-        from .figures.section import draw_section  # here: matplotlib takes its time
+        from .figures.section import draw_section  # imported here: matplotlib is slow to import
 
         return draw_section(read_section(file), file.parent)
 

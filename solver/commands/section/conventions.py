@@ -1,9 +1,9 @@
 """A section's matrices in the order, signs and axes of other codes, and at other points.
 
-All these codes take forces, moments, strains and curvatures as vectors, right-handed about the
-axes of the section; they differ in which axis runs along the beam. So a conversion is a
-rotation, and for the blade axes of BeamDyn it may also turn the beam's direction round.
-docs/conventions.md shows the axes and the sources.
+In all these codes forces, moments, strains and curvatures are vectors, right-handed about the axes
+of the section. They differ in the axis along the beam. A conversion is therefore a rotation; for
+the blade axes of BeamDyn it may also reverse the direction of the beam. docs/conventions.md shows
+the axes and the sources.
 """
 
 from collections.abc import Sequence
@@ -24,8 +24,8 @@ _AXES = {
 CODES = (*_AXES, "beamdyn")
 
 # Blade axes of BeamDyn (x to the suction side, y to the trailing edge, z from root to tip) for
-# sections whose x3 points to the suction side. With x2 to the trailing edge, as airfoil
-# coordinates run, x1 points from tip to root.
+# sections whose x3 points to the suction side. With x2 to the trailing edge, as in airfoil
+# coordinates, x1 points from tip to root.
 Axes = Sequence[Sequence[float]] | Array
 BLADE_AXES_TRAILING_EDGE: Axes = ((0, 0, 1), (0, 1, 0), (-1, 0, 0))
 BLADE_AXES_LEADING_EDGE: Axes = ((0, 0, 1), (0, -1, 0), (1, 0, 0))
@@ -48,7 +48,7 @@ def convert(
     source: str = "plymotion",
     blade_axes: Axes = BLADE_AXES_TRAILING_EDGE,
 ) -> Array:
-    """Return a matrix or vector of a section as another code has it.
+    """Return a matrix or vector of a section in the convention of another code.
 
     Parameters
     ----------
@@ -59,16 +59,16 @@ def convert(
         x1, x2, x3; z is x1 or -x1. By default x2 points to the trailing edge and x3 to the
         suction side.
 
-    The reference point stays; BeamDyn wants it on its reference axis: see `transform`.
+    The reference point does not change; BeamDyn needs it on its reference axis: see `transform`.
 
     Raises
     ------
-    InputError : unknown code or kind, wrong shape, axes that are no rotation.
+    InputError : unknown code or kind, wrong shape, axes that are not a rotation.
     """
     old, new = _axes_of(source, blade_axes), _axes_of(to, blade_axes)
     A = new @ old.T  # v_to = A v_source
-    # The strains of a beam that is walked in the other direction change sign, and so do the
-    # forces on the section's face.
+    # If the direction of the beam is reversed, its strains and the forces on the section's face
+    # change sign.
     direction = _direction(old) * _direction(new)
     return _changed(_checked(value, kind), direction * _both(A).T, kind)
 
@@ -79,7 +79,7 @@ def transform(
     rotation: float = 0.0,
     kind: str = "stiffness",
 ) -> Array:
-    """Return a matrix or vector of a section about another reference point and in turned axes.
+    """Return a matrix or vector of a section about another reference point and in rotated axes.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def transform(
     if shift.shape != (2,) or not np.isfinite(shift).all():
         raise InputError(f"translation = {translation!r}: expected x2 and x3 [m]")
     y, z = shift
-    # Strains of the old point are those of the new one and of the arm r = (0, y, z) between
+    # Strains at the old point follow from those at the new one and the arm r = (0, y, z) between
     # them: gamma_old = gamma_new + r x kappa.
     move = np.eye(6)
     move[:3, 3:] = [[0.0, -z, y], [z, 0.0, 0.0], [-y, 0.0, 0.0]]
@@ -107,7 +107,7 @@ def transform(
 
 
 def _changed(value: Array, T: Array, kind: str) -> Array:
-    """Value for new strains, where the old ones are T times the new ones; work stays."""
+    """Value for new strains, with old strains = T times new strains and equal work."""
     if kind == "resultants":
         return np.asarray(T.T @ value)
     if kind == "strains":
@@ -119,12 +119,12 @@ def _changed(value: Array, T: Array, kind: str) -> Array:
 
 
 def _both(A: Array) -> Array:
-    """Rotate forces and moments alike, (6, 6)."""
+    """Rotation of forces and moments, (6, 6)."""
     return np.asarray(np.kron(np.eye(2), A), dtype=np.float64)
 
 
 def _direction(axes: Array) -> float:
-    """Return -1 for axes whose beam axis is -x1."""
+    """Return -1 if the beam axis is -x1, otherwise 1."""
     return -1.0 if axes[:, 0].sum() < 0.0 else 1.0
 
 

@@ -13,34 +13,34 @@ from .conventions import CODES
 FOLDER = Path("build") / "sections"
 
 DESCRIPTION = """\
-Stiffness, mass, centres and stresses of beam cross-sections. FILE describes one (TOML,
-docs/section-description.md), or is a section file (.vtkhdf) to show again. FEniCSx is looked for
-in $FENICSX_PYTHON, where `make fenicsx` found it, python3 and /usr/bin/python3.
+Stiffness, mass, centres and stresses of beam cross-sections. FILE is a description (TOML,
+docs/section-description.md), or a section file (.vtkhdf) to show again. FEniCSx is searched in
+$FENICSX_PYTHON, the Python that `make fenicsx` found, python3 and /usr/bin/python3.
 """
 EPILOG = """\
 Writes DIR/<name>/<name>.vtkhdf, a section file with mesh, plies, warping and stress recovery that
-ParaView opens, and figures beside it. What is there and was made from the same description,
-options and sources is not made again; so an interrupted batch goes on where it was.
+ParaView opens, and figures beside it. Files made from the same description, options and sources
+are not made again, so an interrupted batch continues where it stopped.
 
-A batch (LIST) is a folder of descriptions, a pattern in quotes, a text file with one description a
-line, or a study in TOML: `sections` to vary and [[sweep]] tables of a key and its values (or a CSV
-file with a row of numbers for each). It leaves DIR/summary.csv and .json.
+A batch (LIST) is a folder of descriptions, a pattern in quotes, a text file with one description
+per line, or a study in TOML: `sections` to vary and [[sweep]] tables of a key and its values (or a
+CSV file with a row of numbers for each). It writes DIR/summary.csv and .json.
 
 K relates [F1 F2 F3 M1 M2 M3] to [extension, shear 2, shear 3, twist, bending 2, bending 3] at the
-origin of the description; --order gives it as other codes have it (docs/conventions.md).
+origin of the description; --order gives it in the order of other codes (docs/conventions.md).
 
-exit code: 0 done; 2 something is wrong with the input, the other sections of a batch are made;
-130 interrupted, what is complete is kept.
+exit code: 0 done; 2 wrong input, the other sections of a batch are made; 130 interrupted,
+complete files are kept.
 """
 
 
 def add_section_command(commands: Any, run: Callable[[argparse.Namespace], int]) -> None:
-    """Add `section` to the subcommands of an argument parser; `run` is what it does."""
+    """Add `section` to the subcommands of an argument parser; `run` executes it."""
     texts = {"description": DESCRIPTION, "epilog": EPILOG}
     parser = add_command(commands, "section", run, help="analyse beam cross-sections", **texts)
     what = parser.add_argument_group("what to make")
     what.add_argument("files", nargs="*", type=Path, metavar="FILE", help="section description")
-    what.add_argument("--batch", metavar="LIST", help="many sections, see below")
+    what.add_argument("--batch", metavar="LIST", help="analyse many sections, see below")
     what.add_argument(
         "--shard", type=_shard, metavar="k/N", help="only the k-th of N shares of LIST"
     )
@@ -50,7 +50,7 @@ def add_section_command(commands: Any, run: Callable[[argparse.Namespace], int])
         metavar="A",
         help="refine until the estimated error of K, scaled by sqrt(Kii Kjj), is below A",
     )
-    what.add_argument("--no-estimate", action="store_true", help="no error estimate: quicker")
+    what.add_argument("--no-estimate", action="store_true", help="skip the error estimate (faster)")
     add_shared(what, "figures", help="draw figures (default: for FILE without --json)")
     add_shared(what, "force", "check")
     how = parser.add_argument_group("how and where")

@@ -1,4 +1,4 @@
-"""The highest stresses and the reserve of every ply under given resultants."""
+"""The highest stresses and the strength ratios of every ply under given resultants."""
 
 from dataclasses import dataclass
 
@@ -13,16 +13,16 @@ from ...strength.beam_bodies import unit_stress_M
 
 @dataclass(frozen=True)
 class Reserve:
-    """How far all resultants may grow until a criterion sees failure."""
+    """Factor on all resultants at which a criterion predicts failure."""
 
     ratio: float  # strength ratio R; margin of safety R - 1    [-]
     mode: str
-    point: tuple[float, float]  # x2, x3 where it begins        [m]
+    point: tuple[float, float]  # x2, x3 of the first failure   [m]
 
 
 @dataclass(frozen=True)
 class PlyPeak:
-    """One ply: its highest stresses, and the first failure that each criterion sees."""
+    """One ply: its highest stresses, and the first failure by each criterion."""
 
     ply: Ply
     stress_M: Array  # (6,) of largest size, with sign: 11, 22, 33, 23, 13, 12 [Pa]
@@ -46,7 +46,7 @@ def ply_peaks(recovery: SectionRecovery, F: Array) -> list[PlyPeak]:
     for row, ply in enumerate(recovery.plies):
         points = np.flatnonzero(recovery.ply == row)
         if not len(points):
-            continue  # thinner than the distance of the points
+            continue  # thinner than the distance between the points
         own = stress_M[points]
         largest = own[np.argmax(np.abs(own), axis=0), np.arange(6)]
         reserves = {}

@@ -1,4 +1,4 @@
-"""What a section file says of the beam: read without mesh, warping and recovery."""
+"""The beam properties in a section file, read without mesh, warping and recovery."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,7 +30,7 @@ class SectionResults:
     mass_centre: Array  # (2,)                                  [m]
     warnings: tuple[dict[str, str], ...]  # {"code", "message"}
     dofs: int
-    seconds: float  # that the analysis took when it was made
+    seconds: float  # time of the analysis
     refinements: list[dict[str, float]]  # refine, dofs, error, seconds of each step
 
     @property
@@ -48,7 +48,7 @@ class SectionResults:
 
 
 def read_results(file: Path) -> SectionResults:
-    """Read the numbers of a section file. Raises PackageError if it is none or damaged."""
+    """Read the numbers of a section file. Raises PackageError for another or a damaged file."""
     with open_file(file, PackageError) as hdf:
         identity_notes(file, hdf, SECTION_FILE)
         group = hdf[SECTION_GROUP]

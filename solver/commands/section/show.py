@@ -19,8 +19,8 @@ class Order:
     """Names of rows and columns in one code's order."""
 
     resultants: tuple[str, ...]
-    strains: tuple[str, ...]  # for people
-    keys: tuple[str, ...]  # for programs
+    strains: tuple[str, ...]  # on the screen
+    keys: tuple[str, ...]  # in JSON
 
 
 _BEAM_FIRST = Order(
@@ -53,7 +53,7 @@ def section_json(results: SectionResults, code: str = "plymotion") -> dict[str, 
         "shear_centre": results.shear_centre.tolist(),
         "tension_centre": results.tension_centre.tolist(),
         "mass_centre": results.mass_centre.tolist(),
-        # a code's axes are ours, permuted and reversed: sizes keep their size
+        # a code's axes are a permutation and reversal of ours: magnitudes do not change
         "error_estimate": None if error is None else np.abs(convert(error, code)).tolist(),
         "dofs": results.dofs,
         "seconds": results.seconds,
@@ -62,7 +62,7 @@ def section_json(results: SectionResults, code: str = "plymotion") -> dict[str, 
 
 
 def section_text(results: SectionResults, title: str = "", code: str = "plymotion") -> str:
-    """Return what a user wants to know of a section first, at most 100 columns wide."""
+    """Return the main results of a section, at most 100 columns wide."""
     order = order_of(code)
     signs = (
         "axes x1 along the beam, x2, x3" if code == "plymotion" else f"order and signs of {code}"
@@ -125,7 +125,7 @@ def _effort(results: SectionResults) -> list[str]:
     lines = []
     scaled = results.scaled_error
     if scaled is None:
-        lines.append(f"{'Error estimate':16}not asked for")
+        lines.append(f"{'Error estimate':16}not requested")
     else:
         i, j = np.unravel_index(int(np.argmax(scaled)), scaled.shape)
         names = _BEAM_FIRST.strains

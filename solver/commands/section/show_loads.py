@@ -16,7 +16,7 @@ def load_text(peaks: Sequence[PlyPeak], F: Sequence[float]) -> str:
     width = max([len("region"), *(len(_ply(peak)) for peak in peaks)])
     head = f"{'ply':{width}}{'angle':>7}" + "".join(f"{name:>10}" for name in columns)
     lines = [
-        "Stresses of largest size in each ply [MPa], in its axes, under",
+        "Stresses of largest magnitude in each ply [MPa], in its axes, under",
         loads,
         head,
         *(
@@ -39,7 +39,7 @@ def _margins(peaks: Sequence[PlyPeak], width: int) -> list[str]:
     if not names:
         return lines
     lines += [
-        "Margins of safety: how much all loads may grow until failure, less one",
+        "Margins of safety: load factor at failure minus 1",
         f"{'ply':{width}}{'angle':>7}" + "".join(f"{name:>14}" for name in names),
     ]
     for peak in peaks:

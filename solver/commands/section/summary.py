@@ -1,4 +1,4 @@
-"""The table of a batch: one row a section, as CSV and JSON for programs, as text for the screen."""
+"""The table of a batch, one row for each section: as CSV, as JSON and as text."""
 
 import csv
 import io
@@ -12,7 +12,7 @@ from ...package.common.container import temporary_sibling
 from .results import SectionResults
 from .show import section_json
 
-SHOWN = 40  # rows on the screen: more are for programs
+SHOWN = 40  # most rows on the screen; the files have all
 UPPER = [(i, j) for i in range(6) for j in range(i, 6)]
 
 

@@ -1,4 +1,4 @@
-"""The command `plymotion shell`: from descriptions to numbers, shell files and figures."""
+"""The command `plymotion shell`: numbers, shell files and figures from descriptions."""
 
 import argparse
 import re
@@ -21,7 +21,7 @@ MOST_MODES = 6  # with a figure of their own
 
 
 def run_shell(options: argparse.Namespace) -> int:
-    """Make and show what the options ask for; returns the exit code."""
+    """Make and show the requested results; returns the exit code."""
 
     def table_of(one: Made) -> dict[str, Any]:
         shell = read_shell(one.file)
@@ -61,7 +61,7 @@ def figures_of(shell: ShellFile, file: Path) -> list[Path]:
         return []
 
     def draw() -> list[Path]:
-        from .figures import Picture, draw_shapes  # here: matplotlib takes its time
+        from .figures import Picture, draw_shapes  # imported here: matplotlib is slow to import
 
         shapes = [*((case, "m") for case in shell.cases.displacements_G)]
         titles = [f"{shell.name}: {name}" for name in shell.cases.names]

@@ -1,7 +1,7 @@
-"""Figures of a shell: the deflected surface over the edges of the undeformed one, seen twice.
+"""Figures of a shell: the deflected surface over the edges of the undeformed one, in two views.
 
-Triangles are sorted by depth and drawn as flat polygons: nothing in space is needed for that, and
-a mesh of a hundred thousand cells stays quick.
+Triangles are sorted by depth and drawn as flat polygons, without a 3-D plot. This is fast for a
+mesh of a hundred thousand cells, too.
 """
 
 from collections.abc import Sequence
@@ -15,10 +15,10 @@ from ...math.arrays import Array, IntArray
 from ...report.style import GREY, INK, Canvas, house_style
 
 WIDTH = 8.0  # inches, of two views
-SHOWN = 0.12  # of the size of the shell: how large the largest displacement is drawn
-CREASE = 0.94  # cosine between the normals of neighbours from which their edge is drawn
+SHOWN = 0.12  # size of the largest displacement in the figure, relative to the shell
+CREASE = 0.94  # cosine between the normals of neighbours; below it their edge is drawn
 SLOPES = (0.4, 1.4)  # least and largest height over width of a view
-MANY_CELLS = 4000  # from here on without the lines of the mesh
+MANY_CELLS = 4000  # larger meshes are drawn without mesh lines
 VIEWS = (("from the corner", (1.0, -1.3, 0.9)), ("from the side", (0.25, -1.0, 0.12)))
 _PREFIXES = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"))
 
@@ -29,8 +29,8 @@ class Picture:
 
     title: str
     name: str  # of the file, without its ending
-    displacement: Array  # (n, 3) of the nodes [m]; of a mode: of any size
-    unit: str = "m"  # empty: a mode, whose size says nothing
+    displacement: Array  # (n, 3) of the nodes [m]; arbitrary scale for a mode
+    unit: str = "m"  # empty: a mode, its scale is arbitrary
 
 
 def draw_shapes(
@@ -55,7 +55,7 @@ def draw_shapes(
 
 
 def feature_edges(points: Array, cells: IntArray) -> IntArray:
-    """Edges where the surface ends, forks or has a crease, (e, 2) nodes."""
+    """Edges where the surface ends, branches or has a fold, (e, 2) nodes."""
     a, b, c = np.moveaxis(points[cells], 1, 0)
     normal = np.cross(b - a, c - a)
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
@@ -74,7 +74,7 @@ def feature_edges(points: Array, cells: IntArray) -> IntArray:
 
 
 def magnification(points: Array, displacement: Array) -> float:
-    """Round factor that shows the largest displacement at a share of the size; 0 for none."""
+    """Rounded factor that scales the largest displacement to a share of the size; 0 for none."""
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
     largest = float(np.linalg.norm(displacement, axis=1).max(initial=0.0))
     if not largest > 0.0:
@@ -109,7 +109,7 @@ def _draw(points: Array, cells: IntArray, edges: IntArray, picture: Picture, pat
     shades = size[cells].mean(axis=1) / unit_size
     for axes, (name, _), view, window in zip(panels, VIEWS, views, windows, strict=True):
         surface = _view(axes, points, moved, cells, edges, shades, view, window)
-        if axes is panels[0] and len(cells) <= MANY_CELLS:  # flatter views would drown in lines
+        if axes is panels[0] and len(cells) <= MANY_CELLS:  # lines would cover flatter views
             surface.set(edgecolors=(1.0, 1.0, 1.0, 0.35), linewidths=0.25)
         surface.set_clim(0.0, largest / unit_size or 1.0)
         axes.set_title(name, fontsize=8.5, fontweight="normal", color=GREY)
@@ -117,13 +117,13 @@ def _draw(points: Array, cells: IntArray, edges: IntArray, picture: Picture, pat
     bar.outline.set_visible(False)
     bar.ax.tick_params(labelsize=7.5, length=2, color=GREY)
     bar.set_label(f"|u| [{unit}]", fontsize=8.5)
-    scale = f"displacements x {factor:g}" if picture.unit else "shape of any size"
+    scale = f"displacements x {factor:g}" if picture.unit else "shape of arbitrary scale"
     canvas.figure.text(0.012, 0.012, f"{scale}; grey: undeformed", fontsize=8, color=GREY)
     return canvas.save(path)
 
 
 def _windows(seen: Sequence[Array]) -> tuple[list[tuple[Array, Array]], float]:
-    """Corners of what each view shows, all of one height over width, and that ratio."""
+    """Corners of each view, with equal ratios of height to width, and this ratio."""
     corners = []
     for places in seen:
         low, high = places[:, :2].min(axis=0), places[:, :2].max(axis=0)
@@ -177,6 +177,6 @@ def _tripod(axes: Any, seen: Array, view: Array) -> None:
         tip = foot + length * direction
         style = {"arrowstyle": "-", "color": INK, "lw": 0.8, "shrinkA": 0, "shrinkB": 0}
         axes.annotate("", tip, foot, arrowprops=style)
-        if np.linalg.norm(direction) > 0.25:  # not of one that points at the viewer
+        if np.linalg.norm(direction) > 0.25:  # no label for an axis that points at the viewer
             axes.text(*(foot + 1.35 * length * direction), name, fontsize=7.5, color=INK,
                       ha="center", va="center")  # fmt: skip

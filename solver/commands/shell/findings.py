@@ -1,4 +1,4 @@
-"""What is worth knowing of a shell file: extremes of its load cases, balance of forces, plies."""
+"""Summary of a shell file: extremes of its load cases, balance of forces, plies."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ class LaminatePlies:
 
 @dataclass(frozen=True)
 class CaseFindings:
-    """What a load case does to a shell."""
+    """Summary of a load case of a shell."""
 
     name: str
     largest: float  # |u| of the node that moves most       [m]
@@ -46,7 +46,7 @@ class CaseFindings:
 
 
 def case_findings(shell: ShellFile) -> list[CaseFindings]:
-    """Look at every load case. Raises MaterialError for strengths that cannot be used."""
+    """Summarise every load case. Raises MaterialError for strengths that cannot be used."""
     known = strengths(shell)
     found = []
     for row, name in enumerate(shell.cases.names):
@@ -78,7 +78,7 @@ def total_reaction(shell: ShellFile, case: int) -> Array:
 
 
 def imbalance(shell: ShellFile, load: Array, reactions: Array) -> float:
-    """|load + reactions| over the largest of both, moments by the size of the shell; 0 to 1."""
+    """|load + reactions| over the larger of both, moments divided by the shell's size; 0 to 1."""
     size = float(np.linalg.norm(np.ptp(shell.mesh.nodes_G, axis=0)))
     size += float(np.linalg.norm(shell.mesh.nodes_G, axis=1).max())  # arms about the origin
     scale = np.repeat([1.0, 1.0 / size], 3)
@@ -88,7 +88,7 @@ def imbalance(shell: ShellFile, load: Array, reactions: Array) -> float:
 
 
 def stacking(laminate: ShellLaminate) -> str:
-    """The angles of a laminate as laminators write them, [0/45/-45/90]s."""
+    """The angles of a laminate in the usual short form, [0/45/-45/90]s."""
     plies = laminate.plies
     n = len(plies)
     words = [f"{ply.angle_deg:g}" for ply in plies]
@@ -102,7 +102,7 @@ def stacking(laminate: ShellLaminate) -> str:
 
 
 def _repeated(words: list[str]) -> str:
-    """Words with slashes, the closing bracket and how often they follow each other."""
+    """Angles with slashes, the closing bracket and the number of repetitions."""
     n = len(words)
     for period in range(1, n // 2 + 1):
         if n % period == 0 and words == words[:period] * (n // period):

@@ -11,22 +11,22 @@ FOLDER = Path("build") / "shells"
 
 DESCRIPTION = """\
 Deflections, reactions, ply stresses and natural frequencies of laminated plates and shells. FILE
-describes one (TOML, docs/shell-description.md), or is a shell file (.vtkhdf) to show again.
-FEniCSx is looked for in $FENICSX_PYTHON, where `make fenicsx` found it, python3 and
+is a description (TOML, docs/shell-description.md), or a shell file (.vtkhdf) to show again.
+FEniCSx is searched in $FENICSX_PYTHON, the Python that `make fenicsx` found, python3 and
 /usr/bin/python3.
 """
 EPILOG = """\
 Writes DIR/<name>/<name>.vtkhdf, a shell file with mesh, laminates, displacements, resultants and
-modes that ParaView opens, and figures beside it. What is there and was made from the same
-description and sources is not made again.
+modes that ParaView opens, and figures beside it. Files made from the same
+description and sources are not made again.
 
-exit code: 0 done; 2 something is wrong with the input, the other FILEs are made; 130 interrupted,
-what is complete is kept.
+exit code: 0 done; 2 wrong input, the other FILEs are made; 130 interrupted, complete files are
+kept.
 """
 
 
 def add_shell_command(commands: Any, run: Callable[[argparse.Namespace], int]) -> None:
-    """Add `shell` to the subcommands of an argument parser; `run` is what it does."""
+    """Add `shell` to the subcommands of an argument parser; `run` executes it."""
     texts = {"description": DESCRIPTION, "epilog": EPILOG}
     title = "load cases and frequencies of laminated shells"
     parser = add_command(commands, "shell", run, help=title, **texts)

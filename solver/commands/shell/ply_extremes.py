@@ -14,7 +14,7 @@ LEVELS = ("bottom", "middle", "top")
 
 @dataclass(frozen=True)
 class Reserve:
-    """How far a load may grow until a criterion sees failure, and where that begins."""
+    """Load factor at which a criterion predicts failure, and the position of the failure."""
 
     ratio: float  # strength ratio R; margin of safety R - 1    [-]
     criterion: str

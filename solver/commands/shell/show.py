@@ -10,13 +10,13 @@ from .findings import CaseFindings, case_findings, stacking
 from .ply_extremes import PlyExtreme
 
 ROUND_OFF = 1e-10  # of sqrt(K_ii K_jj): smaller entries are shown as 0
-LINEAR_DEG = 10.0  # rotations from which a linear answer is worth a word
+LINEAR_DEG = 10.0  # rotations above it give a note on linear statics
 SHOWN_STRESSES = (0, 1, 5, 4, 3)  # 33 is 0
 UNITS = {"u": "m", "r": "rad", "N": "N/m", "M": "N", "T": "N/m"}  # by first letter
 
 
 def shell_text(shell: ShellFile) -> str:
-    """Return what a user wants to know of a shell first, at most 100 columns wide."""
+    """Return the main results of a shell, at most 100 columns wide."""
     title = title_of(shell)
     lines = [f"{shell.name}: {title}" if title else shell.name, ""]
     lines += _mesh(shell)
@@ -30,13 +30,13 @@ def shell_text(shell: ShellFile) -> str:
 
 
 def title_of(shell: ShellFile) -> str:
-    """The line that the description gives the shell; empty if it is not there."""
+    """The title in the description; empty if there is none."""
     spec = shell.provenance.get("spec", {})
     return str(spec.get("title", "")) if isinstance(spec, dict) else ""
 
 
 def laminate_lines(laminate: ShellLaminate) -> list[str]:
-    """Return lay-up, stiffness, mass and character of a laminate."""
+    """Return lay-up, stiffness, mass and properties of a laminate."""
     materials = list(dict.fromkeys(ply.material for ply in laminate.plies))
     bottom, top = laminate.plies[0].bottom, laminate.plies[-1].top
     lines = [
@@ -116,7 +116,7 @@ def _case(shell: ShellFile, case: CaseFindings) -> list[str]:
     if case.rotation_deg > LINEAR_DEG:
         lines.append(
             f"{'Note':16}rotations up to {case.rotation_deg:.3g} deg: this is linear statics, "
-            f"right up to about {LINEAR_DEG:g} deg"
+            f"valid up to about {LINEAR_DEG:g} deg"
         )
     probes = zip(shell.probes.names, shell.probes.quantities, shell.probes.values[row], strict=True)
     lines += [
@@ -152,7 +152,7 @@ def _plies(laminate: str, plies: list[PlyExtreme]) -> list[str]:
     names = ("s11", "s22", "s12", "s13", "s23")
     width = max(8, *(len(ply.material) for ply in plies))
     lines = [
-        f"Plies of {laminate}: stress of largest size [MPa] in ply axes, least strength ratio R",
+        f"Plies of {laminate}: largest stress [MPa] in ply axes, lowest strength ratio R",
         f"{'ply':>5} {'material':{width}}{'angle':>8}"
         + "".join(f"{name:>12}" for name in names)
         + f"{'R':>12}",

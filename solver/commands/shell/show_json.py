@@ -90,7 +90,7 @@ def _case(shell: ShellFile, case: CaseFindings) -> dict[str, Any]:
 
 
 def _finite(ratio: float) -> float | None:
-    """The ratio; None without any stress, for which JSON has no number."""
+    """The ratio; None without stress, because JSON has no infinity."""
     return ratio if math.isfinite(ratio) else None
 
 

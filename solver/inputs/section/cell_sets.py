@@ -10,7 +10,7 @@ from ...math.arrays import Array
 
 Mask = NDArray[np.bool_]
 
-WHOLE = "section"  # name of the only region of a mesh that names none
+WHOLE = "section"  # name of the only region of a mesh without named regions
 
 
 def region_sets(
@@ -18,8 +18,8 @@ def region_sets(
 ) -> dict[str, Mask]:
     """Return the regions of a mesh as masks over its plane cells; they may overlap.
 
-    Regions are its named cell sets or groups; if there are none, the values of its integer cell
-    data, called "NAME-VALUE"; if there is none either, the whole mesh, called "section".
+    Regions are its named cell sets or groups. Without these, they are the values of its integer
+    cell data, named "NAME-VALUE". Without cell data, the whole mesh is the region "section".
 
     Parameters
     ----------
@@ -31,12 +31,12 @@ def region_sets(
     Raises
     ------
     InputError
-        No such cell data, or several to choose from.
+        No such cell data, or several candidates.
     """
     data = {}
     for name, values in mesh.cell_data.items():
         of_cells = np.concatenate([np.asarray(values[i]) for i in blocks])
-        if of_cells.size == len(of_cells):  # one value a cell
+        if of_cells.size == len(of_cells):  # one value per cell
             data[name] = of_cells.ravel()
     if region_data is not None:
         if region_data not in data:
@@ -69,7 +69,7 @@ def named_sets(mesh: Any, blocks: list[int]) -> dict[str, Mask]:
     sizes = [len(mesh.cells[i].data) for i in blocks]
     found: dict[str, Mask] = {}
     for name, members in mesh.cell_sets.items():
-        if name.startswith("gmsh:"):  # meshio's own notes
+        if name.startswith("gmsh:"):  # data that meshio adds
             continue
         masks = [np.zeros(size, dtype=bool) for size in sizes]
         for mask, i in zip(masks, blocks, strict=True):

@@ -1,4 +1,4 @@
-"""Another value for a key of a section description."""
+"""Change of keys of a section description."""
 
 import tomllib
 from collections.abc import Mapping
@@ -14,12 +14,12 @@ def changed(table: dict[str, Any], changes: Mapping[str, Any], file: Path) -> di
 
     Parameters
     ----------
-    changes : dotted key, with numbers for places in a list, and its value
+    changes : dotted key, with numbers for positions in a list, and its value
     file : of the table, for messages
 
     Raises
     ------
-    InputError : a key that leads nowhere.
+    InputError : a key that does not exist.
     """
     table = deepcopy(table)
     for key, value in changes.items():
@@ -33,13 +33,13 @@ def changed(table: dict[str, Any], changes: Mapping[str, Any], file: Path) -> di
                 )
             place = place[_at(place, part)]
         if not isinstance(place, dict) and _at(place, last) not in _known(place):
-            raise InputError(f'{file}: {".".join(path)}: holds no {last}, the sweep of "{key}"')
+            raise InputError(f'{file}: {".".join(path)}: has no {last}, the sweep of "{key}"')
         place[_at(place, last)] = value
     return table
 
 
 def _parts(key: str) -> list[str]:
-    """Return the parts of a dotted key, read as TOML reads it."""
+    """Return the parts of a dotted key, by the rules of TOML."""
     parts: list[str] = []
     try:
         inner: Any = tomllib.loads(f"{key} = 0")
@@ -47,7 +47,7 @@ def _parts(key: str) -> list[str]:
             ((part, inner),) = inner.items()
             parts.append(part)
     except ValueError as error:
-        raise InputError(f'sweep.key = "{key}": no dotted key of TOML: {error}') from error
+        raise InputError(f'sweep.key = "{key}": not a dotted key of TOML: {error}') from error
     return parts
 
 
@@ -56,7 +56,7 @@ def _at(place: Any, part: str) -> str | int:
 
 
 def _known(place: Any) -> list[Any]:
-    """Keys of a table, places of a list; a value has none."""
+    """Keys of a table, positions of a list; none of a value."""
     if isinstance(place, dict):
         return list(place)
     return list(range(len(place))) if isinstance(place, list) else []

@@ -21,8 +21,7 @@ class Ply(LayUpPly):
 
     angle_deg: Angle = Field(
         default=0.0,
-        description="fibre direction from x1 towards the layer direction; "
-        "in the sense of `convention`",
+        description="fibre direction from x1 towards the layer direction; sign by `convention`",
         json_schema_extra=unit("deg"),
     )
     thickness: float | None = Field(
@@ -63,21 +62,21 @@ class Laminate(LayUp):
 
 
 class Direction(Table):
-    """`[regions.NAME.direction]`: where the ply angles point to; one of three.
+    """`[regions.NAME.direction]`: layer direction, the reference of ply angles; one of three.
 
-    The layer direction y2 lies in the section; turned by +90 deg (x1 towards the reader) it is
-    the outward normal y3 of the wall, on whose side the first ply is.
+    The layer direction y2 lies in the section. Rotated by +90 deg (x1 towards the reader) it is the
+    outward normal y3 of the wall. The first ply is on the side of y3.
     """
 
     vector: Pair | None = Field(
         default=None,
-        description="y2 itself, of any length; (1, 0) for a top wall, (0, -1) for a right wall",
+        description="y2, of any length; (1, 0) for a top wall, (0, -1) for a right wall",
         json_schema_extra=unit("-"),
     )
     curve: str | None = Field(
         default=None,
         description="name of a physical curve of the mesh: the outer surface of the region. "
-        "y2 follows it; the depth of a ply is the distance from it",
+        "y2 is its tangent; the depth of a ply is the distance from it",
     )
     circle: Pair | None = Field(
         default=None,
@@ -130,7 +129,7 @@ class SectionDescription(Table):
     title: str = Field(description="one line")
     convention: Literal["contour", "cartesian"] | None = Field(
         default=None,
-        description="sense of the ply angles; required as soon as one of them is not 0",
+        description="sign convention of ply angles; required if one of them is not 0",
     )
     mesh: Mesh = Field(description="a shape of the library, or a mesh file")
     materials: dict[Name, Material] = Field(min_length=1, description="elastic materials")

@@ -8,8 +8,8 @@
      "regions": {"top": {"plies": [{"material": "cfrp", "angle_deg": 30.0, "thickness": 1e-4}],
                          "direction": {"vector": [1.0, 0.0]}}}}
 
-Plain JSON, SI and degrees; paths are relative to the working directory. Only what a region uses
-is in it, so that an unused laminate changes nothing.
+Plain JSON, SI and degrees; paths are relative to the working directory. It contains only the
+laminates and materials in use, so an unused laminate has no effect.
 """
 
 from pathlib import Path
@@ -43,12 +43,12 @@ def load_section(file: Path, folder: Path = BUILD) -> dict[str, Any]:
 
 
 def source_files(table: dict[str, Any], file: Path) -> list[Path]:
-    """Return what a section is made from: its description, and a mesh or contour of its own.
+    """Return the source files of a section: its description, and its mesh or contour file.
 
     Parameters
     ----------
-    table : the description, which `section_spec` accepts
-    file : where it comes from
+    table : a valid description, see `section_spec`
+    file : file of the description
     """
     mesh = table["mesh"]
     beside = [file.parent / mesh[key] for key in ("file", "contour") if key in mesh]
@@ -56,12 +56,12 @@ def source_files(table: dict[str, Any], file: Path) -> list[Path]:
 
 
 def section_spec(table: dict[str, Any], file: Path, folder: Path = BUILD) -> dict[str, Any]:
-    """Return the specification of a description that was read already; see `load_section`.
+    """Return the specification of a description already read; see `load_section`.
 
     Parameters
     ----------
     table : the description; its file names are relative to the folder of `file`
-    file : where it comes from, for messages and for the section's name
+    file : file of the description, for messages and for the section's name
     """
     description = checked(table, file)
     problems = check_materials(description.materials)

@@ -1,4 +1,4 @@
-"""Meshes of other programs: meshio reads them, and they become plain arrays with named regions."""
+"""Meshes of other programs, read by meshio into plain arrays with named regions."""
 
 import contextlib
 import io
@@ -12,7 +12,7 @@ from ...errors import InputError
 from ...math.arrays import Array, IntArray
 from .cell_sets import Mask, named_sets, region_sets
 
-# Turned round: the same cell with its nodes counted the other way.
+# Reversed cell: the same cell with its nodes in the opposite order.
 _TURNED = {
     "triangle": [0, 2, 1],
     "triangle6": [0, 2, 1, 5, 4, 3],
@@ -26,7 +26,7 @@ FLAT = 1e-9  # of the size of the mesh
 
 @dataclass(frozen=True)
 class ForeignMesh:
-    """A plane mesh with the sets of cells that its file names; sets may overlap.
+    """A plane mesh with the named sets of cells in its file; sets may overlap.
 
     `n` counts nodes, `c` cells of `k` nodes, `m` line cells.
     """
@@ -88,13 +88,13 @@ def read_foreign(file: Path, where: str, region_data: str | None = None) -> Fore
 
 
 def _read(file: Path, where: str) -> Any:
-    import meshio  # only here: 0.1 s that no other command should pay
+    import meshio  # imported here: takes 0.1 s and only this command needs it
 
     said = io.StringIO()  # meshio prints the reason and exits the interpreter
     try:
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
             return meshio.read(file)
-    except (Exception, SystemExit) as error:  # its readers raise the errors of their parsers
+    except (Exception, SystemExit) as error:  # its readers raise all kinds of errors
         reason = " ".join(said.getvalue().split()) or str(error) or type(error).__name__
         raise InputError(f"{where}: meshio cannot read it: {reason}") from error
 
@@ -126,7 +126,7 @@ def _plane_points(where: str, points: Array, *cells: IntArray) -> tuple[Array, l
 
 
 def _with_centre(points: Array, cells: IntArray) -> tuple[Array, IntArray]:
-    """Give eight-node quadrilaterals the middle node that leaves their geometry as it is."""
+    """Add the middle node to eight-node quadrilaterals; their geometry does not change."""
     corners, sides = points[cells[:, :4]].sum(axis=1), points[cells[:, 4:]].sum(axis=1)
     centre = 0.5 * sides - 0.25 * corners
     number = len(points) + np.arange(len(cells))
@@ -134,7 +134,7 @@ def _with_centre(points: Array, cells: IntArray) -> tuple[Array, IntArray]:
 
 
 def _counterclockwise(points: Array, cells: IntArray, cell_type: str) -> IntArray:
-    """Turn cells whose corners run clockwise: a mesh seen from behind is no fault."""
+    """Reverse clockwise cells: a mesh seen from behind is valid."""
     corners = points[cells[:, : 3 if cell_type.startswith("tri") else 4]]
     x, y = corners[..., 0], corners[..., 1]
     area = (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)

@@ -1,4 +1,4 @@
-"""A foreign mesh as the FE side reads it: plain arrays, each cell in one described region.
+"""A foreign mesh as plain arrays for the preprocessor, each cell in one described region.
 
 An .npz file with
 
@@ -25,13 +25,13 @@ from ...package.common.container import temporary_sibling
 from .foreign import ForeignMesh
 
 
-def assign_regions(mesh: ForeignMesh, names: Iterable[str], rest: str | None) -> IntArray:
-    """Return the region of every cell as a row of `names`, (c,); `rest` comes after the last.
+def assign_regions(mesh: ForeignMesh, names: Iterable[str], default: str | None) -> IntArray:
+    """Return the region of every cell as a row of `names`, (c,); `default` comes after the last.
 
     Parameters
     ----------
     names : described regions, names of sets of the mesh
-    rest : name for all cells that are in none of them; None: there must be no such cell
+    default : name of the region of all other cells; None: there must be no other cell
 
     Raises
     ------
@@ -55,7 +55,7 @@ def assign_regions(mesh: ForeignMesh, names: Iterable[str], rest: str | None) ->
             )
         region[mesh.sets[name]] = row
     bare = region < 0
-    if rest is None and bare.any() and not found:
+    if default is None and bare.any() and not found:
         left = [name for name, mask in mesh.sets.items() if (mask & bare).any()]
         listed = f"; they are in {', '.join(left)}" if left else ""
         found.append(
@@ -73,7 +73,7 @@ def write_arrays(
 ) -> tuple[Path, str]:
     """Write the arrays beside the specification; return the file and its SHA-256.
 
-    The name holds the hash, so that equal content is written once.
+    The name contains the hash, so that equal content is written once.
     """
     rows, curve = np.nonzero(
         np.array(list(mesh.curves.values()), dtype=bool).T.reshape(

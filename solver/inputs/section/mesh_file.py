@@ -1,4 +1,4 @@
-"""Sections on a mesh of one's own: gmsh's files are handed over, others become arrays."""
+"""Sections on a user's mesh: gmsh's files are passed on, others are converted to arrays."""
 
 import os
 from pathlib import Path
@@ -24,15 +24,15 @@ def file_mesh(
     Parameters
     ----------
     description : with a mesh file
-    stacks : plies of each region; one that is wrong elsewhere may lack
-    folder : where relative paths start
+    stacks : plies of each region; a region with another error may be missing
+    folder : base of relative paths
     arrays_folder : where the arrays of a foreign mesh are written
 
     Raises
     ------
     InputError
-        Lines that begin with the key: no such file, unknown or missing regions and curves, layer
-        directions that nobody could guess.
+        Lines that begin with the key: no such file, unknown or missing regions and curves, missing
+        layer directions.
     """
     table, regions = description.mesh, description.regions
     assert isinstance(table, FileMesh)
@@ -127,7 +127,7 @@ def _direction(name: str, region: Region, stacks: Stacks) -> list[str]:
 
 
 def _match(regions: Regions, surfaces: list[str], file: str) -> tuple[dict[str, str], list[str]]:
-    """Return the description of each region of the mesh, and what does not match."""
+    """Return the description of each region of the mesh, and the errors."""
     found = [
         f"regions.{name}: {file} has no physical surface of this name{nearest(name, surfaces)}"
         for name in regions
@@ -146,7 +146,7 @@ def _match(regions: Regions, surfaces: list[str], file: str) -> tuple[dict[str, 
 
 
 def _curves(regions: Regions, curves: Any, file: str) -> list[str]:
-    """Return curves of layer directions that the mesh does not have."""
+    """Return errors for curves of layer directions that the mesh does not have."""
     return [
         f'regions.{name}.direction.curve = "{region.direction.curve}": {file} has no curve of this '
         f"name{nearest(region.direction.curve, curves)}"

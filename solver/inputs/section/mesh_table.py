@@ -7,7 +7,7 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, create_model
 from ..common.table import Table, unit
 from .shapes.library import SHAPES, Parameter, Shape
 
-FILE = "file"  # the member of a union that is no shape
+FILE = "file"  # the member of a union that is not a shape
 
 
 class MeshTable(Table):
@@ -25,7 +25,7 @@ class ShapeMesh(MeshTable):
 
     @property
     def values(self) -> dict[str, Any]:
-        """Sizes as the shape takes them."""
+        """Sizes as arguments of the shape."""
         return self.model_dump(exclude={"shape", "degree"}, exclude_none=True)
 
 
@@ -48,7 +48,7 @@ class FileMesh(MeshTable):
     )
     region_data: str | None = Field(
         default=None,
-        description="neither .msh nor .geo: cell data whose values tell the regions apart, called "
+        description="neither .msh nor .geo: cell data with the number of the region, named "
         "DATA-VALUE; absent: named sets and groups, else the only integer cell data",
     )
 

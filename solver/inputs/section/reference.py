@@ -15,15 +15,15 @@ HEAD = (
     """\
 # The section description
 
-A beam cross-section is one TOML file, checked before anything is computed: unknown keys, names that
-do not exist, values out of bounds and plies that do not fill their wall are errors that name file,
-key, value and expectation. Ready ones lie in `cases/sections/`. This page is generated from
-solver/inputs/section/ by `make docs`.
+A beam cross-section is one TOML file. It is checked before the analysis. Unknown keys, names that
+do not exist, values out of bounds and plies that do not fill their wall are errors. A message names
+file, key, value and expectation. Examples are in `cases/sections/`. `make docs` generates this page
+from solver/inputs/section/.
 
     plymotion section cases/sections/box-layup-2.toml
 
-A case takes one with `[sections.NAME]` and `file = "../sections/box-layup-2.toml"`, see
-[case-reference.md](case-reference.md). Units are SI; degrees only in keys that end in `_deg`.
+A case uses a description with `[sections.NAME]` and `file = "../sections/box-layup-2.toml"`, see
+[case-reference.md](case-reference.md). Units are SI; only keys that end in `_deg` are in degrees.
 
 ```toml
 format = 1
@@ -51,9 +51,9 @@ laminate = "wall"
 
 ## Axes, directions, angles
 
-x1 points along the beam, towards the reader; x2 and x3 are x and y of the mesh, and its origin is
-the reference point of stiffness and mass. Every wall has a layer direction y2, a unit vector in the
-section, and y3 = x1 x y2, which is y2 turned by +90 deg: the outward normal. Around a closed
+x1 points along the beam, towards the reader. x2 and x3 are x and y of the mesh. The origin of the
+mesh is the reference point of stiffness and mass. Every wall has a layer direction y2, a unit
+vector in the section. Its outward normal is y3 = x1 x y2 (y2 rotated by +90 deg). Around a closed
 section y2 runs clockwise.
 
               y3 = (0, 1)                        x3
@@ -69,29 +69,30 @@ section y2 runs clockwise.
            +--------<-----------+
               y2 = (-1, 0)
 
-The fibre of a ply lies at `angle_deg` from x1 towards y2, right-handed about y3. Since y2 turns
-from wall to wall, the same printed lay-up can mean two beams; `convention` says which, and there is
-no default:
+The fibre of a ply lies at `angle_deg` from x1 towards y2, right-handed about y3. The direction of
+y2 differs between walls, so that the same printed lay-up can mean two different beams. `convention`
+selects one; it has no default:
 
 - `"contour"`: y2 as above. One angle on all walls winds around the beam (extension-twist coupling).
-- `"cartesian"`: angles count towards +x2, or towards +x3 on walls where y2 is normal to x2: y2 is
-  turned round where that component is negative. One angle on top and bottom then leans to the same
-  side (bottom and right wall of the box: the other sign). Plies are still listed outermost first.
+- `"cartesian"`: angles are positive towards +x2, or towards +x3 on walls with y2 normal to x2.
+  Where this component of y2 is negative, y2 is reversed. One angle on top and bottom then points to
+  the same side (on the bottom and the right wall of the box, the sign changes). Plies are still
+  listed outermost first.
 
-`convention` may be left out only if every angle is 0.
+`convention` may be omitted only if every angle is 0.
 """
 )
 
 OWN = """\
-## A mesh of your own
+## Your own mesh
 
-Draw the section in the x-y plane, in m (or any unit with `scale`). Every surface belongs to exactly
-one physical surface: its name is the region's. A wall with a laminate needs its layer direction:
-`vector` for a straight wall, `circle` for a round one, and `curve` for any other: name the OUTER
-edge as a physical curve, and the depth of a ply is the distance from it. Mesh lines should follow
-the plies (one element or more for each); if they do not, the stiffness is integrated across the
-ply's face, and a warning says so. Curved walls want degree-2 elements (`Mesh.ElementOrder = 2`);
-the warping inside an element is of degree 2 whatever the mesh.
+Draw the section in the x-y plane, in m (or in another unit with `scale`). Every surface belongs to
+exactly one physical surface, which gives the region its name. A wall with a laminate needs its
+layer direction: `vector` for a straight wall, `circle` for a round wall, and `curve` for any other
+wall. For `curve`, define the OUTER edge as a physical curve; the depth of a ply is the distance
+from it. Mesh lines should follow the plies, with one element or more per ply. Otherwise the
+stiffness is integrated across ply interfaces, with a warning. Use degree-2 elements for curved
+walls (`Mesh.ElementOrder = 2`). The warping within an element has degree 2 for every mesh.
 
 ```
 // half-round.geo: a half tube on a plate, gmsh script
@@ -128,17 +129,18 @@ parameters = { radius = 0.025 }    # .geo only
 
 [regions.arch]
 laminate = "shell"
-direction = { curve = "outer" }    # here circle = [0, 0] says the same
+direction = { curve = "outer" }    # circle = [0, 0] is equivalent here
 
 [regions.plate]
-material = "aluminium"             # a laminate would need vector = [-1, 0]: it looks down
+material = "aluminium"             # a laminate would need vector = [-1, 0]: normal down
 ```
 
-Other meshes go through meshio: Abaqus and CalculiX `.inp` (regions are element sets), MED (groups),
-Nastran `.bdf`, VTK `.vtu`, XDMF and more (integer cell data: the region called `NAME-VALUE`, as
-`MaterialIds-2`). Sets that no table names are ignored, so that a set of all elements does no harm;
-but every element must be in exactly one described region, or in `regions.all`. Cells are triangles
-or quadrilaterals of one kind, of degree 1 or 2. A mesh without any set is one region, `section`.
+meshio reads other meshes. Regions are element sets in Abaqus and CalculiX `.inp`, and groups in
+MED. In Nastran `.bdf`, VTK `.vtu`, XDMF and others they are values of integer cell data, named
+`NAME-VALUE`, such as `MaterialIds-2`. Sets without a table are ignored, for example a set of all
+elements. Every element must be in exactly one described region, or in `regions.all`. Cells are
+triangles or quadrilaterals of one kind, of degree 1 or 2. A mesh without sets is one region,
+`section`.
 """
 
 
@@ -150,7 +152,7 @@ def section_page() -> str:
             *chapters((SectionDescription, Laminate, Ply, Region, Direction, *MATERIAL_TABLES)),
             "## `[mesh]`",
             "",
-            "Either `shape` with the sizes below, or `file`. With both:",
+            "Either `shape` with the sizes below, or `file`. Keys for both:",
             "",
             *keys(MeshTable),
             "",
@@ -166,7 +168,7 @@ def _own(lines: list[str]) -> list[str]:
 
 
 def _shapes() -> list[str]:
-    """Return a chapter per shape: its sizes and its walls."""
+    """Return a section of the page for each shape: its sizes and its walls."""
     out = []
     for name, model in SHAPE_MESHES.items():
         head, _, meaning = str(model.__doc__).partition("\n\n")

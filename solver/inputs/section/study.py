@@ -1,4 +1,4 @@
-"""A study: descriptions of sections, and what is varied in them.
+"""A study: descriptions of sections and the keys that are varied.
 
 format = 1
 sections = ["box.toml", "tube.toml"]      # descriptions, beside this file
@@ -57,7 +57,7 @@ class Study(Table):
     combine: Literal["product", "zip"] = Field(
         default="product", description="all combinations of the sweeps, or one value of each"
     )
-    sweep: list[Sweep] = Field(default=[], description="what is varied")
+    sweep: list[Sweep] = Field(default=[], description="keys to vary")
 
 
 def study_variants(path: Path, table: dict[str, Any]) -> tuple[Study, Variants]:
@@ -65,7 +65,7 @@ def study_variants(path: Path, table: dict[str, Any]) -> tuple[Study, Variants]:
 
     Raises
     ------
-    InputError : a wrong key or value, sweeps that do not go together, a bad CSV file.
+    InputError : a wrong key or value, sweeps of different length, a wrong CSV file.
     """
     try:
         study = Study.model_validate(table)
@@ -97,7 +97,7 @@ def _combinations(path: Path, study: Study) -> Variants:
         variants.append((f"-{suffix}", changes))
     ((suffix, count),) = Counter(suffix for suffix, _ in variants).most_common(1)
     if count > 1:
-        raise InputError(f'{path}: sweep: the name "{suffix[1:]}" is there {count} times')
+        raise InputError(f'{path}: sweep: the name "{suffix[1:]}" occurs {count} times')
     return variants
 
 

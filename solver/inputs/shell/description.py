@@ -55,7 +55,7 @@ class Ply(LayUpPly):
 
 
 class Laminate(LayUp):
-    """`[laminates.NAME]`: plies from BOTTOM to TOP, rising along the normal of the shell.
+    """`[laminates.NAME]`: plies from BOTTOM to TOP along the normal of the shell.
 
     Either `plies`, or the short form of one material: `material`, `angles_deg` and
     `ply_thickness`. Both may be repeated and mirrored, in this order: [0/30]3s is
@@ -82,7 +82,7 @@ class Laminate(LayUp):
     )
     offset: Offset = Field(
         default="mid",
-        description="what of the laminate the mesh is: its mid-plane, its top or bottom face; a "
+        description="position of the mesh in the laminate: mid-plane, top or bottom face; a "
         "number: height of the mid-plane above the mesh, along the normal",
         json_schema_extra=unit("m"),
     )
@@ -104,7 +104,7 @@ class Laminate(LayUp):
 
 
 class AxisAbout(Table):
-    """`axis_about`: e1 runs around an axis, by the right hand."""
+    """`axis_about`: e1 points around an axis, right-handed."""
 
     point: Vector = Field(description="on the axis", json_schema_extra=unit("m"))
     direction: Vector = Field(description="of the axis, of any length", json_schema_extra=unit("-"))
@@ -134,7 +134,7 @@ class Region(Table):
     axis: Vector | None = Field(
         default=None,
         description="reference direction of the plies: e1 is its projection on the shell. Absent: "
-        "x, or y where the shell faces x",
+        "x, or y where the normal is along x",
         json_schema_extra=unit("-"),
     )
     axis_curve: str | None = Field(
@@ -143,7 +143,7 @@ class Region(Table):
     axis_about: AxisAbout | None = Field(default=None, description="instead: around an axis")
     flip: bool = Field(
         default=False,
-        description="true: the normal e3 of the shell is against that of the mesh, so that the "
+        description="true: the normal e3 of the shell is opposite to that of the mesh; the "
         "plies start at the other face",
     )
 
@@ -174,7 +174,7 @@ else:
 
 
 class Elements(Table):
-    """`[elements]`: which triangle; the defaults are the best of them."""
+    """`[elements]`: type of the triangles; the defaults are the most accurate."""
 
     plate: Plate = Field(
         default=elements.PLATE, description=f"bending and transverse shear: {in_words(PLATES)}"
@@ -200,7 +200,7 @@ class Elements(Table):
 
 
 class Stiffener(Table):
-    """`[stiffeners.NAME]`: a beam along edges of the mesh, sharing its nodes.
+    """`[stiffeners.NAME]`: a beam along edges of the mesh, with the nodes of the mesh.
 
     Section axes: x1 along the curve in the direction that gmsh gives it, x3 the normal e3 of the
     shell, x2 = x3 x x1.
@@ -229,7 +229,7 @@ class Stiffener(Table):
     )
     offset: Pair = Field(
         default=[0.0, 0.0],
-        description="place of the section's reference point from the edge, along x2 and x3",
+        description="position of the section's reference point from the edge, along x2 and x3",
         json_schema_extra=unit("m"),
     )
 
@@ -264,7 +264,7 @@ class ShellDescription(Table):
     loads: dict[Name, dict[Name, Load]] = Field(
         default={}, description="`[loads.CASE.NAME]`: load cases, each the sum of its loads"
     )
-    probes: dict[Name, Probe] = Field(default={}, description="numbers to show for each load case")
+    probes: dict[Name, Probe] = Field(default={}, description="values to show for each load case")
     frequencies: Frequencies | None = Field(
         default=None, description="natural frequencies; absent: none"
     )

@@ -12,7 +12,7 @@
      "probes": {...}, "frequencies": {"count": 6, "free": false}}
 
 Plain JSON, SI and degrees; paths are relative to the working directory, plies one by one from
-bottom to top. Materials and laminates that no region uses are left out.
+bottom to top. Materials and laminates that no region uses are omitted.
 """
 
 import os
@@ -43,12 +43,12 @@ def load_shell(file: Path) -> dict[str, Any]:
 
 
 def shell_spec(table: dict[str, Any], file: Path) -> dict[str, Any]:
-    """Return the specification of a description that was read already; see `load_shell`.
+    """Return the specification of a description already read; see `load_shell`.
 
     Parameters
     ----------
     table : the description; its file names are relative to the folder of `file`
-    file : where it comes from, for messages and for the shell's name
+    file : file of the description, for messages and for the shell's name
     """
     description = checked(table, file)
     problems = [
@@ -137,7 +137,7 @@ def _mesh(table: Mesh, folder: Path) -> dict[str, Any]:
 
 
 def _regions(description: ShellDescription) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Laminates that are used, and the regions with the names of theirs."""
+    """Laminates in use, and the regions with the names of their laminates."""
     laminates: dict[str, Any] = {}
     regions: dict[str, Any] = {}
     for name, region in description.regions.items():
@@ -189,7 +189,7 @@ def _unknown(key: str, materials: Iterable[str], description: ShellDescription) 
 
 
 def _directed(name: str, region: Region, description: ShellDescription) -> list[str]:
-    """What is missing: where plies with directions point to has no default."""
+    """Errors for missing reference directions: an orthotropic ply needs one."""
     if (region.axis, region.axis_curve, region.axis_about) != (None, None, None):
         return []
     laminate = description.laminates.get(region.laminate or "")
@@ -204,14 +204,14 @@ def _directed(name: str, region: Region, description: ShellDescription) -> list[
 
 
 def _groups(description: ShellDescription, file: Path) -> list[str]:
-    """Names that a .msh file does not have; only gmsh knows those of a script."""
+    """Errors for names that a .msh file does not have; only gmsh knows the names in a script."""
     if file.suffix != ".msh":
         return []
     points, curves, surfaces = physical_groups(file)
     if not surfaces:
         return [
             f'mesh.file = "{description.mesh.file}": no physical surface of it has a name, '
-            'expected one per region, like Physical Surface("skin") = {1};'
+            'expected one per region, such as Physical Surface("skin") = {1};'
         ]
     found = [
         f"regions.{name}: {file.name} has no physical surface of this name{nearest(name, surfaces)}"
@@ -258,7 +258,7 @@ def _places(description: ShellDescription) -> list[tuple[str, str]]:
 
 
 def _loads_on_links(description: ShellDescription) -> list[str]:
-    """Distributed loads on a reference point, which has neither length nor area."""
+    """Errors for distributed loads on a reference point: it has no length and no area."""
     return [
         f'loads.{case}.{name}.at = "{load.at}": a link takes `force` or `moment` only'
         for case, loads in description.loads.items()

@@ -23,7 +23,7 @@ Asked = Literal[
 
 
 def _as_list(value: object) -> object:
-    """Accept one word instead of a list of one."""
+    """Accept one name instead of a list of one."""
     return [value] if isinstance(value, str) else value
 
 
@@ -32,7 +32,7 @@ class Link(Table):
 
     at: str = Field(description="physical point, curve or surface")
     kind: LinkKind = Field(
-        description="rigid: the group moves as one with the point; average: the point follows "
+        description="rigid: group and point move as a rigid body; average: the point follows "
         "the mean motion of the group, and its loads are distributed over the group"
     )
     point: Vector | None = Field(
@@ -43,7 +43,7 @@ class Link(Table):
 
 
 class Support(Table):
-    """`[supports.NAME]`: degrees of freedom that are held at 0."""
+    """`[supports.NAME]`: degrees of freedom fixed to 0."""
 
     at: str = Field(description="physical point, curve or surface, or a link")
     fixed: (
@@ -51,7 +51,7 @@ class Support(Table):
         | Annotated[list[Freedom], Field(min_length=1)]
     ) = Field(
         description="displacements and rotations along and about x, y, z; symmetry-x: the plane "
-        "normal to x is a mirror"
+        "normal to x is a plane of symmetry"
     )
 
     @property
@@ -72,12 +72,14 @@ class Load(Table):
     )
     force: Vector | None = Field(
         default=None,
-        description="total force, shared by length of a curve, by area of a surface, or equally "
-        "by points",
+        description="total force, distributed by length of a curve, by area of a surface, or "
+        "equally by points",
         json_schema_extra=unit("N"),
     )
     moment: Vector | None = Field(
-        default=None, description="total moment, shared likewise", json_schema_extra=unit("N m")
+        default=None,
+        description="total moment, same distribution",
+        json_schema_extra=unit("N m"),
     )
     force_per_length: Vector | None = Field(
         default=None, description="on a curve", json_schema_extra=unit("N/m")
@@ -92,7 +94,7 @@ class Load(Table):
     )
     sine: Vector | None = Field(
         default=None,
-        description="with force_per_area or pressure: [a, b, c] varies them like "
+        description="with force_per_area or pressure: [a, b, c] multiplies them by "
         "sin(pi x/a) sin(pi y/b) sin(pi z/c); a 0 omits its factor",
         json_schema_extra=unit("m"),
     )
@@ -120,10 +122,10 @@ class Load(Table):
 
 
 class Probe(Table):
-    """`[probes.NAME]`: numbers to show for each load case."""
+    """`[probes.NAME]`: values to show for each load case."""
 
     at: str | None = Field(
-        default=None, description="physical point, curve or surface: the mean over it; or a link"
+        default=None, description="physical point, curve or surface (mean value), or a link"
     )
     near: Vector | None = Field(
         default=None,
@@ -144,7 +146,7 @@ class Probe(Table):
 class Frequencies(Table):
     """`[frequencies]`: natural frequencies and modes."""
 
-    count: int = Field(default=6, ge=1, le=1000, description="how many, from the lowest")
+    count: int = Field(default=6, ge=1, le=1000, description="number of modes, from the lowest")
     free: bool = Field(
-        default=False, description="true: without the supports; then six of them are 0"
+        default=False, description="true: without the supports; six frequencies are then 0"
     )

@@ -21,14 +21,14 @@ HEAD = (
     """\
 # The shell description
 
-A laminated plate or shell is one TOML file, checked before anything is computed: unknown keys,
-names that do not exist and values out of bounds are errors that name file, key, value and
-expectation. Ready ones lie in `cases/shells/`. This page is generated from solver/inputs/shell/ by
-`make docs`; axes, signs and what the numbers mean are in [shells.md](shells.md).
+A laminated plate or shell is one TOML file. It is checked before the analysis. Unknown keys, names
+that do not exist and values out of bounds are errors. A message names file, key, value and
+expectation. Examples are in `cases/shells/`. `make docs` generates this page from
+solver/inputs/shell/. [shells.md](shells.md) explains axes, signs and results.
 
     plymotion shell cases/shells/plate.toml
 
-Units are SI; degrees only in keys that end in `_deg`.
+Units are SI; only keys that end in `_deg` are in degrees.
 
 ```toml
 format = 1
@@ -73,12 +73,12 @@ count = 4
 
 ## Meshes
 
-Three-node triangles in space, from gmsh: a `.msh` of any version, a `.geo` script, or a Python file
-with a function `build(gmsh, parameters)` that fills the current model and may leave the meshing to
-Plymotion. Every surface belongs to exactly one physical surface: its name is the region's. Physical
-points and curves are what supports, loads and probes stand on. Surfaces that meet must share their
-nodes there (`BooleanFragments`, or points and curves used by both); a node may carry any number of
-surfaces, as at a stiffener.
+Meshes consist of three-node triangles in space, from gmsh: a `.msh` of any version, a `.geo`
+script, or a Python file. A Python file has a function `build(gmsh, parameters)`, which fills the
+current model. If it does not generate the mesh, Plymotion does. Every surface belongs to exactly
+one physical surface, which gives the region its name. Supports, loads and probes refer to physical
+points and curves. Surfaces that meet must have common nodes there (`BooleanFragments`, or common
+points and curves). Any number of surfaces may meet at a node, for example at a stiffener.
 """
 )
 

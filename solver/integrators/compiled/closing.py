@@ -44,7 +44,8 @@ def close(
             move(model, y, real.delta)
             if moved < SMALL:
                 violation = max(moved * moved, largest_left(model, work, frozen.J, real.x))
-                break
+                if violation <= CLOSED:
+                    break
             evaluate(model, work, t, y)
             count += 1
             violation = largest(work.rows[:, PHI])
@@ -53,12 +54,16 @@ def close(
     if moved == 0.0:
         freeze(model, work, y, frozen)
         factorise_pencil(model, frozen, real, s * s, s, 1.0)
-    evaluate_rates(model, work, y)
-    for k in range(model.n_constraint):
-        real.gamma[k] = -work.left[k]
-    _answered(model, real)
-    for i in range(n_vel):
-        y[n_pos + i] += real.delta[i]
+    for _ in range(MAX_ITERATIONS):
+        evaluate_rates(model, work, y)
+        for k in range(model.n_constraint):
+            real.gamma[k] = -work.left[k]
+        changed = _answered(model, real)
+        for i in range(n_vel):
+            y[n_pos + i] += real.delta[i]
+        # Softened rows take a part of what they miss, all others all of it.
+        if frozen.softness[0] == 0.0 or changed < CLOSED:
+            break
     return count if violation < TOLERABLE else -count
 
 

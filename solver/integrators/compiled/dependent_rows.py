@@ -22,6 +22,7 @@ from .tableau import MU, NU
 # Of the softness, relative to the mass that a row moves. More: Newton's iteration needs shorter
 # steps. Less: multipliers of rows that are nearly dependent are those of the last step.
 PENALTY = 1e5
+PASSES = 4
 
 
 @inlined
@@ -54,20 +55,29 @@ def yield_rows(workspace: RadauWorkspace) -> None:
 def reduce_multipliers(model: Model, workspace: RadauWorkspace) -> None:
     """Take out of the multipliers of the stages what has no effect.
 
-    With the softened rows, least multipliers answer the load Phi_q' lambda.
+    With the softened rows, least multipliers F lambda answer the load Phi_q' lambda, where F is
+    s / (s + e) for a combination of rows with the stiffness s. What is taken out is
+    (1 - F)^PASSES lambda: all of dependent rows, next to nothing of weak ones.
     """
     real, J, L = workspace.real, workspace.frozen.J, workspace.multipliers
+    idle = workspace.predicted  # memory that the next prediction fills
     plan, row_start, body_row = model.plan, model.plan.row_start, model.plan.body_row
+    n_c = model.n_constraint
     for k in range(3):
-        real.gamma[:] = 0.0
-        real.load[:] = 0.0
-        for i in range(plan.size.shape[0]):
-            first = row_start[i]
-            for p in range(row_start[i + 1] - first):
-                row = body_row[first + p]
-                if row < model.n_constraint:
-                    for a in range(plan.size[i]):
-                        real.load[i, a] += J[i, a, p] * L[k, row]
-        solve(plan, plan.newton, real.factors, real.load, real.gamma, real.x, real.mu)
-        for i in range(model.n_constraint):
-            L[k, i] = real.mu[i]
+        for i in range(n_c):
+            idle[k, i] = L[k, i]
+        for _ in range(PASSES):
+            real.gamma[:] = 0.0
+            real.load[:] = 0.0
+            for i in range(plan.size.shape[0]):
+                first = row_start[i]
+                for p in range(row_start[i + 1] - first):
+                    row = body_row[first + p]
+                    if row < n_c:
+                        for a in range(plan.size[i]):
+                            real.load[i, a] += J[i, a, p] * idle[k, row]
+            solve(plan, plan.newton, real.factors, real.load, real.gamma, real.x, real.mu)
+            for i in range(n_c):
+                idle[k, i] -= real.mu[i]
+        for i in range(n_c):
+            L[k, i] -= idle[k, i]

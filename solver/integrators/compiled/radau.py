@@ -181,7 +181,7 @@ def advance(
                         for i in range(n):
                             stage[i] = workspace.y[i] + workspace.Z[2, i]
                     solve_pencil(model, frozen, real, MU / h)
-                    real.delta[n - 1] = 0.0
+                    real.delta[n - 1] = real.r[n - 1] * h / MU  # of the work: a quadrature
                     error = norm(options, real.delta, workspace.weight)
                     if not error > 1.0:
                         break

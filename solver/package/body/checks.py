@@ -97,7 +97,7 @@ def check_shapes(path: Path, package: ModalPackage) -> None:
 
 
 def content_findings(package: ModalPackage) -> list[Remark]:
-    """Check the numbers that the solver relies on, of a package whose shapes are right."""
+    """Check the numbers that the solver needs, of a package with correct shapes."""
     bad: list[Remark] = []
 
     def error(dataset: str, message: str) -> None:

@@ -45,7 +45,7 @@ def check_cells(found: CellResultants, n_laminate: int, n_cell: int, error: Repo
 
 
 def laminate_findings(package: ModalPackage) -> Iterator[Remark]:
-    """Return what is suspicious about the stresses of a shell."""
+    """Return suspicious findings about the stresses of a shell."""
     for laminate in package.laminates:
         yield from _equilibrium(laminate)
     if package.cell_resultants is not None:
@@ -53,7 +53,7 @@ def laminate_findings(package: ModalPackage) -> Iterator[Remark]:
 
 
 def _equilibrium(laminate: LaminateData) -> Iterator[Remark]:
-    """Stresses of unit resultants, turned to laminate axes and integrated over the plies."""
+    """Stresses of unit resultants, rotated to laminate axes and integrated over the plies."""
     back = np.zeros((6, 8))
     for ply, operator in zip(laminate.plies, laminate.stress_M, strict=True):
         z = np.array([ply.bottom, 0.5 * (ply.bottom + ply.top), ply.top])
@@ -74,7 +74,7 @@ def _equilibrium(laminate: LaminateData) -> Iterator[Remark]:
 
 
 def _turn(angle_deg: float) -> Array:
-    """Stresses 11, 22, 12 of a ply in laminate axes."""
+    """Matrix that rotates stresses 11, 22, 12 of a ply to laminate axes, (3, 3)."""
     c, s = np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))
     return np.array(
         [[c * c, s * s, -2.0 * c * s], [s * s, c * c, 2.0 * c * s], [c * s, -c * s, c * c - s * s]]
@@ -85,7 +85,7 @@ def _cells(package: ModalPackage, found: CellResultants) -> Iterator[Remark]:
     where = "/modal_package/cell_resultants"
     offsets = package.offsets
     if np.any(np.diff(offsets)[found.cell] != 3):
-        yield Remark("warning", f"{where}/cell", "some of these cells are no triangles")
+        yield Remark("warning", f"{where}/cell", "some of these cells are not triangles")
         return
     corners = package.nodes_B[package.connectivity[offsets[found.cell][:, None] + np.arange(3)]]
     vector = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -99,7 +99,7 @@ def _cells(package: ModalPackage, found: CellResultants) -> Iterator[Remark]:
 
 
 def _energy(package: ModalPackage, found: CellResultants, area: Array) -> Iterator[Remark]:
-    """The mean resultants of the cells cannot hold more energy than the mode."""
+    """The mean resultants of the cells cannot have more energy than the mode."""
     energy = np.zeros(package.n_mode)
     for row, laminate in enumerate(package.laminates):
         own = found.laminate == row
@@ -110,7 +110,7 @@ def _energy(package: ModalPackage, found: CellResultants, area: Array) -> Iterat
     stiffness = np.diag(package.stiffness)
     with np.errstate(divide="ignore", invalid="ignore"):
         factor = np.where(stiffness > 0.0, energy / stiffness, 0.0)
-    factor[[kind == "rigid" for kind in package.mode_kinds]] = 0.0  # rounding over rounding
+    factor[[kind == "rigid" for kind in package.mode_kinds]] = 0.0  # both energies are round-off
     if package.n_mode and factor.max() > ENERGY:
         i = int(np.argmax(factor))
         text = f"mode {i + 1}: their strain energy is {factor[i]:.3g} times that of modes/stiffness"

@@ -3,10 +3,9 @@
 Shapes are symbols: `n` nodes, `c` cells, `i` connectivity entries, `m` modes, `s`
 stations of the resultants; `k` nodes of an interface; in a section `k` plies and
 `p` points of its recovery; in a laminate `k` plies; `e` cells of a shell with
-resultants. `<interface>`, `<section>` and `<laminate>` stand for names that the
-package chooses. The modal coordinates are dimensionless, so that a mode shape is
-in metres and radians, and modal mass, damping and stiffness are in kg m2, N m s
-and N m: all units follow from that.
+resultants. `<interface>`, `<section>` and `<laminate>` stand for names in the package. The modal
+coordinates are dimensionless, so that a mode shape is in metres and radians, and modal mass,
+damping and stiffness are in kg m2, N m s and N m: all units follow from that.
 """
 
 import numpy as np

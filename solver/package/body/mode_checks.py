@@ -1,4 +1,4 @@
-"""Can the modes of a package belong to one body: mass, stiffness, damping, frequencies."""
+"""Consistency of the modes of a package: mass, stiffness, damping, frequencies."""
 
 from collections.abc import Iterator
 
@@ -9,13 +9,13 @@ from ..common.remark import Remark
 from .scales import critical_damping
 from .schema import ModalPackage
 
-CONSISTENCY = 1e-6  # relative: numbers that the same FE model gave twice
-LUMPED_T11 = 0.05  # relative: lumped invariants against a modal mass that may be consistent
-NEGATIVE = 1e-9  # eigenvalue of a stiffness of unit diagonal, damping ratio: rounding makes less
+CONSISTENCY = 1e-6  # relative: two results of the same FE model
+LUMPED_T11 = 0.05  # relative: lumped invariants and a modal mass that may be consistent
+NEGATIVE = 1e-9  # eigenvalue of a stiffness of unit diagonal, damping ratio: above round-off
 
 
 def mode_findings(package: ModalPackage) -> Iterator[Remark]:
-    """Return what is impossible or suspicious about the modes."""
+    """Return impossible or suspicious findings about the modes."""
     if not package.n_mode:
         yield _finding("note", "modes/shapes_B", "no modes: the body is rigid")
         return
@@ -26,7 +26,7 @@ def mode_findings(package: ModalPackage) -> Iterator[Remark]:
 
 
 def eigenvalues(matrix: Array) -> Array:
-    """Eigenvalues of a symmetric matrix, rising. Raises LinAlgError if it is not finite."""
+    """Eigenvalues of a symmetric matrix, ascending. Raises LinAlgError if it is not finite."""
     if not np.isfinite(matrix).all():
         raise np.linalg.LinAlgError("overflow")
     return np.asarray(np.linalg.eigvalsh(matrix), dtype=np.float64)
@@ -37,7 +37,7 @@ def _finding(level: str, dataset: str, message: str) -> Remark:
 
 
 def _modal_mass(package: ModalPackage) -> Iterator[Remark]:
-    """Translation carries at most the modal mass; rotary inertia carries the rest."""
+    """The mass of translation is at most the modal mass; rotary inertia is the difference."""
     translation = np.einsum("aaij->ij", package.invariants.T11_B)
     scale = np.sqrt(np.abs(np.diag(package.mass)))
     rest = (package.mass - translation) / np.outer(scale, scale)
@@ -56,7 +56,7 @@ def _modal_mass(package: ModalPackage) -> Iterator[Remark]:
 
 
 def _stiffness(package: ModalPackage) -> Iterator[Remark]:
-    """No eigenvalue below zero. That of a rigid motion is rounding of the elastic ones."""
+    """No eigenvalue below zero. That of a rigid motion is round-off of the elastic ones."""
     K, mass = package.stiffness, np.diag(package.mass)
     size, allowed = np.sqrt(np.abs(np.diag(K))), NEGATIVE
     rigid = np.array([kind == "rigid" for kind in package.mode_kinds])
@@ -69,7 +69,7 @@ def _stiffness(package: ModalPackage) -> Iterator[Remark]:
     size[size == 0.0] = 1.0
     smallest = float(eigenvalues(K / np.outer(size, size))[0])
     if smallest < -allowed:
-        text = f"expected none of its eigenvalues below zero, smallest (scaled) is {smallest:.3g}"
+        text = f"expected eigenvalues >= 0, the smallest (scaled) is {smallest:.3g}"
         yield _finding("error", "modes/stiffness", text)
 
 
@@ -82,13 +82,13 @@ def _frequencies(package: ModalPackage) -> Iterator[Remark]:
         if kind == "fixed_normal" and abs(found[i] - known) > CONSISTENCY * max(found[i], known):
             text = (
                 f"mode {i + 1}: {known:.9g} rad/s is given, "
-                f"stiffness over mass makes {found[i]:.9g} rad/s"
+                f"stiffness over mass gives {found[i]:.9g} rad/s"
             )
             yield _finding("warning", "modes/frequencies", text)
 
 
 def _damping(package: ModalPackage) -> Iterator[Remark]:
-    """No negative damping ratio. A mode without stiffness is measured by the others."""
+    """No negative damping ratio. A mode without stiffness is compared with the others."""
     critical = critical_damping(package)
     largest = critical.max()
     size = np.sqrt(np.maximum(critical, 1e-6 * largest)) if largest else np.ones(package.n_mode)

@@ -1,4 +1,4 @@
-"""Plausibility of a package: checks across its datasets."""
+"""Plausibility of a package: checks between its datasets."""
 
 from collections.abc import Iterator
 
@@ -20,7 +20,7 @@ TOTAL_MASS = 1e-6  # relative: nodal masses against the invariants
 
 
 def plausibility_findings(package: ModalPackage) -> list[Remark]:
-    """Return what is impossible (error) or suspicious (warning) in a body."""
+    """Return impossible (error) and suspicious (warning) findings about a body."""
     findings: list[Remark] = []
     try:
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
@@ -67,16 +67,16 @@ def _inertia(package: ModalPackage) -> Iterator[Remark]:
         if np.abs(matrix - matrix.T).max() > 1e-9 * at_rest:
             yield _finding("error", f"invariants/{name}", "expected a symmetric matrix")
     a, b, c = eigenvalues(centre_inertia(package))
-    # about the origin of B the inertia of a body far from it is larger, and so is its rounding
+    # if the body is far from the origin of B, the inertia about it and its round-off are larger
     rounding = ROUNDING * at_rest
     shown = f"principal inertias about the centre of mass are {a:.6g}, {b:.6g}, {c:.6g} kg m2"
     if a < -max(1e-9 * c, rounding):
-        yield _finding("error", "invariants/T00_B", f"expected none below zero: {shown}")
+        yield _finding("error", "invariants/T00_B", f"expected values >= 0: {shown}")
     elif a <= max(1e-12 * c, rounding):
-        text = f"no inertia about one axis, the body cannot turn about it alone: {shown}"
+        text = f"no inertia about one axis, the body cannot rotate about it alone: {shown}"
         yield _finding("warning", "invariants/J0_B", text)
     if a + b < c - max(1e-6 * c, rounding):
-        text = f"no body has this inertia, the two smaller must add up to the largest: {shown}"
+        text = f"impossible inertia, expected no value above the sum of the others: {shown}"
         yield _finding("error", "invariants/T00_B", text)
 
 
@@ -119,5 +119,5 @@ def _interface(package: ModalPackage, interface: Interface) -> Iterator[Remark]:
             yield _finding("error", f"{where}/{name}", text)
 
 
-# In this order; the tests of one interface and of the recovery follow.
+# In this order; then the checks of each interface and of the recovery.
 CHECKS = (_mass, _inertia, _free_body_mass, mode_findings, reference_findings)

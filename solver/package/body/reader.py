@@ -46,7 +46,7 @@ def read_package(path: str | Path) -> ModalPackage:
 
 
 def load(file: h5py.File) -> ModalPackage:
-    """Read all arrays of a file whose layout has been checked."""
+    """Read all arrays of a file with a checked layout."""
     group = file[GROUP]
     data = read_datasets(group, BODY_LAYOUT)
     invariants = {

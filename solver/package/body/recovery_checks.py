@@ -26,13 +26,13 @@ def check_stations(recovery: BodyRecovery, n_section: int, error: Reporter) -> N
 
 
 def recovery_findings(package: ModalPackage) -> Iterator[Remark]:
-    """Return what is suspicious about stresses: sections in other units or axes than the body's."""
+    """Return suspicious findings about stresses: sections in other units or axes than the body."""
     if package.recovery is None and all(s.recovery is None for s in package.sections):
         return
     for section in package.sections:
         if not is_positive_definite(section.K):
             path = f"/modal_package/sections/{section.name}/K"
-            yield Remark("warning", path, "not positive definite: stresses cannot belong to it")
+            yield Remark("warning", path, "not positive definite: inconsistent with stresses")
             return
     for section in package.sections:
         yield from _equilibrium(section)
@@ -58,9 +58,9 @@ def _equilibrium(section: SectionData) -> Iterator[Remark]:
 def _energy(package: ModalPackage) -> Iterator[Remark]:
     """Compare F6' K^-1 F6 along the beam with the modal stiffness.
 
-    Not of attachment modes: what they are made of between a few stations, and the shear that a
-    classical beam leaves out, are no small part of their energy. Nor of rigid motions, which have
-    none but rounding.
+    Attachment modes are excluded: their change between a few stations, and the shear that a
+    classical beam neglects, are a considerable part of their energy. Rigid motions are excluded
+    too: their energy is round-off.
     """
     found = package.recovery
     if found is None or not package.n_mode:

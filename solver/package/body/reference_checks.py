@@ -14,7 +14,7 @@ MOMENTUM = 1e-6  # momentum of a mode with a mean axis, relative to that of its 
 
 
 def reference_findings(package: ModalPackage) -> Iterator[Remark]:
-    """Return what contradicts the reference condition of a body with modes."""
+    """Return contradictions to the reference condition of a body with modes."""
     if not package.n_mode:
         return
     if package.reference_condition == "mean-axis":

@@ -1,7 +1,7 @@
-"""Sizes of a body and of its modes: what rounding in its data is measured by.
+"""Sizes of a body and of its modes: the scales of round-off in its data.
 
-A sum over mass stations may vanish because its terms cancel. What is left of it is rounding of
-the terms, so that a test must compare it with their size and not with the sum itself.
+A sum over mass stations may be zero because its terms cancel. The result is then round-off of the
+terms. A check must compare it with the size of the terms, not with the sum.
 """
 
 import numpy as np
@@ -11,7 +11,7 @@ from .schema import ModalPackage
 
 
 def body_size(package: ModalPackage) -> float:
-    """Largest extent of the nodes along an axis of B [m]; 1 m of a single point."""
+    """Largest extent of the nodes along an axis of B [m]; 1 m for a single point."""
     return float(np.ptp(package.nodes_B, axis=0).max(initial=0.0)) or 1.0
 
 

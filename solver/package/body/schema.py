@@ -58,7 +58,7 @@ class SecondOrder:
 
 @dataclass(frozen=True)
 class Interface:
-    """A named place where joints, loads and masses attach."""
+    """A named point where joints, loads and masses attach."""
 
     name: str
     kind: str  # "node" (one node) or "average" (weighted nodes)
@@ -68,7 +68,7 @@ class Interface:
     A_BI: Array  # (3, 3) interface axes to body axes       [-]
     phi_B: Array  # (3, m) translation per unit mode        [m]
     psi_B: Array  # (3, m) rotation per unit mode           [rad]
-    # With second-order data only: translation phi q + 1/2 q' H q, rotation vector likewise.
+    # With second-order data only: translation phi q + 1/2 q' H q, rotation vector in the same form.
     H_B: Array | None = None  # (3, m, m)                   [m]
     H_psi_B: Array | None = None  # (3, m, m)               [rad]
 
@@ -91,7 +91,7 @@ class SectionData:
 class BodyRecovery:
     """Resultants of a beam at stations x along its reference line, `s` of them.
 
-    F6 = resultants_E[s] @ q are [F1 F2 F3 M1 M2 M3] on the face whose normal is +x, in section
+    F6 = resultants_E[s] @ q are [F1 F2 F3 M1 M2 M3] on the face with the normal +x, in section
     axes `_E`. Two stations at one x are the two sides of a point where the resultants jump.
     """
 

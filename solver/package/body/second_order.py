@@ -15,7 +15,7 @@ from ..common.remark import Reporter
 from .scales import body_size, second_order_sizes
 from .schema import Interface, ModalPackage, SecondOrder
 
-MOST_MODES = 16  # G4 has m^4 numbers; a body with more modes goes without
+MOST_MODES = 16  # G4 has m^4 numbers; bodies with more modes have no second-order data
 
 SECOND_ORDER_LAYOUT: tuple[DatasetSpec, ...] = (
     spec("second_order/Z0_B", "3, m, m", F, "kg m", "B", "sum m h_a,ij"),
@@ -71,7 +71,7 @@ def check_second_order(package: ModalPackage, error: Reporter) -> None:
         for interface in package.interfaces:
             if interface.H_B is not None:
                 where = f"interfaces/{interface.name}/H_B"
-                error(where, "expected the group second_order too, the body has none")
+                error(where, "needs the group second_order, which the body does not have")
         return
     tables = list(second_order_values(second).items())
     for interface in package.interfaces:
@@ -102,7 +102,7 @@ def _of_interface(interface: Interface, error: Reporter) -> list[tuple[str, Arra
 
 
 class _Count:
-    """A reporter that counts."""
+    """A reporter that counts its calls."""
 
     def __init__(self, error: Reporter) -> None:
         self.count, self._error = 0, error
@@ -115,8 +115,8 @@ class _Count:
 def _symmetric_modes(path: str, value: Array, size: float, error: Reporter) -> None:
     """Report a table that changes if its last two modes are exchanged.
 
-    `size` is that of the terms of its sums, which may cancel: in a mean-axis frame Z0_B is nothing
-    but rounding.
+    `size` is that of the terms of its sums, because the terms may cancel: in a mean-axis frame Z0_B
+    is round-off.
     """
     if not value.size:
         return

@@ -1,7 +1,7 @@
-"""What a body is built from: build/<case>/bodies/<name>.json, from the case to the preprocessor.
+"""Specification of a body: build/<case>/bodies/<name>.json, from the case to the preprocessor.
 
-`plymotion check` writes such a file complete: it has checked every value and filled in every
-default. The preprocessor checks keys and types only (common/table_form.py). SI units and degrees.
+`plymotion check` writes a complete file: every value is checked and every default is filled in. The
+preprocessor checks keys and types only (common/table_form.py). SI units and degrees.
 
     {"body": "arm", "kind": "beam", "length": 0.545, "elements": 16,
      "x2_axis": [0.0, 1.0, 0.0],                 section's x2 in body axes
@@ -43,7 +43,7 @@ LINK_KINDS: tuple[LinkKind, ...] = get_args(LinkKind)
 
 
 class ReferenceTable(TypedDict):
-    """What ties the body frame to the body: one interface, two, or none."""
+    """Reference condition: the body frame at one interface, two, or none."""
 
     kind: ReferenceKind
     at: NotRequired[str | list[str]]
@@ -57,7 +57,7 @@ class Eigenmodes(TypedDict):
 
 
 class ShellEigenmodes(TypedDict):
-    """The same of a shell: a kind is the direction in which most moves, and no torsion."""
+    """The same of a shell: the kind is the main direction of motion; there is no torsion."""
 
     kind: ShellModeKind
     count: int
@@ -72,7 +72,7 @@ class Attachment(TypedDict):
 
 
 class StaticAxial(TypedDict):
-    """The static shape under a load that rises along the body."""
+    """The static shape under a load that increases along the body."""
 
     kind: Literal["static-axial"]
 
@@ -85,7 +85,7 @@ class SpinningModes(TypedDict):
 
 
 class BeamInterfaceTable(TypedDict):
-    """A place on a beam: an end, or a fraction of the length."""
+    """A position on a beam: an end, or a fraction of the length."""
 
     at: Literal["start", "end"] | float
 
@@ -100,7 +100,7 @@ class ShellInterfaceTable(TypedDict):
 
 
 class ShellTable(TypedDict):
-    """A shell that nothing holds or loads."""
+    """A shell without supports and loads."""
 
     mesh: dict[str, Any]
     materials: dict[str, Any]

@@ -10,7 +10,7 @@ from ...math.definite import REGULAR, smallest_eigenvalue
 from .remark import Reporter
 
 SYMMETRY = 1e-9  # largest |K - K'| over largest |K|
-ROUNDING = 1e-13  # of the terms of a sum: no more than this is left where they cancel
+ROUNDING = 1e-13  # of the terms of a sum: largest result where they cancel
 ORTHONORMAL = 1e-9  # largest entry of |A'A - 1|
 
 
@@ -38,9 +38,9 @@ def symmetric(path: str, matrix: Array, error: Reporter, scale: float = 0.0) -> 
 
 
 def positive_definite(path: str, matrix: Array, error: Reporter, size: Array | None = None) -> None:
-    """Report a matrix that has an eigenvalue at or below zero, rounding included.
+    """Report a matrix that has an eigenvalue at or below zero, to round-off.
 
-    `size` (n,): square roots of the diagonal that the data would make; see `to_unit_diagonal`.
+    `size` (n,): square roots of the diagonal by the scale of the data; see `to_unit_diagonal`.
     """
     matrix = np.asarray(matrix)
     if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not matrix.size:
@@ -56,7 +56,7 @@ def positive_definite(path: str, matrix: Array, error: Reporter, size: Array | N
 
 
 def one_of(path: str, values: Iterable[str], known: tuple[str, ...], error: Reporter) -> None:
-    """Report every word that is not a known one."""
+    """Report every name that is not a known one."""
     for value in values:
         if value not in known:
             hint = did_you_mean(value, known)

@@ -27,7 +27,7 @@ class DatasetSpec:
 
 
 WORTH_PACKING = (
-    8192  # size in bytes above which to compress: HDF5 adds an index to a compressed dataset
+    8192  # size in bytes above which data is compressed: HDF5 adds an index to a compressed dataset
 )
 
 F, I, T = "float64", "int64", "text"  # noqa: E741
@@ -107,14 +107,14 @@ def write_datasets(
     values: Mapping[str, Any],
     sizes: Mapping[str, int],
 ) -> None:
-    """Write those datasets of a layout table that have a value, by path."""
+    """Write the datasets of a layout table that have a value, by path."""
     for spec in specs:
         if spec.path in values:
             write_dataset(path, group, spec, values[spec.path], sizes)
 
 
 def read_datasets(group: h5py.Group, specs: Iterable[DatasetSpec]) -> dict[str, Any]:
-    """Return the values of those datasets of a layout table that are there, by path."""
+    """Return the values of the existing datasets of a layout table, by path."""
     return {spec.path: read_dataset(group[spec.path], spec) for spec in specs if spec.path in group}
 
 
@@ -133,7 +133,7 @@ def declared_sizes(values: Mapping[str, Any], defining: Mapping[str, str]) -> di
 
 
 def read_dataset(dataset: h5py.Dataset, spec: DatasetSpec) -> Any:
-    """Return the value of a dataset whose type and shape have been checked."""
+    """Return the value of a dataset with checked type and shape."""
     if spec.type != "text":
         return np.asarray(dataset[()], dtype=spec.type)[()]
     if not spec.shape:
@@ -151,7 +151,7 @@ def defined_sizes(group: h5py.Group, defining: Mapping[str, str]) -> dict[str, i
 
 
 def missing_or_mistyped(group: h5py.Group, specs: Iterable[DatasetSpec]) -> list[Remark]:
-    """Find datasets that are not there, or hold another type than the format says."""
+    """Find missing datasets and datasets of a type that differs from the format."""
     found: list[str] = []
     group.visit(found.append)
     findings = []
@@ -177,7 +177,7 @@ def missing_or_mistyped(group: h5py.Group, specs: Iterable[DatasetSpec]) -> list
 def misshaped(
     group: h5py.Group, specs: Iterable[DatasetSpec], sizes: Mapping[str, int]
 ) -> list[Remark]:
-    """Find datasets of another shape than the sizes ask for; unknown symbols are left alone."""
+    """Find datasets with shapes that differ from the sizes; unknown symbols are not checked."""
     known = {*sizes, *(("c+1",) if "c" in sizes else ())}
     findings = []
     for spec in specs:

@@ -43,7 +43,7 @@ def _checksum(file: h5py.File, known: FileFormat) -> str:
 
 
 def identity_notes(path: Path, file: h5py.File, known: FileFormat) -> list[Remark]:
-    """Check that this is a file whose format and version we know. Raises PackageError."""
+    """Check that the format and version of a file are known. Raises PackageError."""
     found = get_text(file, "format")
     if found != known.format:
         what = f"{found!r}" if found else kind_of_file(file)
@@ -68,10 +68,10 @@ def identity_notes(path: Path, file: h5py.File, known: FileFormat) -> list[Remar
 
 
 def checksum_findings(file: h5py.File, known: FileFormat) -> list[Remark]:
-    """Compare the content with the checksum the writer left."""
+    """Compare the content with the stored checksum."""
     stored = get_text(file, "content_sha256")
     if not stored:
-        return [Remark("warning", "content_sha256", "no checksum: damage goes unnoticed")]
+        return [Remark("warning", "content_sha256", "no checksum: damage cannot be detected")]
     actual = _checksum(file, known)
     if actual == stored:
         return []

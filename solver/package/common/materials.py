@@ -159,13 +159,15 @@ def _check_definite(c: Mapping[str, float], where: str) -> None:
     nu21 = c["nu12"] * c["E2"] / c["E1"]
     nu31 = c["nu13"] * c["E3"] / c["E1"]
     nu32 = c["nu23"] * c["E3"] / c["E2"]
-    rest = 1 - c["nu12"] * nu21 - c["nu13"] * nu31 - c["nu23"] * nu32 - 2 * nu21 * nu32 * c["nu13"]
-    if not rest > REGULAR:
+    determinant = (
+        1 - c["nu12"] * nu21 - c["nu13"] * nu31 - c["nu23"] * nu32 - 2 * nu21 * nu32 * c["nu13"]
+    )
+    if not determinant > REGULAR:
         raise MaterialError(
             f"{where}: nu12 = {c['nu12']:g}, nu13 = {c['nu13']:g} and nu23 = {c['nu23']:g} "
             "together are too large: "
             "expected 1 - nu12 nu21 - nu13 nu31 - nu23 nu32 - 2 nu21 nu32 nu13 > 0, "
-            f"got {rest:.6g}"
+            f"got {determinant:.6g}"
         )
 
 

@@ -26,14 +26,14 @@ def new_object_file(
     Parameters
     ----------
     name : of the object
-    what : kind of file in words, for the message
+    what : kind of file, for the message
 
     Raises
     ------
     PackageError : the path does not end in .vtkhdf.
     """
     if path.suffix != ".vtkhdf":
-        raise PackageError(f"{path}: {what} ends in .vtkhdf (ParaView goes by the name)")
+        raise PackageError(f"{path}: expected {what} with the ending .vtkhdf, as ParaView needs it")
     with new_file(path) as file:
         write_identity(file, known, name)
         yield file, file.create_group(known.group)
@@ -54,14 +54,14 @@ def read_object_file(
     Parameters
     ----------
     layout_findings : checks presence, type and shape of the datasets
-    load : reads a file whose layout has been checked
+    load : reads a file with a checked layout
     content_findings : checks the numbers
 
     Raises
     ------
     PackageError
-        When the file is missing, truncated, foreign, newer, incomplete, altered, or its numbers
-        cannot be used; names file and dataset.
+        The file is missing, truncated, newer, incomplete, altered or of another format, or its
+        numbers cannot be used; names file and dataset.
     """
     path = Path(path)
     key = key_of(path)

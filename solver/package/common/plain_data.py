@@ -1,11 +1,11 @@
-"""Plain data (JSON) as text that depends on the content alone, and its hash."""
+"""Plain data (JSON) as text that depends only on the content, and its hash."""
 
 import hashlib
 import json
 from typing import Any
 
-# Where a mesh lies says nothing about what is made from it: beside these keys stands `sha256`,
-# the hash of its content.
+# The path of a mesh does not affect results: next to these keys, `sha256` is the hash of its
+# content.
 PLACES = ("file", "arrays")
 DIGITS = 12  # the last ones of a cosine in the spacing of a mesh depend on the machine
 
@@ -16,7 +16,7 @@ def canonical(data: Any) -> str:
 
 
 def data_sha256(data: Any) -> str:
-    """Return the hash of plain data, every digit of them."""
+    """Return the hash of plain data with all digits."""
     return hashlib.sha256(canonical(data).encode()).hexdigest()
 
 

@@ -1,4 +1,4 @@
-"""What a check of the format says of a file."""
+"""Result of a check of a file."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ class Remark:
 
 
 def raise_first(path: Path, findings: list[Remark]) -> None:
-    """Raise the first error among findings as PackageError, saying how many follow."""
+    """Raise the first error among findings as PackageError, with the number of others."""
     errors = [f for f in findings if f.level == "error"]
     if errors:
         more = f" (and {len(errors) - 1} more)" if len(errors) > 1 else ""

@@ -27,7 +27,7 @@ def by_mesh(items: Iterable[tuple[Item, str]]) -> list[list[Item]]:
 
 
 def share(items: Sequence[Item], part: tuple[int, int]) -> list[Item]:
-    """The k-th of N contiguous shares, part = (k, N) with k from 1; their union is the whole."""
+    """The k-th of N contiguous shares, part = (k, N) with k from 1; together they are complete."""
     k, n = part
     return list(items[len(items) * (k - 1) // n : len(items) * k // n])
 

@@ -1,4 +1,4 @@
-"""Strengths of a material: keys, units, and defaults with their reasons.
+"""Strengths of a material: keys, units, and reasons for the defaults.
 
     [materials.cfrp.strength]
     Xt, Xc     along the fibre, in tension and compression          [Pa]

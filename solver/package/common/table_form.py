@@ -1,6 +1,6 @@
-"""Compare plain data (JSON) with the TypedDict that says what they hold.
+"""Check of plain data (JSON) against the TypedDict of their form.
 
-Keys, types and words are compared; values were checked by whoever wrote the file.
+Keys, types and literals are checked; the writer of the file has checked the values.
 """
 
 import math
@@ -16,18 +16,18 @@ class SpecError(ValueError):
     """A specification that cannot be used; names key, value and expectation."""
 
 
-def expected(key: str, value: Any, wish: str) -> str:
-    """Message of a value that is not what it should be."""
-    return f"{key or 'specification'}: expected {wish}, found {value!r}"
+def expected(key: str, value: Any, expectation: str) -> str:
+    """Message for a wrong value."""
+    return f"{key or 'specification'}: expected {expectation}, found {value!r}"
 
 
 def check_form(value: Any, form: Any, key: str = "") -> None:
-    """Raise SpecError for the first entry of `value` that does not have its form.
+    """Raise SpecError for the first entry of `value` with a wrong form.
 
     Parameters
     ----------
     form : a TypedDict, Literal, list[...], dict[str, ...], a union of such, str, bool, int, float
-        or Any. In a union of tables the key `kind` tells which one is meant.
+        or Any. In a union of tables the key `kind` selects one.
     key : of the value, for messages
     """
     origin = get_origin(form)
@@ -79,8 +79,8 @@ def _meant(value: Any, forms: tuple[Any, ...], key: str) -> Any:
     kinds = {word: form for form in forms for word in get_args(get_type_hints(form)["kind"])}
     _require(isinstance(value, dict), key, value, "an object")
     if kind not in kinds:
-        wish = f"one of {', '.join(kinds)}"
-        raise SpecError(expected(f"{key}.kind", kind, wish) + did_you_mean(str(kind), kinds))
+        expectation = f"one of {', '.join(kinds)}"
+        raise SpecError(expected(f"{key}.kind", kind, expectation) + did_you_mean(str(kind), kinds))
     return kinds[kind]
 
 
@@ -107,9 +107,9 @@ def _words(form: Any) -> str:
     return SCALARS.get(form, "a list" if get_origin(form) is list else "an object")
 
 
-def _require(fulfilled: bool, key: str, value: Any, wish: str) -> None:
+def _require(fulfilled: bool, key: str, value: Any, expectation: str) -> None:
     if not fulfilled:
-        raise SpecError(expected(key, value, wish))
+        raise SpecError(expected(key, value, expectation))
 
 
 def _join(where: str, key: Any) -> str:

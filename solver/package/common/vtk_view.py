@@ -9,7 +9,7 @@ from ...math.arrays import Array
 from .container import set_text
 from .remark import Remark
 
-# Names in /VTKHDF and in the mesh of every format; only the name of the nodes differs.
+# Names in /VTKHDF and in the mesh of every format; the nodes have different names.
 CELLS = (("Connectivity", "connectivity"), ("Offsets", "offsets"), ("Types", "cell_types"))
 
 
@@ -78,7 +78,7 @@ def describe(dataset: h5py.Dataset, unit: str, frame: str) -> None:
 
 
 def view_findings(file: h5py.File, mesh_path: str, nodes: str) -> list[Remark]:
-    """Check that what ParaView shows is the mesh that we read."""
+    """Check that ParaView shows the mesh that this reader reads."""
     view = file.get("VTKHDF")
     if not isinstance(view, h5py.Group):
         return [Remark("warning", "/VTKHDF", "missing: ParaView cannot open the file")]

@@ -1,4 +1,4 @@
-"""What must hold before anyone may use a section: shapes, numbers, and that it can exist."""
+"""Checks of a section file: shapes, numbers, plausibility."""
 
 from pathlib import Path
 
@@ -24,7 +24,7 @@ from .stress import resultants, unit_stress
 # Nodes of the plane cells that a section file may hold, by VTK cell type.
 CELL_NODES = {5: 3, 9: 4, 22: 6, 23: 8, 28: 9}
 UNIT = 1e-9  # deviation of a unit vector's length
-EQUILIBRIUM = 1e-6  # relative: what unit resultants integrate back to
+EQUILIBRIUM = 1e-6  # relative: error of the integrated stresses of unit resultants
 
 
 def section_layout_findings(group: h5py.Group) -> list[Remark]:
@@ -43,7 +43,7 @@ def check_shapes(path: Path, section: SectionFile) -> None:
 
 
 def section_content_findings(section: SectionFile) -> list[Remark]:
-    """Check the numbers of a section whose shapes are right."""
+    """Check the numbers of a section with correct shapes."""
     bad: list[Remark] = []
 
     def error(dataset: str, message: str) -> None:
@@ -52,12 +52,12 @@ def section_content_findings(section: SectionFile) -> list[Remark]:
     for path, value in section_values(section).items():
         finite(path, value, error)
     if bad:
-        return bad  # every other test would only repeat it
+        return bad  # the other checks would report the same error
     for name, matrix in (("K", section.K), ("M", section.M)):
         symmetric(name, matrix, error)
         _definite(name, matrix, error)
     if section.error_estimate is not None and np.min(section.error_estimate) < 0.0:
-        error("error_estimate", "expected values >= 0: the size of an error has no sign")
+        error("error_estimate", "expected values >= 0: an error estimate has no sign")
     _mesh(section, error)
     _plies(section, error)
     _recovery(section, error)
@@ -65,9 +65,9 @@ def section_content_findings(section: SectionFile) -> list[Remark]:
 
 
 def section_plausibility_findings(section: SectionFile) -> list[Remark]:
-    """Say where the stresses of the unit resultants do not integrate back to them.
+    """Warn if the stresses of the unit resultants do not integrate to these resultants.
 
-    The section's tests of numbers must have passed.
+    Requires a section without errors in `section_content_findings`.
     """
     scale = np.sqrt(np.diag(section.K))
     back = resultants(section.recovery, unit_stress(section.recovery))
@@ -83,7 +83,7 @@ def section_plausibility_findings(section: SectionFile) -> list[Remark]:
 
 
 def _definite(path: str, matrix: Array, error: Reporter) -> None:
-    """Report an entry of the diagonal that is not above 0, or else what the eigenvalues show."""
+    """Report an entry of the diagonal that is not above 0, otherwise an eigenvalue that is not."""
     diagonal = np.diag(matrix)
     if not np.all(diagonal > 0.0):
         i = int(np.argmin(diagonal))
@@ -98,7 +98,7 @@ def _mesh(section: SectionFile, error: Reporter) -> None:
     rows_of("mesh/region", mesh.region, len(mesh.regions), error)
     rows_of("mesh/ply", mesh.ply, len(plies), error)
     if len(set(mesh.regions)) != len(mesh.regions):
-        error("mesh/regions", "expected unique names, some are there twice")
+        error("mesh/regions", "expected unique names, some occur twice")
     sizes = np.diff(mesh.offsets)
     for row, kind in enumerate(np.asarray(mesh.cell_types).tolist()):
         if kind not in CELL_NODES:
@@ -121,7 +121,7 @@ def _plies(section: SectionFile, error: Reporter) -> None:
     for row, ply in enumerate(section.recovery.plies):
         if ply.region not in regions:
             hint = did_you_mean(ply.region, regions)
-            error("plies/region", f"row {row}: {ply.region!r} is no region of the section{hint}")
+            error("plies/region", f"row {row}: {ply.region!r} is not a region of the section{hint}")
         if ply.index < 0:
             error("plies/index", f"expected 0, 1, ..., row {row} is {ply.index}")
 

@@ -1,4 +1,4 @@
-"""Write and read a section file: HDF5 that is a valid VTKHDF file too (docs/section-file.md)."""
+"""Write and read a section file: HDF5, and a valid VTKHDF file (docs/section-file.md)."""
 
 from pathlib import Path
 
@@ -29,8 +29,8 @@ def write_section(path: str | Path, section: SectionFile) -> None:
     Raises
     ------
     PackageError
-        When the section is inconsistent (shapes, NaN, symmetry, rows): the message names file
-        and dataset, nothing is written.
+        The section is inconsistent (shapes, NaN, symmetry, rows). The message names file and
+        dataset; nothing is written.
     """
     path = Path(path)
     check_shapes(path, section)
@@ -50,7 +50,7 @@ def read_section(path: str | Path) -> SectionFile:
 
 
 def load_section(file: h5py.File) -> SectionFile:
-    """Read all arrays of a file whose layout has been checked."""
+    """Read all arrays of a file with a checked layout."""
     group = file[SECTION_GROUP]
     data = read_datasets(group, SECTION_FILE_LAYOUT)
     mesh = {name: data[f"mesh/{name}"] for name in ("nodes", "connectivity", "offsets", "region")}

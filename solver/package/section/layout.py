@@ -1,4 +1,4 @@
-"""What lies where in a section file: one table for writer, reader, validator and manual.
+"""Layout of a section file: one table for writer, reader, validator and manual.
 
 Sizes: `n` nodes, `c` cells, `i` connectivity entries, `r` regions, `k` plies, `p`
 integration points, `w` warnings.

@@ -1,4 +1,4 @@
-"""Checks of the data that recovers the stresses of a section."""
+"""Checks of the stress recovery data of a section."""
 
 from collections.abc import Sequence
 from typing import Any, Protocol
@@ -33,7 +33,7 @@ def check_recovery(recovery: SectionRecovery, where: str, error: Reporter) -> No
 
 
 class OfPlies(OfMaterials, Protocol):
-    """Whatever has plies, and their materials by name."""
+    """An object with plies and their materials by name."""
 
     @property
     def plies(self) -> Sequence[Any]:
@@ -41,11 +41,11 @@ class OfPlies(OfMaterials, Protocol):
 
 
 def check_plies(owner: OfPlies, kind: str, where: str, error: Reporter) -> None:
-    """Report plies of unknown materials, and strengths that cannot be used; `kind` is for words."""
+    """Report unknown materials of plies and unusable strengths; `kind` of owner, for messages."""
     for row, ply in enumerate(owner.plies):
         if ply.material not in owner.materials:
             hint = did_you_mean(ply.material, tuple(owner.materials))
-            text = f"row {row}: {ply.material!r} is no material of the {kind}{hint}"
+            text = f"row {row}: {ply.material!r} is not a material of the {kind}{hint}"
             error(f"{where}plies/material", text)
     try:
         strengths(owner)

@@ -1,4 +1,4 @@
-"""The recovery of a section as datasets: the same ones in a section file and in a package."""
+"""The recovery of a section as datasets, the same in a section file and in a package."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -32,7 +32,7 @@ RECOVERY_SIZED_BY = {"k": "plies/region", "p": "recovery/weights"}
 POINT_DATA = ("points", "weights", "cell", "ply", "A_BM", "strain_M")
 _PLY_COLUMNS = ("region", "index", "material", "angle_deg")
 
-KEPT_BITS = 21  # significant ones: a relative error below 5e-7; with sign and exponent four bytes
+KEPT_BITS = 21  # significant bits: a relative error below 5e-7; with sign and exponent four bytes
 
 
 def recovery_values(recovery: SectionRecovery, where: str) -> dict[str, Any]:
@@ -72,18 +72,18 @@ def recovery_from(data: Mapping[str, Any], where: str) -> SectionRecovery:
 
 
 def thinned(recovery: SectionRecovery) -> SectionRecovery:
-    """The same recovery with strains rounded to 5e-7 of each: it packs to half the size."""
+    """The same recovery with strains rounded to a relative 5e-7, compressed to half the size."""
     return replace(recovery, strain_M=rounded(recovery.strain_M))
 
 
 def rounded(values: Array) -> Array:
-    """Numbers whose last bits are zero: a relative error below 5e-7."""
+    """Numbers with their last bits set to zero: a relative error below 5e-7."""
     mantissa, exponent = np.frexp(values)
     return np.asarray(np.ldexp(np.round(np.ldexp(mantissa, KEPT_BITS)), exponent - KEPT_BITS))
 
 
 class OfMaterials(Protocol):
-    """Whatever has constants and strengths of materials by name."""
+    """An object with constants and strengths of materials by name."""
 
     @property
     def materials(self) -> dict[str, dict[str, Any]]:
@@ -91,7 +91,7 @@ class OfMaterials(Protocol):
 
 
 def strengths(recovery: OfMaterials) -> dict[str, PlyStrength | YieldStrength]:
-    """Strengths of those materials that have some, by name. Raises MaterialError."""
+    """Strengths of the materials that have any, by name. Raises MaterialError."""
     found = {}
     for name, material in recovery.materials.items():
         if not isinstance(material, Mapping):

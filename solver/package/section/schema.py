@@ -1,4 +1,4 @@
-"""A beam cross-section in memory: stiffness, mass, and what recovers its stresses.
+"""A beam cross-section in memory: stiffness, mass and stress recovery data.
 
 Lengths in m, forces in N. Axes x1 along the beam, (x2, x3) in the section, origin at
 the reference point. Order of strains and resultants: extension, shear 2, shear 3,
@@ -31,10 +31,10 @@ class Ply:
 
 @dataclass(frozen=True)
 class SectionRecovery:
-    """From six resultants to the strains and stresses of every integration point.
+    """Data for strains and stresses of every integration point from the six resultants.
 
-    strain_M[p] @ F6 is the strain of point p in the axes of its ply, C_M[ply[p]] times
-    it the stress. `p` counts points, `k` plies.
+    strain_M[p] @ F6 is the strain of point p in the axes of its ply; C_M[ply[p]] times it is the
+    stress. `p` counts points, `k` plies.
     """
 
     points: Array  # (p, 2) x2, x3                              [m]
@@ -62,18 +62,18 @@ class SectionMeshData:
     region: IntArray  # (c,) row of regions
     regions: tuple[str, ...]
     ply: IntArray  # (c,) row of SectionRecovery.plies
-    layer_direction: Array  # (c, 2) y2 in x2, x3: where the plies' angle points [-]
+    layer_direction: Array  # (c, 2) y2 in x2, x3, reference of ply angles      [-]
     fibre: Array  # (c, 3) fibre direction in x1, x2, x3        [-]
 
 
 @dataclass(frozen=True)
 class SectionFile:
-    """All that a section file holds."""
+    """The content of a section file."""
 
     name: str
     K: Array  # (6, 6) stiffness                                [N, N m, N m2]
     M: Array  # (6, 6) mass per length for [v1 v2 v3 w1 w2 w3]  [kg/m, kg, kg m]
-    error_estimate: Array | None  # (6, 6) expected |error| of K, in its units; None: not asked for
+    error_estimate: Array | None  # (6, 6) expected |error| of K, in its units; None: not requested
     shear_centre: Array  # (2,) x2, x3                          [m]
     tension_centre: Array  # (2,)                               [m]
     mass_centre: Array  # (2,)                                  [m]

@@ -1,4 +1,4 @@
-"""Stresses that the unit resultants make in a section."""
+"""Stresses in a section under unit resultants."""
 
 import numpy as np
 
@@ -23,7 +23,7 @@ def cell_means(section: SectionFile, values: Array) -> Array:
     recovery, n_cell = section.recovery, len(section.mesh.cell_types)
     sums, weights = np.zeros((n_cell, values[0].size)), np.zeros(n_cell)
     flat = values.reshape(len(values), -1) * recovery.weights[:, None]
-    # points may stand in any order: sorted by cell, each cell's are a run
+    # points have any order; sorted by cell, the points of a cell are contiguous
     order = np.argsort(recovery.cell, kind="stable")
     cells, first = np.unique(recovery.cell[order], return_index=True)
     sums[cells] = np.add.reduceat(flat[order], first)

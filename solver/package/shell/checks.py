@@ -1,4 +1,4 @@
-"""What must hold before anyone may use a shell results file: shapes, numbers, rows."""
+"""Checks of a shell results file: shapes, numbers, rows."""
 
 from pathlib import Path
 
@@ -35,7 +35,7 @@ def check_shell_shapes(path: Path, shell: ShellFile) -> None:
 
 
 def shell_content_findings(shell: ShellFile) -> list[Remark]:
-    """Check the numbers of a shell whose shapes are right."""
+    """Check the numbers of a shell with correct shapes."""
     bad: list[Remark] = []
 
     def error(dataset: str, message: str) -> None:
@@ -45,7 +45,7 @@ def shell_content_findings(shell: ShellFile) -> list[Remark]:
     for path, value in values.items():
         finite(path, value, error)
     if bad:
-        return bad  # every other test would only repeat it
+        return bad  # the other checks would report the same error
     mesh = shell.mesh
     mesh_cells(values["mesh/offsets"], values["mesh/connectivity"], len(mesh.nodes_G), error)
     rows_of("mesh/region", mesh.region, len(mesh.regions), error)
@@ -58,7 +58,7 @@ def shell_content_findings(shell: ShellFile) -> list[Remark]:
         ("cases/names", shell.cases.names),
     ):
         if len(set(names)) != len(names):
-            error(path, "expected each one once, some are there twice")
+            error(path, "expected unique values, some occur twice")
     for laminate in shell.laminates:
         symmetric("laminates/ABD", laminate.ABD, error)
         symmetric("laminates/Ds", laminate.Ds, error)

@@ -1,7 +1,8 @@
-"""Elements that a shell description may name, with their meaning in half a line.
+"""Elements that a shell description may name, with a short description of each.
 
-The formulas are in preprocess/shell, a file each, which the solver does not import: this list is
-what both halves know. The preprocessor refuses to start when its files and this list differ.
+The formulas are in preprocess/shell, one file for each element. The solver does not import these
+files, so both halves use this list. The preprocessor does not start if its files and this list
+differ.
 """
 
 PLATES = {
@@ -20,13 +21,13 @@ DRILLINGS = {
     "tie": "a tie to the rotation of the membrane",
 }
 
-# What a description that does not say gets.
+# Defaults of a description.
 PLATE, MEMBRANE, DRILLING = "dkmt", "opt", "auto"
 BETA0, DRILLING_FACTOR = 0.5, 1e-2
 
 
 def in_words(meanings: dict[str, str]) -> str:
-    """Return names and meanings as a list in words; those that mean the same stand together."""
+    """Return names and descriptions as text; names with the same description are grouped."""
     names: dict[str, list[str]] = {}
     for name, meaning in meanings.items():
         names.setdefault(meaning, []).append(name)

@@ -1,4 +1,4 @@
-"""Write and read a shell results file: HDF5 that is a valid VTKHDF file too."""
+"""Write and read a shell results file: HDF5, and a valid VTKHDF file."""
 
 from pathlib import Path
 from typing import Any
@@ -35,8 +35,8 @@ def write_shell(path: str | Path, shell: ShellFile) -> None:
     Raises
     ------
     PackageError
-        When the shell is inconsistent (shapes, NaN, rows): the message names file and dataset,
-        nothing is written.
+        The shell is inconsistent (shapes, NaN, rows). The message names file and dataset; nothing
+        is written.
     """
     path = Path(path)
     check_shell_shapes(path, shell)
@@ -111,7 +111,7 @@ def _laminates(data: dict[str, Any], where: str) -> tuple[ShellLaminate, ...]:
 
 
 def _write_view(file: h5py.File, group: h5py.Group, shell: ShellFile) -> None:
-    """Add /VTKHDF: links to the mesh, windows onto displacements, shapes and resultants."""
+    """Add /VTKHDF: links to the mesh, virtual views of displacements, shapes and resultants."""
     view = create_grid(file, group["mesh"], "nodes_G")
     n, c = len(shell.mesh.nodes_G), len(shell.mesh.cells)
     cells = view.create_group("CellData")

@@ -1,4 +1,4 @@
-"""What lies where in a shell results file: one table for writer, reader and manual.
+"""Layout of a shell results file: one table for writer, reader and manual.
 
 Sizes: `n` nodes, `c` cells, `i` connectivity entries, `r` regions, `b` laminates, `k` plies of
 all laminates, `l` load cases, `s` supports, `e` links, `o` probes, `m` modes, `w` warnings.
@@ -48,7 +48,7 @@ SHELL_LAYOUT: tuple[DatasetSpec, ...] = (
     ),
     spec("materials", "", T, "-", "-", "constants and strengths by name, as JSON text"),
     spec("supports/names", "s", T, "-", "-", "names of the supports"),
-    spec("supports/points_G", "s, 3", F, "m", "G", "where their reaction moments are told"),
+    spec("supports/points_G", "s, 3", F, "m", "G", "reference points of the reaction moments"),
     spec("links/names", "e", T, "-", "-", "names of the links"),
     spec("links/points_G", "e, 3", F, "m", "G", "reference points"),
     spec("links/kinds", "e", T, "-", "-", "rigid or average"),

@@ -48,7 +48,7 @@ class ShellPly:
 
 @dataclass(frozen=True)
 class ShellLaminate:
-    """A laminate as it went into the shell; `k` counts its plies."""
+    """A laminate of the shell; `k` counts its plies."""
 
     name: str
     plies: tuple[ShellPly, ...]  # bottom to top
@@ -66,7 +66,7 @@ class ShellLaminate:
 
 @dataclass(frozen=True)
 class ShellPlaces:
-    """Named points: of supports (where reaction moments are told) or reference points of links."""
+    """Named points: of supports (reference points of reaction moments) or of links."""
 
     names: tuple[str, ...]
     points_G: Array  # (p, 3)                               [m]
@@ -89,7 +89,7 @@ class ShellCases:
 
 @dataclass(frozen=True)
 class ShellProbes:
-    """Numbers that the description asks for."""
+    """Values requested by the description."""
 
     names: tuple[str, ...]
     quantities: tuple[str, ...]  # of SHELL_MOTIONS or SHELL_RESULTANTS
@@ -113,7 +113,7 @@ class ShellModes:
 
 @dataclass(frozen=True)
 class ShellFile:
-    """All that a shell results file holds."""
+    """The content of a shell results file."""
 
     name: str
     mesh: ShellMeshData
@@ -126,24 +126,3 @@ class ShellFile:
     modes: ShellModes | None = None
     warnings: tuple[dict[str, str], ...] = ()  # {"code", "message"}
     provenance: dict[str, Any] = field(default_factory=dict)  # spec, dofs, seconds, versions, ...
-
-
-def ply_stress(shell: ShellFile, resultants_E: Array) -> list[Array]:
-    """Stress of every ply in its own axes, region by region, [(l, cells, k, 3, 6)] [Pa].
-
-    Parameters
-    ----------
-    resultants_E : (l, c, 8) of load cases or modes
-
-    Returns
-    -------
-    For each region: load case, cell of the region (in the order of the mesh), ply from the bottom
-    up, bottom, middle and top of it, and 11, 22, 33, 23, 13, 12.
-    """
-    out = []
-    for row, laminate in enumerate(shell.mesh.laminate):
-        operator = shell.laminates[laminate].stress_M
-        some = resultants_E[:, shell.mesh.region == row]
-        stress = some @ operator.reshape(-1, 8).T
-        out.append(stress.reshape(*some.shape[:2], *operator.shape[:3]))
-    return out

@@ -1,16 +1,16 @@
-"""What the file of a failure criterion supplies.
+"""Contract of a failure criterion: what its file supplies.
 
 A criterion is one file of this folder with an object of class `Criterion`; table.py finds it.
-Every material with strengths of its kind is then judged by it: sections and shells (`plymotion
-section`, `plymotion shell`), and the bodies of a run (`strength` of summary.json, warning
-`ply-failure`). CONTRIBUTING.md has the recipe.
+It is then evaluated for every material with strengths of its kind: in sections and shells
+(`plymotion section`, `plymotion shell`), and in the bodies of a run (`strength` of summary.json,
+warning `ply-failure`). CONTRIBUTING.md has the recipe.
 
     assess(stress_M, strength) -> Verdict
 
 takes stresses (..., 6) [Pa], components 11, 22, 33, 23, 13, 12 in material axes, 1 along the
-fibre, 3 normal to the ply; of an isotropic material in any axes. The exposure of a verdict is
-1 / R, where R times the stress is the first to fail: proportional to the stress, 0 without
-stress. `exposure` and `governing` of ray.py solve quadratic conditions for it.
+fibre, 3 normal to the ply; of an isotropic material in any axes. The exposure of a verdict is 1 /
+R, with R the smallest factor on the stress at which it fails. It is proportional to the stress, and
+0 without stress. `exposure` and `governing` of ray.py compute it from quadratic conditions.
 """
 
 from collections.abc import Callable
@@ -31,12 +31,12 @@ class Criterion:
     Attributes
     ----------
     name : in results and messages
-    strength : strengths that it takes, as its second argument (package/common/strengths.py)
+    strength : class of its second argument, the strengths (package/common/strengths.py)
     assess : see above
     convex_bound : f(stress_M, strength) -> (...), convex in the stress, proportional to it and
-        nowhere below the exposure: with it the search over a history leaves most points and times
-        out (search.py). None: the exposure itself is convex
-    order : place in lists and results; those of equal order follow by name
+     never below the exposure. The search over a history uses it to exclude most points and times
+     (search.py). None: the exposure itself is convex
+    order : position in lists and results; criteria of equal order are sorted by name
     """
 
     name: str

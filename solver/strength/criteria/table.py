@@ -1,4 +1,4 @@
-"""The criteria of this folder, and which of them apply to a material."""
+"""The criteria of this folder, and the selection of those for a material."""
 
 from ...math.catalogue import by_name, catalogue
 from ...package.common.strengths import PlyStrength, YieldStrength
@@ -10,8 +10,6 @@ _found = catalogue(_package, _path, Criterion, besides=("table",))
 CRITERIA = by_name(
     [(c.name, c) for c in sorted(_found, key=lambda c: (c.order, c.name))], "criterion"
 )
-PLY_CRITERIA = tuple(c for c in CRITERIA.values() if c.strength is PlyStrength)
-YIELD_CRITERIA = tuple(c for c in CRITERIA.values() if c.strength is YieldStrength)
 
 
 def criteria_of(strength: PlyStrength | YieldStrength) -> tuple[Criterion, ...]:

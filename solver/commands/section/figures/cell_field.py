@@ -12,7 +12,7 @@ from .drawing import Shape
 class CellField:
     """Values at the integration points as a polynomial in every cell, and its cells as triangles.
 
-    The polynomial is of second degree, of first where a cell holds more than one ply.
+    The polynomial has degree 2, or 1 in a cell with more than one ply.
     """
 
     def __init__(self, section: SectionFile, shape: Shape) -> None:
@@ -28,7 +28,7 @@ class CellField:
         several = cell_means(section, other.astype(float)) > 0.0
         gram[several, 3:] = gram[several, :, 3:] = 0.0
         self.solve = np.linalg.pinv(gram, hermitian=True)
-        # a fan of triangles about the middle of each cell; cells share no points
+        # a fan of triangles about the middle of each cell; cells have no common points
         points, triangles, cells = [], [], []
         start = 0
         for cell, polygon in enumerate(shape.polygons):
@@ -46,7 +46,7 @@ class CellField:
         )
 
     def at_corners(self, values: Array) -> Array:
-        """Values of the polynomials that fit best, at the corners of the triangles."""
+        """Values of the least-squares polynomials at the corners of the triangles."""
         load = cell_means(self.section, values[:, None] * self.basis)
         factors = np.einsum("cij,cj->ci", self.solve, load)
         return np.einsum("ni,ni->n", factors[self.cells], self.corners)

@@ -1,4 +1,4 @@
-"""Where a section with thin walls is shown enlarged."""
+"""Window that shows a part of a thin-walled section enlarged."""
 
 from dataclasses import dataclass
 
@@ -46,7 +46,7 @@ def normal(y2: Array) -> Array:
 def detail_of(section: SectionFile, shape: Shape) -> Detail | None:
     """Return a window where regions of thin walls meet, or at an outer corner.
 
-    None for thick sections, and where there is nothing to be seen: one material without layers.
+    None for thick sections, and for a section of one material without layers.
     """
     mesh = section.mesh
     node, n_region = _meeting_node(section, shape)
@@ -71,13 +71,13 @@ def detail_of(section: SectionFile, shape: Shape) -> Detail | None:
 
 
 def _meeting_node(section: SectionFile, shape: Shape) -> tuple[Array, int]:
-    """A node where the most regions meet, up and to the right if there are several; how many."""
+    """A node where the most regions meet (the upper right one of several), and their number."""
     mesh = section.mesh
     region = np.repeat(mesh.region, np.diff(mesh.offsets))
     pairs = np.unique(np.column_stack([mesh.connectivity, region]), axis=0)
     count = np.bincount(pairs[:, 0], minlength=len(mesh.nodes))
     nodes = shape.scale * mesh.nodes
-    # not quite diagonal, so that one of two like corners is it
+    # not exactly diagonal, so that the choice between two equal corners is unique
     score = np.where(count == count.max(), nodes @ np.array([0.8, 1.0]), -np.inf)
     return nodes[int(np.argmax(score))], int(count.max())
 

@@ -1,4 +1,4 @@
-"""What both figures of a section share: its cells as polygons, its size, axes in mm or m."""
+"""Common parts of both figures of a section: cells as polygons, size, axes in mm or m."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -9,7 +9,7 @@ from matplotlib.collections import PolyCollection
 from ....math.arrays import Array, IntArray
 from ....package.section.schema import SectionMeshData
 
-# Corner and edge nodes of a cell in turn, by VTK cell type, and how many of them make a side.
+# Corner and edge nodes of a cell in order around it, by VTK cell type, and their number on a side.
 _OUTLINE = {
     5: ((0, 1, 2), 1),
     9: ((0, 1, 2, 3), 1),
@@ -21,7 +21,7 @@ _OUTLINE = {
 
 @dataclass(frozen=True)
 class Shape:
-    """A section ready to be drawn; lengths in `unit`."""
+    """Data to draw a section; lengths in `unit`."""
 
     polygons: list[Array]  # one for each cell, (corners, 2)
     sides: list[Array]  # of all cells, (2 or 3, 2)
@@ -89,7 +89,7 @@ def fill(axes: Any, shape: Shape, **style: Any) -> PolyCollection:
 
 
 def frame(axes: Any, low: Array, high: Array) -> None:
-    """Show a rectangle in true proportion."""
+    """Show a rectangle with equal scales of both axes."""
     axes.set_aspect("equal")
     axes.set_xlim(low[0], high[0])
     axes.set_ylim(low[1], high[1])

@@ -18,15 +18,15 @@ from .ply_colours import is_isotropic, ply_colours, ply_legend
 
 WIDTH = 8.0  # inches
 SIDE = 2.75  # of the column beside sections that are not wide
-MARGIN = np.array([0.17, 0.11])  # round the mesh, for the names of regions; share of its size
+MARGIN = np.array([0.17, 0.11])  # around the mesh, for the names of regions; share of its size
 MOST_NAMES = 14  # of regions
-MANY_CELLS = 1500  # from here on with finer lines
+MANY_CELLS = 1500  # meshes of more cells have finer lines
 DASHED = (0, (4, 2))  # the window of the detail
-HAIR = 0.008  # thickness of a wall, share of the size: drawn without lines of the mesh
+HAIR = 0.008  # share of the size: thinner walls are drawn without lines of the mesh
 ARROW = 0.085  # length of a layer direction, share of the size
 TURNING = math.radians(10.0)  # layer directions that differ more are shown at several places
 ROUND_OFF = 1e-6  # coordinates below this share of the size are shown as 0
-CENTRES = (  # name, field, marker, size: those that coincide are seen one in the other
+CENTRES = (  # name, field, marker, size: coincident ones remain visible one inside the other
     ("shear centre", "shear_centre", "o", 13.0),
     ("tension centre", "tension_centre", "s", 8.5),
     ("mass centre", "mass_centre", "D", 4.0),
@@ -83,7 +83,7 @@ def _shown(section: SectionFile, shape: Shape) -> tuple[Array, Array]:
 def _cells(
     axes: Any, section: SectionFile, shape: Shape, faces: list[Any], detail: Detail | None
 ) -> None:
-    if detail and detail.thickness < HAIR * shape.size:  # lines would leave no colour
+    if detail and detail.thickness < HAIR * shape.size:  # lines would cover the colour
         fill(axes, shape, facecolors=faces, edgecolors="face", linewidths=0.3)
         width = 0.2
     else:
@@ -114,7 +114,7 @@ def _directions(axes: Any, section: SectionFile, shape: Shape) -> None:
             y3 = normal(y2)
             foot = middles[place] + 0.028 * shape.size * y3
             _arrow(axes, foot - ARROW / 2 * shape.size * y2, foot + ARROW / 2 * shape.size * y2)
-            if i == 0 and names:  # beside the tail of an upright arrow, where less is drawn
+            if i == 0 and names:  # beside the tail of a vertical arrow, where there is more space
                 away = 0.033 * y3 - 0.4 * ARROW * abs(y3[0]) * y2
                 _name(axes, foot + shape.size * away, f"{name}  $y_2$", y3)
 
@@ -132,7 +132,7 @@ def _name(axes: Any, place: Array, text: str, y3: Array | None = None) -> None:
 
 
 def _places(y2: Array, points: Array, apart: float) -> list[int]:
-    """Rows where a layer direction is drawn: one, or several where it turns."""
+    """Rows where a layer direction is drawn: one, or several if the direction changes."""
     first = nearest_to_mean(points)
     turn = np.arccos(np.clip(y2 @ y2[first], -1.0, 1.0))
     if turn.max() < TURNING:

@@ -35,7 +35,7 @@ class PlyColour:
 
 
 def is_isotropic(section: SectionFile, ply: int | np.integer[Any]) -> bool:
-    """Say whether the angle of a ply means nothing."""
+    """True if the material of a ply is isotropic: its angle has no meaning."""
     material = section.recovery.materials[section.recovery.plies[ply].material]
     return material.get("kind") == "isotropic"
 

@@ -1,4 +1,4 @@
-"""Figures of a section: its mesh with the plies, and the stresses of the unit resultants."""
+"""Figures of a section: the mesh with the plies, and the stresses under unit resultants."""
 
 import re
 from pathlib import Path

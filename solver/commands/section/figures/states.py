@@ -1,4 +1,4 @@
-"""Six panels: the stresses that each unit resultant makes in a section."""
+"""Six panels: the stresses in a section under each unit resultant."""
 
 from pathlib import Path
 from typing import Any
@@ -16,14 +16,14 @@ from .drawing import Shape, frame
 
 NORMAL = ("F1", "M2", "M3")  # shown as s11; the others as shear
 SPACING = {1: 1 / 30, 2: 1 / 18, 3: 1 / 15}  # of arrows over the longer side, by columns
-WEAK = 0.05  # arrows below this share of the longest are left out
-AGAINST = 0.4  # a flow that runs back is shown from this share of the main one
-# Points above this share of all areas are shown in the last colour: peaks at re-entrant corners
-# would leave all else pale.
+WEAK = 0.05  # arrows below this share of the longest are omitted
+AGAINST = 0.4  # reversed flow is shown from this share of the main flow
+# Values above this quantile of the area get the last colour: otherwise peaks at re-entrant corners
+# make all other colours pale.
 SHOWN = 0.995
 WIDTH = 8.0  # inches
 NARROWEST = 0.6  # width of a panel over its height
-# Dark enough on white at both ends and in the middle, and of one order in black and white.
+# Dark enough on white at both ends and in the middle, and monotonic in black and white.
 SHEAR = LinearSegmentedColormap.from_list("shear", ["#DCE6EE", "#6FB7C6", "#2A7F8E", "#0B3C49"])
 NORMAL_SIGNED, NORMAL_TENSION, NORMAL_COMPRESSION = "RdBu_r", "Reds", "Blues_r"
 PREFIXES = ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa"), (1e-3, "mPa"), (1e-6, "µPa"))
@@ -97,7 +97,7 @@ def _shear(axes: Any, field: CellField, tau: Array, step: float) -> str:
 
 
 def _top(field: CellField, values: Array) -> float:
-    """The value that all but a small share of the area stays below."""
+    """The value that only a small share of the area exceeds."""
     order = np.argsort(values)
     share = np.cumsum(field.section.recovery.weights[order])
     return float(values[order][np.searchsorted(share, SHOWN * share[-1])])
@@ -106,7 +106,7 @@ def _top(field: CellField, values: Array) -> float:
 def _colours(
     axes: Any, field: CellField, corners: Array, name: Any, low: float, high: float
 ) -> str:
-    """Shade the section and add the bar of colours; returns the unit of its numbers."""
+    """Colour the section and add the colour bar; returns the unit of its numbers."""
     largest = max(abs(low), abs(high))
     factor, unit = next((p for p in PREFIXES if largest >= p[0]), PREFIXES[-1])
     shades = axes.tripcolor(
@@ -120,11 +120,11 @@ def _colours(
 
 
 def shear_flow(field: CellField, tau: Array, step: float) -> tuple[Array, Array]:
-    """Places and shear stresses for arrows that keep their distance.
+    """Positions and shear stresses of arrows with a minimum distance.
 
-    Cells of one region in one box of a grid give an arrow at their middle; two where the flow
-    runs back on the other face of a wall, as in the torsion of an open section. Of two arrows
-    of one sense that are too close the longer one stays.
+    Cells of one region in one box of a grid give an arrow at their middle. They give two if the
+    flow is reversed on the other face of a wall, as in the torsion of an open section. Of two
+    arrows with the same direction that are too close, the longer one is kept.
     """
     box = np.floor((field.middle - field.shape.low) / step).astype(np.int64)
     region = field.section.mesh.region
@@ -133,7 +133,7 @@ def shear_flow(field: CellField, tau: Array, step: float) -> tuple[Array, Array]
     n = int(which.max()) + 1
     tensor = np.zeros((n, 2, 2))
     np.add.at(tensor, which, field.area[:, None, None] * np.einsum("ca,cb->cab", tau, tau))
-    main = np.linalg.eigh(tensor)[1][:, :, 1]  # the direction of most of the flow in each box
+    main = np.linalg.eigh(tensor)[1][:, :, 1]  # the main direction of the flow in each box
     back = np.einsum("ca,ca->c", tau, main[which]) < 0.0
     which = which + n * back
     total = np.bincount(which, weights=field.area, minlength=2 * n)

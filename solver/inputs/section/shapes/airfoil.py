@@ -75,8 +75,8 @@ def mesh(values: Values, plies: Plies) -> dict[str, Any]:
 SHAPE = Shape(
     name="airfoil",
     script="airfoil",
-    meaning="skin along an airfoil's contour with up to three webs; x2 from nose to tail. Behind "
-    "the place where the skins would meet it ends with a wall of the rear skin",
+    meaning="skin along an airfoil's contour with up to three webs; x2 from nose to tail. Before "
+    "the point where the skins would meet, a wall as thick as the rear skin ends the section",
     parameters=(
         Parameter(
             "contour",
@@ -85,8 +85,8 @@ SHAPE = Shape(
             required=True,
             text=True,
         ),
-        size("chord", "length that the contour's unit stands for", required=True),
-        Parameter("origin", "-", "place of the origin, fraction of the chord", 0.0),
+        size("chord", "chord length, unit of the contour", required=True),
+        Parameter("origin", "-", "position of the origin, fraction of the chord", 0.0),
         size("skin", "thickness of the skin"),
         size("cap", "thickness of the skin between first and last web; default: skin"),
         size("skin_rear", "thickness of the skin behind the last web; default: skin"),

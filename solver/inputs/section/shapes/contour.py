@@ -1,4 +1,4 @@
-"""Contours of airfoils, and the files that hold them."""
+"""Contours of airfoils, and their files."""
 
 import re
 from pathlib import Path
@@ -11,13 +11,13 @@ def contour(source: Any) -> list[list[float]]:
     """Coordinates from the upper trailing edge around the nose to the lower one.
 
     `source` is a file, the name of one in meshes/airfoils, or the coordinates themselves in either
-    direction. Files hold two numbers a line, in Selig's order or in Lednicer's (both sides from
+    direction. Files have two numbers per line, in Selig's order or in Lednicer's (both sides from
     the nose on); other lines are headings.
 
     Raises
     ------
     InputError
-        No such file, or numbers that are no closed contour of unit chord.
+        No such file, or numbers that are not a closed contour of unit chord.
     """
     if isinstance(source, str | Path):
         path = _file(Path(source))
@@ -56,7 +56,7 @@ _PAIR = re.compile(r"^\s*([-+.\deE]+)[\s,]+([-+.\deE]+)\s*$")
 
 
 def _blocks(path: Path) -> list[list[list[float]]]:
-    """Runs of lines with two numbers; Lednicer's numbers of points are no pair below 1.1."""
+    """Blocks of lines with two numbers; a pair above 1.1 is Lednicer's number of points."""
     blocks: list[list[list[float]]] = [[]]
     for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
         pair = _PAIR.match(line)

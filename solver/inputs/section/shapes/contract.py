@@ -1,18 +1,18 @@
-"""What the file of a section shape supplies.
+"""Contract of a section shape: what its file supplies.
 
-A shape is one file of this folder with an object of class `Shape`; library.py finds it. From it
-follow the keys of `[mesh]` with their bounds and messages, the regions that a description may
-name, `[sections.NAME]` of a case and docs/section-description.md. CONTRIBUTING.md has the recipe.
+A shape is one file of this folder with an object of class `Shape`; library.py finds it. It defines
+the keys of `[mesh]` with their bounds and messages, the regions that a description may name,
+`[sections.NAME]` of a case and docs/section-description.md. CONTRIBUTING.md has the recipe.
 
 The mesh is drawn by a script of meshes/, `script`.geo for gmsh or `script`.py; several shapes may
-share one. A shape that none of them draws brings its script as a second file:
+use one script. A shape that no script draws needs its own script as a second file:
 
 - lengths in m, x = x2, y = x3, the reference point of stiffness and mass at (0, 0)
 - each number or list that `mesh` returns is read under its key, in gmsh as
   DefineConstant[ KEY = {default, Name "Parameters/KEY"} ]
-- one physical surface for each wall, called as its region, and one physical curve for each that a
-  direction {"curve": name} names; Mesh.ElementOrder = 2 where walls are curved
-- lines of the mesh along the faces of plies, where `stacked`
+- one physical surface for each wall, with the name of its region, and one physical curve for each
+that a direction {"curve": name} names; Mesh.ElementOrder = 2 where walls are curved - lines of the
+mesh along the faces of plies, where `stacked`
 
 Layer direction y2 of a wall: y3 = x1 x y2 is its outward normal, and plies are listed outermost
 first.
@@ -33,13 +33,13 @@ class Parameter:
     key: str
     unit: str  # "m", "deg" or "-"
     meaning: str  # one line
-    default: Any = None  # of an optional one; None: taken from others, see the meaning
+    default: Any = None  # of an optional one; None: from other sizes, see the meaning
     required: bool = False
     above: float | None = None  # bounds: above, or from `least` on; up to `most`
     least: float | None = None
     most: float | None = None
-    many: bool = False  # a list of numbers (one number stands for a list of one)
-    text: bool = False  # no number: a file, relative to the description
+    many: bool = False  # a list of numbers (or one number)
+    text: bool = False  # not a number but a file, relative to the description
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Wall:
     region: str
     direction: Mapping[str, Any]  # {"vector": y2}, {"circle": centre} or {"curve": name}
     thickness: str  # key of its thickness
-    stacked: bool = True  # plies lie one below the other through this thickness
+    stacked: bool = True  # plies fill this thickness one below the other
 
 
 @dataclass(frozen=True)
@@ -67,10 +67,10 @@ class Shape:
         "coordinates" for one that takes points; numbers of elements and rows included, for an error
         of about 1e-3 at density 1. `values` has every parameter, within bounds. An InputError
         for sizes that do not fit together begins with the key: "KEY = VALUE: expected ..."
-    walls_of : f(values) -> regions, of a shape whose regions depend on its sizes; `walls` is
+    walls_of : f(values) -> regions, of a shape with regions that depend on its sizes; `walls` is
         empty then
-    example : sizes for the regions that the manual shows, where `walls_of` needs some
-    order : place in the manual and in lists; those of equal order follow by name
+    example : sizes for the regions in the manual, if `walls_of` needs sizes
+    order : position in the manual and in lists; shapes of equal order are sorted by name
     """
 
     name: str

@@ -9,7 +9,7 @@ from .solid import STACK, count
 
 def mesh(values: Values, plies: Plies) -> dict[str, Any]:
     """Solid ellipse."""
-    del plies  # they do not follow the mesh
+    del plies  # the mesh does not follow the plies
     radius_3 = values["radius_3"] or values["radius_2"]
     counts = {
         key: math.ceil((count(key, values[key]) or 1) * values["density"])

@@ -1,4 +1,4 @@
-"""The library of parametric sections: from sizes and plies to the mesh that a shape needs."""
+"""The library of parametric sections: mesh of a shape from its sizes and plies."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -21,7 +21,7 @@ SHAPES = by_name(
 
 
 def shape(name: str) -> Shape:
-    """Return the shape of a name; raises InputError with the nearest known one."""
+    """Return the shape with this name; raises InputError with the nearest known name."""
     if name not in SHAPES:
         raise InputError(
             f'shape = "{name}": expected one of {", ".join(SHAPES)}{did_you_mean(name, SHAPES)}'
@@ -42,8 +42,8 @@ def expand(name: str, values: Mapping[str, Any], layers: Layers | None = None) -
     ----------
     name : key of SHAPES
     values : its sizes; for "contour" the coordinates themselves, (x, y) pairs
-    layers : region -> thickness of each ply, outermost first, in any unit; a region that is left
-        out has one
+    layers : region -> thickness of each ply, outermost first, in any unit; an omitted region has
+     one ply
 
     Returns
     -------

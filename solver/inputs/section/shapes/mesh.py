@@ -1,4 +1,4 @@
-"""Sections of the library: what each wall is made of, and the mesh that its plies need."""
+"""Sections of the library: plies of each wall, and the mesh for these plies."""
 
 import math
 from collections.abc import Mapping
@@ -10,8 +10,8 @@ from ..description import Region
 from ..mesh_table import ShapeMesh
 from .library import Wall, expand, shape, walls
 
-ALL = "all"  # stands for every wall or region without a table of its own
-ADD_UP = 1e-6  # relative difference of plies and wall that rounding may make
+ALL = "all"  # every wall or region without its own table
+ADD_UP = 1e-6  # relative difference of plies and wall due to rounding
 
 Stacks = Mapping[str, list[dict[str, Any]]]
 
@@ -26,14 +26,14 @@ def shape_mesh(
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return mesh and regions of the specification.
 
-    Thicknesses of walls that the description leaves out follow from their plies.
+    Wall thicknesses that the description omits follow from the plies.
 
     Parameters
     ----------
     mesh : the shape
     regions : as described
-    stacks : plies of each region; one that is wrong elsewhere may lack
-    folder : where relative paths start
+    stacks : plies of each region; a region with another error may be missing
+    folder : base of relative paths
     where : key of the shape, for messages
 
     Raises
@@ -44,7 +44,7 @@ def shape_mesh(
     """
     values = mesh.values
     for key in (parameter.key for parameter in shape(mesh.shape).parameters if parameter.text):
-        if key in values and (folder / values[key]).is_file():  # else one of the library
+        if key in values and (folder / values[key]).is_file():  # otherwise one of the library
             values[key] = str(folder / values[key])
     found: list[str] = []
     of_shape = walls(mesh.shape, values)
@@ -66,7 +66,7 @@ def shape_mesh(
             expanded[wall.region] = {"plies": stacks[key], "direction": dict(direction)}
     if found:
         raise InputError("\n".join(found))
-    if len(expanded) < len(of_shape):  # a finding elsewhere
+    if len(expanded) < len(of_shape):  # reported elsewhere
         return {}, {}
     layers = {
         name: [ply.get("thickness", 1.0) for ply in region["plies"]]
@@ -81,7 +81,7 @@ def shape_mesh(
 def _fit(
     wall: Wall, key: str, plies: list[dict[str, Any]], given: dict[str, Any], sizes: dict[str, Any]
 ) -> list[str]:
-    """Compare the plies with their wall and return what is wrong, or add the wall to `sizes`."""
+    """Compare the plies with their wall and return errors, or add the wall to `sizes`."""
     if not wall.stacked or "thickness" not in plies[0]:
         return []
     total = math.fsum(ply["thickness"] for ply in plies)

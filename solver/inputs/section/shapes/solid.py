@@ -1,4 +1,4 @@
-"""What solid shapes have in common: sizes, counts of elements, rows by plies."""
+"""Common parts of solid shapes: sizes, numbers of elements, rows by plies."""
 
 import math
 from typing import Any
@@ -42,7 +42,7 @@ def count(key: str, value: Any) -> int | None:
 
 
 def solid_rows(ends: list[float], n: int, grading: float) -> list[float]:
-    """n rows, or as many as it takes to give every ply at least one."""
+    """n rows, or more if every ply needs at least one."""
     if len(ends) == 1:
         return cosine(n, grading)
     lines = [0.0]

@@ -1,4 +1,4 @@
-"""Where the lines of a section's mesh lie: rows at the faces of plies, closer to corners."""
+"""Spacing of the mesh lines of a section: rows at the faces of plies, finer at corners."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -6,9 +6,9 @@ from itertools import pairwise
 
 FIRST = 1 / 12  # length of the first element at a corner over the thickness of the wall
 GROWTH = 1.7  # length of an element over that of its neighbour nearer to the corner
-EVEN = 4  # elements in half of a wall at least, but for the corner
-SHRINK = 0.6  # thickness of a row at a graded face over that of the one before
-SAME = 0.01  # two faces nearer than this part of the thinnest ply get one line
+EVEN = 4  # least number of elements in half of a wall, without those at the corner
+SHRINK = 0.6  # thickness of a row at a graded face over that of the previous one
+SAME = 0.01  # faces closer than this fraction of the thinnest ply are merged
 
 
 def faces(plies: Sequence[float]) -> list[float]:
@@ -21,9 +21,9 @@ def faces(plies: Sequence[float]) -> list[float]:
 
 
 def united(stacks: Iterable[Sequence[float]], kept: Iterable[float] = (1.0,)) -> list[float]:
-    """Faces of several walls whose lines run on from one to the next, ascending.
+    """Faces of several walls with continuous mesh lines, ascending.
 
-    Faces that nearly coincide become one, those in `kept` exactly.
+    Faces that nearly coincide are merged; the values in `kept` do not change.
     """
     stacks = list(stacks)
     thinnest = min(b - a for ends in stacks for a, b in pairwise([0.0, *ends]))
@@ -35,19 +35,19 @@ def united(stacks: Iterable[Sequence[float]], kept: Iterable[float] = (1.0,)) ->
 
 
 def rows(ends: Sequence[float], least: int, graded: str = "", density: float = 1.0) -> list[float]:
-    """Ends of the rows of elements: one or more in each ply, at least so many in all.
+    """Ends of the rows of elements: one or more in each ply, at least `least` in total.
 
     Parameters
     ----------
     ends : inner faces of the plies, see `faces`
-    least : number of rows that a wall of few plies gets
-    graded : "inner" or "both": the faces at which corners concentrate stress: what a wall of few
-        plies lacks in rows is put there, in ever thinner rows; "": nowhere
+    least : number of rows of a wall with few plies
+    graded : "inner" or "both": faces where corners concentrate stress. A wall of few plies gets its
+     additional rows there, thinner towards the face; "": none
     density : of the elements, over the default
     """
     least = max(1, round(least * density))
     shares = [b - a for a, b in pairwise([0.0, *ends])]
-    # also of thick plies among thin ones
+    # thick plies among thin ones are divided too
     counts = [
         max(1, round(density), math.ceil(share * least / (2 if graded else 1) - 1e-9))
         for share in shares
@@ -75,7 +75,7 @@ def rows(ends: Sequence[float], least: int, graded: str = "", density: float = 1
 
 
 def graded_ends(n: int, ratio: float) -> list[float]:
-    """Ends of n elements from 0 to 1, each as long as the one before times the ratio."""
+    """Ends of n elements from 0 to 1; each is `ratio` times as long as the previous one."""
     sizes = [ratio**i for i in range(n)]
     return [math.fsum(sizes[: i + 1]) / math.fsum(sizes) for i in range(n)]
 
@@ -83,12 +83,12 @@ def graded_ends(n: int, ratio: float) -> list[float]:
 def along(length: float, thickness: float, density: float = 1.0) -> dict[str, float]:
     """Elements along a line from a corner to the middle of a wall.
 
-    First they grow with the distance from the corner, then they are equal: thin walls of
-    laminates bend between their corners, which long elements cannot follow.
+    They grow with the distance from the corner, then they are equal. Thin laminated walls bend
+    between their corners; longer elements would not resolve this.
 
     Returns
     -------
-    elements and growth of the first part, its length `graded` [m], elements `even` of the rest
+    elements and growth of the first part, its length `graded` [m], elements `even` of the second
     """
     growth = GROWTH ** (1.0 / density)
     longest = length / (EVEN * density)
@@ -113,13 +113,13 @@ def cosine(n: int, grading: float) -> list[float]:
 
 
 def arc(span: float, step: float, first: float) -> dict[str, list[float]]:
-    """Patches of an open arc: closer together towards both ends, equal between.
+    """Patches of an open arc: finer towards both ends, equal between.
 
     Parameters
     ----------
     span : angle of the arc
     step : angle of an element far from the ends
-    first : angle of one at an end
+    first : angle of an element at an end
 
     Returns
     -------

@@ -1,7 +1,7 @@
-"""Strip: a rectangle by another name."""
+"""Strip: another name for the rectangle."""
 
 from dataclasses import replace
 
 from .rectangle import SHAPE as RECTANGLE
 
-SHAPE = replace(RECTANGLE, name="strip", meaning="a rectangle by another name", order=2)
+SHAPE = replace(RECTANGLE, name="strip", meaning="another name for the rectangle", order=2)

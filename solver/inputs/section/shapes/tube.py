@@ -9,8 +9,8 @@ from .spacing import arc, faces, rows
 from .walled import wall_thickness
 
 STEP_DEG = 10.0  # angle of an element
-# Length of an element of an open tube over sqrt(thickness x radius): a thin curved wall bends
-# within that length at its ends.
+# Length of an element of an open tube over sqrt(thickness x radius), the length of the bending zone
+# at the ends of a thin curved wall.
 BENDING = 0.4
 
 

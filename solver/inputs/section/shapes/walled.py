@@ -1,4 +1,4 @@
-"""What shapes of flat walls have in common: sizes, regions, rows by plies, lines at corners."""
+"""Common parts of shapes of flat walls: sizes, regions, rows by plies, lines at corners."""
 
 import math
 from typing import Any
@@ -7,8 +7,8 @@ from ....errors import InputError
 from .contract import DENSITY, Parameter, Plies, Values, Wall, size
 from .spacing import along, faces, rows, united
 
-ROWS = 5  # of a wall at corners that has fewer plies
-ROWS_WEB = 6  # of a web, with corners on both of its faces
+ROWS = 5  # least number of rows of a wall with corners
+ROWS_WEB = 6  # the same of a web, which has corners on both faces
 
 
 def wall(key: str, meaning: str) -> Parameter:
@@ -16,7 +16,7 @@ def wall(key: str, meaning: str) -> Parameter:
     return size(f"wall_{key}", f"thickness of the {meaning}; default: wall")
 
 
-WALL = size("wall", "thickness of every wall without one of its own")
+WALL = size("wall", "thickness of every wall without its own thickness")
 TOP = Wall("top", {"vector": [1.0, 0.0]}, "wall_top")
 RIGHT = Wall("right", {"vector": [0.0, -1.0]}, "wall_right")
 BOTTOM = Wall("bottom", {"vector": [-1.0, 0.0]}, "wall_bottom")
@@ -46,7 +46,7 @@ FLANGES = (
 
 
 def wall_thickness(values: Values, key: str) -> float:
-    """Thickness of a wall: its own, or that of all."""
+    """Thickness of a wall: its own, or the common one."""
     value = values.get(key) or values.get("wall")
     if value is None:
         other = "" if key == "wall" else f" of every wall, or {key}"
@@ -55,7 +55,7 @@ def wall_thickness(values: Values, key: str) -> float:
 
 
 def fits(thickness: dict[str, float], keys: tuple[str, ...], space: float, what: str) -> None:
-    """Raise InputError unless walls leave space between them."""
+    """Raise InputError if there is no space between walls."""
     if not math.fsum(thickness[key] for key in keys) < space:
         others = " and ".join(f"{key} = {thickness[key]:g}" for key in keys[1:])
         raise InputError(
@@ -77,7 +77,7 @@ def half_lines(
 
 
 def box_walls(values: Values) -> dict[str, float]:
-    """Thickness of the four walls of a box, which leave space between them."""
+    """Thickness of the four walls of a box. Raises InputError if there is no space between them."""
     keys = ("wall_top", "wall_right", "wall_bottom", "wall_left")
     thickness = {key: wall_thickness(values, key) for key in keys}
     fits(thickness, ("wall_top", "wall_bottom"), values["height"], "the height")
@@ -86,7 +86,7 @@ def box_walls(values: Values) -> dict[str, float]:
 
 
 def skin_rows(plies: Plies, density: float) -> list[float]:
-    """Rows of walls that meet in mitres: the plies of all of them."""
+    """Rows of walls with mitred corners: the plies of all walls."""
     ends = united(faces(plies[region]) for region in ("top", "right", "bottom", "left"))
     return rows(ends, ROWS, "inner", density)
 

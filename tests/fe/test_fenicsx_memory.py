@@ -1,4 +1,4 @@
-"""What PETSc and SLEPc factorise is given back: a batch of bodies must not fill the memory."""
+"""Memory of PETSc and SLEPc factors is freed: a batch of bodies must not fill the memory."""
 
 import os
 from pathlib import Path

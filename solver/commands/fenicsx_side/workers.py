@@ -6,11 +6,11 @@ from collections.abc import Callable, Generator, Sequence
 from pathlib import Path
 
 from ...errors import InputError
-from .launch import GRACE, Line, Worker, importable
+from .launch import CLEANUP_TIMEOUT, Line, Worker, importable
 
-REFUSED = 2  # exit code of a preprocessor that cannot start
-FRUITLESS = 3  # number of crashes without a result in between after which the batch is aborted
-FAREWELL = 10.0  # time for an idle worker to end [s]
+START_FAILED = 2  # exit code of a preprocessor that cannot start
+MOST_CRASHES = 3  # number of crashes without a result in between after which the batch is aborted
+END_TIMEOUT = 10.0  # time for an idle worker to end [s]
 
 
 class Work:
@@ -27,15 +27,15 @@ class Work:
             if self._free:
                 self._taken[worker] = self._free.popleft()
             else:
-                richest = max(self._taken.values(), key=len, default=deque[Path]())
+                largest = max(self._taken.values(), key=len, default=deque[Path]())
                 half = deque[Path]()
-                for _ in range((len(richest) + 1) // 2):
-                    half.appendleft(richest.pop())
+                for _ in range((len(largest) + 1) // 2):
+                    half.appendleft(largest.pop())
                 self._taken[worker] = half
         own = self._taken[worker]
         return own.popleft() if own else None
 
-    def give_back(self, worker: Worker) -> None:
+    def release(self, worker: Worker) -> None:
         """Return the remaining files of a lost worker to the others."""
         left = self._taken.pop(worker, None)
         if left:
@@ -68,64 +68,65 @@ def outcomes(
     InputError : the preprocessor does not start.
     """
     work = Work(groups)
-    heard: queue.SimpleQueue[tuple[Worker, Line | None]] = queue.SimpleQueue()
+    received: queue.SimpleQueue[tuple[Worker, Line | None]] = queue.SimpleQueue()
     at: dict[Worker, Path] = {}
-    crew: list[Worker] = []
-    fruitless = 0
-    patience = 0.0
+    workers: list[Worker] = []
+    crashes = 0
+    timeout = 0.0
 
-    def hand(worker: Worker) -> None:
+    def assign(worker: Worker) -> None:
         spec = work.next(worker)
         if spec is None:
-            worker.dismiss()
+            worker.close()
         else:
             at[worker] = spec
-            worker.give(spec)
+            worker.request(spec)
 
     with importable() as folder:
 
         def start() -> None:
-            crew.append(Worker(python, folder, command, options, lambda *said: heard.put(said)))
-            hand(crew[-1])
+            worker = Worker(python, folder, command, options, lambda *line: received.put(line))
+            workers.append(worker)
+            assign(worker)
 
         try:
             for _ in range(min(jobs, sum(map(len, groups)))):
                 start()
             while at:
-                worker, line = heard.get()
+                worker, line = received.get()
                 if line is None:
                     if worker not in at:
-                        continue  # told to end
-                    spec, words = at.pop(worker), worker.last_words()
-                    fruitless += 1
-                    if worker.exit_code() == REFUSED or fruitless == FRUITLESS:
-                        raise InputError(f"{python}: the preprocessor does not run: {words}")
-                    work.give_back(worker)
-                    yield _crashed(spec, words)
+                        continue  # ended on request
+                    spec, reason = at.pop(worker), worker.end_reason()
+                    crashes += 1
+                    if worker.exit_code() == START_FAILED or crashes == MOST_CRASHES:
+                        raise InputError(f"{python}: the preprocessor does not run: {reason}")
+                    work.release(worker)
+                    yield _crashed(spec, reason)
                     start()
                 elif "progress" in line:
                     progress(f"{at[worker].stem}: {line['progress']}")
                 else:
-                    fruitless = 0
+                    crashes = 0
                     del at[worker]
                     yield line
-                    hand(worker)
-            patience = FAREWELL
+                    assign(worker)
+            timeout = END_TIMEOUT
         finally:
-            if not patience:  # interrupted, or an error: stop all workers
-                for worker in crew:
+            if not timeout:  # interrupted, or an error: stop all workers
+                for worker in workers:
                     worker.interrupt()
-            for worker in crew:
-                worker.end(patience or GRACE)
+            for worker in workers:
+                worker.end(timeout or CLEANUP_TIMEOUT)
 
 
-def _crashed(spec: Path, words: str) -> Line:
+def _crashed(spec: Path, reason: str) -> Line:
     return {
         "spec": str(spec),
         "file": str(spec.with_suffix(".vtkhdf")),
         "status": "failed",
         "seconds": 0.0,
         "warnings": [],
-        "error": f"the preprocessor ended unexpectedly: {words}",
+        "error": f"the preprocessor ended unexpectedly: {reason}",
         "defect": "",
     }

@@ -1,4 +1,4 @@
-"""The door to FEniCSx: eigenpairs, factorisation, gmsh scripts, messages when parts are missing."""
+"""preprocess/fenicsx: eigenpairs, factorisation, gmsh scripts, messages when parts are missing."""
 
 import os
 import subprocess
@@ -96,7 +96,7 @@ def test_free_plates_are_singular_however_thin(thickness: float) -> None:
 
 
 def refused(K: Any) -> None:
-    """Both factorisations say that K is singular, as that of a body that can move."""
+    """Both factorisations report that K is singular, as for a free body."""
     with pytest.raises(fenicsx.EigenError, match="negative target"):
         fenicsx.eigenpairs(K, sp.identity(K.shape[0], format="csr"), 3)
     with pytest.raises(fenicsx.FactorisationError, match="rigid motion"):
@@ -194,7 +194,7 @@ def test_versions_are_named() -> None:
 
 @pytest.mark.parametrize("missing", ["dolfinx", "gmsh", "slepc4py"])
 def test_missing_part_is_named(missing: str) -> None:
-    """An interpreter without one of the parts says which, and what to do."""
+    """An interpreter without one of the parts names the part and the remedy."""
     code = (
         f"import sys; sys.modules[{missing!r}] = None\n"
         "import plymotion.preprocess.materials\n"
