@@ -1,9 +1,13 @@
 """The command line: check, compile, run, report, section, shell, sweep and smaller ones."""
 
 import argparse
+import atexit
+import contextlib
+import gc
 import json
 import os
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +29,9 @@ def main(arguments: list[str] | None = None) -> int:
     ended early and their results up to that time are kept; 130 interrupted, results are
     kept.
     """
+    if arguments is None:
+        # Looking for garbage among all modules at the end of the process takes 0.03 s.
+        atexit.register(gc.freeze)
     words = sys.argv[1:] if arguments is None else arguments
     # "plymotion solver sweep" is "plymotion sweep", as is "python -m plymotion.solver sweep".
     options = _parser().parse_args(words[1:] if words[:1] == ["solver"] else words)
@@ -111,8 +118,19 @@ def _check(options: argparse.Namespace) -> int:
     return 0
 
 
+@contextlib.contextmanager
+def _importing() -> Iterator[None]:
+    """Imports leave no garbage worth the time of looking for it."""
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.enable()
+
+
 def _run(options: argparse.Namespace) -> int:
-    from .commands.run.command import run_runs
+    with _importing():
+        from .commands.run.command import run_runs
 
     return run_runs(options)
 
@@ -199,7 +217,8 @@ def _shell(options: argparse.Namespace) -> int:
 
 
 def _sweep(options: argparse.Namespace) -> int:
-    from .commands.sweep.command import run_sweep
+    with _importing():
+        from .commands.sweep.command import run_sweep
 
     return run_sweep(options)
 
