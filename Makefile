@@ -319,8 +319,9 @@ test-cases: ## All cases in their coarse version, all cross-sections and all she
 	! $(MAKE) COARSE=1 $(CASES) $(SWEEPS) sections shells | grep 'plymotion\.[a-z]* '
 
 .PHONY: ship
-ship: ## Copy the packages of every case to tests/packages, for use without FEniCSx
+ship: ## Copy the packages of all cases that are built to tests/packages, for use without FEniCSx
 	for case in $(CASES); do \
+	    ls build/$$case/bodies/*.vtkhdf >/dev/null 2>&1 || continue; \
 	    mkdir -p tests/packages/$$case && rm -f tests/packages/$$case/*.vtkhdf && \
 	    cp build/$$case/bodies/*.vtkhdf tests/packages/$$case/; \
 	done
