@@ -391,6 +391,9 @@ docs/charts/solver-models.csv: | docs/charts/solver-treatments.csv
 docs/pictures/solver-%.png: docs/charts/solver-%.csv benchmarks/solver_chart.py
 	$(BENCH) benchmarks/solver_chart.py $* $< $@
 
+docs/pictures/tolerances.png: $(RUN_SOURCES) benchmarks/tolerances.py | $(COMPILED)
+	$(BENCH) benchmarks/tolerances.py docs/charts/tolerances.csv $@
+
 STABILITY_CHART := docs/pictures/stability.png
 
 .PHONY: stability
