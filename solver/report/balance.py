@@ -58,6 +58,11 @@ def draw_balance(path: Path, story: Story) -> Path:
 
 def _log(axes: Any, t: Array, values: Array, shade: str, label: str) -> None:
     """Plot on a logarithmic scale; exact zeros are left out."""
+    from matplotlib.ticker import LogFormatter
+
     axes.plot(t, np.where(values > 0, values, np.nan), color=shade, linewidth=1.0, label=label)
     if np.any(values > 0):
         axes.set_yscale("log")
+        # 1e-12: powers as formulas take as long as all the rest of the layout.
+        axes.yaxis.set_major_formatter(LogFormatter())
+        axes.yaxis.set_minor_formatter(LogFormatter())

@@ -35,7 +35,6 @@ _RULES: Any = {
     "legend.frameon": False,
     "legend.fontsize": 8.5,
     "axes.formatter.limits": (-3, 4),
-    "axes.formatter.use_mathtext": True,
     "figure.dpi": 150,
 }
 
