@@ -68,10 +68,13 @@ class PeakSearch:
         first = np.arange(F.shape[1])[starts[block] : starts[block] + BLOCK]
         best = self._better(F, np.full(len(first), point), first, Peak(0.0, 0, 0))
 
-        points = np.flatnonzero((coarse > max(floor, best.exposure)).any(axis=1))
+        left = coarse > max(floor, best.exposure)
+        points = np.flatnonzero(left.any(axis=1))
         if not len(points):
             return best
-        directions, parts, order = self._fan(F, parts)
+        instants = np.flatnonzero(np.repeat(left.any(axis=0), BLOCK)[: F.shape[1]])
+        directions, parts, order = self._fan(F[:, instants], parts[:, instants])
+        instants, starts = instants[order], np.arange(0, len(order), BLOCK)
         fan = self.criterion.bound(
             np.moveaxis(self.stress_M[points] @ directions, 2, 1), self.strength
         )
@@ -79,7 +82,7 @@ class PeakSearch:
             parts[:, order], starts, axis=1
         )
         # Evaluating each point where its bound is highest gives a level that few pairs exceed.
-        best = self._better(F, points, order[starts[np.argmax(upper, axis=1)]], best)
+        best = self._better(F, points, instants[starts[np.argmax(upper, axis=1)]], best)
         row, blocks = np.nonzero(upper > max(floor, best.exposure))
         own = upper[row, blocks]
         ranked = np.argsort(-own, kind="stable")
@@ -87,8 +90,9 @@ class PeakSearch:
             batch = ranked[start : start + BATCH]
             if own[batch[0]] <= max(floor, best.exposure):
                 break
-            times = np.minimum(starts[blocks[batch]][:, None] + np.arange(BLOCK), F.shape[1] - 1)
-            best = self._better(F, np.repeat(points[row[batch]], BLOCK), order[times.ravel()], best)
+            times = np.minimum(starts[blocks[batch]][:, None] + np.arange(BLOCK), len(order) - 1)
+            pairs = np.repeat(points[row[batch]], BLOCK), instants[times.ravel()]
+            best = self._better(F, *pairs, best)
         return best
 
     def _fan(self, F: Array, parts: Array) -> tuple[Array, Array, IntArray]:
