@@ -319,8 +319,9 @@ test-cases: ## All cases in their coarse version, all cross-sections and all she
 	! $(MAKE) COARSE=1 $(CASES) $(SWEEPS) sections shells | grep 'plymotion\.[a-z]* '
 
 .PHONY: ship
-ship: ## Copy the packages of every case to tests/packages, for use without FEniCSx
+ship: ## Copy the packages of all cases that are built to tests/packages, for use without FEniCSx
 	for case in $(CASES); do \
+	    ls build/$$case/bodies/*.vtkhdf >/dev/null 2>&1 || continue; \
 	    mkdir -p tests/packages/$$case && rm -f tests/packages/$$case/*.vtkhdf && \
 	    cp build/$$case/bodies/*.vtkhdf tests/packages/$$case/; \
 	done
@@ -389,6 +390,9 @@ docs/charts/solver-models.csv: | docs/charts/solver-treatments.csv
 
 docs/pictures/solver-%.png: docs/charts/solver-%.csv benchmarks/solver_chart.py
 	$(BENCH) benchmarks/solver_chart.py $* $< $@
+
+docs/pictures/tolerances.png: $(RUN_SOURCES) benchmarks/tolerances.py | $(COMPILED)
+	$(BENCH) benchmarks/tolerances.py docs/charts/tolerances.csv $@
 
 STABILITY_CHART := docs/pictures/stability.png
 

@@ -14,7 +14,7 @@ from solver_csv import write
 from solver_exudyn_beam import actuated_beam as actuated_beam_there
 from solver_methods import INTEGRATOR_METHODS, TREATMENT_METHODS, Method, available
 from solver_problems import Problem, actuated_beam, chain, double_pendulum
-from solver_runs import Point, largest, point, reference, warm_up
+from solver_runs import Point, largest, point, reference, shorter, warm_up
 from tqdm import tqdm
 
 from plymotion.solver.math.arrays import Array
@@ -67,7 +67,7 @@ def main() -> None:
                 found += peer(problem, exact)
             except SystemExit as missing:
                 print(f"note: {missing}", file=sys.stderr)
-        rows += [{"problem": problem.name, "title": problem.title, **vars(p)} for p in found]
+        rows += [{"problem": problem.name, "title": problem.title, **shorter(p)} for p in found]
     write(arguments.csv, rows)
 
 

@@ -1,33 +1,60 @@
-"""Time per link and step of chains of flexible links, ours and Exudyn's, h = 1 ms."""
+"""Time per link and step of chains of flexible links, ours and Exudyn's, h = 1 ms.
+
+And whole runs of the same chains by the function of `plymotion run`, with its own steps.
+"""
 
 import statistics
 import time
+from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import solver_exudyn
-from solver_exudyn import FULL, MODIFIED
-from solver_methods import CHAIN_METHODS, Method, available
+from exudyn_plane import FULL, MODIFIED
+from solver_methods import CHAIN_METHODS, DEFAULT, Method, available
 from solver_problems import Problem, chain
-from solver_runs import limit, prepared
+from solver_runs import solve
 from tqdm import tqdm
 
-from plymotion.solver.integrators.choice import make_integrator
-from plymotion.solver.integrators.generic import integrate
+from plymotion.solver.dynamics.constraints.treatment import treated
+from plymotion.solver.integrators.choice import make_integrator, treatment_of
+from plymotion.solver.integrators.generic import Integrator, StopRequest, integrate
+from plymotion.solver.mechanism import build
 
-LINKS = (8, 16, 32, 64, 128, 256)
+LINKS = (8, 16, 32, 64, 128, 256, 512, 1024)
 EXUDYN_LINKS = (8, 16, 32, 64, 128)
 STEP = 1e-3  # [s]
 STEPS = 50
+RTOL = 1e-6  # of the whole runs
+LONG = 20.0  # [s]; longer whole runs are not repeated
 
 
 def fixed_steps(problem: Problem, method: Method, budget_s: float) -> tuple[int, float, str]:
-    """Steps done at STEP, the processor time they took [s], and how it ended."""
-    model, solver = prepared(problem, method, method.rtols[0])
-    integrator = make_integrator(model, problem.y0, solver, fixed_step=STEP)
+    """Steps done at STEP, the processor time they took [s], and how it ended. No monitors."""
+    spec = problem.with_solver(method, method.rtols[0])
+    solver = spec.mechanism.solver
+    built = build(spec.mechanism, spec.packages)
+    model = treated(built.model, treatment_of(solver))
+    # hangs in its joints, at rest: consistent as it is
+    y0 = np.concatenate([built.start.positions, np.zeros(model.n_vel + 1)])
+    integrator = make_integrator(model, y0, solver, fixed_step=STEP)
     begin = time.process_time()
     solution = integrate(integrator, [problem.t_end], limit(integrator, begin + budget_s))
     cpu = time.process_time() - begin
     return solution.counters.steps, cpu, solution.code or solution.status
+
+
+def limit(integrator: Integrator, last: float) -> Callable[[Integrator], StopRequest | None] | None:
+    """End a run at processor time `last` [s]; None for loops that take many steps in one call."""
+    if integrator.strides:
+        return None
+
+    def follow(one: Integrator) -> StopRequest | None:
+        if time.process_time() > last:
+            return StopRequest(one.t, "out of the time set aside for it", "budget")
+        return None
+
+    return follow
 
 
 def measure(rounds: int, budget_s: float) -> dict[str, Any]:
@@ -60,11 +87,48 @@ def measure(rounds: int, budget_s: float) -> dict[str, Any]:
         "exudyn_modified_newton_us_per_link_step": _medians(theirs[MODIFIED]),
         "method": best,
         "every_us_per_link_step": every,
+        "growth": {label: row[str(LINKS[-1])] / row["8"] for label, row in every.items()},
+        "whole": whole(rounds, budget_s),
         "status": {label: {str(n): s for n, s in row.items()} for label, row in tried.items()},
         "step_s": STEP,
         "steps": STEPS,
         "longest_that_fits_s": budget_s,
     }
+
+
+def whole(rounds: int, budget_s: float) -> list[dict[str, Any]]:
+    """Whole runs with monitors, signals and checks, by number of links; medians of the rounds.
+
+    Times per link: of the steps with and without monitors, us per step; of the rest, ms.
+    """
+    rows = []
+    solve(chain(2, STEPS * STEP).with_solver(DEFAULT, RTOL))
+    for n in tqdm(LINKS, desc="whole runs", unit="length"):
+        spec = chain(n, STEPS * STEP).with_solver(DEFAULT, RTOL)
+        found: list[dict[str, float]] = []
+        steps, total = 0, 0.0
+        for _ in range(rounds):
+            _, summary, total = solve(spec)
+            cost = summary["cost"]
+            steps = cost["steps"]
+            found.append({**cost["seconds"], "total": total})
+            if total > LONG:
+                break
+        seconds = {k: statistics.median(f[k] for f in found) for k in found[0]}
+        rows.append(
+            {
+                "links": n,
+                "steps": steps,
+                "us_integrate": 1e6 * seconds["integrate"] / (steps * n),
+                "us_watched": 1e6 * (seconds["integrate"] + seconds["monitors"]) / (steps * n),
+                "ms_build": 1e3 * seconds["build"] / n,
+                "ms_recover": 1e3 * seconds["recover"] / n,
+                "ms_total": 1e3 * seconds["total"] / n,
+            }
+        )
+        if total > 5.0 * budget_s:
+            break
+    return rows
 
 
 def _hopeless(status: dict[int, str]) -> bool:

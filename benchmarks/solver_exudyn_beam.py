@@ -4,12 +4,13 @@ So crank and link turn about Z, far from where Cardan angles are singular.
 """
 
 import numpy as np
-from solver_exudyn import Plane
-from solver_problems import SHIPPED, Problem
+from exudyn_plane import Plane
+from solver_exudyn import reduced
+from solver_problems import Problem, node
 
 from plymotion.solver.dynamics.model import Model
 from plymotion.solver.math.arrays import Array
-from plymotion.solver.package import read_package
+from plymotion.solver.run.preparation import prepare
 
 BEAM, CRANK, LINK = 0, 1, 2  # bodies of the problem
 TIP_MASS, SPEED, ARM = 5.0, 3.14, 0.025  # [kg], [rad/s], crank [m]
@@ -22,14 +23,14 @@ def actuated_beam(problem: Problem, steps: int, newton: str) -> tuple[Array, flo
 
     `problem` is ours: inertia of crank and link, and the consistent velocities, are taken from it.
     """
-    package = read_package(SHIPPED / "actuated-beam" / "beam.layup-1.vtkhdf")
-    model, y0 = problem.model, problem.y0
+    package = problem.spec.packages["beam"]
+    start = prepare(problem.spec.mechanism, problem.spec.packages)
+    model, y0 = start.model, start.y0
     velocities = [y0[model.n_pos + int(j) :] for j in model.vel_start]
     plane = Plane()
     frame, beam = plane.body(
-        package,
+        reduced(package, {"tip": TIP_MASS}),
         (0.0, 0.0),
-        masses={"tip": TIP_MASS},
         g=0.0,
         tilt=-0.5 * np.pi,
         modal_rates=velocities[BEAM][6 : 6 + package.n_mode],
@@ -46,10 +47,11 @@ def actuated_beam(problem: Problem, steps: int, newton: str) -> tuple[Array, flo
         return int(mbs.AddMarker(marker))
 
     plane.hinge(at(turning, [ARM, 0.0, 0.0]), link)
-    ends = [at(swinging, [0.0, -LENGTH, 0.0]), plane.at_interface(beam, package, "mid")]
+    ends = [at(swinging, [0.0, -LENGTH, 0.0]), plane.at_node(beam, node(package, "mid"))]
     mbs.AddObject(items.ObjectJointSpherical(markerNumbers=ends))
-    tip, cpu = plane.solve(plane.sensor(beam, package), problem.t_end, steps, newton)
-    return tip @ TURN, cpu
+    sensor = plane.sensor(beam, node(package, "tip"))
+    cpu = plane.solve(problem.t_end, steps, newton)
+    return plane.path(sensor) @ TURN, cpu
 
 
 def _rigid(plane: Plane, model: Model, body: int, place: Array, velocity: Array) -> tuple[int, int]:

@@ -7,7 +7,7 @@ from typing import Any
 from plymotion.solver.integrators.table import INTEGRATORS
 
 EXPLICIT = (1e-3, 1e-5, 1e-7)  # where stability sets the step, all cost the same
-FIFTH_ORDER = (1e-3, 3e-4, 1e-4, 5e-5, 2e-5, 1e-5, 1e-6, 1e-7)
+FIFTH_ORDER = (1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6, 5e-7, 2e-7, 1e-7)
 SECOND_ORDER = (1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 1e-6, 1e-7)
 IMPLICIT = (1e-3, 1e-4, 1e-5, 1e-6)  # in Python, or of others
 
@@ -37,6 +37,7 @@ INTEGRATOR_METHODS = (
     Method("scipy-lsoda", "scipy-lsoda", "projection", IMPLICIT, foreign=True),
     Method("ida", "ida", "ggl", IMPLICIT, foreign=True),
 )
+DEFAULT = next(m for m in INTEGRATOR_METHODS if m.integrator == "radau")
 FEEDBACK = {"alpha": 50.0, "beta": 50.0}
 PAIRS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 TREATMENT_METHODS = (

@@ -21,6 +21,7 @@ from tqdm import tqdm
 
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import dump, write_if_changed
+from plymotion.solver.math.arrays import Array
 from plymotion.solver.package.common.plain_data import inputs_sha256
 
 FOLDER = Path("build/benchmarks/bodies")
@@ -83,7 +84,7 @@ def package(body: str, variant: Variant) -> Path:
 def pendulum(variant: Variant) -> Problem:
     """Double pendulum of both links in one variant."""
     files = {body: package(body, variant) for body in ("arm", "hand")}
-    return from_case(PENDULUM, "isotropic", files, "tip_x", 1.0)
+    return from_case(PENDULUM, "isotropic", files, ("hand", "tip"), 1.0)
 
 
 def build(specs: list[Path]) -> None:
@@ -145,28 +146,29 @@ def main() -> None:
     for study, name, best, points in studies():
         finest = problem_of(name, best)
         warm_up(finest, [EXACT])
-        exact = finest.places(_solved(finest)[0])
+        exact = _solved(finest)[0]
         for curve, number, variant in tqdm(points, desc=f"{study}, {name}"):
             problem = problem_of(name, variant)
-            y, cpu = _solved(problem)
+            places, cpu = _solved(problem)
             rows.append(
                 {
                     "study": study,
                     "problem": name,
                     "curve": curve,
                     "number": number,
-                    "error": largest(problem.places(y), exact),
+                    "error": largest(places, exact),
                     "cpu_s": cpu,
                 }
             )
     write(arguments.csv, rows)
 
 
-def _solved(problem: Problem) -> tuple[Any, float]:
-    solution, cpu = solve(problem, EXACT, EXACT.rtols[0])
-    if solution.status != "finished":
-        raise SystemExit(f"{problem.name}: {solution.message}")
-    return solution.y, cpu
+def _solved(problem: Problem) -> tuple[Array, float]:
+    """Path of the probe, and processor time [s]."""
+    result, summary, cpu = solve(problem.with_solver(EXACT, EXACT.rtols[0]))
+    if summary["status"] != "finished":
+        raise SystemExit(f"{problem.name}: {summary['message']}")
+    return problem.places(result), cpu
 
 
 if __name__ == "__main__":

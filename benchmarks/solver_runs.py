@@ -1,23 +1,25 @@
-"""Run a problem with a method, in processor time, and measure its error."""
+"""Run a problem as `plymotion run` does, measure processor time and error."""
 
+import signal
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from solver_methods import Method
 from solver_problems import Problem
 
-from plymotion.solver.dynamics.constraints.treatment import treated
-from plymotion.solver.dynamics.model import Model
-from plymotion.solver.inputs.case.solver import Solver
-from plymotion.solver.integrators.choice import make_integrator, treatment_of
-from plymotion.solver.integrators.generic import Integrator, Solution, StopRequest, integrate
+from plymotion.solver.integrators.choice import make_integrator
+from plymotion.solver.integrators.generic import integrate
 from plymotion.solver.math.arrays import Array
-from plymotion.solver.run.execution import output_times
+from plymotion.solver.results import RunResult
+from plymotion.solver.run.execution import execute, output_times
+from plymotion.solver.run.outcome import RunSpec
+from plymotion.solver.run.preparation import prepare
 
 REFERENCE = Method("reference", "rk8", "projection", (1e-10,))
-Follow = Callable[[Integrator], "StopRequest | None"]
 
 
 @dataclass(frozen=True)
@@ -28,73 +30,70 @@ class Point:
     tolerance: float  # rtol; of a peer its step [s]
     status: str
     error: float  # largest over the output times [m]
-    cpu_s: float
+    cpu_s: float  # of the whole run: build, steps, monitors, signals, checks
     steps: int
     evaluations: int
+    bare_s: float = np.nan  # of the steps alone, without monitors; with the same output times
+    phases: dict[str, float] = field(default_factory=dict)  # of cpu_s, as summary.json has them
 
 
-def solver_options(method: Method, rtol: float, problem: Problem) -> Solver:
-    """`[solver]` of a case for a method."""
-    table = {
-        "integrator": method.integrator,
-        "constraints": method.constraints,
-        "t_end": problem.t_end,
-        "output_step": problem.output_step,
-        "rtol": rtol,
-        "atol_position": 1e-2 * rtol,
-        "atol_velocity": rtol,
-    }
-    return Solver.model_validate(table | method.options)
+class OverBudget(Exception):
+    """A run took more processor time than was set aside for it."""
 
 
-def prepared(problem: Problem, method: Method, rtol: float) -> tuple[Model, Solver]:
-    """Model ready for the method's treatment of constraints, and `[solver]`."""
-    solver = solver_options(method, rtol, problem)
-    return treated(problem.model, treatment_of(solver)), solver
+def solve(spec: RunSpec, budget_s: float = np.inf) -> tuple[RunResult, dict[str, Any], float]:
+    """Result, summary and processor time [s] of a run, by the function of `plymotion run`.
 
-
-def solve(
-    problem: Problem,
-    method: Method,
-    rtol: float,
-    *,
-    budget_s: float = np.inf,
-) -> tuple[Solution, float]:
-    """Solution at the output times and the processor time of making it [s].
-
-    A run that takes more than `budget_s` is stopped, unless its loop is compiled whole.
+    Raises OverBudget after `budget_s` of processor time.
     """
-    model, solver = prepared(problem, method, rtol)
-    times = output_times(problem.t_end, problem.output_step)
     begin = time.process_time()
-    integrator = make_integrator(model, problem.y0, solver)
-    solution = integrate(integrator, times, limit(integrator, begin + budget_s))
-    return solution, time.process_time() - begin
+    with _limit(budget_s):
+        result, summary = execute(spec, progress=False)
+    return result, summary, time.process_time() - begin
 
 
-def limit(integrator: Integrator, last: float) -> Follow | None:
-    """Watch that ends a run at processor time `last` [s].
+@contextmanager
+def _limit(budget_s: float) -> Iterator[None]:
+    """End what runs as Ctrl-C does, by a timer."""
+    if not np.isfinite(budget_s):
+        yield
+        return
+    fired = []
 
-    None for loops that take many steps in one call: they are fast, and a look at every step would
-    cost them as much again as the step.
-    """
-    if integrator.strides or not np.isfinite(last):
-        return None
+    def over(*_: object) -> None:
+        fired.append(True)
+        raise KeyboardInterrupt
 
-    def follow(one: Integrator) -> StopRequest | None:
-        if time.process_time() > last:
-            return StopRequest(one.t, "out of the time set aside for it", "budget")
-        return None
+    before = signal.signal(signal.SIGPROF, over)
+    signal.setitimer(signal.ITIMER_PROF, budget_s)
+    try:
+        yield
+    except KeyboardInterrupt:
+        if not fired:
+            raise
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)
+    if fired:  # a run that is interrupted while it steps returns as usual
+        raise OverBudget
 
-    return follow
+
+def bare(spec: RunSpec) -> float:
+    """Processor time [s] of the integration alone: no building, monitors, signals or checks."""
+    prepared = prepare(spec.mechanism, spec.packages)
+    solver = spec.mechanism.solver
+    times = output_times(solver.t_end, solver.output_step)
+    begin = time.process_time()
+    integrate(make_integrator(prepared.model, prepared.y0, solver, prepared.treatment), times)
+    return time.process_time() - begin
 
 
 def reference(problem: Problem, rtol: float = 1e-10) -> Array:
     """Positions (k, 3) of the probe, converged [m]."""
-    solution, _ = solve(problem, REFERENCE, rtol)
-    if solution.status != "finished":
-        raise SystemExit(f"{problem.name}: no reference: {solution.message}")
-    return problem.places(solution.y)
+    result, summary, _ = solve(problem.with_solver(REFERENCE, rtol))
+    if summary["status"] != "finished":
+        raise SystemExit(f"{problem.name}: no reference: {summary['message']}")
+    return problem.places(result)
 
 
 def largest(places: Array, exact: Array) -> float:
@@ -103,21 +102,44 @@ def largest(places: Array, exact: Array) -> float:
 
 
 def point(
-    problem: Problem, method: Method, rtol: float, exact: Array, budget_s: float = np.inf
+    problem: Problem,
+    method: Method,
+    rtol: float,
+    exact: Array,
+    budget_s: float = np.inf,
+    *,
+    with_bare: bool = False,
 ) -> Point:
     """Run once and compare with the converged positions."""
-    solution, cpu = solve(problem, method, rtol, budget_s=budget_s)
-    done = solution.status == "finished"
-    error = largest(problem.places(solution.y), exact) if done else np.nan
-    c = solution.counters
-    status = solution.code or solution.status
-    return Point(method.label, rtol, status, error, cpu, c.steps, c.evaluations)
+    spec = problem.with_solver(method, rtol)
+    try:
+        result, summary, cpu = solve(spec, budget_s)
+    except OverBudget:
+        return Point(method.label, rtol, "budget", np.nan, budget_s, 0, 0)
+    status, cost = summary["status"], summary["cost"]
+    done = status == "finished"
+    error = largest(problem.places(result), exact) if done else np.nan
+    loop = bare(spec) if done and with_bare else np.nan
+    return Point(
+        method.label,
+        rtol,
+        status,
+        error,
+        cpu,
+        cost["steps"],
+        cost["evaluations"],
+        loop,
+        cost["seconds"],
+    )
 
 
 def warm_up(problem: Problem, methods: list[Method]) -> None:
-    """Compile what a method needs, so that no measured run does."""
-    from dataclasses import replace
-
-    short = replace(problem, t_end=2e-3, output_step=1e-3)
+    """Load or compile what a method needs, so that no measured run does."""
     for method in methods:
-        solve(short, method, method.rtols[0])
+        solve(problem.with_solver(method, method.rtols[0], t_end=2e-3, output_step=1e-3))
+
+
+def shorter(point: Point) -> dict[str, Any]:
+    """The point as a row of a table, without its phases."""
+    row = vars(replace(point, phases={}))
+    return {k: v for k, v in row.items() if k != "phases"}

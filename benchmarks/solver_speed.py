@@ -2,25 +2,31 @@
 
 PYTHONPATH=.:benchmarks .venv/bin/python benchmarks/solver_speed.py [JSON] [--write docs/speed.md]
 
-Writes build/benchmarks/solver.json. Processor time of one process with one thread; every number
-is the median of interleaved runs: ours and theirs in turn, round after round.
+Writes build/benchmarks/solver.json. Our runs are made by the function or the command that a user
+calls, with the settings of a case but for integrator and rtol. Processor time with one thread;
+every number is the median of interleaved runs: ours and theirs in turn, round after round.
 """
 
 import argparse
 import json
+import os
 import statistics
 import time
 from collections import defaultdict
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import ensemble
 import numpy as np
+import solver_chain
 import solver_exudyn
-from solver_chain import measure as measure_chain
+import solver_memory
+import solver_processes
+from exudyn_plane import FULL, MODIFIED
 from solver_curves import cpu_at, ratios
-from solver_exudyn import FULL, MODIFIED
-from solver_methods import INTEGRATOR_METHODS, available
+from solver_methods import DEFAULT, INTEGRATOR_METHODS, available
 from solver_problems import double_pendulum
 from solver_runs import Point, largest, point, reference, warm_up
 from solver_text import write_tables
@@ -31,6 +37,7 @@ from plymotion.solver.package.common.container import temporary_sibling
 STEPS = (500, 1000, 2000, 5000, 10000, 20000, 50000, 70000)
 LONG = 3.0  # [s]; longer runs scatter little and are not repeated
 TARGETS = ("1e-4", "2e-6", "1e-7")
+PARTS = ("double_pendulum", "processes", "ensemble", "chain", "memory")
 
 
 def measure_double_pendulum(rounds: int, budget_s: float) -> dict[str, Any]:
@@ -52,7 +59,7 @@ def measure_double_pendulum(rounds: int, budget_s: float) -> dict[str, Any]:
                     if not done and any(_over(points) for points in ours[method.label].values()):
                         continue  # what a looser tolerance could not do in time
                     if not done or (done[0].status == "finished" and done[0].cpu_s < LONG):
-                        done.append(point(problem, method, rtol, exact, budget_s))
+                        done.append(point(problem, method, rtol, exact, budget_s, with_bare=True))
             if k < len(STEPS):
                 for newton, found in theirs.items():
                     tip, cpu = solver_exudyn.double_pendulum(STEPS[k], newton)
@@ -64,10 +71,15 @@ def measure_double_pendulum(rounds: int, budget_s: float) -> dict[str, Any]:
     peers = {newton: _medians(found) for newton, found in theirs.items()}
     own = {label: _medians(found) for label, found in ours.items()}
     pairs = {label: _pairs(rows) for label, rows in own.items()}
+    loops = {label: [[p.error, p.bare_s] for p in rows] for label, rows in own.items()}
     return {
         "exudyn": _pairs(peers[FULL]),
         "exudyn_modified_newton": _pairs(peers[MODIFIED]),
         "plymotion": pairs,
+        "bare": {
+            label: [row for row in rows if np.isfinite(row).all()] for label, rows in loops.items()
+        },
+        "default": _default(own[DEFAULT.label], _pairs(peers[MODIFIED])),
         "ratio_at": ratios(pairs, _pairs(peers[FULL]), TARGETS),
         "ratio_at_modified_newton": ratios(pairs, _pairs(peers[MODIFIED]), TARGETS),
         "best": {
@@ -108,42 +120,60 @@ def _medians(found: dict[Any, list[Point]]) -> list[Point]:
     rows = []
     for points in filter(None, found.values()):
         cpu = statistics.median(p.cpu_s for p in points)
-        rows.append(Point(**(vars(points[-1]) | {"cpu_s": cpu})))
+        loop = statistics.median(p.bare_s for p in points)
+        names = points[-1].phases
+        phases = {k: statistics.median(p.phases.get(k, 0.0) for p in points) for k in names}
+        rows.append(replace(points[-1], cpu_s=cpu, bare_s=loop, phases=phases))
     return rows
+
+
+def _default(rows: list[Point], theirs: list[list[float]]) -> list[dict[str, Any]]:
+    """The cheapest run of the default integrator below each error, phase by phase."""
+    found = []
+    for target in TARGETS:
+        fit = [p for p in rows if p.status == "finished" and p.error < float(target)]
+        if fit:
+            best = min(fit, key=lambda p: p.cpu_s)
+            found.append(
+                {"target": target, **vars(best), "exudyn_s": cpu_at(theirs, float(target))}
+            )
+    return found
 
 
 def _pairs(rows: list[Point]) -> list[list[float]]:
     return [[p.error, p.cpu_s] for p in rows if p.status == "finished" and np.isfinite(p.error)]
 
 
-def measure_ensemble() -> dict[str, Any]:
-    """512 double pendulums by the sweep engine over single runs in plain NumPy."""
-    return dict(ensemble.measure())
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("json", nargs="?", type=Path, default=Path("build/benchmarks/solver.json"))
-    parser.add_argument("--rounds", type=int, default=3, help="interleaved runs of each setting")
+    parser.add_argument("--rounds", type=int, default=5, help="interleaved runs of each setting")
     parser.add_argument("--budget", type=float, default=8.0, help="longest run of ours [s]")
     parser.add_argument("--chain-budget", type=float, default=8.0, help="longest chain [s]")
-    parser.add_argument("--only", choices=("double_pendulum", "chain", "ensemble"))
+    parser.add_argument("--links", type=int, default=1024, help="chain whose memory is measured")
+    parser.add_argument("--only", choices=PARTS)
     parser.add_argument("--write", type=Path, help="document whose tables are renewed")
     arguments = parser.parse_args()
-    parts = {
-        "double_pendulum": lambda: measure_double_pendulum(arguments.rounds, arguments.budget),
-        "chain": lambda: measure_chain(arguments.rounds, arguments.chain_budget),
-        "ensemble": measure_ensemble,
+    rounds = arguments.rounds
+    measures: dict[str, Callable[[], Any]] = {
+        "double_pendulum": lambda: measure_double_pendulum(rounds, arguments.budget),
+        "processes": lambda: solver_processes.measure(rounds, TARGETS),
+        "ensemble": ensemble.measure,
+        "chain": lambda: solver_chain.measure(rounds, arguments.chain_budget),
+        "memory": lambda: solver_memory.measure(arguments.links),
     }
     found: dict[str, Any] = {}
     if arguments.only and arguments.json.exists():
         found = json.loads(arguments.json.read_text(encoding="utf-8"))
     begin = time.perf_counter()
-    if arguments.only != "ensemble":
+    if arguments.only not in ("ensemble", "memory"):
         solver_exudyn.exudyn()  # missing? say so before anything is measured
-    for name, measure in parts.items():
+    for name, measure in measures.items():
         if arguments.only in (None, name):
+            load = os.getloadavg()[0]
             found[name] = measure()
+            # other processes disturb a measurement: how many there were, before and after
+            found.setdefault("load", {})[name] = [load, os.getloadavg()[0]]
     arguments.json.parent.mkdir(parents=True, exist_ok=True)
     with temporary_sibling(arguments.json) as temporary:
         temporary.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")

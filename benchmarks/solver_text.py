@@ -14,12 +14,15 @@ def write_tables(found: dict[str, Any], document: Path) -> None:
     """Renew every table of the document that there are numbers for."""
     for name, lines in {
         "double_pendulum": _double_pendulum,
-        "chain": _chain,
+        "processes": _processes,
         "ensemble": _ensemble,
+        "chain": _chain,
+        "memory": _memory,
     }.items():
         if found.get(name):
             text = lines(found[name])
-            replace_between(document, name.replace("_", " "), [*text, "", _machine()])
+            machine = _machine(found.get("load", {}).get(name))
+            replace_between(document, name.replace("_", " "), [*text, "", machine])
 
 
 def _row(cells: list[str]) -> str:
@@ -35,29 +38,95 @@ def _seconds(value: float) -> str:
 
 
 def _double_pendulum(found: dict[str, Any]) -> list[str]:
-    curves = {
-        "Exudyn, full Newton (its default)": found["exudyn"],
-        "Exudyn, modified Newton": found["exudyn_modified_newton"],
-        **found["plymotion"],
+    peers = {
+        "Exudyn, solution only, full Newton (its default)": found["exudyn"],
+        "Exudyn, solution only, modified Newton": found["exudyn_modified_newton"],
     }
     targets = list(found["ratio_at"])
-    rows = [
-        [name, *(_seconds(cpu_at(curve, float(target))) for target in targets)]
-        for name, curve in curves.items()
-    ]
+    rows = []
+    for name, curve in {**peers, **found["plymotion"]}.items():
+        cells = [_seconds(cpu_at(curve, float(target))) for target in targets]
+        loop = found["bare"].get(name)
+        bare = [_seconds(cpu_at(loop, float(t))) if loop else "" for t in targets[:1]]
+        rows.append([name, *cells, *bare])
     for key, words in (
         ("ratio_at", "best of ours / Exudyn, full Newton"),
         ("ratio_at_modified_newton", "best of ours / Exudyn, modified Newton"),
     ):
-        rows.append([f"**{words}**", *(_ratio(found[key][t]) for t in targets)])
-    head = ["processor time [s] for a tip error of", *(f"{t} m" for t in targets)]
+        rows.append([f"**{words}**", *(_ratio(found[key][t]) for t in targets), ""])
+    head = [
+        "processor time [s] for a tip error of",
+        *(f"{t} m" for t in targets),
+        f"steps alone, {targets[0]} m",
+    ]
     return [
         *_table(head, rows),
         "",
         "Limit of Exudyn's tip from ours, extrapolated: "
         + "; ".join(f"{name} {value:.1e} m" for name, value in found["limits"].items())
         + ".",
+        "",
+        *_phases(found["default"]),
     ]
+
+
+def _phases(rows: list[dict[str, Any]]) -> list[str]:
+    """The default integrator, phase by phase."""
+    head = ["error below", "rtol", "error [m]", "steps", "build", "steps", "monitors"]
+    head += ["signals, checks", "all [ms]", "Exudyn's solution [ms]", "steps, monitors / Exudyn"]
+    cells = []
+    for row in rows:
+        phases = row["phases"]
+        names = ("build", "integrate", "monitors", "recover")
+        parts = [f"{1e3 * phases[k]:.3g}" for k in names]
+        stepping = phases["integrate"] + phases["monitors"]
+        cells.append(
+            [
+                f"{row['target']} m",
+                f"{row['tolerance']:g}",
+                f"{row['error']:.1e}",
+                str(row["steps"]),
+                *parts,
+                f"{1e3 * row['cpu_s']:.3g}",
+                f"{1e3 * row['exudyn_s']:.3g}",
+                f"1/{row['exudyn_s'] / stepping:.1f}",
+            ]
+        )
+    return _table(head, cells)
+
+
+def _processes(rows: list[dict[str, Any]]) -> list[str]:
+    names = list(rows[0]["seconds"])
+    head = ["motion", "error below", "rtol", "our error [m]", *names, "**ours [s]**"]
+    theirs = list(rows[0]["exudyn_seconds"])
+    head += ["Exudyn's error [m]", *(f"Exudyn: {k}" for k in theirs), "**Exudyn [s]**", "ratio"]
+    cells = []
+    for row in rows:
+        ratio = row["cpu_s"] / row["exudyn_cpu_s"]
+        there = row["exudyn_error"] < float(row["target"])
+        cells.append(
+            [
+                f"{row['t_end']:g} s",
+                f"{row['target']} m",
+                f"{row['rtol']:g}",
+                f"{row['error']:.1e}",
+                *(_seconds(row["seconds"][k]) for k in names),
+                f"**{row['cpu_s']:.3g}**",
+                f"{row['exudyn_error']:.1e}",
+                *(_seconds(row["exudyn_seconds"][k]) for k in theirs),
+                f"**{row['exudyn_cpu_s']:.3g}**",
+                f"{ratio:.2g}" if there else f"{ratio:.2g} (error not reached)",
+            ]
+        )
+    return _table(head, cells)
+
+
+def _memory(rows: list[dict[str, Any]]) -> list[str]:
+    head = ["`plymotion run`", "peak memory [MB]", "processor time [s]", "result.vtkhdf [MB]"]
+    cells = [
+        [r["run"], f"{r['peak_mb']:.0f}", _seconds(r["cpu_s"]), f"{r['file_mb']:.3g}"] for r in rows
+    ]
+    return _table(head, cells)
 
 
 def _ratio(value: float | None) -> str:
@@ -77,7 +146,20 @@ def _chain(found: dict[str, Any]) -> list[str]:
         [name, *(f"{row[str(n)]:.3g}" if str(n) in row else "–" for n in links)]
         for name, row in curves.items()
     ]
-    return _table(["us per link and step, links:", *map(str, links)], rows)
+    whole = found["whole"]
+    head = ["whole runs, radau", *(str(row["links"]) for row in whole)]
+    kinds = (
+        ("us_integrate", "steps, us per link and step"),
+        ("us_watched", "steps and monitors, us per link and step"),
+        ("ms_build", "build and start, ms per link"),
+        ("ms_recover", "signals and checks, ms per link"),
+        ("steps", "steps"),
+    )
+    return [
+        *_table(["us per link and step, links:", *map(str, links)], rows),
+        "",
+        *_table(head, [[words, *(f"{row[key]:.3g}" for row in whole)] for key, words in kinds]),
+    ]
 
 
 def _ensemble(found: dict[str, Any]) -> list[str]:
@@ -89,7 +171,7 @@ def _ensemble(found: dict[str, Any]) -> list[str]:
     return _table(["ensemble", "measured"], rows)
 
 
-def _machine() -> str:
+def _machine(load: list[float] | None) -> str:
     model = platform.machine()
     cpuinfo = Path("/proc/cpuinfo")
     if cpuinfo.exists():
@@ -97,4 +179,7 @@ def _machine() -> str:
             if line.startswith("model name"):
                 model = line.partition(":")[2].strip()
                 break
-    return f"{model}, {os.cpu_count()} cores, Python {platform.python_version()}."
+    text = f"{model}, {os.cpu_count()} cores, Python {platform.python_version()}"
+    return (
+        f"{text}, load average {load[0]:.1f} before, {load[1]:.1f} after." if load else f"{text}."
+    )

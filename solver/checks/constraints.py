@@ -18,7 +18,7 @@ def constraint_findings(run: FinishedRun) -> Iterator[Finding]:
         t, _ = run.at(run.look.balance)
         text = (
             f"joined points are up to {largest:.2g} m apart "
-            f"(expected below {CONSTRAINT_DRIFT.limit:g} m): tighten rtol and atol, or take "
+            f"(expected below {CONSTRAINT_DRIFT.limit:g} m): decrease rtol, or take "
             'constraints = "projection"'
         )
         yield CONSTRAINT_DRIFT.finding(text, t=float(t[np.argmax(violation)]), value=largest)

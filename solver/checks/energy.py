@@ -18,6 +18,6 @@ def energy_findings(run: FinishedRun) -> Iterator[Finding]:
     t, _ = run.at(run.look.balance)
     text = (
         f"the energy balance is off by {largest:.2g} of the energy "
-        f"in play (expected below {ENERGY_DRIFT.limit:g}): tighten rtol and atol"
+        f"in play (expected below {ENERGY_DRIFT.limit:g}): decrease rtol"
     )
     yield ENERGY_DRIFT.finding(text, t=float(t[np.argmax(size)]), value=largest)

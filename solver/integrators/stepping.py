@@ -238,7 +238,7 @@ class Radau(ClosingLoop):
     )
     on_failure = (
         "Look for a jump or a singularity in the forces just after it, or for constraints that "
-        "contradict each other, or loosen rtol and atol"
+        "contradict each other, or increase rtol"
     )
 
     def for_loop(self, model: Model) -> Model:

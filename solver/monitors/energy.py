@@ -52,6 +52,6 @@ class EnergyMonitor:
         text = (
             f"one step, to t = {self.t_jump:.6g} s, changed the energy balance by "
             f"{share:.2g} of the energy in play (expected below {ENERGY_JUMP.limit:g}): look for "
-            "an impact or a jump of force there; tighten rtol and atol"
+            "an impact or a jump of force there; decrease rtol"
         )
         return [ENERGY_JUMP.finding(text, t=self.t_jump, value=share)]

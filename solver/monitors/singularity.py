@@ -337,7 +337,7 @@ class SingularityMonitor:
         if self.treatment == "augmented-lagrangian":
             return 'Raise `frequency`, or take constraints = "projection"'
         if self.treatment in PASSES_SINGULAR:
-            return "Tighten rtol and atol; lengths that do not quite fit act so as well"
+            return "Decrease rtol; lengths that do not quite fit act so as well"
         return (
             f'Constraints = "{self.treatment}" cannot pass a singular position: take '
             '"projection", or "ggl" with integrator = "generalized-alpha"'

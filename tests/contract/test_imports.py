@@ -107,7 +107,7 @@ def lint(folder: Path) -> subprocess.CompletedProcess[str]:
         ("solver/planted.py", "def f():\n    import gmsh", "solver"),
         ("preprocess/planted.py", "from ..solver import joints", "preprocess"),
         ("preprocess/planted.py", "import pydantic", "preprocess-light"),
-        ("preprocess/planted.py", "from petsc4py import PETSc", "door"),
+        ("preprocess/planted.py", "from petsc4py import PETSc", "fenicsx"),
         ("solver/dynamics/bodies/planted.py", "from .. import joints", "dynamics"),
         ("solver/math/planted.py", "from .. import package", "layers"),
         ("solver/integrators/generic/planted.py", "from ... import dynamics", "integrators"),

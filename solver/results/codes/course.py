@@ -48,7 +48,7 @@ CONSTRAINT_DRIFT = Code(
     "warning",
     "joined points move apart",
     "distance of joined points above {limit:g} m",
-    'tighten `rtol` and `atol_position`, or set `constraints = "projection"`',
+    'decrease `rtol`, or set `constraints = "projection"`',
     limit=1e-6,
 )
 FEEDBACK = Code(
@@ -77,7 +77,7 @@ BRANCH = Code(
     "follows is not the motion of the mechanism",
     "velocity turned by more than 0.2, or energy balance changed by more than 0.001 of the energy "
     "in play, within the neighbourhood of the position",
-    "tighten `rtol` and `atol_*`; check lengths that nearly fit",
+    "decrease `rtol`; check lengths that nearly fit",
 )
 SINGULAR_PASSED = Code(
     "singular-passed",

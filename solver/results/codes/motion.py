@@ -8,7 +8,7 @@ ENERGY_DRIFT = Code(
     "warning",
     "energy less the work of drives, loads and dampers changes during the run",
     "change above {limit:g} of the energy in play",
-    "tighten `rtol` and `atol_*`",
+    "decrease `rtol`",
     limit=1e-3,
 )
 ENERGY_JUMP = Code(
@@ -17,8 +17,7 @@ ENERGY_JUMP = Code(
     "a single step changes the energy balance visibly: an impact, a jump of a force, or a step "
     "that is too long",
     "change in one step above {limit:g} of the energy in play",
-    "look for an impact or a jump of a force at the time given; tighten `rtol` and `atol_*`, or "
-    "set `max_step`",
+    "look for an impact or a jump of a force at the time given; decrease `rtol`, or set `max_step`",
     limit=1e-3,
 )
 MOMENTUM = Code(

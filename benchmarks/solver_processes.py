@@ -1,0 +1,150 @@
+"""`plymotion run` beside a whole process of Exudyn: import, load, build, solve, write."""
+
+import json
+import statistics
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import solver_exudyn
+from exudyn_plane import MODIFIED
+from processes import Cost, cost
+from solver_methods import DEFAULT
+from solver_problems import Problem, double_pendulum
+from solver_runs import largest, reference, solve
+from tqdm import tqdm
+
+from plymotion.solver.math.arrays import Array
+
+SPANS = (1.0, 10.0)  # [s] of motion
+EVERY = 1e-3  # [s] between outputs, of both
+LONG = 5.0  # [s]; longer processes scatter little and are not repeated
+# Steps per second whose errors give those for the errors asked for; Exudyn is of second order.
+TRIED = (1000, 2000, 5000, 10000, 20000, 50000, 70000)
+FINEST = 1_200_000  # steps
+
+
+def measure(rounds: int, targets: tuple[str, ...]) -> list[dict[str, Any]]:
+    """Rows by span and error: settings, errors, and medians of interleaved processes."""
+    rows = []
+    for t_end in SPANS:
+        problem = double_pendulum(t_end=t_end, name=f"double-pendulum-{t_end:g}")
+        exact = reference(problem)
+        theirs = _steps(problem, exact, targets)
+        for target, ours in _tolerances(problem, exact, targets).items():
+            rows.append({"t_end": t_end, "target": target, **ours, **theirs[target]})
+    with tempfile.TemporaryDirectory() as folder:
+        bodies = _write_bodies(Path(folder))
+        runs = [_Pair(row, Path(folder), bodies) for row in rows]
+        for pair in tqdm(runs, desc="warm", unit="pair"):
+            pair.once()
+        for _ in tqdm(range(rounds), desc="processes", unit="round"):
+            for pair in runs:
+                pair.once()
+        return [pair.result() for pair in runs]
+
+
+def _tolerances(
+    problem: Problem, exact: Array, targets: tuple[str, ...]
+) -> dict[str, dict[str, Any]]:
+    """The largest rtol of the default integrator with an error below each target."""
+    found: dict[str, dict[str, Any]] = {}
+    for rtol in DEFAULT.rtols:
+        result, summary, _ = solve(problem.with_solver(DEFAULT, rtol))
+        error = largest(problem.places(result), exact)
+        for target in targets:
+            if error < float(target) and target not in found:
+                steps = summary["cost"]["steps"]
+                found[target] = {"rtol": rtol, "error": error, "steps": steps}
+        if len(found) == len(targets):
+            break
+    return found
+
+
+def _steps(problem: Problem, exact: Array, targets: tuple[str, ...]) -> dict[str, dict[str, Any]]:
+    """The smallest number of steps of Exudyn for each target, a hundred per second at a time."""
+    unit = round(100 * problem.t_end)
+    known: list[tuple[int, float]] = []
+    for rate in TRIED:
+        steps = round(rate * problem.t_end)
+        tip, _ = solver_exudyn.double_pendulum(steps, MODIFIED, t_end=problem.t_end)
+        known.append((steps, largest(tip, exact)))
+        if known[-1][1] < min(map(float, targets)):
+            break
+    found: dict[str, dict[str, Any]] = {}
+    for target in targets:
+        goal = float(target)
+        number, error = next(((n, e) for n, e in known if e < goal), known[-1])
+        if error < goal:
+            logs = np.log([(n, e) for n, e in known])
+            guess = np.exp(np.interp(-np.log(0.98 * goal), -logs[:, 1], logs[:, 0]))
+            steps = unit * int(np.ceil(guess / unit))
+            tip, _ = solver_exudyn.double_pendulum(steps, MODIFIED, t_end=problem.t_end)
+            between = largest(tip, exact)
+            number, error = (steps, between) if between < goal else (number, error)
+        found[target] = {"exudyn_steps": number, "exudyn_error": error}
+    return found
+
+
+def _write_bodies(folder: Path) -> Path:
+    """Arrays of the links for exudyn_process.py, which imports nothing of ours."""
+    arrays = {
+        f"{name}/{key}": value
+        for name, body in zip(("arm", "hand"), solver_exudyn.links(), strict=True)
+        for key, value in vars(body).items()
+    }
+    file = folder / "bodies.npz"
+    np.savez(file, **arrays)
+    return file
+
+
+class _Pair:
+    """Processes of both codes for one row; the first of each is not counted."""
+
+    def __init__(self, row: dict[str, Any], folder: Path, bodies: Path) -> None:
+        self.row, self.folder, self.bodies = row, folder, bodies
+        t_end = row["t_end"]
+        problem = double_pendulum(t_end=t_end, name=f"double-pendulum-{t_end:g}")
+        solver = problem.solver(DEFAULT, row["rtol"]) | {"output_step": EVERY}
+        self.file = problem.written(f"double-pendulum-{t_end:g}-{row['target']}", solver)
+        self.ours: list[tuple[Cost, dict[str, float]]] = []
+        self.theirs: list[tuple[Cost, dict[str, float]]] = []
+
+    def once(self) -> None:
+        """Run both, one after the other."""
+        if not self.ours or self.ours[0][0].cpu_s < LONG:
+            out = self.folder / "ours"
+            used = cost(["-m", "plymotion", "run", str(self.file), "--out", str(out), "--quiet"])
+            summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
+            self.ours.append((used, summary["cost"]["seconds"]))
+        if not self.theirs or self.theirs[0][0].cpu_s < LONG:
+            script = Path(__file__).with_name("exudyn_process.py")
+            numbers = (self.row["t_end"], self.row["exudyn_steps"], MODIFIED, EVERY)
+            arguments = [str(script), str(self.bodies), *map(str, numbers), str(self.folder)]
+            used = cost(arguments)
+            seconds = json.loads((self.folder / "seconds.json").read_text(encoding="utf-8"))
+            self.theirs.append((used, seconds))
+
+    def result(self) -> dict[str, Any]:
+        """The row with medians."""
+        return {
+            **self.row,
+            "cpu_s": _median(self.ours),
+            "seconds": _phases(self.ours),
+            "exudyn_cpu_s": _median(self.theirs),
+            "exudyn_seconds": _phases(self.theirs),
+        }
+
+
+def _counted(runs: list[Any]) -> list[Any]:
+    return runs[1:] or runs
+
+
+def _median(runs: list[tuple[Cost, dict[str, float]]]) -> float:
+    return statistics.median(used.cpu_s for used, _ in _counted(runs))
+
+
+def _phases(runs: list[tuple[Cost, dict[str, float]]]) -> dict[str, float]:
+    names = runs[0][1]
+    return {k: statistics.median(s[k] for _, s in _counted(runs)) for k in names}
