@@ -13,6 +13,7 @@ from ..dynamics.coordinates import moved, position_rates
 from ..dynamics.forces.table import KINDS as FORCE_KINDS
 from ..dynamics.independence import new_independence
 from ..dynamics.joints.table import KINDS, N_PARAMETER
+from ..dynamics.least_energy import least_energy
 from ..dynamics.model import Model
 from ..dynamics.projection import projected
 from ..dynamics.singular_value import difference, new_spectrum
@@ -116,6 +117,7 @@ def _compile_others() -> None:
         passage.explain(1e-3, y)
     rows = new_independence(model)
     difference(model, new_spectrum(rows), rows.C, rows.C)
+    least_energy(model, 0.0, y, np.zeros(1, dtype=np.int64), np.zeros(1))
     derivative(model, 0.0, y)
     series.along_solution(model, np.zeros(1), y[None])
     position_rates(model, y[:7], y[7:13])

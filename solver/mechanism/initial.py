@@ -8,9 +8,13 @@ from ..dynamics.bodies.marker import marker_motion
 from ..dynamics.constraints.minimum_norm import RANK_TOLERANCE
 from ..dynamics.constraints.scaling import scaled_jacobian
 from ..dynamics.coordinates import moved
+from ..dynamics.independence import new_independence
 from ..dynamics.joints.table import DRIVES, NAMES, ROWS
+from ..dynamics.least_energy import least_energy
 from ..dynamics.model import Model
+from ..dynamics.singular_value import new_spectrum, smallest_at
 from ..dynamics.system import Equations, accelerations, assemble, law_at
+from ..dynamics.workspace import new_work
 from ..errors import InputError
 from ..math.arrays import Array
 from ..results.codes.course import REDUNDANT, SINGULAR_START
@@ -20,6 +24,8 @@ _POSITION_TOLERANCE = 1e-12
 _VELOCITY_TOLERANCE = 1e-9
 _MAX_STEP = 0.5  # [m, rad] limit of one Newton correction, for rough initial positions
 _MAX_ITERATIONS = 60
+_INDEPENDENT = 1e3 * RANK_TOLERANCE  # smallest singular value of rows of length one
+_FEW = 24  # given velocities that are answered one by one
 
 
 @dataclass(frozen=True)
@@ -154,7 +160,7 @@ def redundancy(model: Model, y: Array, names: list[str], t: float = 0.0) -> Redu
     InputError
         Joints and drives contradict each other; names them.
     """
-    if model.n_constraint == 0:
+    if model.n_constraint == 0 or _independent(model, y, t):
         return Redundancy(0, [], False)
     equations = assemble(model, t, y)
     here = _Rank(equations, model.inertia_scale, RANK_TOLERANCE)
@@ -178,6 +184,15 @@ def redundancy(model: Model, y: Array, names: list[str], t: float = 0.0) -> Redu
             f"{', '.join(involved)}"
         )
     return Redundancy(count, involved, general.value > here.value)
+
+
+def _independent(model: Model, y: Array, t: float) -> bool:
+    """Tell whether all constraints are clearly independent, linear in the number of bodies."""
+    if not 0 < model.n_constraint <= model.n_vel:
+        return False
+    rows = new_independence(model)
+    C, memory = np.zeros_like(rows.C), new_spectrum(rows)
+    return smallest_at(model, new_work(model), rows, memory, 0, t, y, C) > _INDEPENDENT
 
 
 class _Rank:
@@ -214,6 +229,12 @@ def _velocities(model: Model, start: Start, y: Array, names: list[str], t: float
     n_free, n_c = int(free.sum()), model.n_constraint
     if n_c == 0 and n_free == 0:
         return v
+    if model.n_vel - n_free <= _FEW and _independent(model, y, t):
+        given = np.flatnonzero(~free)
+        found = least_energy(model, t, y, given, v[given])
+        violation = np.abs(equations.Phi_q @ found + equations.Phi_t).max()
+        if violation < _POSITION_TOLERANCE * max(1.0, float(np.abs(found).max())):
+            return found
     A = np.zeros((n_free + n_c, n_free + n_c))
     b = np.zeros(n_free + n_c)
     A[:n_free, :n_free] = equations.M[np.ix_(free, free)]

@@ -16,7 +16,6 @@ from ..dynamics.constraints.treatment import PASSES_SINGULAR
 from ..dynamics.independence import CERTAIN, begin, scaled_jacobian_into
 from ..dynamics.model import Model
 from ..dynamics.singular_value import difference, new_spectrum, smallest_at
-from ..dynamics.system import assemble, energies
 from ..integrators.generic import Integrator, Steps, StopRequest
 from ..integrators.generic.base import Dense
 from ..integrators.generic.steps import MOST_NOTED
@@ -89,12 +88,13 @@ class SingularityMonitor:
 
     def at_start(self, t: float, y: Array) -> None:
         """Take the state that the run starts from."""
-        energy = energies(self.model, assemble(self.model, t, y), y)
-        self.energy.take(np.array([t]), energy[None, :], y[-1:])
-        self._last = self._state(t, y)
         if self._rank:
             self._known = self._decompose(t, y)
             self._keep_independent(t, y)
+        energy, pivot = np.empty((1, 3)), np.empty(1)
+        observe(self.model, self._observation, np.array([t]), y[None], energy, pivot)
+        self.energy.take(np.array([t]), energy, y[-1:])
+        self._last = self._state(t, y)
 
     def __call__(self, steps: Steps) -> StopRequest | None:
         """Judge the steps just taken; called by `integrate`."""
