@@ -224,6 +224,8 @@ class Plane:
         scheme.endTime, scheme.numberOfSteps, scheme.verboseMode = t_end, steps, 0
         scheme.generalizedAlpha.spectralRadius = SPECTRAL_RADIUS
         scheme.newton.useModifiedNewton = newton == MODIFIED
+        # Exudyn sums its steps, and rounding would make some outputs late by one of them.
+        every *= 1.0 - 1e-7
         solution = settings.solution
         solution.file.writePeriod = every
         solution.file.write, solution.sensors.writePeriod = bool(file), every

@@ -150,7 +150,7 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=5, help="interleaved runs of each setting")
     parser.add_argument("--budget", type=float, default=8.0, help="longest run of ours [s]")
     parser.add_argument("--chain-budget", type=float, default=8.0, help="longest chain [s]")
-    parser.add_argument("--links", type=int, default=1024, help="chain whose memory is measured")
+    parser.add_argument("--links", type=int, default=256, help="chain whose memory is measured")
     parser.add_argument("--only", choices=PARTS)
     parser.add_argument("--write", type=Path, help="document whose tables are renewed")
     arguments = parser.parse_args()

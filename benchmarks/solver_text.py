@@ -97,28 +97,23 @@ def _phases(rows: list[dict[str, Any]]) -> list[str]:
 
 def _processes(rows: list[dict[str, Any]]) -> list[str]:
     names = list(rows[0]["seconds"])
-    head = ["motion", "error below", "rtol", "our error [m]", *names, "**ours [s]**"]
+    head = ["ours", "rtol", "error [m]", *names, "**all [s]**"]
     theirs = list(rows[0]["exudyn_seconds"])
-    head += ["Exudyn's error [m]", *(f"Exudyn: {k}" for k in theirs), "**Exudyn [s]**", "ratio"]
-    cells = []
+    peer_head = ["Exudyn", "steps", "error [m]", *theirs, "**all [s]**", "ours / Exudyn"]
+    own, peer = [], []
     for row in rows:
-        ratio = row["cpu_s"] / row["exudyn_cpu_s"]
-        there = row["exudyn_error"] < float(row["target"])
-        cells.append(
-            [
-                f"{row['t_end']:g} s",
-                f"{row['target']} m",
-                f"{row['rtol']:g}",
-                f"{row['error']:.1e}",
-                *(_seconds(row["seconds"][k]) for k in names),
-                f"**{row['cpu_s']:.3g}**",
-                f"{row['exudyn_error']:.1e}",
-                *(_seconds(row["exudyn_seconds"][k]) for k in theirs),
-                f"**{row['exudyn_cpu_s']:.3g}**",
-                f"{ratio:.2g}" if there else f"{ratio:.2g} (error not reached)",
-            ]
-        )
-    return _table(head, cells)
+        what = f"{row['t_end']:g} s, {row['target']} m"
+        cells = [what, f"{row['rtol']:g}", f"{row['error']:.1e}"]
+        cells += [_seconds(row["seconds"][k]) for k in names]
+        own.append([*cells, f"**{row['cpu_s']:.3g}**"])
+        if "exudyn_seconds" not in row:
+            peer.append([what, *["–"] * (len(theirs) + 4)])
+            continue
+        cells = [what, str(row["exudyn_steps"]), f"{row['exudyn_error']:.1e}"]
+        cells += [_seconds(row["exudyn_seconds"][k]) for k in theirs]
+        ratio = f"{row['cpu_s'] / row['exudyn_cpu_s']:.2g}"
+        peer.append([*cells, f"**{row['exudyn_cpu_s']:.3g}**", f"**{ratio}**"])
+    return [*_table(head, own), "", *_table(peer_head, peer)]
 
 
 def _memory(rows: list[dict[str, Any]]) -> list[str]:
