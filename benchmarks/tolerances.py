@@ -112,14 +112,14 @@ def _motion(spec: RunSpec, settings: dict[str, Any], size: float) -> tuple[Array
 def draw(rows: list[dict[str, Any]], picture: Path) -> None:
     """Error obtained over error asked for, a curve for each run."""
     with house_style():
-        canvas = Canvas(7.5, 5.0)
+        canvas = Canvas(9.5, 5.0)
         (axis,) = canvas.panels(1, 1)
         for k, (case, run, _) in enumerate(RUNS):
             mine = [row for row in rows if (row["case"], row["run"]) == (case, run)]
             axis.plot(
                 [row["asked"] for row in mine],
                 [row["obtained"] for row in mine],
-                marker="o",
+                marker="os^"[k // 7 % 3],
                 color=colour(k),
                 label=f"{case}, {run}",
             )
@@ -128,7 +128,7 @@ def draw(rows: list[dict[str, Any]], picture: Path) -> None:
         axis.fill_between(asked, asked / BAND, asked * BAND, color="black", alpha=0.08, linewidth=0)
         axis.set(xscale="log", yscale="log", xlabel="accuracy asked for: rtol")
         axis.set_ylabel("largest error of a position / size")
-        axis.legend(fontsize=6, loc="upper left")
+        axis.legend(fontsize=7, loc="center left", bbox_to_anchor=(1.01, 0.5))
         canvas.figure.suptitle("Accuracy asked for and obtained, radau with default tolerances")
         canvas.save(picture)
 
