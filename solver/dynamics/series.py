@@ -37,12 +37,17 @@ class Balance(NamedTuple):
     energies: Array  # (k, 3) kinetic, strain, potential [J]
 
 
-def along_solution(model: Model, t: Array, y: Array) -> tuple[Array, Array]:
+def along_solution(
+    model: Model, t: Array, y: Array, regular_above: float = REGULAR
+) -> tuple[Array, Array]:
     """Return dy/dt (k, n) and the multipliers (k, n_c). Paper: Eq. (14).
 
     The rates are those that are integrated. Multipliers of redundant constraints are those of
     least norm; with the augmented Lagrangian, those of the equations without it, so that the
     balance of momentum shows whether its iteration has converged.
+
+    Below `regular_above`, the least pivot over its diagonal entry, states are solved with dense
+    matrices, in the third power of the number of bodies.
     """
     t, y = _contiguous(t, y)
     rates, multipliers = np.zeros(y.shape), np.zeros((t.size, model.n_constraint))
@@ -50,7 +55,7 @@ def along_solution(model: Model, t: Array, y: Array) -> tuple[Array, Array]:
     if by_blocks(model):
         _derivatives(model, work, t, y, rates, multipliers, regular)
     # Rows that nearly depend on each other: elimination loses digits that pivoting keeps.
-    doubtful = regular < REGULAR
+    doubtful = regular < regular_above
     if model.penalty > 0.0 and model.beta > 0.0:
         doubtful[:] = True
     spare = np.zeros(model.n_pos + model.n_vel + 1)

@@ -1,6 +1,7 @@
 """Consistent start: assembled positions, and velocities that satisfy the constraints."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -172,11 +173,13 @@ def redundancy(model: Model, y: Array, names: list[str], t: float = 0.0) -> Redu
             found = _Rank(assemble(model, t, near), model.inertia_scale, 1e3 * RANK_TOLERANCE)
             general = found if found.value > here.value else here
     count = model.n_constraint - general.value
+    if count == 0:
+        return Redundancy(0, [], general.value > here.value)
     involved = _involved(model, general, names)
-    state = accelerations(model._replace(redundant=max(count, 1)), equations, y)[0]
+    state = accelerations(model._replace(redundant=count), equations, y)[0]
     residual = equations.Phi_q @ state - equations.gamma
     size = max(1.0, float(np.max(np.abs(equations.gamma))))
-    if count and np.max(np.abs(residual)) > _VELOCITY_TOLERANCE * size:
+    if np.max(np.abs(residual)) > _VELOCITY_TOLERANCE * size:
         off = _describe(model, residual, names, ("m/s2", "rad/s2"))
         raise InputError(
             f"joints and drives contradict each other in their accelerations: {off}; "
@@ -199,10 +202,25 @@ class _Rank:
     """Rank of the scaled Jacobian, and its singular vectors."""
 
     def __init__(self, equations: Equations, inertia_scale: Array, tolerance: float) -> None:
-        C = scaled_jacobian(equations.Phi_q, inertia_scale)
-        U, s, Vt = np.linalg.svd(C)
+        self._C = scaled_jacobian(equations.Phi_q, inertia_scale)
+        s = np.linalg.svd(self._C, compute_uv=False)
         self.value = int(np.sum(s > tolerance * s[0]))
-        self.left, self.null = U[:, self.value :], Vt[self.value :]
+
+    @cached_property
+    def _vectors(self) -> tuple[Array, Array]:
+        # several times the work of the values, and not needed for independent rows
+        U, _, Vt = np.linalg.svd(self._C)
+        return U[:, self.value :], Vt[self.value :]
+
+    @property
+    def left(self) -> Array:
+        """Combinations of rows that vanish, as columns."""
+        return self._vectors[0]
+
+    @property
+    def null(self) -> Array:
+        """Motions that the rows leave free, as rows."""
+        return self._vectors[1]
 
 
 def _involved(model: Model, rank: _Rank, names: list[str]) -> list[str]:
@@ -242,7 +260,8 @@ def _velocities(model: Model, start: Start, y: Array, names: list[str], t: float
     A[:n_free, n_free:] = equations.Phi_q[:, free].T
     b[:n_free] = -(equations.M @ v)[free]
     b[n_free:] = -equations.Phi_t - equations.Phi_q @ v
-    v[free] = np.linalg.lstsq(A, b, rcond=1e-12)[0][:n_free]
+    if b.any():  # else the rest stands still
+        v[free] = np.linalg.lstsq(A, b, rcond=1e-12)[0][:n_free]
     residual = equations.Phi_q @ v + equations.Phi_t
     scale = max(1.0, float(np.max(np.abs(v), initial=0.0)))
     if n_c and np.max(np.abs(residual)) > _VELOCITY_TOLERANCE * scale:
