@@ -72,8 +72,14 @@ def _double_pendulum(found: dict[str, Any]) -> list[str]:
 
 def _phases(rows: list[dict[str, Any]]) -> list[str]:
     """The default integrator, phase by phase."""
-    head = ["error below", "rtol", "error [m]", "steps", "build", "steps", "monitors"]
-    head += ["signals, checks", "all [ms]", "Exudyn's solution [ms]", "steps, monitors / Exudyn"]
+    head = ["error below", "rtol", "error [m]", "steps", "build [ms]", "integration [ms]"]
+    head += [
+        "monitors [ms]",
+        "signals, checks [ms]",
+        "all [ms]",
+        "Exudyn's solution [ms]",
+        "integration with monitors / Exudyn",
+    ]
     cells = []
     for row in rows:
         phases = row["phases"]
@@ -153,8 +159,12 @@ def _chain(found: dict[str, Any]) -> list[str]:
     return [
         *_table(["us per link and step, links:", *map(str, links)], rows),
         "",
-        *_table(head, [[words, *(f"{row[key]:.3g}" for row in whole)] for key, words in kinds]),
+        *_table(head, [[words, *(_number(row[key]) for row in whole)] for key, words in kinds]),
     ]
+
+
+def _number(value: float) -> str:
+    return str(value) if isinstance(value, int) else f"{value:.3g}"
 
 
 def _ensemble(found: dict[str, Any]) -> list[str]:
