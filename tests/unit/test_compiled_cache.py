@@ -62,6 +62,8 @@ def _started(folder, cache, factor=2.0, shift=1.0, **settings):
     folder.mkdir(exist_ok=True)
     (folder / "sample.py").write_text(MODULE.format(factor=factor, shift=shift))
     environment = {**os.environ, "PLYMOTION_COMPILED": "1", **settings}
+    # Python takes bytecode of another text of the same second and size for this one's.
+    environment["PYTHONDONTWRITEBYTECODE"] = "1"
     path = [str(folder), *filter(None, [environment.get("PYTHONPATH")])]
     environment["PYTHONPATH"] = os.pathsep.join(path)
     environment.pop("PLYMOTION_CACHE", None)
