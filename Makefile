@@ -373,7 +373,8 @@ build/charts/shell-%.json: $(PREPROCESS_SOURCES) benchmarks/shell_course.py \
 docs/pictures/shell-%.png: build/charts/shell-%.json benchmarks/shell_chart.py
 	$(PY) benchmarks/shell_chart.py $* $< $@
 
-ACCURACY_SOURCES := $(patsubst %,benchmarks/solver_%.py,accuracy exudyn exudyn_beam methods problems runs)
+ACCURACY_SOURCES := benchmarks/exudyn_plane.py \
+    $(patsubst %,benchmarks/solver_%.py,accuracy exudyn exudyn_beam methods problems runs)
 docs/charts/solver-integrators.csv docs/charts/solver-treatments.csv: docs/charts/solver-%.csv: \
     $(RUN_SOURCES) $(ACCURACY_SOURCES) $(EXUDYN) | $(COMPILED)
 	@mkdir -p $(@D)
