@@ -5,9 +5,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..math.arrays import Array
+from .energy import stored_energies
 from .joints.table import position_rows
 from .model import GROUND, Model
-from .series import along_solution, balance, marker_motions
+from .series import along_solution, marker_motions
 from .system import evaluate
 from .workspace import PHI_T, new_work
 
@@ -67,7 +68,9 @@ def _at_start(model: Model, y0: Array, length: float) -> float:
     mass = max(float(model.mass.sum()), 1e-300)
     work = new_work(model)
     evaluate(model, work, 0.0, y0)
-    stored = balance(model, np.zeros(1), y0[None]).energies[0, 1] + work.power[1]
+    energies = np.zeros(3)
+    stored_energies(model, y0, work.P, energies)
+    stored = energies[1] + work.power[1]
     gain = max(fall, 2.0 * abs(float(stored)) / mass)
     if model.plan.element_row.shape[0] == 0:
         gain = max(gain, _of_frames(model, rates[0, model.n_pos : -1], length) * length)
