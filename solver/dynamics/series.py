@@ -14,7 +14,7 @@ from ..math.rotations import rotation_into
 from ..math.triple import cross3, minus3
 from .bodies.marker import move_marker
 from .bodies.motion import N_MOTION, place, stand
-from .energy import energies_into
+from .energy import energies_into, momenta_into
 from .forces.table import FIRST_LOAD, element_wrench
 from .model import Model
 from .system import (
@@ -156,14 +156,7 @@ def _balances(
 def _momenta(model: Model, work: Work, t: Array, y: Array, found: Array) -> None:
     for k in range(t.shape[0]):
         evaluate(model, work, t[k], y[k])
-        for i in range(model.n_body):
-            first = model.vel_start[i]
-            j = model.n_pos + first
-            for a in range(model.plan.size[i]):
-                for b in range(a + 1):
-                    found[k, first + a] += work.M[i, a, b] * y[k, j + b]
-                    if b < a:
-                        found[k, first + b] += work.M[i, a, b] * y[k, j + a]
+        momenta_into(model, work, y[k], found[k])
 
 
 @lean

@@ -9,13 +9,12 @@ from ..dynamics.bodies.marker import marker_motion
 from ..dynamics.constraints.minimum_norm import RANK_TOLERANCE
 from ..dynamics.constraints.scaling import scaled_jacobian
 from ..dynamics.coordinates import moved
-from ..dynamics.independence import new_independence
+from ..dynamics.freedom import clearly_independent
 from ..dynamics.joints.table import DRIVES, NAMES, ROWS
 from ..dynamics.least_energy import least_energy
 from ..dynamics.model import Model
-from ..dynamics.singular_value import new_spectrum, smallest_at
+from ..dynamics.series import balance
 from ..dynamics.system import Equations, accelerations, assemble, law_at
-from ..dynamics.workspace import new_work
 from ..errors import InputError
 from ..math.arrays import Array
 from ..results.codes.course import REDUNDANT, SINGULAR_START
@@ -25,8 +24,6 @@ _POSITION_TOLERANCE = 1e-12
 _VELOCITY_TOLERANCE = 1e-9
 _MAX_STEP = 0.5  # [m, rad] limit of one Newton correction, for rough initial positions
 _MAX_ITERATIONS = 60
-_INDEPENDENT = 1e3 * RANK_TOLERANCE  # smallest singular value of rows of length one
-_FEW = 24  # given velocities that are answered one by one
 
 
 @dataclass(frozen=True)
@@ -109,9 +106,9 @@ def _closed(model: Model, y: Array, t: float) -> Array:
         elastic[j + 6 : j + 6 + int(model.n_mode[i])] = True
     y = y.copy()
     for _ in range(_MAX_ITERATIONS):
+        if _open(model, y, t).max() < _POSITION_TOLERANCE:
+            break  # without the dense Jacobian of a long chain
         equations = assemble(model, t, y)
-        if np.max(np.abs(equations.Phi)) < _POSITION_TOLERANCE:
-            break
         J = equations.Phi_q[:, ~elastic]
         step = np.zeros(model.n_vel)
         step[~elastic] = np.linalg.lstsq(J, -equations.Phi, rcond=1e-10)[0]
@@ -120,12 +117,17 @@ def _closed(model: Model, y: Array, t: float) -> Array:
     return y
 
 
+def _open(model: Model, y: Array, t: float) -> Array:
+    """Return |Phi|, (n_c,), in state y."""
+    return np.abs(balance(model, np.array([t]), y[None]).Phi[0])
+
+
 def _assembled(model: Model, y: Array, names: list[str], t: float) -> Array:
     """Close the joints; the error names those that stay open."""
     y = _closed(model, y, t)
-    equations = assemble(model, t, y)
-    if np.max(np.abs(equations.Phi)) > 1e3 * _POSITION_TOLERANCE:
-        apart = _describe(model, equations.Phi, names, ("m apart", "rad twisted"))
+    gap = _open(model, y, t)
+    if gap.max() > 1e3 * _POSITION_TOLERANCE:
+        apart = _describe(model, gap, names, ("m apart", "rad twisted"))
         raise InputError(
             "the mechanism cannot be assembled from the given positions; joints left open: "
             f"{apart}. "
@@ -161,7 +163,7 @@ def redundancy(model: Model, y: Array, names: list[str], t: float = 0.0) -> Redu
     InputError
         Joints and drives contradict each other; names them.
     """
-    if model.n_constraint == 0 or _independent(model, y, t):
+    if model.n_constraint == 0 or clearly_independent(model, y, t):
         return Redundancy(0, [], False)
     equations = assemble(model, t, y)
     here = _Rank(equations, model.inertia_scale, RANK_TOLERANCE)
@@ -187,15 +189,6 @@ def redundancy(model: Model, y: Array, names: list[str], t: float = 0.0) -> Redu
             f"{', '.join(involved)}"
         )
     return Redundancy(count, involved, general.value > here.value)
-
-
-def _independent(model: Model, y: Array, t: float) -> bool:
-    """Tell whether all constraints are clearly independent, linear in the number of bodies."""
-    if not 0 < model.n_constraint <= model.n_vel:
-        return False
-    rows = new_independence(model)
-    C, memory = np.zeros_like(rows.C), new_spectrum(rows)
-    return smallest_at(model, new_work(model), rows, memory, 0, t, y, C) > _INDEPENDENT
 
 
 class _Rank:
@@ -235,24 +228,25 @@ def _nearby(model: Model, y: Array, rank: _Rank, t: float) -> Array | None:
     near = y.copy()
     near[: model.n_pos] = moved(model, y[: model.n_pos], 0.01 * step / np.max(np.abs(step)))
     near = _closed(model, near, t)
-    closed = np.max(np.abs(assemble(model, t, near).Phi)) < 1e3 * _POSITION_TOLERANCE
+    closed = _open(model, near, t).max() < 1e3 * _POSITION_TOLERANCE
     return near if closed else None
 
 
 def _velocities(model: Model, start: Start, y: Array, names: list[str], t: float) -> Array:
     """Keep the given velocities; the others follow from the joints with minimum kinetic energy."""
-    equations = assemble(model, t, y)
     free = ~np.asarray(start.given, dtype=bool)
     v = np.where(free, 0.0, start.velocities)
     n_free, n_c = int(free.sum()), model.n_constraint
     if n_c == 0 and n_free == 0:
         return v
-    if model.n_vel - n_free <= _FEW and _independent(model, y, t):
+    if clearly_independent(model, y, t):
         given = np.flatnonzero(~free)
         found = least_energy(model, t, y, given, v[given])
-        violation = np.abs(equations.Phi_q @ found + equations.Phi_t).max()
+        moving = np.concatenate([y[: model.n_pos], found, [0.0]])
+        violation = np.abs(balance(model, np.array([t]), moving[None]).Phi_d).max()
         if violation < _POSITION_TOLERANCE * max(1.0, float(np.abs(found).max())):
             return found
+    equations = assemble(model, t, y)
     A = np.zeros((n_free + n_c, n_free + n_c))
     b = np.zeros(n_free + n_c)
     A[:n_free, :n_free] = equations.M[np.ix_(free, free)]
