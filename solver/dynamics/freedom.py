@@ -10,7 +10,7 @@ from .joints.table import DRIVES, NAMES
 from .model import Model
 from .singular_value import new_spectrum, smallest_at
 from .system import assemble
-from .workspace import new_work
+from .workspace import spare_work
 
 _INDEPENDENT = 1e3 * RANK_TOLERANCE  # smallest singular value of rows of length one
 
@@ -45,4 +45,4 @@ def clearly_independent(model: Model, y: Array, t: float = 0.0) -> bool:
         return False
     rows = new_independence(model)
     C, memory = np.zeros_like(rows.C), new_spectrum(rows)
-    return smallest_at(model, new_work(model), rows, memory, 0, t, y, C) > _INDEPENDENT
+    return smallest_at(model, spare_work(model), rows, memory, 0, t, y, C) > _INDEPENDENT

@@ -7,7 +7,7 @@ from ..math.compiled import inlined, lean
 from .energy import momenta_into
 from .model import Model
 from .system import evaluate, evaluate_rates, factorise_mass, flatten, largest, solve_mass
-from .workspace import Work, new_work
+from .workspace import Work, spare_work
 
 # Given velocities are held by inertia: a change of the others moves them by the reciprocal of HOLD.
 # What they move is taken back, and the next pass answers what this leaves open.
@@ -33,7 +33,7 @@ def least_energy(model: Model, t: float, y: Array, given: IntArray, values: Arra
     start[: model.n_pos] = y[: model.n_pos]
     v = start[model.n_pos : model.n_pos + model.n_vel]
     v[given] = values
-    _correct(model, new_work(model), t, start, held, np.zeros_like(y), np.zeros(model.n_vel))
+    _correct(model, spare_work(model), t, start, held, np.zeros_like(y), np.zeros(model.n_vel))
     return v.copy()
 
 

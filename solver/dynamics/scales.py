@@ -10,7 +10,7 @@ from .joints.table import position_rows
 from .model import GROUND, Model
 from .series import along_solution, marker_motions
 from .system import evaluate
-from .workspace import PHI_T, new_work
+from .workspace import PHI_T, spare_work
 
 SAMPLES = 65  # times at which drives are looked at
 # Pivots below which elimination leaves no digit. Above it orders of magnitude are right, and the
@@ -66,7 +66,7 @@ def _at_start(model: Model, y0: Array, length: float) -> float:
     rates, _ = along_solution(model, np.zeros(1), y0[None], ORDER)
     fall = float(np.linalg.norm(model.gravity_G)) * length
     mass = max(float(model.mass.sum()), 1e-300)
-    work = new_work(model)
+    work = spare_work(model)
     evaluate(model, work, 0.0, y0)
     energies = np.zeros(3)
     stored_energies(model, y0, work.P, energies)
@@ -89,7 +89,7 @@ def _of_frames(model: Model, v: Array, length: float) -> float:
 def _of_drives(model: Model, y0: Array, t_end: float, length: float) -> float:
     if not (model.joint_law >= 0).any():
         return 0.0
-    work, largest = new_work(model), 0.0
+    work, largest = spare_work(model), 0.0
     arm = np.where(position_rows(model.joint_kind), 1.0, length)
     for t in np.linspace(0.0, t_end, SAMPLES):
         evaluate(model, work, float(t), y0)

@@ -21,7 +21,7 @@ from .energy import stored_energies
 from .forces.table import FIRST_LOAD, element_wrench
 from .joints.table import joint_rows
 from .model import Model
-from .workspace import GAMMA, PHI, PHI_T, Work, new_work
+from .workspace import GAMMA, PHI, PHI_T, Work, spare_work
 
 # Smallest ratio of a pivot to its diagonal entry, below which rows are treated as dependent
 # and the penalty is used: an elimination without it would lose more than half of the digits.
@@ -144,7 +144,7 @@ def _push(model: Model, work: Work, k: int, force: Triple, moment: Triple, sign:
 
 def assemble(model: Model, t: float, y: Array) -> Equations:
     """Return the equations at time t and state y as new dense arrays."""
-    work = new_work(model)
+    work = spare_work(model)
     evaluate(model, work, t, y)
     return dense(model, work)
 
@@ -439,7 +439,7 @@ def derivative(model: Model, t: float, y: Array) -> Array:
     """Return dy/dt, (n,), in a new array; see `derivative_into`."""
     out = np.empty(y.shape[0])
     fill = derivative_into if by_blocks(model) else dense_derivative_into
-    fill(model, new_work(model), t, y, out)
+    fill(model, spare_work(model), t, y, out)
     return out
 
 
