@@ -12,6 +12,7 @@ from ...solver.package.common.table_form import SpecError
 from ..modes import EigenSolver, Modes, reduced_modes
 from .accuracy import coarse_mesh_warnings, frequency_error
 from .line import BeamLine, node_positions
+from .points import point_masses
 from .reduction import held_dofs, reference_condition, static_loads
 from .resultants import shape_resultants
 from .second_order import SecondOrderFields, second_order_fields
@@ -96,11 +97,11 @@ def beam_package(
     spec, line = model.spec, model.line
     n, m = line.n_node, len(modes.values)
     shapes_B = np.ascontiguousarray(np.moveaxis(modes.columns_B.reshape(n, 6, m), 2, 0))
-    stations = mass_stations(line, modes.columns_B, spec.mass_form)
+    points = point_masses(mass_stations(line, modes.columns_B, spec.mass_form))
     fields = None
     if 0 < m <= MOST_MODES:
         held = held_dofs(spec.reference.kind, model.reference_nodes)
-        fields = second_order_fields(line, modes.columns_B, stations, spec.mass_form, held)
+        fields = second_order_fields(line, modes.columns_B, points, spec.mass_form, held)
     node_mass, node_inertia_B = nodal_mass(line)
     frequencies = np.sqrt(modes.values)
     first = np.arange(n - 1, dtype=np.int64)
@@ -120,7 +121,7 @@ def beam_package(
         damping=np.diag(2.0 * spec.damping_ratio * frequencies),
         node_mass=node_mass,
         node_inertia_B=node_inertia_B,
-        invariants=stations.invariants(spec.mass_form),
+        invariants=points.invariants(spec.mass_form),
         interfaces=tuple(
             _interface(name, row, line.nodes_B, node_ids, shapes_B, fields)
             for name, row in model.node_of.items()
@@ -134,7 +135,7 @@ def beam_package(
         provenance=provenance,
         second_order=None
         if fields is None
-        else second_order_from_stations(stations.m, stations.x_B, stations.phi_B, fields.h_B),
+        else second_order_from_stations(points.m, points.x_B, points.phi_B, fields.h_B),
     )
 
 
