@@ -9,6 +9,7 @@ from ...solver.math.arrays import Array, IntArray
 from ...solver.package.body.schema import Interface, ModalPackage, SectionData
 from ...solver.package.body.second_order import MOST_MODES, second_order_from_stations
 from ...solver.package.common.table_form import SpecError
+from ...solver.package.section.schema import SectionRecovery
 from ..modes import EigenSolver, Modes, reduced_modes
 from .accuracy import coarse_mesh_warnings, frequency_error
 from .line import BeamLine, node_positions
@@ -20,6 +21,7 @@ from .spec import BeamSpec
 from .spinning import spinning_loads
 from .stations import mass_stations, nodal_mass
 from .theory import section_stiffness
+from .trapeze import trapeze_strains
 
 VTK_LINE = 3
 
@@ -40,13 +42,16 @@ class BeamModel:
         return tuple(sorted({*self.reference_nodes, *attached}))
 
 
-def beam_model(spec: BeamSpec, K: Array, mass: Array) -> BeamModel:
+def beam_model(
+    spec: BeamSpec, K: Array, mass: Array, recovery: SectionRecovery | None = None
+) -> BeamModel:
     """Mesh a beam; every interface gets a node.
 
     Parameters
     ----------
     spec : the checked specification
     K, mass : (6, 6) section stiffness and mass per length, section axes
+    recovery : stresses of the section; None: without the trapeze effect
 
     Raises
     ------
@@ -57,7 +62,11 @@ def beam_model(spec: BeamSpec, K: Array, mass: Array) -> BeamModel:
         x_B = node_positions(spec.length, spec.elements, list(places.values()))
     except ValueError as error:
         raise SpecError(f"elements: {error}, found {spec.elements}") from error
-    line = BeamLine(x_B, section_stiffness(K, spec.theory), mass, spec.A_BE)
+    stiffness = section_stiffness(K, spec.theory)
+    trapeze = np.zeros(6) if recovery is None else trapeze_strains(stiffness, recovery)
+    if spec.theory == "classical":
+        trapeze[1:3] = 0.0
+    line = BeamLine(x_B, stiffness, mass, spec.A_BE, trapeze)
     node_of = {
         name: int(np.argmin(np.abs(x_B - place * spec.length))) for name, place in places.items()
     }

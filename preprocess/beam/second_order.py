@@ -12,6 +12,9 @@ energy stays 1/2 q' K q:
 
     f2' = 1/2 f x f',       u2' = f2 x e1 + f x u' - 1/2 f x (f x e1).
 
+A section twisted by k1 also has the strains -1/2 a k1^2 (trapeze.py). They need no resultants, so
+a k1^2 is subtracted from the two slopes.
+
 In slender bending u2_1' = -1/2 (v'^2 + w'^2): the beam shortens. Bending with twist and bending
 in two planes rotate the section and move the line sideways. A straight beam held by six dofs is
 statically determinate, so the fields are a quadrature along the line for any stiffness.
@@ -104,11 +107,13 @@ def _from_first_node(
         strain = np.einsum("gai,eim->egam", element.strain(x), nodal_E[numbers], optimize=True)
         slope = strain + np.einsum("ab,egbm->egam", Z, d)
         f, u_slope, f_slope = d[:, :, 3:], slope[:, :, :3], slope[:, :, 3:]
-        f2_slope = 0.5 * _both(f, f_slope)
+        twisted = np.einsum("a,egi,egj->egaij", line.trapeze, strain[:, :, 3], strain[:, :, 3])
+        f2_slope = 0.5 * _both(f, f_slope) - twisted[:, :, 3:]
         at = gauss(element.length, MASS_POINTS)[0]
         to_points, to_stations = _integration(x, x), _integration(x, at)
         f2 = np.einsum("gh,ehaij->egaij", to_points, f2_slope)
         u2_slope = _cross(f2, E1, 2) + _both(f, u_slope - 0.5 * _cross(f, E1, 2))
+        u2_slope -= twisted[:, :, :3]
         ends[numbers, 0] = np.einsum("g,egaij->eaij", w, u2_slope)
         ends[numbers, 1] = np.einsum("g,egaij->eaij", w, f2_slope)
         if mass_form == "consistent":
