@@ -70,6 +70,13 @@ def relative_equilibrium(
     return Steady(here.model, here.y)
 
 
+def after_turn(model: Model, y: Array, spin: Spin, t: float, angle: float) -> Steady:
+    """Return a mechanism in relative equilibrium y (n,) after it has turned by an angle [rad]."""
+    positions = turned(model, y[: model.n_pos], spin, angle)
+    there = _Turning(model, positions, spin, t, angle)
+    return Steady(there.model, there.y)
+
+
 class _Turning:
     """A mechanism in given positions that turns at a spin."""
 

@@ -8,10 +8,13 @@ from typing import Any
 import numpy as np
 
 from ...inputs.case.specs import dump, write_atomic
+from ...math.arrays import Array
+from .campbell import Diagram, Spins
+from .campbell_figure import draw
 from .case import read_spec
 from .found import Found, entries, find_modes
 from .place import at_of
-from .show import modes_text
+from .show import campbell_text, modes_text
 from .state import States
 
 
@@ -28,11 +31,30 @@ def run_modes(options: argparse.Namespace) -> int:
     folder: Path = options.out or build / "modes" / f"{spec.run}-{_label(options.at)}"
     axis = None if options.axis is None else np.array(options.axis)
     states = States(spec)
+    if at.kind == "spin" and at.speeds is not None and at.speeds.size > 1:
+        return _campbell(options, states, at.speeds, axis, folder)
     found = find_modes(states, states.at(at, axis))
     content = modes_content(states, found)
     folder.mkdir(parents=True, exist_ok=True)
     write_atomic(folder / "modes.json", dump(content))
     print(json.dumps(content, indent=2) if options.json else modes_text(content, options.count))
+    return 0
+
+
+def _campbell(
+    options: argparse.Namespace, states: States, speeds: Array, axis: Array | None, folder: Path
+) -> int:
+    """Follow the modes over speed."""
+    spins = Spins(states, axis)
+    diagram = Diagram(spins, speeds, options.count, options.harmonics, options.axes)
+    content = diagram.content()
+    folder.mkdir(parents=True, exist_ok=True)
+    draw(folder / "campbell.png", diagram)
+    write_atomic(folder / "campbell.csv", diagram.csv())
+    write_atomic(folder / "campbell.json", dump(content))
+    print(json.dumps(content, indent=2) if options.json else campbell_text(content))
+    if not options.json:
+        print(f"{folder}: campbell.png, campbell.csv, campbell.json")
     return 0
 
 

@@ -50,7 +50,11 @@ def add_modes_command(commands: Any, run: Callable[[argparse.Namespace], int]) -
         "--axis", type=_vector, metavar="X,Y,Z", help="axis of the spin through the origin, global"
     )
     parser.add_argument(
-        "--count", type=_count, default=20, metavar="N", help="modes on the screen (default 20)"
+        "--count",
+        type=_count,
+        default=20,
+        metavar="N",
+        help="modes on the screen, and followed over speed (default 20)",
     )
     parser.add_argument(
         "--shapes",
@@ -65,6 +69,12 @@ def add_modes_command(commands: Any, run: Callable[[argparse.Namespace], int]) -
         default=4,
         metavar="N",
         help="lines 1P to NP of a Campbell diagram (default 4)",
+    )
+    parser.add_argument(
+        "--axes",
+        choices=("auto", "turning", "fixed"),
+        default="auto",
+        help="from which a Campbell diagram is seen (default auto: fixed if all modes are whirls)",
     )
     parser.add_argument("--out", type=Path, metavar="DIR", help="folder of the results")
     parser.add_argument("--packages", type=Path, metavar="DIR", help="folder of ready packages")

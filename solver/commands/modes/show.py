@@ -1,10 +1,12 @@
 """Modes as a table for the screen."""
 
+from math import pi
 from typing import Any
 
 from ...report.table import aligned
 
 _SHARE = 0.05  # of the energy, from which a body is named
+_COLUMNS = 8  # branches on the screen
 _BODIES = 3  # named for a mode
 
 
@@ -24,6 +26,49 @@ def modes_text(content: dict[str, Any], count: int) -> str:
         lines.append(f"... and {len(rows) - count} more, see modes.json")
     lines += ["", *_constraints(content), *(f"note: {note}" for note in content["notes"])]
     return "\n".join(line for line in lines)
+
+
+def campbell_text(content: dict[str, Any]) -> str:
+    """Return the tables of a Campbell diagram of the content of campbell.json."""
+    fixed = content["axes"] == "fixed"
+    key = "fixed_axes_angular_frequency" if fixed else "angular_frequency"
+    branches, speeds = content["branches"][:_COLUMNS], content["speeds"]
+    table = [["speed", *(f"{b['branch']}" for b in branches)]]
+    table.append(["[rad/s]", *("[Hz]" for _ in branches)])
+    for s, speed in enumerate(speeds):
+        table.append([f"{speed:.6g}", *(_frequency(b[key][s], b["growth"][s]) for b in branches)])
+    seen = "at rest" if fixed else "that turn with the mechanism"
+    lines = [
+        f"{content['case']}, run {content['run']}: frequencies seen from axes {seen}",
+        "",
+        aligned(table, left=()),
+        "",
+        *(f"{b['branch']:4d}  {b['main']}" for b in branches),
+    ]
+    if len(content["branches"]) > _COLUMNS:
+        lines.append(f"... {len(content['branches']) - _COLUMNS} more in campbell.csv")
+    if any(g for b in branches for g in b["growth"]):
+        lines.append("* unstable")
+    lines += ["", *_crossings(content), *(f"note: {note}" for note in content["notes"])]
+    return "\n".join(lines)
+
+
+def _crossings(content: dict[str, Any]) -> list[str]:
+    table = [
+        ["crossing", "branch", "speed", "", "frequency"],
+        ["", "", "[rad/s]", "[1/min]", "[Hz]"],
+    ]
+    for x in content["crossings"]:
+        hz = x["angular_frequency"] / (2.0 * pi)
+        rates = [f"{x['speed']:.6g}", f"{x['rpm']:.6g}", f"{hz:.6g}"]
+        table.append([f"{x['harmonic']}P", str(x["branch"]), *rates])
+    return [aligned(table, left=())] if content["crossings"] else ["no crossings with harmonics"]
+
+
+def _frequency(w: float | None, growth: float | None) -> str:
+    if w is None:
+        return "-"
+    return f"{abs(w) / (2.0 * pi):.6g}{'*' if growth else ''}"
 
 
 def _title(content: dict[str, Any]) -> str:

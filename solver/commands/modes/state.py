@@ -30,6 +30,7 @@ class State:
     y: Array  # (n,)
     spin: Spin | None  # at which the whole mechanism turns
     words: str  # for titles
+    given_spin: bool = False  # asked for by its spin
 
 
 class States:
@@ -88,7 +89,7 @@ class States:
             return State(model, 0.0, y, spin, "rest")
         names = built.joint_names, built.body_names
         found: Steady = relative_equilibrium(built.model, start, spin, *names)
-        return State(found.model, 0.0, found.y, spin, f"spin {spin.rate:g} rad/s")
+        return State(found.model, 0.0, found.y, spin, f"spin {spin.rate:g} rad/s", given_spin=True)
 
     def _span(self) -> str:
         return f"a time from 0 to solver.t_end = {self.spec.mechanism.solver.t_end:g} s"
