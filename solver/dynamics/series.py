@@ -14,11 +14,11 @@ from ..math.rotations import rotation_into
 from ..math.triple import cross3, minus3
 from .bodies.marker import move_marker
 from .bodies.motion import N_MOTION, place, stand
+from .dependence import REGULAR
 from .energy import energies_into, momenta_into
 from .forces.table import FIRST_LOAD, element_wrench
 from .model import Model
 from .system import (
-    REGULAR,
     by_blocks,
     dense_derivative_into,
     derivative_into,

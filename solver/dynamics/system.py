@@ -16,16 +16,13 @@ from .constraints.baumgarte import stabilised
 from .constraints.minimum_norm import minimum_norm
 from .constraints.saddle_point import saddle_point
 from .coordinates import rates_into
+from .dependence import REGULAR, rows_depend
 from .elimination import factorise, solve
 from .energy import stored_energies
 from .forces.table import FIRST_LOAD, element_wrench
 from .joints.table import joint_rows
 from .model import Model
 from .workspace import GAMMA, PHI, PHI_T, Work, spare_work
-
-# Smallest ratio of a pivot to its diagonal entry, below which rows are treated as dependent
-# and the penalty is used: an elimination without it would lose more than half of the digits.
-REGULAR = 1e-7
 
 
 class Equations(NamedTuple):
@@ -296,7 +293,10 @@ def factorise_mass(model: Model, work: Work) -> None:
     work.softness[:] = 0.0
     _factorise_blocks(model, work)
     if model.penalty > 0.0 and work.factors.regular[0] < REGULAR:
-        soften(model, work.J, work.softness)
+        depend = rows_depend(model, model.plan.mass, work.factors, work.J, work.softness)
+        work.softness[:] = 0.0
+        if depend:
+            soften(model, work.J, work.softness)
         _factorise_blocks(model, work)
 
 
