@@ -16,6 +16,7 @@ from .found import Found
 from .state import States
 
 FRAMES = 24  # of a period
+_TURN = 0.6  # [rad] largest rotation of a node: torsion hardly moves the line of a beam
 _SIZE = 0.07  # largest displacement, of the size of the mechanism
 _DIFFERENCE = 1e-6  # amplitude for the displacement by a unit
 _FLAT = 0.02  # extent across a plane, of that in it, up to which a motion is drawn in the plane
@@ -66,11 +67,26 @@ def period_of(states: States, found: Found, k: int) -> Period:
     size = float(np.linalg.norm(np.ptp(rest[0], axis=0))) or 1.0
     _, small = nodes(_DIFFERENCE)
     rate = float(np.linalg.norm(small - rest, axis=2).max()) / _DIFFERENCE
-    _, points = nodes(_SIZE * size / rate if rate > 0.0 else 0.0)
+    turning = max(rate / (_SIZE * size), _rotation(states, x) / _TURN, 1e-300)
+    _, points = nodes(1.0 / turning)
     w = float(found.modes.frequencies[k])
     title = f"{w / (2.0 * np.pi):.5g} Hz" if w else _still(found, k)
+    title += f", {found.shares.main[k]}"
     times = np.arange(FRAMES + 1) / FRAMES * (2.0 * np.pi / w if w else 1.0)
     return Period(k + 1, title, times, bodies, rest[0], points)
+
+
+def _rotation(states: States, x: Array) -> float:
+    """Return the largest rotation of a node against its body by a motion x (n_vel,) [rad]."""
+    model, largest = states.built.model, 0.0
+    for i, name in enumerate(states.built.body_names):
+        package = states.built.packages.get(name)
+        if package is not None:
+            j = int(model.vel_start[i]) + 6
+            q = x[j : j + package.n_mode]
+            found = np.einsum("mna,m->na", package.shapes_B[:, :, 3:6], q)
+            largest = max(largest, float(np.linalg.norm(np.abs(found), axis=1).max()))
+    return largest
 
 
 def _still(found: Found, k: int) -> str:
@@ -90,26 +106,34 @@ def _write(path: Path, states: States, period: Period) -> None:
 def _draw(path: Path, periods: list[Period]) -> None:
     columns = min(_COLUMNS, len(periods))
     rows = -(-len(periods) // columns)
+    views = [_view(period) for period in periods]
+    heights = [2.4 if len(keep) == 3 else 2.9 * high / wide for keep, wide, high in views]
     with house_style():
-        canvas = Canvas(2.8 * columns, 2.4 * rows)
-        for k, period in enumerate(periods):
-            every = np.concatenate([period.rest, period.points.reshape(-1, 3)])
-            low, high = every.min(axis=0), every.max(axis=0)
-            spread = high - low
-            flat = float(spread.min()) < _FLAT * float(spread.max())
-            keep = [a for a in range(3) if not (flat and a == int(spread.argmin()))]
-            more = {} if flat else {"projection": "3d"}
+        canvas = Canvas(3.2 * columns, rows * (0.4 + min(max(*heights, 0.5), 2.6)))
+        for k, (period, (keep, _, _)) in enumerate(zip(periods, views, strict=True)):
+            more = {"projection": "3d"} if len(keep) == 3 else {}
             axes = canvas.figure.add_subplot(rows, columns, k + 1, **more)
             _lines(axes, period, keep)
-            if flat:
-                axes.set_aspect("equal")
-                axes.margins(0.08)
+            if len(keep) == 3:
+                _box(axes, period)
             else:
-                _box(axes, low, high)
-            words = f", {''.join('xyz'[a] for a in keep)}" if flat else ""
-            axes.set_title(f"{period.number}: {period.title}{words}", fontsize=8)
+                axes.set_aspect("equal", adjustable="datalim")
+            plane = f" ({''.join('xyz'[a] for a in keep)})" if len(keep) == 2 else ""
+            axes.set_title(f"{period.number}: {period.title}{plane}", fontsize=7)
             axes.set_axis_off()
         canvas.save(path)
+
+
+def _every(period: Period) -> Array:
+    return np.concatenate([period.rest, period.points.reshape(-1, 3)])
+
+
+def _view(period: Period) -> tuple[list[int], float, float]:
+    """Return the axes to draw in, two for a plane motion, and the extents along the first two."""
+    spread = np.ptp(_every(period), axis=0)
+    flat = float(spread.min()) < _FLAT * float(spread.max())
+    keep = [a for a in range(3) if not (flat and a == int(spread.argmin()))]
+    return keep, max(float(spread[keep[0]]), 1e-12), float(spread[keep[1]])
 
 
 def _lines(axes: Any, period: Period, keep: list[int]) -> None:
@@ -129,7 +153,8 @@ def _lines(axes: Any, period: Period, keep: list[int]) -> None:
                 axes.plot(*line.T[keep], color=ink, linewidth=width)
 
 
-def _box(axes: Any, low: Array, high: Array) -> None:
+def _box(axes: Any, period: Period) -> None:
+    low, high = _every(period).min(axis=0), _every(period).max(axis=0)
     half = 0.5 * np.maximum(high - low, 0.25 * float((high - low).max()))
     middle = 0.5 * (low + high)
     axes.set_xlim(middle[0] - half[0], middle[0] + half[0])
