@@ -5,9 +5,11 @@ import tomllib
 import numpy as np
 import pytest
 from beam_samples import CLAMPED, reduced
+from case_samples import run_text
 from modes_samples import modes_at, rates
 
 from plymotion.preprocess.beam.section_mass import SectionMass
+from plymotion.solver.errors import InputError
 from plymotion.solver.package import write_package
 
 # Slender to the limit of a Bernoulli beam that cannot be stretched: EI = rhoA = L = 1.
@@ -43,10 +45,14 @@ def table(repository):
     return tomllib.loads(file.read_text())
 
 
-def campbell(folder, capsys, modes, at, hub=0.0, *options):
+def blade_beside(folder, modes):
     package = reduced(CLAMPED, modes, elements=20, K=K, mass=MASS).package
-    (folder / "sample").mkdir(parents=True)
+    (folder / "sample").mkdir(parents=True, exist_ok=True)
     write_package(folder / "sample" / "blade.vtkhdf", package)
+
+
+def campbell(folder, capsys, modes, at, hub=0.0, *options):
+    blade_beside(folder, modes)
     text = CASE.format(hub=hub)
     return modes_at(folder, text, at, *options, capsys=capsys, more=STIFFENED)
 
@@ -89,9 +95,7 @@ def test_lag_in_the_plane_of_rotation(table, tmp_path, capsys):
 
 def test_linear_body_softens_in_the_plane_until_it_is_unstable(tmp_path, capsys):
     """Without second-order terms the lag frequency falls to zero at the frequency at rest."""
-    package = reduced(CLAMPED, [{"kind": "spinning-xy", "count": 4}], elements=20, K=K, mass=MASS)
-    (tmp_path / "sample").mkdir()
-    write_package(tmp_path / "sample" / "blade.vtkhdf", package.package)
+    blade_beside(tmp_path, [{"kind": "spinning-xy", "count": 4}])
     text = CASE.format(hub=0.0)
     slow = modes_at(tmp_path, text, "spin=3.4", capsys=capsys)
     fast = modes_at(tmp_path, text, "spin=3.6", capsys=capsys)
@@ -99,3 +103,53 @@ def test_linear_body_softens_in_the_plane_until_it_is_unstable(tmp_path, capsys)
     growing = [m for m in fast["modes"] if m["kind"] == "real" and m["eigenvalue"][0] > 0]
     assert len(growing) == 1
     assert any("unstable" in note for note in fast["notes"])
+
+
+STEADY = 'start = "equilibrium"\nspin = { axis = [0.0, 0.0, 1.0], speed = 6.0 }\n' + STIFFENED
+SIGNALS = """
+[signals.stretch]
+kind = "deflection"
+at = "blade.tip"
+component = "x"
+[signals.flap]
+kind = "deflection"
+at = "blade.tip"
+component = "z"
+"""
+WEIGHT = "gravity = [0.0, 0.0, -0.3]\n"
+
+
+def test_run_that_starts_in_steady_spin_stays_steady(tmp_path):
+    """Bent by weight along the axis and lifted by the spin: nothing moves in turning axes."""
+    blade_beside(tmp_path, [{"kind": "bending-xz", "count": 2}])
+    text = (
+        CASE.format(hub=0.5)
+        .replace("speed = 1.0", "speed = 6.0")
+        .replace("blade.v", "sample/blade.v")
+    )
+    _, found, _ = run_text(tmp_path, WEIGHT + text + SIGNALS, t_end=2.0, step=0.1, more=STEADY)
+    sag = found["flap"]
+    assert sag[0] < -1e-3
+    np.testing.assert_allclose(sag, sag[0], rtol=1e-7)
+    np.testing.assert_allclose(found["stretch"], found["stretch"][0], rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("speed = 1.0", "speed = 5.0", "solver.spin.speed = 6 rad/s: axis .* has another rate"),
+        ("speed = 1.0", "speed = 6.0", "loads are not constant in axes that turn"),
+        ("axis = [0.0, 0.0, 1.0]\n", "axis = [0.0, 1.0, 0.0]\n", "joint axis.* does not let"),
+        (
+            'kind = "package"',
+            'kind = "package"\nmodal_rates = { "1" = 1.0 }',
+            "expected no velocity",
+        ),
+    ],
+)
+def test_starts_that_cannot_be_steady(tmp_path, old, new, words):
+    blade_beside(tmp_path, [{"kind": "bending-xz", "count": 2}])
+    text = CASE.format(hub=0.5).replace("blade.v", "sample/blade.v").replace(old, new)
+    across = "gravity = [0.0, -0.3, -0.3]\n" if "not constant" in words else ""
+    with pytest.raises(InputError, match=words):
+        run_text(tmp_path, across + text, t_end=1.0, step=0.1, more=STEADY)
