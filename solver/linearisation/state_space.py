@@ -48,6 +48,7 @@ class StateSpace:
     free: FreeMotions  # Z, its inverse and the rank
     velocity: Array  # (n_vel, n_free) B of u = Z zeta + B eta
     mass: Array  # (n_vel, n_vel) mass matrix of the state
+    inertia_scale: Array  # (n_vel,) of the model
     y: Array  # (n_y,) the state about which
     acceleration: Array  # (n_vel,) of that state, in the axes of the linearisation
     forces: Array  # (n_vel,) that act on it
@@ -169,6 +170,7 @@ def linearise(
         free=free,
         velocity=B,
         mass=assemble(model, t, y).M,
+        inertia_scale=model.inertia_scale,
         y=y,
         acceleration=rest + frame.T_u @ v0,
         forces=assemble(model, t, y).f,

@@ -12,6 +12,7 @@ from ..package import Interface, ModalPackage
 from .forces import force_tables
 from .initial import Start
 from .joints import BuiltJoint, joint_tables
+from .modal_start import modal_values
 from .places import Places
 from .virtual import VirtualBodies, through_virtual_bodies
 
@@ -72,7 +73,7 @@ def build(
     )
     return BuiltMechanism(
         model=virtual.scaled(model),
-        start=_start(mechanism, places, virtual, model),
+        start=_start(mechanism, places, virtual, model, packages),
         body_names=list(mechanism.bodies),
         joint_names=[joint.name for joint in virtual.joints],
         packages=packages,
@@ -93,7 +94,13 @@ def _bodies(
     ]
 
 
-def _start(mechanism: "Mechanism", places: Places, virtual: VirtualBodies, model: Model) -> Start:
+def _start(
+    mechanism: "Mechanism",
+    places: Places,
+    virtual: VirtualBodies,
+    model: Model,
+    packages: dict[str, ModalPackage],
+) -> Start:
     """Return the given start; what is not given is free to follow from joints and drives."""
     positions = np.zeros(model.n_pos)
     velocities = np.zeros(model.n_vel)
@@ -104,7 +111,7 @@ def _start(mechanism: "Mechanism", places: Places, virtual: VirtualBodies, model
         a = int(model.pos_start[i])
         positions[a : a + 3] = r
         positions[a + 3 : a + 7] = matrix_to_parameters(A)
-    for i, body in enumerate(mechanism.bodies.values()):
+    for i, (name, body) in enumerate(mechanism.bodies.items()):
         j = int(model.vel_start[i])
         given[j : j + 6] = True
         given[j + 6 : j + 6 + int(model.n_mode[i])] = still
@@ -114,4 +121,10 @@ def _start(mechanism: "Mechanism", places: Places, virtual: VirtualBodies, model
                 given[part] = False
             else:
                 velocities[part] = value
+        if body.kind != "rigid":
+            first = int(model.pos_start[i]) + 7
+            for k, q in modal_values(name, "modal_coordinates", body, packages[name]):
+                positions[first + k] = q
+            for k, rate in modal_values(name, "modal_rates", body, packages[name]):
+                velocities[j + 6 + k], given[j + 6 + k] = rate, True
     return Start(positions, velocities, given)

@@ -3,7 +3,7 @@
 from .reader import read_result
 from .schema import BodyGeometry, ResultError, RunResult, Signal, relative_balance
 from .summary import read_summary, signal_summary, write_summary
-from .writer import write_result
+from .writer import write_animation, write_result
 
 __all__ = [
     "BodyGeometry",
@@ -14,6 +14,7 @@ __all__ = [
     "read_summary",
     "relative_balance",
     "signal_summary",
+    "write_animation",
     "write_result",
     "write_summary",
 ]

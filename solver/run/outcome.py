@@ -56,7 +56,7 @@ def collect(
         Signal(name, sensor.unit, sensor.description, sensor.values(recording))
         for name, sensor in sensors.items()
     )
-    geometry, points = _geometry(finished.built, y)
+    geometry, points = drawn_shapes(finished.built, y)
     result = RunResult(
         case=spec.case,
         run=spec.run,
@@ -109,7 +109,7 @@ def collect(
     return result, summary
 
 
-def _geometry(built: BuiltMechanism, y: Array) -> tuple[tuple[BodyGeometry, ...], Array]:
+def drawn_shapes(built: BuiltMechanism, y: Array) -> tuple[tuple[BodyGeometry, ...], Array]:
     """Return the drawn shape of every body and its global points (k, n, 3)."""
     bodies, points = [], []
     for i, name in enumerate(built.body_names):

@@ -74,7 +74,22 @@ class Placed(Table):
     )
 
 
-class BeamBody(Placed):
+class Deformed(Placed):
+    """Keys of every flexible body: initial elastic motion."""
+
+    modal_coordinates: dict[str, float] = Field(
+        default={},
+        description="at the start, by label or number of the mode, which `plymotion info PACKAGE` "
+        "lists; joints are closed by the frames. With start = equilibrium, where the search begins",
+    )
+    modal_rates: dict[str, float] = Field(
+        default={},
+        description="at the start, likewise; of the others see solver.modes_at_start",
+        json_schema_extra=unit("1/s"),
+    )
+
+
+class BeamBody(Deformed):
     """`[bodies.NAME]` with kind = "beam": straight along body x, from x = 0."""
 
     kind: Literal["beam"]
@@ -137,7 +152,7 @@ class ShellInterface(Table):
     )
 
 
-class ShellBody(Placed):
+class ShellBody(Deformed):
     """`[bodies.NAME]` with kind = "shell": a laminated shell, its axes those of the mesh.
 
     Mesh, materials, laminates, regions, elements and stiffeners come from the description; its
@@ -184,7 +199,7 @@ class RigidBody(Placed):
     interfaces: dict[Name, PointInterface] = Field(default={}, description="named places")
 
 
-class PackageBody(Placed):
+class PackageBody(Deformed):
     """`[bodies.NAME]` with kind = "package": a modal package from a file."""
 
     kind: Literal["package"]
