@@ -68,5 +68,5 @@ def static_loads(
 def _centrifugal(line: BeamLine, origin: int) -> Array:
     """Centrifugal acceleration x - x_origin along x at 1 rad/s, (6 n,)."""
     acceleration = np.zeros((line.n_node, 6))
-    acceleration[:, 0] = line.x_B - line.x_B[origin]
+    acceleration[:, 0] = line.nodes_B[:, 0] - line.nodes_B[origin, 0]
     return acceleration.ravel()
