@@ -15,7 +15,7 @@ from ..package import ModalPackage
 from ..results import BodyGeometry, RunResult, Signal, signal_summary
 from ..results.codes.course import FEEDBACK
 from ..signals import Recording, Sensor
-from ..strength.beam_bodies import summary as strength_entry
+from ..strength.found import summary as strength_entry
 
 if TYPE_CHECKING:
     from ..inputs.case.schema import Mechanism

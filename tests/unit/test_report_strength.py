@@ -108,6 +108,10 @@ def test_summary_names_ratio_place_and_time(case_dir: Path) -> None:
     }
     assert set(found["stress"]) == {"unit", "11", "22", "33", "23", "13", "12"}
     assert 0.0 <= found["time"] <= 0.05
+    ratios = [each["ratio"] for each in found["plies"]]
+    assert ratios == sorted(ratios)
+    assert ratios[0] == found["ratio"]
+    assert sorted(each["ply"]["index"] for each in found["plies"]) == [0, 1, 2]
 
 
 def test_strengths_scale_ratios_and_warn_below_one(
@@ -131,6 +135,7 @@ def test_report_has_table_and_figure(case_dir: Path) -> None:
     assert "<h2>Strength</h2>" in text
     ratio = json.loads((case_dir / RUN / "summary.json").read_text())["strength"]["hand"]["ratio"]
     assert f"<td>{ratio:.4g}</td>" in text
+    assert "<h3>Weakest plies of each body</h3>" in text
     figure = case_dir / RUN / "strength.png"
     with house_style():
         again = draw_exposure(case_dir / "again.png", read_story(case_dir, RUN, RUN))
