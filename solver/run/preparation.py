@@ -15,6 +15,7 @@ from ..math.arrays import Array
 from ..mechanism import BuiltMechanism, build
 from ..mechanism.equilibrium import starting_state
 from ..mechanism.initial import redundancy
+from ..mechanism.reduced import used_packages
 from ..monitors.singularity import SingularityMonitor
 from ..monitors.spin import SpinMonitor
 from ..monitors.together import Monitors
@@ -94,7 +95,7 @@ def prepare(
     """
     solver = mechanism.solver
     treatment = treatment_of(solver)
-    built = build(mechanism, packages)
+    built = build(mechanism, used_packages(mechanism, packages))
     y0 = starting_state(built.model, built.start, solver.start, built.joint_names, built.body_names)
     found = redundancy(built.model, y0, built.joint_names)
     built = replace(built, model=treated(built.model, treatment)._replace(redundant=found.count))

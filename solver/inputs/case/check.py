@@ -9,6 +9,7 @@ from ...integrators.choice import treatment_of
 from ..common.material import check_materials
 from .body_specs import BodySpec, BodySpecs
 from .check_bodies import check_bodies, interfaces
+from .fidelity import check_fidelity
 from .forces import LoadTable
 from .laws import RotationDrive
 from .of_time import drives
@@ -25,6 +26,7 @@ def cross_check(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodyS
         found += check_place(f"masses.{name}.at", mass.at, mechanism, ground=False)
     for name, signal in mechanism.signals.items():
         found += _signal(f"signals.{name}", signal, mechanism)
+    found += check_fidelity(mechanism)
     try:
         treatment_of(mechanism.solver)
     except InputError as error:

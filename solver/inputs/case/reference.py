@@ -6,6 +6,7 @@ from ..common.material import MATERIAL_TABLES
 from ..common.page import chapters, required
 from ..section.mesh_table import SHAPE_MESHES
 from . import schema
+from .fidelity import Fidelity
 from .forces import FORCE_TABLES
 from .joints import JOINT_TABLES
 from .laws import LAW_TABLES
@@ -32,6 +33,7 @@ _THEN: tuple[type[BaseModel], ...] = (
     schema.PointMass,
     *SIGNAL_TABLES,
     Solver,
+    Fidelity,
     schema.Run,
     schema.Figure,
     Sweep,
