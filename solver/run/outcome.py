@@ -88,7 +88,7 @@ def collect(
         "signals": {s.name: signal_summary(s, t) for s in found_signals},
         "checks": {
             **judgement.numbers,
-            "modes_used": {n: p.n_mode for n, p in spec.packages.items()},
+            "modes_used": {n: p.n_mode for n, p in finished.packages.items()},
         },
         "strength": {n: strength_entry(found) for n, found in judgement.strengths.items()},
         "cost": {

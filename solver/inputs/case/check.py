@@ -9,6 +9,7 @@ from ...integrators.choice import treatment_of
 from ..common.material import check_materials
 from .body_specs import BodySpec, BodySpecs
 from .check_bodies import Body, check_bodies, interfaces
+from .fidelity import check_fidelity
 from .forces import LoadTable
 from .laws import RotationDrive
 from .of_time import drives
@@ -37,6 +38,7 @@ def cross_check(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodyS
             f'solver.spin.speed = {spin.speed:g}: expected 0, or solver.start = "equilibrium"; '
             "bodies take velocity and angular_velocity"
         )
+    found += check_fidelity(mechanism)
     try:
         treatment_of(mechanism.solver)
     except InputError as error:

@@ -110,6 +110,7 @@ def load_case(file: Path, *, coarse: bool = False) -> Case:
             problems.append(f'{file}: {key}.run = "{sweep.run}": no such run{hint}')
         elif sweep.run in runs:
             merged = merged_with(key, [*top.runs[sweep.run].variants, *sweep.variants])
+            merged.pop("fidelity", None)  # members have the modes that the case gives
             checked = check_sweep(f"{file}: {key}", sweep, merged, specs)
             if isinstance(checked, list):
                 problems += checked

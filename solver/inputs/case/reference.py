@@ -6,6 +6,7 @@ from ..common.material import MATERIAL_TABLES
 from ..common.page import chapters, required
 from ..section.mesh_table import SHAPE_MESHES
 from . import schema
+from .fidelity import Fidelity
 from .forces import FORCE_TABLES
 from .joints import JOINT_TABLES
 from .laws import LAW_TABLES
@@ -33,6 +34,7 @@ _THEN: tuple[type[BaseModel], ...] = (
     *SIGNAL_TABLES,
     Solver,
     Spin,
+    Fidelity,
     schema.Run,
     schema.Figure,
     Sweep,

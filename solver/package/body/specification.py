@@ -84,6 +84,12 @@ class StaticAxial(TypedDict):
     kind: Literal["static-axial"]
 
 
+class StaticInertia(TypedDict):
+    """The static shapes under the inertia loads of rigid accelerations, six."""
+
+    kind: Literal["static-inertia"]
+
+
 class SpinningModes(TypedDict):
     """Static shapes of a spinning beam."""
 
@@ -153,7 +159,7 @@ class BeamSpecification(_Provenance):
     theory: Theory
     mass_form: MassForm
     reference: ReferenceTable
-    modes: list[Eigenmodes | Attachment | StaticAxial | SpinningModes]
+    modes: list[Eigenmodes | Attachment | StaticAxial | StaticInertia | SpinningModes]
     damping_ratio: float
     interfaces: dict[str, BeamInterfaceTable]
 
@@ -166,7 +172,7 @@ class ShellSpecification(_Provenance):
     shell: ShellTable
     mass_form: MassForm
     reference: ReferenceTable
-    modes: list[ShellEigenmodes | Attachment | StaticAxial]
+    modes: list[ShellEigenmodes | Attachment | StaticAxial | StaticInertia]
     damping_ratio: float
     interfaces: dict[str, ShellInterfaceTable]
 
