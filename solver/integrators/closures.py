@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ..dynamics.coordinates import moved, position_rates
-from ..dynamics.model import Model
+from ..dynamics.model import Model, state_size
 from ..dynamics.projection import projected
 from ..dynamics.system import (
     accelerations,
@@ -30,7 +30,7 @@ class RightHandSide(StagedDerivative):
 
     def __init__(self, model: Model) -> None:
         self._model, self._work = model, new_work(model)
-        self._out = np.empty(model.n_pos + model.n_vel + 1)
+        self._out = np.empty(state_size(model))
 
     def __call__(self, t: float, y: Array) -> Array:
         """dy/dt (n,) at (t, y (n,))."""
@@ -48,7 +48,7 @@ def right_hand_side(model: Model) -> Derivative:
     """Return f(t, y) -> dy/dt of the index-1 system, each time in the same array."""
     if by_blocks(model):
         return RightHandSide(model)
-    work, out = new_work(model), np.empty(model.n_pos + model.n_vel + 1)
+    work, out = new_work(model), np.empty(state_size(model))
 
     def rate(t: float, y: Array) -> Array:
         dense_derivative_into(model, work, t, y, out)

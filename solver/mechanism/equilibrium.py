@@ -125,7 +125,9 @@ class _Balance:
 
 
 def _at_rest(model: Model, positions: Array, t: float) -> Equations:
-    return assemble(model, t, np.concatenate([positions, np.zeros(model.n_vel + 1)]))
+    return assemble(
+        model, t, np.concatenate([positions, np.zeros(model.n_vel), model.quantities.start, [0.0]])
+    )
 
 
 def _downhill(model: Model, here: _Balance, positions: Array, step: Array, t: float) -> Array:
