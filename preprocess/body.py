@@ -63,7 +63,7 @@ def _build_beam(spec: dict[str, Any]) -> ModalPackage:
     result = _section(canonical(section_spec))
     after_section = time.perf_counter()
     try:
-        model = beam_model(beam, result.K, result.M)
+        model = beam_model(beam, result.K, result.M, result.recovery)
         model.line.section_mass  # noqa: B018  raises for a wrong section mass
     except SpecError:
         raise

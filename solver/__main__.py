@@ -1,4 +1,4 @@
-"""The command line: check, compile, run, report, section, shell, sweep and smaller ones."""
+"""The command line: check, compile, run, modes, report, section, shell, sweep and smaller ones."""
 
 import argparse
 import atexit
@@ -13,6 +13,7 @@ from typing import Any
 
 from plymotion import __version__
 
+from .commands.modes.options import add_modes_command
 from .commands.run.options import add_run_command
 from .commands.section.options import add_section_command
 from .commands.shell.options import add_shell_command
@@ -94,6 +95,7 @@ def _parser() -> argparse.ArgumentParser:
     experimental.add_argument("--out", type=Path, required=True, help="PACKAGE.vtkhdf")
     experimental.set_defaults(command=_experimental)
 
+    add_modes_command(commands, _modes)
     add_section_command(commands, _section)
     add_shell_command(commands, _shell)
     add_sweep_command(commands, _sweep)
@@ -202,6 +204,13 @@ def _experimental(options: argparse.Namespace) -> int:
         print(f"warning [{warning['code']}] {warning['message']}", file=sys.stderr)
     print(f"{options.out}: {package.body}, {package.n_mode} measured modes")
     return 0
+
+
+def _modes(options: argparse.Namespace) -> int:
+    with _importing():
+        from .commands.modes.command import run_modes
+
+    return run_modes(options)
 
 
 def _section(options: argparse.Namespace) -> int:

@@ -9,9 +9,11 @@ from ...solver.math.arrays import Array, IntArray
 from ...solver.package.body.schema import Interface, ModalPackage, SectionData
 from ...solver.package.body.second_order import MOST_MODES, second_order_from_stations
 from ...solver.package.common.table_form import SpecError
+from ...solver.package.section.schema import SectionRecovery
 from ..modes import EigenSolver, Modes, reduced_modes
 from .accuracy import coarse_mesh_warnings, frequency_error
 from .line import BeamLine, node_positions
+from .points import point_masses
 from .reduction import held_dofs, reference_condition, static_loads
 from .resultants import shape_resultants
 from .second_order import SecondOrderFields, second_order_fields
@@ -19,6 +21,7 @@ from .spec import BeamSpec
 from .spinning import spinning_loads
 from .stations import mass_stations, nodal_mass
 from .theory import section_stiffness
+from .trapeze import trapeze_strains
 
 VTK_LINE = 3
 
@@ -39,13 +42,16 @@ class BeamModel:
         return tuple(sorted({*self.reference_nodes, *attached}))
 
 
-def beam_model(spec: BeamSpec, K: Array, mass: Array) -> BeamModel:
+def beam_model(
+    spec: BeamSpec, K: Array, mass: Array, recovery: SectionRecovery | None = None
+) -> BeamModel:
     """Mesh a beam; every interface gets a node.
 
     Parameters
     ----------
     spec : the checked specification
     K, mass : (6, 6) section stiffness and mass per length, section axes
+    recovery : stresses of the section; None: without the trapeze effect
 
     Raises
     ------
@@ -56,7 +62,11 @@ def beam_model(spec: BeamSpec, K: Array, mass: Array) -> BeamModel:
         x_B = node_positions(spec.length, spec.elements, list(places.values()))
     except ValueError as error:
         raise SpecError(f"elements: {error}, found {spec.elements}") from error
-    line = BeamLine(x_B, section_stiffness(K, spec.theory), mass, spec.A_BE)
+    stiffness = section_stiffness(K, spec.theory)
+    trapeze = np.zeros(6) if recovery is None else trapeze_strains(stiffness, recovery)
+    if spec.theory == "classical":
+        trapeze[1:3] = 0.0
+    line = BeamLine(x_B, stiffness, mass, spec.A_BE, trapeze)
     node_of = {
         name: int(np.argmin(np.abs(x_B - place * spec.length))) for name, place in places.items()
     }
@@ -96,11 +106,11 @@ def beam_package(
     spec, line = model.spec, model.line
     n, m = line.n_node, len(modes.values)
     shapes_B = np.ascontiguousarray(np.moveaxis(modes.columns_B.reshape(n, 6, m), 2, 0))
-    stations = mass_stations(line, modes.columns_B, spec.mass_form)
+    points = point_masses(mass_stations(line, modes.columns_B, spec.mass_form))
     fields = None
     if 0 < m <= MOST_MODES:
         held = held_dofs(spec.reference.kind, model.reference_nodes)
-        fields = second_order_fields(line, modes.columns_B, stations, spec.mass_form, held)
+        fields = second_order_fields(line, modes.columns_B, points, spec.mass_form, held)
     node_mass, node_inertia_B = nodal_mass(line)
     frequencies = np.sqrt(modes.values)
     first = np.arange(n - 1, dtype=np.int64)
@@ -120,7 +130,7 @@ def beam_package(
         damping=np.diag(2.0 * spec.damping_ratio * frequencies),
         node_mass=node_mass,
         node_inertia_B=node_inertia_B,
-        invariants=stations.invariants(spec.mass_form),
+        invariants=points.invariants(spec.mass_form),
         interfaces=tuple(
             _interface(name, row, line.nodes_B, node_ids, shapes_B, fields)
             for name, row in model.node_of.items()
@@ -134,7 +144,7 @@ def beam_package(
         provenance=provenance,
         second_order=None
         if fields is None
-        else second_order_from_stations(stations.m, stations.x_B, stations.phi_B, fields.h_B),
+        else second_order_from_stations(points.m, points.x_B, points.phi_B, fields.h_B),
     )
 
 

@@ -4,7 +4,7 @@ The body frame `_B` has its origin at the first node of the reference line and
 its x axis along the beam; the section's x2 axis is given in this frame, x3 = x cross x2.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
 
@@ -28,12 +28,14 @@ class BeamLine:
     mass : (6, 6) section mass per length for the velocities along and rotations
         about the section axes, taken at the reference line [kg/m, kg, kg m]
     A_BE : (3, 3) section axes (columns x1 x2 x3) in body axes
+    trapeze : (6,) strains of a section twisted by 1 rad/m, times -2 (see `trapeze_strains`)
     """
 
     x_B: Array
     K: Array
     mass: Array
     A_BE: Array
+    trapeze: Array = field(default_factory=lambda: np.zeros(6))
 
     @property
     def n_node(self) -> int:

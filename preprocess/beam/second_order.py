@@ -12,6 +12,9 @@ energy stays 1/2 q' K q:
 
     f2' = 1/2 f x f',       u2' = f2 x e1 + f x u' - 1/2 f x (f x e1).
 
+A section twisted by k1 also has the strains -1/2 a k1^2 (trapeze.py). They need no resultants, so
+a k1^2 is subtracted from the two slopes.
+
 In slender bending u2_1' = -1/2 (v'^2 + w'^2): the beam shortens. Bending with twist and bending
 in two planes rotate the section and move the line sideways. A straight beam held by six dofs is
 statically determinate, so the fields are a quadrature along the line for any stiffness.
@@ -22,6 +25,7 @@ that the displacement fulfils the reference condition to second order too.
 """
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -29,7 +33,7 @@ from ...solver.math.arrays import Array, IntArray
 from ...solver.package.body.invariants import rigid_motions
 from .element import MASS_POINTS, Z, gauss
 from .line import BeamLine
-from .stations import Stations
+from .points import PointMasses
 
 POINTS = 5  # the slopes of u2 and f2 have degree 4 in x, so 5 points determine them
 E1 = np.array([1.0, 0.0, 0.0])
@@ -41,7 +45,7 @@ class SecondOrderFields:
 
     Attributes
     ----------
-    h_B : (k, 3, m, m) translation of the mass stations' centres [m]
+    h_B : (p, 3, m, m) translation of the point masses [m]
     node_u_B, node_f_B : (n, 3, m, m) translation and rotation vector of the nodes [m, rad]
     """
 
@@ -51,7 +55,7 @@ class SecondOrderFields:
 
 
 def second_order_fields(
-    line: BeamLine, columns_B: Array, stations: Stations, mass_form: str, held: IntArray | None
+    line: BeamLine, columns_B: Array, points: PointMasses, mass_form: str, held: IntArray | None
 ) -> SecondOrderFields:
     """Second-order fields of modes relative to their frame.
 
@@ -59,27 +63,28 @@ def second_order_fields(
     ----------
     line : the beam
     columns_B : (6 n, m) nodal displacements and rotations of the modes, body axes [m, rad]
-    stations : mass stations of these modes
-    mass_form : that of the stations
+    points : point masses of the slices, which move with these modes
+    mass_form : that of the slices
     held : (6,) dofs that carry the frame; None for a mean axis
     """
-    nodes_E, points_E = _from_first_node(line, columns_B, mass_form)
-    centre_E = line.section_mass.centre_E
-    u, f, first = points_E
-    h_E = u + _cross(f, centre_E, 1) + 0.5 * _both(first, _cross(first, centre_E, 1))
-    h_B, node_u_B, node_f_B, turn_B = (
-        np.einsum("ab,kbij->kaij", line.A_BE, part) for part in (h_E, *nodes_E, f)
-    )
+    nodes_E, (u, f, first) = _from_first_node(line, columns_B, mass_form)
+    to_body = partial(np.einsum, "ab,kb...->ka...", line.A_BE)
+    node_u_B, node_f_B, u, f, first = map(to_body, (*nodes_E, u, f, first))
+    of = points.slice_of
+    arm_B = points.s_B + line.A_BE @ line.section_mass.centre_E
+    turned = _cross_arms(first[of], arm_B)
+    h_B = u[of] + _cross_arms(f[of], arm_B) + 0.5 * _both(first[of], turned)
     nodal = np.concatenate([node_u_B, node_f_B], axis=1)
     rigid = rigid_motions(line.nodes_B)
+    rigid_points = rigid_motions(points.x_B)[:, :3]
     if held is None:
-        motion = _mean_motion(stations, h_B, turn_B)
+        motion = _mean_motion(points, rigid_points, h_B)
     else:
         flat = nodal.reshape(6 * line.n_node, -1)
         motion = np.linalg.solve(rigid.reshape(-1, 6)[held], flat[held])
         motion = motion.reshape(6, *nodal.shape[2:])
     nodal = nodal - np.einsum("kab,bij->kaij", rigid, motion)
-    h_B = h_B - np.einsum("kab,bij->kaij", rigid_motions(stations.x_B)[:, :3], motion)
+    h_B = h_B - np.einsum("kab,bij->kaij", rigid_points, motion)
     return SecondOrderFields(h_B, nodal[:, :3], nodal[:, 3:])
 
 
@@ -102,11 +107,13 @@ def _from_first_node(
         strain = np.einsum("gai,eim->egam", element.strain(x), nodal_E[numbers], optimize=True)
         slope = strain + np.einsum("ab,egbm->egam", Z, d)
         f, u_slope, f_slope = d[:, :, 3:], slope[:, :, :3], slope[:, :, 3:]
-        f2_slope = 0.5 * _both(f, f_slope)
+        twisted = np.einsum("a,egi,egj->egaij", line.trapeze, strain[:, :, 3], strain[:, :, 3])
+        f2_slope = 0.5 * _both(f, f_slope) - twisted[:, :, 3:]
         at = gauss(element.length, MASS_POINTS)[0]
         to_points, to_stations = _integration(x, x), _integration(x, at)
         f2 = np.einsum("gh,ehaij->egaij", to_points, f2_slope)
         u2_slope = _cross(f2, E1, 2) + _both(f, u_slope - 0.5 * _cross(f, E1, 2))
+        u2_slope -= twisted[:, :, :3]
         ends[numbers, 0] = np.einsum("g,egaij->eaij", w, u2_slope)
         ends[numbers, 1] = np.einsum("g,egaij->eaij", w, f2_slope)
         if mass_form == "consistent":
@@ -136,14 +143,13 @@ def _from_first_node(
     return (node_u, node_f), stations
 
 
-def _mean_motion(stations: Stations, h_B: Array, turn_B: Array) -> Array:
-    """Rigid motion (6, m, m) with the same momentum as the fields at the stations."""
-    rigid = rigid_motions(stations.x_B)
-    R, Q = rigid[:, :3], rigid[:, 3:]
-    inertia = np.einsum("k,kab,kac->bc", stations.m, R, R, optimize=True)
-    inertia += np.einsum("kab,kad,kdc->bc", Q, stations.J_B, Q, optimize=True)
-    moment = np.einsum("k,kab,kaij->bij", stations.m, R, h_B, optimize=True)
-    moment += np.einsum("kab,kad,kdij->bij", Q, stations.J_B, turn_B, optimize=True)
+def _mean_motion(points: PointMasses, rigid: Array, h_B: Array) -> Array:
+    """Rigid motion (6, m, m) with the same momentum as the field at the points.
+
+    `rigid` (p, 3, 6) are the displacements of the points in unit rigid motions.
+    """
+    inertia = np.einsum("k,kab,kac->bc", points.m, rigid, rigid, optimize=True)
+    moment = np.einsum("k,kab,kaij->bij", points.m, rigid, h_B, optimize=True)
     return np.linalg.solve(inertia, moment.reshape(6, -1)).reshape(moment.shape)
 
 
@@ -159,6 +165,11 @@ def _integration(x: Array, at: Array) -> Array:
 def _cross(a: Array, b: Array, axis: int) -> Array:
     """a x b of an array a whose `axis` counts components and a vector b (3,)."""
     return np.moveaxis(np.cross(np.moveaxis(a, axis, -1), b), -1, axis)
+
+
+def _cross_arms(a: Array, arms: Array) -> Array:
+    """a x b of a (p, 3, ...) and one vector each, (p, 3)."""
+    return np.cross(a, arms.reshape(*arms.shape, *(1,) * (a.ndim - 2)), axis=1)
 
 
 def _both(a: Array, b: Array) -> Array:

@@ -5,11 +5,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ..math.arrays import Array
+from .energy import stored_energies
 from .joints.table import position_rows
 from .model import GROUND, Model
-from .series import along_solution, balance, marker_motions
+from .series import along_solution, marker_motions
 from .system import evaluate
-from .workspace import PHI_T, new_work
+from .workspace import PHI_T, spare_work
 
 SAMPLES = 65  # times at which drives are looked at
 # Pivots below which elimination leaves no digit. Above it orders of magnitude are right, and the
@@ -37,7 +38,7 @@ def scales(model: Model, y0: Array, t_end: float) -> Scales:
       and dampers, whose accelerations may last for an instant, that of the energy stored in them.
     Energy: that of all masses at this speed.
     """
-    length = _length(model, y0)
+    length = extent(model, y0)
     speed = max(length / t_end, _at_start(model, y0, length), _of_drives(model, y0, t_end, length))
     return Scales(length, speed, float(model.mass.sum()) * speed**2)
 
@@ -49,7 +50,8 @@ def shape_sizes(model: Model, i: int) -> Array:
     return np.asarray(np.sqrt(diagonal / model.mass[i]))
 
 
-def _length(model: Model, y0: Array) -> float:
+def extent(model: Model, y0: Array) -> float:
+    """Return the size of a mechanism in state y0 (n,), the length of `scales` [m]."""
     points = [y0[a : a + 3] for a in model.pos_start]
     for k, body in enumerate(model.marker_body):
         at = model.marker_x[k] if body == GROUND else marker_motions(model, k, y0[None])[0][0, :3]
@@ -65,13 +67,20 @@ def _at_start(model: Model, y0: Array, length: float) -> float:
     rates, _ = along_solution(model, np.zeros(1), y0[None], ORDER)
     fall = float(np.linalg.norm(model.gravity_G)) * length
     mass = max(float(model.mass.sum()), 1e-300)
-    work = new_work(model)
+    work = spare_work(model)
     evaluate(model, work, 0.0, y0)
-    stored = balance(model, np.zeros(1), y0[None]).energies[0, 1] + work.power[1]
+    energies = np.zeros(3)
+    stored_energies(model, y0, work.P, energies)
+    stored = energies[1] + work.power[1]
     gain = max(fall, 2.0 * abs(float(stored)) / mass)
     if model.plan.element_row.shape[0] == 0:
-        gain = max(gain, _of_frames(model, rates[0, model.n_pos : -1], length) * length)
-    return max(_of_frames(model, y0[model.n_pos : -1], length), float(np.sqrt(gain)))
+        gain = max(
+            gain,
+            _of_frames(model, rates[0, model.n_pos : model.n_pos + model.n_vel], length) * length,
+        )
+    return max(
+        _of_frames(model, y0[model.n_pos : model.n_pos + model.n_vel], length), float(np.sqrt(gain))
+    )
 
 
 def _of_frames(model: Model, v: Array, length: float) -> float:
@@ -86,7 +95,7 @@ def _of_frames(model: Model, v: Array, length: float) -> float:
 def _of_drives(model: Model, y0: Array, t_end: float, length: float) -> float:
     if not (model.joint_law >= 0).any():
         return 0.0
-    work, largest = new_work(model), 0.0
+    work, largest = spare_work(model), 0.0
     arm = np.where(position_rows(model.joint_kind), 1.0, length)
     for t in np.linspace(0.0, t_end, SAMPLES):
         evaluate(model, work, float(t), y0)

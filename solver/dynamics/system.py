@@ -16,6 +16,7 @@ from .constraints.baumgarte import stabilised
 from .constraints.minimum_norm import minimum_norm
 from .constraints.saddle_point import saddle_point
 from .coordinates import rates_into
+from .dependence import REGULAR, rows_depend
 from .elimination import factorise, solve
 from .energy import stored_energies
 from .forces.contract import Wrench
@@ -23,11 +24,7 @@ from .forces.table import FIRST_LOAD, element_wrench
 from .joints.table import joint_rows
 from .measures import auxiliary_rate, force_size, law_of_time, measure
 from .model import Model, state_size
-from .workspace import GAMMA, PHI, PHI_T, Work, new_work
-
-# Smallest ratio of a pivot to its diagonal entry, below which rows are treated as dependent
-# and the penalty is used: an elimination without it would lose more than half of the digits.
-REGULAR = 1e-7
+from .workspace import GAMMA, PHI, PHI_T, Work, spare_work
 
 
 class Equations(NamedTuple):
@@ -180,7 +177,7 @@ def _push(model: Model, work: Work, k: int, force: Triple, moment: Triple, sign:
 
 def assemble(model: Model, t: float, y: Array) -> Equations:
     """Return the equations at time t and state y as new dense arrays."""
-    work = new_work(model)
+    work = spare_work(model)
     evaluate(model, work, t, y)
     return dense(model, work)
 
@@ -332,7 +329,10 @@ def factorise_mass(model: Model, work: Work) -> None:
     work.softness[:] = 0.0
     _factorise_blocks(model, work)
     if model.penalty > 0.0 and work.factors.regular[0] < REGULAR:
-        soften(model, work.J, work.softness)
+        depend = rows_depend(model, model.plan.mass, work.factors, work.J, work.softness)
+        work.softness[:] = 0.0
+        if depend:
+            soften(model, work.J, work.softness)
         _factorise_blocks(model, work)
 
 
@@ -477,7 +477,7 @@ def derivative(model: Model, t: float, y: Array) -> Array:
     """Return dy/dt, (n,), in a new array; see `derivative_into`."""
     out = np.empty(state_size(model))
     fill = derivative_into if by_blocks(model) else dense_derivative_into
-    fill(model, new_work(model), t, y, out)
+    fill(model, spare_work(model), t, y, out)
     return out
 
 

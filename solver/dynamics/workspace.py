@@ -137,6 +137,14 @@ def new_work(model: Model) -> Work:
     return work
 
 
+def spare_work(model: Model) -> Work:
+    """Return memory for evaluations that are over when the caller returns; one for each model."""
+    found = model.__dict__.get("_spare")
+    if found is None:
+        found = model.__dict__["_spare"] = new_work(model)
+    return found  # type: ignore[no-any-return]
+
+
 @lean
 def place_added_rows(model: Model, J: Array) -> None:
     """Fill the columns of J (nb, n, r) that belong to added inertia."""

@@ -13,8 +13,9 @@ from ..integrators.choice import treatment_of
 from ..integrators.generic import Solution
 from ..math.arrays import Array
 from ..mechanism import BuiltMechanism, build
-from ..mechanism.equilibrium import starting_state
+from ..mechanism.axis import given_spin
 from ..mechanism.initial import redundancy
+from ..mechanism.start import starting_state
 from ..monitors.singularity import SingularityMonitor
 from ..monitors.spin import SpinMonitor
 from ..monitors.together import Monitors
@@ -95,7 +96,9 @@ def prepare(
     solver = mechanism.solver
     treatment = treatment_of(solver)
     built = build(mechanism, packages)
-    y0 = starting_state(built.model, built.start, solver.start, built.joint_names, built.body_names)
+    names = built.joint_names, built.body_names
+    spin = given_spin(solver)
+    y0 = starting_state(built.model, built.start, solver.start, *names, spin)
     found = redundancy(built.model, y0, built.joint_names)
     built = replace(built, model=treated(built.model, treatment)._replace(redundant=found.count))
     wanted = {
@@ -103,14 +106,14 @@ def prepare(
         for name, signal in mechanism.signals.items()
         if signals is None or name in signals
     }
-    spin = SpinMonitor(built.model, built.body_names, stop=solver.on_invalid == "stop")
+    spins = SpinMonitor(built.model, built.body_names, stop=solver.on_invalid == "stop")
     passage = SingularityMonitor(
         built.model,
         built.joint_names,
         treatment.name,
         stop=solver.on_singular == "stop",
     )
-    invalid = spin.at_start(0.0, y0)
+    invalid = spins.at_start(0.0, y0)
     passage.at_start(0.0, y0)
     refused = None
     if invalid is not None:
@@ -121,7 +124,7 @@ def prepare(
         treatment=treatment,
         y0=y0,
         measured=sensors(built, wanted),
-        spin=spin,
+        spin=spins,
         passage=passage,
         notes=found.findings(),
         refused=refused,

@@ -5,6 +5,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from ..arguments import whole_number
+
 EPILOG = """\
 Several FILEs are integrated in one process, or in --jobs processes, which saves the time to start.
 A run that fails does not stop the others. Each leaves result.vtkhdf and summary.json.
@@ -36,16 +38,12 @@ def add_run_command(commands: Any, run: Callable[[argparse.Namespace], int]) -> 
         metavar="DIR",
         help="folder for a folder per run (default: build/<case>, above the run files)",
     )
-    parser.add_argument("--jobs", type=_count, default=1, metavar="N", help="processes (default 1)")
+    parser.add_argument(
+        "--jobs", type=whole_number, default=1, metavar="N", help="processes (default 1)"
+    )
     parser.add_argument(
         "--update", action="store_true", help="only runs whose inputs or solver have changed"
     )
     parser.add_argument("--timing", action="store_true", help="print what the CPU seconds went to")
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
     parser.set_defaults(command=run)
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r}: expected a whole number from 1")
-    return int(text)

@@ -27,6 +27,12 @@ def cross_check(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodyS
         found += check_place(f"masses.{name}.at", mass.at, mechanism, ground=False)
     for name, signal in mechanism.signals.items():
         found += _signal(f"signals.{name}", signal, mechanism)
+    spin = mechanism.solver.spin
+    if spin is not None and spin.speed != 0.0 and mechanism.solver.start != "equilibrium":
+        found.append(
+            f'solver.spin.speed = {spin.speed:g}: expected 0, or solver.start = "equilibrium"; '
+            "bodies take velocity and angular_velocity"
+        )
     try:
         treatment_of(mechanism.solver)
     except InputError as error:

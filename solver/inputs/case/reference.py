@@ -12,7 +12,7 @@ from .joints import JOINT_TABLES
 from .laws import LAW_TABLES
 from .modes import MODE_TABLES
 from .signals import SIGNAL_TABLES
-from .solver import Solver
+from .solver import Solver, Spin
 from .sweeps import Sweep, Variation
 
 _FIRST: tuple[type[BaseModel], ...] = (schema.CaseFile, schema.Mechanism, *MATERIAL_TABLES)
@@ -34,6 +34,7 @@ _THEN: tuple[type[BaseModel], ...] = (
     schema.PointMass,
     *SIGNAL_TABLES,
     Solver,
+    Spin,
     schema.Run,
     schema.Figure,
     Sweep,

@@ -9,13 +9,32 @@ from pydantic import Field, create_model
 
 from ...dynamics.constraints.treatment import Treatment
 from ...integrators.table import INTEGRATORS
-from ..common.table import Table, unit
-from .keys import field_of
+from ..common.table import Table, Vector, unit
+from .keys import GlobalDirection, field_of
 
 if TYPE_CHECKING:
     IntegratorName = str
 else:
     IntegratorName = Literal[(*INTEGRATORS,)]
+
+
+class Spin(Table):
+    """`spin` of `[solver]`: the whole mechanism turns about a fixed axis at constant speed."""
+
+    axis: GlobalDirection = Field(
+        description="direction of the axis, global", json_schema_extra=unit("-")
+    )
+    point: Vector = Field(
+        default=[0.0, 0.0, 0.0],
+        description="a point of the axis, global",
+        json_schema_extra=unit("m"),
+    )
+    speed: float = Field(
+        default=0.0,
+        description="angular velocity about the axis; other than 0: with `start = "
+        '"equilibrium"` only',
+        json_schema_extra=unit("rad/s"),
+    )
 
 
 class _Integration(Table):
@@ -28,7 +47,12 @@ class _Integration(Table):
     start: Literal["positions", "equilibrium"] = Field(
         default="positions",
         description="positions: as given, with joints closed; equilibrium: static equilibrium "
-        "under all loads and drives at t = 0",
+        "under all loads and drives at t = 0; with `spin`, relative equilibrium in axes that turn",
+    )
+    spin: Spin | None = Field(
+        default=None,
+        description="spin of the start in equilibrium; its axis is that of `plymotion modes --at "
+        "spin=...` too",
     )
     modes_at_start: Literal["still", "free"] = Field(
         default="still",

@@ -26,10 +26,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...dynamics.dependence import REGULAR, rows_depend
 from ...dynamics.elimination import factorise, solve
 from ...dynamics.measures import auxiliary_rate
 from ...dynamics.model import Model, state_size
-from ...dynamics.system import REGULAR, add_inertia, soften
+from ...dynamics.system import add_inertia, soften
 from ...dynamics.workspace import Factors, Work, new_factors, place_added_rows
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean, structure
@@ -133,7 +134,8 @@ def factorise_pencil(
     """
     _factorise(model, frozen, pencil, mass, damping, stiffness)
     if model.penalty > 0.0 and pencil.factors.regular[0] < REGULAR:
-        soften(model, frozen.J, frozen.softness)
+        if rows_depend(model, model.plan.newton, pencil.factors, frozen.J, pencil.softness):
+            soften(model, frozen.J, frozen.softness)
         _factorise(model, frozen, pencil, mass, damping, stiffness)
 
 

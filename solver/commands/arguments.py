@@ -1,0 +1,10 @@
+"""Types of command-line arguments that several subcommands share."""
+
+import argparse
+
+
+def whole_number(text: str) -> int:
+    """Read a whole number from 1; argparse tells the user of anything else."""
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r}: expected a whole number from 1")
+    return int(text)

@@ -1,0 +1,94 @@
+"""The command `plymotion modes`."""
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...inputs.case.specs import dump, write_atomic
+from ...math.arrays import Array
+from .campbell import Diagram, Spins
+from .campbell_figure import draw
+from .case import read_spec
+from .found import Found, entries, find_modes
+from .place import at_of
+from .show import campbell_text, modes_text
+from .state import States
+
+
+def run_modes(options: argparse.Namespace) -> int:
+    """Linearise a run about a state; return 0."""
+    at = at_of(options.at)
+    spec, build = read_spec(
+        options.case,
+        options.run,
+        packages=options.packages,
+        coarse=options.coarse,
+        quiet=options.quiet,
+    )
+    folder: Path = options.out or build / "modes" / f"{spec.run}-{_label(options.at)}"
+    axis = None if options.axis is None else np.array(options.axis)
+    states = States(spec)
+    if at.kind == "spin" and at.speeds is not None and at.speeds.size > 1:
+        return _campbell(options, states, at.speeds, axis, folder)
+    found = find_modes(states, states.at(at, axis))
+    content = modes_content(states, found)
+    folder.mkdir(parents=True, exist_ok=True)
+    write_atomic(folder / "modes.json", dump(content))
+    print(json.dumps(content, indent=2) if options.json else modes_text(content, options.count))
+    return 0
+
+
+def _campbell(
+    options: argparse.Namespace, states: States, speeds: Array, axis: Array | None, folder: Path
+) -> int:
+    """Follow the modes over speed."""
+    spins = Spins(states, axis)
+    diagram = Diagram(spins, speeds, options.count, options.harmonics, options.axes)
+    content = diagram.content()
+    folder.mkdir(parents=True, exist_ok=True)
+    draw(folder / "campbell.png", diagram)
+    write_atomic(folder / "campbell.csv", diagram.csv())
+    write_atomic(folder / "campbell.json", dump(content))
+    print(json.dumps(content, indent=2) if options.json else campbell_text(content))
+    if not options.json:
+        print(f"{folder}: campbell.png, campbell.csv, campbell.json")
+    return 0
+
+
+def modes_content(states: States, found: Found) -> dict[str, Any]:
+    """Return the content of modes.json."""
+    state, rank = found.state, found.space.rank
+    spin = None
+    if state.spin is not None:
+        spin = {
+            "axis": state.spin.axis.tolist(),
+            "point": state.spin.point.tolist(),
+            "speed": state.spin.rate,
+        }
+    return {
+        "case": states.spec.case,
+        "run": states.spec.run,
+        "state": state.words,
+        "t": state.t,
+        "spin": spin,
+        "degrees_of_freedom": found.space.n_free,
+        "constraints": {
+            "rows": rank.rows,
+            "rank": rank.value,
+            "smallest_counted": rank.last,
+            "largest_dropped": rank.first,
+            "doubtful": rank.doubtful,
+            "text": rank.text,
+        },
+        "difference_error": found.space.error,
+        "modes": entries(found, states.built.body_names),
+        "notes": list(found.notes),
+    }
+
+
+def _label(text: str) -> str:
+    """Return `--at` as part of a folder's name."""
+    return text.replace("=", "").replace(":", "-")

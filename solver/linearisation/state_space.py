@@ -1,0 +1,206 @@
+"""The equations of motion linearised about a state, with the constraints eliminated.
+
+    eta' = Z+ T Z eta + zeta
+    zeta' = Z+ (da(Z, B) + T_u B) eta + Z+ (da(0, Z) + T_u Z) zeta
+
+The displacement is x = Z eta, the change of velocity u = Z zeta + B eta, with Z the free motions
+and B what the constraints ask of the velocities of a displaced state. da are derivatives of the
+accelerations that solve (12), so that they contain inertia, gyroscopic terms, following loads and
+the change of the constraint forces. A drive enters by its acceleration, with two states: what
+its coordinate and its rate are beside their law. Reasons: docs/adr/0020.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ..dynamics.instant import law_values
+from ..dynamics.model import Model
+from ..dynamics.null_space import FreeMotions, Rank, free_motions
+from ..dynamics.scales import extent
+from ..dynamics.series import along_solution, balance
+from ..dynamics.system import assemble
+from ..math.arrays import Array
+from ..signals import Recording, Sensor
+from .differences import Direction, Instant, derivatives
+from .turning import turning_axes
+
+
+class Source(NamedTuple):
+    """A law of time that may be an input: a drive, an actuator or a load."""
+
+    name: str
+    law: int  # number in the model
+    unit: str  # of its value
+    drive: bool  # it enters by its acceleration
+
+
+@dataclass(frozen=True)
+class StateSpace:
+    """x' = A x + B u, y = C x + D u about a state; x = [eta, zeta, drives, their rates]."""
+
+    A: Array  # (n, n)
+    B: Array  # (n, n_in)
+    C: Array  # (n_out, n)
+    D: Array  # (n_out, n_in)
+    free: FreeMotions  # Z, its inverse and the rank
+    velocity: Array  # (n_vel, n_free) B of u = Z zeta + B eta
+    mass: Array  # (n_vel, n_vel) mass matrix of the state
+    y: Array  # (n_y,) the state about which
+    acceleration: Array  # (n_vel,) of that state, in the axes of the linearisation
+    forces: Array  # (n_vel,) that act on it
+    inputs: tuple[Source, ...]
+    outputs: tuple[tuple[str, str], ...]  # name and unit
+    error: float  # estimate of the relative error of A
+
+    @property
+    def n_free(self) -> int:
+        """Number of free motions; A without drives has twice as many rows."""
+        return self.free.Z.shape[1]
+
+    @property
+    def rank(self) -> Rank:
+        """Rank of the constraint rows."""
+        return self.free.rank
+
+    @property
+    def A_free(self) -> Array:
+        """A without the states of drives, (2 n_free, 2 n_free)."""
+        return self.A[: 2 * self.n_free, : 2 * self.n_free]
+
+    def displacements(self, columns: Array) -> Array:
+        """Return x (n_vel, k) for columns (2 n_free or more, k) of states without drives."""
+        return np.asarray(self.free.Z @ columns[: self.n_free])
+
+    def velocities(self, columns: Array) -> Array:
+        """Return u (n_vel, k) for columns (2 n_free or more, k) of states without drives."""
+        n = self.n_free
+        return np.asarray(self.free.Z @ columns[n : 2 * n] + self.velocity @ columns[:n])
+
+
+def linearise(
+    model: Model,
+    t: float,
+    y: Array,
+    W_G: Array,
+    *,
+    sensors: Mapping[str, Sensor] | None = None,
+    sources: Sequence[Source] = (),
+) -> StateSpace:
+    """Return the equations of motion linearised about state y (n,) at time t.
+
+    Parameters
+    ----------
+    W_G : (3,) angular velocity of the axes in which displacements are seen, global [rad/s]
+    sensors : outputs
+    sources : inputs
+    """
+    sensors = sensors or {}
+    y = y.copy()
+    y[-1] = 0.0
+    free = free_motions(assemble(model, t, y), model.inertia_scale)
+    model = model._replace(alpha=0.0, beta=0.0, penalty=0.0, redundant=free.rank.redundant)
+    at = Instant(model, t, y, law_values(model, t))
+    size = extent(model, y)
+    Z, left = free.Z, free.Z_left
+    n, n_drive = Z.shape[1], sum(s.drive for s in sources)
+
+    def constraints(directions: list[Direction], column: int) -> Array:
+        """Derivatives of Phi (column 0) or Phidot (1), answered by a motion (n_vel, k)."""
+        found = derivatives(at, _constraints, directions, size).values
+        return np.asarray(-free.P @ found.reshape(2, -1, len(directions))[column])
+
+    shapes = list(Z.T)
+    B = np.zeros_like(Z)
+    if model.n_constraint and (y[model.n_pos :].any() or at.laws[:, 1].any()):
+        B = constraints([at.direction(x) for x in shapes], 1)
+    drives = [s for s in sources if s.drive]
+    laws = [_only(at.laws, s.law) for s in sources]
+    X = np.zeros((model.n_vel, n_drive))
+    Xp = np.zeros((model.n_vel, n_drive))
+    if drives:
+        own = [_only(at.laws, s.law) for s in drives]
+        X = constraints([at.direction(laws=_at(law, 0)) for law in own], 0)
+        moved = [at.direction(x, laws=_at(law, 0)) for x, law in zip(X.T, own, strict=True)]
+        Xp = constraints(moved, 1)
+    directions = [
+        *(at.direction(x, u) for x, u in zip(shapes, B.T, strict=True)),
+        *(at.direction(None, u) for u in shapes),
+    ]
+    if drives:
+        directions += [
+            at.direction(x, u, _at(law, 0)) for x, u, law in zip(X.T, Xp.T, own, strict=True)
+        ]
+        directions += [at.direction(None, x, _at(law, 1)) for x, law in zip(X.T, own, strict=True)]
+    directions += [
+        at.direction(laws=_at(law, 2 if s.drive else 0))
+        for law, s in zip(laws, sources, strict=True)
+    ]
+
+    def evaluation(m: Model, times: Array, states: Array) -> Array:
+        rates = along_solution(m, times, states)[0][:, m.n_pos : m.n_pos + m.n_vel]
+        recording = Recording(m, times, states)
+        return np.column_stack([rates, *(s.values(recording) for s in sensors.values())])
+
+    found = derivatives(at, evaluation, directions, size)
+    da, dy = found.values[: model.n_vel], found.values[model.n_vel :]
+    frame = turning_axes(model, y, W_G)
+    n_state = 2 * n + 2 * n_drive
+    x = np.hstack([Z, np.zeros_like(Z), X, np.zeros_like(X)])
+    u = np.hstack([B, Z, Xp, X])
+    A = np.zeros((n_state, n_state))
+    A[:n] = left @ (u + frame.T @ x)
+    A[n : 2 * n] = left @ (da[:, :n_state] + frame.T_u @ u)
+    A[2 * n : 2 * n + n_drive, 2 * n + n_drive :] = np.eye(n_drive)
+    into = np.zeros((n_state, len(sources)))
+    into[n : 2 * n] = left @ da[:, n_state:]
+    for k, s in enumerate(sources):
+        if s.drive:
+            into[2 * n + n_drive + drives.index(s), k] = 1.0
+    v0 = y[model.n_pos : model.n_pos + model.n_vel]
+    rest = along_solution(model, np.full(1, t), y[None])[0][
+        0, model.n_pos : model.n_pos + model.n_vel
+    ]
+    return StateSpace(
+        A=A,
+        B=into,
+        C=dy[:, :n_state],
+        D=dy[:, n_state:],
+        free=free,
+        velocity=B,
+        mass=assemble(model, t, y).M,
+        y=y,
+        acceleration=rest + frame.T_u @ v0,
+        forces=assemble(model, t, y).f,
+        inputs=tuple(sources),
+        outputs=tuple((name, s.unit) for name, s in sensors.items()),
+        error=_relative(left @ da[:, : 2 * n], left @ found.errors[: model.n_vel, : 2 * n]),
+    )
+
+
+def _constraints(model: Model, t: Array, y: Array) -> Array:
+    """Phi and Phidot of states, (k, 2 n_c)."""
+    found = balance(model, t, y)
+    return np.hstack([found.Phi, found.Phi_d])
+
+
+def _only(laws: Array, law: int) -> Array:
+    out = np.zeros((len(laws), 1))
+    out[law] = 1.0
+    return out
+
+
+def _at(law: Array, order: int) -> Array:
+    """Change of the value (0), rate (1) or acceleration (2) of one law, (n_law, 3)."""
+    out = np.zeros((len(law), 3))
+    out[:, order] = law[:, 0]
+    return out
+
+
+def _relative(values: Array, errors: Array) -> float:
+    """Return the largest estimated error of a column over its size."""
+    size = np.linalg.norm(values, axis=0)
+    least = 1e-9 * max(float(size.max(initial=0.0)), 1.0)
+    return float(np.max(np.linalg.norm(errors, axis=0) / np.maximum(size, least), initial=0.0))
