@@ -74,8 +74,13 @@ def _at_start(model: Model, y0: Array, length: float) -> float:
     stored = energies[1] + work.power[1]
     gain = max(fall, 2.0 * abs(float(stored)) / mass)
     if model.plan.element_row.shape[0] == 0:
-        gain = max(gain, _of_frames(model, rates[0, model.n_pos : -1], length) * length)
-    return max(_of_frames(model, y0[model.n_pos : -1], length), float(np.sqrt(gain)))
+        gain = max(
+            gain,
+            _of_frames(model, rates[0, model.n_pos : model.n_pos + model.n_vel], length) * length,
+        )
+    return max(
+        _of_frames(model, y0[model.n_pos : model.n_pos + model.n_vel], length), float(np.sqrt(gain))
+    )
 
 
 def _of_frames(model: Model, v: Array, length: float) -> float:

@@ -16,15 +16,15 @@ from .bodies.marker import move_marker
 from .bodies.motion import N_MOTION, place, stand
 from .dependence import REGULAR
 from .energy import energies_into, momenta_into
-from .forces.table import FIRST_LOAD, element_wrench
-from .model import Model
+from .forces.table import FIRST_LOAD
+from .model import Model, state_size
 from .system import (
     by_blocks,
     dense_derivative_into,
     derivative_into,
     evaluate,
     evaluate_rates,
-    law_at,
+    force_wrench,
 )
 from .workspace import PHI, Work, spare_work
 
@@ -58,7 +58,7 @@ def along_solution(
     doubtful = regular < regular_above
     if model.penalty > 0.0 and model.beta > 0.0:
         doubtful[:] = True
-    spare = np.zeros(model.n_pos + model.n_vel + 1)
+    spare = np.zeros(state_size(model))
     for k in np.flatnonzero(doubtful).tolist():
         into = rates[k] if model.penalty == 0.0 else spare
         multipliers[k] = dense_derivative_into(model, work, float(t[k]), y[k], into)
@@ -181,8 +181,7 @@ def _loads(model: Model, work: Work, t: Array, y: Array, multipliers: Array, fou
         for i in range(model.force_kind.shape[0]):
             one = work.motion[model.force_marker[i, 0]]
             two = work.motion[model.force_marker[i, 1]]
-            size, _, _ = law_at(model, model.force_law[i], t[k])
-            wrench = element_wrench(model.force_kind[i], one, two, model.force_parameters[i], size)
+            wrench = force_wrench(model, work, i, t[k])
             arm = minus3(place(two), place(one))
             turn = cross3(arm, wrench.force)
             at = 2 * (n_joint + i)

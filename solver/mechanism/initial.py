@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..dynamics.auxiliary import started
 from ..dynamics.bodies.marker import marker_motion
 from ..dynamics.constraints.minimum_norm import RANK_TOLERANCE
 from ..dynamics.constraints.scaling import scaled_jacobian
@@ -72,11 +73,11 @@ def consistent_state(model: Model, start: Start, joint_names: list[str], t: floa
         The mechanism cannot be assembled, or given velocities contradict joints and
         drives; names the joints.
     """
-    y = np.concatenate([start.positions, np.zeros(model.n_vel + 1)])
+    y = np.concatenate([start.positions, np.zeros(model.n_vel), model.quantities.start, [0.0]])
     if model.n_constraint:
         y = _assembled(model, y, joint_names, t)
     y[model.n_pos : model.n_pos + model.n_vel] = _velocities(model, start, y, joint_names, t)
-    return y
+    return started(model, t, y)
 
 
 def _rows(model: Model, joint: int) -> slice:

@@ -6,6 +6,7 @@ from ..common.material import MATERIAL_TABLES
 from ..common.page import chapters, required
 from ..section.mesh_table import SHAPE_MESHES
 from . import schema
+from .curves import CurveTable
 from .fidelity import Fidelity
 from .forces import FORCE_TABLES
 from .joints import JOINT_TABLES
@@ -30,6 +31,7 @@ _THEN: tuple[type[BaseModel], ...] = (
     *JOINT_TABLES,
     *LAW_TABLES,
     *FORCE_TABLES,
+    CurveTable,
     schema.PointMass,
     *SIGNAL_TABLES,
     Solver,

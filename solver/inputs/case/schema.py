@@ -9,7 +9,7 @@ from pydantic import Field
 
 from ...package.body.specification import LinkKind, MassForm, Theory
 from ..common.material import Material
-from ..common.table import Name, Table, Vector, unit
+from ..common.table import Name, Table, Vector, Word, unit
 from ..section.mesh_table import ShapeMesh, shape_or
 from .fidelity import Fidelity
 from .forces import CaseForce
@@ -237,7 +237,12 @@ class Mechanism(Table):
     bodies: dict[Name, Body] = Field(min_length=1, description="moving bodies")
     ground: dict[Name, GroundPoint] = Field(default={}, description="points of the ground")
     joints: dict[Name, CaseJoint] = Field(default={}, description="constraints")
-    forces: dict[Name, CaseForce] = Field(default={}, description="springs, bushings, loads")
+    forces: dict[Name, CaseForce] = Field(
+        default={}, description="springs, loads, stops, friction, controllers"
+    )
+    parameters: dict[Word, float] = Field(
+        default={}, description="numbers that expressions read by name"
+    )
     masses: dict[Name, PointMass] = Field(default={}, description="point masses")
     signals: dict[Name, Signal] = Field(default={}, description="what is measured")
     solver: Solver = Field(description="time integration")
