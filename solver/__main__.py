@@ -13,6 +13,7 @@ from typing import Any
 
 from plymotion import __version__
 
+from .commands.plan.options import add_plan_command
 from .commands.run.options import add_run_command
 from .commands.section.options import add_section_command
 from .commands.shell.options import add_shell_command
@@ -70,6 +71,7 @@ def _parser() -> argparse.ArgumentParser:
     check.set_defaults(command=_check)
 
     add_run_command(commands, _run)
+    add_plan_command(commands, _plan)
 
     ahead = commands.add_parser("compile", help="compile the step loop before the first run")
     ahead.add_argument("--all", action="store_true", help="generalized-alpha as well")
@@ -133,6 +135,12 @@ def _run(options: argparse.Namespace) -> int:
         from .commands.run.command import run_runs
 
     return run_runs(options)
+
+
+def _plan(options: argparse.Namespace) -> int:
+    from .commands.plan.command import run_plan
+
+    return run_plan(options)
 
 
 def _compile(options: argparse.Namespace) -> int:
