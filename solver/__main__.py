@@ -12,6 +12,7 @@ from pathlib import Path
 from plymotion import __version__
 
 from .commands.modes.options import add_modes_command
+from .commands.plan.options import add_plan_command
 from .commands.run.options import add_run_command
 from .commands.section.options import add_section_command
 from .commands.shell.options import add_shell_command
@@ -76,6 +77,7 @@ def _parser() -> argparse.ArgumentParser:
     check.set_defaults(command=_check)
 
     add_run_command(commands, _run)
+    add_plan_command(commands, _plan)
 
     ahead = commands.add_parser("compile", help="compile the step loop before the first run")
     ahead.add_argument("--all", action="store_true", help="generalized-alpha as well")
@@ -140,6 +142,12 @@ def _run(options: argparse.Namespace) -> int:
         from .commands.run.command import run_runs
 
     return run_runs(options)
+
+
+def _plan(options: argparse.Namespace) -> int:
+    from .commands.plan.command import run_plan
+
+    return run_plan(options)
 
 
 def _compile(options: argparse.Namespace) -> int:

@@ -14,8 +14,10 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError, PackageError
+from ...fidelity.execution import run_any
+from ...fidelity.words import fidelity_line
 from ...results import ResultError, read_summary
-from ...run.execution import INCOMPLETE, run_file
+from ...run.execution import INCOMPLETE
 from ...run.inputs_digest import inputs_sha256
 from ...run.timing import timing_text
 
@@ -124,7 +126,7 @@ def _up_to_date(file: Path, out: Path) -> bool:
 def _outcome(task: _Task) -> Outcome:
     """Do one run."""
     try:
-        summary = run_file(task.file, task.out, progress=task.progress, import_s=task.import_s)
+        summary = run_any(task.file, task.out, progress=task.progress, import_s=task.import_s)
     except (InputError, PackageError) as error:
         return Outcome(INPUT, errors=str(error).splitlines())
     except OSError as error:
@@ -137,7 +139,8 @@ def _outcome(task: _Task) -> Outcome:
 def _code(summary: dict[str, Any]) -> int:
     if summary["status"] == "interrupted":
         return INTERRUPTED
-    return 0 if summary["completed"] else INCOMPLETE
+    refused = summary.get("fidelity", {}).get("verdict") == "not met"
+    return 0 if summary["completed"] and not refused else INCOMPLETE
 
 
 def _lines(summary: dict[str, Any], timing: bool) -> list[str]:
@@ -147,6 +150,8 @@ def _lines(summary: dict[str, Any], timing: bool) -> list[str]:
         f"{summary['run']}: {outcome} at t = {summary['t_end']:.4g} s, "
         f"{cost['steps']} steps, {cost['solve_s']:.2f} s"
     ]
+    if "fidelity" in summary:
+        text.append(f"  {fidelity_line(summary['fidelity'])}")
     text += [f"  warning [{w['code']}] {w['message']}" for w in summary["warnings"]]
     return [*text, f"  {timing_text(cost['seconds'])}"] if timing else text
 
