@@ -141,7 +141,7 @@ def test_one_source_file_names_a_joint(repository, kind):
 
 @pytest.mark.parametrize("kind", sorted(set(FORCES) - {"force", "stop"}))
 def test_one_source_file_names_a_force_element(repository, kind):
-    """`force` is also a quantity of a signal, `stop` also what a run does in a singular position."""
+    """`force` is also a quantity of a signal, `stop` what a run does in a singular position."""
     quoted = re.compile(rf"""["']{kind}["']""")
     found = [
         file.relative_to(repository).as_posix()
