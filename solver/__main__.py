@@ -13,6 +13,7 @@ from typing import Any
 
 from plymotion import __version__
 
+from .commands.exchange.options import add_exchange_commands
 from .commands.run.options import add_run_command
 from .commands.section.options import add_section_command
 from .commands.shell.options import add_shell_command
@@ -94,6 +95,7 @@ def _parser() -> argparse.ArgumentParser:
     experimental.add_argument("--out", type=Path, required=True, help="PACKAGE.vtkhdf")
     experimental.set_defaults(command=_experimental)
 
+    add_exchange_commands(commands, _import)
     add_section_command(commands, _section)
     add_shell_command(commands, _shell)
     add_sweep_command(commands, _sweep)
@@ -202,6 +204,12 @@ def _experimental(options: argparse.Namespace) -> int:
         print(f"warning [{warning['code']}] {warning['message']}", file=sys.stderr)
     print(f"{options.out}: {package.body}, {package.n_mode} measured modes")
     return 0
+
+
+def _import(options: argparse.Namespace) -> int:
+    from .commands.exchange.command import run_import
+
+    return run_import(options)
 
 
 def _section(options: argparse.Namespace) -> int:
