@@ -16,6 +16,7 @@ from pathlib import Path
 
 from plymotion import __version__
 
+from .commands.exchange.options import add_exchange_commands
 from .commands.modes.options import add_modes_command
 from .commands.plan.options import add_plan_command
 from .commands.run.options import add_run_command
@@ -118,6 +119,7 @@ def _parser() -> argparse.ArgumentParser:
     experimental.set_defaults(command=_experimental)
 
     add_modes_command(commands, _modes)
+    add_exchange_commands(commands, _import)
     add_section_command(commands, _section)
     add_shell_command(commands, _shell)
     add_sweep_command(commands, _sweep)
@@ -228,6 +230,12 @@ def _modes(options: argparse.Namespace) -> int:
         from .commands.modes.command import run_modes
 
     return run_modes(options)
+
+
+def _import(options: argparse.Namespace) -> int:
+    from .commands.exchange.command import run_import
+
+    return run_import(options)
 
 
 def _section(options: argparse.Namespace) -> int:
