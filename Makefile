@@ -358,7 +358,7 @@ SHELL_CHARTS := docs/pictures/shell-course.png docs/pictures/shell-error-time.pn
 SOLVER_CHARTS := $(patsubst %,docs/pictures/solver-%.png,integrators treatments models)
 
 .PHONY: charts
-charts: $(CHART) $(SHELL_CHARTS) $(SOLVER_CHARTS) ## Measure error against time and draw charts
+charts: $(CHART) $(SHELL_CHARTS) $(SOLVER_CHARTS) docs/pictures/tolerances.png ## Measure error against time and draw charts
 
 $(CHART_NUMBERS): $(PREPROCESS_SOURCES) benchmarks/section_convergence.py | $(FENICSX)
 	. ./$(FENICSX) && PYTHONPATH=.:tests "$$FENICSX_PYTHON" benchmarks/section_convergence.py $@

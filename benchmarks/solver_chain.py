@@ -22,7 +22,7 @@ from plymotion.solver.integrators.generic import Integrator, StopRequest, integr
 from plymotion.solver.mechanism import build
 
 LINKS = (8, 16, 32, 64, 128, 256, 512, 1024)
-WHOLE_LINKS = (8, 16, 32, 64, 128, 256)  # the start takes the third power of the links
+WHOLE_LINKS = LINKS
 EXUDYN_LINKS = (8, 16, 32, 64, 128)
 STEP = 1e-3  # [s]
 STEPS = 50

@@ -4,12 +4,10 @@ import argparse
 import atexit
 import contextlib
 import gc
-import json
 import os
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 from plymotion import __version__
 
@@ -35,7 +33,11 @@ def main(arguments: list[str] | None = None) -> int:
         atexit.register(gc.freeze)
     words = sys.argv[1:] if arguments is None else arguments
     # "plymotion solver sweep" is "plymotion sweep", as is "python -m plymotion.solver sweep".
-    options = _parser().parse_args(words[1:] if words[:1] == ["solver"] else words)
+    if words[:1] == ["solver"]:
+        words = words[1:]
+    if words and words[0].endswith(".toml"):
+        words = ["run", *words]  # "plymotion case.toml" is "plymotion run case.toml"
+    options = _parser().parse_args(words)
     try:
         return int(options.command(options))
     except (InputError, PackageError) as error:
@@ -55,7 +57,10 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="plymotion", description="Flexible multibody dynamics with laminated members."
+        prog="plymotion",
+        usage="plymotion CASE.toml | plymotion COMMAND ...",
+        description="Flexible multibody dynamics with laminated members. "
+        "`plymotion CASE.toml` goes from a case file to its report; commands do parts of it.",
     )
     parser.add_argument("--version", action="version", version=f"plymotion {__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
@@ -145,21 +150,9 @@ def _compile(options: argparse.Namespace) -> int:
 
 
 def _report(options: argparse.Namespace) -> int:
-    from .report import make_report, summary_table
+    from .commands.cases.report import report_case
 
-    try:
-        case: dict[str, Any] = json.loads((options.folder / "case.json").read_text())
-    except (OSError, ValueError) as error:
-        raise InputError(
-            f"{options.folder}: no case.json ({error}); expected the folder of a case"
-        ) from error
-    runs = [r for r in case["runs"] if (options.folder / r / "summary.json").is_file()]
-    if not runs:
-        raise InputError(f"{options.folder}: no finished run; expected <run>/summary.json")
-    page = make_report(options.folder, runs, case)
-    summaries = [json.loads((options.folder / r / "summary.json").read_text()) for r in runs]
-    print(summary_table(summaries))
-    print(f"Report: {page}")
+    print(report_case(options.folder))
     return 0
 
 

@@ -4,7 +4,7 @@ from .eigenmodes import ModeRequest
 from .kinds import KINDS, Participation
 from .reduced import Modes, reduced_modes
 from .reference import Algebra, Condition, EigenSolver, HeldDofs, MeanAxis, ModeError
-from .static import StaticLoad
+from .static import StaticLoad, inertia_loads
 
 __all__ = [
     "KINDS",
@@ -18,5 +18,6 @@ __all__ = [
     "Modes",
     "Participation",
     "StaticLoad",
+    "inertia_loads",
     "reduced_modes",
 ]

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from ..results.finding import Finding
-from ..strength.beam_bodies import BodyStrength
+from ..strength.found import BodyStrength
 from . import (
     completion,
     constraints,

@@ -43,7 +43,7 @@ def stiffening_findings(run: FinishedRun) -> Iterator[Finding]:
 def _without_data(name: str) -> Finding:
     text = (
         f"{name}: geometric_stiffening was asked for, but the package of the body has no "
-        "second-order data: the body stays linear. Beams of up to 16 modes have them since format "
+        "second-order data: the body stays linear. Beams of up to 40 modes have them since format "
         "1.3 of the package: build it again"
     )
     return NO_STIFFENING_DATA.finding(text, body=name)

@@ -4,7 +4,8 @@ from collections.abc import Iterator
 
 from ..results.codes.motion import PLY_FAILURE
 from ..results.finding import Finding
-from ..strength.beam_bodies import BodyStrength, body_strength, failure_text
+from ..strength.beam_bodies import body_strength
+from ..strength.found import BodyStrength, failure_text
 from ..strength.shell_bodies import shell_strength
 from .finished import FinishedRun
 

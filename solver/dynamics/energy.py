@@ -26,6 +26,20 @@ def energies_into(model: Model, work: Work, y: Array, out: Array) -> None:
     out[2] += work.power[1]
 
 
+@inlined
+def momenta_into(model: Model, work: Work, y: Array, out: Array) -> None:
+    """Fill out (n_vel,) with M v of state y, after an evaluation there."""
+    for i in range(model.n_body):
+        first, M = model.vel_start[i], work.M[i]
+        j = model.n_pos + first
+        for a in range(model.plan.size[i]):
+            out[first + a] = 0.0
+            for b in range(a + 1):
+                out[first + a] += M[a, b] * y[j + b]
+                if b < a:
+                    out[first + b] += M[a, b] * y[j + a]
+
+
 @lean
 def stored_energies(model: Model, y: Array, A: Array, out: Array) -> None:
     """Fill strain energy and that of weight, out[1] and out[2] [J]; A (3, 3) is memory."""

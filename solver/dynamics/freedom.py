@@ -1,13 +1,18 @@
-"""Degrees of freedom of a mechanism."""
+"""Independent constraints and degrees of freedom of a mechanism."""
 
 import numpy as np
 
 from ..math.arrays import Array
 from .constraints.minimum_norm import RANK_TOLERANCE
 from .constraints.scaling import scaled_jacobian
+from .independence import new_independence
 from .joints.table import DRIVES, NAMES
 from .model import Model
+from .singular_value import new_spectrum, smallest_at
 from .system import assemble
+from .workspace import spare_work
+
+_INDEPENDENT = 1e3 * RANK_TOLERANCE  # smallest singular value of rows of length one
 
 
 def degrees_of_freedom(model: Model, y: Array, t: float = 0.0) -> int:
@@ -16,7 +21,6 @@ def degrees_of_freedom(model: Model, y: Array, t: float = 0.0) -> int:
     Modes are counted; drives do not reduce the number. In a singular position the number is
     larger than elsewhere.
     """
-    Phi_q = assemble(model, t, y).Phi_q
     rows = [
         row
         for joint, kind in enumerate(model.joint_kind)
@@ -25,5 +29,20 @@ def degrees_of_freedom(model: Model, y: Array, t: float = 0.0) -> int:
     ]
     if not rows:
         return model.n_vel
+    if clearly_independent(model, y, t):
+        return model.n_vel - len(rows)
+    Phi_q = assemble(model, t, y).Phi_q
     s = np.linalg.svd(scaled_jacobian(Phi_q[rows], model.inertia_scale), compute_uv=False)
     return int(model.n_vel - np.sum(s > RANK_TOLERANCE * s[0]))
+
+
+def clearly_independent(model: Model, y: Array, t: float = 0.0) -> bool:
+    """Tell whether all constraints, drives too, are far from dependent in state y (n,).
+
+    The time is linear in the number of bodies.
+    """
+    if not 0 < model.n_constraint <= model.n_vel:
+        return False
+    rows = new_independence(model)
+    C, memory = np.zeros_like(rows.C), new_spectrum(rows)
+    return smallest_at(model, spare_work(model), rows, memory, 0, t, y, C) > _INDEPENDENT

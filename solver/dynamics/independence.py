@@ -25,7 +25,7 @@ from ..math.arrays import Array, IntArray
 from ..math.compiled import inlined, lean, structure
 from .coordinates import rates_into
 from .elimination import factorise_profile
-from .model import Model
+from .model import Model, state_size
 from .order import Order, row_order
 from .system import evaluate
 from .workspace import Work
@@ -57,7 +57,7 @@ class Independence(NamedTuple):
 
 def new_independence(model: Model) -> Independence:
     """Return memory for a model; all rows are kept."""
-    plan, n_c, n = model.plan, model.n_constraint, model.n_pos + model.n_vel + 1
+    plan, n_c, n = model.plan, model.n_constraint, state_size(model)
     bodies = model.marker_body[model.joint_marker].reshape(-1, 2)
     at_body = [
         plan.body_row[plan.row_start[i] : plan.row_start[i + 1]].tolist()

@@ -23,4 +23,5 @@ def with_laws(model: Model, t: float, values: Array) -> Model:
         law_start=np.arange(n + 1, dtype=np.int64),
         law_time=np.full(n, float(t)),
         law_coefficient=coefficients,
+        quantities=model.quantities._replace(law=np.full(n, -1, dtype=np.int64)),
     )

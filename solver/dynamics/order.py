@@ -11,6 +11,7 @@ made the joint's rows depend on each other.
 
 from collections import Counter
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -51,6 +52,20 @@ def row_order(
     n_joint : groups that are joints
     at_body : rows at each body, column by column
     """
+    groups = tuple(bodies.ravel().tolist()), tuple(row.tolist()), tuple(free.tolist())
+    return _row_order(*groups, n_joint, tuple(map(tuple, at_body)))
+
+
+@lru_cache(maxsize=16)  # the members of a sweep have the same joints
+def _row_order(
+    sides: tuple[int, ...],
+    rows: tuple[int, ...],
+    used: tuple[bool, ...],
+    n_joint: int,
+    at_body: tuple[tuple[int, ...], ...],
+) -> Order:
+    bodies = np.array(sides, dtype=np.int64).reshape(-1, 2)
+    row, free = np.array(rows, dtype=np.int64), np.array(used, dtype=bool)
     counts = np.diff(row)
     compact = _places(bodies[free], starts(counts[free].tolist()), int(np.sum(free[:n_joint])))
     place = np.full(int(row[-1]), -1, dtype=np.int64)

@@ -27,7 +27,7 @@ class Plan(NamedTuple):
 
     widest: int  # coordinates of the largest body
     most_modes: int
-    marker_used: IntArray  # markers on bodies that joints and force elements stand on
+    marker_used: IntArray  # markers on bodies that joints, force elements and expressions use
     size: IntArray  # (nb,) coordinates of each body
     lead: IntArray  # (nb,) a mode is coupled with so many leading coordinates: 6, or all of them
     base: IntArray  # (nb,) first coordinate that is eliminated: 6 where the frame is driven
@@ -58,6 +58,7 @@ def make_plan(
     added: Sequence[int] = (),
     element_rows: Sequence[Sequence[int]] = (),
     most_element_rows: int = 0,
+    measured: Sequence[int] = (),
 ) -> Plan:
     """Return the plan of a mechanism; arguments as in `Model`.
 
@@ -68,9 +69,11 @@ def make_plan(
     added : by body, directions of added inertia; none if empty
     element_rows : by force element, its rows in Newton's matrix; none if empty
     most_element_rows : of any kind of force element
+    measured : markers whose motion expressions read
     """
     nb, nj, nf = n_mode.size, joint_row.size - 1, len(force_marker)
-    used = np.unique(np.concatenate([joint_marker.ravel(), force_marker.ravel()]).astype(np.int64))
+    standing = (joint_marker.ravel(), force_marker.ravel(), np.array(measured))
+    used = np.unique(np.concatenate(standing).astype(np.int64))
     bodies = marker_body[joint_marker].reshape(nj, 2)
     ends = marker_body[force_marker].reshape(nf, 2)
     driven = np.full(nj, -1) if driven is None else driven

@@ -17,7 +17,7 @@ from .system import (
     solve_dense,
     solve_mass,
 )
-from .workspace import PHI, Work, new_work
+from .workspace import PHI, Work, spare_work
 
 MAX_ITERATIONS = 6
 CLOSED = 1e-12  # |Phi| that needs no correction [m, rad]
@@ -93,4 +93,4 @@ def projected(model: Model, t: float, y: Array, work: Work | None = None) -> tup
     out = y.copy()
     method = project if by_blocks(model) else _dense_project
     step, before = np.empty(model.n_vel), np.empty(model.n_pos)
-    return out, method(model, work or new_work(model), t, out, step, before)
+    return out, method(model, work or spare_work(model), t, out, step, before)

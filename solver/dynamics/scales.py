@@ -5,11 +5,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ..math.arrays import Array
+from .energy import stored_energies
 from .joints.table import position_rows
 from .model import GROUND, Model
-from .series import along_solution, balance, marker_motions
+from .series import along_solution, marker_motions
 from .system import evaluate
-from .workspace import PHI_T, new_work
+from .workspace import PHI_T, spare_work
 
 SAMPLES = 65  # times at which drives are looked at
 # Pivots below which elimination leaves no digit. Above it orders of magnitude are right, and the
@@ -66,13 +67,20 @@ def _at_start(model: Model, y0: Array, length: float) -> float:
     rates, _ = along_solution(model, np.zeros(1), y0[None], ORDER)
     fall = float(np.linalg.norm(model.gravity_G)) * length
     mass = max(float(model.mass.sum()), 1e-300)
-    work = new_work(model)
+    work = spare_work(model)
     evaluate(model, work, 0.0, y0)
-    stored = balance(model, np.zeros(1), y0[None]).energies[0, 1] + work.power[1]
+    energies = np.zeros(3)
+    stored_energies(model, y0, work.P, energies)
+    stored = energies[1] + work.power[1]
     gain = max(fall, 2.0 * abs(float(stored)) / mass)
     if model.plan.element_row.shape[0] == 0:
-        gain = max(gain, _of_frames(model, rates[0, model.n_pos : -1], length) * length)
-    return max(_of_frames(model, y0[model.n_pos : -1], length), float(np.sqrt(gain)))
+        gain = max(
+            gain,
+            _of_frames(model, rates[0, model.n_pos : model.n_pos + model.n_vel], length) * length,
+        )
+    return max(
+        _of_frames(model, y0[model.n_pos : model.n_pos + model.n_vel], length), float(np.sqrt(gain))
+    )
 
 
 def _of_frames(model: Model, v: Array, length: float) -> float:
@@ -87,7 +95,7 @@ def _of_frames(model: Model, v: Array, length: float) -> float:
 def _of_drives(model: Model, y0: Array, t_end: float, length: float) -> float:
     if not (model.joint_law >= 0).any():
         return 0.0
-    work, largest = new_work(model), 0.0
+    work, largest = spare_work(model), 0.0
     arm = np.where(position_rows(model.joint_kind), 1.0, length)
     for t in np.linspace(0.0, t_end, SAMPLES):
         evaluate(model, work, float(t), y0)

@@ -14,19 +14,19 @@ from ..math.rotations import rotation_into
 from ..math.triple import cross3, minus3
 from .bodies.marker import move_marker
 from .bodies.motion import N_MOTION, place, stand
-from .energy import energies_into
-from .forces.table import FIRST_LOAD, element_wrench
-from .model import Model
+from .dependence import REGULAR
+from .energy import energies_into, momenta_into
+from .forces.table import FIRST_LOAD
+from .model import Model, state_size
 from .system import (
-    REGULAR,
     by_blocks,
     dense_derivative_into,
     derivative_into,
     evaluate,
     evaluate_rates,
-    law_at,
+    force_wrench,
 )
-from .workspace import PHI, Work, new_work
+from .workspace import PHI, Work, spare_work
 
 
 class Balance(NamedTuple):
@@ -51,14 +51,14 @@ def along_solution(
     """
     t, y = _contiguous(t, y)
     rates, multipliers = np.zeros(y.shape), np.zeros((t.size, model.n_constraint))
-    regular, work = np.zeros(t.size), new_work(model)
+    regular, work = np.zeros(t.size), spare_work(model)
     if by_blocks(model):
         _derivatives(model, work, t, y, rates, multipliers, regular)
     # Rows that nearly depend on each other: elimination loses digits that pivoting keeps.
     doubtful = regular < regular_above
     if model.penalty > 0.0 and model.beta > 0.0:
         doubtful[:] = True
-    spare = np.zeros(model.n_pos + model.n_vel + 1)
+    spare = np.zeros(state_size(model))
     for k in np.flatnonzero(doubtful).tolist():
         into = rates[k] if model.penalty == 0.0 else spare
         multipliers[k] = dense_derivative_into(model, work, float(t[k]), y[k], into)
@@ -70,7 +70,7 @@ def balance(model: Model, t: Array, y: Array) -> Balance:
     t, y = _contiguous(t, y)
     Phi, Phi_d = np.zeros((t.size, model.n_constraint)), np.zeros((t.size, model.n_constraint))
     energies = np.zeros((t.size, 3))
-    _balances(model, new_work(model), t, y, Phi, Phi_d, energies)
+    _balances(model, spare_work(model), t, y, Phi, Phi_d, energies)
     return Balance(Phi, Phi_d, energies)
 
 
@@ -78,7 +78,7 @@ def generalised_momenta(model: Model, t: Array, y: Array) -> Array:
     """Return M v, (k, n_vel)."""
     t, y = _contiguous(t, y)
     found = np.zeros((t.size, model.n_vel))
-    _momenta(model, new_work(model), t, y, found)
+    _momenta(model, spare_work(model), t, y, found)
     return found
 
 
@@ -87,7 +87,7 @@ def mass_matrices(model: Model, i: int, t: Array, y: Array) -> Array:
     t, y = _contiguous(t, y)
     n = int(model.plan.size[i])
     found = np.zeros((t.size, n, n))
-    _masses(model, new_work(model), i, t, y, found)
+    _masses(model, spare_work(model), i, t, y, found)
     return found
 
 
@@ -107,7 +107,7 @@ def marker_loads(model: Model, t: Array, y: Array, multipliers: Array) -> Array:
     t, y = _contiguous(t, y)
     n = model.joint_marker.size + model.force_marker.size
     found = np.zeros((t.size, n, 6))
-    _loads(model, new_work(model), t, y, np.ascontiguousarray(multipliers), found)
+    _loads(model, spare_work(model), t, y, np.ascontiguousarray(multipliers), found)
     return found
 
 
@@ -156,14 +156,7 @@ def _balances(
 def _momenta(model: Model, work: Work, t: Array, y: Array, found: Array) -> None:
     for k in range(t.shape[0]):
         evaluate(model, work, t[k], y[k])
-        for i in range(model.n_body):
-            first = model.vel_start[i]
-            j = model.n_pos + first
-            for a in range(model.plan.size[i]):
-                for b in range(a + 1):
-                    found[k, first + a] += work.M[i, a, b] * y[k, j + b]
-                    if b < a:
-                        found[k, first + b] += work.M[i, a, b] * y[k, j + a]
+        momenta_into(model, work, y[k], found[k])
 
 
 @lean
@@ -188,8 +181,7 @@ def _loads(model: Model, work: Work, t: Array, y: Array, multipliers: Array, fou
         for i in range(model.force_kind.shape[0]):
             one = work.motion[model.force_marker[i, 0]]
             two = work.motion[model.force_marker[i, 1]]
-            size, _, _ = law_at(model, model.force_law[i], t[k])
-            wrench = element_wrench(model.force_kind[i], one, two, model.force_parameters[i], size)
+            wrench = force_wrench(model, work, i, t[k])
             arm = minus3(place(two), place(one))
             turn = cross3(arm, wrench.force)
             at = 2 * (n_joint + i)

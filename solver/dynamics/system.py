@@ -7,7 +7,7 @@ import numpy as np
 from ..math.arrays import Array
 from ..math.compiled import inlined, lean
 from ..math.laws import law_value
-from ..math.triple import Triple, cross3, minus3, sum3
+from ..math.triple import Triple, cross3, minus3, sum3, times3, triple
 from .bodies.floating_frame import evaluate_bodies
 from .bodies.marker import evaluate_markers
 from .bodies.motion import place
@@ -16,16 +16,15 @@ from .constraints.baumgarte import stabilised
 from .constraints.minimum_norm import minimum_norm
 from .constraints.saddle_point import saddle_point
 from .coordinates import rates_into
+from .dependence import REGULAR, rows_depend
 from .elimination import factorise, solve
 from .energy import stored_energies
+from .forces.contract import Wrench
 from .forces.table import FIRST_LOAD, element_wrench
 from .joints.table import joint_rows
-from .model import Model
-from .workspace import GAMMA, PHI, PHI_T, Work, new_work
-
-# Smallest ratio of a pivot to its diagonal entry, below which rows are treated as dependent
-# and the penalty is used: an elimination without it would lose more than half of the digits.
-REGULAR = 1e-7
+from .measures import auxiliary_rate, force_size, law_of_time, measure
+from .model import Model, state_size
+from .workspace import GAMMA, PHI, PHI_T, Work, spare_work
 
 
 class Equations(NamedTuple):
@@ -52,6 +51,7 @@ def evaluate(model: Model, work: Work, t: float, y: Array) -> None:
     work.power[0] = work.power[1] = 0.0
     evaluate_bodies(model, work, y)
     evaluate_markers(model, work, y)
+    measure_into(model, work, y)
     _add_forces(model, work, t)
     _evaluate_joints(model, work, t)
 
@@ -108,7 +108,43 @@ def law_at(model: Model, law: int, t: float) -> tuple[float, float, float]:
     """Value and rates of a law at t; zeros where there is none."""
     if law < 0:
         return 0.0, 0.0, 0.0
+    if model.quantities.law[law] >= 0:
+        return law_of_time(model.quantities, model.quantities.law[law], t)
     return law_value(model.law_start, model.law_time, model.law_coefficient, law, t)
+
+
+@inlined
+def measure_into(model: Model, work: Work, y: Array) -> None:
+    """Fill the quantities that expressions read, in state y with these markers."""
+    if work.quantity.shape[0] > 0:
+        first = model.n_pos + model.n_vel
+        measure(model.quantities, work.motion, y, first, work.quantity, work.g)
+
+
+@inlined
+def auxiliary_rates_into(model: Model, work: Work, t: float, out: Array) -> None:
+    """Fill the rates of the auxiliary states of the last evaluation in out (n,)."""
+    first = model.n_pos + model.n_vel
+    for j in range(model.n_aux):
+        out[first + j], _ = auxiliary_rate(model.quantities, j, t, work.quantity)
+
+
+@lean
+def force_wrench(model: Model, work: Work, k: int, t: float) -> Wrench:
+    """Wrench of force element k at time t, with the quantities and markers of `work`."""
+    along, size = model.quantities.along[k], 0.0
+    if model.force_law[k] >= 0:
+        size, _, _ = law_at(model, model.force_law[k], t)
+    elif model.quantities.force[k] >= 0:
+        force_size(model.quantities, k, t, work.quantity, work.size[k])
+        size = work.size[k, 0]
+    if along >= 0:  # the row of a coordinate: virtual work size g (v_1, w_1, v_2, w_2)
+        push = times3(size, triple(work.g[along, 6:9]))
+        turn = times3(size, triple(work.g[along, 9:12]))
+        return Wrench(push, turn, 0.0, size * work.quantity[2 * along + 1])
+    one = work.motion[model.force_marker[k, 0]]
+    two = work.motion[model.force_marker[k, 1]]
+    return element_wrench(model.force_kind[k], one, two, model.force_parameters[k], size)
 
 
 @inlined
@@ -117,10 +153,7 @@ def _add_forces(model: Model, work: Work, t: float) -> None:
     for k in range(model.force_kind.shape[0]):
         one = work.motion[model.force_marker[k, 0]]
         two = work.motion[model.force_marker[k, 1]]
-        size = 0.0
-        if model.force_law[k] >= 0:
-            size, _, _ = law_at(model, model.force_law[k], t)
-        wrench = element_wrench(model.force_kind[k], one, two, model.force_parameters[k], size)
+        wrench = force_wrench(model, work, k, t)
         work.power[0] += wrench.power
         work.power[1] += wrench.potential
         _push(model, work, model.force_marker[k, 1], wrench.force, wrench.moment, 1.0)
@@ -144,7 +177,7 @@ def _push(model: Model, work: Work, k: int, force: Triple, moment: Triple, sign:
 
 def assemble(model: Model, t: float, y: Array) -> Equations:
     """Return the equations at time t and state y as new dense arrays."""
-    work = new_work(model)
+    work = spare_work(model)
     evaluate(model, work, t, y)
     return dense(model, work)
 
@@ -296,7 +329,10 @@ def factorise_mass(model: Model, work: Work) -> None:
     work.softness[:] = 0.0
     _factorise_blocks(model, work)
     if model.penalty > 0.0 and work.factors.regular[0] < REGULAR:
-        soften(model, work.J, work.softness)
+        depend = rows_depend(model, model.plan.mass, work.factors, work.J, work.softness)
+        work.softness[:] = 0.0
+        if depend:
+            soften(model, work.J, work.softness)
         _factorise_blocks(model, work)
 
 
@@ -420,7 +456,8 @@ def derivative_into(model: Model, work: Work, t: float, y: Array, out: Array) ->
     power = work.power[0]
     for k in range(model.n_constraint):
         power += work.multipliers[k] * work.rows[k, PHI_T]
-    out[model.n_pos + model.n_vel] = power
+    auxiliary_rates_into(model, work, t, out)
+    out[model.n_pos + model.n_vel + model.n_aux] = power
     flatten(model, work.acceleration, out, model.n_pos)
 
 
@@ -431,15 +468,16 @@ def dense_derivative_into(model: Model, work: Work, t: float, y: Array, out: Arr
     acceleration, multipliers = accelerations(model, equations, y)
     rates_into(model, y, out)
     out[model.n_pos : model.n_pos + model.n_vel] = acceleration
+    auxiliary_rates_into(model, work, t, out)
     out[-1] = multipliers @ equations.Phi_t + equations.power[0]
     return multipliers
 
 
 def derivative(model: Model, t: float, y: Array) -> Array:
     """Return dy/dt, (n,), in a new array; see `derivative_into`."""
-    out = np.empty(y.shape[0])
+    out = np.empty(state_size(model))
     fill = derivative_into if by_blocks(model) else dense_derivative_into
-    fill(model, new_work(model), t, y, out)
+    fill(model, spare_work(model), t, y, out)
     return out
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..math.arrays import Array
+from ..math.expressions.tree import Node
 from ..math.laws import N_COEFFICIENT, Law
 from ..package.body.invariants import inertia_at_rest
 from ..package.body.schema import Invariants, ModalPackage, SecondOrder
@@ -15,6 +16,7 @@ from .forces.table import KINDS as FORCE_KINDS
 from .forces.table import MOST_ROWS, N_PARAMETER, rows_in_use
 from .joints.table import CONSTRAINTS, KINDS, NAMES, ROWS
 from .joints.table import N_PARAMETER as N_JOINT_PARAMETER
+from .measured import Measured, quantities_of, rate_of, value
 from .model import GROUND, Model
 from .plan import make_plan
 
@@ -89,7 +91,10 @@ class JointTable:
 
 @dataclass(frozen=True)
 class ForceTable:
-    """One force element between two markers; kind is a key of `forces.table.KINDS`."""
+    """One force element between two markers; kind is a key of `forces.table.KINDS`.
+
+    One that acts along a coordinate is no kind of its own: the coordinate says how it acts.
+    """
 
     name: str
     kind: str
@@ -97,6 +102,8 @@ class ForceTable:
     marker_2: int
     parameters: tuple[float, ...] = ()  # numbers of its kind: forces/contract.py
     law: Law | None = None  # of an actuator or a load
+    size: Node | None = None  # in place of a law: an expression (measured.py)
+    along: int = -1  # coordinate (measured.py) that an element of this kind acts along
 
 
 def assemble_model(
@@ -108,6 +115,7 @@ def assemble_model(
     alpha: float = 5.0,
     beta: float = 5.0,
     forces: Sequence[ForceTable] = (),
+    measured: Measured | None = None,
 ) -> Model:
     """Concatenate the tables to a model.
 
@@ -116,7 +124,9 @@ def assemble_model(
     point_masses : pairs of (marker index, mass [kg])
     gravity_G : (3,) [m/s2]
     alpha, beta : Baumgarte's constants, Eq. (13) [1/s]
+    measured : what expressions of laws and forces read; none if None
     """
+    measured = measured or Measured()
     n_mode = np.array([b.mass.shape[0] for b in bodies], dtype=np.int64)
     for marker in markers:
         expected = 0 if marker.body == GROUND else int(n_mode[marker.body])
@@ -142,6 +152,7 @@ def assemble_model(
     marker_size = [m.phi.size for m in markers]
     joint_row = _starts(np.array([len(ROWS[NAMES[k]]) for k in kinds], dtype=np.int64))
     scale = _inertia_scale(bodies, markers, point_masses)
+    quantities = quantities_of(measured, laws, [(e.size, e.along) for e in forces])
     driven = driven_frames([_stand(j, markers, marker_H) for j in joints])
     added = [
         # a frame that is driven is no unknown
@@ -181,7 +192,7 @@ def assemble_model(
         joint_row=joint_row,
         joint_law=joint_law,
         joint_parameters=_filled([j.parameters for j in joints], N_JOINT_PARAMETER),
-        force_kind=np.array([FORCE_KINDS[e.kind] for e in forces], dtype=np.int64),
+        force_kind=np.array([FORCE_KINDS.get(e.kind, -1) for e in forces], dtype=np.int64),
         force_marker=force_marker,
         force_law=force_law,
         force_parameters=_filled([e.parameters for e in forces], N_PARAMETER),
@@ -211,8 +222,9 @@ def assemble_model(
             ],
             driven=driven,
             added=[len(directions) for directions in added],
-            element_rows=[rows_in_use(e.kind, e.parameters) for e in forces],
+            element_rows=[_element_rows(e) for e in forces],
             most_element_rows=MOST_ROWS,
+            measured=measured.markers,
         ),
         second_start=_starts(stiffened**2),
         third_start=_starts(stiffened**3),
@@ -227,7 +239,18 @@ def assemble_model(
         carried_start=_starts(np.array([len(c) for c in carried], dtype=np.int64)),
         carried_marker=np.array([k for c in carried for k, _ in c], dtype=np.int64),
         carried_mass=np.array([mass for c in carried for _, mass in c], dtype=float),
+        n_aux=int(quantities.rate.size),
+        quantities=quantities,
     )
+
+
+def _element_rows(force: ForceTable) -> list[int]:
+    """Return the rows of an element in Newton's matrix."""
+    if force.along < 0:
+        return rows_in_use(force.kind, force.parameters)
+    own = {value(force.along), rate_of(force.along)}
+    reads = force.size is not None and any(leaf.quantity in own for leaf in force.size.leaves())
+    return [0] if reads else []
 
 
 def _filled(lists: Sequence[Sequence[float]], columns: int) -> Array:

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ..dynamics.coordinates import moved, position_rates
-from ..dynamics.model import Model
+from ..dynamics.model import Model, state_size
 from ..dynamics.projection import projected
 from ..dynamics.system import (
     accelerations,
@@ -16,42 +16,17 @@ from ..dynamics.system import (
 )
 from ..dynamics.workspace import new_work
 from ..math.arrays import Array
-from .compiled.explicit import fill_stages
 from .generic.base import Derivative
 from .generic.constrained import ConstrainedSystem
-from .generic.explicit import StagedDerivative
-
-
-class RightHandSide(StagedDerivative):
-    """f(t, y) -> dy/dt of the index-1 system, each time in the same array.
-
-    For mechanisms that are solved by blocks.
-    """
-
-    def __init__(self, model: Model) -> None:
-        self._model, self._work = model, new_work(model)
-        self._out = np.empty(model.n_pos + model.n_vel + 1)
-
-    def __call__(self, t: float, y: Array) -> Array:
-        """dy/dt (n,) at (t, y (n,))."""
-        derivative_into(self._model, self._work, t, y, self._out)
-        return self._out
-
-    def stages(
-        self, A: Array, C: Array, t: float, y: Array, h: float, K: Array, point: Array
-    ) -> None:
-        """Fill the stages K of an explicit step in one call."""
-        fill_stages(self._model, self._work, A, C, t, y, h, K, point)
 
 
 def right_hand_side(model: Model) -> Derivative:
     """Return f(t, y) -> dy/dt of the index-1 system, each time in the same array."""
-    if by_blocks(model):
-        return RightHandSide(model)
-    work, out = new_work(model), np.empty(model.n_pos + model.n_vel + 1)
+    work, out = new_work(model), np.empty(state_size(model))
+    fill = derivative_into if by_blocks(model) else dense_derivative_into
 
     def rate(t: float, y: Array) -> Array:
-        dense_derivative_into(model, work, t, y, out)
+        fill(model, work, t, y, out)
         return out
 
     return rate

@@ -41,6 +41,11 @@ class ExplicitLoop(ClosingLoop):
     on_growth = ExplicitRungeKutta.on_growth
     on_failure = ExplicitRungeKutta.on_failure
 
+    def __init_subclass__(cls) -> None:
+        """Take over from the method what describes it."""
+        for key in ("name", "meaning", "place", "order", "limited_above", "local_share"):
+            setattr(cls, key, getattr(cls.method, key))
+
     def __init__(self, model: Model, t0: float, y0: Array, t_end: float, **options: Any) -> None:
         super().__init__(model, t0, y0, t_end, **options)
         self._project = projection(model) if self._closed else None
@@ -92,9 +97,6 @@ def _tableau(
 class RungeKutta8Loop(ExplicitLoop):
     """Dormand-Prince 8(5,3) of mechanisms; see `RungeKutta8`."""
 
-    name, meaning, place = RungeKutta8.name, RungeKutta8.meaning, RungeKutta8.place
-    order, limited_above = RungeKutta8.order, RungeKutta8.limited_above
-    local_share = RungeKutta8.local_share
     method = RungeKutta8
     tableau = _tableau(
         RungeKutta8,
@@ -108,8 +110,5 @@ class RungeKutta8Loop(ExplicitLoop):
 class RungeKutta5Loop(ExplicitLoop):
     """Dormand-Prince 5(4) of mechanisms; see `RungeKutta5`."""
 
-    name, meaning, place = RungeKutta5.name, RungeKutta5.meaning, RungeKutta5.place
-    order, limited_above = RungeKutta5.order, RungeKutta5.limited_above
-    local_share = RungeKutta5.local_share
     method = RungeKutta5
     tableau = _tableau(RungeKutta5, Order5.E[None, :], np.zeros((0, 7)), np.zeros(0), Order5.P.T)

@@ -313,6 +313,7 @@ class GeneralizedAlpha(StepLoop):
         ),
     )
     treatments = FORMULATIONS
+    auxiliary = False
     order = 2
     # What it does not damp shows in its multipliers, not in the state.
     on_growth = (

@@ -163,7 +163,9 @@ def linearise(
         if s.drive:
             into[2 * n + n_drive + drives.index(s), k] = 1.0
     v0 = y[model.n_pos : model.n_pos + model.n_vel]
-    rest = along_solution(model, np.full(1, t), y[None])[0][0, model.n_pos : -1]
+    rest = along_solution(model, np.full(1, t), y[None])[0][
+        0, model.n_pos : model.n_pos + model.n_vel
+    ]
     return StateSpace(
         A=A,
         B=into,

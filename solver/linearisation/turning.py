@@ -53,6 +53,8 @@ def common_spin(model: Model, t: float, y: Array) -> Spin | None:
     if np.abs(spin_velocities(model, y, spin) - v).max() > _ALIKE * np.abs(v).max():
         return None
     expected = spin_accelerations(model, y, spin)
-    found = along_solution(model, np.full(1, t), y[None])[0][0, model.n_pos : -1]
+    found = along_solution(model, np.full(1, t), y[None])[0][
+        0, model.n_pos : model.n_pos + model.n_vel
+    ]
     scale = max(float(np.abs(expected).max()), rate**2)
     return spin if np.abs(found - expected).max() <= _ALIKE * scale else None

@@ -12,6 +12,7 @@ from ..package import Interface, ModalPackage
 from .forces import force_tables
 from .initial import Start
 from .joints import BuiltJoint, joint_tables
+from .measured import Reader
 from .modal_start import modal_values
 from .places import Places
 from .virtual import VirtualBodies, through_virtual_bodies
@@ -50,7 +51,8 @@ def build(
     stiffening = stiffening or mechanism.solver.geometric_stiffening
     bodies = _bodies(mechanism, packages, stiffening=stiffening)
     joints, built_joints = joint_tables(mechanism, places)
-    forces = force_tables(mechanism, places)
+    reader = Reader(mechanism, places, built_joints, joints)
+    forces = force_tables(mechanism, places, reader)
     masses = [
         (places.marker(f"masses.{name}.at", mass.at, np.eye(3)), mass.mass)
         for name, mass in mechanism.masses.items()
@@ -70,6 +72,7 @@ def build(
         masses,
         np.array(mechanism.gravity),
         forces=forces,
+        measured=reader.found,
     )
     return BuiltMechanism(
         model=virtual.scaled(model),

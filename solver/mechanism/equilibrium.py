@@ -44,7 +44,7 @@ def resting_state(model: Model, start: Start, body_names: list[str]) -> tuple[Mo
     found = equilibrium(model, start, body_names)
     values = law_values(model, 0.0)
     values[:, 1:] = 0.0
-    y = np.concatenate([found.positions, np.zeros(model.n_vel + 1)])
+    y = np.concatenate([found.positions, np.zeros(model.n_vel), model.quantities.start, [0.0]])
     return with_laws(model, 0.0, values), y
 
 
@@ -115,7 +115,9 @@ class _Balance:
 
 
 def _at_rest(model: Model, positions: Array, t: float) -> Equations:
-    return assemble(model, t, np.concatenate([positions, np.zeros(model.n_vel + 1)]))
+    return assemble(
+        model, t, np.concatenate([positions, np.zeros(model.n_vel), model.quantities.start, [0.0]])
+    )
 
 
 def _downhill(model: Model, here: _Balance, positions: Array, step: Array, t: float) -> Array:

@@ -5,17 +5,17 @@ from functools import cached_property
 
 import numpy as np
 
+from ..dynamics.auxiliary import started
 from ..dynamics.bodies.marker import marker_motion
 from ..dynamics.constraints.minimum_norm import RANK_TOLERANCE
 from ..dynamics.constraints.scaling import scaled_jacobian
 from ..dynamics.coordinates import moved
-from ..dynamics.independence import new_independence
+from ..dynamics.freedom import clearly_independent
 from ..dynamics.joints.table import DRIVES, NAMES, ROWS
 from ..dynamics.least_energy import least_energy
 from ..dynamics.model import Model
-from ..dynamics.singular_value import new_spectrum, smallest_at
+from ..dynamics.series import balance
 from ..dynamics.system import Equations, accelerations, assemble, law_at
-from ..dynamics.workspace import new_work
 from ..errors import InputError
 from ..math.arrays import Array
 from ..results.codes.course import REDUNDANT, SINGULAR_START
@@ -25,8 +25,6 @@ _POSITION_TOLERANCE = 1e-12
 _VELOCITY_TOLERANCE = 1e-9
 _MAX_STEP = 0.5  # [m, rad] limit of one Newton correction, for rough initial positions
 _MAX_ITERATIONS = 60
-_INDEPENDENT = 1e3 * RANK_TOLERANCE  # smallest singular value of rows of length one
-_FEW = 24  # given velocities that are answered one by one
 
 
 @dataclass(frozen=True)
@@ -75,11 +73,11 @@ def consistent_state(model: Model, start: Start, joint_names: list[str], t: floa
         The mechanism cannot be assembled, or given velocities contradict joints and
         drives; names the joints.
     """
-    y = np.concatenate([start.positions, np.zeros(model.n_vel + 1)])
+    y = np.concatenate([start.positions, np.zeros(model.n_vel), model.quantities.start, [0.0]])
     if model.n_constraint:
         y = _assembled(model, y, joint_names, t)
     y[model.n_pos : model.n_pos + model.n_vel] = _velocities(model, start, y, joint_names, t)
-    return y
+    return started(model, t, y)
 
 
 def _rows(model: Model, joint: int) -> slice:
@@ -109,9 +107,9 @@ def _closed(model: Model, y: Array, t: float) -> Array:
         elastic[j + 6 : j + 6 + int(model.n_mode[i])] = True
     y = y.copy()
     for _ in range(_MAX_ITERATIONS):
+        if _open(model, y, t).max() < _POSITION_TOLERANCE:
+            break  # without the dense Jacobian of a long chain
         equations = assemble(model, t, y)
-        if np.max(np.abs(equations.Phi)) < _POSITION_TOLERANCE:
-            break
         J = equations.Phi_q[:, ~elastic]
         step = np.zeros(model.n_vel)
         step[~elastic] = np.linalg.lstsq(J, -equations.Phi, rcond=1e-10)[0]
@@ -120,12 +118,17 @@ def _closed(model: Model, y: Array, t: float) -> Array:
     return y
 
 
+def _open(model: Model, y: Array, t: float) -> Array:
+    """Return |Phi|, (n_c,), in state y."""
+    return np.abs(balance(model, np.array([t]), y[None]).Phi[0])
+
+
 def _assembled(model: Model, y: Array, names: list[str], t: float) -> Array:
     """Close the joints; the error names those that stay open."""
     y = _closed(model, y, t)
-    equations = assemble(model, t, y)
-    if np.max(np.abs(equations.Phi)) > 1e3 * _POSITION_TOLERANCE:
-        apart = _describe(model, equations.Phi, names, ("m apart", "rad twisted"))
+    gap = _open(model, y, t)
+    if gap.max() > 1e3 * _POSITION_TOLERANCE:
+        apart = _describe(model, gap, names, ("m apart", "rad twisted"))
         raise InputError(
             "the mechanism cannot be assembled from the given positions; joints left open: "
             f"{apart}. "
@@ -161,7 +164,7 @@ def redundancy(model: Model, y: Array, names: list[str], t: float = 0.0) -> Redu
     InputError
         Joints and drives contradict each other; names them.
     """
-    if model.n_constraint == 0 or _independent(model, y, t):
+    if model.n_constraint == 0 or clearly_independent(model, y, t):
         return Redundancy(0, [], False)
     equations = assemble(model, t, y)
     here = _Rank(equations, model.inertia_scale, RANK_TOLERANCE)
@@ -187,15 +190,6 @@ def redundancy(model: Model, y: Array, names: list[str], t: float = 0.0) -> Redu
             f"{', '.join(involved)}"
         )
     return Redundancy(count, involved, general.value > here.value)
-
-
-def _independent(model: Model, y: Array, t: float) -> bool:
-    """Tell whether all constraints are clearly independent, linear in the number of bodies."""
-    if not 0 < model.n_constraint <= model.n_vel:
-        return False
-    rows = new_independence(model)
-    C, memory = np.zeros_like(rows.C), new_spectrum(rows)
-    return smallest_at(model, new_work(model), rows, memory, 0, t, y, C) > _INDEPENDENT
 
 
 class _Rank:
@@ -235,33 +229,26 @@ def _nearby(model: Model, y: Array, rank: _Rank, t: float) -> Array | None:
     near = y.copy()
     near[: model.n_pos] = moved(model, y[: model.n_pos], 0.01 * step / np.max(np.abs(step)))
     near = _closed(model, near, t)
-    closed = np.max(np.abs(assemble(model, t, near).Phi)) < 1e3 * _POSITION_TOLERANCE
+    closed = _open(model, near, t).max() < 1e3 * _POSITION_TOLERANCE
     return near if closed else None
 
 
 def _velocities(model: Model, start: Start, y: Array, names: list[str], t: float) -> Array:
     """Keep the given velocities; the others follow from the joints with minimum kinetic energy."""
-    equations = assemble(model, t, y)
     free = ~np.asarray(start.given, dtype=bool)
     v = np.where(free, 0.0, start.velocities)
     n_free, n_c = int(free.sum()), model.n_constraint
     if n_c == 0 and n_free == 0:
         return v
-    if model.n_vel - n_free <= _FEW and _independent(model, y, t):
+    if clearly_independent(model, y, t):
         given = np.flatnonzero(~free)
         found = least_energy(model, t, y, given, v[given])
-        violation = np.abs(equations.Phi_q @ found + equations.Phi_t).max()
+        moving = np.concatenate([y[: model.n_pos], found, [0.0]])
+        violation = np.abs(balance(model, np.array([t]), moving[None]).Phi_d).max()
         if violation < _POSITION_TOLERANCE * max(1.0, float(np.abs(found).max())):
             return found
-    A = np.zeros((n_free + n_c, n_free + n_c))
-    b = np.zeros(n_free + n_c)
-    A[:n_free, :n_free] = equations.M[np.ix_(free, free)]
-    A[n_free:, :n_free] = equations.Phi_q[:, free]
-    A[:n_free, n_free:] = equations.Phi_q[:, free].T
-    b[:n_free] = -(equations.M @ v)[free]
-    b[n_free:] = -equations.Phi_t - equations.Phi_q @ v
-    if b.any():  # else the rest stands still
-        v[free] = np.linalg.lstsq(A, b, rcond=1e-12)[0][:n_free]
+    equations = assemble(model, t, y)
+    v[free] = _least_energy(equations, model, v, free)
     residual = equations.Phi_q @ v + equations.Phi_t
     scale = max(1.0, float(np.max(np.abs(v), initial=0.0)))
     if n_c and np.max(np.abs(residual)) > _VELOCITY_TOLERANCE * scale:
@@ -271,3 +258,34 @@ def _velocities(model: Model, start: Start, y: Array, names: list[str], t: float
             "give fewer velocities or consistent values"
         )
     return v
+
+
+def _least_energy(equations: Equations, model: Model, v: Array, free: Array) -> Array:
+    """Return free velocities of least kinetic energy, for constraints that may be redundant.
+
+    First velocities that satisfy the constraints, in a metric without masses, then what least
+    energy adds to them in the null space: a heavy body behind a light one costs no digits of the
+    constraints. One system for both would lose as many as the ratio of the masses has.
+
+    Parameters
+    ----------
+    v : (n_vel,) the given velocities, zero where `free` (n_vel,)
+    """
+    frame = np.repeat(model.vel_start, np.diff([*model.vel_start, model.n_vel]))
+    root = np.sqrt(model.inertia_scale[frame] / model.inertia_scale)[free]
+    missing = -equations.Phi_t - equations.Phi_q @ v
+    J = equations.Phi_q[:, free] * root
+    U, s, Vt = np.linalg.svd(J) if J.size else (np.eye(J.shape[0]), np.zeros(0), np.eye(J.shape[1]))
+    rank = int(np.sum(s > RANK_TOLERANCE * s.max(initial=0.0)))
+    found = root * (Vt[:rank].T @ ((U[:, :rank].T @ missing) / s[:rank]))
+    null = root[:, None] * Vt[rank:].T
+    if null.shape[1]:
+        # least squares on a root of M: twice the digits of the normal equations
+        diagonal = np.diag(equations.M)
+        size = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+        w, X = np.linalg.eigh(equations.M / size[:, None] / size)
+        C = (X * np.sqrt(np.maximum(w, 0.0))).T * size
+        still = v.copy()
+        still[free] = found
+        found = found - null @ np.linalg.lstsq(C[:, free] @ null, C @ still, rcond=None)[0]
+    return found

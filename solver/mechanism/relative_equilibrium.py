@@ -124,7 +124,7 @@ def _with_spin(model: Model, positions: Array, spin: Spin, t: float, angle: floa
         y = np.concatenate([positions, spin_velocities(model, positions, spin), [0.0]])
         still = assemble(with_laws(model, t, values), t, y)
         share = assemble(with_laws(model, t, values + unit), t, y).Phi_t - still.Phi_t
-        needed = -(still.Phi_q @ y[model.n_pos : -1]) - still.Phi_t
+        needed = -(still.Phi_q @ y[model.n_pos : model.n_pos + model.n_vel]) - still.Phi_t
         for joint, law in enumerate(laws):
             rows = slice(int(model.joint_row[joint]), int(model.joint_row[joint + 1]))
             if law >= 0 and np.any(share[rows]):

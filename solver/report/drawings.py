@@ -8,6 +8,7 @@ import os
 import sys
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -81,6 +82,14 @@ def _key(drawing: Drawing) -> str:
     found = hashlib.sha256(drawing.content.encode())
     found.update(drawing.draw.__name__.encode())
     found.update(importlib.metadata.version("matplotlib").encode())
+    found.update(_sources())
+    return found.hexdigest()
+
+
+@cache
+def _sources() -> bytes:
+    """Digest of the files of this package, which draw the figures."""
+    found = hashlib.sha256()
     for source in sorted(Path(__file__).parent.glob("*.py")):
         found.update(source.read_bytes())
-    return found.hexdigest()
+    return found.digest()

@@ -15,7 +15,7 @@ from ..package import ModalPackage
 from ..results import BodyGeometry, RunResult, Signal, signal_summary
 from ..results.codes.course import FEEDBACK
 from ..signals import Recording, Sensor
-from ..strength.beam_bodies import summary as strength_entry
+from ..strength.found import summary as strength_entry
 
 if TYPE_CHECKING:
     from ..inputs.case.schema import Mechanism
@@ -88,7 +88,7 @@ def collect(
         "signals": {s.name: signal_summary(s, t) for s in found_signals},
         "checks": {
             **judgement.numbers,
-            "modes_used": {n: p.n_mode for n, p in spec.packages.items()},
+            "modes_used": {n: p.n_mode for n, p in finished.packages.items()},
         },
         "strength": {n: strength_entry(found) for n, found in judgement.strengths.items()},
         "cost": {

@@ -15,6 +15,7 @@ from ..math.arrays import Array
 from ..mechanism import BuiltMechanism, build
 from ..mechanism.axis import given_spin
 from ..mechanism.initial import redundancy
+from ..mechanism.reduced import used_packages
 from ..mechanism.start import starting_state
 from ..monitors.singularity import SingularityMonitor
 from ..monitors.spin import SpinMonitor
@@ -95,7 +96,7 @@ def prepare(
     """
     solver = mechanism.solver
     treatment = treatment_of(solver)
-    built = build(mechanism, packages)
+    built = build(mechanism, used_packages(mechanism, packages))
     names = built.joint_names, built.body_names
     spin = given_spin(solver)
     y0 = starting_state(built.model, built.start, solver.start, *names, spin)

@@ -29,7 +29,7 @@ def resultant_values(
     InputError
         A package without resultants, a position outside its stations; `key` is that of the case.
     """
-    _, at = _at(key, package, signal.x)
+    _, at = resultants_at(key, package, signal.x)
     row = at[RESULTANTS.index(signal.component)]
     return lambda recording: recording.modes(body) @ row
 
@@ -44,7 +44,7 @@ def ply_stress_values(
     InputError
         See `resultant_values`; also a section without stresses, or an unknown region or ply.
     """
-    section, at = _at(key, package, signal.x)
+    section, at = resultants_at(key, package, signal.x)
     recovery = package.sections[section].recovery
     if recovery is None:
         name = package.sections[section].name
@@ -60,11 +60,16 @@ def ply_stress_values(
     return values
 
 
-def _at(key: str, package: ModalPackage, x: float) -> tuple[int, Array]:
+def resultants_at(key: str, package: ModalPackage, x: float) -> tuple[int, Array]:
     """Return the section at x and the resultants (6, m) there per unit mode.
 
     They are linear between stations. If two stations have the same position, those of the far
     side are used.
+
+    Raises
+    ------
+    InputError
+        A package without resultants, a position outside its stations; `key` is that of the case.
     """
     recovery: BodyRecovery | None = package.recovery
     if recovery is None:

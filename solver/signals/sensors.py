@@ -9,10 +9,12 @@ import numpy as np
 from ..dynamics.joints.table import COORDINATES
 from ..math.arrays import Array
 from ..mechanism import BuiltMechanism
+from ..package import ModalPackage
 from .joints import joint_coordinate, reaction
 from .points import POINT_UNITS, point_values
 from .recording import Recording
 from .sections import ply_stress_values, resultant_values
+from .strength import strength_values
 
 if TYPE_CHECKING:
     from ..inputs.case.signals import Signal
@@ -55,15 +57,21 @@ def _measuring(built: BuiltMechanism, name: str, signal: "Signal") -> tuple[str,
         vectors = reaction(built.joints[signal.joint], signal)
         unit = "N" if signal.quantity == "force" else "N m"
         return unit, _component(vectors, signal.component)
-    if signal.kind == "resultant" or signal.kind == "ply_stress":
-        body = built.body_names.index(signal.body)
-        package = built.packages[signal.body]
-        if signal.kind == "ply_stress":
-            return "Pa", ply_stress_values(f"signals.{name}", body, package, signal)
+    key = f"signals.{name}"
+    if signal.kind == "strength_ratio" or signal.kind == "exposure":
+        return "-", strength_values(key, *_body(built, signal.body), signal)
+    if signal.kind == "ply_stress":
+        return "Pa", ply_stress_values(key, *_body(built, signal.body), signal)
+    if signal.kind == "resultant":
         unit = "N" if signal.component.startswith("F") else "N m"
-        return unit, resultant_values(f"signals.{name}", body, package, signal)
+        return unit, resultant_values(key, *_body(built, signal.body), signal)
     vectors = point_values(built, name, signal)
     return POINT_UNITS[signal.kind], _component(vectors, signal.component)
+
+
+def _body(built: BuiltMechanism, name: str) -> tuple[int, ModalPackage]:
+    """Return number and package of a flexible body."""
+    return built.body_names.index(name), built.packages[name]
 
 
 def _component(vectors: Values, component: str) -> Values:

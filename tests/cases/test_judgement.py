@@ -11,7 +11,7 @@ from recovery_samples import PLY, PLY_STRENGTH, mode_resultants, plies_of, recta
 from stiffening_samples import rectangle
 
 from plymotion.preprocess.beam.body import mode_warnings
-from plymotion.preprocess.beam.line import BeamLine
+from plymotion.preprocess.beam.line import straight_line
 
 PENDULUM = (
     "gravity = [0.0, -9.81, 0.0]\n"
@@ -197,7 +197,7 @@ def test_a_ply_fails(tmp_path):
     recovery = rectangle_recovery(
         0.004, 0.02, plies_of(("cfrp", 90.0)), {"cfrp": {**PLY, "strength": PLY_STRENGTH}}
     )
-    line = BeamLine(package.nodes_B[:, 0], section.K, section.M, np.eye(3))
+    line = straight_line(package.nodes_B[:, 0], section.K, section.M, np.eye(3))
     columns = np.moveaxis(package.shapes_B, 0, 2).reshape(6 * line.n_node, -1)
     form = package.invariants.mass_form
     strong = dataclasses.replace(

@@ -10,11 +10,11 @@ from plymotion.solver.dynamics.least_energy import least_energy
 from plymotion.solver.dynamics.system import assemble
 
 
-@pytest.mark.parametrize("given", [[], [5], [5, 11]])
+@pytest.mark.parametrize("given", [[], [5], [5, 11], [5, 11, 17, 23, 29]])
 def test_they_solve_the_dense_equations(given):
     model, y0 = prepared(chain(5), Treatment())
     given = np.array(given, dtype=np.int64)
-    values = np.array([3.0, -2.0])[: given.size]
+    values = np.array([3.0, -2.0, 1.0, 0.0, 5.0])[: given.size]
     v = least_energy(model, 0.0, y0, given, values)
     equations = assemble(model, 0.0, y0)
     J = np.vstack([equations.Phi_q, np.eye(model.n_vel)[given]])

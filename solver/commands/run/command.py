@@ -5,7 +5,7 @@ import multiprocessing
 import signal
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -48,23 +48,60 @@ class _Task:
 
 
 def run_runs(options: argparse.Namespace) -> int:
-    """Integrate the runs; return the exit code of the worst."""
-    import_s = time.process_time()
-    files: list[Path] = options.runs
+    """Integrate the runs, or all of a case file; return the exit code of the worst."""
+    files: list[Path] = options.files
+    if any(file.suffix == ".toml" or file.is_dir() for file in files):
+        from ..cases.command import run_case
+
+        return run_case(options)
+    for name in ("run", "packages", "coarse", "force", "no_report"):
+        if getattr(options, name):
+            raise InputError(f"--{name.replace('_', '-')}: expected with a case file only")
     if options.out is not None and len(files) > 1:
         raise InputError(f"--out {options.out}: expected with one run file only; use --out-dir")
+    return run_files(
+        files,
+        out=options.out,
+        out_dir=options.out_dir,
+        update=options.update,
+        jobs=options.jobs or 1,
+        timing=options.timing,
+        quiet=options.quiet,
+    )
+
+
+def run_files(
+    files: Sequence[Path],
+    *,
+    out: Path | None = None,
+    out_dir: Path | None = None,
+    update: bool = False,
+    jobs: int = 1,
+    timing: bool = False,
+    quiet: bool = False,
+) -> int:
+    """Integrate the runs of run files and print what became of them; return the worst exit code.
+
+    Parameters
+    ----------
+    out : folder for the results of one run
+    out_dir : folder for a folder per run; None: above the run files
+    update : only runs whose inputs or solver have changed
+    jobs : processes
+    """
+    import_s = time.process_time()
     doubled = {file.stem for file in files if sum(f.stem == file.stem for f in files) > 1}
     if doubled:
         raise InputError(f"run files of the same name: {', '.join(sorted(doubled))}")
     tasks = []
     for file in files:
-        out = options.out or (options.out_dir or file.parent.parent) / file.stem
-        if options.update and _up_to_date(file, out):
+        folder = out or (out_dir or file.parent.parent) / file.stem
+        if update and _up_to_date(file, folder):
             print(f"{file.stem}: up to date")
             continue
-        tasks.append(_Task(file, out, not options.quiet, options.timing, import_s))
+        tasks.append(_Task(file, folder, not quiet, timing, import_s))
         import_s = 0.0
-    jobs = min(options.jobs, len(tasks))
+    jobs = min(jobs, len(tasks))
     outcomes = _by_workers(tasks, jobs) if jobs > 1 else _here(tasks)
     codes = []
     for outcome in outcomes:

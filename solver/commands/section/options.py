@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import did_you_mean
+from ..arguments import whole_number
 from ..described.options import add_command, add_out, add_shared
 from .conventions import CODES
 
@@ -56,7 +57,7 @@ def add_section_command(commands: Any, run: Callable[[argparse.Namespace], int])
     how = parser.add_argument_group("how and where")
     add_out(how, FOLDER)
     how.add_argument(
-        "--jobs", type=_count, default=1, metavar="N", help="sections at a time (default 1)"
+        "--jobs", type=whole_number, default=1, metavar="N", help="sections at a time (default 1)"
     )
     add_shared(how, "quiet")
     shown = parser.add_argument_group("what to show")
@@ -96,12 +97,6 @@ def _accuracy(text: str) -> float:
     if not 0.0 < value < 1.0:
         raise argparse.ArgumentTypeError(f"{text!r}: expected a number from 0 to 1, such as 1e-3")
     return value
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r}: expected a whole number from 1")
-    return int(text)
 
 
 def _loads(text: str) -> list[float]:

@@ -5,6 +5,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from ..arguments import whole_number
+
 EPILOG = """\
 Leaves DIR/sweep.h5 (docs/sweeps.md), the table DIR/sweep.csv and a figure per signal. Members that
 an earlier run of the same solver, on the same values and packages, has left there are not computed
@@ -28,7 +30,9 @@ def add_sweep_command(commands: Any, run: Callable[[argparse.Namespace], int]) -
     parser.add_argument(
         "--out", type=Path, metavar="DIR", help="folder (default build/<case>/sweeps/<name>)"
     )
-    parser.add_argument("--jobs", type=_count, default=1, metavar="N", help="processes (default 1)")
+    parser.add_argument(
+        "--jobs", type=whole_number, default=1, metavar="N", help="processes (default 1)"
+    )
     again = parser.add_mutually_exclusive_group()
     again.add_argument("--fresh", action="store_true", help="compute all members anew")
     again.add_argument(
@@ -43,9 +47,3 @@ def add_sweep_command(commands: Any, run: Callable[[argparse.Namespace], int]) -
     )
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
     parser.set_defaults(command=run)
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r}: expected a whole number from 1")
-    return int(text)

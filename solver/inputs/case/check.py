@@ -8,12 +8,21 @@ from ...errors import InputError, nearest
 from ...integrators.choice import treatment_of
 from ..common.material import check_materials
 from .body_specs import BodySpec, BodySpecs
-from .check_bodies import check_bodies, interfaces
-from .forces import LoadTable
+from .check_bodies import Body, check_bodies
+from .check_expressions import check_drive, check_force
+from .check_places import check_place
+from .fidelity import check_fidelity
+from .forces import CoordinateTable, LoadTable
 from .laws import RotationDrive
 from .of_time import drives
 from .schema import BeamBody, Mechanism, RigidBody, ShellBody
-from .signals import JointSignal, PlyStressSignal, PointSignal, ReactionSignal, ResultantSignal
+from .signals import (
+    JointSignal,
+    PointSignal,
+    ReactionSignal,
+    Signal,
+    StrengthSignal,
+)
 
 
 def cross_check(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodySpec], list[str]]:
@@ -31,32 +40,12 @@ def cross_check(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodyS
             f'solver.spin.speed = {spin.speed:g}: expected 0, or solver.start = "equilibrium"; '
             "bodies take velocity and angular_velocity"
         )
+    found += check_fidelity(mechanism)
     try:
         treatment_of(mechanism.solver)
     except InputError as error:
         found.append(str(error))
     return bodies, found
-
-
-def check_place(key: str, place: str, mechanism: Mechanism, *, ground: bool) -> list[str]:
-    """Return errors of a place "BODY.INTERFACE" or "ground.POINT"."""
-    owner, dot, point = place.partition(".")
-    if not dot:
-        expected = '"BODY.INTERFACE"' + (' or "ground.POINT"' if ground else "")
-        return [f'{key} = "{place}": expected {expected}']
-    if owner == "ground" and ground:
-        if point in mechanism.ground:
-            return []
-        hint = nearest(point, mechanism.ground)
-        return [f'{key} = "{place}": the ground has no point "{point}"{hint}']
-    if owner not in mechanism.bodies:
-        return [f'{key} = "{place}": there is no body "{owner}"{nearest(owner, mechanism.bodies)}']
-    known = interfaces(mechanism.bodies[owner])
-    if known is not None and point not in known:
-        return [
-            f'{key} = "{place}": body "{owner}" has no interface "{point}"{nearest(point, known)}'
-        ]
-    return []
 
 
 def _owners(between: list[str]) -> list[str]:
@@ -93,6 +82,7 @@ def _joints(mechanism: Mechanism) -> list[str]:
         if axis is not None and axis_2 is not None:
             found += _right_angle(f"{key}.axis_2", axis, axis_2)
         for drive_key, drive in drives(joint).items():
+            found += check_drive(f"{key}.{drive_key}", drive, mechanism)
             times = drive.table.times if drive.table else None
             if times and times[-1] < mechanism.solver.t_end:
                 found.append(
@@ -124,8 +114,13 @@ def _forces(mechanism: Mechanism) -> list[str]:
     found = []
     for name, force in mechanism.forces.items():
         key = f"forces.{name}"
+        found += check_force(key, force, mechanism)
         if isinstance(force, LoadTable):
             found += check_place(f"{key}.at", force.at, mechanism, ground=False)
+            continue
+        if isinstance(force, CoordinateTable):
+            if force.between is not None:
+                found += _between(f"{key}.between", force.between, mechanism, one_body=True)
             continue
         found += _between(f"{key}.between", force.between, mechanism, one_body=True)
         axis, axis_1 = getattr(force, "axis", None), getattr(force, "axis_1", None)
@@ -141,7 +136,7 @@ def _forces(mechanism: Mechanism) -> list[str]:
 
 def _signal(
     key: str,
-    signal: PointSignal | JointSignal | ReactionSignal | ResultantSignal | PlyStressSignal,
+    signal: Signal,
     mechanism: Mechanism,
 ) -> list[str]:
     if isinstance(signal, PointSignal):
@@ -169,11 +164,28 @@ def _signal(
     body = mechanism.bodies[signal.body]
     if isinstance(body, RigidBody):
         return [f'{key}.body = "{signal.body}": expected a flexible body, this one is rigid']
-    if isinstance(body, ShellBody):
+    if isinstance(signal, StrengthSignal):
+        found = _of_strength(key, signal, body)
+        if found:
+            return found
+    elif isinstance(body, ShellBody):
         return [
-            f'{key}.body = "{signal.body}": expected a beam, this one is a shell: summary.json '
-            "has the strength of its plies"
+            f'{key}.body = "{signal.body}": expected a beam, this one is a shell: its plies have '
+            'signals of kind "strength_ratio"'
         ]
-    if isinstance(body, BeamBody) and not 0.0 <= signal.x <= body.length:
+    if isinstance(body, BeamBody) and signal.x is not None and not 0 <= signal.x <= body.length:
         return [f"{key}.x = {signal.x:g}: expected 0 to {body.length:g} m, the length of the body"]
     return []
+
+
+def _of_strength(key: str, signal: StrengthSignal, body: Body) -> list[str]:
+    """Return errors of the places of a signal of strength."""
+    found = []
+    if isinstance(body, ShellBody) and signal.x is not None:
+        found.append(f"{key}.x = {signal.x:g}: expected for beams only, {signal.body} is a shell")
+    expected = 3 if isinstance(body, ShellBody) else 2
+    known = isinstance(body, BeamBody | ShellBody)  # not before its package is read
+    if signal.point is not None and known and len(signal.point) != expected:
+        what = "x2, x3 of a beam" if expected == 2 else "x, y, z of a shell"
+        found.append(f"{key}.point = {signal.point}: expected {expected} numbers, {what}")
+    return found

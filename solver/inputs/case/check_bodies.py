@@ -6,6 +6,7 @@ from ...errors import InputError, nearest
 from ...math.definite import is_positive_definite
 from .beams import check_motion
 from .body_specs import BodySpec, BodySpecs
+from .fidelity import CHECK, rich_bodies
 from .schema import BeamBody, Mechanism, PackageBody, RigidBody, ShellBody
 
 SYMMETRY = 1e-5  # of the largest entry: products of inertia may be given to five digits
@@ -21,7 +22,12 @@ def check_bodies(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, Body
             found += unknown + check_motion(f"bodies.{name}", body)
         elif isinstance(body, BeamBody | ShellBody):
             try:
-                sound[name] = specs.of(name, body, mechanism)
+                if mechanism.fidelity is None:
+                    sound[name] = specs.of(name, body, mechanism)
+                    continue
+                model, check = rich_bodies(name, mechanism)
+                sound[name] = specs.of(name, model, mechanism)
+                sound[name + CHECK] = specs.of(name, check, mechanism)
             except InputError as error:
                 found += str(error).splitlines()
         elif isinstance(body, RigidBody):

@@ -111,7 +111,7 @@ class _Law(Table):
         return self
 
 
-LAWS = ("constant", "speed", "polynomial", "table", "ramp", "smooth_step")
+LAWS = ("constant", "speed", "polynomial", "table", "ramp", "smooth_step", "expression")
 Coefficients = Annotated[list[float], Field(min_length=1, max_length=laws.N_COEFFICIENT)]
 
 
@@ -136,6 +136,11 @@ class RotationDrive(_Law):
     )
     table: TimeTable | None = Field(default=None, description="angles [rad] at given times")
     smooth_step: SmoothStep | None = Field(default=None, description="from 0 to an angle")
+    expression: str | None = Field(
+        default=None,
+        description="of the time `t` and of parameters, see mechanisms.md",
+        json_schema_extra=unit("rad"),
+    )
 
 
 class TranslationDrive(_Law):
@@ -161,6 +166,11 @@ class TranslationDrive(_Law):
     )
     table: TimeTable | None = Field(default=None, description="displacements [m] at given times")
     smooth_step: SmoothStep | None = Field(default=None, description="from 0 to a displacement")
+    expression: str | None = Field(
+        default=None,
+        description="of the time `t` and of parameters, see mechanisms.md",
+        json_schema_extra=unit("m"),
+    )
 
 
 class LoadLaw(_Law):
@@ -176,6 +186,11 @@ class LoadLaw(_Law):
     )
     table: LoadTable | None = Field(default=None, description="values at given times")
     smooth_step: SmoothStep | None = Field(default=None, description="from 0 to a value")
+    expression: str | None = Field(
+        default=None,
+        description="of the time, coordinates and parameters, see mechanisms.md",
+        json_schema_extra=unit("N or N m"),
+    )
 
 
 LAW_TABLES: tuple[type[Table], ...] = (

@@ -22,7 +22,7 @@ class Case:
 
     Attributes
     ----------
-    name : of its folder
+    name : of its folder; of the file, unless that is case.toml
     file : where it comes from
     top : what is beside the mechanism
     runs : mechanism by run
@@ -110,6 +110,7 @@ def load_case(file: Path, *, coarse: bool = False) -> Case:
             problems.append(f'{file}: {key}.run = "{sweep.run}": no such run{hint}')
         elif sweep.run in runs:
             merged = merged_with(key, [*top.runs[sweep.run].variants, *sweep.variants])
+            merged.pop("fidelity", None)  # members have the modes that the case gives
             checked = check_sweep(f"{file}: {key}", sweep, merged, specs)
             if isinstance(checked, list):
                 problems += checked
@@ -117,7 +118,8 @@ def load_case(file: Path, *, coarse: bool = False) -> Case:
                 sweeps[name] = checked
     if problems:
         raise InputError("\n".join(dict.fromkeys(problems)))
-    return Case(file.resolve().parent.name, file, top, runs, bodies, sweeps)
+    name = file.resolve().parent.name if file.name == "case.toml" else file.stem
+    return Case(name, file, top, runs, bodies, sweeps)
 
 
 def merge(base: dict[str, Any], over: dict[str, Any]) -> None:

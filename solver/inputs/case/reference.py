@@ -6,6 +6,8 @@ from ..common.material import MATERIAL_TABLES
 from ..common.page import chapters, required
 from ..section.mesh_table import SHAPE_MESHES
 from . import schema
+from .curves import CurveTable
+from .fidelity import Fidelity
 from .forces import FORCE_TABLES
 from .joints import JOINT_TABLES
 from .laws import LAW_TABLES
@@ -29,10 +31,12 @@ _THEN: tuple[type[BaseModel], ...] = (
     *JOINT_TABLES,
     *LAW_TABLES,
     *FORCE_TABLES,
+    CurveTable,
     schema.PointMass,
     *SIGNAL_TABLES,
     Solver,
     Spin,
+    Fidelity,
     schema.Run,
     schema.Figure,
     Sweep,

@@ -9,11 +9,13 @@ from pydantic import Field
 
 from ...package.body.specification import LinkKind, MassForm, Theory
 from ..common.material import Material
-from ..common.table import Name, Table, Vector, unit
+from ..common.table import Name, Table, Vector, Word, unit
 from ..section.mesh_table import ShapeMesh, shape_or
+from .fidelity import Fidelity
 from .forces import CaseForce
 from .joints import CaseJoint
 from .modes import Modes, Reference
+from .reduction import Reducible
 from .signals import Signal
 from .solver import Solver
 from .sweeps import Sweep
@@ -89,7 +91,7 @@ class Deformed(Placed):
     )
 
 
-class BeamBody(Deformed):
+class BeamBody(Reducible, Deformed):
     """`[bodies.NAME]` with kind = "beam": straight along body x, from x = 0."""
 
     kind: Literal["beam"]
@@ -152,7 +154,7 @@ class ShellInterface(Table):
     )
 
 
-class ShellBody(Deformed):
+class ShellBody(Reducible, Deformed):
     """`[bodies.NAME]` with kind = "shell": a laminated shell, its axes those of the mesh.
 
     Mesh, materials, laminates, regions, elements and stiffeners come from the description; its
@@ -199,7 +201,7 @@ class RigidBody(Placed):
     interfaces: dict[Name, PointInterface] = Field(default={}, description="named places")
 
 
-class PackageBody(Deformed):
+class PackageBody(Reducible, Deformed):
     """`[bodies.NAME]` with kind = "package": a modal package from a file."""
 
     kind: Literal["package"]
@@ -235,10 +237,18 @@ class Mechanism(Table):
     bodies: dict[Name, Body] = Field(min_length=1, description="moving bodies")
     ground: dict[Name, GroundPoint] = Field(default={}, description="points of the ground")
     joints: dict[Name, CaseJoint] = Field(default={}, description="constraints")
-    forces: dict[Name, CaseForce] = Field(default={}, description="springs, bushings, loads")
+    forces: dict[Name, CaseForce] = Field(
+        default={}, description="springs, loads, stops, friction, controllers"
+    )
+    parameters: dict[Word, float] = Field(
+        default={}, description="numbers that expressions read by name"
+    )
     masses: dict[Name, PointMass] = Field(default={}, description="point masses")
     signals: dict[Name, Signal] = Field(default={}, description="what is measured")
     solver: Solver = Field(description="time integration")
+    fidelity: Fidelity | None = Field(
+        default=None, description="the accuracy of a run, by which its model is chosen"
+    )
 
 
 class Run(Table):

@@ -18,6 +18,7 @@ from typing import Any
 
 from ...package.common.container import temporary_sibling
 from .body_specs import BodySpec
+from .fidelity import model_and_check
 from .load import Case
 from .of_time import drives, law
 from .record import seal
@@ -36,8 +37,11 @@ def write_case(case: Case, out: Path, packages: Path | None = None) -> None:
     files = _BodyFiles(case, out, packages)
     run_packages: dict[str, list[str]] = {}
     for run, mechanism in case.runs.items():
-        table = files.packages(mechanism, case.bodies[run], "bodies", run)
-        run_packages[run] = sorted(os.path.relpath(out / t["file"]) for t in table.values())
+        model, check = model_and_check(case.bodies[run])
+        table = files.packages(mechanism, model, "bodies", run)
+        of_check = files.packages(mechanism, check, "bodies", f"{run}.check") if check else {}
+        needed = [*table.values(), *of_check.values()]
+        run_packages[run] = sorted({os.path.relpath(out / t["file"]) for t in needed})
         write_if_changed(
             out / "runs" / f"{run}.json",
             dump(
@@ -46,6 +50,7 @@ def write_case(case: Case, out: Path, packages: Path | None = None) -> None:
                     "run": run,
                     "title": case.top.runs[run].title or run,
                     "packages": table,
+                    **({"check_packages": of_check} if of_check else {}),
                     "checked": seal(mechanism),
                     "mechanism": mechanism.model_dump(),
                 }

@@ -13,6 +13,7 @@ by one system of the same structure as that of the mass matrix:
     Phi_q x = (c + (s + 2 alpha) Phi_q rho) / (s^2 + 2 alpha s + beta^2),
     g x - m / (k + s c) = (e + c g rho) / (k + s c),
     delta v = s x - rho,   delta q = G x + (r_q - G rho) / s,
+    delta z = r_z / (s - dzdot/dz) of each auxiliary state by itself,
 
 with the feedback alpha, beta of Baumgarte's treatment in c: without it in the matrix, Newton's
 iteration would converge only where steps are much shorter than 1 / alpha and 1 / beta. Forces of
@@ -25,9 +26,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...dynamics.dependence import REGULAR, rows_depend
 from ...dynamics.elimination import factorise, solve
-from ...dynamics.model import Model
-from ...dynamics.system import REGULAR, add_inertia, soften
+from ...dynamics.measures import auxiliary_rate
+from ...dynamics.model import Model, state_size
+from ...dynamics.system import add_inertia, soften
 from ...dynamics.workspace import Factors, Work, new_factors, place_added_rows
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean, structure
@@ -44,7 +47,7 @@ class Pencil(NamedTuple):
     factors: Factors
     load: Array  # (nb, n) R
     gamma: Array  # (n_r,) c of constraints and e of force elements; afterwards 0 beyond constraints
-    r: Array  # (n,) r_q
+    r: Array  # (n,) r_q and r_z
     rho: Array  # (nb, n)
     x: Array  # (nb, n)
     delta: Array  # (n,) answer in the coordinates of y
@@ -62,12 +65,13 @@ class Frozen(NamedTuple):
     p: Array  # (nb, 4)
     stiffness: Array  # (n_e,) of the rows of force elements [N/m, N m/rad]
     damping: Array  # (n_e,) [N s/m, N m s/rad]
+    auxiliary: Array  # (na,) derivatives of the rates of auxiliary states by themselves [1/s]
 
 
 def new_pencil(model: Model, one: Any) -> Pencil:
     """Return memory of the type of `one`."""
     nb, n, n_r = model.n_body, model.plan.widest, model.plan.newton.place.shape[0]
-    n_y = model.n_pos + model.n_vel + 1
+    n_y = state_size(model)
     return Pencil(
         new_factors(model, model.plan.newton, one),
         np.zeros((nb, n)) * one,
@@ -92,14 +96,15 @@ def new_frozen(model: Model) -> Frozen:
         np.zeros((nb, 4)),
         np.zeros(n_e),
         np.zeros(n_e),
+        np.zeros(model.n_aux),
     )
     place_added_rows(model, frozen.J)
     return frozen
 
 
 @inlined
-def freeze(model: Model, work: Work, y: Array, frozen: Frozen) -> None:
-    """Keep what the last evaluation, in state y, has filled."""
+def freeze(model: Model, work: Work, t: float, y: Array, frozen: Frozen) -> None:
+    """Keep what the last evaluation, at time t in state y, has filled."""
     plan, row_start = model.plan, model.plan.row_start
     frozen.softness[:] = 0.0
     for i in range(plan.size.shape[0]):
@@ -115,6 +120,8 @@ def freeze(model: Model, work: Work, y: Array, frozen: Frozen) -> None:
             frozen.p[i, k] = y[model.pos_start[i] + 3 + k]
     if plan.element_row.shape[0] > 0:
         freeze_elements(model, work, frozen.stiffness, frozen.damping, frozen.J)
+    for j in range(model.n_aux):
+        _, frozen.auxiliary[j] = auxiliary_rate(model.quantities, j, t, work.quantity)
 
 
 @lean
@@ -127,7 +134,8 @@ def factorise_pencil(
     """
     _factorise(model, frozen, pencil, mass, damping, stiffness)
     if model.penalty > 0.0 and pencil.factors.regular[0] < REGULAR:
-        soften(model, frozen.J, frozen.softness)
+        if rows_depend(model, model.plan.newton, pencil.factors, frozen.J, pencil.softness):
+            soften(model, frozen.J, frozen.softness)
         _factorise(model, frozen, pencil, mass, damping, stiffness)
 
 
@@ -233,6 +241,9 @@ def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> No
         turned = along_parameters(frozen.p[i], 0, 0.5 * x[i, 3], 0.5 * x[i, 4], 0.5 * x[i, 5])
         for k in range(4):
             delta[a + 3 + k] = turned[k] + r[a + 3 + k] * c
+    for j in range(model.n_aux):
+        a = n_pos + model.n_vel + j
+        delta[a] = r[a] / (s - frozen.auxiliary[j])
 
 
 @inlined

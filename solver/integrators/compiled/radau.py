@@ -122,7 +122,7 @@ def advance(
                     workspace.r[k],
                 )
                 if iteration == 1 and k == 1:
-                    freeze(model, work, stage, frozen)
+                    freeze(model, work, t + C[k] * h, stage, frozen)
             if iteration == 1:
                 factorise_stages(model, workspace, h)
                 counts[FACTORISATIONS] += 1

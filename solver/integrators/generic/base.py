@@ -85,6 +85,9 @@ class Integrator(ABC):
     local_share: ClassVar[float] = 1.0
     takes: ClassVar[str] = "derivative"  # or "constrained", "model": its first argument
 
+    # Whether it integrates auxiliary states of controllers, friction, angles over many turns.
+    auxiliary: ClassVar[bool] = True
+
     # Words on runs that fail, without the full stop.
     on_growth: ClassVar[str] = ""  # a fixed step that makes the state grow, or fail
     fails_before_growth: ClassVar[bool] = False  # trouble shows in Newton's iteration, not in y

@@ -19,26 +19,6 @@ STIFF_TESTS = 15  # in a row, before the hint is given
 TEST_EVERY = 25  # steps, while nothing looks stiff
 
 
-class StagedDerivative(ABC):
-    """A derivative f(t, y) that also fills all stages of an explicit step in one call."""
-
-    @abstractmethod
-    def __call__(self, t: float, y: Array) -> Array:
-        """dy/dt (n,) at (t, y (n,))."""
-
-    @abstractmethod
-    def stages(
-        self, A: Array, C: Array, t: float, y: Array, h: float, K: Array, point: Array
-    ) -> None:
-        """Fill K[1:s] (rows, n) with f at the stages of a step h from (t, y); K[0] is there.
-
-        Parameters
-        ----------
-        A, C : (s, s), (s,) of the tableau
-        point : (n,) memory; holds the last stage's state at the end
-        """
-
-
 class ExplicitRungeKutta(Integrator):
     """Step loop with proportional-integral control, shared by the tableaux below.
 
@@ -75,8 +55,6 @@ class ExplicitRungeKutta(Integrator):
         self._stages = [
             (i, self.A[i, :i].copy(), self._K[:i], float(self.C[i])) for i in range(1, s)
         ]
-        self._fill = self._f.stages if isinstance(self._f, StagedDerivative) else None
-        self._tableau = np.ascontiguousarray(self.A), np.ascontiguousarray(self.C)
         self._work = np.empty(self.n)
         self._f_now = self._f_start
         self._err_last = 1e-4
@@ -87,15 +65,11 @@ class ExplicitRungeKutta(Integrator):
         K, work, y = self._K, self._work, self.y
         s = self.B.size
         K[0] = self._f_now
-        if self._fill is not None:
-            self._fill(*self._tableau, self.t, y, h, K, work)
-            self.counters.evaluations += s - 1
-        else:
-            for i, a, K_before, c in self._stages:
-                np.dot(a, K_before, out=work)
-                work *= h
-                work += y
-                K[i] = self.derivative(self.t + c * h, work)
+        for i, a, K_before, c in self._stages:
+            np.dot(a, K_before, out=work)
+            work *= h
+            work += y
+            K[i] = self.derivative(self.t + c * h, work)
         y_new = self.B.dot(K[:s])
         y_new *= h
         y_new += y

@@ -64,7 +64,7 @@ def _describe(value: Any, words: list[int]) -> str:
             flags = field.flags
             if not (flags.c_contiguous and flags.aligned and field.dtype.isnative):
                 raise TypeError(f"{cls.__name__}.{name}: expected a contiguous array")
-            words.append(field.ctypes.data)
+            words.append(field.__array_interface__["data"][0])
             words.extend(field.shape)
             text = f"{field.dtype.str[1:]}[{field.ndim}]"
         elif hasattr(field, "is_structure"):

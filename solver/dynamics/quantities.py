@@ -1,0 +1,40 @@
+"""Quantities that expressions read: coordinates of pairs of markers with their rates, states.
+
+A coordinate is a scalar e of the relative motion of two markers, with a rate
+edot = g (v_1, w_1, v_2, w_2). An angle over many turns needs to know which one it is in: an
+auxiliary state that integrates edot tells it, to within half a turn. measures.py evaluates them.
+"""
+
+from typing import NamedTuple
+
+from ..math.arrays import Array, IntArray
+from ..math.compiled import structure
+from ..math.expressions.program import Programs
+
+# Kinds of coordinates. `axes` of a DISPLACEMENT and SPIN: axis of marker one; of an ANGLE: marker
+# with the axes x and y (0 or 1), x, y, and the axis `arm` of the other one (joints/contract.py).
+DISPLACEMENT, ANGLE, DISTANCE, SPIN = 0, 1, 2, 3
+
+
+@structure
+class Quantities(NamedTuple):
+    """Coordinates (nm) and auxiliary states (na) of a model, and the expressions that read them.
+
+    Expressions read, in this order: value and rate of each coordinate, the auxiliary states.
+    """
+
+    kind: IntArray  # (nm,)
+    marker: IntArray  # (nm, 2)
+    axes: IntArray  # (nm, 4)
+    offset: Array  # (nm,) subtracted from the value [m, rad]
+    turn: IntArray  # (nm,) auxiliary state that follows an angle; -1: none
+    rate: IntArray  # (na,) expression of the rate of an auxiliary state; -1: constant
+    of_coordinate: IntArray  # (na,) coordinate that it follows; -1: none
+    start: Array  # (na,) value at the start: of angles about which it is looked for,
+    start_expression: IntArray  # (na,) of others by an expression; -1: none
+    scale: Array  # (na,) size, for the tolerance of its error; inf: none
+    programs: Programs
+    law: IntArray  # (nl,) expression that a law of time is; -1: it has pieces
+    force: IntArray  # (nf,) expression of the size of a force element; -1: a law
+    along: IntArray  # (nf,) coordinate along which a force element acts; -1: its own
+    stack: Array  # memory of an evaluation
