@@ -110,7 +110,8 @@ def linearise(
 
     def constraints(directions: list[Direction], column: int) -> Array:
         """Derivatives of Phi (column 0) or Phidot (1), answered by a motion (n_vel, k)."""
-        found = derivatives(at, _constraints, directions, size).values
+        weights = np.ones(2 * model.n_constraint)
+        found = derivatives(at, _constraints, directions, size, weights).values
         return np.asarray(-free.P @ found.reshape(2, -1, len(directions))[column])
 
     shapes = list(Z.T)
@@ -145,7 +146,8 @@ def linearise(
         recording = Recording(m, times, states)
         return np.column_stack([rates, *(s.values(recording) for s in sensors.values())])
 
-    found = derivatives(at, evaluation, directions, size)
+    weights = np.concatenate([np.sqrt(model.inertia_scale), np.zeros(len(sensors))])
+    found = derivatives(at, evaluation, directions, size, weights)
     da, dy = found.values[: model.n_vel], found.values[model.n_vel :]
     frame = turning_axes(model, y, W_G)
     n_state = 2 * n + 2 * n_drive
