@@ -137,9 +137,7 @@ class Response:
             here = (int(segment[k]), round(h, 12))
             if here != known:
                 known = here
-                solver = _inverse(
-                    _positive(masses[here[0]]) + GAMMA * h * D + beta * h * h * K
-                )
+                solver = _inverse(_positive(masses[here[0]]) + GAMMA * h * D + beta * h * h * K)
             q_p = q[k - 1] + h * v[k - 1] + (0.5 - beta) * h * h * a[k - 1]
             v_p = v[k - 1] + (1.0 - GAMMA) * h * a[k - 1]
             a[k] = solver @ (p[k] - K @ q_p - D @ v_p)

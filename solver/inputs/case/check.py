@@ -9,10 +9,10 @@ from ...integrators.choice import treatment_of
 from ..common.material import check_materials
 from .body_specs import BodySpec, BodySpecs
 from .check_bodies import check_bodies, interfaces
-from .fidelity import check_fidelity
 from .forces import LoadTable
 from .laws import RotationDrive
 from .of_time import drives
+from .rich import check_fidelity
 from .schema import BeamBody, Mechanism, RigidBody, ShellBody
 from .signals import JointSignal, PlyStressSignal, PointSignal, ReactionSignal, ResultantSignal
 

@@ -18,10 +18,10 @@ from typing import Any
 
 from ...package.common.container import temporary_sibling
 from .body_specs import BodySpec
-from .fidelity import model_and_check
 from .load import Case
 from .of_time import drives, law
 from .record import seal
+from .rich import model_and_check
 from .schema import Mechanism, PackageBody
 from .sweep_members import CheckedSweep
 from .sweep_table import sweep_content
