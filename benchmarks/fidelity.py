@@ -32,13 +32,13 @@ from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.package.body.selection import vibrations
 from plymotion.solver.run.execution import execute, read_run
 
-ACCURACIES = (1e-1, 1e-2, 1e-3, 1e-4)
+ACCURACIES = (1e-2, 1e-3)
 OUTPUTS = ("tip", "deflection", "force", "moment")
 FOLDER = Path("build/benchmarks/fidelity")
 TRUTH_RTOL, TRUTH_ELEMENTS = 3e-7, 64
 # Brute force: vibrations of each kind, static shapes, stiffening, tolerance.
-GRID = ((0, 1, 2, 4), (0, 4), (False, True), (1e-3, 1e-4, 1e-5))
-BUDGET = 20.0  # CPU s of a request
+GRID = ((0, 1, 3), (0, 4), (False, True), (1e-4,))
+BUDGET = 3.0  # CPU s of a request
 
 
 def main() -> None:
@@ -48,7 +48,11 @@ def main() -> None:
     built(names)
     scenes = json.loads(out.read_text())["scenes"] if out.is_file() and sys.argv[2:] else {}
     for name in names:
-        scenes[name] = measured(name)
+        try:
+            scenes[name] = measured(name)
+        except RuntimeError as problem:  # a truth that stops cannot be compared with
+            print(problem, flush=True)
+            continue
         print(name, scenes[name]["summary"], flush=True)
         write(out, scenes)
 
@@ -159,8 +163,8 @@ def measured(name: str) -> Table:
                 "verdict": answer.verdict,
                 "reason": answer.reason,
                 "estimate": estimate,
-                "true": of_model,
-                "delivered": of_check,
+                "true": float(of_model),
+                "delivered": float(of_check),
                 "model_s": answer.trial.cpu,
                 "cheapest_s": min(meeting, default=None),
                 "check_s": answer.check.cpu if answer.check is not None else None,
@@ -177,7 +181,9 @@ def measured(name: str) -> Table:
         "truth_s": truth_cpu,
         "rigid_s": rigid.cpu,
         "all_modes_s": tight.cpu if tight is not None else None,
-        "all_modes_error": [error(tight, o, exact[o]) / sizes[o] for o in range(len(OUTPUTS))]
+        "all_modes_error": [
+            float(error(tight, o, exact[o]) / sizes[o]) for o in range(len(OUTPUTS))
+        ]
         if tight is not None
         else None,
         "requests": requests,
@@ -213,7 +219,7 @@ def all_modes(spec: Any, answer: Any) -> Trial | None:
         labels = tuple(package.mode_labels[i] for i in vibrations(package).tolist())
         bodies[name] = BodyPlan(labels, 10, True, "check")
     return attempted(
-        spec, Plan(bodies, True, 1e-6), answer.study.model, answer.study.check, list(OUTPUTS)
+        spec, Plan(bodies, True, 1e-5), answer.study.model, answer.study.check, list(OUTPUTS)
     )
 
 
@@ -261,14 +267,14 @@ def totals(scenes: Table) -> Table:
     return {
         "requests": len(requests),
         "accepted": len(accepted),
-        "met": sum(r["true"] <= r["accuracy"] for r in accepted),
-        "false_refusals": sum(r["true"] <= r["accuracy"] for r in refused),
+        "met": sum(bool(r["true"] <= r["accuracy"]) for r in accepted),
+        "false_refusals": sum(bool(r["true"] <= r["accuracy"]) for r in refused),
         "effectivity": quantiles(ratios),
-        "effectivity_within": sum(0.5 <= r <= 3.0 for r in ratios),
+        "effectivity_within": sum(bool(0.5 <= r <= 3.0) for r in ratios),
         "cost_ratio_median": median(costs),
         "all_in_ratio_median": median(whole),
         "indicators_over_rigid_median": median(plans),
-        "delivered_met": sum(r["delivered"] <= r["accuracy"] for r in requests),
+        "delivered_met": sum(bool(r["delivered"] <= r["accuracy"]) for r in requests),
     }
 
 

@@ -155,7 +155,12 @@ def slider_crank(speed: float = 40.0, t_end: float = 0.3, **of_rod: Any) -> Tabl
             "drive": {"speed": speed},
         },
         "big_end": {"kind": "spherical", "between": ["crank.tip", "rod.root"]},
-        "small_end": {"kind": "revolute", "between": ["rod.tip", "slider.pin"], "axis": Z},
+        "small_end": {
+            "kind": "universal",
+            "between": ["rod.tip", "slider.pin"],
+            "axis": Z,
+            "axis_2": [0.0, 1.0, 0.0],
+        },
         "guide": {
             "kind": "prismatic",
             "between": ["ground.rail", "slider.pin"],
