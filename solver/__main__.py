@@ -80,7 +80,7 @@ def _parser() -> argparse.ArgumentParser:
         "`plymotion CASE.toml` goes from a case file to its report; commands do parts of it.",
     )
     parser.add_argument("--version", action="version", version=f"plymotion {__version__}")
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND", prog="plymotion")
 
     check = commands.add_parser(
         "check", help="check a case file; write the input of the other commands"

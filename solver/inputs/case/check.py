@@ -11,10 +11,10 @@ from .body_specs import BodySpec, BodySpecs
 from .check_bodies import Body, check_bodies
 from .check_expressions import check_drive, check_force
 from .check_places import check_place
-from .fidelity import check_fidelity
 from .forces import CoordinateTable, LoadTable
 from .laws import RotationDrive
 from .of_time import drives
+from .rich import check_fidelity
 from .schema import BeamBody, Mechanism, RigidBody, ShellBody
 from .signals import (
     JointSignal,
