@@ -19,6 +19,7 @@ from ..integrators.generic.pace import Stall
 from ..math.arrays import Array
 from ..package import ModalPackage, read_package
 from ..results import RunResult, write_result, write_summary
+from ..results.finding import Finding
 from .inputs_digest import inputs_sha256
 from .outcome import RunSpec, collect
 from .preparation import Prepared, prepare
@@ -133,6 +134,8 @@ class _Progress:
     def __init__(self, watch: Watch, t_end: float, label: str, show: bool) -> None:
         self.watch, self.note = watch, watch.note
         self._label, self._show = label, show
+        self.findings: list[Finding] = []  # of monitors, told as they grow
+        self._told = 0
         self.seconds = 0.0  # CPU time of the monitors
         self.bar: Any = None
         if show and sys.stderr.isatty():
@@ -155,6 +158,9 @@ class _Progress:
             return self.watch(steps)
         finally:
             self.seconds += time.process_time() - begin
+            for finding in self.findings[self._told :]:
+                self.tell(finding.text)
+            self._told = len(self.findings)
 
     def tell(self, text: str) -> None:
         """Show a line at once."""
@@ -181,6 +187,8 @@ def execute(spec: RunSpec, *, progress: bool = True) -> tuple[RunResult, dict[st
     prepared = prepare(spec.mechanism, spec.packages)
     clock.lap("build")
     follow = _Progress(prepared.watch, spec.mechanism.solver.t_end, spec.run, progress)
+    if prepared.buckling is not None:
+        follow.findings = prepared.buckling.findings
     try:
         finished = integrated(
             prepared,
