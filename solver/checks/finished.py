@@ -16,7 +16,7 @@ from ..integrators.generic import Solution
 from ..math.arrays import Array, IntArray
 from ..mechanism import BuiltMechanism
 from ..package import ModalPackage
-from ..results import relative_balance
+from ..results import energy_in_play, relative_balance
 from ..results.finding import Finding
 
 if TYPE_CHECKING:
@@ -106,6 +106,11 @@ class FinishedRun:
         return relative_balance(self.past.energies)
 
     @cached_property
+    def energy_in_play(self) -> float:
+        """Largest energy of the run [J]."""
+        return energy_in_play(self.past.energies)
+
+    @cached_property
     def momentum_balance(self) -> float:
         """Relative error of loads and reactions against the change of momentum."""
         found = momentum_balance(self.model, *self.at(self.look.momentum))
@@ -123,12 +128,14 @@ class FinishedRun:
 
     def numbers(self) -> dict[str, float | int]:
         """Return what summary.json and sweep.h5 keep of the checks."""
+        damped = self.solution.damped_energy
         return {
             "constraint_position_max": float(self.past.position_violation.max()),
             "constraint_rotation_max": float(self.past.rotation_violation.max()),
             "constraint_velocity_max": float(self.past.velocity_violation.max()),
             "energy_drift_relative": float(np.abs(self.balance).max()),
-            "drive_work": float(self.past.energies["drive_work"][-1]),
+            "drive_work": float(self.past.energies["drive_work"][-1]) + damped,
+            "damped_energy": damped,
             "momentum_balance": self.momentum_balance,
             "degrees_of_freedom": self.degrees_of_freedom,
         }

@@ -3,20 +3,24 @@
 import json
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..checks.finished import FinishedRun, Look
+from ..checks.stalls import stall_finding
 from ..errors import InputError, PackageError
 from ..inputs.case.record import sealed
 from ..integrators.choice import make_integrator
 from ..integrators.generic import Steps, StopRequest, Watch, integrate
+from ..integrators.generic.pace import Stall
 from ..interrupts import held
 from ..math.arrays import Array
 from ..package import ModalPackage, read_package
 from ..results import RunResult, write_result, write_summary
+from ..results.finding import Finding
 from .inputs_digest import inputs_sha256
 from .outcome import RunSpec, collect
 from .preparation import Prepared, prepare
@@ -100,7 +104,10 @@ def output_times(t_end: float, step: float) -> Array:
 
 
 def integrated(
-    prepared: Prepared, watch: Watch | None = None, look: Look | None = None
+    prepared: Prepared,
+    watch: Watch | None = None,
+    look: Look | None = None,
+    on_stall: Callable[[Stall], None] | None = None,
 ) -> FinishedRun:
     """Integrate a prepared mechanism from its start to `t_end`: a single run, or one of a sweep.
 
@@ -110,13 +117,14 @@ def integrated(
     ----------
     watch : sees the steps in place of the monitors, which it must call itself
     look : at how many output times the checks look
+    on_stall : told at once of a run that has come to a stall
     """
     solver = prepared.mechanism.solver
     solution, order = prepared.refused, 0
     if solution is None:
         integrator = make_integrator(prepared.model, prepared.y0, solver, prepared.treatment)
         times = output_times(solver.t_end, solver.output_step)
-        solution = integrate(integrator, times, watch=watch or prepared.watch)
+        solution = integrate(integrator, times, watch=watch or prepared.watch, on_stall=on_stall)
         order = integrator.order
     return prepared.finished(prepared.explained(solution), order, look or Look())
 
@@ -126,6 +134,9 @@ class _Progress:
 
     def __init__(self, watch: Watch, t_end: float, label: str, show: bool) -> None:
         self.watch, self.note = watch, watch.note
+        self._label, self._show = label, show
+        self.findings: list[Finding] = []  # of monitors, told as they grow
+        self._told = 0
         self.seconds = 0.0  # CPU time of the monitors
         self.bar: Any = None
         if show and sys.stderr.isatty():
@@ -148,6 +159,15 @@ class _Progress:
             return self.watch(steps)
         finally:
             self.seconds += time.process_time() - begin
+            for finding in self.findings[self._told :]:
+                self.tell(finding.text)
+            self._told = len(self.findings)
+
+    def tell(self, text: str) -> None:
+        """Show a line at once."""
+        if self._show:
+            write = print if self.bar is None else self.bar.write
+            write(f"{self._label}: {text}", file=sys.stderr)
 
     def close(self) -> None:
         """Remove the bar."""
@@ -174,8 +194,14 @@ def _solved(spec: RunSpec, clock: Stopwatch, progress: bool) -> tuple[Prepared, 
     prepared = prepare(spec.mechanism, spec.packages)
     clock.lap("build")
     follow = _Progress(prepared.watch, spec.mechanism.solver.t_end, spec.run, progress)
+    if prepared.buckling is not None:
+        follow.findings = prepared.buckling.findings
     try:
-        finished = integrated(prepared, follow)
+        finished = integrated(
+            prepared,
+            follow,
+            on_stall=lambda stall: follow.tell(stall_finding(prepared.built, stall).text),
+        )
     finally:
         follow.close()
     seconds = time.perf_counter() - begin

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...math.arrays import Array
 from .base import Counters, Integrator
+from .pace import Pace, Stall
 from .steps import EachStep, Noted, Steps, StopRequest, Watch
 
 
@@ -26,6 +27,8 @@ class Solution:
     code: str = ""  # of the stop request
     counters: Counters = field(default_factory=Counters)
     hints: tuple[str, ...] = ()
+    stalls: tuple[Stall, ...] = ()
+    damped_energy: float = 0.0  # taken out of vibrations, as far as the integrator counts it [J]
 
 
 def requested_times(t_out: Sequence[float] | Array, t0: float, t_end: float) -> Array:
@@ -57,6 +60,7 @@ def integrate(
     on_step: Callable[[Integrator], StopRequest | None] | None = None,
     *,
     watch: Watch | None = None,
+    on_stall: Callable[[Stall], None] | None = None,
 ) -> Solution:
     """Step to the end; the solution at t_out comes from dense output, not the nearest step.
 
@@ -68,6 +72,7 @@ def integrate(
         are taken one by one for it
     watch : sees all accepted steps, many at a time; may return a StopRequest. The run ends with
         the step that it names; steps beyond are dropped
+    on_stall : told at once of a run that has come to a stall, and what was done about it
 
     Raises
     ------
@@ -75,7 +80,7 @@ def integrate(
         exception but the status of the solution; neither is Ctrl-C.
     """
     times = requested_times(t_out, integrator.t, integrator.t_end)
-    drive = _Drive(integrator, times)
+    drive = _Drive(integrator, times, on_stall)
     interrupted = False
     try:
         if on_step is not None:
@@ -92,13 +97,16 @@ def integrate(
 class _Drive:
     """A run under way: what is kept of it."""
 
-    def __init__(self, integrator: Any, times: Array) -> None:
+    def __init__(
+        self, integrator: Any, times: Array, on_stall: Callable[[Stall], None] | None
+    ) -> None:
         self.integrator = integrator
         self.times = times.copy()  # of one kind in memory, for a loop that is compiled for it
         self.rows = np.empty((times.size, integrator.n))
         self.filled = 0
         self.t_last, self.y_last = integrator.t, integrator.y
         self.request: StopRequest | None = None
+        self._pace, self._on_stall = Pace(integrator.t, integrator.t_end, times), on_stall
         if times[0] == self.t_last:
             self.rows[0] = self.y_last
             self.filled = 1
@@ -113,6 +121,7 @@ class _Drive:
                     self._show(watch, integrator.steps_taken(), filled)
                 if self.request is None:
                     self._reach(integrator.t, integrator.y, filled)
+                    self._follow()
         except KeyboardInterrupt:
             # Steps that were taken are kept, looked at or not; in plain NumPy a loop is heard
             # within, and stands where its last stride ended.
@@ -142,8 +151,17 @@ class _Drive:
                 inside = self.times[self.filled : stop]
                 self.rows[self.filled : stop] = _values(integrator, inside)
             self._reach(t, y, max(stop, self.filled))
+            self._follow()
         if watch is not None and noted is not None and noted.count:
             watch(noted.taken())
+
+    def _follow(self) -> None:
+        """Let the integrator look at its pace, unless its steps are fixed."""
+        integrator, known = self.integrator, list(self.integrator.stalls)
+        if integrator.status == "running" and integrator.fixed_step is None:
+            integrator.follow(self._pace)
+            if self._on_stall is not None and integrator.stalls != known:
+                self._on_stall(integrator.stalls[-1])
 
     def _reach(self, t: float, y: Array, filled: int) -> None:
         self.t_last, self.y_last, self.filled = t, y, filled
@@ -181,6 +199,8 @@ class _Drive:
             code=code,
             counters=integrator.counters,
             hints=tuple(integrator.hints) if interrupted else integrator.final_hints(),
+            stalls=tuple(integrator.stalls),
+            damped_energy=integrator.damped_energy,
         )
 
 
