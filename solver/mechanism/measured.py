@@ -97,10 +97,14 @@ class Reader:
         m = self._coordinate(read)
         return rate_of(m) if read.rate else value(m)
 
+    def of_joint(self, name: str, coordinate: str) -> int:
+        """Return the number of a coordinate of a joint."""
+        return self.found.coordinate(self._of_joint(name, coordinate))
+
     def _coordinate(self, read: Read) -> int:
         names = read.names
         if read.kind == "joint":
-            return self.found.coordinate(self._of_joint(*names))
+            return self.of_joint(*names)
         one, two = (self._place(place) for place in self._pair(read))
         if read.kind == "distance":
             return self.found.coordinate(CoordinateTable(DISTANCE, one, two))
