@@ -27,7 +27,7 @@ def angle(name):
     return f'[signals.{name}]\nkind = "joint"\njoint = "{name}"\ncoordinate = "angle"\n'
 
 
-def wheels(kind="gear", **keys):
+def wheels(kind="gear_pair", **keys):
     """Two wheels on the ground; a torque of 3 N m on the first."""
     return (
         GROUND
@@ -46,7 +46,7 @@ def wheels(kind="gear", **keys):
 @pytest.mark.parametrize(
     ("kind", "keys", "ratio"),
     [
-        ("gear", {"ratio": -2.5}, -2.5),
+        ("gear_pair", {"ratio": -2.5}, -2.5),
         ("belt", {"radius_1": 0.1, "radius_2": 0.3}, 3.0),
         ("belt", {"radius_1": 0.1, "radius_2": -0.05}, -0.5),
     ],
@@ -74,7 +74,7 @@ def carrier(ratio=-3.0):
         + joint("main", "revolute", "ground.O", "arm.a")
         + joint("axle_1", "revolute", "arm.b", "one.a")
         + joint("axle_2", "revolute", "arm.c", "two.a", (0.0, 1.0, 0.0))
-        + coupling("gear", "gear", "axle_1", "axle_2", ratio=ratio)
+        + coupling("gear", "gear_pair", "axle_1", "axle_2", ratio=ratio)
         + force("motor", "coordinate_force", joint="axle_1", expression="3 - 0.2 * t")
         + force("turn", "coordinate_force", joint="main", expression="2")
         + angle("axle_1")
@@ -164,7 +164,7 @@ def test_loads_of_couplings(tmp_path):
         ("ratio = -2.5", "ratoi = 1.0", "did you mean 'ratio'"),
         ('"axle_1", "axle_2"]', '"axle_1", "axel_2"]', "no such joint; did you mean 'axle_2'"),
         ('"axle_1", "axle_2"]', '"axle_1", "axle_1"]', "expected two different coordinates"),
-        ('kind = "gear"', 'kind = "gaer"', "did you mean 'gear'"),
+        ('kind = "gear_pair"', 'kind = "gaer_pair"', "did you mean 'gear_pair'"),
         ("ratio = -2.5", 'ratio = 1.0\ncoordinates = ["angle", "z"]', "one of angle"),
     ],
 )

@@ -1,9 +1,9 @@
-"""Gear: two rotations in a fixed ratio."""
+"""Gear pair: two rotations in a fixed ratio."""
 
 from .contract import Coupling, Number
 
-GEAR = Coupling(
-    kind="gear",
+GEAR_PAIR = Coupling(
+    kind="gear_pair",
     meaning="two rotations in a fixed ratio",
     units=("rad", "rad"),
     keys=(
