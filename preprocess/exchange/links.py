@@ -1,7 +1,7 @@
 """Interfaces of an imported body: groups of nodes that move as one, or whose mean is followed."""
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 import scipy.sparse as sp
@@ -38,6 +38,26 @@ class Link:
     motion: sp.csr_matrix
 
 
+class Mesh(Protocol):
+    """What a selection of nodes needs of a body."""
+
+    @property
+    def nodes(self) -> Array:
+        """Coordinates (n, 3) [m]."""
+
+    @property
+    def node_ids(self) -> IntArray:
+        """Labels (n,)."""
+
+    @property
+    def dof_node(self) -> IntArray:
+        """Nodes that move."""
+
+    @property
+    def groups(self) -> dict[str, IntArray]:
+        """Rows of nodes by name."""
+
+
 class Constrained(NamedTuple):
     """Dofs after the rigid links.
 
@@ -72,7 +92,7 @@ def links(body: FreeBody, tables: dict[str, Any], length: float) -> list[Link]:
 
 def _link(body: FreeBody, name: str, table: dict[str, Any], length: float) -> Link:
     where = f"{body.where}: interfaces.{name}"
-    rows = _rows(body, table, length, where)
+    rows = interface_rows(body, table, length, where)
     if table.get("weights", "equal") == "area":
         weights = area_weights(body.nodes, body.cells, rows, where)
     else:
@@ -92,7 +112,7 @@ def _three(value: list[float], where: str) -> Array:
     return np.array(value, dtype=float)
 
 
-def _rows(body: FreeBody, table: dict[str, Any], length: float, where: str) -> IntArray:
+def interface_rows(body: Mesh, table: Any, length: float, where: str) -> IntArray:
     """Rows of the nodes of an interface, without those that have no dof."""
     given = [key for key in ("set", "nodes", "box") if key in table]
     if len(given) != 1:

@@ -8,7 +8,8 @@ import scipy.sparse as sp
 from exchange_decks import MASS, write_mystran, write_solid
 from exchange_routes import ccx, import_file, mystran, run_program
 
-from plymotion.preprocess.exchange.import_file import imported, read_table
+from plymotion.preprocess.exchange.import_file import package_of as built
+from plymotion.preprocess.exchange.import_file import read_table
 from plymotion.preprocess.exchange.read.bulk_data import read_bulk_data
 from plymotion.preprocess.exchange.read.op4 import read_op4
 from plymotion.solver.errors import InputError
@@ -21,7 +22,7 @@ ENDS = {
 
 
 def package_of(file: Path) -> ModalPackage:
-    return imported(read_table(file), file.parent, str(file))
+    return built(read_table(file), file.parent, str(file))
 
 
 @pytest.fixture(scope="module")

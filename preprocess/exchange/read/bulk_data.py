@@ -38,7 +38,7 @@ def read_bulk_data(path: Path) -> tuple[IntArray, Array, Cells]:
     points: dict[int, list[float]] = {}
     cells: list[list[int]] = []
     types: list[int] = []
-    for card, fields in _cards(path):
+    for card, fields in bulk_cards(path):
         if card == "GRID":
             label = int(fields[0])
             if any(fields[k] not in ("", "0") for k in (1, 5) if k < len(fields)):
@@ -47,7 +47,7 @@ def read_bulk_data(path: Path) -> tuple[IntArray, Array, Cells]:
                     "the basic one"
                 )
             values = [*fields[2:5], "", "", ""][:3]
-            points[label] = [_real(text, path, card) for text in values]
+            points[label] = [real(text, path, card) for text in values]
         elif card == "SPOINT":
             raise InputError(f"{path}: SPOINT: expected grid points only")
         elif card in ELEMENTS:
@@ -68,7 +68,7 @@ def read_bulk_data(path: Path) -> tuple[IntArray, Array, Cells]:
     return ids, np.array([points[int(i)] for i in ids]), Cells.of(rows, types)
 
 
-def _cards(path: Path) -> Iterator[tuple[str, list[str]]]:
+def bulk_cards(path: Path) -> Iterator[tuple[str, list[str]]]:
     """Name and fields of each card; continuation lines are joined."""
     lines = [line.split("$")[0].rstrip() for line in text_lines(path)]
     begin = [i for i, line in enumerate(lines) if line.upper().startswith("BEGIN")]
@@ -105,7 +105,7 @@ def _whole(text: str) -> bool:
     return text.isdecimal() and int(text) > 0
 
 
-def _real(text: str, path: Path, card: str) -> float:
+def real(text: str, path: Path, card: str) -> float:
     """A number of NASTRAN: the E of an exponent may be missing."""
     if not text:
         return 0.0
