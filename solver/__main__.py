@@ -1,5 +1,10 @@
 """The command line: check, compile, run, modes, report, section, shell, sweep and smaller ones."""
 
+if __name__ == "__main__":
+    from .interrupts import end_at_once
+
+    end_at_once()
+
 import argparse
 import atexit
 import contextlib
@@ -11,22 +16,23 @@ from pathlib import Path
 
 from plymotion import __version__
 
+from .commands.exchange.options import add_exchange_commands
 from .commands.modes.options import add_modes_command
+from .commands.plan.options import add_plan_command
 from .commands.run.options import add_run_command
 from .commands.section.options import add_section_command
 from .commands.shell.options import add_shell_command
 from .commands.sweep.options import add_sweep_command
 from .errors import InputError, PackageError
-
-INTERRUPTED = 130  # exit code of a program that was ended by Ctrl-C
+from .interrupts import INTERRUPTED, exit_code, heard, starting
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run one command; return the exit code.
 
     0 done; 2 wrong input, or errors found by `validate`; 3 a run, or members of a sweep,
-    ended early and their results up to that time are kept; 130 interrupted, results are
-    kept.
+    ended early and their results up to that time are kept; 70 a defect of the program;
+    130, 143, 129 ended by Ctrl-C, TERM or HUP, results are kept.
     """
     if arguments is None:
         # Looking for garbage among all modules at the end of the process takes 0.03 s.
@@ -38,6 +44,12 @@ def main(arguments: list[str] | None = None) -> int:
     if words and words[0].endswith(".toml"):
         words = ["run", *words]  # "plymotion case.toml" is "plymotion run case.toml"
     options = _parser().parse_args(words)
+    with heard():
+        return exit_code(_guarded(options))
+
+
+def _guarded(options: argparse.Namespace) -> int:
+    """Run a command; turn what it raises into a message and an exit code."""
     try:
         return int(options.command(options))
     except (InputError, PackageError) as error:
@@ -53,6 +65,11 @@ def main(arguments: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("interrupted: nothing written", file=sys.stderr)
         return INTERRUPTED
+    except Exception as error:
+        from .commands.defect import DEFECT, report
+
+        print(f"error: {report(error)}", file=sys.stderr)
+        return DEFECT
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -76,6 +93,7 @@ def _parser() -> argparse.ArgumentParser:
     check.set_defaults(command=_check)
 
     add_run_command(commands, _run)
+    add_plan_command(commands, _plan)
 
     ahead = commands.add_parser("compile", help="compile the step loop before the first run")
     ahead.add_argument("--all", action="store_true", help="generalized-alpha as well")
@@ -101,6 +119,7 @@ def _parser() -> argparse.ArgumentParser:
     experimental.set_defaults(command=_experimental)
 
     add_modes_command(commands, _modes)
+    add_exchange_commands(commands, _import)
     add_section_command(commands, _section)
     add_shell_command(commands, _shell)
     add_sweep_command(commands, _sweep)
@@ -130,7 +149,8 @@ def _importing() -> Iterator[None]:
     """Imports leave no garbage worth the time of looking for it."""
     gc.disable()
     try:
-        yield
+        with starting():
+            yield
     finally:
         gc.enable()
 
@@ -140,6 +160,12 @@ def _run(options: argparse.Namespace) -> int:
         from .commands.run.command import run_runs
 
     return run_runs(options)
+
+
+def _plan(options: argparse.Namespace) -> int:
+    from .commands.plan.command import run_plan
+
+    return run_plan(options)
 
 
 def _compile(options: argparse.Namespace) -> int:
@@ -204,6 +230,12 @@ def _modes(options: argparse.Namespace) -> int:
         from .commands.modes.command import run_modes
 
     return run_modes(options)
+
+
+def _import(options: argparse.Namespace) -> int:
+    from .commands.exchange.command import run_import
+
+    return run_import(options)
 
 
 def _section(options: argparse.Namespace) -> int:

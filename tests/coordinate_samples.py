@@ -1,6 +1,13 @@
 """A carriage on a rail and a wheel on an axle, for forces along their coordinates."""
 
-from case_samples import rigid
+import case_samples
+from case_samples import rigid, run_text
+
+from plymotion.solver.inputs.case import load_case
+from plymotion.solver.run.preparation import prepare
+
+RADAU = 'integrator = "radau"\nrtol = 1e-7\natol_position = 1e-9\natol_velocity = 1e-8'
+DEFAULT = 'integrator = "radau"'
 
 
 class Raw(str):
@@ -44,3 +51,25 @@ def force(name: str, kind: str, **keys) -> str:
     quoted = [f'"{v}"' if type(v) is str else v for v in keys.values()]
     lines = [f"{key} = {value}" for key, value in zip(keys, quoted, strict=True)]
     return f'[forces.{name}]\nkind = "{kind}"\n' + "\n".join(lines) + "\n"
+
+
+def run(folder, text, t_end, step, solver=""):
+    """Signals and summary; by rk8 with tight tolerances unless `solver` says otherwise."""
+    kept = case_samples.SOLVER
+    if solver:
+        head, _, tail = kept.partition("integrator")
+        case_samples.SOLVER = head + solver + "\n{more}" + tail.partition("{more}")[2]
+    try:
+        return run_text(folder, text, t_end=t_end, step=step)
+    finally:
+        case_samples.SOLVER = kept
+
+
+def prepared(folder, text):
+    """Model and start of a case."""
+    file = folder / "case.toml"
+    file.write_text(
+        case_samples.HEAD + text + case_samples.SOLVER.format(t_end=1.0, step=1.0, more="")
+    )
+    made = prepare(load_case(file).runs["base"], {})
+    return made.model, made.y0

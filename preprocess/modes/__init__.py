@@ -1,8 +1,8 @@
 """Reduced basis of a body: eigenmodes under a reference condition, and static modes of loads."""
 
-from .eigenmodes import ModeRequest
-from .kinds import KINDS, Participation
-from .reduced import Modes, reduced_modes
+from .eigenmodes import Eigenmodes, ModeRequest
+from .kinds import KINDS, Participation, clusters, separating_rotation, shares_of
+from .reduced import Modes, completed, reduced_modes
 from .reference import Algebra, Condition, EigenSolver, HeldDofs, MeanAxis, ModeError
 from .static import StaticLoad, inertia_loads
 
@@ -11,6 +11,7 @@ __all__ = [
     "Algebra",
     "Condition",
     "EigenSolver",
+    "Eigenmodes",
     "HeldDofs",
     "MeanAxis",
     "ModeError",
@@ -18,6 +19,10 @@ __all__ = [
     "Modes",
     "Participation",
     "StaticLoad",
+    "clusters",
+    "completed",
     "inertia_loads",
     "reduced_modes",
+    "separating_rotation",
+    "shares_of",
 ]

@@ -58,12 +58,15 @@ class StateTable:
     rate : expression of its rate; None: constant
     start : expression of its value at the start, of coordinates and earlier states
     scale : size, for the tolerance of its error
+    update : expression of its value from an instant on, every `period` [s] from t = 0 on
     """
 
     name: str
     rate: Node | None
     start: Node
     scale: float = 1.0
+    update: Node | None = None
+    period: float = 0.0
 
 
 @dataclass
@@ -110,16 +113,24 @@ def quantities_of(
     sizes = [size for size, _ in forces]
     states = measured.states
     nodes = [law.expression for law in laws] + sizes + [s.rate for s in states]
-    nodes += [s.start for s in states]
+    nodes += [s.start for s in states] + [s.update for s in states]
     used = [node for node in nodes if node is not None]
     number = iter(range(len(used)))
     numbers = [next(number) if node is not None else -1 for node in nodes]
     n_law, n_state = len(laws), len(states)
-    ends = np.cumsum([n_law, len(sizes), n_state, n_state])
+    ends = np.cumsum([n_law, len(sizes), n_state, n_state, n_state])
     read = {leaf.quantity for node in used for leaf in node.leaves()}
     turning = [m for m, c in enumerate(coordinates) if c.kind == ANGLE and value(m) in read]
     turn = np.full(n, -1, dtype=np.int64)
     turn[turning] = n_state + np.arange(len(turning))
+
+    coupled = [
+        (k, j)
+        for k, (size, along) in enumerate(forces)
+        if size is not None and along >= 0
+        for j in sorted({_state_of(leaf) for leaf in size.leaves()} - {-1})
+        if states[j].rate is not None
+    ]
 
     def place(quantity: Hashable) -> int:
         assert isinstance(quantity, tuple)
@@ -137,11 +148,30 @@ def quantities_of(
         rate=np.array([*numbers[ends[1] : ends[2]], *[-1] * len(turning)], dtype=np.int64),
         of_coordinate=np.array([*[-1] * n_state, *turning], dtype=np.int64),
         start=np.array([*[0.0] * n_state, *(coordinates[m].first for m in turning)]),
-        start_expression=np.array([*numbers[ends[2] :], *[-1] * len(turning)], dtype=np.int64),
+        start_expression=np.array(
+            [*numbers[ends[2] : ends[3]], *[-1] * len(turning)], dtype=np.int64
+        ),
+        update=np.array([*numbers[ends[3] :], *[-1] * len(turning)], dtype=np.int64),
+        period=np.array([*(s.period for s in states), *[0.0] * len(turning)], dtype=float),
         scale=np.array([*(s.scale for s in states), *[np.inf] * len(turning)]),
         programs=programs(used, place, measured.curves),
         law=np.array(numbers[:n_law], dtype=np.int64),
         force=np.array(numbers[n_law : ends[1]], dtype=np.int64),
         along=np.array([along for _, along in forces], dtype=np.int64),
+        coupled_force=np.array([k for k, _ in coupled], dtype=np.int64),
+        coupled_state=np.array([j for _, j in coupled], dtype=np.int64),
         stack=new_stack(used),
     )
+
+
+def _state_of(leaf: Node) -> int:
+    """Return the state that a leaf reads; -1: none."""
+    quantity = leaf.quantity
+    return int(quantity[1]) if isinstance(quantity, tuple) and quantity[0] == "state" else -1
+
+
+def reads_own(size: Node | None, along: int) -> bool:
+    """Tell whether a force along a coordinate depends on it, on its rate or on states."""
+    own = (value(along), rate_of(along))
+    leaves = size.leaves() if size is not None else ()
+    return any(leaf.quantity in own or _state_of(leaf) >= 0 for leaf in leaves)

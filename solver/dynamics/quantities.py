@@ -32,9 +32,13 @@ class Quantities(NamedTuple):
     of_coordinate: IntArray  # (na,) coordinate that it follows; -1: none
     start: Array  # (na,) value at the start: of angles about which it is looked for,
     start_expression: IntArray  # (na,) of others by an expression; -1: none
+    update: IntArray  # (na,) expression of the value from an instant on; -1: none
+    period: Array  # (na,) time between these instants, from t = 0 on [s]
     scale: Array  # (na,) size, for the tolerance of its error; inf: none
     programs: Programs
     law: IntArray  # (nl,) expression that a law of time is; -1: it has pieces
     force: IntArray  # (nf,) expression of the size of a force element; -1: a law
     along: IntArray  # (nf,) coordinate along which a force element acts; -1: its own
+    coupled_force: IntArray  # (nc,) force elements along a coordinate that read states,
+    coupled_state: IntArray  # (nc,) and which
     stack: Array  # memory of an evaluation

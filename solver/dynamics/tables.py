@@ -16,7 +16,7 @@ from .forces.table import KINDS as FORCE_KINDS
 from .forces.table import MOST_ROWS, N_PARAMETER, rows_in_use
 from .joints.table import CONSTRAINTS, KINDS, NAMES, ROWS
 from .joints.table import N_PARAMETER as N_JOINT_PARAMETER
-from .measured import Measured, quantities_of, rate_of, value
+from .measured import Measured, quantities_of, reads_own
 from .model import GROUND, Model
 from .plan import make_plan
 
@@ -248,9 +248,7 @@ def _element_rows(force: ForceTable) -> list[int]:
     """Return the rows of an element in Newton's matrix."""
     if force.along < 0:
         return rows_in_use(force.kind, force.parameters)
-    own = {value(force.along), rate_of(force.along)}
-    reads = force.size is not None and any(leaf.quantity in own for leaf in force.size.leaves())
-    return [0] if reads else []
+    return [0] if reads_own(force.size, force.along) else []
 
 
 def _filled(lists: Sequence[Sequence[float]], columns: int) -> Array:

@@ -88,6 +88,12 @@ def make_integrator(
             "that controllers, bristle_friction and expressions of angles have; expected "
             f"{', '.join(able[:EXAMPLES])} ..."
         )
+    if (model.quantities.update >= 0).any() and not kind.samples:
+        able = [name for name, other in INTEGRATORS.items() if other.samples]
+        raise InputError(
+            f'solver.integrator = "{solver.integrator}": does not stop at the instants of '
+            f"controllers with a sample_time; expected {' or '.join(able)}"
+        )
     rtol = kind.local_share * solver.rtol
     options: dict[str, Any] = {
         "rtol": rtol,

@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from ..dynamics.auxiliary import Instants, sampled
 from ..dynamics.constraints.treatment import Treatment
 from ..dynamics.model import Model
 from ..dynamics.system import by_blocks, derivative_into
-from ..dynamics.workspace import new_work
+from ..dynamics.workspace import new_work, spare_work
 from ..math.arrays import Array
 from ..math.compiled import COMPILED
 from ..math.keys import Number
@@ -20,7 +21,7 @@ from .compiled.alpha_workspace import new_alpha_workspace
 from .compiled.closing import close
 from .compiled.dependent_rows import PENALTY
 from .compiled.radau import advance
-from .compiled.radau_workspace import new_radau_workspace
+from .compiled.radau_workspace import new_radau_workspace, restart_radau
 from .compiled.step_control import Ends, Options
 from .compiled.tableau import MU
 from .generic import Integrator
@@ -85,6 +86,8 @@ class StepLoop(Integrator):
         self._ends = self._nowhere[3]
         self._begun: Any = None  # mark of the beginning of the last stride
         self._stood: Any = None  # step of it after which the loop stands, mark of its end
+        self._instants = Instants(model, self.t_end)
+        self._stop_at_next(self.t)
 
     def stride(self, times: Array, rows: Array, filled: int, keep: bool = False) -> int:
         """Take up to CHUNK steps; the solution at `times` (k,) goes to `rows` (k, n).
@@ -92,6 +95,7 @@ class StepLoop(Integrator):
         Returns the number of rows filled, of which `filled` were there already. `keep`: keep what
         `steps_taken` needs.
         """
+        self._sample()
         watched = self.fixed_step is not None and self.counters.steps < FIRST_STEPS
         if keep and self._begun is None:
             most = max(10, min(CHUNK, MOST_KEPT // self.n))
@@ -148,7 +152,31 @@ class StepLoop(Integrator):
         for array, values in arrays:
             array[...] = values
 
+    def _sample(self) -> None:
+        """Sample controllers where the loop stands at an instant, and go on from there."""
+        if self.t < self._options.t_end or self.t >= self.t_end:
+            return
+        self.y = sampled(self._model, self.t, self.y, self._instants.sampled_at(self.t))
+        rate, work = np.zeros(self.n), spare_work(self._model)
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            derivative_into(self._model, work, self.t, self.y, rate)
+        self._evaluated += 1
+        self._restart(rate, work.multipliers)
+        self._stop_at_next(self.t)
+
+    def _stop_at_next(self, t: float) -> None:
+        """Let the loop end at the next instant after t."""
+        times = self._instants.t
+        k = int(np.searchsorted(times, t, side="right"))
+        end = float(times[k]) if k < times.size else self.t_end
+        self._options = self._options._replace(t_end=end)
+
+    def _restart(self, rate: Array, multipliers: Array) -> None:
+        """Go on from the present state as from a start, with its rate and multipliers."""
+        raise NotImplementedError
+
     def _advance(self) -> None:
+        self._sample()
         code, _ = self._call(1, *self._nowhere)
         self._take_over(code)
 
@@ -228,6 +256,7 @@ class Radau(ClosingLoop):
     """
 
     name = "radau"
+    samples = True
     local_share = 0.5
     meaning = "implicit Runge-Kutta of order 5, the fastest where modes are stiff"
     place = 2
@@ -247,6 +276,9 @@ class Radau(ClosingLoop):
 
     def _begin(self, rate: Array, multipliers: Array) -> Any:
         return new_radau_workspace(self._model, self.t, self.y, rate, multipliers, self._h_next)
+
+    def _restart(self, rate: Array, multipliers: Array) -> None:
+        restart_radau(self._model, self._workspace, self.t, self.y, rate, multipliers)
 
     def _call(
         self, most: int, times: Array, rows: Array, filled: int, ends: Ends

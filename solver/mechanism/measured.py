@@ -74,7 +74,10 @@ class Reader:
         for own in terms.states:
             rate = None if own.rate is None else self._placed(own.rate)
             start = self._placed(own.start)
-            self.found.state(StateTable(f"{name}.{own.name}", rate, start, own.scale))
+            update = None if own.update is None else self._placed(own.update)
+            period = 0.0 if own.update is None else float(keys.sample_time)  # type: ignore[attr-defined]
+            label = f"{name}.{own.name}"
+            self.found.state(StateTable(label, rate, start, own.scale, update, period))
         table = self.found.coordinates[along]
         size = self._placed(terms.force)
         return ForceTable(name, keys.kind, table.marker_1, table.marker_2, size=size, along=along)

@@ -13,6 +13,7 @@ from ..errors import InputError, PackageError
 from ..inputs.case.record import sealed
 from ..integrators.choice import make_integrator
 from ..integrators.generic import Steps, StopRequest, Watch, integrate
+from ..interrupts import held
 from ..math.arrays import Array
 from ..package import ModalPackage, read_package
 from ..results import RunResult, write_result, write_summary
@@ -163,7 +164,13 @@ def execute(spec: RunSpec, *, progress: bool = True) -> tuple[RunResult, dict[st
         A mechanism that cannot be assembled, contradictory constraints, an integrator that
         does not go with the treatment of constraints.
     """
-    begin, clock = time.perf_counter(), Stopwatch()
+    clock = Stopwatch()
+    return _collected(spec, *_solved(spec, clock, progress), clock)
+
+
+def _solved(spec: RunSpec, clock: Stopwatch, progress: bool) -> tuple[Prepared, FinishedRun, float]:
+    """Return the mechanism, its motion, and the wall time of both [s]."""
+    begin = time.perf_counter()
     prepared = prepare(spec.mechanism, spec.packages)
     clock.lap("build")
     follow = _Progress(prepared.watch, spec.mechanism.solver.t_end, spec.run, progress)
@@ -171,9 +178,15 @@ def execute(spec: RunSpec, *, progress: bool = True) -> tuple[RunResult, dict[st
         finished = integrated(prepared, follow)
     finally:
         follow.close()
-    solve_s = time.perf_counter() - begin
+    seconds = time.perf_counter() - begin
     clock.lap("integrate")
     clock.move(follow.seconds, "integrate", "monitors")
+    return prepared, finished, seconds
+
+
+def _collected(
+    spec: RunSpec, prepared: Prepared, finished: FinishedRun, solve_s: float, clock: Stopwatch
+) -> tuple[RunResult, dict[str, Any]]:
     result, summary = collect(spec, prepared.measured, finished, solve_s)
     clock.lap("recover")
     summary["cost"]["seconds"] = clock.seconds
@@ -190,16 +203,19 @@ def run_file(
     clock, digest = Stopwatch(), inputs_sha256(file)
     spec = read_run(file)
     clock.lap("load")
-    result, summary = execute(spec, progress=progress)
-    clock.skip()
-    out.mkdir(parents=True, exist_ok=True)
-    write_result(out / "result.vtkhdf", result)
-    clock.lap("write")
-    seconds = summary["cost"]["seconds"]
-    seconds["import"] = import_s
-    seconds["load"] += clock.seconds["load"]
-    seconds["write"] = clock.seconds["write"]
-    summary["inputs_sha256"] = digest
-    # Last, because make takes it as the sign of a finished run.
-    write_summary(out / "summary.json", summary)
+    solving = Stopwatch()
+    solved = _solved(spec, solving, progress)
+    with held():  # what is computed is kept
+        result, summary = _collected(spec, *solved, solving)
+        clock.skip()
+        out.mkdir(parents=True, exist_ok=True)
+        write_result(out / "result.vtkhdf", result)
+        clock.lap("write")
+        seconds = summary["cost"]["seconds"]
+        seconds["import"] = import_s
+        seconds["load"] += clock.seconds["load"]
+        seconds["write"] = clock.seconds["write"]
+        summary["inputs_sha256"] = digest
+        # Last, because make takes it as the sign of a finished run.
+        write_summary(out / "summary.json", summary)
     return summary

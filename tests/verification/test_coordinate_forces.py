@@ -2,28 +2,13 @@
 
 import numpy as np
 import pytest
-from case_samples import run_text
-from coordinate_samples import Raw, carriage, force, wheel
+from coordinate_samples import DEFAULT, RADAU, Raw, carriage, force, prepared, run, wheel
 from scipy.special import gamma
 
+from plymotion.solver.dynamics.system import auxiliary_rates_into, evaluate
+from plymotion.solver.dynamics.workspace import new_work
 from plymotion.solver.errors import InputError
-
-RADAU = 'integrator = "radau"\nrtol = 1e-7\natol_position = 1e-9\natol_velocity = 1e-8'
-DEFAULT = 'integrator = "radau"'
-
-
-def run(folder, text, t_end, step, solver=""):
-    """Signals and summary; by rk8 with tight tolerances unless `solver` says otherwise."""
-    import case_samples
-
-    kept = case_samples.SOLVER
-    if solver:
-        head, _, tail = kept.partition("integrator")
-        case_samples.SOLVER = head + solver + "\n{more}" + tail.partition("{more}")[2]
-    try:
-        return run_text(folder, text, t_end=t_end, step=step)
-    finally:
-        case_samples.SOLVER = kept
+from plymotion.solver.integrators.compiled.pencil import freeze, new_frozen
 
 
 @pytest.mark.parametrize("solver", ["", RADAU])
@@ -235,6 +220,65 @@ def test_steady_sliding_of_the_bristle(tmp_path):
     )  # fmt: skip
     _, s, _ = run(tmp_path, text, 0.1, 0.05)
     assert s["F"][-1] == pytest.approx(1.0 + 0.5 * np.exp(-0.36) + 0.012, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("kind", "keys"),
+    [
+        ("coordinate_force", {"expression": "-3 * x**3 - 2 * v * abs(v) + sin(t)"}),
+        ("nonlinear_spring", {"force_displacement": Raw("{ x = [-1, 0, 1], y = [-3, 0, 5] }")}),
+        ("stop", {"upper": 0.1, "stiffness": 1e3, "restitution": 0.5, "impact_speed": 2.0}),
+        ("friction", {"coulomb": 2.0, "rest_velocity": 0.9, "viscous": 0.1}),
+        ("bristle_friction", {"coulomb": 1.0, "bristle_stiffness": 1e2, "viscous": 3.0}),
+        ("controller", {"setpoint": "x**2", "sensor": "2 * x", "proportional": 5.0,
+                        "integral": 7.0, "derivative": 3.0, "filter_time": 0.1}),
+    ],
+)  # fmt: skip
+def test_newtons_matrix_against_differences(tmp_path, kind, keys):
+    """Slopes of the force by coordinate, rate and its states, and of the states' rates."""
+    text = carriage(force("f", kind, **{"joint": "rail", **keys}), speed=0.7)
+    model, y = prepared(tmp_path, text)
+    y, t, first = y.copy(), 0.3, model.n_pos + model.n_vel
+    y[0] = 0.25
+    y[first : first + model.n_aux] = 0.004 + 0.001 * np.arange(model.n_aux)
+    work, frozen = new_work(model), new_frozen(model)
+
+    def force_and_rates(k, h):
+        near, out = y.copy(), np.zeros(y.size)
+        near[k] += h
+        evaluate(model, work, t, near)
+        auxiliary_rates_into(model, work, t, out)
+        return np.append(work.size[0, 0], out[first : first + model.n_aux])
+
+    def slope(k):
+        h = 1e-6
+        return (force_and_rates(k, h) - force_and_rates(k, -h)) / (2 * h)
+
+    evaluate(model, work, t, y)
+    freeze(model, work, t, y, frozen)
+    assert frozen.stiffness.size == 1
+    by_x, by_v = slope(0), slope(model.n_pos)
+    assert -frozen.stiffness[0] == pytest.approx(min(by_x[0], 0.0), rel=1e-6, abs=1e-8)
+    assert -frozen.damping[0] == pytest.approx(min(by_v[0], 0.0), rel=1e-6, abs=1e-8)
+    q = model.quantities
+    assert q.coupled_state.tolist() == list(range(model.n_aux))
+    for p, j in enumerate(q.coupled_state):
+        by_z = slope(first + j)
+        found = [-by_z[0], by_x[1 + j], by_v[1 + j]]
+        np.testing.assert_allclose(frozen.coupled[p], found, rtol=1e-6, atol=1e-7)
+        assert frozen.auxiliary[j] == pytest.approx(by_z[1 + j], rel=1e-6, abs=1e-7)
+    one, two = model.force_marker[0]
+    g = work.g[q.along[0]]
+    found = g[6:9] @ work.J_m[two, :3, :6] + g[9:] @ work.J_m[two, 3:, :6]
+    np.testing.assert_allclose(found, [1.0, 0.0, 0.0, 0.0, 0.0, 0.0], atol=1e-15)
+    assert model.marker_body[one] == -1
+
+
+def test_states_in_newtons_matrix_spare_steps(tmp_path):
+    """A bristle of 1e5 N/m: with its row the iteration converges by the steps of the accuracy."""
+    keys = {"bristle_stiffness": 1e5, "bristle_damping": 300.0}
+    _, _, summary = run(tmp_path, stick_slip("bristle_friction", **keys), 20.0, 0.1, DEFAULT)
+    assert summary["cost"]["steps"] + summary["cost"]["rejected"] < 600
 
 
 KINDS = {

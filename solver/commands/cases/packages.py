@@ -11,7 +11,8 @@ from typing import Any
 import plymotion
 
 from ...errors import InputError
-from ...inputs.case.specs import dump, write_atomic
+from ...inputs.case.specs import dump
+from ...package.common.container import write_text
 from ..fenicsx_side.interpreter import find_interpreter
 from ..fenicsx_side.launch import environment, importable
 
@@ -49,7 +50,7 @@ def build_packages(specs: Sequence[Path], folder: Path, *, quiet: bool = False) 
         file = folder / f"{spec.stem}.vtkhdf"
         if file.is_file() and done.returncode == 0:
             before[spec.stem] = [now[spec.stem], _left(file)]
-    write_atomic(folder / STAMP, dump(before))
+    write_text(folder / STAMP, dump(before))
     if done.returncode < 0 or done.returncode == 130:
         raise KeyboardInterrupt
     if done.returncode != 0:

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ...inputs.case.specs import dump, write_atomic
+from ...inputs.case.specs import dump
 from ...math.arrays import Array
+from ...package.common.container import write_text
 from .campbell import Diagram, Spins
 from .campbell_figure import draw
 from .case import read_spec
@@ -49,7 +50,7 @@ def run_modes(options: argparse.Namespace) -> int:
         write_response(folder, response)
         files += ["response.csv", "response.png"]
     files += draw_shapes(folder, states, found, options.shapes)
-    write_atomic(folder / "modes.json", dump(content))
+    write_text(folder / "modes.json", dump(content))
     if options.json:
         print(json.dumps(content, indent=2))
     else:
@@ -67,8 +68,8 @@ def _campbell(
     content = diagram.content()
     folder.mkdir(parents=True, exist_ok=True)
     draw(folder / "campbell.png", diagram)
-    write_atomic(folder / "campbell.csv", diagram.csv())
-    write_atomic(folder / "campbell.json", dump(content))
+    write_text(folder / "campbell.csv", diagram.csv())
+    write_text(folder / "campbell.json", dump(content))
     print(json.dumps(content, indent=2) if options.json else campbell_text(content))
     if not options.json:
         print(f"{folder}: campbell.png, campbell.csv, campbell.json")

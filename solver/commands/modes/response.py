@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import InputError, nearest
-from ...inputs.case.specs import write_atomic
 from ...linearisation.response import frequencies_between, frequency_response
 from ...math.arrays import Array
+from ...package.common.container import write_text
 from ...report.style import Canvas, colour, house_style
 from .found import Found
 
@@ -79,7 +79,7 @@ def write_response(folder: Path, response: Response) -> None:
             columns += [np.abs(g), np.degrees(np.angle(g))]
     writer.writerow(head)
     writer.writerows([[repr(float(v)) for v in row] for row in np.array(columns).T])
-    write_atomic(folder / "response.csv", out.getvalue())
+    write_text(folder / "response.csv", out.getvalue())
     _draw(folder / "response.png", response)
 
 

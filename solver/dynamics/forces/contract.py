@@ -92,15 +92,18 @@ class State:
     Attributes
     ----------
     name : in the expressions of the force
-    rate : its rate by time
+    rate : its rate by time; None: it is constant, but for `update`
     start : its value at the start of a run, which reads earlier states only
     scale : its size, for the tolerance of its error
+    update : its value from an instant on, every `sample_time` of the force from t = 0 on; reads
+        the values before it
     """
 
     name: str
-    rate: str
+    rate: str | None
     start: str = "0"
     scale: float = 1.0
+    update: str | None = None
 
 
 @dataclass(frozen=True)

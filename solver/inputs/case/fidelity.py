@@ -47,10 +47,6 @@ class Fidelity(Table):
         json_schema_extra=unit("s"),
     )
 
-    def names(self, signals: dict[str, Any]) -> list[str]:
-        """Return the names of the signals that must have the accuracy."""
-        return list(signals) if self.signals is None else self.signals
-
 
 def check_fidelity(mechanism: "Mechanism") -> list[str]:
     """Return what is wrong with `[fidelity]` of a run, one line each."""

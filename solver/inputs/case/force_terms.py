@@ -25,6 +25,7 @@ class StateTerms:
     rate: Node | None
     start: Node
     scale: float
+    update: Node | None
 
 
 @dataclass(frozen=True)
@@ -80,9 +81,13 @@ def _trees(
     for part, text in terms.names.items():
         scope.names[part] = expression(text, scope, key)
     force = expression(terms.force, scope, key)
+
+    def optional(text: str | None) -> Node | None:
+        return None if text is None else expression(text, scope, key)
+
     states = tuple(
-        StateTerms(state.name, expression(state.rate, scope, key), start, state.scale)
-        for state, start in zip(terms.states, starts, strict=True)
+        StateTerms(s.name, optional(s.rate), start, s.scale, optional(s.update))
+        for s, start in zip(terms.states, starts, strict=True)
     )
     return ForceTerms(along, force, states, curves)
 

@@ -15,6 +15,18 @@ from .laws import FOLDER
 from .schema import CaseFile, Mechanism
 from .sweep_members import CheckedSweep, check_sweep
 
+# Names that the folder of a case has for other things than the results of a run, or of a sweep.
+RESERVED = {
+    "runs": {
+        "bodies": "a folder of this name",
+        "inputs": "a folder of this name",
+        "runs": "a folder of this name",
+        "sweeps": "a folder of this name",
+        "ran": "a file of this name",
+    },
+    "sweeps": {"bodies": "a folder sweeps/bodies"},
+}
+
 
 @dataclass(frozen=True)
 class Case:
@@ -79,6 +91,11 @@ def load_case(file: Path, *, coarse: bool = False) -> Case:
     specs = BodySpecs(file.parent)
     runs: dict[str, Mechanism] = {}
     bodies: dict[str, dict[str, BodySpec]] = {}
+    problems += [
+        f"{file}: {table}.{name}: expected another name, build/CASE has {RESERVED[table][name]}"
+        for table, names in (("runs", top.runs), ("sweeps", top.sweeps))
+        for name in RESERVED[table].keys() & names.keys()
+    ]
     for name, run in top.runs.items():
         merged = merged_with(f"runs.{name}", run.variants)
         try:

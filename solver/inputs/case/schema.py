@@ -9,7 +9,7 @@ from pydantic import Field
 
 from ...package.body.specification import LinkKind, MassForm, Theory
 from ..common.material import Material
-from ..common.table import Name, Table, Vector, Word, unit
+from ..common.table import FilePath, Name, Table, Vector, Word, unit
 from ..section.mesh_table import ShapeMesh, shape_or
 from .fidelity import Fidelity
 from .forces import CaseForce
@@ -27,7 +27,7 @@ class DescribedSection(Table):
     Its keys: docs/section-description.md.
     """
 
-    file: str = Field(description="path of a section description, relative to the case file")
+    file: FilePath = Field(description="path of a section description, relative to the case file")
 
 
 if TYPE_CHECKING:
@@ -162,7 +162,7 @@ class ShellBody(Reducible, Deformed):
     """
 
     kind: Literal["shell"]
-    shell: str = Field(
+    shell: FilePath = Field(
         description="path of a shell description (docs/shell-description.md), relative to the "
         "case file"
     )
@@ -205,7 +205,7 @@ class PackageBody(Reducible, Deformed):
     """`[bodies.NAME]` with kind = "package": a modal package from a file."""
 
     kind: Literal["package"]
-    package: str = Field(description="path of the .vtkhdf file, relative to the case file")
+    package: FilePath = Field(description="path of the .vtkhdf file, relative to the case file")
 
 
 Body = Annotated[BeamBody | ShellBody | RigidBody | PackageBody, Field(discriminator="kind")]

@@ -2,11 +2,22 @@
 
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+
+from .messages import printable
+
+
+def usable_path(text: str) -> str:
+    """Return a path. Raises ValueError if no message could show it in one line."""
+    if not text or printable(text) != text:
+        raise ValueError("expected a path without control characters")
+    return text
+
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_-]*$")]
 Word = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]  # of an expression
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
+FilePath = Annotated[str, AfterValidator(usable_path)]
 Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
 
 

@@ -13,7 +13,7 @@ by one system of the same structure as that of the mass matrix:
     Phi_q x = (c + (s + 2 alpha) Phi_q rho) / (s^2 + 2 alpha s + beta^2),
     g x - m / (k + s c) = (e + c g rho) / (k + s c),
     delta v = s x - rho,   delta q = G x + (r_q - G rho) / s,
-    delta z = r_z / (s - dzdot/dz) of each auxiliary state by itself,
+    delta z of auxiliary states as in coupled_states.py,
 
 with the feedback alpha, beta of Baumgarte's treatment in c: without it in the matrix, Newton's
 iteration would converge only where steps are much shorter than 1 / alpha and 1 / beta. Forces of
@@ -28,13 +28,13 @@ import numpy as np
 
 from ...dynamics.dependence import REGULAR, rows_depend
 from ...dynamics.elimination import factorise, solve
-from ...dynamics.measures import auxiliary_rate
 from ...dynamics.model import Model, state_size
 from ...dynamics.system import add_inertia, soften
 from ...dynamics.workspace import Factors, Work, new_factors, place_added_rows
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean, structure
 from ...math.rotations import along_parameters
+from .coupled_states import freeze_states, hold_states, left_of_states, move_states
 from .elements import freeze_elements
 
 NOTHING = 1e-100  # of stiffness and damping: an element that holds nothing in a direction
@@ -66,6 +66,7 @@ class Frozen(NamedTuple):
     stiffness: Array  # (n_e,) of the rows of force elements [N/m, N m/rad]
     damping: Array  # (n_e,) [N s/m, N m s/rad]
     auxiliary: Array  # (na,) derivatives of the rates of auxiliary states by themselves [1/s]
+    coupled: Array  # (n, 3) of forces with states of their own (coupled_states.py)
 
 
 def new_pencil(model: Model, one: Any) -> Pencil:
@@ -97,6 +98,7 @@ def new_frozen(model: Model) -> Frozen:
         np.zeros(n_e),
         np.zeros(n_e),
         np.zeros(model.n_aux),
+        np.zeros((model.quantities.coupled_force.shape[0], 3)),
     )
     place_added_rows(model, frozen.J)
     return frozen
@@ -120,8 +122,8 @@ def freeze(model: Model, work: Work, t: float, y: Array, frozen: Frozen) -> None
             frozen.p[i, k] = y[model.pos_start[i] + 3 + k]
     if plan.element_row.shape[0] > 0:
         freeze_elements(model, work, frozen.stiffness, frozen.damping, frozen.J)
-    for j in range(model.n_aux):
-        _, frozen.auxiliary[j] = auxiliary_rate(model.quantities, j, t, work.quantity)
+    if model.n_aux > 0:
+        freeze_states(model, work, t, frozen.auxiliary, frozen.coupled)
 
 
 @lean
@@ -161,8 +163,12 @@ def _factorise(
         softness[k] = frozen.softness[k] / fed
     first = n_c + plan.added_start[model.n_body]
     for k in range(frozen.stiffness.shape[0]):
-        hold = stiffness * frozen.stiffness[k] + damping * frozen.damping[k]
-        softness[first + k] = 1.0 / hold if abs(hold) > NOTHING else 1.0 / NOTHING
+        softness[first + k] = stiffness * frozen.stiffness[k] + damping * frozen.damping[k]
+    s = damping / stiffness
+    hold_states(model, frozen.auxiliary, frozen.coupled, s, stiffness, first, softness)
+    for k in range(first, first + frozen.stiffness.shape[0]):
+        hold = softness[k]
+        softness[k] = 1.0 / hold if abs(hold) > NOTHING else 1.0 / NOTHING
     factorise(plan, plan.newton, pencil.factors, frozen.J, softness)
 
 
@@ -220,11 +226,13 @@ def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> No
                     for b in range(plan.size[body]):
                         lost = frozen.damping[begin + p] * rho[body, b]
                         gamma[e + begin + p] += J[b, first + p] * lost
+    left_of_states(model, frozen.auxiliary, frozen.coupled, frozen.J, r, rho, s, e, gamma)
     for k in range(frozen.damping.shape[0]):
         gamma[e + k] *= pencil.softness[e + k]
     solve(plan, plan.newton, pencil.factors, load, gamma, x, pencil.mu)
     for k in range(n_c, gamma.shape[0]):
         gamma[k] = 0.0
+    move_states(model, frozen.auxiliary, frozen.coupled, frozen.J, r, rho, x, s, delta)
     c = 1.0 / s
     for i in range(plan.size.shape[0]):
         m = model.n_mode[i]
@@ -241,9 +249,6 @@ def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> No
         turned = along_parameters(frozen.p[i], 0, 0.5 * x[i, 3], 0.5 * x[i, 4], 0.5 * x[i, 5])
         for k in range(4):
             delta[a + 3 + k] = turned[k] + r[a + 3 + k] * c
-    for j in range(model.n_aux):
-        a = n_pos + model.n_vel + j
-        delta[a] = r[a] / (s - frozen.auxiliary[j])
 
 
 @inlined

@@ -11,7 +11,7 @@ from ...math.arrays import Array, IntArray
 from ...math.compiled import structure
 from .elements import start_forces
 from .pencil import Frozen, Pencil, new_frozen, new_pencil
-from .step_control import ERROR_LAST, LIMIT, NEXT, RATE, TIME
+from .step_control import ERROR_LAST, LIMIT, NEXT, RATE, TAKEN, TIME
 
 
 @structure
@@ -71,9 +71,18 @@ def new_radau_workspace(
         np.zeros(6, dtype=np.int64),
     )
     workspace.clock[TIME], workspace.clock[NEXT], workspace.clock[ERROR_LAST] = t, first_step, 1.0
-    workspace.clock[RATE], workspace.clock[LIMIT] = 1.0, 1e300
+    workspace.clock[LIMIT] = 1e300
+    restart_radau(model, workspace, t, y, rate, multipliers)
+    return workspace
+
+
+def restart_radau(
+    model: Model, workspace: RadauWorkspace, t: float, y: Array, rate: Array, multipliers: Array
+) -> None:
+    """Forget what was before state y (n,) at t [s]; rate and multipliers are those after it."""
+    workspace.y[:], workspace.f[:] = y, rate
+    workspace.clock[TAKEN], workspace.clock[RATE] = 0.0, 1.0
     evaluate(model, workspace.work, t, y)
     for k in range(3):
         workspace.multipliers_old[k, : model.n_constraint] = multipliers
         start_forces(model, workspace.work, workspace.multipliers_old[k])
-    return workspace

@@ -87,6 +87,7 @@ class Integrator(ABC):
 
     # Whether it integrates auxiliary states of controllers, friction, angles over many turns.
     auxiliary: ClassVar[bool] = True
+    samples: ClassVar[bool] = False  # and the jumps of those that are sampled
 
     # Words on runs that fail, without the full stop.
     on_growth: ClassVar[str] = ""  # a fixed step that makes the state grow, or fail
