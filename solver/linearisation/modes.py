@@ -28,8 +28,8 @@ class Modes:
     """
 
     eigenvalues: Array  # (k,) complex [1/s], imaginary part >= 0
-    right: Array  # (2 n_free, k) columns of A r = lambda r; of unit modal mass
-    left: Array  # (2 n_free, k) l^H A = lambda l^H, with l^H r = 1
+    right: Array  # (m, k) columns of A r = lambda r; of unit modal mass
+    left: Array  # (m, k) l^H A = lambda l^H, with l^H r = 1
     still: BoolArray  # (k,): zero but for round-off
     x: Array  # (n_vel, k) displacements along the velocity coordinates, of unit modal mass
 
@@ -58,8 +58,7 @@ class Modes:
 
 def modes_of(model: Model, space: StateSpace, t: float = 0.0) -> Modes:
     """Return the modes of linearised equations of a model at time t."""
-    n = space.n_free
-    if n == 0:
+    if not space.A_free.size:
         none = np.zeros((0, 0), dtype=complex)
         x = np.zeros((model.n_vel, 0), dtype=complex)
         return Modes(np.zeros(0, dtype=complex), none, none, np.zeros(0, dtype=bool), x)
