@@ -16,7 +16,8 @@ from .state_space import StateSpace
 BoolArray = NDArray[np.bool_]
 
 _STILL = 1e-6  # [rad/s] eigenvalues below are zero, whatever the mechanism
-_ROUND_OFF = 10.0  # safety on the round-off of a double eigenvalue zero
+_ROUND_OFF = 100.0  # safety on the round-off of a double eigenvalue zero
+_DOUBLE = 30.0  # safety on what the eigenvalue solver makes of a double zero [sqrt(rad/s)]
 _REAL = 1e-9  # imaginary part of a real eigenvalue, relative
 
 
@@ -66,7 +67,8 @@ def modes_of(model: Model, space: StateSpace, t: float = 0.0) -> Modes:
     largest = float(np.abs(values).max())
     real = np.abs(values.imag) <= _REAL * np.abs(values)
     values = np.where(real, values.real, values)
-    still = np.abs(values) <= max(_STILL, _still(model, space, t), 1e-12 * largest)
+    double = _DOUBLE * float(np.sqrt(np.finfo(float).eps * largest))
+    still = np.abs(values) <= max(_STILL, _still(model, space, t), double)
     # Of a pair one is kept; of a double zero, which has one vector, also one.
     keep = [k for k in range(values.size) if values[k].imag > 0.0 or real[k]]
     keep = _single_zeros(keep, still, right)
