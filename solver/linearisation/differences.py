@@ -35,6 +35,7 @@ class Direction(NamedTuple):
     x: Array  # (n_vel,) displacement along the velocity coordinates
     u: Array  # (n_vel,) change of velocities
     laws: Array  # (n_law, 3) change of value, rate and acceleration of each law
+    states: Array  # (n_aux,) change of auxiliary states
 
 
 class Instant(NamedTuple):
@@ -46,7 +47,11 @@ class Instant(NamedTuple):
     laws: Array  # (n_law, 3) value, rate and acceleration of the laws at t
 
     def direction(
-        self, x: Array | None = None, u: Array | None = None, laws: Array | None = None
+        self,
+        x: Array | None = None,
+        u: Array | None = None,
+        laws: Array | None = None,
+        states: Array | None = None,
     ) -> Direction:
         """Return a direction; what is not given is zero."""
         none = np.zeros(self.model.n_vel)
@@ -54,6 +59,7 @@ class Instant(NamedTuple):
             none if x is None else x,
             none if u is None else u,
             np.zeros_like(self.laws) if laws is None else laws,
+            np.zeros(self.model.n_aux) if states is None else states,
         )
 
 
@@ -135,7 +141,9 @@ def _times(instant: Instant, y: Array) -> Array:
 def _state(instant: Instant, d: Direction, s: float) -> Array:
     model, y = instant.model, instant.y.copy()
     y[: model.n_pos] = moved(model, instant.y[: model.n_pos], s * d.x)
-    y[model.n_pos : model.n_pos + model.n_vel] += s * d.u
+    first = model.n_pos + model.n_vel
+    y[model.n_pos : first] += s * d.u
+    y[first : first + model.n_aux] += s * d.states
     return y
 
 

@@ -23,12 +23,13 @@ class Realisation(NamedTuple):
     output_units: list[str]
 
 
-def realisation(space: StateSpace, coordinates: list[str]) -> Realisation:
+def realisation(space: StateSpace, coordinates: list[str], auxiliary: list[str]) -> Realisation:
     """Return the equations in the displacements of independent coordinates and their rates.
 
     Parameters
     ----------
     coordinates : (n_vel,) names of the velocity coordinates
+    auxiliary : (n_aux,) names of the auxiliary states
 
     The coordinates are chosen by a QR decomposition with pivoting of the free motions. A rate is
     the velocity beside that which the constraints ask of the displaced state (zeta of
@@ -42,6 +43,7 @@ def realisation(space: StateSpace, coordinates: list[str]) -> Realisation:
     S[:n, :n] = S[n : 2 * n, n : 2 * n] = Z[chosen]
     inverse = np.linalg.inv(S)
     drives = [s.name for s in space.inputs if s.drive]
+    others = [auxiliary[j] for j in space.auxiliary]
     return Realisation(
         A=S @ space.A @ inverse,
         B=S @ space.B,
@@ -50,6 +52,7 @@ def realisation(space: StateSpace, coordinates: list[str]) -> Realisation:
         states=[
             *(coordinates[k] for k in chosen),
             *(f"rate of {coordinates[k]}" for k in chosen),
+            *others,
             *drives,
             *(f"rate of {name}" for name in drives),
         ],

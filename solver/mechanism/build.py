@@ -34,6 +34,7 @@ class BuiltMechanism:
     places: dict[str, tuple[int, Interface]]  # "BODY.INTERFACE" -> body index, interface
     joints: dict[str, BuiltJoint]  # joints of the case
     signal_marker: dict[str, int]  # signal of a place -> marker index
+    state_names: list[str]  # auxiliary states, without those that count turns
 
 
 def build(
@@ -85,6 +86,7 @@ def build(
         places=places.known,
         joints=built_joints,
         signal_marker=signal_marker,
+        state_names=[state.name for state in reader.found.states],
     )
 
 

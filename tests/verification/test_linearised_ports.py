@@ -192,3 +192,21 @@ def test_linear_answer_of_a_spinning_arm_is_that_of_the_run(tmp_path):
     system = StateSpace(found["A"], found["B"][:, [push]], found["C"], found["D"][:, [push]])
     _, expected, _ = lsim(system, size, result.t)
     np.testing.assert_allclose(lag, expected.ravel(), atol=1e-6 * np.abs(lag).max())
+
+
+def test_controlled_pendulum_has_the_states_of_its_controller(tmp_path):
+    """J s^2 + m g c + kp + ki / s + kd s / (Tf s + 1) = 0, about the hanging position."""
+    text = PENDULUM + (
+        '[forces.pid]\nkind = "controller"\njoint = "pin"\nsetpoint = "0"\n'
+        "proportional = 30.0\nintegral = 12.0\nderivative = 4.0\nfilter_time = 0.05\n"
+    )
+    found, _ = exported(tmp_path, text, "--at", "equilibrium")
+    J, d, k = 0.1 + 2.0 * 0.25, 0.3, 2.0 * 9.81 * 0.5
+    lag = [0.05, 1.0]
+    plant = np.polymul(np.polymul([J, d, k + 30.0], [1.0, 0.0]), lag)
+    integral, damping = np.polymul([12.0], lag), [4.0, 0.0, 0.0]
+    expected = np.roots(np.polyadd(np.polyadd(plant, integral), damping))
+    np.testing.assert_allclose(
+        np.sort_complex(np.linalg.eigvals(found["A"])), np.sort_complex(expected), rtol=1e-8
+    )
+    assert set(found["states"][2:]) == {"pid.integral_part", "pid.filtered"}

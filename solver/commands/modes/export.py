@@ -17,7 +17,7 @@ def write_linear(folder: Path, states: States, found: Found) -> Realisation:
     """Write linear.npz and linear.mat: A, B, C, D with names and units of what they connect."""
     built = states.built
     names = coordinate_names(built.model, built.body_names, built.packages)
-    system = realisation(found.space, names)
+    system = realisation(found.space, names, built.state_names)
     matrices: dict[str, Any] = {key: getattr(system, key) for key in "ABCD"}
     words = {
         "states": system.states,

@@ -60,7 +60,7 @@ def period_of(states: States, found: Found, k: int) -> Period:
 
     def nodes(amplitude: float) -> tuple[tuple[BodyGeometry, ...], Array]:
         positions = [moved(model, y[: model.n_pos], amplitude * (x * p).real) for p in phase]
-        still = np.zeros((len(phase), model.n_vel + 1))
+        still = np.zeros((len(phase), y.size - model.n_pos))
         return drawn_shapes(states.built, np.hstack([np.array(positions), still]))
 
     bodies, rest = nodes(0.0)
