@@ -16,6 +16,7 @@ from ..integrators.generic import Steps, StopRequest, Watch, integrate
 from ..math.arrays import Array
 from ..package import ModalPackage, read_package
 from ..results import RunResult, write_result, write_summary
+from .disk_usage import disk_note, nearest_folder
 from .inputs_digest import inputs_sha256
 from .outcome import RunSpec, collect
 from .preparation import Prepared, prepare
@@ -99,7 +100,10 @@ def output_times(t_end: float, step: float) -> Array:
 
 
 def integrated(
-    prepared: Prepared, watch: Watch | None = None, look: Look | None = None
+    prepared: Prepared,
+    watch: Watch | None = None,
+    look: Look | None = None,
+    folder: Path | None = None,
 ) -> FinishedRun:
     """Integrate a prepared mechanism from its start to `t_end`: a single run, or one of a sweep.
 
@@ -109,13 +113,14 @@ def integrated(
     ----------
     watch : sees the steps in place of the monitors, which it must call itself
     look : at how many output times the checks look
+    folder : for states that are too many for memory; None: that of temporary files
     """
     solver = prepared.mechanism.solver
     solution, order = prepared.refused, 0
     if solution is None:
         integrator = make_integrator(prepared.model, prepared.y0, solver, prepared.treatment)
         times = output_times(solver.t_end, solver.output_step)
-        solution = integrate(integrator, times, watch=watch or prepared.watch)
+        solution = integrate(integrator, times, watch=watch or prepared.watch, folder=folder)
         order = integrator.order
     return prepared.finished(prepared.explained(solution), order, look or Look())
 
@@ -154,8 +159,15 @@ class _Progress:
             self.bar.close()
 
 
-def execute(spec: RunSpec, *, progress: bool = True) -> tuple[RunResult, dict[str, Any]]:
+def execute(
+    spec: RunSpec, *, progress: bool = True, folder: Path | None = None
+) -> tuple[RunResult, dict[str, Any]]:
     """Integrate one run; return the result and the summary.
+
+    Parameters
+    ----------
+    folder : for files without a name, of results that are too many for memory; None: that of
+        temporary files. The arrays of the result are then LongRows (math/rows.py)
 
     Raises
     ------
@@ -168,13 +180,13 @@ def execute(spec: RunSpec, *, progress: bool = True) -> tuple[RunResult, dict[st
     clock.lap("build")
     follow = _Progress(prepared.watch, spec.mechanism.solver.t_end, spec.run, progress)
     try:
-        finished = integrated(prepared, follow)
+        finished = integrated(prepared, follow, folder=folder)
     finally:
         follow.close()
     solve_s = time.perf_counter() - begin
     clock.lap("integrate")
     clock.move(follow.seconds, "integrate", "monitors")
-    result, summary = collect(spec, prepared.measured, finished, solve_s)
+    result, summary = collect(spec, prepared.measured, finished, solve_s, folder)
     clock.lap("recover")
     summary["cost"]["seconds"] = clock.seconds
     return result, summary
@@ -190,7 +202,10 @@ def run_file(
     clock, digest = Stopwatch(), inputs_sha256(file)
     spec = read_run(file)
     clock.lap("load")
-    result, summary = execute(spec, progress=progress)
+    disk = nearest_folder(out)
+    if note := disk_note(spec, disk):
+        print(f"{spec.run}: {note}", file=sys.stderr, flush=True)
+    result, summary = execute(spec, progress=progress, folder=disk)
     clock.skip()
     out.mkdir(parents=True, exist_ok=True)
     write_result(out / "result.vtkhdf", result)
