@@ -17,9 +17,8 @@ def stall_findings(run: FinishedRun) -> Iterator[Finding]:
     """Yield the stalls of a run, with the energy that was damped until its end."""
     for stall in run.solution.stalls:
         damped = run.solution.damped_energy
-        lost = (
-            f"; they lost {damped:.2g} J, {damped / run.energy_in_play:.2g} of the energy in play"
-        )
+        share = damped / run.past.energy_in_play
+        lost = f"; they lost {damped:.2g} J, {share:.2g} of the energy in play"
         yield stall_finding(run.built, stall, lost)
 
 

@@ -143,6 +143,15 @@ class StepLoop(Integrator):
             self._go_back(self._stood[1])
             self._stood = None
 
+    def take_back(self, count: int) -> None:
+        """Stand after the first `count` steps of the last stride: the others were not taken."""
+        if count > 0:
+            self._stand(count - 1)
+            self._stood = count - 1, self._mark()
+        else:
+            self._go_back(self._begun)
+            self._stood = None
+
     def _mark(self) -> Any:
         """Return all that the steps to come depend on."""
         kept = {name: value for name, value in vars(self).items() if name not in PLACES}

@@ -21,6 +21,7 @@ from ..math.arrays import Array
 from ..package import ModalPackage, read_package
 from ..results import RunResult, write_result, write_summary
 from ..results.finding import Finding
+from .disk_usage import disk_note, nearest_folder
 from .inputs_digest import inputs_sha256
 from .outcome import RunSpec, collect
 from .preparation import Prepared, prepare
@@ -108,6 +109,7 @@ def integrated(
     watch: Watch | None = None,
     look: Look | None = None,
     on_stall: Callable[[Stall], None] | None = None,
+    folder: Path | None = None,
 ) -> FinishedRun:
     """Integrate a prepared mechanism from its start to `t_end`: a single run, or one of a sweep.
 
@@ -118,13 +120,20 @@ def integrated(
     watch : sees the steps in place of the monitors, which it must call itself
     look : at how many output times the checks look
     on_stall : told at once of a run that has come to a stall
+    folder : for states that are too many for memory; None: that of temporary files
     """
     solver = prepared.mechanism.solver
     solution, order = prepared.refused, 0
     if solution is None:
         integrator = make_integrator(prepared.model, prepared.y0, solver, prepared.treatment)
         times = output_times(solver.t_end, solver.output_step)
-        solution = integrate(integrator, times, watch=watch or prepared.watch, on_stall=on_stall)
+        solution = integrate(
+            integrator,
+            times,
+            watch=watch or prepared.watch,
+            on_stall=on_stall,
+            folder=folder,
+        )
         order = integrator.order
     return prepared.finished(prepared.explained(solution), order, look or Look())
 
@@ -175,8 +184,15 @@ class _Progress:
             self.bar.close()
 
 
-def execute(spec: RunSpec, *, progress: bool = True) -> tuple[RunResult, dict[str, Any]]:
+def execute(
+    spec: RunSpec, *, progress: bool = True, folder: Path | None = None
+) -> tuple[RunResult, dict[str, Any]]:
     """Integrate one run; return the result and the summary.
+
+    Parameters
+    ----------
+    folder : for files without a name, of results that are too many for memory; None: that of
+        temporary files. The arrays of the result are then LongRows (math/rows.py)
 
     Raises
     ------
@@ -185,10 +201,12 @@ def execute(spec: RunSpec, *, progress: bool = True) -> tuple[RunResult, dict[st
         does not go with the treatment of constraints.
     """
     clock = Stopwatch()
-    return _collected(spec, *_solved(spec, clock, progress), clock)
+    return _collected(spec, *_solved(spec, clock, progress, folder), clock, folder)
 
 
-def _solved(spec: RunSpec, clock: Stopwatch, progress: bool) -> tuple[Prepared, FinishedRun, float]:
+def _solved(
+    spec: RunSpec, clock: Stopwatch, progress: bool, folder: Path | None
+) -> tuple[Prepared, FinishedRun, float]:
     """Return the mechanism, its motion, and the wall time of both [s]."""
     begin = time.perf_counter()
     prepared = prepare(spec.mechanism, spec.packages)
@@ -201,6 +219,7 @@ def _solved(spec: RunSpec, clock: Stopwatch, progress: bool) -> tuple[Prepared, 
             prepared,
             follow,
             on_stall=lambda stall: follow.tell(stall_finding(prepared.built, stall).text),
+            folder=folder,
         )
     finally:
         follow.close()
@@ -211,9 +230,14 @@ def _solved(spec: RunSpec, clock: Stopwatch, progress: bool) -> tuple[Prepared, 
 
 
 def _collected(
-    spec: RunSpec, prepared: Prepared, finished: FinishedRun, solve_s: float, clock: Stopwatch
+    spec: RunSpec,
+    prepared: Prepared,
+    finished: FinishedRun,
+    solve_s: float,
+    clock: Stopwatch,
+    folder: Path | None,
 ) -> tuple[RunResult, dict[str, Any]]:
-    result, summary = collect(spec, prepared.measured, finished, solve_s)
+    result, summary = collect(spec, prepared.measured, finished, solve_s, folder)
     clock.lap("recover")
     summary["cost"]["seconds"] = clock.seconds
     return result, summary
@@ -229,10 +253,13 @@ def run_file(
     clock, digest = Stopwatch(), inputs_sha256(file)
     spec = read_run(file)
     clock.lap("load")
+    disk = nearest_folder(out)
+    if note := disk_note(spec, disk):
+        print(f"{spec.run}: {note}", file=sys.stderr, flush=True)
     solving = Stopwatch()
-    solved = _solved(spec, solving, progress)
+    solved = _solved(spec, solving, progress, disk)
     with held():  # what is computed is kept
-        result, summary = _collected(spec, *solved, solving)
+        result, summary = _collected(spec, *solved, solving, disk)
         clock.skip()
         out.mkdir(parents=True, exist_ok=True)
         write_result(out / "result.vtkhdf", result)
