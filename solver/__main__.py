@@ -14,7 +14,6 @@ import os
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 from plymotion import __version__
 
@@ -159,11 +158,12 @@ def _compile(options: argparse.Namespace) -> int:
 
 
 def _report(options: argparse.Namespace) -> int:
-    from .report import make_report, summary_table
+    from .report import case_table, make_report, summary_table
+    from .results import read_summary
 
     try:
-        case: dict[str, Any] = json.loads((options.folder / "case.json").read_text())
-    except (OSError, ValueError) as error:
+        case = case_table(json.loads((options.folder / "case.json").read_text("utf-8")))
+    except (OSError, ValueError, RecursionError) as error:
         raise InputError(
             f"{options.folder}: no case.json ({error}); expected the folder of a case"
         ) from error
@@ -171,7 +171,7 @@ def _report(options: argparse.Namespace) -> int:
     if not runs:
         raise InputError(f"{options.folder}: no finished run; expected <run>/summary.json")
     page = make_report(options.folder, runs, case)
-    summaries = [json.loads((options.folder / r / "summary.json").read_text()) for r in runs]
+    summaries = [read_summary(options.folder / r / "summary.json") for r in runs]
     print(summary_table(summaries))
     print(f"Report: {page}")
     return 0

@@ -14,6 +14,6 @@ def inputs_sha256(file: Path) -> str:
         digest = hashlib.sha256(solver_sha256().encode() + content)
         for entry in json.loads(content)["packages"].values():
             digest.update((file.parent.parent / entry["file"]).read_bytes())
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return ""
     return digest.hexdigest()

@@ -12,6 +12,7 @@ from .check_bodies import check_bodies, interfaces
 from .forces import LoadTable
 from .laws import RotationDrive
 from .of_time import drives
+from .outputs import output_findings
 from .schema import BeamBody, Mechanism, RigidBody, ShellBody
 from .signals import JointSignal, PlyStressSignal, PointSignal, ReactionSignal, ResultantSignal
 
@@ -25,6 +26,7 @@ def cross_check(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodyS
         found += check_place(f"masses.{name}.at", mass.at, mechanism, ground=False)
     for name, signal in mechanism.signals.items():
         found += _signal(f"signals.{name}", signal, mechanism)
+    found += output_findings(mechanism)
     try:
         treatment_of(mechanism.solver)
     except InputError as error:
