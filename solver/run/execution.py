@@ -30,6 +30,7 @@ from .timing import Stopwatch
 if TYPE_CHECKING:
     from ..inputs.case.schema import Mechanism
 
+FIRST_LINE_S = 2.0  # wall time after which a run without a terminal tells where it is
 INCOMPLETE = 3  # exit code of a run that ended early with a result
 
 
@@ -43,20 +44,31 @@ def read_run(file: Path) -> RunSpec:
     """
     try:
         table = json.loads(file.read_text(encoding="utf-8"))
-        case, run = table["case"], table["run"]
+        case, run = str(table["case"]), str(table["run"])
         mechanism = _mechanism(table, str(file))
-        entries = table["packages"]
-    except (OSError, ValueError, KeyError, TypeError) as error:
+        entries = [(body, *_entry(entry)) for body, entry in table["packages"].items()]
+        unknown = [body for body, *_ in entries if body not in mechanism.bodies]
+        if unknown:
+            raise ValueError(f"packages.{unknown[0]}: there is no such body")
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise InputError(
-            f"{file}: not a run file ({error}); expected one written by "
+            f"{file}: not a run file ({type(error).__name__}: {error}); expected one written by "
             "`python -m plymotion.solver check`"
         ) from error
     packages = {}
-    for body, entry in entries.items():
-        path = file.parent.parent / entry["file"]
+    for body, name, digest in entries:
         whose = f"bodies.{body} of case {case}, run {run}"
-        packages[body] = package_of(path, entry.get("inputs_sha256"), whose, f"make {case}")
+        path = file.parent.parent / name
+        packages[body] = package_of(path, digest, whose, f"make {case}")
     return RunSpec(case, run, mechanism, packages)
+
+
+def _entry(entry: Any) -> tuple[str, str | None]:
+    """Return file and digest of a package. Raises ValueError for other content."""
+    name, digest = entry["file"], entry.get("inputs_sha256")
+    if not isinstance(name, str) or "\0" in name or not isinstance(digest, str | None):
+        raise ValueError(f"packages: expected file and inputs_sha256, found {entry!r}")
+    return name, digest
 
 
 def _mechanism(table: dict[str, Any], where: str) -> "Mechanism":
@@ -139,13 +151,17 @@ def integrated(
 
 
 class _Progress:
-    """Show simulated time and pass the steps on to the monitors."""
+    """Show simulated time and pass the steps on to the monitors.
+
+    On a terminal by a bar; elsewhere by lines, the first after 2 s, then at doubled intervals.
+    """
 
     def __init__(self, watch: Watch, t_end: float, label: str, show: bool) -> None:
         self.watch, self.note = watch, watch.note
-        self._label, self._show = label, show
+        self.t_end, self.label, self.steps, self._show = t_end, label, 0, show
         self.findings: list[Finding] = []  # of monitors, told as they grow
         self._told = 0
+        self.begin, self.next = time.perf_counter(), FIRST_LINE_S if show else np.inf
         self.seconds = 0.0  # CPU time of the monitors
         self.bar: Any = None
         if show and sys.stderr.isatty():
@@ -161,8 +177,17 @@ class _Progress:
             )
 
     def __call__(self, steps: Steps) -> StopRequest | None:
+        self.steps += len(steps)
         if self.bar is not None:
             self.bar.update(steps.t[-1] - self.bar.n)
+        elif time.perf_counter() - self.begin > self.next:
+            self.next *= 2.0
+            print(
+                f"{self.label}: t = {steps.t[-1]:.6g} of {self.t_end:g} s, {self.steps} steps, "
+                f"{time.perf_counter() - self.begin:.0f} s",
+                file=sys.stderr,
+                flush=True,
+            )
         begin = time.process_time()
         try:
             return self.watch(steps)
@@ -176,7 +201,7 @@ class _Progress:
         """Show a line at once."""
         if self._show:
             write = print if self.bar is None else self.bar.write
-            write(f"{self._label}: {text}", file=sys.stderr)
+            write(f"{self.label}: {text}", file=sys.stderr)
 
     def close(self) -> None:
         """Remove the bar."""

@@ -15,6 +15,6 @@ def inputs_sha256(file: Path) -> str:
         table = json.loads(content)
         for entry in (*table["packages"].values(), *table.get("check_packages", {}).values()):
             digest.update((file.parent.parent / entry["file"]).read_bytes())
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return ""
     return digest.hexdigest()

@@ -67,10 +67,9 @@ def test_rules_follow_the_files_of_sections(case, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     write_case(load_case(described(case)), Path("out"))
     rules = Path("out/case.mk").read_text()
-    links = re.findall(r"^out/case\.mk: (out/inputs/\w+)$", rules, re.MULTILINE)
-    section = Path("sections/box-layup-2.toml").resolve()
-    assert section in [Path(link).resolve() for link in links]
-    assert all(f"\n{link}:\n" in rules for link in links)
+    (link,) = Path("out/inputs").iterdir()
+    assert link.readlink() == tmp_path / "sections/box-layup-2.toml"
+    assert f"out/case.mk: {link}\n{link}:\n" in rules
 
 
 def test_where_a_mesh_lies_does_not_change_the_body(case, tmp_path, monkeypatch):

@@ -3,9 +3,9 @@
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from ...errors import InputError
+from ...results import read_summary
 
 
 def report_case(folder: Path, runs: Sequence[str] | None = None) -> str:
@@ -20,11 +20,11 @@ def report_case(folder: Path, runs: Sequence[str] | None = None) -> str:
     InputError
         Not the folder of a case; no finished run; no matplotlib.
     """
-    from ...report import make_report, summary_table  # imports matplotlib
+    from ...report import case_table, make_report, summary_table  # imports matplotlib
 
     try:
-        case: dict[str, Any] = json.loads((folder / "case.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+        case = case_table(json.loads((folder / "case.json").read_text(encoding="utf-8")))
+    except (OSError, ValueError, RecursionError) as error:
         raise InputError(
             f"{folder}: no case.json ({error}); expected the folder of a case"
         ) from error
@@ -33,7 +33,5 @@ def report_case(folder: Path, runs: Sequence[str] | None = None) -> str:
     if not runs:
         raise InputError(f"{folder}: no finished run; expected <run>/summary.json")
     page = make_report(folder, list(runs), case)
-    summaries = [
-        json.loads((folder / run / "summary.json").read_text(encoding="utf-8")) for run in runs
-    ]
+    summaries = [read_summary(folder / run / "summary.json") for run in runs]
     return f"{summary_table(summaries)}\nReport: {page}"

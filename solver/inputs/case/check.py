@@ -15,6 +15,7 @@ from .coupled import check_couplings
 from .forces import CoordinateTable, LoadTable
 from .laws import RotationDrive
 from .of_time import drives
+from .outputs import output_findings
 from .rich import check_fidelity
 from .schema import BeamBody, Mechanism, RigidBody, ShellBody
 from .signals import (
@@ -43,6 +44,7 @@ def cross_check(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodyS
             "bodies take velocity and angular_velocity"
         )
     found += check_fidelity(mechanism)
+    found += output_findings(mechanism)
     try:
         treatment_of(mechanism.solver)
     except InputError as error:

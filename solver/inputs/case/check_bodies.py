@@ -10,6 +10,7 @@ from .rich import CHECK, rich_bodies
 from .schema import BeamBody, Mechanism, PackageBody, RigidBody, ShellBody
 
 SYMMETRY = 1e-5  # of the largest entry: products of inertia may be given to five digits
+TRIANGLE = 1e-5  # relative: the same digits
 Body = BeamBody | ShellBody | RigidBody | PackageBody
 
 
@@ -38,6 +39,14 @@ def check_bodies(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, Body
                     f"bodies.{name}.inertia = {body.inertia}: expected a symmetric, "
                     "positive definite 3x3 matrix"
                 )
+            else:
+                a, b, c = np.linalg.eigvalsh(inertia)
+                if c > (a + b) * (1.0 + TRIANGLE):
+                    found.append(
+                        f"bodies.{name}.inertia = {body.inertia}: no body has principal moments "
+                        f"{a:.6g}, {b:.6g}, {c:.6g} kg m2; expected none above the sum of the "
+                        "other two"
+                    )
     return sound, found
 
 

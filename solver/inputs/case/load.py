@@ -27,6 +27,8 @@ RESERVED = {
     "sweeps": {"bodies": "a folder sweeps/bodies"},
 }
 
+IN_COARSE = " (in [coarse])"
+
 
 @dataclass(frozen=True)
 class Case:
@@ -91,6 +93,8 @@ def load_case(file: Path, *, coarse: bool = False) -> Case:
     specs = BodySpecs(file.parent)
     runs: dict[str, Mechanism] = {}
     bodies: dict[str, dict[str, BodySpec]] = {}
+    if top.coarse and not coarse:
+        problems += _of_coarse(file)
     problems += [
         f"{file}: {table}.{name}: expected another name, build/CASE has {RESERVED[table][name]}"
         for table, names in (("runs", top.runs), ("sweeps", top.sweeps))
@@ -134,9 +138,20 @@ def load_case(file: Path, *, coarse: bool = False) -> Case:
             else:
                 sweeps[name] = checked
     if problems:
-        raise InputError("\n".join(dict.fromkeys(problems)))
+        told = dict.fromkeys(problems)
+        twice = {f"{line}{IN_COARSE}" for line in told}
+        raise InputError("\n".join(line for line in told if line not in twice))
     name = file.resolve().parent.name if file.name == "case.toml" else file.stem
     return Case(name, file, top, runs, bodies, sweeps)
+
+
+def _of_coarse(file: Path) -> list[str]:
+    """Return what is wrong with a case in its coarse version, beyond the whole case."""
+    try:
+        load_case(file, coarse=True)
+    except InputError as error:
+        return [f"{line}{IN_COARSE}" for line in str(error).splitlines()]
+    return []
 
 
 def merge(base: dict[str, Any], over: dict[str, Any]) -> None:

@@ -22,9 +22,9 @@ Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
 
 
 class Table(BaseModel):
-    """A table of an input file: unknown keys are errors."""
+    """A table of an input file: unknown keys are errors; true, false and "1" are no numbers."""
 
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True)
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True, strict=True)
 
 
 def plain_table(table: BaseModel) -> Any:
