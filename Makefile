@@ -353,6 +353,11 @@ bench: $(EXUDYN) | $(COMPILED) ## The solver compared with Exudyn: build/benchma
 	$(BENCH) benchmarks/solver_speed.py build/benchmarks/solver.json --write docs/speed.md \
 	    $(BENCH_OPTIONS)
 
+.PHONY: fidelity
+fidelity: $(FENICSX) | $(COMPILED) ## Accuracy asked, estimated and true of planned runs: build/benchmarks/fidelity.json
+	. ./$(FENICSX) && export FENICSX_PYTHON && \
+	    $(BENCH) benchmarks/fidelity.py build/benchmarks/fidelity.json
+
 # In a separate folder: neither tests nor users need them. Without dependencies: NumPy is that of
 # the environment.
 $(EXUDYN): pyproject.toml $(LIGHT)

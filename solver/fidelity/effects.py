@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..dynamics.coordinates import moved
+from ..dynamics.coordinates import move_rows
 from ..dynamics.model import Model
 from ..math.arrays import Array, IntArray
 from ..signals import Recording, Sensor
@@ -101,10 +101,9 @@ def _slopes(found: Response, sensors: list[Sensor], j: int, order: int, size: fl
     sides = []
     for sign in (1.0, -1.0):
         y, (rates, multipliers) = found.y[rows].copy(), _rates(found, rows)
-        change = sign * step * moving
+        change = np.ascontiguousarray(sign * step * moving)
         if order == 0:
-            for s in range(len(rows)):
-                y[s, : model.n_pos] = moved(model, y[s, : model.n_pos], change[s])
+            move_rows(model, y, change)
         elif order == 1:
             y[:, model.n_pos : model.n_pos + model.n_vel] += change
         else:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..dynamics.coordinates import moved
+from ..dynamics.coordinates import move_rows
 from ..math.arrays import Array
 from ..mechanism import BuiltMechanism, build
 from ..monitors.geometric_stiffness import geometric_stiffness
@@ -195,8 +195,7 @@ def _stiffening_loss(
     rows, model = found.at, found.model
     t, y = found.t[rows], found.y[rows].copy()
     change = np.einsum("snm,sm->sn", found.motions[:, : model.n_vel], found.eta[rows])
-    for s in range(len(rows)):
-        y[s, : model.n_pos] = moved(model, y[s, : model.n_pos], change[s])
+    move_rows(model, y, change)
     one, two = Recording(model, t, y), Recording(again.model, t, y)
     lost = np.array([second[name].values(two) - measured[name].values(one) for name in measured])
     lost = np.where(np.isfinite(lost), lost, 0.0)

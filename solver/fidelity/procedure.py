@@ -19,6 +19,7 @@ from .shares import Share, promoted, split
 from .trial import Trial, attempted, distance
 
 ROUNDS = 4
+MARGIN = 0.9  # of the accuracy: estimate up to which a request counts as met
 SECOND_CHECK = 1.0 / 3.0  # of the accuracy: estimate from which a second check runs
 
 
@@ -138,9 +139,9 @@ def checked(answer: Answer, *, promote: bool = True) -> Answer:
             return answer
         answer.estimate = distance(fidelity.metric, answer.trial, answer.check)
         estimate = float(answer.estimate.max(initial=0.0))
-        if fidelity.accuracy * SECOND_CHECK < estimate <= fidelity.accuracy:
+        if fidelity.accuracy * SECOND_CHECK < estimate <= MARGIN * fidelity.accuracy:
             estimate = _second(answer, ranked, run, fidelity.metric)
-        if estimate <= fidelity.accuracy:
+        if estimate <= MARGIN * fidelity.accuracy:
             answer.verdict, answer.reason = "met", ""
             return answer
         answer.verdict = "not met"

@@ -21,7 +21,7 @@ from ..dynamics.system import assemble
 from ..math.arrays import Array, IntArray
 from .base import Base
 
-SAMPLES = 48  # output times at which masses and sensitivities are computed
+SAMPLES = 32  # output times at which masses and sensitivities are computed
 GAMMA = 0.55
 
 

@@ -49,7 +49,7 @@ WRONG = {
     "outputs": (
         CASE.replace("output_step = 0.01", "output_step = 1e-12"),
         r"output_step = 1e-12: 1e\+11 outputs up to t_end = 0.1 s, which take at least 1.04e\+13 "
-        "bytes; expected at most solver.most_outputs = 1000000",
+        "bytes; expected at most solver.most_outputs = 10000000",
     ),
     "endless": (CASE.replace("t_end = 0.1", "t_end = 1e308"), r"output_step = 0.01: inf outputs"),
 }
