@@ -80,7 +80,7 @@ def _parser() -> argparse.ArgumentParser:
         "`plymotion CASE.toml` goes from a case file to its report; commands do parts of it.",
     )
     parser.add_argument("--version", action="version", version=f"plymotion {__version__}")
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND", prog="plymotion")
 
     check = commands.add_parser(
         "check", help="check a case file; write the input of the other commands"
@@ -119,7 +119,7 @@ def _parser() -> argparse.ArgumentParser:
     experimental.set_defaults(command=_experimental)
 
     add_modes_command(commands, _modes)
-    add_exchange_commands(commands, _import)
+    add_exchange_commands(commands, _import, _export)
     add_section_command(commands, _section)
     add_shell_command(commands, _shell)
     add_sweep_command(commands, _sweep)
@@ -236,6 +236,12 @@ def _import(options: argparse.Namespace) -> int:
     from .commands.exchange.command import run_import
 
     return run_import(options)
+
+
+def _export(options: argparse.Namespace) -> int:
+    from .commands.exchange.command import run_export
+
+    return run_export(options)
 
 
 def _section(options: argparse.Namespace) -> int:

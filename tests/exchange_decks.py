@@ -98,3 +98,31 @@ def frequencies(dat: Path) -> Array:
         elif rows:
             break
     return np.array(rows)
+
+
+def write_mystran(file: Path, count: tuple[int, int]) -> Path:
+    """Bulk data of CQUAD4 with PCOMP at mid-height; OUTPUT4 of KGG and MGG.
+
+    MYSTRAN 18 leaves out the mass of one ply of its first PCOMP element: four CONM2 add it.
+    """
+    nx, ny = count
+    lines = ["ID ARM,FREE", "SOL 3", "OUTPUT4 KGG,MGG,,,//-1/21 $", "CEND", "METHOD = 1"]
+    lines += ["BEGIN BULK", "EIGRL,1,,,12", "PARAM,SOLLIB,BANDED"]
+
+    def label(i: int, j: int) -> int:
+        return 1 + i * (ny + 1) + j
+
+    for i, j in product(range(nx + 1), range(ny + 1)):
+        x, y = LENGTH * i / nx, WIDTH * (j / ny - 0.5)
+        lines.append(f"GRID    {label(i, j):8d}        {x:8.5f}{y:8.5f}{0.0:8.5f}")
+    for n, (i, j) in enumerate(product(range(nx), range(ny)), 1):
+        ring = [label(i, j), label(i + 1, j), label(i + 1, j + 1), label(i, j + 1)]
+        lines.append(f"CQUAD4  {n:8d}{1:8d}" + "".join(f"{k:8d}" for k in ring))
+    lost = RHO * PLY * LENGTH / nx * WIDTH / ny
+    corners = [label(0, 0), label(1, 0), label(1, 1), label(0, 1)]
+    lines += [f"CONM2,{10**6 + k},{k},,{lost / 4:.9g}" for k in corners]
+    plies = ",".join(f"1,{PLY},{angle},YES" for angle in ANGLES)
+    lines += ["PCOMP,1,,,,,,,,+P", f"+P,{plies}"]
+    lines.append("MAT8,1," + ",".join(f"{v:.3E}" for v in (E1, E2, NU12, G12, G12, G23, RHO)))
+    file.write_text("\n".join([*lines, "ENDDATA"]) + "\n")
+    return file

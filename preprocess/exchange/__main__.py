@@ -1,12 +1,16 @@
 """Command line: `python -m plymotion.preprocess.exchange import | export`; light environment."""
 
 import argparse
+import importlib
 import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
 
 from ...solver.errors import InputError, PackageError
+
+TABLES = 4  # exit code: the source has modes only, and their tables are written
+TARGETS = ("exudyn", "uff", "med", "dmig")
 
 
 def main(arguments: "Sequence[str] | None" = None) -> int:
@@ -33,8 +37,14 @@ def _parser() -> argparse.ArgumentParser:
     into.add_argument("file", type=Path)
     into.add_argument("--from", dest="source")
     into.add_argument("--out", "-o", type=Path, required=True)
+    into.add_argument("--tables", type=Path, help="folder for tables of modes, exit code 4")
     into.add_argument("--quiet", action="store_true")
     into.set_defaults(run=_import)
+    away = commands.add_parser("export", help="modal package in the format of another code")
+    away.add_argument("package", type=Path)
+    away.add_argument("--to", dest="target", required=True, choices=TARGETS)
+    away.add_argument("--out", "-o", type=Path)
+    away.set_defaults(run=_export)
     return parser
 
 
@@ -49,13 +59,31 @@ def _import(options: argparse.Namespace) -> int:
         if not options.quiet:
             print(f"[{time.perf_counter() - start:6.1f} s] {step}", file=sys.stderr, flush=True)
 
-    package = imported(table, options.file.parent, str(options.file), options.source, tell)
+    where, folder = str(options.file), options.file.parent
+    package = imported(table, folder, where, options.source, tell, options.tables)
+    if isinstance(package, Path):
+        return TABLES
     for warning in package.provenance["warnings"]:
         print(f"warning [{warning['code']}] {warning['message']}", file=sys.stderr)
     write_package(options.out, package)
     hertz = package.frequencies / 6.283185307179586
     span = f", {hertz[0]:.6g} to {hertz[-1]:.6g} Hz" if len(hertz) else ""
     print(f"{options.out}: {package.body}, {package.n_mode} modes{span}")
+    return 0
+
+
+def _export(options: argparse.Namespace) -> int:
+    from ...solver.package import read_package
+
+    writer = importlib.import_module(f"{__package__}.write.{options.target}")
+    package = read_package(options.package)
+    stem = options.package.stem.replace("-", "_")
+    default = options.package.with_name(f"{stem}_{options.target}{writer.SUFFIX}")
+    out = options.out or default
+    if out.resolve() == options.package.resolve():
+        raise InputError(f"{out}: expected another name than that of the package")
+    out.parent.mkdir(parents=True, exist_ok=True)
+    print(f"{out}: {writer.write(package, out, options.package)}")
     return 0
 
 

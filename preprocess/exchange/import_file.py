@@ -8,6 +8,8 @@ from typing import Any, cast, get_args
 from ...solver.errors import InputError, did_you_mean
 from ...solver.package import ModalPackage
 from ...solver.package.common.table_form import SpecError, check_form
+from .free_body import FreeBody
+from .modal import write_tables
 from .read.files import Files
 from .reduce import Tell, reduce_body
 from .spec import ImportFile, Reduction, Source
@@ -42,8 +44,9 @@ def imported(
     where: str,
     source: "str | None" = None,
     tell: Tell = lambda _: None,
-) -> ModalPackage:
-    """Modal package of the body that an import file describes.
+    tables: "Path | None" = None,
+) -> "ModalPackage | Path":
+    """Modal package of the body that an import file describes, or tables of its modes.
 
     Parameters
     ----------
@@ -51,6 +54,8 @@ def imported(
     folder : where its paths start
     where : name of the file, for messages
     source : instead of the key `from`
+    tables : folder for the tables of a source that has modes only; `plymotion experimental` makes
+        the package from the file that is returned then
 
     Raises
     ------
@@ -68,4 +73,18 @@ def imported(
     reader = importlib.import_module(f"{__package__}.read.{kind.replace('-', '_')}")
     found = reader.read(files)
     reduction = cast(Reduction, {k: v for k, v in table.items() if k not in OWN_KEYS})
-    return reduce_body(found, reduction, tell)
+    if isinstance(found, FreeBody):
+        return reduce_body(found, reduction, tell)
+    if tables is None:
+        raise InputError(
+            f'{where}: from = "{kind}": it has modes without matrices; make the package with '
+            '`plymotion import`, and use it as kind = "package"'
+        )
+    return write_tables(found, reduction, files, tables)
+
+
+def package_of(table: dict[str, Any], folder: Path, where: str) -> ModalPackage:
+    """Modal package of a source with matrices. Raises InputError, also for other sources."""
+    package = imported(table, folder, where)
+    assert isinstance(package, ModalPackage)
+    return package

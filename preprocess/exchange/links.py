@@ -1,7 +1,7 @@
 """Interfaces of an imported body: groups of nodes that move as one, or whose mean is followed."""
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 import scipy.sparse as sp
@@ -38,6 +38,26 @@ class Link:
     motion: sp.csr_matrix
 
 
+class Mesh(Protocol):
+    """What a selection of nodes needs of a body."""
+
+    @property
+    def nodes(self) -> Array:
+        """Coordinates (n, 3) [m]."""
+
+    @property
+    def node_ids(self) -> IntArray:
+        """Labels (n,)."""
+
+    @property
+    def dof_node(self) -> IntArray:
+        """Nodes that move."""
+
+    @property
+    def groups(self) -> dict[str, IntArray]:
+        """Rows of nodes by name."""
+
+
 class Constrained(NamedTuple):
     """Dofs after the rigid links.
 
@@ -72,7 +92,7 @@ def links(body: FreeBody, tables: dict[str, Any], length: float) -> list[Link]:
 
 def _link(body: FreeBody, name: str, table: dict[str, Any], length: float) -> Link:
     where = f"{body.where}: interfaces.{name}"
-    rows = _rows(body, table, length, where)
+    rows = interface_rows(body, table, length, where)
     if table.get("weights", "equal") == "area":
         weights = area_weights(body.nodes, body.cells, rows, where)
     else:
@@ -92,7 +112,7 @@ def _three(value: list[float], where: str) -> Array:
     return np.array(value, dtype=float)
 
 
-def _rows(body: FreeBody, table: dict[str, Any], length: float, where: str) -> IntArray:
+def interface_rows(body: Mesh, table: Any, length: float, where: str) -> IntArray:
     """Rows of the nodes of an interface, without those that have no dof."""
     given = [key for key in ("set", "nodes", "box") if key in table]
     if len(given) != 1:
@@ -128,30 +148,34 @@ def _motion(
 ) -> sp.csr_matrix:
     """Motion of the reference point that fits the nodes best: weighted least squares, (6, N).
 
-    A single node with rotations is followed by its own six dofs.
+    Translations alone, if they determine the motion. On a line, an edge of a shell, the rotations
+    of the nodes count as well, over the radius of inertia of the line.
     """
     number = np.full((len(body.nodes), 6), -1)
     number[body.dof_node, body.dof_direction] = np.arange(len(body.dof_node))
     own = number[rows]  # (k, 6)
-    k, N = len(rows), len(body.dof_node)
-    arms = body.nodes[rows] - position
-    if k == 1 and (own >= 0).all():
-        single = rigid_motions(-arms)[0]  # motion of the point from that of the node
-        return sp.csr_matrix((single.ravel(), (np.repeat(range(6), 6), np.tile(own[0], 6))), (6, N))
-    R = rigid_motions(arms)[:, :3]  # (k, 3, 6)
-    normal = np.einsum("k,kai,kaj->ij", weights, R, R)
-    centred = arms - weights @ arms
+    R = rigid_motions(body.nodes[rows] - position)  # (k, 6, 6)
+    centred = body.nodes[rows] - weights @ body.nodes[rows]
     inertia = np.einsum("k,ka,kb->ab", weights, centred, centred)
     values = np.linalg.eigvalsh(np.trace(inertia) * np.eye(3) - inertia)
+    w = np.repeat(weights[:, None], 6, axis=1)
+    w[:, 3:] = 0.0
     if not values[0] > SPREAD * max(values[-1], 1e-300):
-        shape = "one node" if k == 1 else f"{k} nodes on one line"
+        w[:, 3:] = np.where(own[:, 3:] >= 0, weights[:, None] * (np.trace(inertia) or 1.0), 0.0)
+    normal = np.einsum("kd,kdi,kdj->ij", w, R, R)
+    size = np.sqrt(np.diag(normal))
+    size[size == 0.0] = 1.0
+    if not np.linalg.eigvalsh(normal / np.outer(size, size))[0] > SPREAD:
+        shape = "one node" if len(rows) == 1 else f"{len(rows)} nodes on one line"
         raise InputError(
             f"{where}: {shape} without usable rotations; expected a node with six degrees of "
             "freedom, or at least three nodes that are not on one line"
         )
-    fit = np.linalg.solve(normal, np.einsum("k,kai->ika", weights, R).reshape(6, 3 * k))
-    columns = np.tile(own[:, :3].ravel(), 6)
-    return sp.csr_matrix((fit.ravel(), (np.repeat(range(6), 3 * k), columns)), (6, N))
+    fit = np.linalg.solve(normal, np.einsum("kd,kdi->ikd", w, R).reshape(6, -1))
+    used = np.flatnonzero(w.ravel() > 0.0)
+    columns = np.tile(own.ravel()[used], 6)
+    entries = (fit[:, used].ravel(), (np.repeat(range(6), len(used)), columns))
+    return sp.csr_matrix(entries, (6, len(body.dof_node)))
 
 
 def constrained(body: FreeBody, every: list[Link]) -> Constrained:

@@ -14,7 +14,7 @@ SYMMETRY = 1e-8  # |A - A'| relative to the largest entry
 FREE = 1e-8  # force of a rigid motion relative to the sum of the absolute terms
 TOTAL_MASS = 1e-3  # relative: given and found mass
 DENSITY = (1e-2, 3e4)  # kg/m3 of the box around the body
-THINNEST = 1e-3  # least extent of that box relative to the largest
+THINNEST = 0.1  # least extent of that box relative to the largest: beams and flat shells
 
 
 def check_free_body(body: FreeBody, total_mass: float | None) -> None:

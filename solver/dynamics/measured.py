@@ -69,6 +69,18 @@ class StateTable:
     period: float = 0.0
 
 
+@dataclass(frozen=True)
+class CouplingRow:
+    """One equation between coordinates: the sum of ratio times value is zero.
+
+    unit : d distance [m], r angle [rad]
+    """
+
+    name: str
+    unit: str
+    terms: tuple[tuple[int, float], ...]  # coordinate and its ratio
+
+
 @dataclass
 class Measured:
     """Coordinates, states and curves of a model, as they are added."""
@@ -76,6 +88,7 @@ class Measured:
     coordinates: list[CoordinateTable] = field(default_factory=list)
     states: list[StateTable] = field(default_factory=list)
     curves: list[Law] = field(default_factory=list)
+    couplings: list[CouplingRow] = field(default_factory=list)
 
     def coordinate(self, table: CoordinateTable) -> int:
         """Return the number of a coordinate; one that is there already is not added again."""
@@ -119,7 +132,9 @@ def quantities_of(
     numbers = [next(number) if node is not None else -1 for node in nodes]
     n_law, n_state = len(laws), len(states)
     ends = np.cumsum([n_law, len(sizes), n_state, n_state, n_state])
-    read = {leaf.quantity for node in used for leaf in node.leaves()}
+    terms = [term for row in measured.couplings for term in row.terms]
+    read: set[Hashable] = {leaf.quantity for node in used for leaf in node.leaves()}
+    read |= {value(m) for m, _ in terms}
     turning = [m for m, c in enumerate(coordinates) if c.kind == ANGLE and value(m) in read]
     turn = np.full(n, -1, dtype=np.int64)
     turn[turning] = n_state + np.arange(len(turning))
@@ -160,6 +175,11 @@ def quantities_of(
         along=np.array([along for _, along in forces], dtype=np.int64),
         coupled_force=np.array([k for k, _ in coupled], dtype=np.int64),
         coupled_state=np.array([j for _, j in coupled], dtype=np.int64),
+        coupling_start=np.cumsum(
+            [0, *(len(row.terms) for row in measured.couplings)], dtype=np.int64
+        ),
+        coupling_coordinate=np.array([m for m, _ in terms], dtype=np.int64),
+        coupling_ratio=np.array([ratio for _, ratio in terms], dtype=float),
         stack=new_stack(used),
     )
 

@@ -5,8 +5,8 @@ import numpy as np
 from ..math.arrays import Array, IntArray
 from ..math.compiled import inlined, lean
 from ..math.expressions.program import BY_TIME, NO_SEED, evaluated
-from ..math.triple import Triple, cross3, dot3, minus3, times3
-from .bodies.motion import axis, place, spin, velocity
+from ..math.triple import Triple, cross3, dot3, minus3, sum3, times3
+from .bodies.motion import acceleration, axis, place, spin, spin_rate, velocity
 from .quantities import DISPLACEMENT, DISTANCE, SPIN, Quantities
 
 COINCIDENT = 1e-12  # distance of two points without a direction [m]
@@ -50,6 +50,41 @@ def angle_of(frame: Array, pointer: Array, i: int, j: int, k: int) -> tuple[floa
     u, v = dot3(x, arm), dot3(y, arm)
     n = minus3(times3(u, cross3(arm, y)), times3(v, cross3(arm, x)))
     return np.arctan2(v, u), times3(1.0 / (u * u + v * v), n)
+
+
+@lean
+def acceleration_of(kind: int, axes: IntArray, one: Array, two: Array) -> float:
+    """Return the second derivative of a coordinate at zero coordinate accelerations."""
+    if kind in (DISPLACEMENT, DISTANCE):
+        d, d_d = minus3(place(two), place(one)), minus3(velocity(two), velocity(one))
+        d_dd = minus3(acceleration(two), acceleration(one))
+        if kind == DISTANCE:
+            e = np.sqrt(dot3(d, d))
+            e_d = dot3(d, d_d) / e
+            return (dot3(d, d_dd) + dot3(d_d, d_d) - e_d * e_d) / e
+        n = axis(one, axes[0])
+        n_d, n_dd = axis_rates(one, n)
+        return dot3(n_dd, d) + 2.0 * dot3(n_d, d_d) + dot3(n, d_dd)
+    frame, pointer = (one, two) if axes[0] == 0 else (two, one)
+    x, y, a = axis(frame, axes[1]), axis(frame, axes[2]), axis(pointer, axes[3])
+    x_d, x_dd = axis_rates(frame, x)
+    y_d, y_dd = axis_rates(frame, y)
+    a_d, a_dd = axis_rates(pointer, a)
+    u, v = dot3(x, a), dot3(y, a)
+    u_d, v_d = dot3(x_d, a) + dot3(x, a_d), dot3(y_d, a) + dot3(y, a_d)
+    u_dd = dot3(x_dd, a) + 2.0 * dot3(x_d, a_d) + dot3(x, a_dd)
+    v_dd = dot3(y_dd, a) + 2.0 * dot3(y_d, a_d) + dot3(y, a_dd)
+    s = 1.0 / (u * u + v * v)
+    rate = (u * v_d - v * u_d) * s
+    return (u * v_dd - v * u_dd) * s - 2.0 * (u * u_d + v * v_d) * rate * s
+
+
+@inlined
+def axis_rates(motion: Array, n: Triple) -> tuple[Triple, Triple]:
+    """Return first and second derivative of an axis of a marker."""
+    w = spin(motion)
+    n_d = cross3(w, n)
+    return n_d, sum3(cross3(spin_rate(motion), n), cross3(w, n_d))
 
 
 @lean

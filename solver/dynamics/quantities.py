@@ -41,4 +41,7 @@ class Quantities(NamedTuple):
     along: IntArray  # (nf,) coordinate along which a force element acts; -1: its own
     coupled_force: IntArray  # (nc,) force elements along a coordinate that read states,
     coupled_state: IntArray  # (nc,) and which
+    coupling_start: IntArray  # (n + 1,) first term of each coupling of coordinates
+    coupling_coordinate: IntArray  # (n_term,)
+    coupling_ratio: Array  # (n_term,)
     stack: Array  # memory of an evaluation

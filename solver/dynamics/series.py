@@ -25,6 +25,7 @@ from .system import (
     evaluate,
     evaluate_rates,
     force_wrench,
+    n_coupling,
 )
 from .workspace import PHI, Work, spare_work
 
@@ -93,7 +94,8 @@ def mass_matrices(model: Model, i: int, t: Array, y: Array) -> Array:
 
 def loaded_markers(model: Model) -> IntArray:
     """Return the marker of each load of `marker_loads`, (n,)."""
-    return np.concatenate([model.joint_marker.ravel(), model.force_marker.ravel()])
+    pairs = model.quantities.marker[model.quantities.coupling_coordinate]
+    return np.concatenate([a.ravel() for a in (model.joint_marker, model.force_marker, pairs)])
 
 
 def marker_loads(model: Model, t: Array, y: Array, multipliers: Array) -> Array:
@@ -102,11 +104,10 @@ def marker_loads(model: Model, t: Array, y: Array, multipliers: Array) -> Array:
     Global components; the moment is about the origin of the marker of that side
     (`loaded_markers`). Those of joints are -C' lambda with the coefficients C of the joint's rows,
     which do the same virtual work; multipliers (k, n_c). A load from outside acts on the second
-    marker alone.
+    marker alone. Couplings of coordinates act on the markers of all their terms, which come last.
     """
     t, y = _contiguous(t, y)
-    n = model.joint_marker.size + model.force_marker.size
-    found = np.zeros((t.size, n, 6))
+    found = np.zeros((t.size, loaded_markers(model).size, 6))
     _loads(model, spare_work(model), t, y, np.ascontiguousarray(multipliers), found)
     return found
 
@@ -170,10 +171,19 @@ def _masses(model: Model, work: Work, i: int, t: Array, y: Array, found: Array) 
 
 @lean
 def _loads(model: Model, work: Work, t: Array, y: Array, multipliers: Array, found: Array) -> None:
-    n_joint = model.joint_kind.shape[0]
+    n_joint, q = model.joint_kind.shape[0], model.quantities
+    first = n_joint - n_coupling(model)
     for k in range(t.shape[0]):
         evaluate(model, work, t[k], y[k])
-        for i in range(n_joint):
+        for c in range(n_joint - first):
+            push = multipliers[k, model.joint_row[first + c]]
+            for term in range(q.coupling_start[c], q.coupling_start[c + 1]):
+                at = 2 * (n_joint + model.force_kind.shape[0] + term)
+                for a in range(6):
+                    size = push * q.coupling_ratio[term]
+                    found[k, at, a] = -size * work.g[q.coupling_coordinate[term], a]
+                    found[k, at + 1, a] = -size * work.g[q.coupling_coordinate[term], 6 + a]
+        for i in range(first):
             for row in range(model.joint_row[i], model.joint_row[i + 1]):
                 for a in range(6):
                     found[k, 2 * i, a] -= work.rows[row, a] * multipliers[k, row]

@@ -22,7 +22,7 @@ from .energy import stored_energies
 from .forces.contract import Wrench
 from .forces.table import FIRST_LOAD, element_wrench
 from .joints.table import joint_rows
-from .measures import auxiliary_rate, force_size, law_of_time, measure
+from .measures import acceleration_of, auxiliary_rate, force_size, law_of_time, measure
 from .model import Model, state_size
 from .workspace import GAMMA, PHI, PHI_T, Work, spare_work
 
@@ -54,13 +54,15 @@ def evaluate(model: Model, work: Work, t: float, y: Array) -> None:
     measure_into(model, work, y)
     _add_forces(model, work, t)
     _evaluate_joints(model, work, t)
+    if model.quantities.coupling_ratio.shape[0] > 0:
+        _evaluate_couplings(model, work)
 
 
 @inlined
 def _evaluate_joints(model: Model, work: Work, t: float) -> None:
     """Fill the rows of all joints and the Jacobians at the bodies."""
     rows, plan = work.rows, model.plan
-    for k in range(model.joint_kind.shape[0]):
+    for k in range(model.joint_kind.shape[0] - n_coupling(model)):
         one = work.motion[model.joint_marker[k, 0]]
         two = work.motion[model.joint_marker[k, 1]]
         begin, end = model.joint_row[k], model.joint_row[k + 1]
@@ -84,6 +86,52 @@ def _evaluate_joints(model: Model, work: Work, t: float) -> None:
                 first, n = plan.side_row[k, side], plan.size[body]
                 J_m = work.J_m[model.joint_marker[k, side]]
                 fill_jacobian(work.J[body], first, rows[begin:end], 6 * side, J_m, n)
+
+
+@inlined
+def n_coupling(model: Model) -> int:
+    """Return how many of the joints, the last ones, are couplings of coordinates."""
+    return int(model.quantities.coupling_start.shape[0] - 1)
+
+
+@lean
+def _evaluate_couplings(model: Model, work: Work) -> None:
+    """Fill the rows of couplings, sum r e = 0, and their columns of the Jacobians.
+
+    The coefficients C of a row are those of its first coordinate.
+    """
+    q, plan, rows = model.quantities, model.plan, work.rows
+    first = model.joint_kind.shape[0] - n_coupling(model)
+    for c in range(n_coupling(model)):
+        row, begin, end = model.joint_row[first + c], q.coupling_start[c], q.coupling_start[c + 1]
+        for j in range(rows.shape[1]):
+            rows[row, j] = 0.0
+        for term in range(begin, end):
+            m = q.coupling_coordinate[term]
+            for side in range(2):
+                column, body = (
+                    plan.coupling_column[term, side],
+                    model.marker_body[q.marker[m, side]],
+                )
+                if column >= 0:
+                    for b in range(plan.size[body]):
+                        work.J[body, b, column] = 0.0
+        for term in range(begin, end):
+            m, r = q.coupling_coordinate[term], q.coupling_ratio[term]
+            one, two = work.motion[q.marker[m, 0]], work.motion[q.marker[m, 1]]
+            rows[row, PHI] += r * work.quantity[2 * m]
+            rows[row, GAMMA] -= r * acceleration_of(q.kind[m], q.axes[m], one, two)
+            if term == begin:
+                for j in range(12):
+                    rows[row, j] = r * work.g[m, j]
+            for side in range(2):
+                column, marker = plan.coupling_column[term, side], q.marker[m, side]
+                if column >= 0:
+                    body = model.marker_body[marker]
+                    for b in range(plan.size[body]):
+                        for a in range(6):
+                            push = r * work.g[m, 6 * side + a]
+                            work.J[body, b, column] += push * work.J_m[marker, a, b]
 
 
 @inlined
@@ -194,14 +242,10 @@ def dense(model: Model, work: Work) -> Equations:
             f[j + a] = work.f[i, a]
             for b in range(a + 1):
                 M[j + a, j + b] = M[j + b, j + a] = work.M[i, a, b]
-    for k in range(model.joint_kind.shape[0]):
-        for side in range(2):
-            body = model.marker_body[model.joint_marker[k, side]]
-            if body >= 0:
-                j, first = model.vel_start[body], plan.side_row[k, side]
-                for p in range(model.joint_row[k + 1] - model.joint_row[k]):
-                    for a in range(plan.size[body]):
-                        Phi_q[model.joint_row[k] + p, j + a] += work.J[body, a, first + p]
+        for p in range(plan.row_start[i], plan.row_start[i + 1]):
+            row, column = plan.body_row[p], p - plan.row_start[i]
+            for a in range(plan.size[i]):
+                Phi_q[row, j + a] += work.J[i, a, column]
     return Equations(
         M,
         f,
@@ -261,15 +305,12 @@ def row_products(model: Model, J: Array, a: Array, out: Array) -> None:
     """Fill out (n_c,) with Phi_q a, for J (nb, n, r) and a (nb, n)."""
     plan = model.plan
     out[:] = 0.0
-    for k in range(model.joint_kind.shape[0]):
-        begin = model.joint_row[k]
-        for side in range(2):
-            body = model.marker_body[model.joint_marker[k, side]]
-            if body >= 0:
-                first = plan.side_row[k, side]
-                for p in range(model.joint_row[k + 1] - begin):
-                    for j in range(plan.size[body]):
-                        out[begin + p] += J[body, j, first + p] * a[body, j]
+    for i in range(plan.size.shape[0]):
+        first = plan.row_start[i]
+        for p in range(plan.row_start[i + 1] - first):
+            row = plan.body_row[first + p]
+            for j in range(plan.size[i]):
+                out[row] += J[i, j, p] * a[i, j]
 
 
 @inlined

@@ -14,9 +14,9 @@ from .bodies.added_inertia import POSITIVE, missing_inertia
 from .driven import Stand, driven_frames
 from .forces.table import KINDS as FORCE_KINDS
 from .forces.table import MOST_ROWS, N_PARAMETER, rows_in_use
-from .joints.table import CONSTRAINTS, KINDS, NAMES, ROWS
+from .joints.table import CONSTRAINTS, COUPLED, KINDS, NAMES, ROWS
 from .joints.table import N_PARAMETER as N_JOINT_PARAMETER
-from .measured import Measured, quantities_of, reads_own
+from .measured import CoordinateTable, CouplingRow, Measured, quantities_of, reads_own
 from .model import GROUND, Model
 from .plan import make_plan
 
@@ -134,6 +134,7 @@ def assemble_model(
             raise ValueError(
                 f"marker shapes {marker.phi.shape}, {marker.psi.shape}: expected (3, {expected})"
             )
+    joints = [*joints, *(_coupling(row, measured) for row in measured.couplings)]
     kinds = np.array([KINDS[j.kind] for j in joints], dtype=np.int64)
     laws: list[Law] = []
     joint_law, force_law = _numbered(joints, laws), _numbered(forces, laws)
@@ -225,6 +226,10 @@ def assemble_model(
             element_rows=[_element_rows(e) for e in forces],
             most_element_rows=MOST_ROWS,
             measured=measured.markers,
+            couplings=[
+                [k for m, _ in row.terms for k in _ends(measured.coordinates[m])]
+                for row in measured.couplings
+            ],
         ),
         second_start=_starts(stiffened**2),
         third_start=_starts(stiffened**3),
@@ -242,6 +247,16 @@ def assemble_model(
         n_aux=int(quantities.rate.size),
         quantities=quantities,
     )
+
+
+def _ends(coordinate: CoordinateTable) -> tuple[int, int]:
+    return coordinate.marker_1, coordinate.marker_2
+
+
+def _coupling(row: CouplingRow, measured: Measured) -> JointTable:
+    """Return a coupling as a joint between the markers of its first coordinate."""
+    one, two = _ends(measured.coordinates[row.terms[0][0]])
+    return JointTable(row.name, COUPLED[row.unit], one, two)
 
 
 def _element_rows(force: ForceTable) -> list[int]:

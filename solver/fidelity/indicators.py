@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from ..checks.geometric_stiffness import geometric_stiffness
 from ..dynamics.coordinates import moved
 from ..math.arrays import Array
 from ..mechanism import BuiltMechanism, build
+from ..monitors.geometric_stiffness import geometric_stiffness
 from ..monitors.spin import SpinMonitor
 from ..package import ModalPackage
 from ..package.body.selection import vibrations

@@ -18,8 +18,9 @@ if TYPE_CHECKING:
 
 DAMPED = 0.2  # damping ratio of static shapes that do not ring: 1 would lag behind their loads
 TIGHT = 3e-5  # tolerance of a check at most
+TIGHTEST = 5e-7
 TIGHTER = 4.0  # and so many times below that of the model
-SMALL = 1e-5  # singular value of a load shape that a check leaves out, relative to the largest
+SMALL = 1e-4  # singular value of a load shape that a check leaves out, relative to the largest
 MOST_STATIC = 10  # static shapes of a check
 
 
@@ -112,7 +113,7 @@ def check_plan(
         largest = float(np.linalg.norm(rich.energies(rich.rest([]))))
         static = min(int(np.sum(worth > SMALL * max(largest, 1e-300))), MOST_STATIC)
         bodies[name] = BodyPlan(kept, static, True, "check")
-    rtol = min(TIGHT, plan.rtol / TIGHTER)
+    rtol = max(min(TIGHT, plan.rtol / TIGHTER), TIGHTEST)
     second = any(rich.package.second_order is not None for rich in check.values())
     return Plan(bodies, plan.stiffening or second, rtol, plan.inputs_sha256)
 

@@ -16,7 +16,7 @@ from .indicators import Study, study
 from .model import check_plan
 from .plan import BodyPlan, Plan
 from .shares import Share, promoted, split
-from .trial import Trial, attempted, distance, tried
+from .trial import Trial, attempted, distance
 
 ROUNDS = 4
 SECOND_CHECK = 1.0 / 3.0  # of the accuracy: estimate from which a second check runs
@@ -107,7 +107,7 @@ def checked(answer: Answer, *, promote: bool = True) -> Answer:
         return budget - (time.process_time() - begin)
 
     def run(plan: Plan) -> Trial | None:
-        if left() <= 0.0:
+        if left() <= 0.0 and answer.check is not None:
             return None
         study = answer.study
         return attempted(answer.spec, plan, study.model, study.check, answer.names)
@@ -115,11 +115,12 @@ def checked(answer: Answer, *, promote: bool = True) -> Answer:
     ranked = {name: answer.study.indicators.ranked(name) for name in answer.plan.bodies}
     while True:
         now = time.process_time()
+        study = answer.study
         if answer.rounds:
             answer.trial = run(answer.plan) or answer.trial
-        else:
-            found = answer.study
-            answer.trial = tried(answer.spec, answer.plan, found.model, found.check, answer.names)
+        else:  # whatever the budget
+            parts = answer.spec, answer.plan, study.model, study.check, answer.names
+            answer.trial = attempted(*parts)
         answer.cpu["model"] += time.process_time() - now
         now = time.process_time()
         wanted = check_plan(answer.plan, ranked, answer.study.check)
@@ -128,10 +129,13 @@ def checked(answer: Answer, *, promote: bool = True) -> Answer:
         answer.cpu["check"] += time.process_time() - now
         answer.rounds += 1
         if answer.check is None:
-            answer.reason = "the budget did not allow a check"
+            answer.reason = "no check: the budget is used up, or its model cannot be assembled"
             answer.verdict = "not met"
             return answer
-        assert answer.trial is not None
+        if answer.trial is None:
+            answer.reason = "the model of the plan cannot be assembled"
+            answer.verdict = "not met"
+            return answer
         answer.estimate = distance(fidelity.metric, answer.trial, answer.check)
         estimate = float(answer.estimate.max(initial=0.0))
         if fidelity.accuracy * SECOND_CHECK < estimate <= fidelity.accuracy:
@@ -146,9 +150,9 @@ def checked(answer: Answer, *, promote: bool = True) -> Answer:
                 answer.reason += "; the budget is used up"
             return answer
         now = time.process_time()
-        answer.shares = split(answer.trial, answer.check, fidelity.metric, run)
+        answer.shares = split(answer.trial, answer.check, ranked, fidelity.metric, run)
         answer.cpu["split"] += time.process_time() - now
-        better = promoted(answer.plan, answer.check.plan, answer.shares, estimate)
+        better = promoted(answer.plan, answer.check.plan, ranked, answer.shares, estimate)
         if better == answer.plan:
             answer.reason += "; nothing is left to promote"
             return answer

@@ -1,6 +1,6 @@
 """The difference of a check, split by kind and body: what is promoted if it is too large."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -25,12 +25,19 @@ class Share:
         return {"kind": self.kind, "body": self.body, "value": self.value}
 
 
-def promotions(plan: Plan, check: Plan) -> Iterator[tuple[str, str, Plan]]:
-    """Return kind, body and plan of each single promotion towards a check."""
+def promotions(
+    plan: Plan, check: Plan, ranked: Mapping[str, tuple[str, ...]]
+) -> Iterator[tuple[str, str, Plan]]:
+    """Return kind, body and plan of each single promotion towards a check.
+
+    Of the vibrations of the check only those that respond (`ranked`, by body) are promoted.
+    """
     for name, body in plan.bodies.items():
         more = check.bodies[name]
-        if set(more.vibrations) - set(body.vibrations):
-            yield "vibrations", name, plan.with_body(name, vibrations=more.vibrations, mesh="check")
+        added = [label for label in more.vibrations if label in ranked[name]]
+        if set(added) - set(body.vibrations):
+            kept = tuple(dict.fromkeys((*body.vibrations, *added)))
+            yield "vibrations", name, plan.with_body(name, vibrations=kept)
         if more.static > body.static:
             static = max(2 * body.static, body.static + 2)
             yield "statics", name, plan.with_body(name, static=min(static, more.static))
@@ -45,11 +52,15 @@ def promotions(plan: Plan, check: Plan) -> Iterator[tuple[str, str, Plan]]:
 
 
 def split(
-    trial: Trial, check: Trial, metric: str, run: Callable[[Plan], Trial | None]
+    trial: Trial,
+    check: Trial,
+    ranked: Mapping[str, tuple[str, ...]],
+    metric: str,
+    run: Callable[[Plan], Trial | None],
 ) -> list[Share]:
     """Return the share of each promotion, largest first; `run` tries a plan."""
     found = []
-    for kind, body, plan in promotions(trial.plan, check.plan):
+    for kind, body, plan in promotions(trial.plan, check.plan, ranked):
         other = run(plan)
         if other is None:
             continue
@@ -59,12 +70,18 @@ def split(
     return sorted(found, key=lambda share: -share.value)
 
 
-def promoted(plan: Plan, check: Plan, shares: list[Share], estimate: float) -> Plan:
+def promoted(
+    plan: Plan,
+    check: Plan,
+    ranked: Mapping[str, tuple[str, ...]],
+    shares: list[Share],
+    estimate: float,
+) -> Plan:
     """Return the plan with the promotions of large shares; with all, if none explains the check."""
     largest = max((share.value for share in shares), default=0.0)
     every = not shares or estimate > 2.0 * largest
     wanted = {(s.kind, s.body) for s in shares if every or s.value >= PROMOTED * largest}
-    for kind, body, single in promotions(plan, check):
+    for kind, body, single in promotions(plan, check, ranked):
         if every or (kind, body) in wanted:
             plan = _joined(plan, single, kind, body)
     return plan
@@ -77,7 +94,7 @@ def _joined(plan: Plan, single: Plan, kind: str, body: str) -> Plan:
         return replace(plan, rtol=single.rtol)
     new = single.bodies[body]
     fields: dict[str, dict[str, Any]] = {
-        "vibrations": {"vibrations": new.vibrations, "mesh": "check"},
+        "vibrations": {"vibrations": new.vibrations},
         "statics": {"static": new.static},
         "ringing": {"ringing": True},
         "mesh": {"mesh": "check"},

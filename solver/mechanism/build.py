@@ -9,6 +9,7 @@ from ..dynamics.model import Model
 from ..dynamics.tables import Body, assemble_model, flexible_body, rigid_body
 from ..math.rotations import matrix_to_parameters
 from ..package import Interface, ModalPackage
+from .couplings import coupling_rows
 from .forces import force_tables
 from .initial import Start
 from .joints import BuiltJoint, joint_tables
@@ -54,6 +55,7 @@ def build(
     joints, built_joints = joint_tables(mechanism, places)
     reader = Reader(mechanism, places, built_joints, joints)
     forces = force_tables(mechanism, places, reader)
+    reader.found.couplings += coupling_rows(mechanism, reader)
     masses = [
         (places.marker(f"masses.{name}.at", mass.at, np.eye(3)), mass.mass)
         for name, mass in mechanism.masses.items()
@@ -79,7 +81,7 @@ def build(
         model=virtual.scaled(model),
         start=_start(mechanism, places, virtual, model, packages),
         body_names=list(mechanism.bodies),
-        joint_names=[joint.name for joint in virtual.joints],
+        joint_names=[joint.name for joint in virtual.joints] + list(mechanism.couplings),
         packages=packages,
         places=places.known,
         joints=built_joints,

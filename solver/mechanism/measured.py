@@ -97,19 +97,23 @@ class Reader:
         m = self._coordinate(read)
         return rate_of(m) if read.rate else value(m)
 
+    def of_joint(self, name: str, coordinate: str) -> int:
+        """Return the number of a coordinate of a joint."""
+        return self.found.coordinate(self._of_joint(name, coordinate))
+
     def _coordinate(self, read: Read) -> int:
         names = read.names
         if read.kind == "joint":
-            return self.found.coordinate(self._of_joint(*names))
+            return self.of_joint(*names)
         one, two = (self._place(place) for place in self._pair(read))
-        if read.kind == "distance":
+        if read.kind == "length":
             return self.found.coordinate(CoordinateTable(DISTANCE, one, two))
         kind = SPIN if read.kind == "spin" else DISPLACEMENT
         axis = AXES.index(names[1])
         return self.found.coordinate(CoordinateTable(kind, one, two, (axis,)))
 
     def _pair(self, read: Read) -> tuple[str, str]:
-        return (read.names[0], read.names[1]) if read.kind == "distance" else ("", read.names[0])
+        return (read.names[0], read.names[1]) if read.kind == "length" else ("", read.names[0])
 
     def _place(self, place: str) -> int:
         """Return the marker of a place, with global axes at the start; of the ground for ""."""

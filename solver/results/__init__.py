@@ -1,7 +1,7 @@
 """Results of a run: result.vtkhdf with all histories, summary.json with the main numbers."""
 
 from .reader import read_result
-from .schema import BodyGeometry, ResultError, RunResult, Signal, relative_balance
+from .schema import BodyGeometry, ResultError, RunResult, Signal, energy_in_play, relative_balance
 from .summary import read_summary, signal_summary, write_summary
 from .writer import write_animation, write_result
 
@@ -10,6 +10,7 @@ __all__ = [
     "ResultError",
     "RunResult",
     "Signal",
+    "energy_in_play",
     "read_result",
     "read_summary",
     "relative_balance",

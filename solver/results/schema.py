@@ -34,17 +34,20 @@ def energy_balance(energies: dict[str, Array]) -> Array:
     return np.asarray(balance - balance[0])
 
 
-def relative_balance(energies: dict[str, Array]) -> Array:
-    """Error of the energy balance over the largest energy of the run, (k,) [-].
-    That is the largest of the kinetic energy, the work and the change of potential.
-    """
+def energy_in_play(energies: dict[str, Array]) -> float:
+    """Largest of the kinetic energy, the work and the change of potential [J]; 1 if all are 0."""
     e = energies
     scale = max(
         float(np.max(np.abs(e["kinetic"]))),
         float(np.max(np.abs(e["drive_work"]))),
         float(np.ptp(e["potential"])),
     )
-    return energy_balance(energies) / (scale or 1.0)
+    return scale or 1.0
+
+
+def relative_balance(energies: dict[str, Array]) -> Array:
+    """Error of the energy balance over the energy in play, (k,) [-]."""
+    return energy_balance(energies) / energy_in_play(energies)
 
 
 @dataclass(frozen=True)

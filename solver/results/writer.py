@@ -7,6 +7,7 @@ import h5py
 import numpy as np
 
 from ..math.arrays import Array, IntArray
+from ..math.rows import LongRows, spans
 from ..package.common.container import new_file, set_text
 from .schema import FORMAT, FORMAT_VERSION, BodyGeometry, ResultError, RunResult, check_result
 
@@ -82,10 +83,20 @@ def _write_results(group: h5py.Group, result: RunResult) -> None:
 
 
 def _put(
-    group: h5py.Group, name: str, values: Array | IntArray, unit: str, frame: str, text: str
+    group: h5py.Group,
+    name: str,
+    values: Array | IntArray | LongRows,
+    unit: str,
+    frame: str,
+    text: str,
 ) -> h5py.Dataset:
     squeeze = {"compression": "gzip", "shuffle": True} if values.nbytes > LARGE else {}
-    dataset = group.create_dataset(name, data=values, **squeeze)
+    if isinstance(values, LongRows):
+        dataset = group.create_dataset(name, values.shape, float, chunks=True, **squeeze)
+        for first, end in spans(len(values), values.nbytes // (8 * len(values))):
+            dataset[first:end] = values.read(first, end)
+    else:
+        dataset = group.create_dataset(name, data=values, **squeeze)
     for key, word in (("unit", unit), ("frame", frame), ("description", text)):
         set_text(dataset, key, word)
     return dataset

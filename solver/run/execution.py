@@ -3,20 +3,25 @@
 import json
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..checks.finished import FinishedRun, Look
+from ..checks.stalls import stall_finding
 from ..errors import InputError, PackageError
 from ..inputs.case.record import sealed
 from ..integrators.choice import make_integrator
 from ..integrators.generic import Steps, StopRequest, Watch, integrate
+from ..integrators.generic.pace import Stall
 from ..interrupts import held
 from ..math.arrays import Array
 from ..package import ModalPackage, read_package
 from ..results import RunResult, write_result, write_summary
+from ..results.finding import Finding
+from .disk_usage import disk_note, nearest_folder
 from .inputs_digest import inputs_sha256
 from .outcome import RunSpec, collect
 from .preparation import Prepared, prepare
@@ -100,7 +105,11 @@ def output_times(t_end: float, step: float) -> Array:
 
 
 def integrated(
-    prepared: Prepared, watch: Watch | None = None, look: Look | None = None
+    prepared: Prepared,
+    watch: Watch | None = None,
+    look: Look | None = None,
+    on_stall: Callable[[Stall], None] | None = None,
+    folder: Path | None = None,
 ) -> FinishedRun:
     """Integrate a prepared mechanism from its start to `t_end`: a single run, or one of a sweep.
 
@@ -110,13 +119,21 @@ def integrated(
     ----------
     watch : sees the steps in place of the monitors, which it must call itself
     look : at how many output times the checks look
+    on_stall : told at once of a run that has come to a stall
+    folder : for states that are too many for memory; None: that of temporary files
     """
     solver = prepared.mechanism.solver
     solution, order = prepared.refused, 0
     if solution is None:
         integrator = make_integrator(prepared.model, prepared.y0, solver, prepared.treatment)
         times = output_times(solver.t_end, solver.output_step)
-        solution = integrate(integrator, times, watch=watch or prepared.watch)
+        solution = integrate(
+            integrator,
+            times,
+            watch=watch or prepared.watch,
+            on_stall=on_stall,
+            folder=folder,
+        )
         order = integrator.order
     return prepared.finished(prepared.explained(solution), order, look or Look())
 
@@ -126,6 +143,9 @@ class _Progress:
 
     def __init__(self, watch: Watch, t_end: float, label: str, show: bool) -> None:
         self.watch, self.note = watch, watch.note
+        self._label, self._show = label, show
+        self.findings: list[Finding] = []  # of monitors, told as they grow
+        self._told = 0
         self.seconds = 0.0  # CPU time of the monitors
         self.bar: Any = None
         if show and sys.stderr.isatty():
@@ -148,6 +168,15 @@ class _Progress:
             return self.watch(steps)
         finally:
             self.seconds += time.process_time() - begin
+            for finding in self.findings[self._told :]:
+                self.tell(finding.text)
+            self._told = len(self.findings)
+
+    def tell(self, text: str) -> None:
+        """Show a line at once."""
+        if self._show:
+            write = print if self.bar is None else self.bar.write
+            write(f"{self._label}: {text}", file=sys.stderr)
 
     def close(self) -> None:
         """Remove the bar."""
@@ -155,8 +184,15 @@ class _Progress:
             self.bar.close()
 
 
-def execute(spec: RunSpec, *, progress: bool = True) -> tuple[RunResult, dict[str, Any]]:
+def execute(
+    spec: RunSpec, *, progress: bool = True, folder: Path | None = None
+) -> tuple[RunResult, dict[str, Any]]:
     """Integrate one run; return the result and the summary.
+
+    Parameters
+    ----------
+    folder : for files without a name, of results that are too many for memory; None: that of
+        temporary files. The arrays of the result are then LongRows (math/rows.py)
 
     Raises
     ------
@@ -165,17 +201,26 @@ def execute(spec: RunSpec, *, progress: bool = True) -> tuple[RunResult, dict[st
         does not go with the treatment of constraints.
     """
     clock = Stopwatch()
-    return _collected(spec, *_solved(spec, clock, progress), clock)
+    return _collected(spec, *_solved(spec, clock, progress, folder), clock, folder)
 
 
-def _solved(spec: RunSpec, clock: Stopwatch, progress: bool) -> tuple[Prepared, FinishedRun, float]:
+def _solved(
+    spec: RunSpec, clock: Stopwatch, progress: bool, folder: Path | None
+) -> tuple[Prepared, FinishedRun, float]:
     """Return the mechanism, its motion, and the wall time of both [s]."""
     begin = time.perf_counter()
     prepared = prepare(spec.mechanism, spec.packages)
     clock.lap("build")
     follow = _Progress(prepared.watch, spec.mechanism.solver.t_end, spec.run, progress)
+    if prepared.buckling is not None:
+        follow.findings = prepared.buckling.findings
     try:
-        finished = integrated(prepared, follow)
+        finished = integrated(
+            prepared,
+            follow,
+            on_stall=lambda stall: follow.tell(stall_finding(prepared.built, stall).text),
+            folder=folder,
+        )
     finally:
         follow.close()
     seconds = time.perf_counter() - begin
@@ -185,9 +230,14 @@ def _solved(spec: RunSpec, clock: Stopwatch, progress: bool) -> tuple[Prepared, 
 
 
 def _collected(
-    spec: RunSpec, prepared: Prepared, finished: FinishedRun, solve_s: float, clock: Stopwatch
+    spec: RunSpec,
+    prepared: Prepared,
+    finished: FinishedRun,
+    solve_s: float,
+    clock: Stopwatch,
+    folder: Path | None,
 ) -> tuple[RunResult, dict[str, Any]]:
-    result, summary = collect(spec, prepared.measured, finished, solve_s)
+    result, summary = collect(spec, prepared.measured, finished, solve_s, folder)
     clock.lap("recover")
     summary["cost"]["seconds"] = clock.seconds
     return result, summary
@@ -203,10 +253,13 @@ def run_file(
     clock, digest = Stopwatch(), inputs_sha256(file)
     spec = read_run(file)
     clock.lap("load")
+    disk = nearest_folder(out)
+    if note := disk_note(spec, disk):
+        print(f"{spec.run}: {note}", file=sys.stderr, flush=True)
     solving = Stopwatch()
-    solved = _solved(spec, solving, progress)
+    solved = _solved(spec, solving, progress, disk)
     with held():  # what is computed is kept
-        result, summary = _collected(spec, *solved, solving)
+        result, summary = _collected(spec, *solved, solving, disk)
         clock.skip()
         out.mkdir(parents=True, exist_ok=True)
         write_result(out / "result.vtkhdf", result)

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from ..inputs.case.signals import PlyStressSignal, ResultantSignal
 
 Values = Callable[[Recording], Array]
+Look = Callable[[Recording], None]
 
 
 def resultant_values(
@@ -36,8 +37,8 @@ def resultant_values(
 
 def ply_stress_values(
     key: str, body: int, package: ModalPackage, signal: "PlyStressSignal"
-) -> Values:
-    """Return what gives a stress (k,) in ply axes [Pa].
+) -> tuple[Values, Look]:
+    """Return what gives a stress (k,) in ply axes [Pa], and what looks at all times before.
 
     Raises
     ------
@@ -53,11 +54,18 @@ def ply_stress_values(
     component = STRESSES.index(signal.component)
     rows = unit_stress_M(recovery)[points, component] @ at  # (p, m)
 
-    def values(recording: Recording) -> Array:
-        stress = recording.modes(body) @ rows.T
-        return stress[:, int(np.argmax(np.abs(stress).max(axis=0)))]
+    own = object()
 
-    return values
+    def look(recording: Recording) -> None:
+        highest = np.abs(recording.modes(body) @ rows.T).max(axis=0)
+        recording.memory[own] = np.maximum(recording.memory.get(own, 0.0), highest)
+
+    def values(recording: Recording) -> Array:
+        if own not in recording.memory:
+            look(recording)
+        return recording.modes(body) @ rows[int(np.argmax(recording.memory[own]))]
+
+    return values, look
 
 
 def resultants_at(key: str, package: ModalPackage, x: float) -> tuple[int, Array]:

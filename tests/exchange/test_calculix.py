@@ -7,7 +7,8 @@ import pytest
 from exchange_decks import LENGTH, MASS, MM, SI, frequencies, write_solid
 from exchange_routes import ccx, import_file, run_program
 
-from plymotion.preprocess.exchange.import_file import imported, read_table
+from plymotion.preprocess.exchange.import_file import package_of as built
+from plymotion.preprocess.exchange.import_file import read_table
 from plymotion.preprocess.exchange.read.calculix import read
 from plymotion.preprocess.exchange.read.files import Files
 from plymotion.solver.errors import InputError
@@ -17,7 +18,7 @@ COUNT = (16, 2)
 
 
 def package_of(file: Path) -> ModalPackage:
-    return imported(read_table(file), file.parent, str(file))
+    return built(read_table(file), file.parent, str(file))
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +43,7 @@ def test_free_frequencies_are_those_of_calculix(folder: Path) -> None:
     table = read_table(folder / "si.toml")
     table |= {"reference": {"kind": "mean-axis"}, "modes": [{"kind": "lowest", "count": 8}]}
     table["interfaces"] = {"tip": {"set": "NTIP", "link": "average"}}
-    found = imported(table, folder, "si.toml").frequencies
+    found = built(table, folder, "si.toml").frequencies
     np.testing.assert_allclose(found, frequencies(folder / "free.dat")[6:], rtol=1e-6)
 
 

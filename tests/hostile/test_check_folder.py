@@ -83,7 +83,7 @@ def test_a_check_that_was_killed_is_completed(tmp_path, monkeypatch):
     """Between any two files: the next one writes all, and removes what is no longer wanted."""
     from plymotion.solver.inputs.case import output_folder
 
-    write = output_folder._write_atomic
+    write = output_folder.write_text
     for before_death in range(6):
         written = []
 
@@ -93,7 +93,7 @@ def test_a_check_that_was_killed_is_completed(tmp_path, monkeypatch):
             written.append(file)
             write(file, text)
 
-        monkeypatch.setattr(output_folder, "_write_atomic", dying)
+        monkeypatch.setattr(output_folder, "write_text", dying)
         code = _check(tmp_path, CASE + OTHER)
         monkeypatch.undo()
         assert code in (130, 0)

@@ -107,7 +107,7 @@ def test_a_curve_of_the_third_degree(tmp_path):
 def test_a_mass_leaves_a_stop_with_the_restitution(tmp_path, restitution, exponent, solver):
     """Without other forces: e times the speed at `impact_speed`, by steps of any size before."""
     text = carriage(
-        force("stop", "stop", joint="rail", upper=1.0, stiffness=1e7, exponent=exponent,
+        force("stop", "limit_stop", joint="rail", upper=1.0, stiffness=1e7, exponent=exponent,
               restitution=restitution, impact_speed=2.0),
         speed=2.0,
     )  # fmt: skip
@@ -122,7 +122,7 @@ def test_a_mass_leaves_a_stop_with_the_restitution(tmp_path, restitution, expone
 def test_a_slower_impact_loses_less(tmp_path):
     """At half the speed: a = b u / 2 in a (1 + e) = log((1 + a) / (1 - a e))."""
     text = carriage(
-        force("stop", "stop", joint="rail", lower=-0.5, stiffness=1e6, restitution=0.5,
+        force("stop", "limit_stop", joint="rail", lower=-0.5, stiffness=1e6, restitution=0.5,
               impact_speed=2.0),
         speed=-1.0,
     )  # fmt: skip
@@ -136,7 +136,7 @@ def test_a_slower_impact_loses_less(tmp_path):
 def test_a_bouncing_mass(tmp_path):
     """Falls of a hard ball without loss: tops of the same height, 2 sqrt(2 h / g) apart."""
     text = carriage(
-        force("floor", "stop", joint="rail", lower=-1.0, stiffness=1e10, restitution=1.0),
+        force("floor", "limit_stop", joint="rail", lower=-1.0, stiffness=1e10, restitution=1.0),
         force("weight", "coordinate_force", joint="rail", expression="-9.81"),
     )
     period = 2.0 * np.sqrt(2.0 / 9.81)
@@ -227,7 +227,7 @@ def test_steady_sliding_of_the_bristle(tmp_path):
     [
         ("coordinate_force", {"expression": "-3 * x**3 - 2 * v * abs(v) + sin(t)"}),
         ("nonlinear_spring", {"force_displacement": Raw("{ x = [-1, 0, 1], y = [-3, 0, 5] }")}),
-        ("stop", {"upper": 0.1, "stiffness": 1e3, "restitution": 0.5, "impact_speed": 2.0}),
+        ("limit_stop", {"upper": 0.1, "stiffness": 1e3, "restitution": 0.5, "impact_speed": 2.0}),
         ("friction", {"coulomb": 2.0, "rest_velocity": 0.9, "viscous": 0.1}),
         ("bristle_friction", {"coulomb": 1.0, "bristle_stiffness": 1e2, "viscous": 3.0}),
         ("controller", {"setpoint": "x**2", "sensor": "2 * x", "proportional": 5.0,
@@ -283,7 +283,7 @@ def test_states_in_newtons_matrix_spare_steps(tmp_path):
 
 KINDS = {
     "coordinate_force": {"expression": "-x"},
-    "stop": {"upper": 1.0, "stiffness": 1e3},
+    "limit_stop": {"upper": 1.0, "stiffness": 1e3},
     "friction": {"coulomb": 1.0, "rest_velocity": 0.1},
     "bristle_friction": {"coulomb": 1.0, "bristle_stiffness": 1e3},
 }
@@ -292,14 +292,14 @@ KINDS = {
 @pytest.mark.parametrize(
     ("kind", "change", "words"),
     [
-        ("stop", {"upper": None}, "has no effect; expected lower or upper"),
-        ("stop", {"lower": 2.0}, "forces.f.lower = 2: expected below upper = 1"),
-        ("stop", {"restitution": 0.5}, "forces.f.impact_speed: missing"),
-        ("stop", {"restitution": 1.5}, "forces.f.restitution = 1.5: value should be less"),
-        ("stop", {"stiffness": -1.0}, "forces.f.stiffness = -1.0: value should be greater"),
-        ("stop", {"joint": "rial"}, "forces.f.joint: there is no joint rial; did you mean 'rail'"),
-        ("stop", {"coordinate": "angle"}, 'is prismatic, not "angle"; expected one of z'),
-        ("stop", {"joint": None}, "expected either `joint` or `between`"),
+        ("limit_stop", {"upper": None}, "has no effect; expected lower or upper"),
+        ("limit_stop", {"lower": 2.0}, "forces.f.lower = 2: expected below upper = 1"),
+        ("limit_stop", {"restitution": 0.5}, "forces.f.impact_speed: missing"),
+        ("limit_stop", {"restitution": 1.5}, "forces.f.restitution = 1.5: value should be less"),
+        ("limit_stop", {"stiffness": -1.0}, "forces.f.stiffness = -1.0: value should be greater"),
+        ("limit_stop", {"joint": "rial"}, "forces.f.joint: there is no joint rial; did you mean"),
+        ("limit_stop", {"coordinate": "angle"}, 'is prismatic, not "angle"; expected one of z'),
+        ("limit_stop", {"joint": None}, "expected either `joint` or `between`"),
         ("friction", {"static": 0.5}, "forces.f.static = 0.5: expected coulomb = 1 or above"),
         ("friction", {"static": 2.0}, "forces.f.stribeck_velocity: missing"),
         ("friction", {"rest_velocity": None}, "forces.f.rest_velocity: missing"),

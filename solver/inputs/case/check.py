@@ -11,10 +11,11 @@ from .body_specs import BodySpec, BodySpecs
 from .check_bodies import Body, check_bodies
 from .check_expressions import check_drive, check_force
 from .check_places import check_place
-from .fidelity import check_fidelity
+from .coupled import check_couplings
 from .forces import CoordinateTable, LoadTable
 from .laws import RotationDrive
 from .of_time import drives
+from .rich import check_fidelity
 from .schema import BeamBody, Mechanism, RigidBody, ShellBody
 from .signals import (
     JointSignal,
@@ -30,6 +31,7 @@ def cross_check(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodyS
     bodies, wrong = check_bodies(mechanism, specs)
     found = check_materials(mechanism.materials) + wrong
     found += _joints(mechanism) + _two_drives(mechanism) + _forces(mechanism)
+    found += check_couplings(mechanism)
     for name, mass in mechanism.masses.items():
         found += check_place(f"masses.{name}.at", mass.at, mechanism, ground=False)
     for name, signal in mechanism.signals.items():

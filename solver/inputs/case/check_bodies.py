@@ -6,7 +6,7 @@ from ...errors import InputError, nearest
 from ...math.definite import is_positive_definite
 from .beams import check_motion
 from .body_specs import BodySpec, BodySpecs
-from .fidelity import CHECK, rich_bodies
+from .rich import CHECK, rich_bodies
 from .schema import BeamBody, Mechanism, PackageBody, RigidBody, ShellBody
 
 SYMMETRY = 1e-5  # of the largest entry: products of inertia may be given to five digits

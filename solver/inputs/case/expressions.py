@@ -27,7 +27,7 @@ class Read:
 
     Attributes
     ----------
-    kind : joint (name, coordinate), place (name, axis), spin (name, axis), distance (place, place),
+    kind : joint (name, coordinate), place (name, axis), spin (name, axis), length (place, place),
         state (force, name)
     names : as above
     rate : the rate by time of it, not itself
@@ -67,17 +67,18 @@ class CaseScope:
         self.mechanism, self._check = mechanism, check
         given = {name: constant(value) for name, value in mechanism.parameters.items()}
         self.names: dict[str, Node] = {**given, **(names or {})}
+        words = (
+            self.joint,
+            self.joint_rate,
+            self.position,
+            self.velocity,
+            self.angular_velocity,
+            self.distance,
+            self.distance_rate,
+            self.signal,
+        )
         self.functions: dict[str, Callable[..., Node]] = {
-            "joint": self.joint,
-            "joint_rate": lambda *words: _rate_of(self.joint(*words)),
-            "position": lambda place, axis: load(Read("place", self._place(place, axis))),
-            "velocity": lambda place, axis: load(Read("place", self._place(place, axis), True)),
-            "angular_velocity": lambda place, axis: load(
-                Read("spin", self._place(place, axis), True)
-            ),
-            "distance": self.distance,
-            "distance_rate": lambda one, two: _rate_of(self.distance(one, two)),
-            "signal": self.signal,
+            **{word.__name__: word for word in words},
             **(own or {}),
         }
 
@@ -91,11 +92,31 @@ class CaseScope:
         """Return the coordinate of a joint; without its name, the only one."""
         return load(Read("joint", joint_coordinate(self.mechanism, name, coordinate)))
 
+    def joint_rate(self, name: str, coordinate: str | None = None) -> Node:
+        """Return the rate of a coordinate of a joint."""
+        return _rate_of(self.joint(name, coordinate))
+
+    def position(self, place: str, axis: str) -> Node:
+        """Return a global coordinate of a place."""
+        return load(Read("place", self._place(place, axis)))
+
+    def velocity(self, place: str, axis: str) -> Node:
+        """Return a global component of the velocity of a place."""
+        return load(Read("place", self._place(place, axis), True))
+
+    def angular_velocity(self, place: str, axis: str) -> Node:
+        """Return a global component of the angular velocity of a place."""
+        return load(Read("spin", self._place(place, axis), True))
+
+    def distance_rate(self, one: str, two: str) -> Node:
+        """Return the rate of the distance of two places."""
+        return _rate_of(self.distance(one, two))
+
     def distance(self, one: str, two: str) -> Node:
         """Return the distance of two places."""
         for place in (one, two):
             self._known(place)
-        return load(Read("distance", (one, two)))
+        return load(Read("length", (one, two)))
 
     def signal(self, name: str) -> Node:
         """Return what a signal of the motion measures."""

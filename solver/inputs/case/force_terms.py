@@ -95,7 +95,7 @@ def _trees(
 def _along(key: str, force: "CoordinateTable", mechanism: "Mechanism") -> Read:
     if force.joint is None:
         assert force.between is not None
-        return Read("distance", (force.between[0], force.between[1]))
+        return Read("length", (force.between[0], force.between[1]))
     try:
         return Read("joint", joint_coordinate(mechanism, force.joint, force.coordinate))
     except ValueError as error:

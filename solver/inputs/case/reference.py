@@ -6,6 +6,7 @@ from ..common.material import MATERIAL_TABLES
 from ..common.page import chapters, required
 from ..section.mesh_table import SHAPE_MESHES
 from . import schema
+from .couplings import COUPLING_TABLES
 from .curves import CurveTable
 from .fidelity import Fidelity
 from .forces import FORCE_TABLES
@@ -29,6 +30,7 @@ _THEN: tuple[type[BaseModel], ...] = (
     schema.PointInterface,
     schema.GroundPoint,
     *JOINT_TABLES,
+    *COUPLING_TABLES,
     *LAW_TABLES,
     *FORCE_TABLES,
     CurveTable,

@@ -11,6 +11,7 @@ from ...package.body.specification import LinkKind, MassForm, Theory
 from ..common.material import Material
 from ..common.table import FilePath, Name, Table, Vector, Word, unit
 from ..section.mesh_table import ShapeMesh, shape_or
+from .couplings import CaseCoupling
 from .fidelity import Fidelity
 from .forces import CaseForce
 from .joints import CaseJoint
@@ -237,6 +238,9 @@ class Mechanism(Table):
     bodies: dict[Name, Body] = Field(min_length=1, description="moving bodies")
     ground: dict[Name, GroundPoint] = Field(default={}, description="points of the ground")
     joints: dict[Name, CaseJoint] = Field(default={}, description="constraints")
+    couplings: dict[Name, CaseCoupling] = Field(
+        default={}, description="gears, belts, screws: equations between coordinates of joints"
+    )
     forces: dict[Name, CaseForce] = Field(
         default={}, description="springs, loads, stops, friction, controllers"
     )

@@ -145,7 +145,8 @@ class Solver(_WithOptions):
     )
     on_invalid: Literal["stop", "warn"] = Field(
         default="stop",
-        description="when a linear body stops being valid: end the run there, or continue",
+        description="when a linear body stops being valid, or a stiffened one buckles: end the run "
+        "there, or continue",
     )
     geometric_stiffening: bool = Field(
         default=False,

@@ -19,10 +19,10 @@ from pathlib import Path
 from typing import Any
 
 from .body_specs import BodySpec
-from .fidelity import model_and_check
 from .load import Case
 from .output_folder import OutputFolder
 from .record import seal
+from .rich import model_and_check
 from .rules import rules
 from .schema import Mechanism, PackageBody
 from .sweep_members import CheckedSweep

@@ -58,8 +58,8 @@ def _terms(values: Mapping[str, Any]) -> Terms:
     return Terms(" + ".join(parts))
 
 
-STOP = CoordinateForce(
-    kind="stop",
+LIMIT_STOP = CoordinateForce(
+    kind="limit_stop",
     meaning="a contact that keeps a coordinate between limits",
     remark="The law of Hunt and Crossley, k d^n (1 + b ddot) at the depth d. An impact that is "
     "slower than `impact_speed` loses less than its `restitution` says, a faster one more.",
