@@ -377,6 +377,8 @@ SHELL_CHARTS := docs/pictures/shell-course.png docs/pictures/shell-error-time.pn
 # The numbers of the solver's charts are in docs/charts, because measuring them takes minutes.
 SOLVER_CHARTS := $(patsubst %,docs/pictures/solver-%.png,integrators treatments models)
 
+MODES_CHARTS := $(patsubst %,docs/pictures/modes-%.png,shapes campbell rotor response)
+
 .PHONY: charts
 charts: $(CHART) $(SHELL_CHARTS) $(SOLVER_CHARTS) docs/pictures/tolerances.png ## Measure error against time and draw charts
 
@@ -392,6 +394,9 @@ build/charts/shell-%.json: $(PREPROCESS_SOURCES) benchmarks/shell_course.py \
 
 docs/pictures/shell-%.png: build/charts/shell-%.json benchmarks/shell_chart.py
 	$(PY) benchmarks/shell_chart.py $* $< $@
+
+$(MODES_CHARTS): docs/pictures/modes-%.png: $(RUN_SOURCES) benchmarks/modes_chart.py | $(COMPILED)
+	$(PY) benchmarks/modes_chart.py $* $@
 
 ACCURACY_SOURCES := benchmarks/exudyn_plane.py \
     $(patsubst %,benchmarks/solver_%.py,accuracy exudyn exudyn_beam methods problems runs)

@@ -77,12 +77,13 @@ def period_of(states: States, found: Found, k: int) -> Period:
 
 
 def _rotation(states: States, x: Array) -> float:
-    """Return the largest rotation of a node against its body by a motion x (n_vel,) [rad]."""
+    """Return the largest rotation of a frame, or of a node in it, by a motion x (n_vel,) [rad]."""
     model, largest = states.built.model, 0.0
     for i, name in enumerate(states.built.body_names):
         package = states.built.packages.get(name)
+        j = int(model.vel_start[i]) + 6
+        largest = max(largest, float(np.linalg.norm(np.abs(x[j - 3 : j]))))
         if package is not None:
-            j = int(model.vel_start[i]) + 6
             q = x[j : j + package.n_mode]
             found = np.einsum("mna,m->na", package.shapes_B[:, :, 3:6], q)
             largest = max(largest, float(np.linalg.norm(np.abs(found), axis=1).max()))
