@@ -33,6 +33,7 @@ class BuiltMechanism:
     places: dict[str, tuple[int, Interface]]  # "BODY.INTERFACE" -> body index, interface
     joints: dict[str, BuiltJoint]  # joints of the case
     signal_marker: dict[str, int]  # signal of a place -> marker index
+    callers: tuple[str, ...] = ()  # forces whose values come from functions of the user
 
 
 def build(
@@ -84,6 +85,7 @@ def build(
         places=places.known,
         joints=built_joints,
         signal_marker=signal_marker,
+        callers=tuple(s.owner for s in reader.found.states if s.inputs is not None),
     )
 
 

@@ -113,7 +113,13 @@ def integrated(
     solver = prepared.mechanism.solver
     solution, order = prepared.refused, 0
     if solution is None:
-        integrator = make_integrator(prepared.model, prepared.y0, solver, prepared.treatment)
+        integrator = make_integrator(
+            prepared.model,
+            prepared.y0,
+            solver,
+            prepared.treatment,
+            functions=prepared.functions,
+        )
         times = output_times(solver.t_end, solver.output_step)
         solution = integrate(integrator, times, watch=watch or prepared.watch)
         order = integrator.order
@@ -154,7 +160,9 @@ class _Progress:
             self.bar.close()
 
 
-def execute(spec: RunSpec, *, progress: bool = True) -> tuple[RunResult, dict[str, Any]]:
+def execute(
+    spec: RunSpec, *, progress: bool = True, allow_python: bool = False
+) -> tuple[RunResult, dict[str, Any]]:
     """Integrate one run; return the result and the summary.
 
     Raises
@@ -164,7 +172,7 @@ def execute(spec: RunSpec, *, progress: bool = True) -> tuple[RunResult, dict[st
         does not go with the treatment of constraints.
     """
     begin, clock = time.perf_counter(), Stopwatch()
-    prepared = prepare(spec.mechanism, spec.packages)
+    prepared = prepare(spec.mechanism, spec.packages, allow_python=allow_python)
     clock.lap("build")
     follow = _Progress(prepared.watch, spec.mechanism.solver.t_end, spec.run, progress)
     try:
@@ -181,16 +189,22 @@ def execute(spec: RunSpec, *, progress: bool = True) -> tuple[RunResult, dict[st
 
 
 def run_file(
-    file: Path, out: Path, *, progress: bool = True, import_s: float = 0.0
+    file: Path,
+    out: Path,
+    *,
+    progress: bool = True,
+    import_s: float = 0.0,
+    allow_python: bool = False,
 ) -> dict[str, Any]:
     """Execute a run file and write result.vtkhdf and summary.json into `out`.
 
-    `import_s` is the CPU time that the program had taken before, for the summary.
+    `import_s` is the CPU time that the program had taken before, for the summary. `allow_python`:
+    functions of the user may run.
     """
     clock, digest = Stopwatch(), inputs_sha256(file)
     spec = read_run(file)
     clock.lap("load")
-    result, summary = execute(spec, progress=progress)
+    result, summary = execute(spec, progress=progress, allow_python=allow_python)
     clock.skip()
     out.mkdir(parents=True, exist_ok=True)
     write_result(out / "result.vtkhdf", result)

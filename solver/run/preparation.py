@@ -15,6 +15,7 @@ from ..math.arrays import Array
 from ..mechanism import BuiltMechanism, build
 from ..mechanism.axis import given_spin
 from ..mechanism.initial import redundancy
+from ..mechanism.python_functions import Called, python_functions, require_permission
 from ..mechanism.start import starting_state
 from ..monitors.singularity import SingularityMonitor
 from ..monitors.spin import SpinMonitor
@@ -41,6 +42,7 @@ class Prepared:
     passage: SingularityMonitor
     notes: list[Finding]  # what a user should know of the start
     refused: Solution | None  # in place of a run that should not begin
+    functions: tuple[Called, ...] = ()  # of the user, which controllers call
 
     @property
     def model(self) -> Model:
@@ -83,16 +85,22 @@ def prepare(
     mechanism: "Mechanism",
     packages: dict[str, ModalPackage],
     signals: Container[str] | None = None,
+    *,
+    allow_python: bool = False,
 ) -> Prepared:
     """Build a checked mechanism (inputs/case/schema.py), close its joints, look at it.
 
-    `signals` are those that will be asked for; None: all.
+    `signals` are those that will be asked for; None: all. `allow_python`: functions of the user
+    may run.
 
     Raises
     ------
     InputError
         A mechanism that cannot be assembled, contradictory constraints.
     """
+    if not allow_python:
+        require_permission(mechanism)
+    functions = python_functions(mechanism)
     solver = mechanism.solver
     treatment = treatment_of(solver)
     built = build(mechanism, packages)
@@ -128,4 +136,5 @@ def prepare(
         passage=passage,
         notes=found.findings(),
         refused=refused,
+        functions=tuple(functions[name] for name in built.callers),
     )

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -45,6 +45,7 @@ class _Task:
     progress: bool
     timing: bool
     import_s: float = 0.0
+    allow_python: bool = False
 
 
 def run_runs(options: argparse.Namespace) -> int:
@@ -62,7 +63,8 @@ def run_runs(options: argparse.Namespace) -> int:
         if options.update and _up_to_date(file, out):
             print(f"{file.stem}: up to date")
             continue
-        tasks.append(_Task(file, out, not options.quiet, options.timing, import_s))
+        allowed = bool(options.allow_python)
+        tasks.append(_Task(file, out, not options.quiet, options.timing, import_s, allowed))
         import_s = 0.0
     jobs = min(options.jobs, len(tasks))
     outcomes = _by_workers(tasks, jobs) if jobs > 1 else _here(tasks)
@@ -87,7 +89,13 @@ def _up_to_date(file: Path, out: Path) -> bool:
 def _outcome(task: _Task) -> Outcome:
     """Do one run."""
     try:
-        summary = run_file(task.file, task.out, progress=task.progress, import_s=task.import_s)
+        summary = run_file(
+            task.file,
+            task.out,
+            progress=task.progress,
+            import_s=task.import_s,
+            allow_python=task.allow_python,
+        )
     except (InputError, PackageError) as error:
         return Outcome(INPUT, errors=str(error).splitlines())
     except OSError as error:
@@ -144,7 +152,7 @@ def _by_workers(tasks: list[_Task], jobs: int) -> Iterator[Outcome]:
 
 
 def _quiet(task: _Task) -> _Task:
-    return _Task(task.file, task.out, progress=False, timing=task.timing)
+    return replace(task, progress=False, import_s=0.0)
 
 
 @contextmanager

@@ -44,6 +44,11 @@ def add_run_command(commands: Any, run: Callable[[argparse.Namespace], int]) -> 
     parser.add_argument(
         "--update", action="store_true", help="only runs whose inputs or solver have changed"
     )
+    parser.add_argument(
+        "--allow-python",
+        action="store_true",
+        help="run the Python functions that a case names as controllers: only of cases you trust",
+    )
     parser.add_argument("--timing", action="store_true", help="print what the CPU seconds went to")
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
     parser.set_defaults(command=run)
