@@ -1,5 +1,7 @@
 """Auxiliary states at the start of a run, and at instants at which controllers act."""
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,6 +11,7 @@ from .model import Model
 from .system import evaluate, measure_into
 from .workspace import spare_work
 
+Called = Callable[[float, Array], float]
 NEAR = 1e-6  # periods by which an instant of two controllers may differ
 
 
@@ -32,14 +35,28 @@ def started(model: Model, t: float, y: Array) -> Array:
     return sampled(model, t, y, q.period > 0.0)
 
 
-def sampled(model: Model, t: float, y: Array, which: NDArray[np.bool_]) -> Array:
-    """Return the state y (n,) after the auxiliary states `which` (na,) have been sampled at t."""
+def sampled(
+    model: Model, t: float, y: Array, which: NDArray[np.bool_], functions: Sequence[Called] = ()
+) -> Array:
+    """Return the state y (n,) after the auxiliary states `which` (na,) have been sampled at t.
+
+    functions : of the states `quantities.called`, of time and inputs (k,); without them these keep
+        their values
+    """
     q, work, after = model.quantities, spare_work(model), y.copy()
+    first = model.n_pos + model.n_vel
     evaluate(model, work, t, y)
-    for j in np.flatnonzero(which):
+    for c, function in enumerate(functions):
+        if which[q.called[c]]:
+            inputs = [
+                evaluated(q.programs, p, t, work.quantity, NO_SEED, NO_SEED, q.stack)[0]
+                for p in range(int(q.call_start[c]), int(q.call_start[c + 1]))
+            ]
+            after[first + q.called[c]] = function(t, np.array(inputs))
+    for j in np.flatnonzero(which & (q.update >= 0)):
         p = int(q.update[j])
         found = evaluated(q.programs, p, t, work.quantity, NO_SEED, NO_SEED, q.stack)
-        after[model.n_pos + model.n_vel + j] = found[0]
+        after[first + j] = found[0]
     return after
 
 

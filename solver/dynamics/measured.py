@@ -59,6 +59,8 @@ class StateTable:
     start : expression of its value at the start, of coordinates and earlier states
     scale : size, for the tolerance of its error
     update : expression of its value from an instant on, every `period` [s] from t = 0 on
+    inputs : of a function outside of the model that gives this value in place of `update`
+    owner : force that it belongs to
     """
 
     name: str
@@ -67,6 +69,8 @@ class StateTable:
     scale: float = 1.0
     update: Node | None = None
     period: float = 0.0
+    inputs: Sequence[Node] | None = None
+    owner: str = ""
 
 
 @dataclass(frozen=True)
@@ -127,7 +131,9 @@ def quantities_of(
     states = measured.states
     nodes = [law.expression for law in laws] + sizes + [s.rate for s in states]
     nodes += [s.start for s in states] + [s.update for s in states]
-    used = [node for node in nodes if node is not None]
+    called = [j for j, s in enumerate(states) if s.inputs is not None]
+    inputs = [node for j in called for node in states[j].inputs or ()]
+    used = [*(node for node in nodes if node is not None), *inputs]
     number = iter(range(len(used)))
     numbers = [next(number) if node is not None else -1 for node in nodes]
     n_law, n_state = len(laws), len(states)
@@ -166,7 +172,7 @@ def quantities_of(
         start_expression=np.array(
             [*numbers[ends[2] : ends[3]], *[-1] * len(turning)], dtype=np.int64
         ),
-        update=np.array([*numbers[ends[3] :], *[-1] * len(turning)], dtype=np.int64),
+        update=np.array([*numbers[ends[3] : ends[4]], *[-1] * len(turning)], dtype=np.int64),
         period=np.array([*(s.period for s in states), *[0.0] * len(turning)], dtype=float),
         scale=np.array([*(s.scale for s in states), *[np.inf] * len(turning)]),
         programs=programs(used, place, measured.curves),
@@ -175,6 +181,10 @@ def quantities_of(
         along=np.array([along for _, along in forces], dtype=np.int64),
         coupled_force=np.array([k for k, _ in coupled], dtype=np.int64),
         coupled_state=np.array([j for _, j in coupled], dtype=np.int64),
+        called=np.array(called, dtype=np.int64),
+        call_start=len(used)
+        - len(inputs)
+        + np.cumsum([0, *(len(states[j].inputs or ()) for j in called)], dtype=np.int64),
         coupling_start=np.cumsum(
             [0, *(len(row.terms) for row in measured.couplings)], dtype=np.int64
         ),

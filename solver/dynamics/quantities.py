@@ -34,6 +34,8 @@ class Quantities(NamedTuple):
     start_expression: IntArray  # (na,) of others by an expression; -1: none
     update: IntArray  # (na,) expression of the value from an instant on; -1: none
     period: Array  # (na,) time between these instants, from t = 0 on [s]
+    called: IntArray  # (n,) states with values of functions outside of the model, and
+    call_start: IntArray  # (n + 1,) the first expression of the inputs of each
     scale: Array  # (na,) size, for the tolerance of its error; inf: none
     programs: Programs
     law: IntArray  # (nl,) expression that a law of time is; -1: it has pieces

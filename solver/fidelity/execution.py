@@ -74,11 +74,16 @@ def answered(file: Path, *, again: bool = False, check: bool = True) -> Answer:
 
 
 def run_any(
-    file: Path, out: Path, *, progress: bool = True, import_s: float = 0.0
+    file: Path,
+    out: Path,
+    *,
+    progress: bool = True,
+    import_s: float = 0.0,
+    allow_python: bool = False,
 ) -> dict[str, Any]:
     """Execute a run file, with `[fidelity]` or without; see `run_file`."""
     if not _asks(file):
-        return run_file(file, out, progress=progress, import_s=import_s)
+        return run_file(file, out, progress=progress, import_s=import_s, allow_python=allow_python)
     clock, digest = Stopwatch(), inputs_sha256(file)
     answer = answered(file)
     delivered = answer.delivered

@@ -1,7 +1,9 @@
 """Which integrator a case asks for, made ready for a mechanism."""
 
+from collections.abc import Sequence
 from typing import Any, Protocol
 
+from ..dynamics.auxiliary import Called
 from ..dynamics.constraints.treatment import IMPLICIT, TREATMENTS, Treatment, TreatmentKeys
 from ..dynamics.model import Model
 from ..dynamics.system import by_blocks
@@ -61,6 +63,7 @@ def make_integrator(
     treatment: Treatment | None = None,
     *,
     fixed_step: float | None = None,
+    functions: Sequence[Called] = (),
 ) -> Integrator:
     """Return the integrator that the case asks for, ready to step from t = 0.
 
@@ -71,6 +74,7 @@ def make_integrator(
     solver : `[solver]` of a case
     treatment : the one that the model was prepared for; of `solver` by default
     fixed_step : [s], without error control (benchmarks)
+    functions : of sampled states (dynamics/auxiliary.py)
 
     Raises
     ------
@@ -88,7 +92,7 @@ def make_integrator(
             "that controllers, bristle_friction and expressions of angles have; expected "
             f"{', '.join(able[:EXAMPLES])} ..."
         )
-    if (model.quantities.update >= 0).any() and not kind.samples:
+    if (model.quantities.period > 0.0).any() and not kind.samples:
         able = [name for name, other in INTEGRATORS.items() if other.samples]
         raise InputError(
             f'solver.integrator = "{solver.integrator}": does not stop at the instants of '
@@ -103,6 +107,8 @@ def make_integrator(
     for key, step in (("max_step", solver.max_step), ("fixed_step", fixed_step)):
         if step is not None:
             options[key] = step
+    if functions:
+        options["functions"] = functions
     options |= {key.name: getattr(solver, key.name) for key in kind.keys}
     options |= kind.for_treatment(treatment.name)
     if kind.takes == "derivative" and treatment.name == "projection" and model.n_constraint:

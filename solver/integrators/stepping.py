@@ -1,12 +1,13 @@
 """Integrators of mechanisms whose step loop is compiled whole, behind the contract of all."""
 
 from abc import abstractmethod
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from ..dynamics.auxiliary import Instants, sampled
+from ..dynamics.auxiliary import Called, Instants, sampled
 from ..dynamics.constraints.treatment import Treatment
 from ..dynamics.model import Model
 from ..dynamics.system import by_blocks, derivative_into
@@ -55,6 +56,7 @@ class StepLoop(Integrator):
     Parameters
     ----------
     model : a mechanism, treated (constraints/treatment.py)
+    functions : of sampled states (dynamics/auxiliary.py)
     t0, y0, t_end, others : see Integrator; `jacobian` and `project` are of no use here
     """
 
@@ -62,7 +64,19 @@ class StepLoop(Integrator):
     takes = "model"
     fails_before_growth = True
 
-    def __init__(self, model: Model, t0: float, y0: Array, t_end: float, **options: Any) -> None:
+    def __init__(
+        self,
+        model: Model,
+        t0: float,
+        y0: Array,
+        t_end: float,
+        *,
+        functions: Sequence[Called] = (),
+        **options: Any,
+    ) -> None:
+        if functions:
+            y0 = sampled(model, t0, y0, model.quantities.period > 0.0, functions)
+        self._functions = functions
         if not by_blocks(model):
             # Rows that depend on each other: of effect on Newton's matrix, not on the motion.
             model = model._replace(penalty=Treatment.penalty)
@@ -170,7 +184,8 @@ class StepLoop(Integrator):
         """Sample controllers where the loop stands at an instant, and go on from there."""
         if self.t < self._options.t_end or self.t >= self.t_end:
             return
-        self.y = sampled(self._model, self.t, self.y, self._instants.sampled_at(self.t))
+        which = self._instants.sampled_at(self.t)
+        self.y = sampled(self._model, self.t, self.y, which, self._functions)
         rate, work = np.zeros(self.n), spare_work(self._model)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             derivative_into(self._model, work, self.t, self.y, rate)

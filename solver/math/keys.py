@@ -52,6 +52,22 @@ class Expression:
 
 
 @dataclass(frozen=True)
+class Expressions:
+    """Several expressions; required."""
+
+    name: str
+    meaning: str  # one line
+
+
+@dataclass(frozen=True)
+class Code:
+    """A function in a Python file; required."""
+
+    name: str
+    meaning: str  # one line
+
+
+@dataclass(frozen=True)
 class Curve:
     """Points of a curve y(x)."""
 

@@ -35,6 +35,7 @@ class BuiltMechanism:
     joints: dict[str, BuiltJoint]  # joints of the case
     signal_marker: dict[str, int]  # signal of a place -> marker index
     state_names: list[str]  # auxiliary states, without those that count turns
+    callers: tuple[str, ...] = ()  # forces whose values come from functions of the user
 
 
 def build(
@@ -87,6 +88,7 @@ def build(
         joints=built_joints,
         signal_marker=signal_marker,
         state_names=[state.name for state in reader.found.states],
+        callers=tuple(s.owner for s in reader.found.states if s.inputs is not None),
     )
 
 

@@ -75,9 +75,12 @@ class Reader:
             rate = None if own.rate is None else self._placed(own.rate)
             start = self._placed(own.start)
             update = None if own.update is None else self._placed(own.update)
-            period = 0.0 if own.update is None else float(keys.sample_time)  # type: ignore[attr-defined]
+            jumps = own.update is not None or own.inputs is not None
+            period = float(keys.sample_time) if jumps else 0.0  # type: ignore[attr-defined]
+            inputs = None if own.inputs is None else [self._placed(node) for node in own.inputs]
             label = f"{name}.{own.name}"
-            self.found.state(StateTable(label, rate, start, own.scale, update, period))
+            kept = StateTable(label, rate, start, own.scale, update, period, inputs, name)
+            self.found.state(kept)
         table = self.found.coordinates[along]
         size = self._placed(terms.force)
         return ForceTable(name, keys.kind, table.marker_1, table.marker_2, size=size, along=along)

@@ -137,7 +137,13 @@ def integrated(
     solver = prepared.mechanism.solver
     solution, order = prepared.refused, 0
     if solution is None:
-        integrator = make_integrator(prepared.model, prepared.y0, solver, prepared.treatment)
+        integrator = make_integrator(
+            prepared.model,
+            prepared.y0,
+            solver,
+            prepared.treatment,
+            functions=prepared.functions,
+        )
         times = output_times(solver.t_end, solver.output_step)
         solution = integrate(
             integrator,
@@ -210,7 +216,11 @@ class _Progress:
 
 
 def execute(
-    spec: RunSpec, *, progress: bool = True, folder: Path | None = None
+    spec: RunSpec,
+    *,
+    progress: bool = True,
+    folder: Path | None = None,
+    allow_python: bool = False,
 ) -> tuple[RunResult, dict[str, Any]]:
     """Integrate one run; return the result and the summary.
 
@@ -226,15 +236,21 @@ def execute(
         does not go with the treatment of constraints.
     """
     clock = Stopwatch()
-    return _collected(spec, *_solved(spec, clock, progress, folder), clock, folder)
+    solved = _solved(spec, clock, progress, folder, allow_python=allow_python)
+    return _collected(spec, *solved, clock, folder)
 
 
 def _solved(
-    spec: RunSpec, clock: Stopwatch, progress: bool, folder: Path | None
+    spec: RunSpec,
+    clock: Stopwatch,
+    progress: bool,
+    folder: Path | None,
+    *,
+    allow_python: bool = False,
 ) -> tuple[Prepared, FinishedRun, float]:
     """Return the mechanism, its motion, and the wall time of both [s]."""
     begin = time.perf_counter()
-    prepared = prepare(spec.mechanism, spec.packages)
+    prepared = prepare(spec.mechanism, spec.packages, allow_python=allow_python)
     clock.lap("build")
     follow = _Progress(prepared.watch, spec.mechanism.solver.t_end, spec.run, progress)
     if prepared.buckling is not None:
@@ -269,11 +285,17 @@ def _collected(
 
 
 def run_file(
-    file: Path, out: Path, *, progress: bool = True, import_s: float = 0.0
+    file: Path,
+    out: Path,
+    *,
+    progress: bool = True,
+    import_s: float = 0.0,
+    allow_python: bool = False,
 ) -> dict[str, Any]:
     """Execute a run file and write result.vtkhdf and summary.json into `out`.
 
-    `import_s` is the CPU time that the program had taken before, for the summary.
+    `import_s` is the CPU time that the program had taken before, for the summary. `allow_python`:
+    functions of the user may run.
     """
     clock, digest = Stopwatch(), inputs_sha256(file)
     spec = read_run(file)
@@ -282,7 +304,7 @@ def run_file(
     if note := disk_note(spec, disk):
         print(f"{spec.run}: {note}", file=sys.stderr, flush=True)
     solving = Stopwatch()
-    solved = _solved(spec, solving, progress, disk)
+    solved = _solved(spec, solving, progress, disk, allow_python=allow_python)
     with held():  # what is computed is kept
         result, summary = _collected(spec, *solved, solving, disk)
         clock.skip()

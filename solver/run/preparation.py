@@ -15,6 +15,7 @@ from ..math.arrays import Array
 from ..mechanism import BuiltMechanism, build
 from ..mechanism.axis import given_spin
 from ..mechanism.initial import redundancy
+from ..mechanism.python_functions import Called, python_functions, require_permission
 from ..mechanism.reduced import used_packages
 from ..mechanism.start import starting_state
 from ..monitors.buckling import BucklingMonitor
@@ -44,6 +45,7 @@ class Prepared:
     buckling: BucklingMonitor | None  # None: no body has second-order data
     notes: list[Finding]  # what a user should know of the start
     refused: Solution | None  # in place of a run that should not begin
+    functions: tuple[Called, ...] = ()  # of the user, which controllers call
 
     @property
     def model(self) -> Model:
@@ -89,16 +91,22 @@ def prepare(
     mechanism: "Mechanism",
     packages: dict[str, ModalPackage],
     signals: Container[str] | None = None,
+    *,
+    allow_python: bool = False,
 ) -> Prepared:
     """Build a checked mechanism (inputs/case/schema.py), close its joints, look at it.
 
-    `signals` are those that will be asked for; None: all.
+    `signals` are those that will be asked for; None: all. `allow_python`: functions of the user
+    may run.
 
     Raises
     ------
     InputError
         A mechanism that cannot be assembled, contradictory constraints.
     """
+    if not allow_python:
+        require_permission(mechanism)
+    functions = python_functions(mechanism)
     solver = mechanism.solver
     treatment = treatment_of(solver)
     built = build(mechanism, used_packages(mechanism, packages))
@@ -135,6 +143,7 @@ def prepare(
         buckling=_buckling(mechanism, built, spins),
         notes=found.findings(),
         refused=refused,
+        functions=tuple(functions[name] for name in built.callers),
     )
 
 

@@ -45,6 +45,7 @@ def run_case(options: argparse.Namespace) -> int:
         jobs=options.jobs or cores(),
         timing=options.timing,
         quiet=options.quiet,
+        allow_python=options.allow_python,
     )
     if code == INTERRUPTED or options.no_report:
         return code

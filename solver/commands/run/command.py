@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -47,6 +47,7 @@ class _Task:
     progress: bool
     timing: bool
     import_s: float = 0.0
+    allow_python: bool = False
 
 
 def run_runs(options: argparse.Namespace) -> int:
@@ -69,6 +70,7 @@ def run_runs(options: argparse.Namespace) -> int:
         jobs=options.jobs or 1,
         timing=options.timing,
         quiet=options.quiet,
+        allow_python=options.allow_python,
     )
 
 
@@ -81,6 +83,7 @@ def run_files(
     jobs: int = 1,
     timing: bool = False,
     quiet: bool = False,
+    allow_python: bool = False,
 ) -> int:
     """Integrate the runs of run files and print what became of them; return the worst exit code.
 
@@ -90,6 +93,7 @@ def run_files(
     out_dir : folder for a folder per run; None: above the run files
     update : only runs whose inputs or solver have changed
     jobs : processes
+    allow_python : run the Python functions that a case names as controllers
     """
     import_s = time.process_time()
     doubled = {file.stem for file in files if sum(f.stem == file.stem for f in files) > 1}
@@ -101,7 +105,7 @@ def run_files(
         if update and _up_to_date(file, folder):
             print(f"{file.stem}: up to date")
             continue
-        tasks.append(_Task(file, folder, not quiet, timing, import_s))
+        tasks.append(_Task(file, folder, not quiet, timing, import_s, allow_python))
         import_s = 0.0
     jobs = min(jobs, len(tasks))
     outcomes = _by_workers(tasks, jobs) if jobs > 1 else _here(tasks)
@@ -126,7 +130,13 @@ def _up_to_date(file: Path, out: Path) -> bool:
 def _outcome(task: _Task) -> Outcome:
     """Do one run."""
     try:
-        summary = run_any(task.file, task.out, progress=task.progress, import_s=task.import_s)
+        summary = run_any(
+            task.file,
+            task.out,
+            progress=task.progress,
+            import_s=task.import_s,
+            allow_python=task.allow_python,
+        )
     except (InputError, PackageError) as error:
         return Outcome(INPUT, errors=str(error).splitlines())
     except OSError as error:
@@ -191,7 +201,7 @@ def _by_workers(tasks: list[_Task], jobs: int) -> Iterator[Outcome]:
 
 
 def _quiet(task: _Task) -> _Task:
-    return _Task(task.file, task.out, progress=False, timing=task.timing)
+    return replace(task, progress=False, import_s=0.0)
 
 
 _stop: Any = None

@@ -48,6 +48,11 @@ def add_run_command(commands: Any, run: Callable[[argparse.Namespace], int]) -> 
         metavar="N",
         help="processes (default: 1 with run files, all cores with a case file)",
     )
+    parser.add_argument(
+        "--allow-python",
+        action="store_true",
+        help="run the Python functions that a case names as controllers: only of cases you trust",
+    )
     parser.add_argument("--timing", action="store_true", help="print what the CPU seconds went to")
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
     case = parser.add_argument_group("with a case file")

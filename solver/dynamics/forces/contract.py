@@ -37,7 +37,7 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar, NamedTuple
 
 from ...math.arrays import Array
-from ...math.keys import Curve, Direction, Expression, Number, OfTime, Three
+from ...math.keys import Code, Curve, Direction, Expression, Expressions, Number, OfTime, Three
 from ...math.triple import Triple
 from ..workspace import DAMPING, FORCE, N_ELEMENT_ROW, STIFFNESS
 
@@ -97,6 +97,8 @@ class State:
     scale : its size, for the tolerance of its error
     update : its value from an instant on, every `sample_time` of the force from t = 0 on; reads
         the values before it
+    called : its value from such an instant on is that of the user's function of the expressions
+        of the force; 0 before
     """
 
     name: str
@@ -104,6 +106,7 @@ class State:
     start: str = "0"
     scale: float = 1.0
     update: str | None = None
+    called: bool = False
 
 
 @dataclass(frozen=True)
@@ -139,7 +142,7 @@ class CoordinateForce(ForceElement):
         not given); the text of an InputError goes on "forces.NAME"
     """
 
-    keys: tuple[Number | Expression | Curve, ...]
+    keys: tuple[Number | Expression | Expressions | Curve | Code, ...]
     terms: Callable[[Mapping[str, Any]], Terms]
 
 
@@ -239,11 +242,13 @@ __all__ = [
     "FORCE",
     "N_ELEMENT_ROW",
     "STIFFNESS",
+    "Code",
     "CoordinateForce",
     "Curve",
     "Direction",
     "Element",
     "Expression",
+    "Expressions",
     "ForceElement",
     "KernelForce",
     "Load",

@@ -9,7 +9,7 @@ from ...dynamics.forces.table import COORDINATE_FORCES
 from ...errors import InputError
 from ...math.expressions import operations as op
 from ...math.expressions.tree import Node, constant
-from ...math.keys import Curve, Expression, Number
+from ...math.keys import Curve, Expression, Expressions, Number
 from .expressions import CaseScope, PlaceCheck, Read, expression, joint_coordinate, load
 
 if TYPE_CHECKING:
@@ -26,6 +26,7 @@ class StateTerms:
     start: Node
     scale: float
     update: Node | None
+    inputs: tuple[Node, ...] | None  # of the user's function that gives its values; None: none
 
 
 @dataclass(frozen=True)
@@ -67,11 +68,22 @@ def force_terms(
             names[k.name] = expression(value, public, f"{key}.{k.name}")
     given = tuple(k.name for k in kind.keys if isinstance(k, Curve) and values[k.name] is not None)
     scope = CaseScope(mechanism, names, {k: _reader((name, k)) for k in given})
-    return _trees(name, terms, along, scope, given)
+    inputs = tuple(
+        expression(text, public, f"{key}.{k.name}[{i}]")
+        for k in kind.keys
+        if isinstance(k, Expressions)
+        for i, text in enumerate(values[k.name])
+    )
+    return _trees(name, terms, along, scope, given, inputs)
 
 
 def _trees(
-    name: str, terms: Terms, along: Read, scope: CaseScope, curves: tuple[str, ...]
+    name: str,
+    terms: Terms,
+    along: Read,
+    scope: CaseScope,
+    curves: tuple[str, ...],
+    inputs: tuple[Node, ...],
 ) -> ForceTerms:
     key = f"forces.{name}"
     starts = []
@@ -86,7 +98,14 @@ def _trees(
         return None if text is None else expression(text, scope, key)
 
     states = tuple(
-        StateTerms(s.name, optional(s.rate), start, s.scale, optional(s.update))
+        StateTerms(
+            s.name,
+            optional(s.rate),
+            start,
+            s.scale,
+            optional(s.update),
+            inputs if s.called else None,
+        )
         for s, start in zip(terms.states, starts, strict=True)
     )
     return ForceTerms(along, force, states, curves)

@@ -5,10 +5,11 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, Field
 from pydantic.fields import FieldInfo
 
-from ...math.keys import Curve, Direction, Expression, Number, OfTime, Three
+from ...math.keys import Code, Curve, Direction, Expression, Expressions, Number, OfTime, Three
 from ..common.table import Vector, unit
 from .curves import CurveTable
 from .laws import LoadLaw
+from .python_code import PythonCode
 
 Z = [0.0, 0.0, 1.0]
 NONE = [0.0, 0.0, 0.0]
@@ -30,7 +31,7 @@ GlobalDirection = Annotated[Vector, AfterValidator(_of_some_length)]
 Constants = Annotated[list[Annotated[float, Field(ge=0)]], Field(min_length=3, max_length=3)]
 
 
-Key = Number | Three | Direction | OfTime | Expression | Curve
+Key = Number | Three | Direction | OfTime | Expression | Expressions | Curve | Code
 
 
 def field_of(key: Key) -> tuple[Any, FieldInfo]:
@@ -38,6 +39,12 @@ def field_of(key: Key) -> tuple[Any, FieldInfo]:
     if isinstance(key, Number):
         return _number(key)
     default: Any = None
+    if isinstance(key, Expressions):
+        texts: FieldInfo = Field(min_length=1, description=key.meaning)
+        return list[str], texts
+    if isinstance(key, Code):
+        code: FieldInfo = Field(description=key.meaning)
+        return PythonCode, code
     if isinstance(key, Curve):
         points: FieldInfo = Field(
             default=default, description=key.meaning, json_schema_extra=unit(key.unit)

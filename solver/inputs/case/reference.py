@@ -13,6 +13,7 @@ from .forces import FORCE_TABLES
 from .joints import JOINT_TABLES
 from .laws import LAW_TABLES
 from .modes import MODE_TABLES
+from .python_code import PythonCode
 from .signals import SIGNAL_TABLES
 from .solver import Solver, Spin
 from .sweeps import Sweep, Variation
@@ -34,6 +35,7 @@ _THEN: tuple[type[BaseModel], ...] = (
     *LAW_TABLES,
     *FORCE_TABLES,
     CurveTable,
+    PythonCode,
     schema.PointMass,
     *SIGNAL_TABLES,
     Solver,

@@ -84,5 +84,6 @@ def _law_sources(mechanism: Mechanism, folder: Path) -> list[Path]:
     for joint in mechanism.joints.values():
         laws += drives(joint).values()
     laws += [law(force) for force in mechanism.forces.values()]
-    tables = [each.table for each in laws if each is not None and each.table is not None]
-    return [folder / table.file for table in tables if table.file is not None]
+    tables: list[Any] = [each.table for each in laws if each is not None]
+    tables += [getattr(force, "code", None) for force in mechanism.forces.values()]
+    return [folder / t.file for t in tables if t is not None and t.file is not None]
