@@ -16,6 +16,7 @@ from pathlib import Path
 
 from plymotion import __version__
 
+from .commands.chart.options import add_chart_command
 from .commands.exchange.options import add_exchange_commands
 from .commands.modes.options import add_modes_command
 from .commands.plan.options import add_plan_command
@@ -94,6 +95,7 @@ def _parser() -> argparse.ArgumentParser:
 
     add_run_command(commands, _run)
     add_plan_command(commands, _plan)
+    add_chart_command(commands, _chart)
 
     ahead = commands.add_parser("compile", help="compile the step loop before the first run")
     ahead.add_argument("--all", action="store_true", help="generalized-alpha as well")
@@ -166,6 +168,12 @@ def _plan(options: argparse.Namespace) -> int:
     from .commands.plan.command import run_plan
 
     return run_plan(options)
+
+
+def _chart(options: argparse.Namespace) -> int:
+    from .commands.chart.command import run_chart
+
+    return run_chart(options)
 
 
 def _compile(options: argparse.Namespace) -> int:

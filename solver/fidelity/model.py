@@ -21,6 +21,8 @@ TIGHT = 3e-5  # tolerance of a check at most
 TIGHTEST = 5e-7
 TIGHTER = 4.0  # and so many times below that of the model
 SMALL = 1e-4  # singular value of a load shape that a check leaves out, relative to the largest
+# Of rich packages, which ask for every mode; the check tells what the mesh of a plan costs.
+REMARKS = ("static-modes-dependent", "mesh-coarse-for-modes")
 MOST_STATIC = 10  # static shapes of a check
 
 
@@ -63,7 +65,7 @@ def body_package(
     rich: Rich, kept: list[int], static: int, *, ringing: bool, stiffening: bool
 ) -> ModalPackage:
     """Return the package of a body with some vibrations and static shapes."""
-    package = rich.package
+    package = _without_remarks(rich.package)
     if not kept and not static:
         return rigid(package)
     shapes = rich.rest(kept)
@@ -74,6 +76,13 @@ def body_package(
     if stiffening and static:
         loads = np.column_stack([axial_load(package), inertia_loads(package)[:, 0], loads])
     return with_statics(package, kept, loads, (), None if ringing else DAMPED)
+
+
+def _without_remarks(package: ModalPackage) -> ModalPackage:
+    """Return a package without the remarks on requested modes, of which a plan takes a few."""
+    found = package.provenance.get("warnings", [])
+    kept = [item for item in found if item["code"] not in REMARKS]
+    return replace(package, provenance={**package.provenance, "warnings": kept})
 
 
 def model_packages(
