@@ -120,7 +120,7 @@ def prepare(
         built=built,
         treatment=treatment,
         y0=y0,
-        measured=sensors(built, wanted),
+        measured=sensors(built, wanted, mechanism.materials),
         spin=spin,
         passage=passage,
         notes=found.findings(),
