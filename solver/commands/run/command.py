@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ...errors import InputError, PackageError
+from ...errors import InputError, PackageError, few
 from ...results import ResultError, read_summary
 from ...run.execution import INCOMPLETE, run_file
 from ...run.inputs_digest import inputs_sha256
@@ -55,7 +55,7 @@ def run_runs(options: argparse.Namespace) -> int:
         raise InputError(f"--out {options.out}: expected with one run file only; use --out-dir")
     doubled = {file.stem for file in files if sum(f.stem == file.stem for f in files) > 1}
     if doubled:
-        raise InputError(f"run files of the same name: {', '.join(sorted(doubled))}")
+        raise InputError(f"run files of the same name: {few(sorted(doubled))}")
     tasks = []
     for file in files:
         out = options.out or (options.out_dir or file.parent.parent) / file.stem
