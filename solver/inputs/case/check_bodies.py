@@ -7,11 +7,11 @@ from ...math.definite import is_positive_definite
 from .beams import check_motion
 from .body_specs import BodySpec, BodySpecs
 from .rich import CHECK, rich_bodies
-from .schema import BeamBody, Mechanism, PackageBody, RigidBody, ShellBody
+from .schema import BeamBody, ImportedBody, Mechanism, PackageBody, RigidBody, ShellBody
 
 SYMMETRY = 1e-5  # of the largest entry: products of inertia may be given to five digits
 TRIANGLE = 1e-5  # relative: the same digits
-Body = BeamBody | ShellBody | RigidBody | PackageBody
+Body = BeamBody | ShellBody | RigidBody | PackageBody | ImportedBody
 
 
 def check_bodies(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodySpec], list[str]]:
@@ -21,9 +21,9 @@ def check_bodies(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, Body
     for name, body in mechanism.bodies.items():
         if isinstance(body, BeamBody) and (unknown := _names(f"bodies.{name}", body, mechanism)):
             found += unknown + check_motion(f"bodies.{name}", body)
-        elif isinstance(body, BeamBody | ShellBody):
+        elif isinstance(body, BeamBody | ShellBody | ImportedBody):
             try:
-                if mechanism.fidelity is None:
+                if mechanism.fidelity is None or isinstance(body, ImportedBody):
                     sound[name] = specs.of(name, body, mechanism)
                     continue
                 model, check = rich_bodies(name, mechanism)
@@ -51,8 +51,8 @@ def check_bodies(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, Body
 
 
 def interfaces(body: Body) -> list[str] | None:
-    """Return the interface names of a body; None for a package, whose file has them."""
-    return None if isinstance(body, PackageBody) else list(body.interfaces)
+    """Return the interface names of a body; None if another file has them."""
+    return None if isinstance(body, PackageBody | ImportedBody) else list(body.interfaces)
 
 
 def _names(key: str, body: BeamBody, mechanism: Mechanism) -> list[str]:

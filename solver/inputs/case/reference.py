@@ -25,6 +25,7 @@ _THEN: tuple[type[BaseModel], ...] = (
     schema.ShellBody,
     schema.RigidBody,
     schema.PackageBody,
+    schema.ImportedBody,
     *MODE_TABLES,
     schema.BeamInterface,
     schema.ShellInterface,

@@ -5,7 +5,7 @@ docs/case-reference.md is generated from here (`python -m plymotion.solver check
 
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
 from ...package.body.specification import LinkKind, MassForm, Theory
 from ..common.material import Material
@@ -209,7 +209,23 @@ class PackageBody(Reducible, Deformed):
     package: FilePath = Field(description="path of the .vtkhdf file, relative to the case file")
 
 
-Body = Annotated[BeamBody | ShellBody | RigidBody | PackageBody, Field(discriminator="kind")]
+class ImportedBody(Placed):
+    """`[bodies.NAME]` with kind = "imported": matrices of another code, reduced when it is built.
+
+    Interfaces, reference condition and modes are in the import file (docs/exchange.md).
+    """
+
+    model_config = ConfigDict(populate_by_name=True)  # run files have the name of the field
+
+    kind: Literal["imported"]
+    file: str = Field(
+        alias="import", description="path of the import file (TOML), relative to the case file"
+    )
+
+
+Body = Annotated[
+    BeamBody | ShellBody | RigidBody | PackageBody | ImportedBody, Field(discriminator="kind")
+]
 
 
 class GroundPoint(Table):
