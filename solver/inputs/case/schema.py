@@ -209,7 +209,7 @@ class PackageBody(Reducible, Deformed):
     package: FilePath = Field(description="path of the .vtkhdf file, relative to the case file")
 
 
-class ImportedBody(Placed):
+class ImportedBody(Reducible, Deformed):
     """`[bodies.NAME]` with kind = "imported": matrices of another code, reduced when it is built.
 
     Interfaces, reference condition and modes are in the import file (docs/exchange.md).
