@@ -7,7 +7,7 @@ import numpy as np
 
 from ..dynamics.model import Model
 from ..dynamics.tables import Body, assemble_model, flexible_body, rigid_body
-from ..math.rotations import matrix_to_parameters
+from ..math.rotations import matrix_to_parameters, vector_to_matrix
 from ..package import Interface, ModalPackage
 from .forces import force_tables
 from .initial import Start
@@ -59,6 +59,14 @@ def build(
         for name, signal in mechanism.signals.items()
         if (at := getattr(signal, "at", None)) is not None  # signals of a place
     }
+    for name, signal in mechanism.signals.items():
+        frame = getattr(signal, "frame", None)
+        if frame is None:
+            continue
+        A_GM = vector_to_matrix(np.radians(np.array(frame.rotation_deg)))  # a body in segments
+        for number, at in enumerate(frame.places):
+            marker = places.marker(f"signals.{name}.at", at, A_GM)
+            signal_marker[frame_marker(name, number)] = marker
     virtual = VirtualBodies([], places.markers, joints)
     if mechanism.solver.attachment == "virtual":
         virtual = through_virtual_bodies(bodies, places.markers, joints)
@@ -80,6 +88,11 @@ def build(
         joints=built_joints,
         signal_marker=signal_marker,
     )
+
+
+def frame_marker(signal: str, number: int) -> str:
+    """Return the name of a marker that carries the frame of a signal of a body in segments."""
+    return f"{signal}#{number}"
 
 
 def _bodies(

@@ -13,6 +13,7 @@ from .forces import LoadTable
 from .laws import RotationDrive
 from .of_time import drives
 from .schema import BeamBody, Mechanism, RigidBody, ShellBody
+from .segments import check_names
 from .signals import JointSignal, PlyStressSignal, PointSignal, ReactionSignal, ResultantSignal
 
 
@@ -20,7 +21,9 @@ def cross_check(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodyS
     """Return the specifications of the flexible bodies by name, and one line per finding."""
     bodies, wrong = check_bodies(mechanism, specs)
     found = check_materials(mechanism.materials) + wrong
-    found += _joints(mechanism) + _two_drives(mechanism) + _forces(mechanism)
+    found += (
+        check_names(mechanism) + _joints(mechanism) + _two_drives(mechanism) + _forces(mechanism)
+    )
     for name, mass in mechanism.masses.items():
         found += check_place(f"masses.{name}.at", mass.at, mechanism, ground=False)
     for name, signal in mechanism.signals.items():
@@ -168,6 +171,6 @@ def _signal(
             f'{key}.body = "{signal.body}": expected a beam, this one is a shell: summary.json '
             "has the strength of its plies"
         ]
-    if isinstance(body, BeamBody) and not 0.0 <= signal.x <= body.length:
+    if isinstance(body, BeamBody) and body.length and not 0.0 <= signal.x <= body.length:
         return [f"{key}.x = {signal.x:g}: expected 0 to {body.length:g} m, the length of the body"]
     return []

@@ -18,6 +18,10 @@ _FIRST: tuple[type[BaseModel], ...] = (schema.CaseFile, schema.Mechanism, *MATER
 _THEN: tuple[type[BaseModel], ...] = (
     schema.DescribedSection,
     schema.BeamBody,
+    schema.ArcLine,
+    schema.PointsLine,
+    schema.NodesLine,
+    schema.BeamStation,
     schema.ShellBody,
     schema.RigidBody,
     schema.PackageBody,
