@@ -60,8 +60,8 @@ def division(body: BeamBody, line: Line) -> Array:
 def line_table(line: Line, nodes: Array) -> LineTable:
     """Return nodes and axes of the elements between fractions `nodes` (n,) of a line."""
     return {
-        "nodes": _rounded(line.place(nodes), line.length),
-        "x2_axes": _rounded(line.x2(0.5 * (nodes[:-1] + nodes[1:])), 1.0),
+        "nodes": rounded(line.place(nodes), line.length),
+        "x2_axes": rounded(line.x2(0.5 * (nodes[:-1] + nodes[1:])), 1.0),
     }
 
 
@@ -186,7 +186,7 @@ def _shortest(a: Array, b: Array) -> Array:
     return vector_to_matrix(np.arctan2(sine, a @ b) / sine * normal)
 
 
-def _rounded(values: Array, size: float) -> list[list[float]]:
+def rounded(values: Array, size: float) -> list[list[float]]:
     """Plain numbers without the last digits, so that equal lines have equal ones."""
     plain: list[list[float]] = (np.round(values / size, DIGITS) * size + 0.0).tolist()
     return plain

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...math.arrays import Array
 from ...math.rotations import matrix_to_vector, vector_to_matrix
-from .beam_lines import division, fractions, is_plain, line_of, line_table
+from .beam_lines import division, fractions, is_plain, line_of, rounded
 from .beams import with_sections
 from .resolved import resolved
 from .schema import BeamBody, Mechanism
@@ -190,17 +190,17 @@ class _Divided:
         nodes = np.unique(np.concatenate([division(own, self.line), cuts]))
         nodes = nodes[np.concatenate([[True], np.diff(nodes) > NEAR])]
         inside = (nodes > cuts[k] - NEAR) & (nodes < cuts[k + 1] + NEAR)
-        table = line_table(self.line, nodes[inside])
-        points, axes = np.array(table["nodes"]), np.array(table["x2_axes"])
+        nodes = nodes[inside]
+        points = self.line.place(nodes)
+        axes = self.line.x2(0.5 * (nodes[:-1] + nodes[1:]))
         e1 = points[-1] - points[0]
         e1 = e1 / np.linalg.norm(e1)
         e2 = axes[len(axes) // 2] - (axes[len(axes) // 2] @ e1) * e1
         e2 = e2 / np.linalg.norm(e2)
         A_BS = np.column_stack([e1, e2, np.cross(e1, e2)])
-        size = self.line.length
-        local = np.round((points - points[0]) @ A_BS / size, 12) * size + 0.0
+        local = np.array(rounded((points - points[0]) @ A_BS, self.line.length))
         local[[0, -1], 1:] = 0.0
-        line = {"nodes": local.tolist(), "x2_axes": (np.round(axes @ A_BS, 12) + 0.0).tolist()}
+        line = {"nodes": local.tolist(), "x2_axes": rounded(axes @ A_BS, 1.0)}
         shape = {"length": None, "line": line, "twist_deg": [], "x2_axis": [0.0, 1.0, 0.0]}
         return {**shape, "elements": len(local) - 1}, points[0], A_BS
 
