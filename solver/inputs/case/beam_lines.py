@@ -15,10 +15,10 @@ from ...math.arrays import Array
 from ...math.rotations import vector_to_matrix
 from ...package.body.division import node_positions
 from ...package.body.specification import LineTable
-from .schema import ArcLine, BeamBody, NodesLine
+from .schema import BeamBody
 
 ENDS = {"start": 0.0, "end": 1.0}
-FINE = 2000  # steps of a spline through points
+FINE = 2000  # steps of a spline through points, at least
 DIGITS = 12  # of coordinates over the length: equal segments get equal numbers
 
 
@@ -50,7 +50,7 @@ def is_plain(body: BeamBody) -> bool:
 
 def division(body: BeamBody, line: Line) -> Array:
     """Return the nodes of a beam as fractions of its length, (n,)."""
-    if isinstance(body.line, NodesLine):
+    if body.line is not None and body.line.nodes is not None:
         along = _along(np.array(body.line.nodes))
         return np.asarray(along / along[-1])
     stops = [*fractions(body).values(), *(s.at for s in body.stations if 0.0 < s.at < 1.0)]
@@ -68,7 +68,7 @@ def line_table(line: Line, nodes: Array) -> LineTable:
 def line_of(body: BeamBody) -> Line:
     """Return the reference line of a beam."""
     given = body.line
-    if isinstance(given, NodesLine):
+    if given is not None and given.nodes is not None:
         return _through_nodes(np.array(given.nodes), np.array(given.x2_axes))
     x2 = np.array(body.x2_axis)
     if given is None:
@@ -81,16 +81,16 @@ def line_of(body: BeamBody) -> Line:
             lambda s: np.tile(np.eye(3), (len(s), 1, 1)),
             x2,
         )
-    if isinstance(given, ArcLine):
+    if given.arc_deg is not None:
         assert body.length is not None
-        return _arc(body, given, body.length, x2)
+        return _arc(body, np.radians(given.arc_deg), np.array(given.axis), body.length, x2)
     return _through_points(body, np.array(given.points), x2)
 
 
-def _arc(body: BeamBody, arc: ArcLine, length: float, x2: Array) -> Line:
-    axis = np.array(arc.axis) / np.linalg.norm(arc.axis)
+def _arc(body: BeamBody, total: float, axis: Array, length: float, x2: Array) -> Line:
+    """A circular arc; the tangent turns by `total` [rad]."""
+    axis = axis / np.linalg.norm(axis)
     e1 = np.array([1.0, 0.0, 0.0])
-    total = np.radians(arc.arc_deg)
 
     def place(s: Array) -> Array:
         a = total * s
@@ -107,7 +107,8 @@ def _through_points(body: BeamBody, points: Array, x2: Array) -> Line:
     """A cubic spline by the lengths of the chords, measured along itself."""
     knots = _along(points)
     spline = CubicSpline(knots, points)
-    u = np.unique(np.concatenate([np.linspace(0.0, knots[-1], FINE + 1), knots]))
+    parts = max(FINE // (len(knots) - 1), 20)
+    u = np.append(np.linspace(knots[:-1], knots[1:], parts, endpoint=False).T.ravel(), knots[-1])
     speed = np.linalg.norm(spline(u, 1), axis=1)
     middle = np.linalg.norm(spline(0.5 * (u[:-1] + u[1:]), 1), axis=1)
     steps = np.diff(u) * (speed[:-1] + 4.0 * middle + speed[1:]) / 6.0  # Simpson

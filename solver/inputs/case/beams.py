@@ -11,7 +11,7 @@ from ...package.body.specification import BeamSpecification
 from ..common.table import plain_table
 from .beam_lines import division, fractions, is_plain, line_of, line_table
 from .modes import check_modes
-from .schema import ArcLine, BeamBody, Mechanism, NodesLine
+from .schema import BeamBody, Mechanism
 from .sections import check_section, section_spec
 
 ON_AXIS = 1e-9  # of the length: distance of an interface from the x axis that is round-off
@@ -124,7 +124,8 @@ def check_motion(key: str, body: BeamBody) -> list[str]:
         found.append(f"{key}.stations: at = {at}: expected rising fractions of the length")
     inner = {station.at for station in body.stations if 0.0 < station.at < 1.0}
     least = len({0.0, 1.0, *places.values(), *inner}) - 1
-    if body.elements < max(least, body.segments) and not isinstance(body.line, NodesLine):
+    has_nodes = body.line is not None and body.line.nodes is not None
+    if body.elements < max(least, body.segments) and not has_nodes:
         reason = "every interface and station needs a node, every segment an element"
         if not inner and body.segments == 1:
             reason = "every interface needs a node"
@@ -146,7 +147,7 @@ def check_motion(key: str, body: BeamBody) -> list[str]:
 
 def _check_line(key: str, body: BeamBody) -> list[str]:
     line, found = body.line, []
-    if line is None or isinstance(line, ArcLine):
+    if line is None or line.arc_deg is not None:
         if body.length is None:
             found.append(f"{key}.length: missing; expected the length of the beam")
         if line is not None:
@@ -157,10 +158,10 @@ def _check_line(key: str, body: BeamBody) -> list[str]:
                 found.append(f"{key}.line.axis = {line.axis}: expected a vector normal to body x")
     elif body.length is not None:
         found.append(f"{key}.length = {body.length:g}: expected none, the line has a length")
-    if isinstance(line, NodesLine):
-        if len(line.x2_axes) != len(line.nodes) - 1:
+    if line is not None and line.nodes is not None:
+        if len(line.x2_axes or []) != len(line.nodes) - 1:
             found.append(
-                f"{key}.line.x2_axes: {len(line.x2_axes)} axes; expected one for each of "
+                f"{key}.line.x2_axes: {len(line.x2_axes or [])} axes; expected one for each of "
                 f"{len(line.nodes) - 1} elements"
             )
         if body.twist_deg:

@@ -18,9 +18,7 @@ _FIRST: tuple[type[BaseModel], ...] = (schema.CaseFile, schema.Mechanism, *MATER
 _THEN: tuple[type[BaseModel], ...] = (
     schema.DescribedSection,
     schema.BeamBody,
-    schema.ArcLine,
-    schema.PointsLine,
-    schema.NodesLine,
+    schema.BeamLine,
     schema.BeamStation,
     schema.ShellBody,
     schema.RigidBody,

@@ -5,7 +5,7 @@ docs/case-reference.md is generated from here (`python -m plymotion.solver check
 
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from ...package.body.specification import LinkKind, MassForm, Theory
 from ..common.material import Material
@@ -74,42 +74,52 @@ class Placed(Table):
     )
 
 
-class ArcLine(Table):
-    """`line` of a beam: a circular arc of the given length that begins along body x."""
+class BeamLine(Table):
+    """`line` of a beam: a circular arc, a spline through points, or given nodes.
 
-    arc_deg: float = Field(
-        description="angle of the arc: the tangent turns by it about `axis`",
+    An arc has the given `length` and begins along body x. A spline and nodes have a length.
+    """
+
+    arc_deg: float | None = Field(
+        default=None,
+        description="angle of an arc: the tangent turns by it about `axis`",
         json_schema_extra=unit("deg"),
     )
     axis: Vector = Field(
         default=[0.0, 0.0, 1.0],
-        description="axis of the arc in the body frame, normal to x",
+        description="axis of an arc in the body frame, normal to x",
         json_schema_extra=unit("-"),
     )
-
-
-class PointsLine(Table):
-    """`line` of a beam: a cubic spline through points; the beam has its length."""
-
-    points: list[Vector] = Field(
-        min_length=2, description="in the body frame", json_schema_extra=unit("m")
-    )
-
-
-class NodesLine(Table):
-    """`line` of a beam: given nodes, joined by straight elements; the beam has their length."""
-
-    nodes: list[Vector] = Field(
+    points: list[Vector] | None = Field(
+        default=None,
         min_length=2,
-        description="in the body frame; interfaces and stations take the nearest",
+        description="of a cubic spline, in the body frame",
         json_schema_extra=unit("m"),
     )
-    x2_axes: list[Vector] = Field(
+    nodes: list[Vector] | None = Field(
+        default=None,
+        min_length=2,
+        description="of straight elements, in the body frame; interfaces and stations take the "
+        "nearest",
+        json_schema_extra=unit("m"),
+    )
+    x2_axes: list[Vector] | None = Field(
+        default=None,
         min_length=1,
-        description="direction of the section's x2 in each element; its part normal to the element "
-        "counts",
+        description="with nodes: direction of the section's x2 in each element; its part normal to "
+        "the element counts",
         json_schema_extra=unit("-"),
     )
+
+    @model_validator(mode="after")
+    def _one_of_three(self) -> "BeamLine":
+        given = [k for k in ("arc_deg", "points", "nodes") if getattr(self, k) is not None]
+        if len(given) != 1:
+            found = " and ".join(given) or "none of them"
+            raise ValueError(f"expected one of arc_deg, points and nodes, found {found}")
+        if (self.nodes is None) != (self.x2_axes is None):
+            raise ValueError("expected nodes and x2_axes together")
+        return self
 
 
 class BeamStation(Table):
@@ -138,7 +148,7 @@ class BeamBody(Placed):
         "which has a length",
         json_schema_extra=unit("m"),
     )
-    line: ArcLine | PointsLine | NodesLine | None = Field(
+    line: BeamLine | None = Field(
         default=None,
         description="curved reference line: an arc, a spline through points, or given nodes; "
         "absent: straight along x",
