@@ -57,9 +57,11 @@ class BodySpecs:
         """
         parts: list[BaseModel] = []
         if isinstance(body, BeamBody):
-            parts.append(mechanism.sections[body.section])
-            if body.material is not None:
-                parts.append(mechanism.materials[body.material])
+            used = [(s.section, s.material) for s in body.stations]
+            for section, material in [(body.section, body.material), *used]:
+                parts.append(mechanism.sections[section])
+                if material is not None:
+                    parts.append(mechanism.materials[material])
         own = body.model_dump_json(exclude=STATE)
         key = (name, own, *(part.model_dump_json() for part in parts))
         if key not in self._known:

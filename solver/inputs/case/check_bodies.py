@@ -22,13 +22,14 @@ def check_bodies(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, Body
         if isinstance(body, BeamBody) and (unknown := _names(f"bodies.{name}", body, mechanism)):
             found += unknown + check_motion(f"bodies.{name}", body)
         elif isinstance(body, BeamBody | ShellBody | ImportedBody):
+            whole = getattr(body, "part_of", None) or name  # equal segments share a package
             try:
                 if mechanism.fidelity is None or isinstance(body, ImportedBody):
-                    sound[name] = specs.of(name, body, mechanism)
+                    sound[name] = specs.of(whole, body, mechanism)
                     continue
                 model, check = rich_bodies(name, mechanism)
-                sound[name] = specs.of(name, model, mechanism)
-                sound[name + CHECK] = specs.of(name, check, mechanism)
+                sound[name] = specs.of(whole, model, mechanism)
+                sound[name + CHECK] = specs.of(whole, check, mechanism)
             except InputError as error:
                 found += str(error).splitlines()
         elif isinstance(body, RigidBody):
@@ -57,10 +58,13 @@ def interfaces(body: Body) -> list[str] | None:
 
 def _names(key: str, body: BeamBody, mechanism: Mechanism) -> list[str]:
     found = []
-    if body.section not in mechanism.sections:
-        hint = nearest(body.section, mechanism.sections)
-        found.append(f'{key}.section = "{body.section}": no such section{hint}')
-    if body.material is not None and body.material not in mechanism.materials:
-        hint = nearest(body.material, mechanism.materials)
-        found.append(f'{key}.material = "{body.material}": no such material{hint}')
+    places = [(key, body.section, body.material)]
+    places += [(f"{key}.stations[{i}]", s.section, s.material) for i, s in enumerate(body.stations)]
+    for where, section, material in places:
+        if section not in mechanism.sections:
+            hint = nearest(section, mechanism.sections)
+            found.append(f'{where}.section = "{section}": no such section{hint}')
+        if material is not None and material not in mechanism.materials:
+            hint = nearest(material, mechanism.materials)
+            found.append(f'{where}.material = "{material}": no such material{hint}')
     return found

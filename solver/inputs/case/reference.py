@@ -22,6 +22,8 @@ _FIRST: tuple[type[BaseModel], ...] = (schema.CaseFile, schema.Mechanism, *MATER
 _THEN: tuple[type[BaseModel], ...] = (
     schema.DescribedSection,
     schema.BeamBody,
+    schema.BeamLine,
+    schema.BeamStation,
     schema.ShellBody,
     schema.RigidBody,
     schema.PackageBody,
