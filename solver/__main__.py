@@ -158,6 +158,10 @@ def _importing() -> Iterator[None]:
 
 
 def _run(options: argparse.Namespace) -> int:
+    if any(file.suffix == ".toml" or file.is_dir() for file in options.files):
+        from .commands.cases.command import run_case
+
+        return run_case(options)
     with _importing():
         from .commands.run.command import run_runs
 

@@ -51,12 +51,8 @@ class _Task:
 
 
 def run_runs(options: argparse.Namespace) -> int:
-    """Integrate the runs, or all of a case file; return the exit code of the worst."""
+    """Integrate the runs of run files; return the exit code of the worst."""
     files: list[Path] = options.files
-    if any(file.suffix == ".toml" or file.is_dir() for file in files):
-        from ..cases.command import run_case
-
-        return run_case(options)
     for name in ("run", "packages", "coarse", "force", "no_report"):
         if getattr(options, name):
             raise InputError(f"--{name.replace('_', '-')}: expected with a case file only")
