@@ -79,8 +79,10 @@ def compare(case: str, packages: str, run: str, at: str) -> dict:
     B = -free.P @ np.array([slopes(x, none)[1] for x in free.Z.T]).T
     da = [slopes(x, u)[0] for x, u in zip(free.Z.T, B.T, strict=True)]
     da += [slopes(none, u)[0] for u in free.Z.T]
-    turning = turning_axes(model, y, W).T_u @ np.hstack([B, free.Z])
-    expected = free.Z_left @ (np.array(da).T + turning)
+    frame, both = turning_axes(model, y, W), np.hstack([B, free.Z])
+    beside = np.eye(model.n_vel) - free.Z @ free.Z_left
+    change = (beside @ (B + frame.T @ free.Z)).T @ np.diag(model.inertia_scale)
+    expected = free.Z_left @ (np.array(da).T + frame.T_u @ both) + change @ beside @ both
     off = np.abs(space.A_free[n:] - expected) / np.abs(expected).max(axis=0).clip(min=1.0)
     return {
         "accelerations": float(off.max()),

@@ -1,10 +1,11 @@
 """The equations of motion linearised about a state, with the constraints eliminated.
 
     eta' = Z+ T Z eta + zeta
-    zeta' = Z+ (da(Z, B) + T_u B) eta + Z+ (da(0, Z) + T_u Z) zeta
+    zeta' = (Z+ (da(Z, B) + T_u B) + Zdot' S B) eta + Z+ (da(0, Z) + T_u Z) zeta
 
 The displacement is x = Z eta, the change of velocity u = Z zeta + B eta, with Z the free motions
-and B what the constraints ask of the velocities of a displaced state. da are derivatives of the
+and B what the constraints ask of the velocities of a displaced state. In a state that moves, the
+free motions change: Zdot = (1 - Z Z+) (B + T Z), zero in steady spin. da are derivatives of the
 accelerations that solve (12), so that they contain inertia, gyroscopic terms, following loads and
 the change of the constraint forces. Auxiliary states of controllers and friction follow. A drive
 enters by its acceleration, with two states: what its coordinate and its rate are beside their law.
@@ -27,6 +28,8 @@ from ..math.arrays import Array, IntArray
 from ..signals import Recording, Sensor
 from .differences import Direction, Instant, derivatives
 from .turning import turning_axes
+
+_STEADY = 1e-6  # change of the free motions in steady spin, relative to the spin's velocities
 
 
 class Source(NamedTuple):
@@ -162,6 +165,11 @@ def linearise(
     A, into = np.zeros((n_state, n_state)), np.zeros((n_state, len(sources)))
     A[:n] = left @ (u + frame.T @ x)
     A[n : 2 * n] = left @ (da[:, :n_state] + frame.T_u @ u)
+    # Free motions change along a motion: Zdot, without a component in Z.
+    beside = np.eye(model.n_vel) - Z @ left
+    change = _without_noise(beside @ (B + frame.T @ Z), B).T * model.inertia_scale
+    A[:n] += change @ beside @ x
+    A[n : 2 * n] += change @ beside @ u
     A[2 * n : 2 * n + n_a], into[2 * n : 2 * n + n_a] = ds[:, :n_state], ds[:, n_state:]
     A[n_state - 2 * n_d : n_state - n_d, n_state - n_d :] = np.eye(n_d)
     into[n : 2 * n] = left @ da[:, n_state:]
@@ -210,6 +218,12 @@ def _one_law(laws: Array, law: int, order: int) -> Array:
     out = np.zeros_like(laws)
     out[law, order] = 1.0
     return out
+
+
+def _without_noise(Z_d: Array, B: Array) -> Array:
+    """Return Zdot (n_vel, n) with columns of zeros where it is the round-off of B."""
+    size, scale = np.linalg.norm(Z_d, axis=0), np.linalg.norm(B, axis=0)
+    return np.where(size > _STEADY * max(float(scale.max(initial=0.0)), 1e-300), Z_d, 0.0)
 
 
 def _relative(values: Array, errors: Array) -> float:

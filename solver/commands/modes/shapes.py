@@ -156,7 +156,7 @@ def _lines(axes: Any, period: Period, keep: list[int]) -> None:
 
 def _box(axes: Any, period: Period) -> None:
     low, high = _every(period).min(axis=0), _every(period).max(axis=0)
-    half = 0.5 * np.maximum(high - low, 0.25 * float((high - low).max()))
+    half = 0.5 * np.maximum(high - low, 0.25 * (float((high - low).max()) or 1.0))
     middle = 0.5 * (low + high)
     axes.set_xlim(middle[0] - half[0], middle[0] + half[0])
     axes.set_ylim(middle[1] - half[1], middle[1] + half[1])
