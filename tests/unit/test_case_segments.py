@@ -215,3 +215,33 @@ def test_signals_are_those_of_one_body() -> None:
         # the high vibrations are not the same
         np.testing.assert_allclose(b, a, atol=0.04 * np.abs(a).max())
         assert np.abs(a).max() > 1e-3
+
+
+def test_resultants_of_an_arc_are_found_along_it() -> None:
+    """Up to its full length, though its elements are chords: in one body and in segments."""
+    K = np.diag([1e5, 1e5, 1e5, 50.0, 200.0, 30.0])
+    mass = SectionMass(1.0, np.zeros(3), 1e-4 * np.diag([2.0, 1.0, 1.0])).matrix()
+    found = []
+    for segments in (1, 3):
+        modes = {"modes": [{"kind": "attachment", "at": "tip"}]} if segments == 1 else {}
+        body = {"elements": 12, "line": {"arc_deg": 90.0}, "damping_ratio": 0.3, **modes}
+        table = cantilever(segments, 1.5, body=body)
+        law = {"smooth_step": {"value": 0.1, "duration": 20.0}}
+        load = {"kind": "force", "at": "beam.tip", "direction": [0.0, 0.0, 1.0], "law": law}
+        table["forces"] = {"load": load}
+        table["signals"] = {
+            f"{name}_{number}": {"kind": "resultant", "body": "beam", "x": x, "component": name}
+            for number, x in enumerate((0.0, 0.4, 1.5))
+            for name in ("F3", "M1")
+        }
+        table["solver"] |= {"t_end": 25.0, "output_step": 5.0}
+        result, summary = execute(run_of(table, (K, mass)), progress=False)
+        assert summary["completed"]
+        found.append([signal.values[-1] for signal in result.signals])
+    one, three = found
+    np.testing.assert_allclose(three, one, atol=3e-3)
+    np.testing.assert_allclose(np.array(three)[::2], 0.1, rtol=0.03)
+    # about the tangent at the root, the force has the radius as its arm
+    radius = 1.5 / (np.pi / 2)
+    assert abs(three[1]) == pytest.approx(0.1 * radius, rel=0.1)
+    assert abs(three[-1]) < 0.01 * radius
