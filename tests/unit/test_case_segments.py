@@ -9,6 +9,7 @@ import pytest
 from segment_samples import cantilever, run_of
 
 from plymotion.preprocess.beam.section_mass import SectionMass
+from plymotion.solver.commands.sweep.plan import read_plan
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.body_specs import BodySpecs
@@ -173,6 +174,27 @@ def test_modes_are_required_without_segments(tmp_path: Path) -> None:
     file = case_file(tmp_path, **{"segments = 4": "segments = 1"})
     with pytest.raises(InputError, match=r"bodies.arm.modes: missing; expected at least one"):
         load_case(file)
+
+
+def test_members_of_a_sweep_vary_the_whole_body(tmp_path: Path) -> None:
+    """The file keeps the body of the user; each member is divided when it is built."""
+    sweep = (
+        '[sweeps.length]\nrun = "base"\nsignals = ["tip"]\n'
+        '[sweeps.length.vary]\n"bodies.arm.length" = { values = [1.0, 2.0] }\n'
+    )
+    case = load_case(case_file(tmp_path, **{"[runs.base]": f"[runs.base]\n{sweep}"}))
+    out = tmp_path / "build"
+    write_case(case, out)
+    table = json.loads((out / "sweeps/length.json").read_text())
+    assert list(table["mechanism"]["bodies"]) == ["arm"]
+    for spec in json.loads((out / "sweeps/length.json").read_text())["packages"]:
+        (out / spec["file"]).write_bytes(b"")  # only their names matter here
+    plan = read_plan(out / "sweeps/length.json")
+    for number, length in enumerate((1.0, 2.0)):
+        bodies = plan.mechanism_of(number).bodies
+        assert list(bodies) == ["arm-1", "arm-2", "arm-3", "arm-4"]
+        assert bodies["arm-2"].length == length / 4
+        assert set(plan.members[number].packages) == set(bodies)
 
 
 def spinning(segments: int, **changes: Any) -> tuple[list[np.ndarray], dict[str, Any]]:
