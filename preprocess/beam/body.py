@@ -121,6 +121,9 @@ def beam_package(
     )
     if len(at_nodes) > 1:
         recovery = replace(recovery, section=np.searchsorted(line.along, recovery.station_x))
+    if not line.is_straight:  # places of users are along the line, not along its elements
+        stretch = spec.length / line.along[-1]
+        recovery = replace(recovery, station_x=recovery.station_x * stretch)
     frequencies = np.sqrt(modes.values)
     first = np.arange(n - 1, dtype=np.int64)
     node_ids = np.arange(1, n + 1, dtype=np.int64)

@@ -78,6 +78,27 @@ def test_x2_axis_turns_the_section() -> None:
     assert np.allclose(flat.frequencies, turned.frequencies, rtol=1e-9)
 
 
+def test_tapered_and_twisted_body_is_sound(tmp_path: Path) -> None:
+    """Two analysed sections, K and M between them, stresses at both."""
+    slim = {**rectangle_spec(0.03, 0.010, ALUMINIUM), "name": "slim"}
+    stations = [{"at": 0.0, "section": arm()["section"]}, {"at": 1.0, "section": slim}]
+    angles = np.radians(5.0) * (np.arange(16) + 0.5)
+    line = {
+        "nodes": [[0.545 * k / 16, 0.0, 0.0] for k in range(17)],
+        "x2_axes": [[0.0, float(np.cos(a)), float(np.sin(a))] for a in angles],
+    }
+    modes = [{"kind": "lowest", "count": 4}]
+    path = tmp_path / "arm.vtkhdf"
+    write_package(path, build_body(arm(stations=stations, line=line, modes=modes)))
+    assert [f for f in validate(path) if f.level != "note"] == []
+    package = read_package(path)
+    stressed = [s.name for s in package.sections if s.recovery is not None]
+    assert stressed == ["0001 rectangle", "0017 slim"]
+    middle, ends = package.sections[8], (package.sections[0], package.sections[16])
+    assert np.allclose(middle.K, 0.5 * (ends[0].K + ends[1].K), rtol=1e-12)
+    assert package.invariants.mass == pytest.approx(0.545 * 2700.0 * (9e-4 + 3e-4) / 2, rel=1e-9)
+
+
 def test_clamp_at_the_far_end() -> None:
     a = build_body(arm())
     b = build_body(arm(reference={"kind": "clamped", "at": "tip"}))

@@ -9,6 +9,7 @@ import pytest
 from segment_samples import cantilever, run_of
 
 from plymotion.preprocess.beam.section_mass import SectionMass
+from plymotion.solver.commands.sweep.plan import read_plan
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.body_specs import BodySpecs
@@ -175,6 +176,27 @@ def test_modes_are_required_without_segments(tmp_path: Path) -> None:
         load_case(file)
 
 
+def test_members_of_a_sweep_vary_the_whole_body(tmp_path: Path) -> None:
+    """The file keeps the body of the user; each member is divided when it is built."""
+    sweep = (
+        '[sweeps.length]\nrun = "base"\nsignals = ["tip"]\n'
+        '[sweeps.length.vary]\n"bodies.arm.length" = { values = [1.0, 2.0] }\n'
+    )
+    case = load_case(case_file(tmp_path, **{"[runs.base]": f"[runs.base]\n{sweep}"}))
+    out = tmp_path / "build"
+    write_case(case, out)
+    table = json.loads((out / "sweeps/length.json").read_text())
+    assert list(table["mechanism"]["bodies"]) == ["arm"]
+    for spec in json.loads((out / "sweeps/length.json").read_text())["packages"]:
+        (out / spec["file"]).write_bytes(b"")  # only their names matter here
+    plan = read_plan(out / "sweeps/length.json")
+    for number, length in enumerate((1.0, 2.0)):
+        bodies = plan.mechanism_of(number).bodies
+        assert list(bodies) == ["arm-1", "arm-2", "arm-3", "arm-4"]
+        assert bodies["arm-2"].length == length / 4
+        assert set(plan.members[number].packages) == set(bodies)
+
+
 def spinning(segments: int, **changes: Any) -> tuple[list[np.ndarray], dict[str, Any]]:
     """A hinged beam under its weight; the same signals for any number of segments."""
     K = np.diag([1e5, 1e5, 1e5, 50.0, 200.0, 30.0])
@@ -215,3 +237,33 @@ def test_signals_are_those_of_one_body() -> None:
         # the high vibrations are not the same
         np.testing.assert_allclose(b, a, atol=0.04 * np.abs(a).max())
         assert np.abs(a).max() > 1e-3
+
+
+def test_resultants_of_an_arc_are_found_along_it() -> None:
+    """Up to its full length, though its elements are chords: in one body and in segments."""
+    K = np.diag([1e5, 1e5, 1e5, 50.0, 200.0, 30.0])
+    mass = SectionMass(1.0, np.zeros(3), 1e-4 * np.diag([2.0, 1.0, 1.0])).matrix()
+    found = []
+    for segments in (1, 3):
+        modes = {"modes": [{"kind": "attachment", "at": "tip"}]} if segments == 1 else {}
+        body = {"elements": 12, "line": {"arc_deg": 90.0}, "damping_ratio": 0.3, **modes}
+        table = cantilever(segments, 1.5, body=body)
+        law = {"smooth_step": {"value": 0.1, "duration": 20.0}}
+        load = {"kind": "force", "at": "beam.tip", "direction": [0.0, 0.0, 1.0], "law": law}
+        table["forces"] = {"load": load}
+        table["signals"] = {
+            f"{name}_{number}": {"kind": "resultant", "body": "beam", "x": x, "component": name}
+            for number, x in enumerate((0.0, 0.4, 1.5))
+            for name in ("F3", "M1")
+        }
+        table["solver"] |= {"t_end": 25.0, "output_step": 5.0}
+        result, summary = execute(run_of(table, (K, mass)), progress=False)
+        assert summary["completed"]
+        found.append([signal.values[-1] for signal in result.signals])
+    one, three = found
+    np.testing.assert_allclose(three, one, atol=3e-3)
+    np.testing.assert_allclose(np.array(three)[::2], 0.1, rtol=0.03)
+    # about the tangent at the root, the force has the radius as its arm
+    radius = 1.5 / (np.pi / 2)
+    assert abs(three[1]) == pytest.approx(0.1 * radius, rel=0.1)
+    assert abs(three[-1]) < 0.01 * radius

@@ -51,7 +51,7 @@ def is_plain(body: BeamBody) -> bool:
 def division(body: BeamBody, line: Line) -> Array:
     """Return the nodes of a beam as fractions of its length, (n,)."""
     if body.line is not None and body.line.nodes is not None:
-        along = _along(np.array(body.line.nodes))
+        along = chords(np.array(body.line.nodes))
         return np.asarray(along / along[-1])
     stops = [*fractions(body).values(), *(s.at for s in body.stations if 0.0 < s.at < 1.0)]
     return node_positions(1.0, body.elements, stops)
@@ -105,7 +105,7 @@ def _arc(body: BeamBody, total: float, axis: Array, length: float, x2: Array) ->
 
 def _through_points(body: BeamBody, points: Array, x2: Array) -> Line:
     """A cubic spline by the lengths of the chords, measured along itself."""
-    knots = _along(points)
+    knots = chords(points)
     spline = CubicSpline(knots, points)
     parts = max(FINE // (len(knots) - 1), 20)
     u = np.append(np.linspace(knots[:-1], knots[1:], parts, endpoint=False).T.ravel(), knots[-1])
@@ -142,7 +142,7 @@ def _through_points(body: BeamBody, points: Array, x2: Array) -> Line:
 
 def _through_nodes(nodes: Array, axes: Array) -> Line:
     """Given nodes: places on the polygon, axes of its sides."""
-    along = _along(nodes)
+    along = chords(nodes)
     along = along / along[-1]
 
     def place(s: Array) -> Array:
@@ -151,7 +151,7 @@ def _through_nodes(nodes: Array, axes: Array) -> Line:
     def x2(s: Array) -> Array:
         return axes[np.clip(np.searchsorted(along, s, side="right") - 1, 0, len(axes) - 1)]
 
-    return Line(float(_along(nodes)[-1]), place, x2)
+    return Line(float(chords(nodes)[-1]), place, x2)
 
 
 def _twisted(
@@ -173,7 +173,8 @@ def _twisted(
     return Line(length, place, axes)
 
 
-def _along(points: Array) -> Array:
+def chords(points: Array) -> Array:
+    """Return the places of points (n, 3) along the polygon through them, (n,), from 0."""
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     return np.concatenate([[0.0], np.cumsum(steps)])
 

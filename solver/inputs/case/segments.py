@@ -11,7 +11,7 @@ import numpy as np
 
 from ...math.arrays import Array
 from ...math.rotations import matrix_to_vector, vector_to_matrix
-from .beam_lines import division, fractions, is_plain, line_of, rounded
+from .beam_lines import chords, division, fractions, is_plain, line_of, rounded
 from .beams import with_sections
 from .resolved import resolved
 from .schema import BeamBody, Mechanism
@@ -163,7 +163,10 @@ class _Divided:
         """Return the segment at x along the body [m], and the place along it."""
         part = self.line.length / self.count
         k = min(int(x / part * (1.0 + NEAR)), self.count - 1)
-        return segment_name(self.name, k), min(max(x - k * part, 0.0), part)
+        share = min(max(x / part - k, 0.0), 1.0)
+        shape, _, _ = self._shape(k)
+        own = shape["length"] or chords(np.array(shape["line"]["nodes"]))[-1]
+        return segment_name(self.name, k), float(share * own)
 
     def frame(self, at: str, seen_from: str | None) -> dict[str, Any]:
         """Return the frame in which deflections of the interface `at` are measured."""

@@ -45,7 +45,7 @@ ROTATION = Code(
     "an interface of a flexible body turns so far relative to the body frame that small "
     "rotations are a poor assumption",
     "rotation above {limit:g} rad",
-    "use a chord or mean-axis frame, split the body, or stiffen it",
+    "use a chord or mean-axis frame, divide a beam by `segments`, or stiffen it",
     limit=0.1,
 )
 FEW_MODES = Code(
