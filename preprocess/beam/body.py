@@ -1,6 +1,7 @@
 """Modal package of a beam from the 6x6 matrices of its section."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -9,10 +10,9 @@ from ...solver.math.arrays import Array, IntArray
 from ...solver.package.body.schema import Interface, ModalPackage, SectionData
 from ...solver.package.body.second_order import MOST_MODES, second_order_from_stations
 from ...solver.package.common.table_form import SpecError
-from ...solver.package.section.schema import SectionRecovery
 from ..modes import EigenSolver, Modes, reduced_modes
 from .accuracy import coarse_mesh_warnings, frequency_error
-from .line import BeamLine, node_positions
+from .line import BeamLine, LineSection, node_positions, on_x_axis
 from .points import point_masses
 from .reduction import held_dofs, reference_condition, static_loads
 from .resultants import shape_resultants
@@ -20,8 +20,8 @@ from .second_order import SecondOrderFields, second_order_fields
 from .spec import BeamSpec
 from .spinning import spinning_loads
 from .stations import mass_stations, nodal_mass
-from .theory import section_stiffness
-from .trapeze import trapeze_strains
+from .taper import Profile
+from .theory import of_theory
 
 VTK_LINE = 3
 
@@ -32,6 +32,7 @@ class BeamModel:
 
     spec: BeamSpec
     line: BeamLine
+    profile: Profile
     node_of: dict[str, int]  # interface name -> row of nodes_B
     reference_nodes: tuple[int, ...]  # nodes that carry the frame
 
@@ -42,36 +43,34 @@ class BeamModel:
         return tuple(sorted({*self.reference_nodes, *attached}))
 
 
-def beam_model(
-    spec: BeamSpec, K: Array, mass: Array, recovery: SectionRecovery | None = None
-) -> BeamModel:
+def beam_model(spec: BeamSpec, *sections: LineSection) -> BeamModel:
     """Mesh a beam; every interface gets a node.
 
     Parameters
     ----------
     spec : the checked specification
-    K, mass : (6, 6) section stiffness and mass per length, section axes
-    recovery : stresses of the section; None: without the trapeze effect
+    sections : those of its stations; one for a uniform beam
 
     Raises
     ------
     SpecError : fewer elements than interfaces need.
     """
     places = {**spec.interfaces, **dict(spec.reference.places)}
-    try:
-        x_B = node_positions(spec.length, spec.elements, list(places.values()))
-    except ValueError as error:
-        raise SpecError(f"elements: {error}, found {spec.elements}") from error
-    stiffness = section_stiffness(K, spec.theory)
-    trapeze = np.zeros(6) if recovery is None else trapeze_strains(stiffness, recovery)
-    if spec.theory == "classical":
-        trapeze[1:3] = 0.0
-    line = BeamLine(x_B, stiffness, mass, spec.A_BE, trapeze)
+    nodes_B, A_BE = spec.nodes_B, spec.A_BE
+    if nodes_B is None:
+        try:
+            x_B = node_positions(spec.length, spec.elements, list(places.values()))
+        except ValueError as error:
+            raise SpecError(f"elements: {error}, found {spec.elements}") from error
+        nodes_B, A_BE = on_x_axis(x_B), np.tile(A_BE, (len(x_B) - 1, 1, 1))
+    profile = Profile(spec.stations, tuple(of_theory(s, spec.theory) for s in sections))
+    line = profile.line(nodes_B, A_BE)
     node_of = {
-        name: int(np.argmin(np.abs(x_B - place * spec.length))) for name, place in places.items()
+        name: int(np.argmin(np.abs(line.along - place * line.along[-1])))
+        for name, place in places.items()
     }
     nodes = tuple(node_of[name] for name, _ in spec.reference.places)
-    return BeamModel(spec, line, {name: node_of[name] for name in spec.interfaces}, nodes)
+    return BeamModel(spec, line, profile, {name: node_of[name] for name in spec.interfaces}, nodes)
 
 
 def beam_modes(model: BeamModel, solver: EigenSolver) -> Modes:
@@ -90,15 +89,18 @@ def beam_modes(model: BeamModel, solver: EigenSolver) -> Modes:
         spec.modes.eigenmodes,
         [*loads, *spinning_loads(condition, line, spec.modes.spinning, first)],
         lambda columns_B: mass_stations(line, columns_B, spec.mass_form).participation(),
-        np.argsort(-np.abs(line.x_B - line.x_B[first]), kind="stable"),
+        np.argsort(-np.abs(line.along - line.along[first]), kind="stable"),
         solver,
     )
 
 
 def beam_package(
-    model: BeamModel, modes: Modes, section: SectionData, provenance: dict[str, Any]
+    model: BeamModel, modes: Modes, sections: Sequence[SectionData], provenance: dict[str, Any]
 ) -> ModalPackage:
     """Collect mesh, modes and inertia of a beam in a modal package.
+
+    `sections` are those of the stations, with their stresses. A tapered beam has stresses at the
+    nodes of its stations, and K and M of the sections at all nodes.
 
     The nodal masses are always lumped. The invariants
     use the mass form of the specification, which is also that of the eigenproblem.
@@ -112,6 +114,12 @@ def beam_package(
         held = held_dofs(spec.reference.kind, model.reference_nodes)
         fields = second_order_fields(line, modes.columns_B, points, spec.mass_form, held)
     node_mass, node_inertia_B = nodal_mass(line)
+    at_nodes = model.profile.at_nodes(line, sections)
+    recovery = shape_resultants(
+        line, modes.columns_B, modes.accelerations_B, spec.mass_form, model.loaded_nodes
+    )
+    if len(at_nodes) > 1:
+        recovery = replace(recovery, section=np.searchsorted(line.along, recovery.station_x))
     frequencies = np.sqrt(modes.values)
     first = np.arange(n - 1, dtype=np.int64)
     node_ids = np.arange(1, n + 1, dtype=np.int64)
@@ -136,10 +144,8 @@ def beam_package(
             for name, row in model.node_of.items()
         ),
         reference_condition=spec.reference.kind,
-        sections=(section,),
-        recovery=shape_resultants(
-            line, modes.columns_B, modes.accelerations_B, spec.mass_form, model.loaded_nodes
-        ),
+        sections=at_nodes,
+        recovery=recovery,
         mode_labels=modes.labels,
         provenance=provenance,
         second_order=None

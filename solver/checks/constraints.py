@@ -2,8 +2,6 @@
 
 from collections.abc import Iterator
 
-import numpy as np
-
 from ..integrators.generic import advice
 from ..results.codes.course import CONSTRAINT_DRIFT, FEEDBACK, LOCKED
 from ..results.finding import Finding
@@ -12,16 +10,14 @@ from .finished import FinishedRun
 
 def constraint_findings(run: FinishedRun) -> Iterator[Finding]:
     """Yield what the constraints make doubtful."""
-    violation = run.past.position_violation
-    largest = float(violation.max())
+    largest = run.past.position.value
     if largest > CONSTRAINT_DRIFT.limit:
-        t, _ = run.at(run.look.balance)
         text = (
             f"joined points are up to {largest:.2g} m apart "
             f"(expected below {CONSTRAINT_DRIFT.limit:g} m): decrease rtol, or take "
             'constraints = "projection"'
         )
-        yield CONSTRAINT_DRIFT.finding(text, t=float(t[np.argmax(violation)]), value=largest)
+        yield CONSTRAINT_DRIFT.finding(text, t=run.past.position.t, value=largest)
     if run.degrees_of_freedom == 0:
         yield LOCKED.finding(
             "joints leave no motion at the start: all bodies stand still whatever pushes them; "

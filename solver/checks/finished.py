@@ -1,6 +1,6 @@
 """A finished run as the checks see it."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -14,10 +14,11 @@ from ..dynamics.model import Model
 from ..dynamics.reactions import momentum_balance
 from ..integrators.generic import Solution
 from ..math.arrays import Array, IntArray
+from ..math.rows import spans
 from ..mechanism import BuiltMechanism
 from ..package import ModalPackage
-from ..results import relative_balance
 from ..results.finding import Finding
+from .past import Past
 
 if TYPE_CHECKING:
     from ..inputs.case.schema import Mechanism
@@ -55,6 +56,7 @@ class FinishedRun:
     order: int = 0
     noticed: tuple[Finding, ...] = ()
     look: Look = field(default_factory=Look)
+    known: Past | None = None  # `past`, of who has computed it
 
     @property
     def model(self) -> Model:
@@ -68,7 +70,10 @@ class FinishedRun:
 
     def some(self, most: int | None) -> IntArray:
         """Return rows of at most so many output times, first and last included."""
-        count = self.solution.t.size
+        return self._spread(self.solution.t.size, most)
+
+    @staticmethod
+    def _spread(count: int, most: int | None) -> IntArray:
         if most is None or count <= most:
             return np.arange(count)
         return np.unique(np.linspace(0, count - 1, most).astype(int))
@@ -81,29 +86,39 @@ class FinishedRun:
     def scan(self, values: Callable[[Array, Array], Array], most: int) -> tuple[Array, Array]:
         """Return times (k,) [s] and values (k,) of a quantity whose highest value matters.
 
-        `values` of times (k,) and states (k, n) are looked at for at most so many output times, and
-        then for those around the highest of them.
+        `values` of times (k,) and states (k, n) are looked at for at most so many output times,
+        then for as many around the highest of them, until there are none between.
         """
-        t, y, rows = self.solution.t, self.solution.y, self.some(most)
-        found = values(t[rows], y[rows])
-        top = int(np.argmax(found))
-        around = np.arange(rows[max(top - 1, 0)], rows[min(top + 1, rows.size - 1)])
-        more = np.setdiff1d(around, rows)
-        if more.size:
-            found = np.concatenate([found, values(t[more], y[more])])
-        seen = np.concatenate([rows, more])
-        order = np.argsort(seen)
-        return t[seen[order]], found[order]
+        t, y, seen = self.solution.t, self.solution.y, self.some(most)
+        found = values(t[seen], y[seen])
+        while True:
+            top = int(np.argmax(found))
+            around = np.arange(seen[max(top - 1, 0)], seen[min(top + 1, seen.size - 1)])
+            more = np.setdiff1d(around, seen)
+            if not more.size:
+                return t[seen], found
+            more = more[self._spread(more.size, most)]
+            seen, found = np.append(seen, more), np.append(found, values(t[more], y[more]))
+            order = np.argsort(seen)
+            seen, found = seen[order], found[order]
+
+    def blocks(self, most: int | None = None) -> Iterator[tuple[Array, Array]]:
+        """Yield times (k,) and states (k, n), of at most so many output times, block by block."""
+        t, y = self.solution.t, self.solution.y
+        if most is not None and most < t.size:
+            t, y = self.at(most)
+        for first, end in spans(t.size, y.shape[1]):
+            yield t[first:end], y[first:end]
 
     @cached_property
-    def past(self) -> recover.History:
-        """Multipliers, energies and violations at the times of `look.balance`."""
-        return recover.history(self.model, *self.at(self.look.balance))
-
-    @cached_property
-    def balance(self) -> Array:
-        """Relative error of the energy balance at the times of `look.balance`."""
-        return relative_balance(self.past.energies)
+    def past(self) -> Past:
+        """Violations and energies at the times of `look.balance`."""
+        if self.known is not None:
+            return self.known
+        past = Past()
+        for t, y in self.blocks(self.look.balance):
+            past.take(t, recover.history(self.model, t, y))
+        return past
 
     @cached_property
     def momentum_balance(self) -> float:
@@ -116,19 +131,22 @@ class FinishedRun:
         """Degrees of freedom at the start."""
         return degrees_of_freedom(self.model, self.solution.y[0])
 
-    def modes(self, body: int) -> Array:
-        """Modal coordinates (k, m) of a body at all output times."""
+    def modes(self, body: int, most: int | None = None) -> Iterator[tuple[Array, Array]]:
+        """Yield times (k,) and modal coordinates (k, m) of a body; see `blocks`."""
         a = int(self.model.pos_start[body]) + 7
-        return self.solution.y[:, a : a + int(self.model.n_mode[body])]
+        for t, y in self.blocks(most):
+            yield t, y[:, a : a + int(self.model.n_mode[body])]
 
     def numbers(self) -> dict[str, float | int]:
         """Return what summary.json and sweep.h5 keep of the checks."""
+        damped = self.solution.damped_energy
         return {
-            "constraint_position_max": float(self.past.position_violation.max()),
-            "constraint_rotation_max": float(self.past.rotation_violation.max()),
-            "constraint_velocity_max": float(self.past.velocity_violation.max()),
-            "energy_drift_relative": float(np.abs(self.balance).max()),
-            "drive_work": float(self.past.energies["drive_work"][-1]),
+            "constraint_position_max": self.past.position.value,
+            "constraint_rotation_max": self.past.rotation.value,
+            "constraint_velocity_max": self.past.velocity.value,
+            "energy_drift_relative": self.past.energy_drift,
+            "drive_work": self.past.drive_work + damped,
+            "damped_energy": damped,
             "momentum_balance": self.momentum_balance,
             "degrees_of_freedom": self.degrees_of_freedom,
         }

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from ..results.finding import Finding
-from ..strength.beam_bodies import BodyStrength
+from ..strength.found import BodyStrength
 from . import (
     completion,
     constraints,
@@ -13,6 +13,7 @@ from . import (
     momentum,
     motion,
     packages,
+    stalls,
     stiffening,
     strength,
 )
@@ -23,6 +24,7 @@ Check = Callable[[FinishedRun], Iterable[Finding]]
 # In the order in which their findings are shown. Strength comes last: what it computes is kept.
 CHECKS: tuple[Check, ...] = (
     completion.completion_findings,
+    stalls.stall_findings,
     constraints.constraint_findings,
     energy.energy_findings,
     momentum.momentum_findings,

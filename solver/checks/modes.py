@@ -19,9 +19,13 @@ def mode_findings(run: FinishedRun) -> Iterator[Finding]:
         package = run.packages[name]
         # A static shape carries what it carries: only a series of vibration modes can be too short.
         vibration = [k for k, kind in enumerate(package.mode_kinds) if kind in VIBRATION]
-        energy = 0.5 * np.diag(package.stiffness) * run.modes(i) ** 2
-        peak = float(energy.sum(axis=1).max())
-        share = float(energy[:, vibration[-1]].max()) / peak if vibration and peak > 0 else 0.0
+        peak = highest = 0.0
+        for _, q in run.modes(i):
+            energy = 0.5 * np.diag(package.stiffness) * q**2
+            peak = max(peak, float(energy.sum(axis=1).max()))
+            if vibration:
+                highest = max(highest, float(energy[:, vibration[-1]].max()))
+        share = highest / peak if peak > 0 else 0.0
         if share > FEW_MODES.limit:
             text = (
                 f"{name}: the highest of {len(vibration)} vibration modes carries {share:.1%} "

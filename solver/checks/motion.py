@@ -15,9 +15,9 @@ def motion_findings(run: FinishedRun) -> Iterator[Finding]:
     for i, name in enumerate(run.built.body_names):
         if not run.model.n_mode[i]:
             continue
-        q = run.modes(i)
         rotation = max(
             float(np.max(np.linalg.norm(q @ interface.psi_B.T, axis=1)))
+            for _, q in run.modes(i)
             for interface in run.packages[name].interfaces
         )
         if rotation > ROTATION.limit:

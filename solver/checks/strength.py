@@ -4,22 +4,25 @@ from collections.abc import Iterator
 
 from ..results.codes.motion import PLY_FAILURE
 from ..results.finding import Finding
-from ..strength.beam_bodies import BodyStrength, body_strength, failure_text
-from ..strength.shell_bodies import shell_strength
+from ..strength.beam_bodies import beam_search
+from ..strength.found import BodyStrength, failure_text
+from ..strength.shell_bodies import shell_search
 from .finished import FinishedRun
 
 
 def body_strengths(run: FinishedRun) -> dict[str, BodyStrength]:
     """Return the strength of every body whose package can tell, at the times of `look.strength`."""
     found = {}
-    rows = run.some(run.look.strength)
-    t = run.solution.t[rows]
     for i, name in enumerate(run.built.body_names):
         package = run.packages.get(name)
         if package is None:
             continue
-        q = run.modes(i)[rows]
-        strength = body_strength(package, t, q) or shell_strength(package, t, q)
+        search = beam_search(package) or shell_search(package)
+        if search is None:
+            continue
+        for t, q in run.modes(i, run.look.strength):
+            search.take(t, q)
+        strength = search.found()
         if strength is not None:
             found[name] = strength
     return found

@@ -22,6 +22,15 @@ class History:
     rotation_violation: Array  # (k,) largest misalignment of connected axes [rad]
     velocity_violation: Array  # (k,) largest |Phidot| [m/s, rad/s]
 
+    @property
+    def violations(self) -> dict[str, Array]:
+        """The three violations by name."""
+        return {
+            "position": self.position_violation,
+            "rotation": self.rotation_violation,
+            "velocity": self.velocity_violation,
+        }
+
 
 def history(model: Model, t: Array, y: Array) -> History:
     """Evaluate multipliers, energies and constraint violations at states y (k, n)."""

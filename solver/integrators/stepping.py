@@ -31,11 +31,16 @@ from .generic.alpha_scheme import FORMULATIONS, SPECTRAL_RADIUS, scheme
 from .generic.base import FIRST_STEPS, Dense
 from .generic.explicit import Powers
 from .generic.hermite import Hermite
+from .generic.pace import Pace
 from .generic.steps import Steps
+from .ringing import ringing
 
 # Steps of one call, between which Ctrl-C is heard without loss.
 CHUNK = 200 if COMPILED else 5
 MOST_KEPT = 500_000  # numbers of the steps of one call
+# Cutoffs that are tried against a stall, times pi over the interval of the results.
+CUTOFFS = (10.0, 3.0, 1.0)
+PATIENCE = 4  # looks at a run that goes on stalled, before the next
 PLACES = ("_begun", "_stood", "_ends")  # no part of what a loop goes on from
 TROUBLE = {
     codes.NEWTON: "the Newton iteration does not converge (or constraints contradict)",
@@ -150,6 +155,15 @@ class StepLoop(Integrator):
         """Stand at the end of the last stride, however much of it was looked at."""
         if self._stood is not None:
             self._go_back(self._stood[1])
+            self._stood = None
+
+    def take_back(self, count: int) -> None:
+        """Stand after the first `count` steps of the last stride: the others were not taken."""
+        if count > 0:
+            self._stand(count - 1)
+            self._stood = count - 1, self._mark()
+        else:
+            self._go_back(self._begun)
             self._stood = None
 
     def _mark(self) -> Any:
@@ -284,6 +298,57 @@ class Radau(ClosingLoop):
         "Look for a jump or a singularity in the forces just after it, or for constraints that "
         "contradict each other, or increase rtol"
     )
+
+    on_stall = (
+        "cutoff_frequency, above which vibrations are damped; damping of the body or element; "
+        "fewer modes; or rtol and atol_velocity that do not ask for the vibration"
+    )
+    keys = (
+        Number(
+            "cutoff_frequency",
+            "rad/s",
+            "of radau: faster vibrations are damped, not resolved; 0: all are resolved that the "
+            "tolerance asks for; default: as 0, until they stall the run (integrators.md)",
+            least=0,
+        ),
+    )
+
+    def __init__(
+        self,
+        model: Model,
+        t0: float,
+        y0: Array,
+        t_end: float,
+        *,
+        cutoff_frequency: float | None = None,
+        **options: Any,
+    ) -> None:
+        super().__init__(model, t0, y0, t_end, **options)
+        self._workspace.clock[codes.CUTOFF] = cutoff_frequency or 0.0
+        self._tries = list(CUTOFFS) if cutoff_frequency is None else []
+        self._patience = 0
+
+    def follow(self, pace: Pace) -> None:
+        """Answer a stall by a cutoff, as high as ends it."""
+        found = pace.stalled(self.t, self.counters.steps, self.counters.rejected)
+        if found is None:
+            return
+        if not self.stalls:
+            component, rate = ringing(self._model, self._workspace)
+            self.stalls = [replace(found, component=component, rate=rate, remedy=self.on_stall)]
+        elif self._patience > 0:
+            self._patience -= 1
+            return
+        if self._tries:
+            cutoff = self._tries.pop(0) * np.pi / pace.interval
+            self._patience = PATIENCE
+            self._workspace.clock[codes.CUTOFF] = cutoff
+            self.stalls = [replace(self.stalls[0], cutoff=cutoff)]
+
+    @property
+    def damped_energy(self) -> float:
+        """Energy taken out of vibrations above the cutoff [J]."""
+        return float(self._workspace.damped.sum())
 
     def for_loop(self, model: Model) -> Model:
         """Return the model with the softness of dependent rows that suits the iteration."""

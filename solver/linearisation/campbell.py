@@ -14,6 +14,8 @@ from .tracking import Match, Vectors, match
 
 ALIKE = 0.8  # overlap of the shapes of neighbouring speeds below which the step is halved
 _HALVINGS = 6
+_SECANTS = 5  # solutions for the speed of a crossing
+_CROSSED = 1e-7  # its accuracy, of the speed
 
 
 class Point(NamedTuple):
@@ -159,7 +161,7 @@ def crossings(
     """Return where branches cross the lines w = n W, n = 1 .. harmonics, by rising speed.
 
     A crossing between two speeds is found on a monotone cubic through the branch, and improved
-    by one solution there.
+    by the secant method.
     """
     found = []
     for branch in range(diagram.frequencies.shape[1]):
@@ -193,18 +195,26 @@ def _crossing(
     line[-2] -= n
     roots = [r for r in PPoly(line, curve.x).roots(extrapolate=False).tolist() if low <= r <= high]
     speed = roots[0] if roots else 0.5 * (low + high)
-    before = diagram.points[s]
-    for _ in range(2):
+    before, row = diagram.points[s], diagram.modes[s, branch]
+
+    def off(speed: float) -> float:
+        """Frequency minus that of the harmonic at a speed; nan if the mode is not found."""
         point = at(speed, before)
-        k = int(match(before.vectors, point.vectors).successor[diagram.modes[s, branch]])
+        k = int(match(before.vectors, point.vectors).successor[row])
         if k < 0:
+            return float("nan")
+        return abs(float((point.fixed if fixed else point.modes.frequencies)[k])) - n * speed
+
+    w = diagram.followed(fixed)[:, branch]
+    known = (low, float(w[s]) - n * low), (high, float(w[s_next]) - n * high)
+    last = max(known, key=lambda pair: abs(pair[0] - speed))
+    for _ in range(_SECANTS):  # the secant method
+        found = off(speed)
+        if not np.isfinite(found) or found == last[1]:
             break
-        w = abs(float(point.fixed[k])) if fixed else float(point.modes.frequencies[k])
-        if not np.isfinite(w):
+        better = speed - found * (speed - last[0]) / (found - last[1])
+        last = speed, found
+        speed = min(max(better, low), high)
+        if abs(speed - last[0]) <= _CROSSED * high:
             break
-        slope = float(curve.derivative()(speed)) - n
-        better = speed - (w - n * speed) / slope if slope else speed
-        if not low <= better <= high:
-            break
-        speed = better
     return Crossing(branch, n, speed, n * speed)

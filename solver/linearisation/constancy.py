@@ -1,6 +1,7 @@
 """Whether linearised equations stay the same while the mechanism turns."""
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from ..dynamics.model import Model
 from ..math.arrays import Array
@@ -23,7 +24,7 @@ def change_when_turned(
     turn = np.eye(model.n_vel)
     for j in model.vel_start:
         turn[j : j + 3, j : j + 3] = A
-    both = np.kron(np.eye(2), turn)
+    both = block_diag(turn, turn, np.eye(space.auxiliary.size))
     into = _left(space) @ both.T @ _right(later)
     back = _left(later) @ both @ _right(space)
     change = into @ later.A_free @ back - space.A_free
@@ -35,8 +36,10 @@ def change_when_turned(
 
 def _right(space: StateSpace) -> Array:
     Z = space.free.Z
-    return np.asarray(np.block([[Z, np.zeros_like(Z)], [space.velocity, Z]]), dtype=float)
+    moving = np.block([[Z, np.zeros_like(Z)], [space.velocity, Z]])
+    return np.asarray(block_diag(moving, np.eye(space.auxiliary.size)), dtype=float)
 
 
 def _left(space: StateSpace) -> Array:
-    return np.asarray(np.kron(np.eye(2), space.free.Z_left), dtype=float)
+    left, others = space.free.Z_left, np.eye(space.auxiliary.size)
+    return np.asarray(block_diag(left, left, others), dtype=float)

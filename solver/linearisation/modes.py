@@ -16,7 +16,8 @@ from .state_space import StateSpace
 BoolArray = NDArray[np.bool_]
 
 _STILL = 1e-6  # [rad/s] eigenvalues below are zero, whatever the mechanism
-_ROUND_OFF = 10.0  # safety on the round-off of a double eigenvalue zero
+_ROUND_OFF = 100.0  # safety on the round-off of a double eigenvalue zero
+_DOUBLE = 30.0  # safety on what the eigenvalue solver makes of a double zero [sqrt(rad/s)]
 _REAL = 1e-9  # imaginary part of a real eigenvalue, relative
 
 
@@ -28,8 +29,8 @@ class Modes:
     """
 
     eigenvalues: Array  # (k,) complex [1/s], imaginary part >= 0
-    right: Array  # (2 n_free, k) columns of A r = lambda r; of unit modal mass
-    left: Array  # (2 n_free, k) l^H A = lambda l^H, with l^H r = 1
+    right: Array  # (m, k) columns of A r = lambda r; of unit modal mass
+    left: Array  # (m, k) l^H A = lambda l^H, with l^H r = 1
     still: BoolArray  # (k,): zero but for round-off
     x: Array  # (n_vel, k) displacements along the velocity coordinates, of unit modal mass
 
@@ -58,8 +59,7 @@ class Modes:
 
 def modes_of(model: Model, space: StateSpace, t: float = 0.0) -> Modes:
     """Return the modes of linearised equations of a model at time t."""
-    n = space.n_free
-    if n == 0:
+    if not space.A_free.size:
         none = np.zeros((0, 0), dtype=complex)
         x = np.zeros((model.n_vel, 0), dtype=complex)
         return Modes(np.zeros(0, dtype=complex), none, none, np.zeros(0, dtype=bool), x)
@@ -67,7 +67,8 @@ def modes_of(model: Model, space: StateSpace, t: float = 0.0) -> Modes:
     largest = float(np.abs(values).max())
     real = np.abs(values.imag) <= _REAL * np.abs(values)
     values = np.where(real, values.real, values)
-    still = np.abs(values) <= max(_STILL, _still(model, space, t), 1e-12 * largest)
+    double = _DOUBLE * float(np.sqrt(np.finfo(float).eps * largest))
+    still = np.abs(values) <= max(_STILL, _still(model, space, t), double)
     # Of a pair one is kept; of a double zero, which has one vector, also one.
     keep = [k for k in range(values.size) if values[k].imag > 0.0 or real[k]]
     keep = _single_zeros(keep, still, right)

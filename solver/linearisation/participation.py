@@ -14,6 +14,7 @@ from .state_space import StateSpace
 
 _FRAME = ("x", "y", "z", "rotation x", "rotation y", "rotation z")
 _ELASTIC = 0.3  # share of strain energy from which the coordinate is one of elastic motion
+ALONG = -1.0  # motion along the axis in place of a share
 _CIRCULAR = 0.95  # share of one direction from which a motion is called a whirl
 
 
@@ -24,7 +25,8 @@ class Participation:
     bodies: Array  # (nb, k) share of the kinetic energy of the displacements' rates
     coordinates: Array  # (n_vel, k) size of each coordinate, weighted by its inertia, sum 1
     main: list[str]  # coordinate with the largest strain energy, or share in stiff motion
-    forward: Array  # (k,) share of motion that circles the axis with the spin; nan without spin
+    # (k,) share of motion that circles the axis with the spin; -1: along the axis, nan: no spin
+    forward: Array
 
 
 def participation(
@@ -86,12 +88,14 @@ def whirl_rates(modes: Modes, forward: Array, rate: float) -> Array:
     """Return the angular frequencies (k,) seen from axes at rest [rad/s]; nan: not circular.
 
     A motion that circles the axis at w in axes turning at W does so at W + w in axes at rest, or
-    at W - w if it circles against the spin.
+    at W - w if it circles against the spin. Motion along the axis has the same frequency in both.
     """
     w = modes.frequencies
     out = np.full(w.shape, np.nan)
     out = np.where(forward >= _CIRCULAR, rate + w, out)
-    return np.where(forward <= 1.0 - _CIRCULAR, rate - w, out)
+    out = np.where((forward >= 0.0) & (forward <= 1.0 - _CIRCULAR), rate - w, out)
+    out = np.where(forward == ALONG, w, out)
+    return np.where(modes.still, np.nan, out)
 
 
 def _forward(model: Model, y: Array, x: Array, axis: Array | None) -> Array:
@@ -106,9 +110,9 @@ def _forward(model: Model, y: Array, x: Array, axis: Array | None) -> Array:
     both = (G[:, 0, 0] + G[:, 1, 1]).real
     turning = -2.0 * G[:, 1, 0].imag
     total = np.trace(G, axis1=1, axis2=2).real
-    found = np.full(x.shape[1], np.nan)
+    found = np.full(x.shape[1], ALONG)
     across = both > 1e-3 * total
-    found[across] = 0.5 * (1.0 + turning[across] / both[across])
+    found[across] = np.clip(0.5 * (1.0 + turning[across] / both[across]), 0.0, 1.0)
     return found
 
 

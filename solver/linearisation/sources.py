@@ -14,14 +14,14 @@ if TYPE_CHECKING:
 
 
 def sources_of(mechanism: "Mechanism", built: BuiltMechanism) -> tuple[Source, ...]:
-    """Return one input per law of time: "JOINT.DRIVE" by its acceleration, "FORCE" by its size."""
+    """Return one input per law of time: "JOINT:DRIVE" by its acceleration, "FORCE" by its size."""
     model, found = built.model, []
     for name, joint in mechanism.joints.items():
         for key, row in zip(drives(joint), built.joints[name].rows[1:], strict=True):
             assert NAMES[model.joint_kind[row]] in DRIVES
             first = int(model.joint_row[row])
             unit = "m" if position_rows(model.joint_kind)[first] else "rad"
-            found.append(Source(f"{name}.{key}", int(model.joint_law[row]), f"{unit}/s2", True))
+            found.append(Source(f"{name}:{key}", int(model.joint_law[row]), f"{unit}/s2", True))
     for k, (name, force) in enumerate(mechanism.forces.items()):
         law = int(model.force_law[k])
         if law >= 0:

@@ -6,8 +6,9 @@
 The displacement is x = Z eta, the change of velocity u = Z zeta + B eta, with Z the free motions
 and B what the constraints ask of the velocities of a displaced state. da are derivatives of the
 accelerations that solve (12), so that they contain inertia, gyroscopic terms, following loads and
-the change of the constraint forces. A drive enters by its acceleration, with two states: what
-its coordinate and its rate are beside their law. Reasons: docs/adr/0020.
+the change of the constraint forces. Auxiliary states of controllers and friction follow. A drive
+enters by its acceleration, with two states: what its coordinate and its rate are beside their law.
+Reasons: docs/adr/0020.
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,7 +23,7 @@ from ..dynamics.null_space import FreeMotions, Rank, free_motions
 from ..dynamics.scales import extent
 from ..dynamics.series import along_solution, balance
 from ..dynamics.system import assemble
-from ..math.arrays import Array
+from ..math.arrays import Array, IntArray
 from ..signals import Recording, Sensor
 from .differences import Direction, Instant, derivatives
 from .turning import turning_axes
@@ -39,7 +40,10 @@ class Source(NamedTuple):
 
 @dataclass(frozen=True)
 class StateSpace:
-    """x' = A x + B u, y = C x + D u about a state; x = [eta, zeta, drives, their rates]."""
+    """x' = A x + B u, y = C x + D u about a state.
+
+    x = [eta, zeta, auxiliary states, drives, their rates].
+    """
 
     A: Array  # (n, n)
     B: Array  # (n, n_in)
@@ -48,8 +52,11 @@ class StateSpace:
     free: FreeMotions  # Z, its inverse and the rank
     velocity: Array  # (n_vel, n_free) B of u = Z zeta + B eta
     mass: Array  # (n_vel, n_vel) mass matrix of the state
+    inertia_scale: Array  # (n_vel,) of the model
     y: Array  # (n_y,) the state about which
+    auxiliary: IntArray  # (n_a,) numbers of the auxiliary states that have a rate
     acceleration: Array  # (n_vel,) of that state, in the axes of the linearisation
+    auxiliary_rates: Array  # (n_a,) of that state
     forces: Array  # (n_vel,) that act on it
     inputs: tuple[Source, ...]
     outputs: tuple[tuple[str, str], ...]  # name and unit
@@ -57,7 +64,7 @@ class StateSpace:
 
     @property
     def n_free(self) -> int:
-        """Number of free motions; A without drives has twice as many rows."""
+        """Number of free motions."""
         return self.free.Z.shape[1]
 
     @property
@@ -67,15 +74,16 @@ class StateSpace:
 
     @property
     def A_free(self) -> Array:
-        """A without the states of drives, (2 n_free, 2 n_free)."""
-        return self.A[: 2 * self.n_free, : 2 * self.n_free]
+        """A without the states of drives, (m, m), m = 2 n_free + n_a."""
+        m = 2 * self.n_free + self.auxiliary.size
+        return self.A[:m, :m]
 
     def displacements(self, columns: Array) -> Array:
-        """Return x (n_vel, k) for columns (2 n_free or more, k) of states without drives."""
+        """Return x (n_vel, k) for columns (m, k) of states without drives."""
         return np.asarray(self.free.Z @ columns[: self.n_free])
 
     def velocities(self, columns: Array) -> Array:
-        """Return u (n_vel, k) for columns (2 n_free or more, k) of states without drives."""
+        """Return u (n_vel, k) for columns (m, k) of states without drives."""
         n = self.n_free
         return np.asarray(self.free.Z @ columns[n : 2 * n] + self.velocity @ columns[:n])
 
@@ -105,64 +113,63 @@ def linearise(
     at = Instant(model, t, y, law_values(model, t))
     size = extent(model, y)
     Z, left = free.Z, free.Z_left
-    n, n_drive = Z.shape[1], sum(s.drive for s in sources)
+    auxiliary = moving_states(model)
+    drives = [s for s in sources if s.drive]
+    n, n_a, n_d = Z.shape[1], auxiliary.size, len(drives)
 
-    def constraints(directions: list[Direction], column: int) -> Array:
-        """Derivatives of Phi (column 0) or Phidot (1), answered by a motion (n_vel, k)."""
-        found = derivatives(at, _constraints, directions, size).values
+    def answers(directions: list[Direction], column: int) -> Array:
+        """Motions (n_vel, k) that restore Phi (column 0) or Phidot (1) along directions."""
+        weights = np.ones(2 * model.n_constraint)
+        found = derivatives(at, _constraints, directions, size, weights).values
         return np.asarray(-free.P @ found.reshape(2, -1, len(directions))[column])
 
-    shapes = list(Z.T)
     B = np.zeros_like(Z)
     if model.n_constraint and (y[model.n_pos :].any() or at.laws[:, 1].any()):
-        B = constraints([at.direction(x) for x in shapes], 1)
-    drives = [s for s in sources if s.drive]
-    laws = [_only(at.laws, s.law) for s in sources]
-    X = np.zeros((model.n_vel, n_drive))
-    Xp = np.zeros((model.n_vel, n_drive))
+        B = answers([at.direction(x) for x in Z.T], 1)
+    X, Xp = np.zeros((model.n_vel, n_d)), np.zeros((model.n_vel, n_d))
+    values = [_one_law(at.laws, s.law, 0) for s in drives]
     if drives:
-        own = [_only(at.laws, s.law) for s in drives]
-        X = constraints([at.direction(laws=_at(law, 0)) for law in own], 0)
-        moved = [at.direction(x, laws=_at(law, 0)) for x, law in zip(X.T, own, strict=True)]
-        Xp = constraints(moved, 1)
-    directions = [
-        *(at.direction(x, u) for x, u in zip(shapes, B.T, strict=True)),
-        *(at.direction(None, u) for u in shapes),
-    ]
-    if drives:
-        directions += [
-            at.direction(x, u, _at(law, 0)) for x, u, law in zip(X.T, Xp.T, own, strict=True)
-        ]
-        directions += [at.direction(None, x, _at(law, 1)) for x, law in zip(X.T, own, strict=True)]
+        X = answers([at.direction(laws=value) for value in values], 0)
+        moved = [at.direction(x, laws=value) for x, value in zip(X.T, values, strict=True)]
+        Xp = answers(moved, 1)
+    # One direction for each state: displacement, change of velocity, laws, auxiliary states.
+    x = np.hstack([Z, np.zeros_like(Z), np.zeros((model.n_vel, n_a)), X, np.zeros_like(X)])
+    u = np.hstack([B, Z, np.zeros((model.n_vel, n_a)), Xp, X])
+    directions = [at.direction(*pair) for pair in zip(x.T, u.T, strict=True)]
+    for k, j in enumerate(auxiliary):
+        only = np.zeros(model.n_aux)
+        only[j] = 1.0
+        directions[2 * n + k] = at.direction(states=only)
+    for k, s in enumerate(drives):
+        for order, m in ((0, 2 * n + n_a + k), (1, 2 * n + n_a + n_d + k)):
+            directions[m] = directions[m]._replace(laws=_one_law(at.laws, s.law, order))
     directions += [
-        at.direction(laws=_at(law, 2 if s.drive else 0))
-        for law, s in zip(laws, sources, strict=True)
+        at.direction(laws=_one_law(at.laws, s.law, 2 if s.drive else 0)) for s in sources
     ]
+    first = model.n_pos + model.n_vel
+    kept = [*range(model.n_pos, first), *(first + auxiliary)]
 
     def evaluation(m: Model, times: Array, states: Array) -> Array:
-        rates = along_solution(m, times, states)[0][:, m.n_pos : m.n_pos + m.n_vel]
+        rates = along_solution(m, times, states)[0][:, kept]
         recording = Recording(m, times, states)
         return np.column_stack([rates, *(s.values(recording) for s in sensors.values())])
 
-    found = derivatives(at, evaluation, directions, size)
-    da, dy = found.values[: model.n_vel], found.values[model.n_vel :]
+    weights = np.concatenate([np.sqrt(model.inertia_scale), np.zeros(n_a + len(sensors))])
+    found = derivatives(at, evaluation, directions, size, weights)
+    da, ds, dy = np.split(found.values, [model.n_vel, model.n_vel + n_a])
     frame = turning_axes(model, y, W_G)
-    n_state = 2 * n + 2 * n_drive
-    x = np.hstack([Z, np.zeros_like(Z), X, np.zeros_like(X)])
-    u = np.hstack([B, Z, Xp, X])
-    A = np.zeros((n_state, n_state))
+    n_state = 2 * n + n_a + 2 * n_d
+    A, into = np.zeros((n_state, n_state)), np.zeros((n_state, len(sources)))
     A[:n] = left @ (u + frame.T @ x)
     A[n : 2 * n] = left @ (da[:, :n_state] + frame.T_u @ u)
-    A[2 * n : 2 * n + n_drive, 2 * n + n_drive :] = np.eye(n_drive)
-    into = np.zeros((n_state, len(sources)))
+    A[2 * n : 2 * n + n_a], into[2 * n : 2 * n + n_a] = ds[:, :n_state], ds[:, n_state:]
+    A[n_state - 2 * n_d : n_state - n_d, n_state - n_d :] = np.eye(n_d)
     into[n : 2 * n] = left @ da[:, n_state:]
     for k, s in enumerate(sources):
         if s.drive:
-            into[2 * n + n_drive + drives.index(s), k] = 1.0
-    v0 = y[model.n_pos : model.n_pos + model.n_vel]
-    rest = along_solution(model, np.full(1, t), y[None])[0][
-        0, model.n_pos : model.n_pos + model.n_vel
-    ]
+            into[n_state - n_d + drives.index(s), k] = 1.0
+    rest = along_solution(model, np.full(1, t), y[None])[0][0, kept]
+    errors = left @ found.errors[: model.n_vel, : 2 * n]
     return StateSpace(
         A=A,
         B=into,
@@ -171,13 +178,25 @@ def linearise(
         free=free,
         velocity=B,
         mass=assemble(model, t, y).M,
+        inertia_scale=model.inertia_scale,
         y=y,
-        acceleration=rest + frame.T_u @ v0,
+        auxiliary=auxiliary,
+        acceleration=rest[: model.n_vel] + frame.T_u @ y[model.n_pos : first],
+        auxiliary_rates=rest[model.n_vel :],
         forces=assemble(model, t, y).f,
         inputs=tuple(sources),
         outputs=tuple((name, s.unit) for name, s in sensors.items()),
-        error=_relative(left @ da[:, : 2 * n], left @ found.errors[: model.n_vel, : 2 * n]),
+        error=_relative(left @ da[:, : 2 * n], errors),
     )
+
+
+def moving_states(model: Model) -> IntArray:
+    """Return the numbers of the auxiliary states that have a rate of their own.
+
+    Those that count turns of an angle, and those that are sampled, do not change in a small motion.
+    """
+    q = model.quantities
+    return np.flatnonzero((q.rate >= 0) & (q.of_coordinate < 0))
 
 
 def _constraints(model: Model, t: Array, y: Array) -> Array:
@@ -186,16 +205,10 @@ def _constraints(model: Model, t: Array, y: Array) -> Array:
     return np.hstack([found.Phi, found.Phi_d])
 
 
-def _only(laws: Array, law: int) -> Array:
-    out = np.zeros((len(laws), 1))
-    out[law] = 1.0
-    return out
-
-
-def _at(law: Array, order: int) -> Array:
+def _one_law(laws: Array, law: int, order: int) -> Array:
     """Change of the value (0), rate (1) or acceleration (2) of one law, (n_law, 3)."""
-    out = np.zeros((len(law), 3))
-    out[:, order] = law[:, 0]
+    out = np.zeros_like(laws)
+    out[law, order] = 1.0
     return out
 
 

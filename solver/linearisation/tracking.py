@@ -15,8 +15,8 @@ _LEAST = 0.1  # overlap below which a mode has no successor
 class Vectors(NamedTuple):
     """Modes in coordinates that all speeds share."""
 
-    right: Array  # (2 n_vel, k) displacements and changes of velocity
-    left: Array  # (2 n_vel, k), with left^H right = 1 for each mode
+    right: Array  # (2 n_vel + n_a, k) displacements, changes of velocity, other states
+    left: Array  # (2 n_vel + n_a, k), with left^H right = 1 for each mode
 
 
 class Match(NamedTuple):
@@ -30,8 +30,11 @@ def vectors_of(space: StateSpace, modes: Modes) -> Vectors:
     """Return right and left vectors in the coordinates of displacements and velocities."""
     n = space.n_free
     x, u = space.displacements(modes.right), space.velocities(modes.right)
-    left = space.free.Z_left.T
-    return Vectors(np.vstack([x, u]), np.vstack([left @ modes.left[:n], left @ modes.left[n:]]))
+    left, more = space.free.Z_left.T, slice(2 * n, None)
+    return Vectors(
+        np.vstack([x, u, modes.right[more]]),
+        np.vstack([left @ modes.left[:n], left @ modes.left[n : 2 * n], modes.left[more]]),
+    )
 
 
 def match(one: Vectors, two: Vectors) -> Match:

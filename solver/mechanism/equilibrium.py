@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..dynamics.auxiliary import started
 from ..dynamics.coordinates import moved
 from ..dynamics.instant import law_values, with_laws
 from ..dynamics.model import Model
@@ -44,8 +45,8 @@ def resting_state(model: Model, start: Start, body_names: list[str]) -> tuple[Mo
     found = equilibrium(model, start, body_names)
     values = law_values(model, 0.0)
     values[:, 1:] = 0.0
-    y = np.concatenate([found.positions, np.zeros(model.n_vel), model.quantities.start, [0.0]])
-    return with_laws(model, 0.0, values), y
+    still = with_laws(model, 0.0, values)
+    return still, started(still, 0.0, resting(model, found.positions, np.zeros(model.n_vel)))
 
 
 def equilibrium(model: Model, start: Start, body_names: list[str], t: float = 0.0) -> Start:
@@ -114,10 +115,13 @@ class _Balance:
         return K
 
 
+def resting(model: Model, positions: Array, velocities: Array) -> Array:
+    """Return the state y (n,) of positions and velocities; angles turn as at the given start."""
+    return np.concatenate([positions, velocities, model.quantities.start, [0.0]])
+
+
 def _at_rest(model: Model, positions: Array, t: float) -> Equations:
-    return assemble(
-        model, t, np.concatenate([positions, np.zeros(model.n_vel), model.quantities.start, [0.0]])
-    )
+    return assemble(model, t, started(model, t, resting(model, positions, np.zeros(model.n_vel))))
 
 
 def _downhill(model: Model, here: _Balance, positions: Array, step: Array, t: float) -> Array:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..dynamics.auxiliary import started
 from ..dynamics.coordinates import moved
 from ..dynamics.instant import law_values, with_laws
 from ..dynamics.model import Model
@@ -17,7 +18,7 @@ from ..dynamics.spinning import Spin, spin_accelerations, spin_velocities, turne
 from ..dynamics.system import Equations, assemble
 from ..errors import InputError
 from ..math.arrays import Array
-from .equilibrium import closed, equilibrium, limited, pushed
+from .equilibrium import closed, equilibrium, limited, pushed, resting
 from .initial import Start
 
 _TOLERANCE = 1e-10  # of the unbalanced accelerations, relative to the largest of loads
@@ -84,7 +85,7 @@ class _Turning:
         self.positions, self.spin, self.t = positions, spin, t
         self.model = _with_spin(model, positions, spin, t, angle)
         self.v = spin_velocities(model, positions, spin)
-        self.y = np.concatenate([positions, self.v, [0.0]])
+        self.y = started(self.model, t, resting(model, positions, self.v))
 
     def evaluated(self) -> tuple[Equations, Array]:
         """Return the equations, and the forces (n_vel,) less those that the spin takes."""
@@ -121,7 +122,7 @@ def _with_spin(model: Model, positions: Array, spin: Spin, t: float, angle: floa
     if max(laws, default=-1) >= 0:
         unit = np.zeros_like(values)
         unit[[k for k in laws if k >= 0], 1] = 1.0
-        y = np.concatenate([positions, spin_velocities(model, positions, spin), [0.0]])
+        y = resting(model, positions, spin_velocities(model, positions, spin))
         still = assemble(with_laws(model, t, values), t, y)
         share = assemble(with_laws(model, t, values + unit), t, y).Phi_t - still.Phi_t
         needed = -(still.Phi_q @ y[model.n_pos : model.n_pos + model.n_vel]) - still.Phi_t

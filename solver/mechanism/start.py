@@ -39,6 +39,11 @@ def starting_state(
     if kind == "equilibrium":
         closed = replace(start, positions=y[: model.n_pos])
         if spin is not None and spin.rate != 0.0:
+            if start.velocities.any():
+                raise InputError(
+                    f"solver.spin.speed = {spin.rate:g}: expected no velocity, angular_velocity or "
+                    "modal_rates of bodies, which turn with the spin"
+                )
             y = relative_equilibrium(model, closed, spin, joint_names, body_names).y
             _require_drives(model, y, spin, joint_names)
         else:

@@ -1,11 +1,12 @@
 """report.html: one self-contained page, without other files or network."""
 
-import base64
 from html import escape
 from pathlib import Path
 from typing import Any
 
+from .elements import figure, name_of, table
 from .story import Story
+from .strength import strength_section
 from .table import number, signal_numbers
 
 _CSS = (Path(__file__).parent / "page.css").read_text(encoding="utf-8")
@@ -35,13 +36,13 @@ def page(
         "</section>",
         _warnings(stories),
         "<section><h2>Comparison</h2>",
-        *(_figure(path, caption, "wide") for caption, path in comparisons),
+        *(figure(path, caption, "wide") for caption, path in comparisons),
         "</section><section><h2>Motion</h2><div class='grid'>",
-        *(_figure(p, f"Motion of {s.title}") for s, p in zip(stories, motions, strict=True)),
+        *(figure(p, f"Motion of {s.title}") for s, p in zip(stories, motions, strict=True)),
         "</div></section>",
-        _strength(stories, strengths),
+        strength_section(stories, strengths),
         "<section><h2>Verification</h2><div class='grid'>",
-        *(_figure(p, f"Balance of {s.title}") for s, p in zip(stories, balances, strict=True)),
+        *(figure(p, f"Balance of {s.title}") for s, p in zip(stories, balances, strict=True)),
         "</div></section>",
         _READING,
     ]
@@ -52,25 +53,6 @@ def page(
         + "\n".join(parts)
         + "</main></body></html>\n"
     )
-
-
-def _figure(path: Path, caption: str, kind: str = "") -> str:
-    data = base64.b64encode(path.read_bytes()).decode("ascii")
-    return (
-        f"<figure class='{kind}'><img alt='{escape(caption, quote=True)}' "
-        f"src='data:image/png;base64,{data}'></figure>"
-    )
-
-
-def _table(head: str, rows: list[list[str]]) -> str:
-    body = "".join("<tr>" + "".join(f"<td>{c}</td>" for c in row) + "</tr>" for row in rows)
-    table = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-    return f"<div class='scroll'>{table}</div>"
-
-
-def _name(story: Story) -> str:
-    code = f"<code>{escape(story.name)}</code>"
-    return f"{escape(story.title)}<br>{code}" if story.title != story.name else code
 
 
 def _outcome(story: Story) -> str:
@@ -96,7 +78,7 @@ def _outcomes(stories: list[Story]) -> str:
         modes = ", ".join(f"{escape(b)} {n}" for b, n in checks.get("modes_used", {}).items())
         rows.append(
             [
-                _name(story),
+                name_of(story),
                 _outcome(story),
                 number(checks.get("constraint_position_max"), 2),
                 number(checks.get("energy_drift_relative"), 2),
@@ -107,7 +89,7 @@ def _outcomes(stories: list[Story]) -> str:
                 number(cost.get("preprocess_s")),
             ]
         )
-    return _table("".join(f"<th>{cell}</th>" for cell in head), rows)
+    return table("".join(f"<th>{cell}</th>" for cell in head), rows)
 
 
 def _signals(stories: list[Story]) -> str:
@@ -118,50 +100,11 @@ def _signals(stories: list[Story]) -> str:
     below = "<th>final</th><th>largest</th>" * len(units)
     rows = []
     for story in stories:
-        row = [_name(story)]
+        row = [name_of(story)]
         for name in units:
             row += signal_numbers(story.summary.get("signals", {}).get(name, {}))
         rows.append(row)
-    return _table(f"{top}</tr><tr class='below'>{below}", rows)
-
-
-def _strength(stories: list[Story], figures: list[Path]) -> str:
-    """Return the section on ply stresses, or nothing if no material has strengths."""
-    told = [story for story in stories if story.summary.get("strength")]
-    if not told:
-        return ""
-    head = ["run", "body", "strength<br>ratio R [-]", "margin<br>R - 1 [-]", "criterion", "mode"]
-    head += ["x<br>[m]", "time<br>[s]", "ply"]
-    rows = []
-    for story in told:
-        for body, found in story.summary["strength"].items():
-            ply = found["ply"]
-            where = f"{ply['region']} {ply['index']}, {ply['material']}, {ply['angle_deg']:g} deg"
-            ratio = number(found["ratio"], 4)
-            rows.append(
-                [
-                    _name(story),
-                    escape(body),
-                    f"<span class='badge bad'>{ratio}</span>" if fails(found) else ratio,
-                    number(found["margin"], 3),
-                    escape(found["criterion"]),
-                    escape(found["mode"]),
-                    number(found["x"], 4),
-                    number(found["time"], 4),
-                    escape(where),
-                ]
-            )
-    table = _table("".join(f"<th>{cell}</th>" for cell in head), rows)
-    drawn = "".join(
-        _figure(path, f"Exposure along the beams of {story.title}")
-        for story, path in zip(told, figures, strict=True)
-    )
-    return f"<section><h2>Strength</h2>{table}<div class='grid'>{drawn}</div></section>"
-
-
-def fails(found: dict[str, Any]) -> bool:
-    """True if a ply of a body fails, from its entry in summary.json."""
-    return found["ratio"] is not None and found["ratio"] < 1.0
+    return table(f"{top}</tr><tr class='below'>{below}", rows)
 
 
 def _warnings(stories: list[Story]) -> str:

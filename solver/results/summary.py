@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..math.arrays import Array
+from ..math.rows import spans
 from ..package.common.container import temporary_sibling
 from .schema import ResultError, Signal
 
@@ -18,18 +19,28 @@ def signal_summary(signal: Signal, t: Array) -> dict[str, Any]:
     NaN and inf are ignored; a signal without finite values
     gives None for all.
     """
-    known = np.flatnonzero(np.isfinite(signal.values))
-    if not len(known):
+    low = high = None  # value and time
+    final = np.nan
+    for first, end in spans(len(signal.values), 1):
+        values, times = signal.values[first:end], t[first:end]
+        known = np.flatnonzero(np.isfinite(values))
+        final = values[-1]
+        if not len(known):
+            continue
+        least, most = known[np.argmin(values[known])], known[np.argmax(values[known])]
+        if low is None or values[least] < low[0]:
+            low = float(values[least]), float(times[least])
+        if high is None or values[most] > high[0]:
+            high = float(values[most]), float(times[most])
+    if low is None or high is None:
         return {"unit": signal.unit} | dict.fromkeys(("final", "min", "t_min", "max", "t_max"))
-    low = known[np.argmin(signal.values[known])]
-    high = known[np.argmax(signal.values[known])]
     return {
         "unit": signal.unit,
-        "final": float(signal.values[-1]) if known[-1] == len(signal.values) - 1 else None,
-        "min": float(signal.values[low]),
-        "t_min": float(t[low]),
-        "max": float(signal.values[high]),
-        "t_max": float(t[high]),
+        "final": float(final) if np.isfinite(final) else None,
+        "min": low[0],
+        "t_min": low[1],
+        "max": high[0],
+        "t_max": high[1],
     }
 
 

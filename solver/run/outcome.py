@@ -1,21 +1,25 @@
 """What a run leaves: histories, signals, checks and warnings from its solution."""
 
+from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..checks.finished import FinishedRun
 from ..checks.judge import judge
+from ..checks.past import Past
 from ..dynamics import recover
 from ..math.arrays import Array
+from ..math.rows import LongRows, RowKeeper, columns, computed
 from ..mechanism import BuiltMechanism
 from ..package import ModalPackage
 from ..results import BodyGeometry, RunResult, Signal, signal_summary
 from ..results.codes.course import FEEDBACK
-from ..signals import Recording, Sensor
-from ..strength.beam_bodies import summary as strength_entry
+from ..signals import Sensor, recorded
+from ..strength.found import summary as strength_entry
 
 if TYPE_CHECKING:
     from ..inputs.case.schema import Mechanism
@@ -46,33 +50,53 @@ class RunSpec:
 
 
 def collect(
-    spec: RunSpec, sensors: dict[str, Sensor], finished: FinishedRun, solve_s: float
+    spec: RunSpec,
+    sensors: dict[str, Sensor],
+    finished: FinishedRun,
+    solve_s: float,
+    folder: Path | None = None,
 ) -> tuple[RunResult, dict[str, Any]]:
-    """Recover everything of interest from a finished run, and judge it."""
-    model, solution, past = finished.model, finished.solution, finished.past
+    """Recover everything of interest from a finished run, and judge it.
+
+    What has a row for every output time is computed block by block. Of a run whose states are
+    in a file (integrators/generic/output.py) it is kept in files as well, in `folder`.
+    """
+    model, solution = finished.model, finished.solution
     t, y = solution.t, solution.y
-    recording = Recording(model, t, y)
+    stored = isinstance(y, LongRows)
+    kept: dict[tuple[str, str], RowKeeper] = defaultdict(
+        lambda: RowKeeper(stored=stored, folder=folder)
+    )
+    past = Past()
+    for some, states, values in recorded(sensors, model, finished.blocks):
+        history = recover.history(model, some, states)
+        past.take(some, history)
+        kept["", "multipliers"].append(history.multipliers)
+        for group, table in (
+            ("signals", values),
+            ("energies", history.energies),
+            ("violations", history.violations),
+        ):
+            for name, rows in table.items():
+                kept[group, name].append(rows)
+    finished = replace(finished, known=past)
     found_signals = tuple(
-        Signal(name, sensor.unit, sensor.description, sensor.values(recording))
+        Signal(name, sensor.unit, sensor.description, kept["signals", name].all())
         for name, sensor in sensors.items()
     )
-    geometry, points = _geometry(finished.built, y)
+    geometry, points = drawn_shapes(finished.built, y)
     result = RunResult(
         case=spec.case,
         run=spec.run,
         t=t,
         signals=found_signals,
-        q=y[:, : model.n_pos],
-        v=y[:, model.n_pos : model.n_pos + model.n_vel],
-        multipliers=past.multipliers,
-        energies=past.energies,
+        q=columns(y, 0, model.n_pos),
+        v=columns(y, model.n_pos, model.n_pos + model.n_vel),
+        multipliers=kept["", "multipliers"].all(),
+        energies={n: rows.all() for (group, n), rows in kept.items() if group == "energies"},
         bodies=geometry,
         node_positions_G=points,
-        violations={
-            "position": past.position_violation,
-            "rotation": past.rotation_violation,
-            "velocity": past.velocity_violation,
-        },
+        violations={n: rows.all() for (group, n), rows in kept.items() if group == "violations"},
     )
     judgement = judge(finished)
     # Remarks on the cost of a run are findings too; `hints` repeats them beside the integrator's.
@@ -88,7 +112,7 @@ def collect(
         "signals": {s.name: signal_summary(s, t) for s in found_signals},
         "checks": {
             **judgement.numbers,
-            "modes_used": {n: p.n_mode for n, p in spec.packages.items()},
+            "modes_used": {n: p.n_mode for n, p in finished.packages.items()},
         },
         "strength": {n: strength_entry(found) for n, found in judgement.strengths.items()},
         "cost": {
@@ -109,9 +133,9 @@ def collect(
     return result, summary
 
 
-def _geometry(built: BuiltMechanism, y: Array) -> tuple[tuple[BodyGeometry, ...], Array]:
+def drawn_shapes(built: BuiltMechanism, y: Array) -> tuple[tuple[BodyGeometry, ...], Array]:
     """Return the drawn shape of every body and its global points (k, n, 3)."""
-    bodies, points = [], []
+    bodies, places = [], []
     for i, name in enumerate(built.body_names):
         package = built.packages.get(name)
         if package is not None:
@@ -132,5 +156,14 @@ def _geometry(built: BuiltMechanism, y: Array) -> tuple[tuple[BodyGeometry, ...]
                 np.full(len(spokes), VTK_LINE, dtype=np.int64),
             )
         bodies.append(body)
-        points.append(recover.node_positions(built.model, i, y, nodes, shapes))
-    return tuple(bodies), np.concatenate(points, axis=1)
+        places.append((i, nodes, shapes))
+
+    def points(first: int, end: int) -> Array:
+        some = y[first:end]
+        found = [
+            recover.node_positions(built.model, *place[:1], some, *place[1:]) for place in places
+        ]
+        return np.concatenate(found, axis=1)
+
+    shape = len(y), sum(len(body.nodes_B) for body in bodies), 3
+    return tuple(bodies), computed(y, shape, points)

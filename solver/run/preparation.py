@@ -16,7 +16,9 @@ from ..mechanism import BuiltMechanism, build
 from ..mechanism.axis import given_spin
 from ..mechanism.initial import redundancy
 from ..mechanism.python_functions import Called, python_functions, require_permission
+from ..mechanism.reduced import used_packages
 from ..mechanism.start import starting_state
+from ..monitors.buckling import BucklingMonitor
 from ..monitors.singularity import SingularityMonitor
 from ..monitors.spin import SpinMonitor
 from ..monitors.together import Monitors
@@ -40,6 +42,7 @@ class Prepared:
     measured: dict[str, Sensor]
     spin: SpinMonitor
     passage: SingularityMonitor
+    buckling: BucklingMonitor | None  # None: no body has second-order data
     notes: list[Finding]  # what a user should know of the start
     refused: Solution | None  # in place of a run that should not begin
     functions: tuple[Called, ...] = ()  # of the user, which controllers call
@@ -52,7 +55,7 @@ class Prepared:
     @property
     def watch(self) -> Monitors:
         """All monitors."""
-        return Monitors(self.spin, self.passage)
+        return Monitors(self.spin, self.passage, self.buckling)
 
     def explained(self, solution: Solution) -> Solution:
         """Return the solution; of a run that failed in a singular position, with words on that."""
@@ -68,7 +71,10 @@ class Prepared:
         """Return the run as the checks see it; `order` is that of the integrator."""
         passage, t_end = self.passage, solution.t[-1]
         # Two monitors may ask for a stop in the same step; what is beyond the earlier one is cut.
-        met = [f for f in (*self.spin.findings, *passage.findings) if f.t is None or f.t <= t_end]
+        found = [*self.spin.findings, *passage.findings]
+        if self.buckling is not None:
+            found += self.buckling.findings
+        met = [f for f in found if f.t is None or f.t <= t_end]
         noticed = (*met, *self.notes, *passage.passed(), *passage.energy.findings())
         return FinishedRun(
             mechanism=self.mechanism,
@@ -103,7 +109,7 @@ def prepare(
     functions = python_functions(mechanism)
     solver = mechanism.solver
     treatment = treatment_of(solver)
-    built = build(mechanism, packages)
+    built = build(mechanism, used_packages(mechanism, packages))
     names = built.joint_names, built.body_names
     spin = given_spin(solver)
     y0 = starting_state(built.model, built.start, solver.start, *names, spin)
@@ -134,7 +140,26 @@ def prepare(
         measured=sensors(built, wanted),
         spin=spins,
         passage=passage,
+        buckling=_buckling(mechanism, built, spins),
         notes=found.findings(),
         refused=refused,
         functions=tuple(functions[name] for name in built.callers),
     )
+
+
+def _buckling(
+    mechanism: "Mechanism", built: BuiltMechanism, spin: SpinMonitor
+) -> BucklingMonitor | None:
+    """Return the monitor of the bodies that have second-order data; None without any."""
+    bodies = [
+        i
+        for i, name in enumerate(built.body_names)
+        if name in built.packages and built.packages[name].second_order is not None
+    ]
+    if not bodies:
+        return None
+    solver, tables = mechanism.solver, built.model
+    if not solver.geometric_stiffening:
+        tables = build(mechanism, dict(built.packages), stiffening=True).model
+    stop = solver.on_invalid == "stop"
+    return BucklingMonitor(built.model, tables, bodies, spin, solver.t_end, stop)

@@ -1,7 +1,7 @@
 """Joint coordinates and joint reactions."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -16,14 +16,31 @@ if TYPE_CHECKING:
     from ..inputs.case.signals import ReactionSignal
 
 
+class _Turned(NamedTuple):
+    """An angle at the times of a block, (k,) each."""
+
+    t: Array  # [s]
+    found: Array  # within a turn [rad]
+    rate: Array  # [rad/s]
+    whole: Array  # without jumps [rad]
+
+
 def joint_coordinate(joint: BuiltJoint, coordinate: str) -> Callable[[Recording], Array]:
     """Return what gives a coordinate (k,) of a joint from its given start [rad or m]."""
     found = COORDINATES[coordinate]
     if isinstance(found, Displacement):
         axis = found.axis
         return lambda recording: _shifts(recording, joint)[:, axis] - joint.shift[axis]
-    angle = found
-    return lambda recording: _angles(recording, joint, angle)
+    angle, key = found, object()
+
+    def angles(recording: Recording) -> Array:
+        def compute(before: _Turned | None) -> tuple[Array, _Turned]:
+            now = _angles(recording, joint, angle, before)
+            return now.whole, now
+
+        return recording.carried(key, compute)
+
+    return angles
 
 
 def reaction(joint: BuiltJoint, signal: "ReactionSignal") -> Callable[[Recording], Array]:
@@ -52,8 +69,10 @@ def _shifts(recording: Recording, joint: BuiltJoint) -> Array:
     return np.asarray(np.einsum("kba,kb->ka", recording.axes(one), arm))
 
 
-def _angles(recording: Recording, joint: BuiltJoint, angle: Angle) -> Array:
-    """Return an angle (k,), unwrapped [rad].
+def _angles(
+    recording: Recording, joint: BuiltJoint, angle: Angle, before: _Turned | None
+) -> _Turned:
+    """Return an angle with its rate, unwrapped, after that of the block before.
 
     The number of turns between two output times follows from the rates at both. It is correct if
     their mean gives the rotation to within half a turn.
@@ -61,11 +80,18 @@ def _angles(recording: Recording, joint: BuiltJoint, angle: Angle) -> Array:
     one, two = _ends(recording, joint)
     frame, arm = (one, two) if angle.frame == 1 else (two, one)
     found, rate = _angle(recording, frame, arm, angle)
-    steps = 0.5 * (rate[1:] + rate[:-1]) * np.diff(recording.t)
+    t = recording.t
+    if before is not None:
+        t = np.concatenate([before.t[-1:], t])
+        found = np.concatenate([before.found[-1:], found])
+        rate = np.concatenate([before.rate[-1:], rate])
+    steps = 0.5 * (rate[1:] + rate[:-1]) * np.diff(t)
     off = np.diff(found) - steps
     steps += off - 2.0 * np.pi * np.round(off / (2.0 * np.pi))
+    if before is not None:
+        return _Turned(t[1:], found[1:], rate[1:], before.whole[-1] + np.cumsum(steps))
     first = found[0] + _turns(recording, joint, angle, found[0])
-    return np.concatenate([[first], first + np.cumsum(steps)])
+    return _Turned(t, found, rate, np.concatenate([[first], first + np.cumsum(steps)]))
 
 
 def _angle(recording: Recording, frame: int, arm: int, angle: Angle) -> tuple[Array, Array]:

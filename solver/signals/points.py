@@ -42,7 +42,16 @@ def point_values(
         return lambda recording: recording.spin(marker)
     if kind == "acceleration":
         return lambda recording: recording.acceleration(marker)
-    return lambda recording: rotation_vectors(recording.axes(marker))
+    key = object()
+
+    def vectors(recording: Recording) -> Array:
+        def compute(before: Array | None) -> tuple[Array, Array]:
+            found = rotation_vectors(recording.axes(marker), before)
+            return found, found[-1].copy()
+
+        return recording.carried(key, compute)
+
+    return vectors
 
 
 def _elastic(built: BuiltMechanism, signal: "PointSignal") -> Callable[[Recording], Array]:
@@ -66,20 +75,22 @@ def _elastic(built: BuiltMechanism, signal: "PointSignal") -> Callable[[Recordin
     return seen
 
 
-def rotation_vectors(matrices: Array) -> Array:
+def rotation_vectors(matrices: Array, before: Array | None = None) -> Array:
     """Return rotation vectors (k, 3) of matrices (k, 3, 3) without jumps [rad].
 
     A rotation vector is determined up to full turns about its axis. The one closest to the
-    previous one is used.
+    previous one is used; `before` (3,) is that before the first.
     """
     found = np.zeros((len(matrices), 3))
-    _rotation_vectors(np.ascontiguousarray(matrices), found)
+    _rotation_vectors(
+        np.ascontiguousarray(matrices), np.zeros(3) if before is None else before, found
+    )
     return found
 
 
 @lean
-def _rotation_vectors(A: Array, found: Array) -> None:
-    b0 = b1 = b2 = 0.0  # the previous one
+def _rotation_vectors(A: Array, before: Array, found: Array) -> None:
+    b0, b1, b2 = before[0], before[1], before[2]  # the previous one
     for k in range(A.shape[0]):
         x = (A[k, 0, 0], A[k, 1, 0], A[k, 2, 0])
         y = (A[k, 0, 1], A[k, 1, 1], A[k, 2, 1])

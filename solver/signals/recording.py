@@ -1,6 +1,8 @@
 """Data of a run for sensors: states at the output times, and quantities computed on demand."""
 
+from collections.abc import Callable
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -11,11 +13,29 @@ from ..math.arrays import Array
 
 
 class Recording:
-    """States y (k, n) of a model at times t (k,); each quantity is computed once."""
+    """States y (k, n) of a model at times t (k,); each quantity is computed once.
 
-    def __init__(self, model: Model, t: Array, y: Array) -> None:
+    Of a long run it is one block after the other: `memory` is what sensors keep of earlier ones,
+    the same for all blocks.
+    """
+
+    def __init__(
+        self, model: Model, t: Array, y: Array, memory: dict[Any, Any] | None = None
+    ) -> None:
         self.model, self.t, self.y = model, t, y
+        self.memory = {} if memory is None else memory
         self._motions: dict[int, Array] = {}
+        self._carried: dict[Any, Array] = {}
+
+    def carried(self, key: Any, compute: Callable[[Any], tuple[Array, Any]]) -> Array:
+        """Return values (k, ...) that depend on those of the block before.
+
+        `compute` gets what it kept of the block before under this key, None in the first; it
+        returns the values and what it keeps for the next.
+        """
+        if key not in self._carried:
+            self._carried[key], self.memory[key] = compute(self.memory.get(key))
+        return self._carried[key]
 
     def position(self, marker: int) -> Array:
         """Position (k, 3) of a marker's origin, global [m]."""

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from ..inputs.case.signals import PlyStressSignal, ResultantSignal
 
 Values = Callable[[Recording], Array]
+Look = Callable[[Recording], None]
 
 
 def resultant_values(
@@ -29,22 +30,22 @@ def resultant_values(
     InputError
         A package without resultants, a position outside its stations; `key` is that of the case.
     """
-    _, at = _at(key, package, signal.x)
+    _, at = resultants_at(key, package, signal.x)
     row = at[RESULTANTS.index(signal.component)]
     return lambda recording: recording.modes(body) @ row
 
 
 def ply_stress_values(
     key: str, body: int, package: ModalPackage, signal: "PlyStressSignal"
-) -> Values:
-    """Return what gives a stress (k,) in ply axes [Pa].
+) -> tuple[Values, Look]:
+    """Return what gives a stress (k,) in ply axes [Pa], and what looks at all times before.
 
     Raises
     ------
     InputError
         See `resultant_values`; also a section without stresses, or an unknown region or ply.
     """
-    section, at = _at(key, package, signal.x)
+    section, at = resultants_at(key, package, signal.x)
     recovery = package.sections[section].recovery
     if recovery is None:
         name = package.sections[section].name
@@ -53,18 +54,30 @@ def ply_stress_values(
     component = STRESSES.index(signal.component)
     rows = unit_stress_M(recovery)[points, component] @ at  # (p, m)
 
+    own = object()
+
+    def look(recording: Recording) -> None:
+        highest = np.abs(recording.modes(body) @ rows.T).max(axis=0)
+        recording.memory[own] = np.maximum(recording.memory.get(own, 0.0), highest)
+
     def values(recording: Recording) -> Array:
-        stress = recording.modes(body) @ rows.T
-        return stress[:, int(np.argmax(np.abs(stress).max(axis=0)))]
+        if own not in recording.memory:
+            look(recording)
+        return recording.modes(body) @ rows[int(np.argmax(recording.memory[own]))]
 
-    return values
+    return values, look
 
 
-def _at(key: str, package: ModalPackage, x: float) -> tuple[int, Array]:
+def resultants_at(key: str, package: ModalPackage, x: float) -> tuple[int, Array]:
     """Return the section at x and the resultants (6, m) there per unit mode.
 
     They are linear between stations. If two stations have the same position, those of the far
     side are used.
+
+    Raises
+    ------
+    InputError
+        A package without resultants, a position outside its stations; `key` is that of the case.
     """
     recovery: BodyRecovery | None = package.recovery
     if recovery is None:

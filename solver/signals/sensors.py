@@ -1,18 +1,21 @@
 """Sensors of a mechanism, created before the run so that errors are reported early."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..dynamics.joints.table import COORDINATES
+from ..dynamics.model import Model
 from ..math.arrays import Array
 from ..mechanism import BuiltMechanism
+from ..package import ModalPackage
 from .joints import joint_coordinate, reaction
 from .points import POINT_UNITS, point_values
 from .recording import Recording
-from .sections import ply_stress_values, resultant_values
+from .sections import Look, ply_stress_values, resultant_values
+from .strength import strength_values
 
 if TYPE_CHECKING:
     from ..inputs.case.signals import Signal
@@ -23,11 +26,19 @@ _AXES = {"x": 0, "y": 1, "z": 2}
 
 @dataclass(frozen=True)
 class Sensor:
-    """One signal: unit ("-" for a quotient), description, and function for its values (k,)."""
+    """One signal.
+
+    Attributes
+    ----------
+    unit : "-" for a quotient
+    values : function of a recording for its values (k,)
+    look : function to call with all blocks of a recording before values are asked for; None: none
+    """
 
     unit: str
     description: str
     values: Values
+    look: Look | None = None
 
 
 def sensors(built: BuiltMechanism, signals: Mapping[str, "Signal"]) -> dict[str, Sensor]:
@@ -40,30 +51,57 @@ def sensors(built: BuiltMechanism, signals: Mapping[str, "Signal"]) -> dict[str,
     """
     found = {}
     for name, signal in signals.items():
-        unit, values = _measuring(built, name, signal)
+        unit, values, look = _measuring(built, name, signal)
         if signal.divide_by is not None:
             unit, values = "-", _divided(values, signal.divide_by)
-        found[name] = Sensor(unit, signal.description, values)
+        found[name] = Sensor(unit, signal.description, values, look)
     return found
 
 
-def _measuring(built: BuiltMechanism, name: str, signal: "Signal") -> tuple[str, Values]:
+def recorded(
+    sensors: Mapping[str, Sensor], model: Model, blocks: Callable[[], Iterable[tuple[Array, Array]]]
+) -> Iterator[tuple[Array, Array, dict[str, Array]]]:
+    """Yield times (k,), states (k, n) and values of the sensors (k,), block by block.
+
+    blocks : gives times and states; called again for sensors that look at all of them before
+    """
+    memory: dict[Any, Any] = {}
+    looking = [sensor.look for sensor in sensors.values() if sensor.look is not None]
+    if looking:
+        for t, y in blocks():
+            recording = Recording(model, t, y, memory)
+            for look in looking:
+                look(recording)
+    for t, y in blocks():
+        recording = Recording(model, t, y, memory)
+        yield t, y, {name: sensor.values(recording) for name, sensor in sensors.items()}
+
+
+def _measuring(
+    built: BuiltMechanism, name: str, signal: "Signal"
+) -> tuple[str, Values, Look | None]:
+    key = f"signals.{name}"
     if signal.kind == "joint":
         values = joint_coordinate(built.joints[signal.joint], signal.coordinate)
-        return COORDINATES[signal.coordinate].unit, values
+        return COORDINATES[signal.coordinate].unit, values, None
     if signal.kind == "reaction":
         vectors = reaction(built.joints[signal.joint], signal)
         unit = "N" if signal.quantity == "force" else "N m"
-        return unit, _component(vectors, signal.component)
-    if signal.kind == "resultant" or signal.kind == "ply_stress":
-        body = built.body_names.index(signal.body)
-        package = built.packages[signal.body]
-        if signal.kind == "ply_stress":
-            return "Pa", ply_stress_values(f"signals.{name}", body, package, signal)
+        return unit, _component(vectors, signal.component), None
+    if signal.kind == "strength_ratio" or signal.kind == "exposure":
+        return "-", strength_values(key, *_body(built, signal.body), signal), None
+    if signal.kind == "ply_stress":
+        return "Pa", *ply_stress_values(key, *_body(built, signal.body), signal)
+    if signal.kind == "resultant":
         unit = "N" if signal.component.startswith("F") else "N m"
-        return unit, resultant_values(f"signals.{name}", body, package, signal)
+        return unit, resultant_values(key, *_body(built, signal.body), signal), None
     vectors = point_values(built, name, signal)
-    return POINT_UNITS[signal.kind], _component(vectors, signal.component)
+    return POINT_UNITS[signal.kind], _component(vectors, signal.component), None
+
+
+def _body(built: BuiltMechanism, name: str) -> tuple[int, ModalPackage]:
+    """Return number and package of a flexible body."""
+    return built.body_names.index(name), built.packages[name]
 
 
 def _component(vectors: Values, component: str) -> Values:

@@ -9,7 +9,6 @@ that of the motion; more modes reduce it.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -17,39 +16,10 @@ from ..math.arrays import Array, IntArray
 from ..package.body.schema import BodyRecovery, ModalPackage
 from ..package.common.strengths import PlyStrength, YieldStrength
 from ..package.section.recovery_data import strengths
-from ..package.section.schema import STRESSES, Ply, SectionRecovery
-from . import Criterion, Verdict, criteria_of
+from ..package.section.schema import Ply, SectionRecovery
+from . import Criterion, criteria_of
+from .found import BodyStrength, Failure, ranked
 from .search import PeakSearch
-
-
-@dataclass(frozen=True)
-class Failure:
-    """Position, time and mode of the highest exposure of a body."""
-
-    criterion: str
-    mode: str
-    ratio: float  # strength ratio R; margin of safety R - 1          [-]
-    index: float  # value of the criterion, 1 at failure              [-]
-    x: float  # station along the beam                                [m]
-    point: Array  # (2,) x2, x3 in the section; of a shell (3,) body axes [m]
-    ply: Ply
-    time: float  # [s]
-    stress_M: Array  # (6,) in ply axes, order 11 22 33 23 13 12      [Pa]
-    place: str  # description of the point within the station
-
-
-@dataclass(frozen=True)
-class BodyStrength:
-    """Exposures of a body over a run; `s` counts stations of a beam, strips of a shell."""
-
-    station_x: Array  # (s,) positions along the body                           [m]
-    exposure: dict[str, Array]  # (s,) highest 1 / R by criterion     [-]
-    worst: dict[str, Failure]  # by criterion
-
-    @property
-    def governing(self) -> Failure:
-        """The lowest strength ratio of all criteria."""
-        return min(self.worst.values(), key=lambda failure: failure.ratio)
 
 
 def resultants(package: ModalPackage, q: Array) -> Array:
@@ -72,128 +42,143 @@ def body_strength(package: ModalPackage, t: Array, q: Array) -> BodyStrength | N
     ----------
     t, q : (t,) times [s] and (t, m) modal coordinates at these
     """
+    search = beam_search(package)
+    if search is None:
+        return None
+    search.take(t, q)
+    return search.found()
+
+
+def beam_search(package: ModalPackage) -> "BeamSearch | None":
+    """Return the search of a beam; None without recovery or without strengths."""
     if package.recovery is None or not package.n_mode:
         return None
-    searches = {
-        row: list(_searches(section.recovery))
-        for row, section in enumerate(package.sections)
-        if section.recovery is not None
-    }
-    F = resultants(package, q)
-    exposure: dict[str, Array] = {}
-    places: dict[str, tuple[int, _Search, int, int]] = {}
-    for station, row in enumerate(package.recovery.section):
-        for search in searches.get(int(row), []):
-            name = search.criterion.name
-            along = exposure.setdefault(name, np.zeros(len(F)))
-            peak = search.peaks.peak(F[station], floor=float(along[station]))
-            if name not in places or peak.exposure > along.max():
-                places[name] = (station, search, peak.point, peak.instant)
-            along[station] = max(along[station], peak.exposure)
-    worst = {
-        name: _failure(package, t, F[station][:, instant], station, search, point, instant)
-        for name, (station, search, point, instant) in places.items()
-    }
-    return BodyStrength(package.recovery.station_x, exposure, worst) if worst else None
-
-
-def summary(found: BodyStrength) -> dict[str, Any]:
-    """The entry of a body in summary.json."""
-    failure = found.governing
-    return {
-        **_entry(failure),
-        "stress": {
-            "unit": "Pa",
-            **dict(zip(STRESSES, map(float, failure.stress_M), strict=True)),
-        },
-        "criteria": {name: _entry(each) for name, each in found.worst.items()},
-        "along_beam": {
-            "x": found.station_x.tolist(),
-            "exposure": {name: values.tolist() for name, values in found.exposure.items()},
-        },
-    }
-
-
-def failure_text(body: str, failure: Failure) -> str:
-    """Message of the warning about a ply that fails."""
-    return (
-        f"{body}: {failure.criterion} gives a strength ratio of {failure.ratio:.3g} (expected "
-        f"above 1; {failure.mode}) at x = {failure.x:.4g} m, t = {failure.time:.4g} s, in ply "
-        f"{failure.ply.index} of {failure.ply.region} ({failure.ply.material}, "
-        f"{failure.ply.angle_deg:g} deg) at {failure.place}: the linear material model "
-        "is not valid beyond; use a stronger lay-up or a lower load"
-    )
+    search = BeamSearch(package)
+    return search if search.exposure else None
 
 
 @dataclass(frozen=True)
-class _Search:
+class MaterialSearch:
     """The points of one material of a section under one criterion."""
 
     criterion: Criterion
     strength: PlyStrength | YieldStrength
     recovery: SectionRecovery
     points: IntArray  # rows of the recovery's points
+    plies: IntArray  # rows of the recovery's plies that have points
+    group: IntArray  # (p,) of each point, as row of `plies`
     peaks: PeakSearch
+
+
+def material_searches(
+    recovery: SectionRecovery, points: IntArray | None = None, criteria: tuple[str, ...] = ()
+) -> Iterator[MaterialSearch]:
+    """Yield the searches of a section.
+
+    Parameters
+    ----------
+    points : rows of the recovery's points; absent: all
+    criteria : names of those to be used; none given: all
+    """
+    stress_M = unit_stress_M(recovery)
+    material = np.array([ply.material for ply in recovery.plies])[recovery.ply]
+    chosen = np.arange(len(material)) if points is None else points
+    for name, strength in strengths(recovery).items():
+        own = chosen[material[chosen] == name]
+        if not own.size:
+            continue
+        plies, group = np.unique(recovery.ply[own], return_inverse=True)
+        for criterion in criteria_of(strength):
+            if not criteria or criterion.name in criteria:
+                peaks = PeakSearch(stress_M[own], criterion, strength)
+                yield MaterialSearch(criterion, strength, recovery, own, plies, group, peaks)
+
+
+@dataclass(frozen=True)
+class _Peak:
+    """The highest exposure so far of a ply under a criterion."""
+
+    exposure: float
+    search: MaterialSearch
+    station: int
+    point: int
+    F: Array  # (6,)
+    time: float
+
+
+class BeamSearch:
+    """The lowest strength ratio of every ply of a beam, over blocks of times."""
+
+    def __init__(self, package: ModalPackage) -> None:
+        self._package, self._stations = package, _recovery(package)
+        self._searches = {
+            row: tuple(material_searches(section.recovery))
+            for row, section in enumerate(package.sections)
+            if section.recovery is not None
+        }
+        every = [search for own in self._searches.values() for search in own]
+        n = len(self._stations.station_x)
+        names = sorted({s.criterion for s in every}, key=lambda c: (c.order, c.name))
+        self.exposure = {criterion.name: np.zeros(n) for criterion in names}
+        # Exposure of a unit resultant, to compare stations with each other.
+        units = [s.peaks.bounds.max(axis=0).reshape(2, 6).max(axis=0) for s in every]
+        self._severity = np.max(units, axis=0) if units else np.zeros(6)
+        self._peaks: dict[tuple[Ply, str], _Peak] = {}
+
+    def take(self, t: Array, q: Array) -> None:
+        """Look at times t (k,) with modal coordinates q (k, m)."""
+        F = resultants(self._package, q)
+        # From the most loaded station on: its peaks leave little to look for at the others.
+        for station in np.argsort(-np.abs(F).max(axis=2) @ self._severity, kind="stable").tolist():
+            for search in self._searches.get(int(self._stations.section[station]), ()):
+                self._look(search, station, t, F[station])
+
+    def _look(self, search: MaterialSearch, station: int, t: Array, F: Array) -> None:
+        name, plies = search.criterion.name, search.recovery.plies
+        along = self.exposure[name]
+        keys = [(plies[ply], name) for ply in search.plies]
+        known = [self._peaks.get(key) for key in keys]
+        floors = np.array([0.0 if peak is None else peak.exposure for peak in known])
+        found = search.peaks.peaks(F, search.group, floors, float(along[station]))
+        along[station] = found.top
+        for g, peak in enumerate(known):
+            if peak is None or found.exposure[g] > peak.exposure:
+                instant, point = int(found.instant[g]), int(found.point[g])
+                self._peaks[keys[g]] = _Peak(
+                    float(found.exposure[g]),
+                    search,
+                    station,
+                    point,
+                    F[:, instant].copy(),
+                    float(t[instant]),
+                )
+
+    def found(self) -> BodyStrength | None:
+        """Return what was found so far."""
+        found = {key: self._failure(peak) for key, peak in self._peaks.items()}
+        return ranked(self._stations.station_x, self.exposure, found)
+
+    def _failure(self, peak: _Peak) -> Failure:
+        search = peak.search
+        stress_M = search.peaks.stress_M[peak.point] @ peak.F
+        verdict = search.criterion.assess(stress_M, search.strength)
+        row = int(search.points[peak.point])
+        x2, x3 = point = search.recovery.points[row]
+        return Failure(
+            criterion=search.criterion.name,
+            mode=verdict.modes[int(verdict.mode)],
+            ratio=float(verdict.ratio),
+            index=float(verdict.index),
+            x=float(self._stations.station_x[peak.station]),
+            point=point,
+            ply=search.recovery.plies[int(search.recovery.ply[row])],
+            time=peak.time,
+            stress_M=stress_M,
+            place=f"x2 = {x2:.4g} m, x3 = {x3:.4g} m",
+        )
 
 
 def _recovery(package: ModalPackage) -> BodyRecovery:
     if package.recovery is None:
         raise ValueError(f"{package.body}: the package has no recovery of resultants")
     return package.recovery
-
-
-def _searches(recovery: SectionRecovery) -> Iterator[_Search]:
-    stress_M = unit_stress_M(recovery)
-    material = np.array([ply.material for ply in recovery.plies])[recovery.ply]
-    for name, strength in strengths(recovery).items():
-        points = np.flatnonzero(material == name)
-        if not points.size:
-            continue
-        for criterion in criteria_of(strength):
-            peaks = PeakSearch(stress_M[points], criterion, strength)
-            yield _Search(criterion, strength, recovery, points, peaks)
-
-
-def _failure(
-    package: ModalPackage,
-    t: Array,
-    F: Array,
-    station: int,
-    search: _Search,
-    point: int,
-    instant: int,
-) -> Failure:
-    stress_M = search.peaks.stress_M[point] @ F
-    verdict: Verdict = search.criterion.assess(stress_M, search.strength)
-    row = int(search.points[point])
-    x2, x3 = search.recovery.points[row]
-    return Failure(
-        criterion=search.criterion.name,
-        mode=verdict.modes[int(verdict.mode)],
-        ratio=float(verdict.ratio),
-        index=float(verdict.index),
-        x=float(_recovery(package).station_x[station]),
-        point=search.recovery.points[row],
-        ply=search.recovery.plies[int(search.recovery.ply[row])],
-        time=float(t[instant]),
-        stress_M=stress_M,
-        place=f"x2 = {x2:.4g} m, x3 = {x3:.4g} m",
-    )
-
-
-def _entry(failure: Failure) -> dict[str, Any]:
-    return {
-        "ratio": failure.ratio,
-        "margin": failure.ratio - 1.0,
-        "criterion": failure.criterion,
-        "mode": failure.mode,
-        "x": failure.x,
-        "time": failure.time,
-        "ply": {
-            "region": failure.ply.region,
-            "index": failure.ply.index,
-            "material": failure.ply.material,
-            "angle_deg": failure.ply.angle_deg,
-        },
-        "point": failure.point.tolist(),
-    }

@@ -39,6 +39,38 @@ class Peak:
     instant: int
 
 
+class Peaks:
+    """The highest exposure of every group of points so far, with point and time.
+
+    Attributes
+    ----------
+    group : (p,) of each point
+    exposure, point, instant : (g,); without any exposure, the first point of the group
+    floors : (g,) peaks of a group below its floor are not needed, unless above `top`
+    top : highest exposure of all
+    """
+
+    def __init__(self, group: IntArray, floors: Array, top: float) -> None:
+        self.group, self.floors, self.top = group, floors, top
+        count = floors.size
+        self.exposure, self.instant = np.zeros(count), np.zeros(count, dtype=np.int64)
+        self.point = np.array([int(np.argmax(group == g)) for g in range(count)])
+
+    def level(self) -> Array:
+        """Exposure that is not of interest, for each group (g,)."""
+        return np.minimum(np.maximum(self.floors, self.exposure), self.top)
+
+    def take(self, exposure: Array, points: IntArray, instants: IntArray) -> None:
+        """Take exposures of pairs of point and time, (k,) each."""
+        own = self.group[points]
+        order = np.lexsort((-exposure, own))
+        first = order[np.flatnonzero(np.diff(own[order], prepend=-1))]  # highest of each group
+        better = first[exposure[first] > self.exposure[own[first]]]
+        self.exposure[own[better]] = exposure[better]
+        self.point[own[better]], self.instant[own[better]] = points[better], instants[better]
+        self.top = max(self.top, float(exposure.max(initial=0.0)))
+
+
 class PeakSearch:
     """The search prepared for the points of one material.
 
@@ -61,14 +93,28 @@ class PeakSearch:
         Peaks below `floor` are not needed: the search then ends early, and its result
         is not above the floor.
         """
+        found = self.peaks(F, np.zeros(len(self.bounds), dtype=np.int64), np.array([floor]), floor)
+        return Peak(float(found.exposure[0]), int(found.point[0]), int(found.instant[0]))
+
+    def peaks(self, F: Array, group: IntArray, floors: Array, top: float) -> Peaks:
+        """Find the peak of every group of points under resultants F (6, t); see Peaks.
+
+        Exact for groups whose peak is above their floor, and for the highest peak above `top`.
+        """
+        best = Peaks(group, floors, top)
         parts = np.maximum(np.concatenate([F, -F]), 0.0) * (1.0 + ROUND_OFF)
         starts = np.arange(0, F.shape[1], BLOCK)
         coarse = self.bounds @ np.maximum.reduceat(parts, starts, axis=1)  # (p, blocks)
-        point, block = np.unravel_index(np.argmax(coarse), coarse.shape)
-        first = np.arange(F.shape[1])[starts[block] : starts[block] + BLOCK]
-        best = self._better(F, np.full(len(first), point), first, Peak(0.0, 0, 0))
+        if not (coarse.max(axis=1) > best.level()[group]).any():
+            return best
+        # The point of the highest bound of each group, in the block of that bound.
+        highest = coarse.max(axis=1)
+        order = np.lexsort((-highest, group))
+        lead = order[np.flatnonzero(np.diff(group[order], prepend=-1))]
+        lead = lead[highest[lead] > best.level()[group[lead]]]
+        self._look(F, lead, starts[np.argmax(coarse[lead], axis=1)], best, BLOCK)
 
-        left = coarse > max(floor, best.exposure)
+        left = coarse > best.level()[group][:, None]
         points = np.flatnonzero(left.any(axis=1))
         if not len(points):
             return best
@@ -82,17 +128,17 @@ class PeakSearch:
             parts[:, order], starts, axis=1
         )
         # Evaluating each point where its bound is highest gives a level that few pairs exceed.
-        best = self._better(F, points, instants[starts[np.argmax(upper, axis=1)]], best)
-        row, blocks = np.nonzero(upper > max(floor, best.exposure))
-        own = upper[row, blocks]
-        ranked = np.argsort(-own, kind="stable")
+        self._look(F, points, instants[starts[np.argmax(upper, axis=1)]], best)
+        row, blocks = np.nonzero(upper > best.level()[group[points]][:, None])
+        own, of = upper[row, blocks], group[points[row]]
+        ranked = np.argsort(-own / np.maximum(best.level()[of], 1e-300), kind="stable")
         for start in range(0, len(ranked), BATCH):
             batch = ranked[start : start + BATCH]
-            if own[batch[0]] <= max(floor, best.exposure):
-                break
+            batch = batch[own[batch] > best.level()[of[batch]]]
+            if not batch.size:
+                continue
             times = np.minimum(starts[blocks[batch]][:, None] + np.arange(BLOCK), len(order) - 1)
-            pairs = np.repeat(points[row[batch]], BLOCK), instants[times.ravel()]
-            best = self._better(F, *pairs, best)
+            self._look(F, np.repeat(points[row[batch]], BLOCK), instants[times.ravel()], best)
         return best
 
     def _fan(self, F: Array, parts: Array) -> tuple[Array, Array, IntArray]:
@@ -120,11 +166,12 @@ class PeakSearch:
         fan = np.maximum(fan, 0.0) * (1.0 + ROUND_OFF)
         return directions, np.concatenate([rest, fan]), np.lexsort((-size, fine))
 
-    def _better(self, F: Array, points: IntArray, instants: IntArray, best: Peak) -> Peak:
-        """The higher of `best` and the peak among pairs of point and time, each (k,)."""
+    def _look(
+        self, F: Array, points: IntArray, instants: IntArray, best: Peaks, along: int = 1
+    ) -> None:
+        """Evaluate pairs of point and time, (k,) each, and as many times after it as `along`."""
+        if along > 1:
+            times = np.minimum(instants[:, None] + np.arange(along), F.shape[1] - 1)
+            points, instants = np.repeat(points, along), times.ravel()
         stress = np.einsum("kij,jk->ki", self.stress_M[points], F[:, instants])
-        found = self.criterion.assess(stress, self.strength).exposure
-        k = int(np.argmax(found))
-        if not found[k] > best.exposure:
-            return best
-        return Peak(float(found[k]), int(points[k]), int(instants[k]))
+        best.take(self.criterion.assess(stress, self.strength).exposure, points, instants)

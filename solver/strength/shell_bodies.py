@@ -9,7 +9,7 @@ Exposures are bounded for every cell and block of times (see search.py) and eval
 order of the bounds, until no bound is above the exposure found. The result is therefore exact.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -22,7 +22,7 @@ from ..package.section.recovery_data import strengths
 from ..package.section.schema import Ply
 from ..package.shell.schema import LEVELS
 from . import criteria_of
-from .beam_bodies import BodyStrength, Failure
+from .found import BodyStrength, Failure, ranked
 from .search import BLOCK, ROUND_OFF, PeakSearch
 
 STRIPS = 20  # strips across the body's x, each with its highest exposure
@@ -37,55 +37,121 @@ def shell_strength(package: ModalPackage, t: Array, q: Array) -> BodyStrength | 
     ----------
     t, q : (t,) times [s] and (t, m) modal coordinates at these
     """
+    search = shell_search(package)
+    if search is None:
+        return None
+    search.take(t, q)
+    return search.found()
+
+
+def shell_search(package: ModalPackage) -> "ShellSearch | None":
+    """Return the search of a shell; None without resultants or without strengths."""
     cells = package.cell_resultants
     if cells is None or not package.n_mode or not len(cells.cell):
         return None
-    searches = [
-        _Search(row, laminate, *found)
-        for row, laminate in enumerate(package.laminates)
-        for found in _searches(laminate)
-    ]
-    if not searches:
-        return None
-    parts, starts = _blocks(cells, q)
-    centre_B = _centres(package, cells)
-    strip, middle = _strips(centre_B[:, 0])
-    exposure: dict[str, Array] = {}
-    worst: dict[str, tuple[float, _Place]] = {}
-    for search in searches:
-        name = search.peaks.criterion.name
-        along = exposure.setdefault(name, np.zeros(len(middle)))
-        own = np.flatnonzero(cells.laminate == search.laminate_row)
-        bound = search.bound(parts[own])  # (cells, blocks)
-        for number in np.unique(strip[own]):
-            inside = np.flatnonzero(strip[own] == number)
-            highest, place = search.peak(
-                cells.resultants_E[own[inside]], q, bound[inside], starts, float(along[number])
-            )
-            along[number] = max(along[number], highest)
-            if place is not None and (name not in worst or highest > worst[name][0]):
-                worst[name] = (highest, place._replace(row=int(own[inside[place.row]])))
-    found = {name: _failure(cells, centre_B, t, q, place) for name, (_, place) in worst.items()}
-    return BodyStrength(middle, exposure, found) if found else None
+    search = ShellSearch(package, cells)
+    return search if search.exposure else None
+
+
+class ShellSearch:
+    """The lowest strength ratio of every ply of a shell, over blocks of times."""
+
+    def __init__(self, package: ModalPackage, cells: CellResultants) -> None:
+        self._cells = cells
+        self._searches = [
+            _Search(row, laminate, *found)
+            for row, laminate in enumerate(package.laminates)
+            for found in ply_searches(laminate, range(len(laminate.plies)))
+        ]
+        self._centre_B = cell_centres(package, cells)
+        self._strip, self._middle = _strips(self._centre_B[:, 0])
+        names = sorted({s.peaks.criterion for s in self._searches}, key=lambda c: (c.order, c.name))
+        self.exposure = {criterion.name: np.zeros(len(self._middle)) for criterion in names}
+        self._peaks: dict[tuple[Ply, str], _Peak] = {}
+
+    def take(self, t: Array, q: Array) -> None:
+        """Look at times t (k,) with modal coordinates q (k, m)."""
+        cells = self._cells
+        parts, starts = _blocks(cells, q)
+        for search in self._searches:
+            name = search.peaks.criterion.name
+            along, key = self.exposure[name], (search.ply, name)
+            own = np.flatnonzero(cells.laminate == search.laminate_row)
+            bound = search.bound(parts[own])  # (cells, blocks)
+            for number in np.unique(self._strip[own]):
+                inside = np.flatnonzero(self._strip[own] == number)
+                best = self._peaks.get(key)
+                floor = 0.0 if best is None else min(float(along[number]), best.exposure)
+                R = cells.resultants_E[own[inside]]
+                highest, place = search.peak(R, q, bound[inside], starts, floor)
+                along[number] = max(along[number], highest)
+                if best is None or (place is not None and highest > best.exposure):
+                    cell, point, instant = place or (0, 0, 0)
+                    F, then = R[cell] @ q[instant], float(t[instant])
+                    self._peaks[key] = _Peak(
+                        highest, search, int(own[inside[cell]]), point, F, then
+                    )
+
+    def found(self) -> BodyStrength | None:
+        """Return what was found so far."""
+        found = {key: self._failure(peak) for key, peak in self._peaks.items()}
+        return ranked(self._middle, self.exposure, found)
+
+    def _failure(self, peak: "_Peak") -> Failure:
+        search = peak.search
+        stress_M = search.peaks.stress_M[peak.point] @ peak.F
+        verdict = search.peaks.criterion.assess(stress_M, search.peaks.strength)
+        _, level = search.points[peak.point]
+        place = self._centre_B[peak.row]
+        return Failure(
+            criterion=search.peaks.criterion.name,
+            mode=verdict.modes[int(verdict.mode)],
+            ratio=float(verdict.ratio),
+            index=float(verdict.index),
+            x=float(place[0]),
+            point=place,
+            ply=search.ply,
+            time=peak.time,
+            stress_M=stress_M,
+            place=f"y = {place[1]:.4g} m, z = {place[2]:.4g} m, at its {LEVELS[level]}",
+        )
 
 
 class _Place(NamedTuple):
-    """A point of a search in one cell at one time."""
+    """A point of a search in one of its cells at one time."""
 
-    search: "_Search"
-    row: int
+    cell: int
     point: int
     instant: int
 
 
 @dataclass(frozen=True)
+class _Peak:
+    """The highest exposure so far of a ply under a criterion."""
+
+    exposure: float
+    search: "_Search"
+    row: int  # of the package's cells with resultants
+    point: int
+    F: Array  # (8,)
+    time: float
+
+
+@dataclass(frozen=True)
 class _Search:
-    """The plies of one material of a laminate under one criterion; `points` are ply and level."""
+    """A ply of a laminate under one criterion; `points` are ply and level."""
 
     laminate_row: int
     laminate: LaminateData
     points: IntArray  # (p, 2)
     peaks: PeakSearch
+
+    @property
+    def ply(self) -> Ply:
+        """The ply of its first point."""
+        number = int(self.points[0, 0])
+        ply = self.laminate.plies[number]
+        return Ply(self.laminate.name, number, ply.material, ply.angle_deg)
 
     def bound(self, parts: Array) -> Array:
         """Upper bound of the exposure of cells in blocks of times, (e, b), from parts (e, b,
@@ -101,7 +167,7 @@ class _Search:
     def peak(
         self, R: Array, q: Array, bound: Array, starts: IntArray, floor: float
     ) -> tuple[float, _Place | None]:
-        """Highest exposure above `floor` of some cells, and its position; `row` counts these cells.
+        """Highest exposure above `floor` of some cells, and its position among these cells.
 
         `R` (e, 8, m) are their resultants per unit mode, `bound` (e, b) as above.
         """
@@ -118,21 +184,27 @@ class _Search:
             k, t, p = (int(n) for n in np.unravel_index(np.argmax(found), found.shape))
             if found[k, t, p] > best:
                 best = float(found[k, t, p])
-                place = _Place(self, int(cell[k]), p, int(instant[k, t]))
+                place = _Place(int(cell[k]), p, int(instant[k, t]))
             first, count = first + count, min(2 * count, MOST)
         return best, place
 
 
-def _searches(laminate: LaminateData) -> Iterator[tuple[IntArray, PeakSearch]]:
-    material = np.array([ply.material for ply in laminate.plies])
-    for name, strength in strengths(laminate).items():
-        plies = np.flatnonzero(material == name)
-        if not plies.size:
+def ply_searches(
+    laminate: LaminateData, plies: Iterable[int], criteria: tuple[str, ...] = ()
+) -> Iterator[tuple[IntArray, PeakSearch]]:
+    """Yield points (p, 2), ply and level, of each of some plies, and their search.
+
+    criteria : names of those to be used; none given: all
+    """
+    known = strengths(laminate)
+    for number in plies:
+        strength = known.get(laminate.plies[number].material)
+        if strength is None:
             continue
-        points = np.stack(np.meshgrid(plies, range(len(LEVELS)), indexing="ij"), -1).reshape(-1, 2)
-        stress_M = laminate.stress_M[points[:, 0], points[:, 1]]
+        points = np.array([(number, level) for level in range(len(LEVELS))], dtype=np.int64)
         for criterion in criteria_of(strength):
-            yield points, PeakSearch(stress_M, criterion, strength)
+            if not criteria or criterion.name in criteria:
+                yield points, PeakSearch(laminate.stress_M[number], criterion, strength)
 
 
 def _blocks(cells: CellResultants, q: Array) -> tuple[Array, IntArray]:
@@ -149,7 +221,7 @@ def _blocks(cells: CellResultants, q: Array) -> tuple[Array, IntArray]:
     return np.maximum(out, 0.0), starts
 
 
-def _centres(package: ModalPackage, cells: CellResultants) -> Array:
+def cell_centres(package: ModalPackage, cells: CellResultants) -> Array:
     """Middle of each cell, (e, 3) [m]."""
     corners = package.connectivity[package.offsets[cells.cell][:, None] + np.arange(3)]
     return np.asarray(package.nodes_B[corners].mean(axis=1))
@@ -161,24 +233,3 @@ def _strips(x: Array) -> tuple[IntArray, Array]:
     number = np.minimum((STRIPS * (x - x.min()) / width).astype(np.int64), STRIPS - 1)
     used, strip = np.unique(number, return_inverse=True)
     return strip, x.min() + (used + 0.5) * width / STRIPS
-
-
-def _failure(cells: CellResultants, centre_B: Array, t: Array, q: Array, at: _Place) -> Failure:
-    search = at.search
-    stress_M = search.peaks.stress_M[at.point] @ (cells.resultants_E[at.row] @ q[at.instant])
-    verdict = search.peaks.criterion.assess(stress_M, search.peaks.strength)
-    number, level = search.points[at.point]
-    ply = search.laminate.plies[number]
-    place = centre_B[at.row]
-    return Failure(
-        criterion=search.peaks.criterion.name,
-        mode=verdict.modes[int(verdict.mode)],
-        ratio=float(verdict.ratio),
-        index=float(verdict.index),
-        x=float(place[0]),
-        point=place,
-        ply=Ply(search.laminate.name, int(number), ply.material, ply.angle_deg),
-        time=float(t[at.instant]),
-        stress_M=stress_M,
-        place=f"y = {place[1]:.4g} m, z = {place[2]:.4g} m, at its {LEVELS[level]}",
-    )

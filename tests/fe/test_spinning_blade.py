@@ -12,6 +12,7 @@ from section_specs import rectangle_spec
 from stiffening_samples import steady_spin
 
 from plymotion.preprocess.beam.body import beam_model, beam_modes, beam_package
+from plymotion.preprocess.beam.line import LineSection
 from plymotion.preprocess.beam.spec import read_spec
 from plymotion.preprocess.body import build_body
 from plymotion.preprocess.section import analyse
@@ -49,8 +50,8 @@ def test_trapeze_effect_and_propeller_moment(
 def test_propeller_moment_alone(section: dict[str, Any]) -> None:
     spec = read_spec(blade(section))
     found = analyse(section, where="section", estimate=False)
-    model = beam_model(spec, found.K, found.M)
+    model = beam_model(spec, LineSection(found.K, found.M))
     package = build_body(blade(section))
-    package = beam_package(model, beam_modes(model, dense), package.sections[0], {})
+    package = beam_package(model, beam_modes(model, dense), package.sections, {})
     values, _ = steady_spin(package, REFERENCE["spin"])
     assert values[0] == pytest.approx(REFERENCE["propeller_moment"], rel=REFERENCE["tolerance"])

@@ -15,7 +15,7 @@ from recovery_samples import (
     rectangle_recovery,
 )
 
-from plymotion.preprocess.beam.line import BeamLine
+from plymotion.preprocess.beam.line import straight_line
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.package import ModalPackage
@@ -41,7 +41,7 @@ def with_stresses(package: ModalPackage, scale: float | None) -> ModalPackage:
         materials["cfrp"]["strength"] = strength
     plies = plies_of(*[("cfrp", 30.0)] * 3)
     recovery = rectangle_recovery(0.04, 0.01, plies, materials, columns=4)
-    line = BeamLine(package.nodes_B[:, 0], section.K, section.M, np.eye(3))
+    line = straight_line(package.nodes_B[:, 0], section.K, section.M, np.eye(3))
     columns = np.moveaxis(package.shapes_B, 0, 2).reshape(6 * line.n_node, -1)
     values = np.diag(package.stiffness)
     form = package.invariants.mass_form
@@ -108,6 +108,10 @@ def test_summary_names_ratio_place_and_time(case_dir: Path) -> None:
     }
     assert set(found["stress"]) == {"unit", "11", "22", "33", "23", "13", "12"}
     assert 0.0 <= found["time"] <= 0.05
+    ratios = [each["ratio"] for each in found["plies"]]
+    assert ratios == sorted(ratios)
+    assert ratios[0] == found["ratio"]
+    assert sorted(each["ply"]["index"] for each in found["plies"]) == [0, 1, 2]
 
 
 def test_strengths_scale_ratios_and_warn_below_one(
@@ -131,6 +135,7 @@ def test_report_has_table_and_figure(case_dir: Path) -> None:
     assert "<h2>Strength</h2>" in text
     ratio = json.loads((case_dir / RUN / "summary.json").read_text())["strength"]["hand"]["ratio"]
     assert f"<td>{ratio:.4g}</td>" in text
+    assert "<h3>Weakest plies of each body</h3>" in text
     figure = case_dir / RUN / "strength.png"
     with house_style():
         again = draw_exposure(case_dir / "again.png", read_story(case_dir, RUN, RUN))

@@ -91,7 +91,7 @@ def test_a_loop_with_redundant_rows_starts(ratio, light):
     assert redundancy(sample.model, y, sample.names).count == 3
 
 
-@pytest.mark.parametrize("ratio", RATIOS[:2])
+@pytest.mark.parametrize("ratio", RATIOS)
 def test_a_heavy_mass_on_a_flexible_arm_vibrates(ratio, repository, tmp_path):
     """A cantilever without gravity, its heavy end given a velocity: v / w sin w t."""
     shipped, packages = repository / "tests/packages/double-pendulum", tmp_path / "packages"
@@ -106,7 +106,7 @@ def test_a_heavy_mass_on_a_flexible_arm_vibrates(ratio, repository, tmp_path):
             ("[bodies.arm]\nkind", "[bodies.hand]\nkind"),
         )
     ]
-    mass, length, speed = 1.3 * ratio, 0.545, 1e-3
+    mass, length, speed = 1.3 * ratio, 0.545, 1.0 / np.sqrt(ratio)
     load = rigid("load", mass, 1e-9 * mass, {"c": [0, 0, 0]}, position=[length, 0, 0])
     text = (
         "".join(parts)
@@ -127,6 +127,7 @@ def test_a_heavy_mass_on_a_flexible_arm_vibrates(ratio, repository, tmp_path):
     spec = spec.changed({"solver.t_end": t_end, "solver.output_step": t_end / 20})
     result, summary = execute(spec, progress=False)
     assert summary["completed"]
+    assert summary["cost"]["steps"] < 10_000  # the modes of the arm ring 1e6 times as fast
     (y,) = (s.values for s in result.signals if s.name == "y")
     expected = speed / w * np.sin(w * result.t)
     np.testing.assert_allclose(y, expected, atol=2e-3 / w * speed, rtol=0)

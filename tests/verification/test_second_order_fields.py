@@ -25,7 +25,7 @@ def bent(reference, **changes):
 def exact_tip(beam, q, steps=300):
     """Place and rotation vector of the tip when the modes are strains of an exact beam."""
     line = beam.model.line
-    (element, _), *_ = line.spans
+    element = line.spans[0].element
     nodal = line.to_element(beam.modes.columns_B @ q[:, None])[..., 0]
     step = element.length / steps
     strains = element.strain((np.arange(steps) + 0.5) * step)
@@ -69,15 +69,16 @@ def geometric_stiffness(line, load_B, n_point=6):
     u[free] = np.linalg.solve(K[np.ix_(free, free)], load_B[free])
     nodal = line.to_element(u[:, None])[..., 0]
     G = np.zeros_like(K)
-    turn = np.kron(np.eye(4), line.A_BE)
-    for element, numbers in line.spans:
+    for span in line.spans:
+        element, numbers, K_section = span.element, span.numbers, span.section.K
+        turn = np.kron(np.eye(4), line.A_BE[numbers[0]])
         x, weights = gauss(element.length, n_point)
         shape, strain = element.shape(x), element.strain(x)
         slope = strain + Z @ shape
         for number in numbers:
             Ge = np.zeros((12, 12))
             for N, N_x, B, weight in zip(shape, slope, strain, weights, strict=True):
-                F = line.K @ B @ nodal[number]
+                F = K_section @ B @ nodal[number]
                 f, u_x, f_x = N[3:], N_x[:3], N_x[3:]
                 e1 = np.array([1.0, 0.0, 0.0])
                 for i in range(12):
@@ -85,7 +86,7 @@ def geometric_stiffness(line, load_B, n_point=6):
                         part = -np.cross(f[:, i], u_x[:, j])
                         part = part + 0.5 * np.cross(f[:, i], np.cross(f[:, j], e1))
                         value = F[:3] @ part - 0.5 * F[3:] @ np.cross(f[:, i], f_x[:, j])
-                        value += 0.5 * F @ line.trapeze * B[3, i] * B[3, j]
+                        value += 0.5 * F @ span.section.trapeze * B[3, i] * B[3, j]
                         Ge[i, j] += weight * value
             Ge = turn @ (Ge + Ge.T) @ turn.T
             dofs = 6 * number + np.arange(12)
@@ -98,7 +99,9 @@ def test_reciprocity_with_the_geometric_stiffness_of_random_loads(seed):
     """sum f_k . h_ij,k = - X_i' K_geo(f) X_j: two routes to one number, moments included."""
     beam = bent(CLAMPED, x2_axis=[0.0, 0.8, 0.6], elements=2)
     trapeze = 1e-2 * np.random.default_rng(9).normal(size=6)
-    line, X = dataclasses.replace(beam.model.line, trapeze=trapeze), beam.modes.columns_B
+    line, X = beam.model.line, beam.modes.columns_B
+    section = dataclasses.replace(line.sections[0], trapeze=trapeze)
+    line = dataclasses.replace(line, sections=(section,))
     points = point_masses(mass_stations(line, X, "consistent"))
     fields = second_order_fields(line, X, points, "consistent", held_dofs("clamped", (0,)))
     load = np.random.default_rng(seed).normal(size=6 * line.n_node)
@@ -114,7 +117,7 @@ def test_slender_bending_is_drawn_in_by_half_the_square_of_its_slope():
     mass = SectionMass(1.0, np.zeros(3), 1e-9 * np.eye(3)).matrix()
     modes = [{"kind": f"bending-x{axis}", "count": 2} for axis in "yz"]
     beam = reduced(CLAMPED, modes, K=K, mass=mass, elements=12)
-    (element, _), *_ = beam.model.line.spans
+    element = beam.model.line.spans[0].element
     x, weights = gauss(element.length, 4)
     nodal = beam.model.line.to_element(beam.modes.columns_B)
     slope = (element.strain(x) + Z @ element.shape(x)) @ nodal[:, None]
@@ -164,11 +167,13 @@ def test_points_turn_with_their_sections():
     mass = SectionMass(1.0, np.array([0.0, 0.0, 0.02]), np.diag([0.03, 0.018, 0.012])).matrix()
     beam = reduced(CLAMPED, twist, mass=mass, mass_form="lumped")
     X, line = beam.modes.columns_B, beam.model.line
-    points = point_masses(mass_stations(line, X, "lumped"))
-    assert len(points.m) == 4 * line.n_node
+    stations = mass_stations(line, X, "lumped")
+    points = point_masses(stations)
+    assert len(points.m) == 4 * len(stations.m)
     fields = second_order_fields(line, X, points, "lumped", held_dofs("clamped", (0,)))
     nodal = X.reshape(line.n_node, 6, 1)
-    for p, k in enumerate(points.slice_of):
+    # both ends of each element in turn
+    for p, k in enumerate((points.slice_of + 1) // 2):
         s = points.x_B[p] - line.nodes_B[k]
         f = nodal[k, 3:, 0]
         expected = fields.node_u_B[k, :, 0, 0] + np.cross(fields.node_f_B[k, :, 0, 0], s)
@@ -202,7 +207,7 @@ def test_inertia_of_the_bent_body_is_that_of_turned_slices(reference):
         q = size * np.random.default_rng(3).normal(size=6)
         exact = np.zeros((3, 3))
         for k, m in enumerate(mass):
-            R = vector_to_matrix(X[k, 3:] @ q + 0.5 * fields.node_f_B[k] @ q @ q) @ line.A_BE
+            R = vector_to_matrix(X[k, 3:] @ q + 0.5 * fields.node_f_B[k] @ q @ q) @ line.A_BE[0]
             c = line.nodes_B[k] + X[k, :3] @ q + 0.5 * fields.node_u_B[k] @ q @ q
             c = c + R @ slice_.centre_E
             exact += m * R @ (0.5 * np.trace(J) * np.eye(3) - J) @ R.T + m * np.outer(c, c)

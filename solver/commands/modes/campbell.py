@@ -58,6 +58,19 @@ class Diagram:
         self.crossings: list[Crossing] = found
 
     @property
+    def names(self) -> list[str]:
+        """Names of the branches; whirls with their direction at the last speed."""
+        names = []
+        for name, w, fixed in zip(
+            self.campbell.names, self.campbell.frequencies.T, self.campbell.fixed.T, strict=True
+        ):
+            known = np.flatnonzero(np.isfinite(fixed) & (self.campbell.speeds > 0.0))
+            if self.fixed and known.size and fixed[known[-1]] != w[known[-1]]:
+                name += ", forward" if fixed[known[-1]] > 0.0 else ", backward"
+            names.append(name)
+        return names
+
+    @property
     def asked(self) -> IntArray:
         """Rows of the speeds that were asked for, without those put between."""
         return np.searchsorted(self.campbell.speeds, self.speeds).astype(np.int64)
@@ -67,7 +80,7 @@ class Diagram:
         c, spec = self.campbell, self.spins.states.spec
         rows = self.asked
         branches = []
-        for b, name in enumerate(c.names):
+        for b, name in enumerate(self.names):
             branches.append(
                 {
                     "branch": b + 1,
@@ -89,7 +102,7 @@ class Diagram:
             "crossings": [
                 {
                     "branch": x.branch + 1,
-                    "main": c.names[x.branch],
+                    "main": self.names[x.branch],
                     "harmonic": x.harmonic,
                     "speed": x.speed,
                     "rpm": x.speed * RPM,
@@ -105,7 +118,7 @@ class Diagram:
         """Return the table of campbell.csv."""
         c, out = self.campbell, io.StringIO()
         writer = csv.writer(out, lineterminator="\n")
-        names = [f"{b + 1} {name}" for b, name in enumerate(c.names)]
+        names = [f"{b + 1} {name}" for b, name in enumerate(self.names)]
         head = ["speed [rad/s]", *(f"{n} [rad/s]" for n in names)]
         head += [f"{n} fixed axes [rad/s]" for n in names] + [f"{n} damping [-]" for n in names]
         writer.writerow(head)

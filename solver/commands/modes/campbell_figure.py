@@ -22,7 +22,7 @@ def draw(path: Path, diagram: Diagram) -> Path:
             axes.annotate(
                 f"{n}P", (end, n * end / hz), color=GREY, fontsize=8, va="bottom", ha="right"
             )
-        for b, name in enumerate(c.names):
+        for b, name in enumerate(diagram.names):
             axes.plot(c.speeds, followed[:, b], color=colour(b), label=name)
             grows = c.growth[:, b] > 0.0
             axes.plot(
@@ -33,9 +33,9 @@ def draw(path: Path, diagram: Diagram) -> Path:
             axes.plot(*zip(*points, strict=True), "o", color="black", markersize=3.5, zorder=5)
         axes.set_xlim(c.speeds[0], c.speeds[-1])
         axes.set_ylim(0.0, top)
-        seen = "at rest" if diagram.fixed else "that turn with the mechanism"
+        seen = "axes at rest" if diagram.fixed else "axes that turn"
         spec = diagram.spins.states.spec
-        axes.set_title(f"{spec.case}, run {spec.run}: frequencies seen from axes {seen}")
+        axes.set_title(f"{spec.case}, run {spec.run}: frequencies in {seen}")
         axes.set_xlabel("speed [rad/s]")
         axes.set_ylabel("frequency [Hz]")
         above = axes.secondary_xaxis("top", functions=(lambda w: w * RPM, lambda r: r / RPM))

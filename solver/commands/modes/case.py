@@ -1,8 +1,6 @@
 """The case that `plymotion modes` works on: its run, with packages that are built if missing."""
 
 import json
-import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
@@ -12,8 +10,7 @@ from ...inputs.case.load import Case
 from ...inputs.case.specs import write_case
 from ...run.execution import read_run
 from ...run.outcome import RunSpec
-from ..fenicsx_side.interpreter import find_interpreter
-from ..fenicsx_side.launch import environment, importable
+from ..cases.packages import build_packages
 
 
 def read_spec(
@@ -48,7 +45,7 @@ def read_spec(
         write_case(case, out, folder)
         missing = _missing(out, name)
         if missing and packages is None:
-            _build(out, missing, folder, quiet=quiet)
+            build_packages(missing, folder, quiet=quiet)
         try:
             return read_run(out / "runs" / f"{name}.json"), build
         except PackageError as error:
@@ -69,23 +66,3 @@ def _missing(out: Path, run: str) -> list[Path]:
     files = [out / entry["file"] for entry in entries.values() if "inputs_sha256" in entry]
     missing = [file for file in files if not file.is_file()]
     return [out / "bodies" / f"{file.stem}.json" for file in missing]
-
-
-def _build(out: Path, specs: list[Path], folder: Path, *, quiet: bool) -> None:
-    """Build packages as make does. Raises InputError: no FEniCSx, or a wrong body."""
-    python = find_interpreter()
-    if not quiet:
-        names = ", ".join(spec.stem for spec in specs)
-        print(f"building {names} in {folder}", file=sys.stderr, flush=True)
-    folder.mkdir(parents=True, exist_ok=True)
-    command = [python, "-P", "-m", "plymotion.preprocess", "body", *map(str, specs)]
-    with importable() as home:
-        done = subprocess.run(
-            [*command, "--out-dir", str(folder)],
-            env=environment(home),
-            capture_output=True,
-            text=True,
-        )
-    if done.returncode != 0:
-        text = done.stderr.strip().replace("error: ", "").replace(f"{out}/", "")
-        raise InputError(f"packages of {folder.parent.name} cannot be built: {text}")

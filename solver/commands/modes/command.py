@@ -7,13 +7,17 @@ from typing import Any
 
 import numpy as np
 
-from ...inputs.case.specs import dump, write_atomic
+from ...inputs.case.specs import dump
 from ...math.arrays import Array
+from ...package.common.container import write_text
 from .campbell import Diagram, Spins
 from .campbell_figure import draw
 from .case import read_spec
+from .export import write_linear
 from .found import Found, entries, find_modes
 from .place import at_of
+from .response import response_of, span_of, write_response
+from .shapes import draw_shapes
 from .show import campbell_text, modes_text
 from .state import States
 
@@ -21,6 +25,7 @@ from .state import States
 def run_modes(options: argparse.Namespace) -> int:
     """Linearise a run about a state; return 0."""
     at = at_of(options.at)
+    span = None if options.response is None else span_of(options.response)
     spec, build = read_spec(
         options.case,
         options.run,
@@ -35,9 +40,22 @@ def run_modes(options: argparse.Namespace) -> int:
         return _campbell(options, states, at.speeds, axis, folder)
     found = find_modes(states, states.at(at, axis))
     content = modes_content(states, found)
+    response = None
+    if span is not None:
+        response = response_of(found, span, options.input, options.output)
     folder.mkdir(parents=True, exist_ok=True)
-    write_atomic(folder / "modes.json", dump(content))
-    print(json.dumps(content, indent=2) if options.json else modes_text(content, options.count))
+    write_linear(folder, states, found)
+    files = ["modes.json", "linear.npz", "linear.mat"]
+    if response is not None:
+        write_response(folder, response)
+        files += ["response.csv", "response.png"]
+    files += draw_shapes(folder, states, found, options.shapes)
+    write_text(folder / "modes.json", dump(content))
+    if options.json:
+        print(json.dumps(content, indent=2))
+    else:
+        print(modes_text(content, options.count))
+        print(f"{folder}: {', '.join(files)}")
     return 0
 
 
@@ -50,8 +68,8 @@ def _campbell(
     content = diagram.content()
     folder.mkdir(parents=True, exist_ok=True)
     draw(folder / "campbell.png", diagram)
-    write_atomic(folder / "campbell.csv", diagram.csv())
-    write_atomic(folder / "campbell.json", dump(content))
+    write_text(folder / "campbell.csv", diagram.csv())
+    write_text(folder / "campbell.json", dump(content))
     print(json.dumps(content, indent=2) if options.json else campbell_text(content))
     if not options.json:
         print(f"{folder}: campbell.png, campbell.csv, campbell.json")

@@ -80,7 +80,7 @@ def find_modes(states: States, state: State, *, ports: bool = True, check: bool 
     axis = spin.axis if spin is not None else None
     shares = participation(state.model, space, modes, built.body_names, built.packages, axis)
     whirl = whirl_rates(modes, shares.forward, spin.rate if spin is not None else 0.0)
-    return Found(state, space, modes, shares, whirl, tuple(_notes(state, space, modes)))
+    return Found(state, space, modes, shares, whirl, tuple(_notes(states, state, space, modes)))
 
 
 def _changes(state: State, space: StateSpace, modes: Modes, spin: Spin) -> bool:
@@ -94,7 +94,7 @@ def _changes(state: State, space: StateSpace, modes: Modes, spin: Spin) -> bool:
     return False
 
 
-def _notes(state: State, space: StateSpace, modes: Modes) -> list[str]:
+def _notes(states: States, state: State, space: StateSpace, modes: Modes) -> list[str]:
     notes = []
     if space.rank.doubtful:
         notes.append(
@@ -107,6 +107,14 @@ def _notes(state: State, space: StateSpace, modes: Modes) -> list[str]:
         notes.append(
             "the state is no equilibrium: the modes are those of this instant, and hold for "
             "motions that are fast against the change of the state"
+        )
+    elif np.abs(space.auxiliary_rates).max(initial=0.0) > _AT_REST:
+        names = [states.built.state_names[j] for j in space.auxiliary]
+        moving = np.abs(space.auxiliary_rates) > _AT_REST
+        told = ", ".join(n for n, moves in zip(names, moving, strict=True) if moves)
+        notes.append(
+            f"the state is no equilibrium: {told} still changes. --at t=TIME takes a time after it "
+            "has settled"
         )
     if space.error > _ACCURATE:
         notes.append(

@@ -8,15 +8,23 @@ from ...errors import InputError, nearest
 from ...integrators.choice import treatment_of
 from ..common.material import check_materials
 from .body_specs import BodySpec, BodySpecs
-from .check_bodies import check_bodies
+from .check_bodies import Body, check_bodies
 from .check_expressions import check_drive, check_force
 from .check_places import check_place
 from .coupled import check_couplings
 from .forces import CoordinateTable, LoadTable
 from .laws import RotationDrive
 from .of_time import drives
+from .outputs import output_findings
+from .rich import check_fidelity
 from .schema import BeamBody, Mechanism, RigidBody, ShellBody
-from .signals import JointSignal, PlyStressSignal, PointSignal, ReactionSignal, ResultantSignal
+from .signals import (
+    JointSignal,
+    PointSignal,
+    ReactionSignal,
+    Signal,
+    StrengthSignal,
+)
 
 
 def cross_check(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodySpec], list[str]]:
@@ -35,6 +43,8 @@ def cross_check(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodyS
             f'solver.spin.speed = {spin.speed:g}: expected 0, or solver.start = "equilibrium"; '
             "bodies take velocity and angular_velocity"
         )
+    found += check_fidelity(mechanism)
+    found += output_findings(mechanism)
     try:
         treatment_of(mechanism.solver)
     except InputError as error:
@@ -130,7 +140,7 @@ def _forces(mechanism: Mechanism) -> list[str]:
 
 def _signal(
     key: str,
-    signal: PointSignal | JointSignal | ReactionSignal | ResultantSignal | PlyStressSignal,
+    signal: Signal,
     mechanism: Mechanism,
 ) -> list[str]:
     if isinstance(signal, PointSignal):
@@ -158,11 +168,28 @@ def _signal(
     body = mechanism.bodies[signal.body]
     if isinstance(body, RigidBody):
         return [f'{key}.body = "{signal.body}": expected a flexible body, this one is rigid']
-    if isinstance(body, ShellBody):
+    if isinstance(signal, StrengthSignal):
+        found = _of_strength(key, signal, body)
+        if found:
+            return found
+    elif isinstance(body, ShellBody):
         return [
-            f'{key}.body = "{signal.body}": expected a beam, this one is a shell: summary.json '
-            "has the strength of its plies"
+            f'{key}.body = "{signal.body}": expected a beam, this one is a shell: its plies have '
+            'signals of kind "strength_ratio"'
         ]
-    if isinstance(body, BeamBody) and not 0.0 <= signal.x <= body.length:
+    if isinstance(body, BeamBody) and signal.x is not None and not 0 <= signal.x <= body.length:
         return [f"{key}.x = {signal.x:g}: expected 0 to {body.length:g} m, the length of the body"]
     return []
+
+
+def _of_strength(key: str, signal: StrengthSignal, body: Body) -> list[str]:
+    """Return errors of the places of a signal of strength."""
+    found = []
+    if isinstance(body, ShellBody) and signal.x is not None:
+        found.append(f"{key}.x = {signal.x:g}: expected for beams only, {signal.body} is a shell")
+    expected = 3 if isinstance(body, ShellBody) else 2
+    known = isinstance(body, BeamBody | ShellBody)  # not before its package is read
+    if signal.point is not None and known and len(signal.point) != expected:
+        what = "x2, x3 of a beam" if expected == 2 else "x, y, z of a shell"
+        found.append(f"{key}.point = {signal.point}: expected {expected} numbers, {what}")
+    return found

@@ -8,6 +8,7 @@ from ..section.mesh_table import SHAPE_MESHES
 from . import schema
 from .couplings import COUPLING_TABLES
 from .curves import CurveTable
+from .fidelity import Fidelity
 from .forces import FORCE_TABLES
 from .joints import JOINT_TABLES
 from .laws import LAW_TABLES
@@ -39,6 +40,7 @@ _THEN: tuple[type[BaseModel], ...] = (
     *SIGNAL_TABLES,
     Solver,
     Spin,
+    Fidelity,
     schema.Run,
     schema.Figure,
     Sweep,

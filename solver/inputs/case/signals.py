@@ -5,14 +5,17 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from pydantic import Field, model_validator
 
 from ...dynamics.joints.table import COORDINATES
+from ...strength import CRITERIA
 from ..common.table import Name, Pair, Table, unit
 
 Component = Literal["x", "y", "z", "magnitude"]
 COORDINATE_NAMES = tuple(sorted(COORDINATES))
 if TYPE_CHECKING:
     JointCoordinate = str
+    CriterionName = str
 else:
     JointCoordinate = Literal[COORDINATE_NAMES]
+    CriterionName = Literal[tuple(CRITERIA)]
 
 
 class _Measured(Table):
@@ -124,14 +127,51 @@ class PlyStressSignal(_Measured):
     )
 
 
+class StrengthSignal(_Measured):
+    """`[signals.NAME]` with kind = "strength_ratio" or "exposure": how near plies are to failure.
+
+    At each instant, the lowest strength ratio (highest exposure) of all points that the other keys
+    leave: without any of them, of the whole body by all criteria.
+    """
+
+    kind: Literal["strength_ratio", "exposure"] = Field(
+        description="strength ratio R: factor on all stresses at which a ply fails, infinite "
+        "without stress; exposure: 1 / R"
+    )
+    body: Name = Field(description="name of a flexible body whose materials have strengths")
+    x: float | None = Field(
+        default=None,
+        description="place along a beam; absent: all stations",
+        json_schema_extra=unit("m"),
+    )
+    region: str | None = Field(
+        default=None, description="region of the section, or laminate of a shell; absent: all"
+    )
+    ply: int | None = Field(
+        default=None,
+        ge=0,
+        description="number of the ply, 0 is the outermost, of a shell the bottom; absent: all",
+    )
+    criterion: CriterionName | None = Field(
+        default=None, description="failure criterion; absent: all that apply to the material"
+    )
+    point: Annotated[list[float], Field(min_length=2, max_length=3)] | None = Field(
+        default=None,
+        description="of a beam x2, x3: the nearest integration point; of a shell x, y, z in body "
+        "axes: the nearest cell; absent: all",
+        json_schema_extra=unit("m"),
+    )
+
+
 SIGNAL_TABLES: tuple[type[Table], ...] = (
     PointSignal,
     JointSignal,
     ReactionSignal,
     ResultantSignal,
     PlyStressSignal,
+    StrengthSignal,
 )
 Signal = Annotated[
-    PointSignal | JointSignal | ReactionSignal | ResultantSignal | PlyStressSignal,
+    PointSignal | JointSignal | ReactionSignal | ResultantSignal | PlyStressSignal | StrengthSignal,
     Field(discriminator="kind"),
 ]

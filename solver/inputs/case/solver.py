@@ -44,6 +44,9 @@ class _Integration(Table):
     output_step: float = Field(
         gt=0, description="interval of the results", json_schema_extra=unit("s")
     )
+    most_outputs: int = Field(
+        default=10_000_000, ge=1, description="outputs, t_end / output_step, that are not refused"
+    )
     start: Literal["positions", "equilibrium"] = Field(
         default="positions",
         description="positions: as given, with joints closed; equilibrium: static equilibrium "
@@ -66,7 +69,7 @@ class _Integration(Table):
     )
     rtol: float = Field(
         default=1e-5,
-        gt=0,
+        ge=1e-15,
         le=0.1,
         description="accuracy: expected error of positions over the size of the mechanism, of "
         "velocities over its speed; see accuracy.md",
@@ -145,7 +148,8 @@ class Solver(_WithOptions):
     )
     on_invalid: Literal["stop", "warn"] = Field(
         default="stop",
-        description="when a linear body stops being valid: end the run there, or continue",
+        description="when a linear body stops being valid, or a stiffened one buckles: end the run "
+        "there, or continue",
     )
     geometric_stiffening: bool = Field(
         default=False,

@@ -191,7 +191,7 @@ def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> No
     for i in range(plan.size.shape[0]):
         n, m, two = plan.size[i], model.n_mode[i], model.square_start[i]
         a = model.pos_start[i]
-        _spin_of(frozen.p[i], r, a + 3, rho[i])
+        spin_of(frozen.p[i], r, a + 3, rho[i])
         for k in range(3):
             rho[i, k] = r[a + k]
         for k in range(m):
@@ -252,7 +252,7 @@ def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> No
 
 
 @inlined
-def _spin_of(p: Array, r: Array, a: int, rho: Array) -> None:
+def spin_of(p: Array, r: Array, a: int, rho: Array) -> None:
     """rho[3:6] = 2 E' r[a:a+4] / p'p: the rotation that changes Euler parameters so."""
     e0, e1, e2, e3 = p[0], p[1], p[2], p[3]
     c = 2.0 / (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3)

@@ -2,12 +2,15 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ...math.arrays import Array
 from .base import Counters, Integrator
+from .output import Output
+from .pace import Pace, Stall
 from .steps import EachStep, Noted, Steps, StopRequest, Watch
 
 
@@ -20,12 +23,14 @@ class Solution:
     """
 
     t: Array  # (k,) [s]
-    y: Array  # (k, n)
+    y: Array  # (k, n); LongRows (math/rows.py) if they are too many for memory
     status: str  # finished | stopped | failed | interrupted
     message: str
     code: str = ""  # of the stop request
     counters: Counters = field(default_factory=Counters)
     hints: tuple[str, ...] = ()
+    stalls: tuple[Stall, ...] = ()
+    damped_energy: float = 0.0  # taken out of vibrations, as far as the integrator counts it [J]
 
 
 def requested_times(t_out: Sequence[float] | Array, t0: float, t_end: float) -> Array:
@@ -57,6 +62,8 @@ def integrate(
     on_step: Callable[[Integrator], StopRequest | None] | None = None,
     *,
     watch: Watch | None = None,
+    on_stall: Callable[[Stall], None] | None = None,
+    folder: Path | None = None,
 ) -> Solution:
     """Step to the end; the solution at t_out comes from dense output, not the nearest step.
 
@@ -68,6 +75,8 @@ def integrate(
         are taken one by one for it
     watch : sees all accepted steps, many at a time; may return a StopRequest. The run ends with
         the step that it names; steps beyond are dropped
+    on_stall : told at once of a run that has come to a stall, and what was done about it
+    folder : where rows are kept that are too many for memory; None: that of temporary files
 
     Raises
     ------
@@ -75,7 +84,9 @@ def integrate(
         exception but the status of the solution; neither is Ctrl-C.
     """
     times = requested_times(t_out, integrator.t, integrator.t_end)
-    drive = _Drive(integrator, times)
+    # Of one kind in memory, for a loop that is compiled for it.
+    times = np.require(times, requirements=("C", "A", "W"))
+    drive = _Drive(integrator, Output(times, integrator.n, folder), on_stall)
     interrupted = False
     try:
         if on_step is not None:
@@ -92,38 +103,46 @@ def integrate(
 class _Drive:
     """A run under way: what is kept of it."""
 
-    def __init__(self, integrator: Any, times: Array) -> None:
-        self.integrator = integrator
-        self.times = times.copy()  # of one kind in memory, for a loop that is compiled for it
-        self.rows = np.empty((times.size, integrator.n))
-        self.filled = 0
+    def __init__(
+        self, integrator: Any, output: Output, on_stall: Callable[[Stall], None] | None
+    ) -> None:
+        self.integrator, self.output = integrator, output
         self.t_last, self.y_last = integrator.t, integrator.y
         self.request: StopRequest | None = None
-        if times[0] == self.t_last:
-            self.rows[0] = self.y_last
-            self.filled = 1
+        pace = Pace(integrator.t, integrator.t_end, output.times)
+        self._pace, self._on_stall = pace, on_stall
+        if output.times[0] == self.t_last:
+            output.rows[0] = self.y_last
+            output.filled = 1
 
     def by_strides(self, watch: Watch | None) -> None:
         """Let the integrator's own loop run, many steps in one call."""
-        integrator, filled = self.integrator, self.filled
+        integrator, output = self.integrator, self.output
+        keep = watch is not None or output.in_parts
         try:
             while integrator.status == "running" and self.request is None:
-                filled = integrator.stride(self.times, self.rows, self.filled, watch is not None)
+                filled = integrator.stride(output.window, output.rows, output.filled, keep)
+                if integrator.t >= output.next_time:
+                    # Steps that the window has no room for are taken again.
+                    steps = integrator.steps_taken()
+                    integrator.take_back(steps.step_at(output.next_time))
                 if watch is not None:
                     self._show(watch, integrator.steps_taken(), filled)
                 if self.request is None:
                     self._reach(integrator.t, integrator.y, filled)
+                    output.make_room()
+                    self._follow()
         except KeyboardInterrupt:
             # Steps that were taken are kept, looked at or not; in plain NumPy a loop is heard
             # within, and stands where its last stride ended.
             integrator.take_up()
-            filled = int(np.searchsorted(self.times, integrator.t, side="right"))
-            self._reach(integrator.t, integrator.y, max(self.filled, filled))
+            filled = int(np.searchsorted(output.window, integrator.t, side="right"))
+            self._reach(integrator.t, integrator.y, max(output.filled, filled))
             raise
 
     def step_by_step(self, watch: Watch | None) -> None:
         """Take the steps one by one."""
-        integrator = self.integrator
+        integrator, output = self.integrator, self.output
         noted = None if watch is None else Noted(integrator)
         while integrator.status == "running" and self.request is None:
             integrator.step()
@@ -137,16 +156,29 @@ class _Drive:
             if self.request is not None:
                 t = _inside(self.request, integrator)
                 y = _values(integrator, np.array([t]))[0]
-            stop = int(np.searchsorted(self.times, t, side="right"))
-            if stop > self.filled:
-                inside = self.times[self.filled : stop]
-                self.rows[self.filled : stop] = _values(integrator, inside)
-            self._reach(t, y, max(stop, self.filled))
+            while True:
+                filled = output.filled
+                stop = int(np.searchsorted(output.window, t, side="right"))
+                if stop > filled:
+                    output.rows[filled:stop] = _values(integrator, output.window[filled:stop])
+                self._reach(t, y, max(stop, filled))
+                if output.next_time > t:
+                    break
+                output.make_room()
+            self._follow()
         if watch is not None and noted is not None and noted.count:
             watch(noted.taken())
 
+    def _follow(self) -> None:
+        """Let the integrator look at its pace, unless its steps are fixed."""
+        integrator, known = self.integrator, list(self.integrator.stalls)
+        if integrator.status == "running" and integrator.fixed_step is None:
+            integrator.follow(self._pace)
+            if self._on_stall is not None and integrator.stalls != known:
+                self._on_stall(integrator.stalls[-1])
+
     def _reach(self, t: float, y: Array, filled: int) -> None:
-        self.t_last, self.y_last, self.filled = t, y, filled
+        self.t_last, self.y_last, self.output.filled = t, y, filled
 
     def _show(self, watch: Watch, steps: Steps, filled: int) -> None:
         """Show the steps of a stride; end the run in the step in which a request lies."""
@@ -156,31 +188,35 @@ class _Drive:
         if self.request is None:
             self.integrator.take_up()
             return
-        integrator = steps.at(steps.step_at(self.request.t_stop))
+        integrator, output = steps.at(steps.step_at(self.request.t_stop)), self.output
         t = _inside(self.request, integrator)
-        known = int(np.searchsorted(self.times[:filled], t, side="right"))
-        self._reach(t, _values(integrator, np.array([t]))[0], known)
+        self._reach(t, _values(integrator, np.array([t]))[0], filled)
+        output.cut(int(np.searchsorted(output.times[: output.count], t, side="right")))
 
     def solution(self, interrupted: bool) -> Solution:
         """Return what the run leaves behind."""
-        integrator, kept = self.integrator, self.times[: self.filled]
-        rows = self.rows[: self.filled]
+        integrator, output = self.integrator, self.output
         status, message, code = integrator.status, integrator.message, ""
         if interrupted:
             status = "interrupted"
             message = f"Interrupted at t = {self.t_last:.9g} s; kept up to there"
         elif self.request is not None:
             status, message, code = "stopped", self.request.message, self.request.code
-        if status != "finished" and (kept.size == 0 or kept[-1] < self.t_last):
-            kept, rows = np.append(kept, self.t_last), np.vstack((rows, self.y_last))
+        if interrupted or self.request is not None or status != "finished":
+            output.cut(int(np.searchsorted(output.times[: output.count], self.t_last, "right")))
+        reached = output.count > 0 and output.times[output.count - 1] >= self.t_last
+        more = () if status == "finished" or reached else ((self.t_last, self.y_last),)
+        t, y = output.all(*more)
         return Solution(
-            t=kept,
-            y=rows,
+            t=t,
+            y=y,
             status=status,
             message=message,
             code=code,
             counters=integrator.counters,
             hints=tuple(integrator.hints) if interrupted else integrator.final_hints(),
+            stalls=tuple(integrator.stalls),
+            damped_energy=integrator.damped_energy,
         )
 
 

@@ -1,0 +1,77 @@
+"""The command `plymotion chart`: error against CPU time of the models of one run."""
+
+import argparse
+from pathlib import Path
+
+from ...errors import InputError
+from ...fidelity.execution import answered, plan_file
+from ...fidelity.ladder import Ladder, Rung, ladder
+from ...report.style import GREY, INK, WARNING, Canvas, colour, house_style
+from ..plan.command import run_file_of
+
+
+def run_chart(options: argparse.Namespace) -> int:
+    """Draw the chart of a run and print its table; return the exit code.
+
+    Raises
+    ------
+    InputError
+        The model of the plan or its check could not run.
+    """
+    file = run_file_of(options)
+    answer = answered(file)
+    if answer.trial is None or answer.check is None or answer.estimate is None:
+        raise InputError(f"{file}: no chart without a check: {answer.reason}")
+    found = ladder(answer)
+    for rung in (*found.front(), found.chosen, found.check):
+        print(f"{rung.cpu:9.3f} s  {rung.error:8.1e}  {rung.name}")
+    path = draw_ladder(
+        options.out or plan_file(file).with_suffix(".png"),
+        found,
+        f"{answer.spec.case}, {answer.spec.run}: {', '.join(answer.names)}",
+    )
+    print(f"Chart: {path}")
+    return 0
+
+
+def draw_ladder(path: Path, found: Ladder, title: str) -> Path:
+    """Draw error against CPU time: all models, their front, the chosen one, the check."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with house_style():
+        canvas = Canvas(7.5, 4.6)
+        (axis,) = canvas.panels(1, 1)
+        shown = [rung for rung in found.rungs if rung.error > 0.0]
+        axis.loglog(*_points(shown), "o", color=GREY, markersize=4, label="models")
+        front = [rung for rung in found.front() if rung.error > 0.0]
+        axis.loglog(*_points(front), "-", color=GREY, linewidth=1.0, label="front")
+        for rung in front:
+            axis.annotate(
+                rung.name, (rung.cpu, rung.error), (4, 4), textcoords="offset points", fontsize=6.5
+            )
+        chosen = found.chosen
+        axis.loglog(*_points([chosen]), "D", color=colour(0), markersize=8, label="chosen")
+        axis.loglog(
+            [chosen.cpu], [found.estimate], "_", color=colour(0), markersize=16, label="estimate"
+        )
+        axis.loglog(
+            *_points([found.check]), "s", color=colour(2), markersize=8, label="check, delivered"
+        )
+        axis.axhline(found.asked, color=WARNING, linewidth=1.0)
+        axis.text(
+            0.99,
+            found.asked,
+            "asked",
+            color=WARNING,
+            ha="right",
+            va="bottom",
+            fontsize=8,
+            transform=axis.get_yaxis_transform(),
+        )
+        axis.set(xlabel="CPU time of a run [s]", ylabel="error / largest value")
+        axis.set_title(title, color=INK)
+        axis.legend(loc="upper right")
+        return canvas.save(path)
+
+
+def _points(rungs: list[Rung]) -> tuple[list[float], list[float]]:
+    return [rung.cpu for rung in rungs], [rung.error for rung in rungs]
