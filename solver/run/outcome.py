@@ -67,7 +67,7 @@ def collect(
     kept: dict[tuple[str, str], RowKeeper] = defaultdict(
         lambda: RowKeeper(stored=stored, folder=folder)
     )
-    past = Past()
+    past = Past(within=finished.in_play)
     for some, states, values in recorded(sensors, model, finished.blocks):
         history = recover.history(model, some, states)
         past.take(some, history)
