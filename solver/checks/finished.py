@@ -57,6 +57,7 @@ class FinishedRun:
     noticed: tuple[Finding, ...] = ()
     look: Look = field(default_factory=Look)
     known: Past | None = None  # `past`, of who has computed it
+    in_play: float = 0.0  # energy in play at any step, where output times do not show it [J]
 
     @property
     def model(self) -> Model:
@@ -115,7 +116,7 @@ class FinishedRun:
         """Violations and energies at the times of `look.balance`."""
         if self.known is not None:
             return self.known
-        past = Past()
+        past = Past(within=self.in_play)
         for t, y in self.blocks(self.look.balance):
             past.take(t, recover.history(self.model, t, y))
         return past

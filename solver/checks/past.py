@@ -32,6 +32,7 @@ class Past:
     velocity: Largest = field(default_factory=Largest)  # rate of the constraints [m/s, rad/s]
     balance: Largest = field(default_factory=Largest)  # change of the energy balance [J]
     drive_work: float = 0.0  # at the end [J]
+    within: float = 0.0  # energy in play between these times, where it is known [J]
     _start: float | None = None
     _scale: float = 0.0
     _terms: dict[str, float] = field(default_factory=dict)  # largest of each energy [J]
@@ -59,7 +60,7 @@ class Past:
     @property
     def energy_in_play(self) -> float:
         """Largest energy of the run [J]; see results.energy_in_play."""
-        return max(self._scale, self._highest - self._lowest) or 1.0
+        return max(self._scale, self.within, self._highest - self._lowest) or 1.0
 
     @property
     def energy_drift(self) -> float:

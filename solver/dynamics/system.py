@@ -509,7 +509,8 @@ def dense_derivative_into(model: Model, work: Work, t: float, y: Array, out: Arr
     acceleration, multipliers = accelerations(model, equations, y)
     rates_into(model, y, out)
     out[model.n_pos : model.n_pos + model.n_vel] = acceleration
-    auxiliary_rates_into(model, work, t, out)
+    if model.n_aux > 0:
+        auxiliary_rates_into(model, work, t, out)
     out[-1] = multipliers @ equations.Phi_t + equations.power[0]
     return multipliers
 

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from ..dynamics.coordinates import move_rows
-from ..dynamics.model import Model
+from ..dynamics.model import Model, state_size
 from ..math.arrays import Array, IntArray
 from ..signals import Recording, Sensor
 from .response import Response
@@ -85,7 +85,7 @@ def _recording(found: Response, rows: IntArray) -> PerturbedRecording:
 
 def _rates(found: Response, rows: IntArray) -> tuple[Array, Array]:
     model, base = found.model, found.base
-    rates = np.zeros((len(rows), model.n_pos + model.n_vel + 1))
+    rates = np.zeros((len(rows), state_size(model)))
     for i in range(model.n_body):
         j, own = model.n_pos + int(model.vel_start[i]), int(base.model.vel_start[i])
         rates[:, j : j + 6] = base.accelerations[rows, own : own + 6]

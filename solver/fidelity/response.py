@@ -15,7 +15,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..dynamics.model import Model
+from ..dynamics.model import Model, state_size
 from ..dynamics.residual import residuals
 from ..dynamics.system import assemble
 from ..math.arrays import Array, IntArray
@@ -28,8 +28,9 @@ GAMMA = 0.55
 def embedded(base: Base, model: Model) -> tuple[Array, Array]:
     """Return states (k, n) and accelerations (k, n_vel) of the base in a model with more modes."""
     k = len(base.t)
-    y, a = np.zeros((k, model.n_pos + model.n_vel + 1)), np.zeros((k, model.n_vel))
+    y, a = np.zeros((k, state_size(model))), np.zeros((k, model.n_vel))
     own = base.model
+    y[:, model.n_pos + model.n_vel : -1] = base.y[:, own.n_pos + own.n_vel : -1]
     for i in range(model.n_body):
         to, source = int(model.pos_start[i]), int(own.pos_start[i])
         y[:, to : to + 7] = base.y[:, source : source + 7]

@@ -68,7 +68,7 @@ def collect(
     kept: dict[tuple[str, str], RowKeeper] = defaultdict(
         lambda: RowKeeper(stored=stored, folder=folder)
     )
-    past = Past()
+    past = Past(within=finished.in_play)
     turning = {name: Turning() for name, sensor in sensors.items() if sensor.life is not None}
     for some, states, values in recorded(sensors, model, finished.blocks):
         history = recover.history(model, some, states)

@@ -53,6 +53,7 @@ RUNS = {
     "n-four-bar": ("n-2-hinges", {"t_end": 0.05}),
     "slider-crank": ("steel", {"t_end": 0.0005}),
     "misaligned-four-bar": ("flexible", {"t_end": 0.002}),
+    "controlled-arm": ("stopped", {"t_end": 0.002}),
 }
 
 

@@ -139,9 +139,9 @@ def test_one_source_file_names_a_joint(repository, kind):
     assert found == [f"solver/dynamics/joints/{kind}.py"]
 
 
-@pytest.mark.parametrize("kind", sorted(set(FORCES) - {"force", "controller"}))
+@pytest.mark.parametrize("kind", sorted(set(FORCES) - {"force"}))
 def test_one_source_file_names_a_force_element(repository, kind):
-    """`force` is also a quantity of a signal, `controller` what a message calls one."""
+    """`force` is also a quantity of a signal."""
     quoted = re.compile(rf"""["']{kind}["']""")
     found = [
         file.relative_to(repository).as_posix()

@@ -122,3 +122,23 @@ def test_integrators_that_do_not_stop_at_instants_say_so(tmp_path):
     text = carriage(controller(proportional=1.0, sample_time=0.01))
     with pytest.raises(InputError, match=r"gear.*sample_time; expected radau or rk8 or rk5"):
         run(tmp_path, text, 0.1, 0.1, 'integrator = "gear"')
+
+
+@pytest.mark.parametrize("sample", ["carriage", "wheel"])
+def test_at_rest_in_equilibrium(tmp_path, sample):
+    """Nothing moves, and round-off is no error of the energy balance."""
+    made, joint = {"carriage": (carriage, "rail"), "wheel": (wheel, "axle")}[sample]
+    text = made(controller(joint, setpoint="0.3", proportional=50.0, derivative=5.0))
+    _, s, summary = run(tmp_path, text, 1.0, 0.5, DEFAULT + '\nstart = "equilibrium"')
+    name = "x" if sample == "carriage" else "angle"
+    np.testing.assert_allclose(s[name], 0.3, atol=1e-9)
+    assert summary["warnings"] == []
+
+
+def test_a_stiff_controller_within_one_output_step(tmp_path):
+    """10 N / um: over in 2 ms of the steps, by the row of Newton's matrix in few of them."""
+    text = carriage(controller(setpoint="0.01", proportional=1e7, derivative=1e4), mass=2.0)
+    _, s, summary = run(tmp_path, text, 1.0, 0.5, DEFAULT)
+    np.testing.assert_allclose(s["x"][1:], 0.01, rtol=1e-6)
+    assert summary["cost"]["steps"] < 200
+    assert summary["warnings"] == []

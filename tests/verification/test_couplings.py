@@ -70,7 +70,7 @@ def carrier(ratio=-3.0):
         GROUND
         + rigid("arm", 2.0, (0.3, 0.4, 0.5), {"a": (0, 0, 0), "b": (0.4, 0, 0), "c": (0, 0.3, 0)})
         + rigid("one", 1.0, (0.1, 0.1, 0.2), {"a": (0, 0, 0)}, position=(0.4, 0, 0))
-        + rigid("two", 1.0, (0.1, 0.3, 0.1), {"a": (0, 0, 0)}, position=(0, 0.3, 0))
+        + rigid("two", 1.0, (0.2, 0.3, 0.2), {"a": (0, 0, 0)}, position=(0, 0.3, 0))
         + joint("main", "revolute", "ground.O", "arm.a")
         + joint("axle_1", "revolute", "arm.b", "one.a")
         + joint("axle_2", "revolute", "arm.c", "two.a", (0.0, 1.0, 0.0))

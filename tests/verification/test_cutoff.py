@@ -60,7 +60,7 @@ def test_the_filter_solves_its_equations(spring):
     workspace, y, n, n_c, w_c = made._workspace, made.y, model.n_vel, model.n_constraint, 30.0
     error = np.random.default_rng(3).normal(size=made.n)
     evaluate(model, workspace.work, made.t, y)
-    freeze(model, workspace.work, y, workspace.frozen)
+    freeze(model, workspace.work, made.t, y, workspace.frozen)
     start_filter(model, workspace.frozen, workspace.cutoff, w_c)
     filter_error(model, workspace.cutoff, w_c, error)
     e = assemble(model, made.t, y)

@@ -19,7 +19,7 @@ import numpy as np
 
 from ...dynamics.elimination import solve
 from ...dynamics.energy import energies_into
-from ...dynamics.model import Model
+from ...dynamics.model import Model, state_size
 from ...dynamics.system import evaluate
 from ...dynamics.workspace import Work
 from ...math.arrays import Array
@@ -46,7 +46,7 @@ def new_cutoff(model: Model, frozen: Frozen, least: Array) -> Cutoff:
     A stop that stands open, or a spring that goes slack, has no stiffness then: its contact is an
     event of the motion, and stays under error control.
     """
-    n = model.n_pos + model.n_vel + 1
+    n = state_size(model)
     held = frozen._replace(stiffness=least)
     return Cutoff(new_pencil(model, 1.0), held, np.zeros(n), np.zeros(3))
 
@@ -65,6 +65,8 @@ def filter_error(model: Model, cutoff: Cutoff, w_c: float, e: Array) -> None:
     """Fill cutoff.error (n,) with e (n,), less its parts above w_c [rad/s]."""
     plan, pencil, held, out = model.plan, cutoff.pencil, cutoff.held, cutoff.error
     x, load, n_pos = pencil.x, pencil.load, model.n_pos
+    for k in range(n_pos + model.n_vel, out.shape[0] - 1):
+        out[k] = e[k]  # auxiliary states
     out[out.shape[0] - 1] = 0.0  # the work: a quadrature, that of vibrations is not resolved
     for part in range(2):
         for i in range(model.n_body):

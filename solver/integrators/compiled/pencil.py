@@ -164,7 +164,7 @@ def _factorise(
     first = n_c + plan.added_start[model.n_body]
     for k in range(frozen.stiffness.shape[0]):
         softness[first + k] = stiffness * frozen.stiffness[k] + damping * frozen.damping[k]
-    s = damping / stiffness
+    s = damping / stiffness if abs(damping) > 0.0 else abs(mass / stiffness) ** 0.5
     hold_states(model, frozen.auxiliary, frozen.coupled, s, stiffness, first, softness)
     for k in range(first, first + frozen.stiffness.shape[0]):
         hold = softness[k]
