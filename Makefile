@@ -36,6 +36,14 @@ REPORT_SOURCES := $(call rooms,report results)
 SECTION_SOURCES := $(call rooms,commands/section commands/described commands/fenicsx_side inputs strength)
 SHELL_SOURCES := $(call rooms,commands/shell commands/described commands/fenicsx_side inputs strength)
 
+# Files of these patterns whose names neither make nor the shell can misread, and the others.
+PLAIN_NAME := ([A-Za-z0-9][A-Za-z0-9._-]*/)*[A-Za-z0-9][A-Za-z0-9._-]*
+plain = $(shell ls -d $(1) 2>/dev/null | LC_ALL=C grep -xE '$(PLAIN_NAME)')
+odd = $(shell ls -d $(1) 2>/dev/null | LC_ALL=C grep -vxE '$(PLAIN_NAME)' | LC_ALL=C tr -c '[:print:]' ';')
+not_seen = $(if $(1),$(warning $(1) not seen by make: expected another name, $(2)))
+$(call not_seen,$(call odd,cases/*/case.toml cases/sections/*.toml cases/shells/*.toml),letters of \
+    ASCII and digits and . _ -)
+
 ##@ Set-up
 
 .PHONY: environment
@@ -81,7 +89,14 @@ $(COMPILED): $(HOT_SOURCES) $(LIGHT)
 # make <case>                  everything from the case file to the report
 # make <case> PACKAGES=shipped the packages of the repository: no FEniCSx needed
 # make <case> COARSE=1         a small version, in build/<case>-coarse
-CASES := $(patsubst cases/%/case.toml,%,$(wildcard cases/*/case.toml))
+FOUND := $(patsubst cases/%/case.toml,%,$(filter cases/%/case.toml,$(call plain,cases/*/case.toml)))
+# Names that are taken: targets of this file, and files in build/.
+TAKEN := $(shell sed -n 's/^\.PHONY: //p' Makefile) FORCE Makefile distclean fenicsx.env compiled \
+    charts peers benchmarks fe-numbers% numba-% %-coarse section-% shell-%
+taken = $(or $(filter $(TAKEN),$(1)),$(findstring -sweep-,$(1)))
+CASES := $(foreach case,$(FOUND),$(if $(call taken,$(case)),,$(case)))
+$(call not_seen,$(patsubst %,cases/%:,$(filter-out $(CASES),$(FOUND))),make has a target or a file \
+    of this name)
 COARSE ?=
 PACKAGES ?=
 ifneq ($(filter-out shipped,$(PACKAGES)),)
@@ -202,10 +217,10 @@ $(foreach case,$(ASKED),$(foreach sweep,$($(case)_SWEEPS), \
 
 # make sections         all of cases/sections in one batch: build/sections/summary.csv
 # make section-<name>   one section, with figures: build/sections/<name>/
-SECTIONS := $(patsubst cases/sections/%.toml,%,$(wildcard cases/sections/*.toml))
+SECTIONS := $(patsubst cases/sections/%.toml,%,$(call plain,cases/sections/*.toml))
 SECTION_FOLDER := build/sections
 SECTION_FILES := $(foreach name,$(SECTIONS),$(SECTION_FOLDER)/$(name)/$(name).vtkhdf)
-SECTION_INPUTS := $(wildcard cases/sections/*) $(PREPROCESS_SOURCES) $(PACKAGE_SOURCES) \
+SECTION_INPUTS := $(call plain,cases/sections/*) $(PREPROCESS_SOURCES) $(PACKAGE_SOURCES) \
     $(SECTION_SOURCES)
 SECTION := $(PY) -m plymotion.solver section --out $(SECTION_FOLDER)
 
@@ -232,10 +247,10 @@ $(SECTION_FOLDER)/%.txt: cases/sections/%.toml $(SECTION_INPUTS) $(FENICSX) $(LI
 
 # make shells           all of cases/shells, with figures: build/shells/<name>/
 # make shell-<name>     one shell, with its results on the screen
-SHELLS := $(patsubst cases/shells/%.toml,%,$(wildcard cases/shells/*.toml))
+SHELLS := $(patsubst cases/shells/%.toml,%,$(call plain,cases/shells/*.toml))
 SHELL_FOLDER := build/shells
 SHELL_FILES := $(foreach name,$(SHELLS),$(SHELL_FOLDER)/$(name)/$(name).vtkhdf)
-SHELL_INPUTS := $(wildcard cases/shells/*) $(PREPROCESS_SOURCES) $(PACKAGE_SOURCES) $(SHELL_SOURCES)
+SHELL_INPUTS := $(call plain,cases/shells/*) $(PREPROCESS_SOURCES) $(PACKAGE_SOURCES) $(SHELL_SOURCES)
 SHELL_COMMAND := $(PY) -m plymotion.solver shell --out $(SHELL_FOLDER)
 
 .PHONY: shells $(addprefix shell-,$(SHELLS))
@@ -338,6 +353,11 @@ bench: $(EXUDYN) | $(COMPILED) ## The solver compared with Exudyn: build/benchma
 	$(BENCH) benchmarks/solver_speed.py build/benchmarks/solver.json --write docs/speed.md \
 	    $(BENCH_OPTIONS)
 
+.PHONY: fidelity
+fidelity: $(FENICSX) | $(COMPILED) ## Accuracy asked, estimated and true of planned runs: build/benchmarks/fidelity.json
+	. ./$(FENICSX) && export FENICSX_PYTHON && \
+	    $(BENCH) benchmarks/fidelity.py build/benchmarks/fidelity.json
+
 # In a separate folder: neither tests nor users need them. Without dependencies: NumPy is that of
 # the environment.
 $(EXUDYN): pyproject.toml $(LIGHT)
@@ -357,6 +377,8 @@ SHELL_CHARTS := docs/pictures/shell-course.png docs/pictures/shell-error-time.pn
 # The numbers of the solver's charts are in docs/charts, because measuring them takes minutes.
 SOLVER_CHARTS := $(patsubst %,docs/pictures/solver-%.png,integrators treatments models)
 
+MODES_CHARTS := $(patsubst %,docs/pictures/modes-%.png,shapes campbell rotor response)
+
 .PHONY: charts
 charts: $(CHART) $(SHELL_CHARTS) $(SOLVER_CHARTS) docs/pictures/tolerances.png ## Measure error against time and draw charts
 
@@ -372,6 +394,9 @@ build/charts/shell-%.json: $(PREPROCESS_SOURCES) benchmarks/shell_course.py \
 
 docs/pictures/shell-%.png: build/charts/shell-%.json benchmarks/shell_chart.py
 	$(PY) benchmarks/shell_chart.py $* $< $@
+
+$(MODES_CHARTS): docs/pictures/modes-%.png: $(RUN_SOURCES) benchmarks/modes_chart.py | $(COMPILED)
+	$(PY) benchmarks/modes_chart.py $* $@
 
 ACCURACY_SOURCES := benchmarks/exudyn_plane.py \
     $(patsubst %,benchmarks/solver_%.py,accuracy exudyn exudyn_beam methods problems runs)

@@ -22,6 +22,7 @@ import ensemble
 import numpy as np
 import solver_chain
 import solver_exudyn
+import solver_limit
 import solver_memory
 import solver_processes
 from exudyn_plane import FULL, MODIFIED
@@ -38,7 +39,7 @@ STEPS = (500, 1000, 2000, 5000, 10000, 20000, 50000, 70000)
 LONG = 3.0  # [s]; longer runs scatter little and are not repeated
 REPEATED = 25
 TARGETS = ("1e-4", "2e-6", "1e-7")
-PARTS = ("double_pendulum", "processes", "ensemble", "chain", "memory")
+PARTS = ("double_pendulum", "processes", "ensemble", "chain", "memory", "limit")
 
 
 def measure_double_pendulum(rounds: int, budget_s: float) -> dict[str, Any]:
@@ -171,13 +172,14 @@ def main() -> None:
         "processes": lambda: solver_processes.measure(rounds, TARGETS),
         "ensemble": ensemble.measure,
         "chain": lambda: solver_chain.measure(rounds, arguments.chain_budget),
+        "limit": solver_limit.measure,
         "memory": lambda: solver_memory.measure(arguments.links),
     }
     found: dict[str, Any] = {}
     if arguments.only and arguments.json.exists():
         found = json.loads(arguments.json.read_text(encoding="utf-8"))
     begin = time.perf_counter()
-    if arguments.only not in ("ensemble", "memory"):
+    if arguments.only not in ("ensemble", "memory", "limit"):
         solver_exudyn.exudyn()  # missing? say so before anything is measured
     for name, measure in measures.items():
         if arguments.only in (None, name):

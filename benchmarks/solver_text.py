@@ -18,6 +18,7 @@ def write_tables(found: dict[str, Any], document: Path) -> None:
         "ensemble": _ensemble,
         "chain": _chain,
         "memory": _memory,
+        "limit": _limit,
     }.items():
         if found.get(name):
             text = lines(found[name])
@@ -128,6 +129,31 @@ def _memory(rows: list[dict[str, Any]]) -> list[str]:
         [r["run"], f"{r['peak_mb']:.0f}", _seconds(r["cpu_s"]), f"{r['file_mb']:.3g}"] for r in rows
     ]
     return _table(head, cells)
+
+
+def _limit(found: dict[str, Any]) -> list[str]:
+    head = ["", "operations", "memory [kB]", "time [us]", "1e9 operations per second", "of peak"]
+    rows = []
+    for name, one in found["problems"].items():
+        for what in ("evaluation", "accelerations"):
+            count, seconds = sum(one["operations"][what].values()), one[f"{what}_s"]
+            rate = count / seconds
+            rows.append(
+                [
+                    f"{name}: {what}",
+                    str(count),
+                    f"{one['bytes'] / 1e3:.0f}",
+                    f"{1e6 * seconds:.3g}",
+                    f"{rate / 1e9:.2g}",
+                    f"{100 * rate / found['peak']:.0f} %",
+                ]
+            )
+        evaluations = f"{one['evaluations_per_step']:.3g} evaluations"
+        step = f"{1e6 * one['radau_step_s']:.3g}"
+        rows.append([f"{name}: step of radau, {evaluations}", "", "", step, "", ""])
+    peak = f"{found['peak'] / 1e9:.2g}"
+    rows.append(["product of two matrices of 36 x 36 (NumPy)", "93312", "31", "", peak, "100 %"])
+    return _table(head, rows)
 
 
 def _ratio(value: float | None) -> str:

@@ -2,7 +2,19 @@
 
 import sys
 
-from .solver.__main__ import main
+try:
+    from .solver.interrupts import end_at_once
+except KeyboardInterrupt:
+    sys.exit(130)
+
+
+def main() -> int:
+    """Run the command line."""
+    end_at_once()
+    from .solver.__main__ import main as command
+
+    return command()
+
 
 if __name__ == "__main__":
     sys.exit(main())

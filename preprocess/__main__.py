@@ -5,6 +5,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from ..solver.interrupts import INTERRUPTED, exit_code, heard
 from ..solver.package.common.shares import shard
 
 BODY_EPILOG = """\
@@ -50,6 +51,12 @@ at a time and keeps meshes and factorisations for the next."""
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code."""
     options = _parser().parse_args(arguments)
+    with heard():
+        return exit_code(_guarded(options))
+
+
+def _guarded(options: argparse.Namespace) -> int:
+    """Run a command; turn what it raises into a message and an exit code."""
     try:
         return int(options.run(options))
     except OSError as error:
@@ -62,7 +69,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 2
     except KeyboardInterrupt:
         print("interrupted: files finished before are kept", file=sys.stderr)
-        return 130
+        return INTERRUPTED
 
 
 def _parser() -> argparse.ArgumentParser:

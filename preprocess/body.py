@@ -11,7 +11,10 @@ from ..solver.package.common.table_form import SpecError
 from ..solver.package.section.recovery_data import thinned
 from ..solver.package.section.schema import SectionFile
 from .beam.body import beam_model, beam_modes, beam_package, mode_warnings
+from .beam.line import LineSection
 from .beam.spec import read_spec
+from .beam.theory import section_stiffness
+from .beam.trapeze import trapeze_strains
 from .fenicsx import eigenpairs
 from .provenance import body_provenance
 from .section import analyse
@@ -58,13 +61,14 @@ def _build_beam(spec: dict[str, Any]) -> ModalPackage:
     """
     beam = read_spec(spec)
     start = time.perf_counter()
-    section_spec = {key: value for key, value in beam.section.items() if key != "name"}
-    name = str(beam.section.get("name", beam.body))
-    result = _section(canonical(section_spec))
+    described = [{k: v for k, v in table.items() if k != "name"} for table in beam.sections]
+    names = [str(table.get("name", beam.body)) for table in beam.sections]
+    results = [_section(canonical(table)) for table in described]
     after_section = time.perf_counter()
     try:
-        model = beam_model(beam, result.K, result.M)
-        model.line.section_mass  # noqa: B018  raises for a wrong section mass
+        model = beam_model(beam, *(_line_section(result, beam.theory) for result in results))
+        for section in model.line.sections:
+            section.slice_mass  # noqa: B018  raises for a wrong section mass
     except SpecError:
         raise
     except ValueError as error:
@@ -73,13 +77,24 @@ def _build_beam(spec: dict[str, Any]) -> ModalPackage:
     after_modes = time.perf_counter()
     provenance = body_provenance(
         spec,
-        {"section": result.provenance["dofs"], "body": 6 * model.line.n_node},
+        {
+            "section": max(result.provenance["dofs"] for result in results),
+            "body": 6 * model.line.n_node,
+        },
         {"section": after_section - start, "modes": after_modes - after_section},
-        [*result.warnings, *mode_warnings(model, modes)],
+        [*(w for result in results for w in result.warnings), *mode_warnings(model, modes)],
     )
-    recovery = thinned(result.recovery)
-    section = SectionData(name, result.K, result.M, toml_text(section_spec), recovery)
-    return beam_package(model, modes, section, provenance)
+    sections = [
+        SectionData(name, result.K, result.M, toml_text(table), thinned(result.recovery))
+        for name, result, table in zip(names, results, described, strict=True)
+    ]
+    return beam_package(model, modes, sections, provenance)
+
+
+def _line_section(result: SectionFile, theory: str) -> LineSection:
+    """The section of elements from its analysis."""
+    trapeze = trapeze_strains(section_stiffness(result.K, theory), result.recovery)
+    return LineSection(result.K, result.M, trapeze)
 
 
 @functools.lru_cache(maxsize=256)

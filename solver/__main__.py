@@ -1,40 +1,55 @@
-"""The command line: check, compile, run, report, section, shell, sweep and smaller ones."""
+"""The command line: check, compile, run, modes, report, section, shell, sweep and smaller ones."""
+
+if __name__ == "__main__":
+    from .interrupts import end_at_once
+
+    end_at_once()
 
 import argparse
 import atexit
 import contextlib
 import gc
-import json
 import os
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 from plymotion import __version__
 
+from .commands.exchange.options import add_exchange_commands
+from .commands.modes.options import add_modes_command
+from .commands.plan.options import add_plan_command
 from .commands.run.options import add_run_command
 from .commands.section.options import add_section_command
 from .commands.shell.options import add_shell_command
 from .commands.sweep.options import add_sweep_command
 from .errors import InputError, PackageError
-
-INTERRUPTED = 130  # exit code of a program that was ended by Ctrl-C
+from .interrupts import INTERRUPTED, exit_code, heard, starting
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run one command; return the exit code.
 
     0 done; 2 wrong input, or errors found by `validate`; 3 a run, or members of a sweep,
-    ended early and their results up to that time are kept; 130 interrupted, results are
-    kept.
+    ended early and their results up to that time are kept; 70 a defect of the program;
+    130, 143, 129 ended by Ctrl-C, TERM or HUP, results are kept.
     """
     if arguments is None:
         # Looking for garbage among all modules at the end of the process takes 0.03 s.
         atexit.register(gc.freeze)
     words = sys.argv[1:] if arguments is None else arguments
     # "plymotion solver sweep" is "plymotion sweep", as is "python -m plymotion.solver sweep".
-    options = _parser().parse_args(words[1:] if words[:1] == ["solver"] else words)
+    if words[:1] == ["solver"]:
+        words = words[1:]
+    if words and words[0].endswith(".toml"):
+        words = ["run", *words]  # "plymotion case.toml" is "plymotion run case.toml"
+    options = _parser().parse_args(words)
+    with heard():
+        return exit_code(_guarded(options))
+
+
+def _guarded(options: argparse.Namespace) -> int:
+    """Run a command; turn what it raises into a message and an exit code."""
     try:
         return int(options.command(options))
     except (InputError, PackageError) as error:
@@ -50,14 +65,22 @@ def main(arguments: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("interrupted: nothing written", file=sys.stderr)
         return INTERRUPTED
+    except Exception as error:
+        from .commands.defect import DEFECT, report
+
+        print(f"error: {report(error)}", file=sys.stderr)
+        return DEFECT
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="plymotion", description="Flexible multibody dynamics with laminated members."
+        prog="plymotion",
+        usage="plymotion CASE.toml | plymotion COMMAND ...",
+        description="Flexible multibody dynamics with laminated members. "
+        "`plymotion CASE.toml` goes from a case file to its report; commands do parts of it.",
     )
     parser.add_argument("--version", action="version", version=f"plymotion {__version__}")
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND", prog="plymotion")
 
     check = commands.add_parser(
         "check", help="check a case file; write the input of the other commands"
@@ -70,6 +93,7 @@ def _parser() -> argparse.ArgumentParser:
     check.set_defaults(command=_check)
 
     add_run_command(commands, _run)
+    add_plan_command(commands, _plan)
 
     ahead = commands.add_parser("compile", help="compile the step loop before the first run")
     ahead.add_argument("--all", action="store_true", help="generalized-alpha as well")
@@ -94,6 +118,8 @@ def _parser() -> argparse.ArgumentParser:
     experimental.add_argument("--out", type=Path, required=True, help="PACKAGE.vtkhdf")
     experimental.set_defaults(command=_experimental)
 
+    add_modes_command(commands, _modes)
+    add_exchange_commands(commands, _import, _export)
     add_section_command(commands, _section)
     add_shell_command(commands, _shell)
     add_sweep_command(commands, _sweep)
@@ -123,7 +149,8 @@ def _importing() -> Iterator[None]:
     """Imports leave no garbage worth the time of looking for it."""
     gc.disable()
     try:
-        yield
+        with starting():
+            yield
     finally:
         gc.enable()
 
@@ -135,6 +162,12 @@ def _run(options: argparse.Namespace) -> int:
     return run_runs(options)
 
 
+def _plan(options: argparse.Namespace) -> int:
+    from .commands.plan.command import run_plan
+
+    return run_plan(options)
+
+
 def _compile(options: argparse.Namespace) -> int:
     from .commands.compile import compile_ahead
 
@@ -143,21 +176,9 @@ def _compile(options: argparse.Namespace) -> int:
 
 
 def _report(options: argparse.Namespace) -> int:
-    from .report import make_report, summary_table
+    from .commands.cases.report import report_case
 
-    try:
-        case: dict[str, Any] = json.loads((options.folder / "case.json").read_text())
-    except (OSError, ValueError) as error:
-        raise InputError(
-            f"{options.folder}: no case.json ({error}); expected the folder of a case"
-        ) from error
-    runs = [r for r in case["runs"] if (options.folder / r / "summary.json").is_file()]
-    if not runs:
-        raise InputError(f"{options.folder}: no finished run; expected <run>/summary.json")
-    page = make_report(options.folder, runs, case)
-    summaries = [json.loads((options.folder / r / "summary.json").read_text()) for r in runs]
-    print(summary_table(summaries))
-    print(f"Report: {page}")
+    print(report_case(options.folder))
     return 0
 
 
@@ -202,6 +223,25 @@ def _experimental(options: argparse.Namespace) -> int:
         print(f"warning [{warning['code']}] {warning['message']}", file=sys.stderr)
     print(f"{options.out}: {package.body}, {package.n_mode} measured modes")
     return 0
+
+
+def _modes(options: argparse.Namespace) -> int:
+    with _importing():
+        from .commands.modes.command import run_modes
+
+    return run_modes(options)
+
+
+def _import(options: argparse.Namespace) -> int:
+    from .commands.exchange.command import run_import
+
+    return run_import(options)
+
+
+def _export(options: argparse.Namespace) -> int:
+    from .commands.exchange.command import run_export
+
+    return run_export(options)
 
 
 def _section(options: argparse.Namespace) -> int:

@@ -1,5 +1,6 @@
 """Beams reduced under any reference condition, from given section matrices, without FEniCSx."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,6 +9,7 @@ import scipy.linalg
 from body_specs import CLAMPED, beam_body
 
 from plymotion.preprocess.beam.body import BeamModel, beam_model, beam_modes, beam_package
+from plymotion.preprocess.beam.line import LineSection
 from plymotion.preprocess.beam.section_mass import SectionMass
 from plymotion.preprocess.beam.spec import read_spec
 from plymotion.preprocess.beam.stations import Stations
@@ -81,6 +83,7 @@ def reduced(
     elements: int = 4,
     K: np.ndarray = STIFFNESS,
     mass: np.ndarray = MASS,
+    sections: Sequence[LineSection] = (),
     **changes: Any,
 ) -> Beam:
     """A straight beam of 1 m along x, unless `changes` of its specification say otherwise."""
@@ -94,10 +97,10 @@ def reduced(
         "modes": modes,
         **changes,
     }
-    model = beam_model(read_spec(beam_body(**entries)), K, mass)
+    model = beam_model(read_spec(beam_body(**entries)), *(sections or [LineSection(K, mass)]))
     found = beam_modes(model, dense)
-    section = SectionData("bar", model.line.K, mass)
-    return Beam(model, found, beam_package(model, found, section, {}))
+    given = [SectionData("bar", s.K, s.mass) for s in model.profile.sections]
+    return Beam(model, found, beam_package(model, found, given, {}))
 
 
 def with_all_modes(reference: dict[str, Any], elements: int = 4, **changes: Any) -> Beam:

@@ -12,7 +12,7 @@ from mpi4py import MPI
 from section_specs import rectangle_spec
 
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.beam.line import BeamLine
+from plymotion.preprocess.beam.line import straight_line
 from plymotion.preprocess.beam.theory import section_stiffness
 from plymotion.preprocess.materials import material_from_dict, ply_rotation, rotated
 from plymotion.preprocess.section import analyse
@@ -67,6 +67,6 @@ def beam(theory: str) -> tuple[Any, Any, Any]:
     spec = rectangle_spec(WIDTH, HEIGHT, STRIP["material"], **STRIP["layup"])
     section = analyse(spec, estimate=False)
     K = section_stiffness(section.K, theory)
-    line = BeamLine(np.linspace(0.0, LENGTH, 65), K, section.M, np.eye(3))
+    line = straight_line(np.linspace(0.0, LENGTH, 65), K, section.M, np.eye(3))
     free = np.arange(6 * line.n_node) >= 6
     return line.stiffness(), line.mass_matrix("consistent"), free

@@ -33,17 +33,18 @@ def frequency_error(line: BeamLine, values: Array, columns_B: Array, mass_form: 
     """
     nodal_E = line.to_element(columns_B)
     change = np.zeros(len(values))
-    for element, numbers in line.spans:
-        d = nodal_E[numbers]
-        half = BeamElement(0.5 * element.length, line.K)
+    for span in line.spans:
+        element, mass = span.element, span.section.mass
+        d = nodal_E[span.numbers]
+        half = BeamElement(0.5 * element.length, element.K)
         # nodes of the halved element: first, last (12 values), middle (6)
         P = np.vstack([np.eye(12), element.shape(np.array([half.length]))[0]])
         first, second = np.r_[0:6, 12:18], np.r_[12:18, 6:12]
         K_fine, M_fine = np.zeros((18, 18)), np.zeros((18, 18))
         for dofs in (first, second):
             K_fine[np.ix_(dofs, dofs)] += half.stiffness()
-            M_fine[np.ix_(dofs, dofs)] += half.mass_matrix(line.mass, mass_form)
-        gained = P.T @ M_fine @ P - element.mass_matrix(line.mass, mass_form)
+            M_fine[np.ix_(dofs, dofs)] += half.mass_matrix(mass, mass_form)
+        gained = P.T @ M_fine @ P - element.mass_matrix(mass, mass_form)
         change += np.einsum("eim,ij,ejm->m", d, gained, d, optimize=True)
         r = np.einsum("ij,ejm->eim", M_fine[12:] @ P, d)
         follow = scaled_inverse(K_fine[12:, 12:])

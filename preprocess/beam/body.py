@@ -1,6 +1,7 @@
 """Modal package of a beam from the 6x6 matrices of its section."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,14 +12,16 @@ from ...solver.package.body.second_order import MOST_MODES, second_order_from_st
 from ...solver.package.common.table_form import SpecError
 from ..modes import EigenSolver, Modes, reduced_modes
 from .accuracy import coarse_mesh_warnings, frequency_error
-from .line import BeamLine, node_positions
+from .line import BeamLine, LineSection, node_positions, on_x_axis
+from .points import point_masses
 from .reduction import held_dofs, reference_condition, static_loads
 from .resultants import shape_resultants
 from .second_order import SecondOrderFields, second_order_fields
 from .spec import BeamSpec
 from .spinning import spinning_loads
 from .stations import mass_stations, nodal_mass
-from .theory import section_stiffness
+from .taper import Profile
+from .theory import of_theory
 
 VTK_LINE = 3
 
@@ -29,6 +32,7 @@ class BeamModel:
 
     spec: BeamSpec
     line: BeamLine
+    profile: Profile
     node_of: dict[str, int]  # interface name -> row of nodes_B
     reference_nodes: tuple[int, ...]  # nodes that carry the frame
 
@@ -39,29 +43,34 @@ class BeamModel:
         return tuple(sorted({*self.reference_nodes, *attached}))
 
 
-def beam_model(spec: BeamSpec, K: Array, mass: Array) -> BeamModel:
+def beam_model(spec: BeamSpec, *sections: LineSection) -> BeamModel:
     """Mesh a beam; every interface gets a node.
 
     Parameters
     ----------
     spec : the checked specification
-    K, mass : (6, 6) section stiffness and mass per length, section axes
+    sections : those of its stations; one for a uniform beam
 
     Raises
     ------
     SpecError : fewer elements than interfaces need.
     """
     places = {**spec.interfaces, **dict(spec.reference.places)}
-    try:
-        x_B = node_positions(spec.length, spec.elements, list(places.values()))
-    except ValueError as error:
-        raise SpecError(f"elements: {error}, found {spec.elements}") from error
-    line = BeamLine(x_B, section_stiffness(K, spec.theory), mass, spec.A_BE)
+    nodes_B, A_BE = spec.nodes_B, spec.A_BE
+    if nodes_B is None:
+        try:
+            x_B = node_positions(spec.length, spec.elements, list(places.values()))
+        except ValueError as error:
+            raise SpecError(f"elements: {error}, found {spec.elements}") from error
+        nodes_B, A_BE = on_x_axis(x_B), np.tile(A_BE, (len(x_B) - 1, 1, 1))
+    profile = Profile(spec.stations, tuple(of_theory(s, spec.theory) for s in sections))
+    line = profile.line(nodes_B, A_BE)
     node_of = {
-        name: int(np.argmin(np.abs(x_B - place * spec.length))) for name, place in places.items()
+        name: int(np.argmin(np.abs(line.along - place * line.along[-1])))
+        for name, place in places.items()
     }
     nodes = tuple(node_of[name] for name, _ in spec.reference.places)
-    return BeamModel(spec, line, {name: node_of[name] for name in spec.interfaces}, nodes)
+    return BeamModel(spec, line, profile, {name: node_of[name] for name in spec.interfaces}, nodes)
 
 
 def beam_modes(model: BeamModel, solver: EigenSolver) -> Modes:
@@ -80,15 +89,18 @@ def beam_modes(model: BeamModel, solver: EigenSolver) -> Modes:
         spec.modes.eigenmodes,
         [*loads, *spinning_loads(condition, line, spec.modes.spinning, first)],
         lambda columns_B: mass_stations(line, columns_B, spec.mass_form).participation(),
-        np.argsort(-np.abs(line.x_B - line.x_B[first]), kind="stable"),
+        np.argsort(-np.abs(line.along - line.along[first]), kind="stable"),
         solver,
     )
 
 
 def beam_package(
-    model: BeamModel, modes: Modes, section: SectionData, provenance: dict[str, Any]
+    model: BeamModel, modes: Modes, sections: Sequence[SectionData], provenance: dict[str, Any]
 ) -> ModalPackage:
     """Collect mesh, modes and inertia of a beam in a modal package.
+
+    `sections` are those of the stations, with their stresses. A tapered beam has stresses at the
+    nodes of its stations, and K and M of the sections at all nodes.
 
     The nodal masses are always lumped. The invariants
     use the mass form of the specification, which is also that of the eigenproblem.
@@ -96,12 +108,18 @@ def beam_package(
     spec, line = model.spec, model.line
     n, m = line.n_node, len(modes.values)
     shapes_B = np.ascontiguousarray(np.moveaxis(modes.columns_B.reshape(n, 6, m), 2, 0))
-    stations = mass_stations(line, modes.columns_B, spec.mass_form)
+    points = point_masses(mass_stations(line, modes.columns_B, spec.mass_form))
     fields = None
     if 0 < m <= MOST_MODES:
         held = held_dofs(spec.reference.kind, model.reference_nodes)
-        fields = second_order_fields(line, modes.columns_B, stations, spec.mass_form, held)
+        fields = second_order_fields(line, modes.columns_B, points, spec.mass_form, held)
     node_mass, node_inertia_B = nodal_mass(line)
+    at_nodes = model.profile.at_nodes(line, sections)
+    recovery = shape_resultants(
+        line, modes.columns_B, modes.accelerations_B, spec.mass_form, model.loaded_nodes
+    )
+    if len(at_nodes) > 1:
+        recovery = replace(recovery, section=np.searchsorted(line.along, recovery.station_x))
     frequencies = np.sqrt(modes.values)
     first = np.arange(n - 1, dtype=np.int64)
     node_ids = np.arange(1, n + 1, dtype=np.int64)
@@ -120,21 +138,19 @@ def beam_package(
         damping=np.diag(2.0 * spec.damping_ratio * frequencies),
         node_mass=node_mass,
         node_inertia_B=node_inertia_B,
-        invariants=stations.invariants(spec.mass_form),
+        invariants=points.invariants(spec.mass_form),
         interfaces=tuple(
             _interface(name, row, line.nodes_B, node_ids, shapes_B, fields)
             for name, row in model.node_of.items()
         ),
         reference_condition=spec.reference.kind,
-        sections=(section,),
-        recovery=shape_resultants(
-            line, modes.columns_B, modes.accelerations_B, spec.mass_form, model.loaded_nodes
-        ),
+        sections=at_nodes,
+        recovery=recovery,
         mode_labels=modes.labels,
         provenance=provenance,
         second_order=None
         if fields is None
-        else second_order_from_stations(stations.m, stations.x_B, stations.phi_B, fields.h_B),
+        else second_order_from_stations(points.m, points.x_B, points.phi_B, fields.h_B),
     )
 
 

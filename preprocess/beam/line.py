@@ -1,10 +1,13 @@
-"""A straight beam divided into elements: nodes, section axes, assembled matrices.
+"""A beam divided into straight elements: nodes, section axes, assembled matrices.
 
-The body frame `_B` has its origin at the first node of the reference line and
-its x axis along the beam; the section's x2 axis is given in this frame, x3 = x cross x2.
+The reference line of a beam may be curved and its sections may twist and change along it. Each
+element is straight between its two nodes and has its own section and section axes. A straight
+beam lies on the x axis of the body frame `_B`, from the origin; the section's x2 axis is given
+in this frame, x3 = x cross x2.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
 
@@ -17,58 +20,97 @@ from .section_mass import SectionMass
 
 
 @dataclass(frozen=True)
-class BeamLine:
-    """A uniform straight beam divided into elements.
+class LineSection:
+    """Section of one or more elements, section axes.
 
     Attributes
     ----------
-    x_B : (n,) node positions along the body x axis, rising [m]
-    K : (6, 6) section stiffness, order extension, shear2, shear3, twist, bend2,
-        bend3 [N, N m, N m2]
-    mass : (6, 6) section mass per length for the velocities along and rotations
-        about the section axes, taken at the reference line [kg/m, kg, kg m]
-    A_BE : (3, 3) section axes (columns x1 x2 x3) in body axes
+    K : (6, 6) stiffness, order extension, shear2, shear3, twist, bend2, bend3 [N, N m, N m2]
+    mass : (6, 6) mass per length for the velocities along and rotations about the section axes,
+        taken at the reference line [kg/m, kg, kg m]
+    trapeze : (6,) strains of a section twisted by 1 rad/m, times -2 (see `trapeze_strains`)
     """
 
-    x_B: Array
     K: Array
     mass: Array
+    trapeze: Array = field(default_factory=lambda: np.zeros(6))
+
+    @cached_property
+    def slice_mass(self) -> SectionMass:
+        """Mass, mass centre and inertia of a slice, from the 6x6 mass."""
+        return SectionMass.from_matrix(self.mass)
+
+
+@dataclass(frozen=True)
+class Span:
+    """The elements of one length and one section.
+
+    Attributes
+    ----------
+    element : any of them, in element axes
+    numbers : (k,) their numbers
+    section : their section
+    """
+
+    element: BeamElement
+    numbers: IntArray
+    section: LineSection
+
+
+@dataclass(frozen=True)
+class BeamLine:
+    """A beam divided into straight elements.
+
+    Attributes
+    ----------
+    nodes_B : (n, 3) node positions [m]
+    A_BE : (n - 1, 3, 3) section axes (columns x1 x2 x3) of each element in body axes
+    sections : the sections
+    section_of : (n - 1,) section of each element
+    """
+
+    nodes_B: Array
     A_BE: Array
+    sections: tuple[LineSection, ...]
+    section_of: IntArray
 
     @property
     def n_node(self) -> int:
         """Number of nodes n."""
-        return len(self.x_B)
+        return len(self.nodes_B)
+
+    @cached_property
+    def lengths(self) -> Array:
+        """Length of each element, (n - 1,) [m]."""
+        return np.linalg.norm(np.diff(self.nodes_B, axis=0), axis=1)
+
+    @cached_property
+    def along(self) -> Array:
+        """Position of each node along the line, (n,), rising from 0 [m]."""
+        return np.concatenate([[0.0], np.cumsum(self.lengths)])
 
     @property
-    def nodes_B(self) -> Array:
-        """Node positions, (n, 3) [m]."""
-        nodes = np.zeros((self.n_node, 3))
-        nodes[:, 0] = self.x_B
-        return nodes
+    def is_straight(self) -> bool:
+        """True if all nodes are on the x axis."""
+        return not self.nodes_B[:, 1:].any()
 
     @cached_property
-    def section_mass(self) -> SectionMass:
-        """Mass, mass centre and inertia of a slice, from the 6x6 mass."""
-        return SectionMass.from_matrix(self.mass)
-
-    @cached_property
-    def spans(self) -> list[tuple[BeamElement, IntArray]]:
-        """One element for every distinct length, with the element numbers (k,) that have it."""
-        lengths = np.diff(self.x_B)
+    def spans(self) -> list[Span]:
+        """Elements of equal length and section together."""
         # lengths from linspace positions differ in the last bits; treat them as equal
-        rounded = np.round(lengths / self.x_B[-1], 12)
-        return [
-            (
-                BeamElement(float(lengths[rounded == value].mean()), self.K),
-                np.nonzero(rounded == value)[0],
-            )
-            for value in np.unique(rounded)
-        ]
+        rounded = np.round(self.lengths / self.along[-1], 12)
+        keys = np.column_stack([rounded, self.section_of])
+        found = []
+        for value in np.unique(keys, axis=0):
+            numbers = np.flatnonzero((keys == value).all(axis=1))
+            section = self.sections[int(value[1])]
+            element = BeamElement(float(self.lengths[numbers].mean()), section.K)
+            found.append(Span(element, numbers, section))
+        return found
 
     def stiffness(self) -> sp.csr_matrix:
         """Stiffness of the free beam in body axes, (6 n, 6 n), with six dofs per node."""
-        return self._assemble([element.stiffness() for element, _ in self.spans])
+        return self._assemble([span.element.stiffness() for span in self.spans])
 
     def mass_matrix(self, mass_form: str) -> sp.csr_matrix:
         """Mass of the free beam in body axes, (6 n, 6 n).
@@ -78,26 +120,58 @@ class BeamLine:
         mass_form : "consistent" (int N' m N) or "lumped" (half of each element
             to each of its nodes)
         """
-        return self._assemble([e.mass_matrix(self.mass, mass_form) for e, _ in self.spans])
+        return self._assemble(
+            [span.element.mass_matrix(span.section.mass, mass_form) for span in self.spans]
+        )
 
     def to_element(self, columns_B: Array) -> Array:
         """Nodal columns (6 n, m) as the 12 values of each element in section axes, (e, 12, m)."""
         nodal = columns_B.reshape(self.n_node, 2, 3, -1)
-        nodal_E = np.einsum("ae,kpam->kpem", self.A_BE, nodal).reshape(self.n_node, 6, -1)
-        return np.concatenate([nodal_E[:-1], nodal_E[1:]], axis=1)
+        ends = [np.einsum("eba,epbm->epam", self.A_BE, part) for part in (nodal[:-1], nodal[1:])]
+        return np.concatenate(ends, axis=1).reshape(self.n_node - 1, 12, -1)
 
     def _assemble(self, matrices: list[Array]) -> sp.csr_matrix:
-        turn = np.kron(np.eye(4), self.A_BE)
         rows, columns, values = [], [], []
-        for (_, numbers), matrix_E in zip(self.spans, matrices, strict=True):
-            matrix_B = turn @ matrix_E @ turn.T
-            dofs = 6 * numbers[:, None] + np.arange(12)
+        for span, matrix_E in zip(self.spans, matrices, strict=True):
+            turn = np.einsum("ij,eab->eiajb", np.eye(4), self.A_BE[span.numbers])
+            turn = turn.reshape(-1, 12, 12)
+            matrix_B = turn @ matrix_E @ turn.transpose(0, 2, 1)
+            dofs = 6 * span.numbers[:, None] + np.arange(12)
             rows.append(np.repeat(dofs, 12, axis=1).ravel())
             columns.append(np.tile(dofs, (1, 12)).ravel())
-            values.append(np.tile(0.5 * (matrix_B + matrix_B.T).ravel(), len(numbers)))
+            values.append(0.5 * (matrix_B + matrix_B.transpose(0, 2, 1)).ravel())
         shape = (6 * self.n_node, 6 * self.n_node)
         entries = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
         return sp.coo_matrix(entries, shape=shape).tocsr()
+
+
+def straight_line(
+    x_B: Array | Sequence[float],
+    K: Array,
+    mass: Array,
+    A_BE: Array,
+    trapeze: Array | None = None,
+) -> BeamLine:
+    """A uniform beam along the x axis.
+
+    Parameters
+    ----------
+    x_B : (n,) node positions, rising [m]
+    K, mass, trapeze : see `LineSection`
+    A_BE : (3, 3) section axes in body axes
+    """
+    section = LineSection(K, mass, np.zeros(6) if trapeze is None else trapeze)
+    count = len(x_B) - 1
+    return BeamLine(
+        on_x_axis(x_B), np.tile(A_BE, (count, 1, 1)), (section,), np.zeros(count, dtype=int)
+    )
+
+
+def on_x_axis(x_B: Array | Sequence[float]) -> Array:
+    """Points (n, 3) on the x axis."""
+    nodes = np.zeros((len(x_B), 3))
+    nodes[:, 0] = x_B
+    return nodes
 
 
 def section_axes(x2_axis_B: Array | list[float]) -> Array:

@@ -5,7 +5,7 @@ import numpy as np
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.body.invariants import rigid_motions
 from ...solver.package.body.specification import DIRECTIONS
-from ..modes import Condition, HeldDofs, MeanAxis, StaticLoad
+from ..modes import Condition, HeldDofs, MeanAxis, StaticLoad, inertia_loads
 from .line import BeamLine
 from .spec_modes import ModeSpec
 
@@ -62,11 +62,13 @@ def static_loads(
         loads.append(StaticLoad(f"attachment {at} {direction}", force, zero))
     if spec.static_axial:
         loads.append(StaticLoad("static-axial", zero, _centrifugal(line, origin)))
+    if spec.static_inertia:
+        loads += inertia_loads(rigid_motions(line.nodes_B).reshape(6 * line.n_node, 6))
     return loads
 
 
 def _centrifugal(line: BeamLine, origin: int) -> Array:
     """Centrifugal acceleration x - x_origin along x at 1 rad/s, (6 n,)."""
     acceleration = np.zeros((line.n_node, 6))
-    acceleration[:, 0] = line.x_B - line.x_B[origin]
+    acceleration[:, 0] = line.nodes_B[:, 0] - line.nodes_B[origin, 0]
     return acceleration.ravel()

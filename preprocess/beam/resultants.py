@@ -42,13 +42,14 @@ def shape_resultants(
 
     Returns
     -------
-    Stations in order of x: the nodes. Those of `breaks` are present twice, first as the end of the
-    element before them, then as the start of the element after them.
+    Stations in order of x: the nodes, all with the section 0. Those of `breaks` are present twice,
+    first as the end of the element before them, then as the start of the element after them.
     """
     d, a = line.to_element(columns_B), line.to_element(accelerations_B)
     ends = np.zeros((line.n_node - 1, 2, 6, d.shape[2]))
-    for element, numbers in line.spans:
-        M = element.mass_matrix(line.mass, mass_form)
+    for span in line.spans:
+        element, numbers = span.element, span.numbers
+        M = element.mass_matrix(span.section.mass, mass_form)
         inner = np.einsum("ij,ejm->eim", element.stiffness(), d[numbers])
         inertial = np.einsum("ij,ejm->eim", M, a[numbers])
         ends[numbers] = (inner - inertial).reshape(len(numbers), 2, 6, d.shape[2])
@@ -61,8 +62,8 @@ def shape_resultants(
     at_end = np.concatenate([np.ones(last), np.zeros(len(inner_breaks) + 1)])
     order = np.lexsort([at_end, node])
     return BodyRecovery(
-        station_x=line.x_B[node][order],
+        station_x=line.along[node][order],
         section=np.zeros(len(order), dtype=np.int64),
         resultants_E=resultants[order],
-        A_BE=line.A_BE,
+        A_BE=line.A_BE[0],
     )

@@ -12,8 +12,11 @@ energy stays 1/2 q' K q:
 
     f2' = 1/2 f x f',       u2' = f2 x e1 + f x u' - 1/2 f x (f x e1).
 
+A section twisted by k1 also has the strains -1/2 a k1^2 (trapeze.py). They need no resultants, so
+a k1^2 is subtracted from the two slopes.
+
 In slender bending u2_1' = -1/2 (v'^2 + w'^2): the beam shortens. Bending with twist and bending
-in two planes rotate the section and move the line sideways. A straight beam held by six dofs is
+in two planes rotate the section and move the line sideways. A beam held by six dofs is
 statically determinate, so the fields are a quadrature along the line for any stiffness.
 u and f are polynomials in an element, and the quadrature is exact.
 
@@ -27,9 +30,10 @@ import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.body.invariants import rigid_motions
-from .element import MASS_POINTS, Z, gauss
+from .element import Z, gauss
 from .line import BeamLine
-from .stations import Stations
+from .points import PointMasses
+from .stations import station_places
 
 POINTS = 5  # the slopes of u2 and f2 have degree 4 in x, so 5 points determine them
 E1 = np.array([1.0, 0.0, 0.0])
@@ -41,7 +45,7 @@ class SecondOrderFields:
 
     Attributes
     ----------
-    h_B : (k, 3, m, m) translation of the mass stations' centres [m]
+    h_B : (p, 3, m, m) translation of the point masses [m]
     node_u_B, node_f_B : (n, 3, m, m) translation and rotation vector of the nodes [m, rad]
     """
 
@@ -51,7 +55,7 @@ class SecondOrderFields:
 
 
 def second_order_fields(
-    line: BeamLine, columns_B: Array, stations: Stations, mass_form: str, held: IntArray | None
+    line: BeamLine, columns_B: Array, points: PointMasses, mass_form: str, held: IntArray | None
 ) -> SecondOrderFields:
     """Second-order fields of modes relative to their frame.
 
@@ -59,91 +63,97 @@ def second_order_fields(
     ----------
     line : the beam
     columns_B : (6 n, m) nodal displacements and rotations of the modes, body axes [m, rad]
-    stations : mass stations of these modes
-    mass_form : that of the stations
+    points : point masses of the slices, which move with these modes
+    mass_form : that of the slices
     held : (6,) dofs that carry the frame; None for a mean axis
     """
-    nodes_E, points_E = _from_first_node(line, columns_B, mass_form)
-    centre_E = line.section_mass.centre_E
-    u, f, first = points_E
-    h_E = u + _cross(f, centre_E, 1) + 0.5 * _both(first, _cross(first, centre_E, 1))
-    h_B, node_u_B, node_f_B, turn_B = (
-        np.einsum("ab,kbij->kaij", line.A_BE, part) for part in (h_E, *nodes_E, f)
-    )
+    node_u_B, node_f_B, at_slices = _from_first_node(line, columns_B, mass_form)
+    of = points.slice_of
+    u, f, turn, centre = (part[of] for part in at_slices)
+    arm_B = points.s_B + centre
+    h_B = u + _cross_arms(f, arm_B) + 0.5 * _both(turn, _cross_arms(turn, arm_B))
     nodal = np.concatenate([node_u_B, node_f_B], axis=1)
     rigid = rigid_motions(line.nodes_B)
+    rigid_points = rigid_motions(points.x_B)[:, :3]
     if held is None:
-        motion = _mean_motion(stations, h_B, turn_B)
+        motion = _mean_motion(points, rigid_points, h_B)
     else:
         flat = nodal.reshape(6 * line.n_node, -1)
         motion = np.linalg.solve(rigid.reshape(-1, 6)[held], flat[held])
         motion = motion.reshape(6, *nodal.shape[2:])
     nodal = nodal - np.einsum("kab,bij->kaij", rigid, motion)
-    h_B = h_B - np.einsum("kab,bij->kaij", rigid_motions(stations.x_B)[:, :3], motion)
+    h_B = h_B - np.einsum("kab,bij->kaij", rigid_points, motion)
     return SecondOrderFields(h_B, nodal[:, :3], nodal[:, 3:])
 
 
 def _from_first_node(
     line: BeamLine, columns_B: Array, mass_form: str
-) -> tuple[tuple[Array, Array], tuple[Array, Array, Array]]:
-    """Fields that are zero at the first node, section axes.
+) -> tuple[Array, Array, tuple[Array, Array, Array, Array]]:
+    """Fields that are zero at the first node, body axes.
 
-    Returns u2, f2 (n, 3, m, m) at the nodes, and u2, f2 and the rotation f (k, 3, m) of the modes
-    at the mass stations.
+    Returns u2, f2 (n, 3, m, m) at the nodes; and, at the mass stations, u2, f2, the rotation f
+    (k, 3, m) of the modes and the mass centre (k, 3) from the line.
     """
     nodal_E = line.to_element(columns_B)
     m = columns_B.shape[1]
-    n_element = line.n_node - 1
-    ends = np.zeros((n_element, 2, 3, m, m))  # increments of u2 and f2 over an element
+    ends = np.zeros((line.n_node - 1, 2, 3, m, m))  # increments of u2 and f2 over an element
     inner = []
-    for element, numbers in line.spans:
+    for span in line.spans:
+        element, numbers, A = span.element, span.numbers, line.A_BE[span.numbers]
         x, w = gauss(element.length, POINTS)
         d = np.einsum("gai,eim->egam", element.shape(x), nodal_E[numbers], optimize=True)
         strain = np.einsum("gai,eim->egam", element.strain(x), nodal_E[numbers], optimize=True)
         slope = strain + np.einsum("ab,egbm->egam", Z, d)
         f, u_slope, f_slope = d[:, :, 3:], slope[:, :, :3], slope[:, :, 3:]
-        f2_slope = 0.5 * _both(f, f_slope)
-        at = gauss(element.length, MASS_POINTS)[0]
-        to_points, to_stations = _integration(x, x), _integration(x, at)
-        f2 = np.einsum("gh,ehaij->egaij", to_points, f2_slope)
+        k1 = strain[:, :, 3]
+        twisted = np.einsum("a,egi,egj->egaij", span.section.trapeze, k1, k1)
+        f2_slope = 0.5 * _both(f, f_slope) - twisted[:, :, 3:]
+        f2 = np.einsum("gh,ehaij->egaij", _integration(x, x), f2_slope)
         u2_slope = _cross(f2, E1, 2) + _both(f, u_slope - 0.5 * _cross(f, E1, 2))
-        ends[numbers, 0] = np.einsum("g,egaij->eaij", w, u2_slope)
-        ends[numbers, 1] = np.einsum("g,egaij->eaij", w, f2_slope)
-        if mass_form == "consistent":
-            shape = element.shape(at)[:, 3:]
-            inner.append(
-                (
-                    numbers,
-                    at,
-                    np.einsum("gh,ehaij->egaij", to_stations, u2_slope),
-                    np.einsum("gh,ehaij->egaij", to_stations, f2_slope),
-                    np.einsum("gai,eim->egam", shape, nodal_E[numbers], optimize=True),
-                )
+        u2_slope -= twisted[:, :, :3]
+        for part, slopes in enumerate((u2_slope, f2_slope)):
+            ends[numbers, part] = np.einsum("eab,g,egbij->eaij", A, w, slopes, optimize=True)
+        at, _ = station_places(element.length, mass_form)
+        to_stations = _integration(x, at)
+        u_in, f_in = (
+            np.einsum("eab,gh,ehbij->egaij", A, to_stations, slopes, optimize=True)
+            for slopes in (u2_slope, f2_slope)
+        )
+        turn = np.einsum(
+            "eab,gbi,eim->egam", A, element.shape(at)[:, 3:], nodal_E[numbers], optimize=True
+        )
+        inner.append((span, at, u_in, f_in, turn))
+    zero = np.zeros((1, 3, m, m))
+    node_f = np.concatenate([zero, np.cumsum(ends[:, 1], axis=0)])
+    swept = _cross_arms(node_f[:-1], np.diff(line.nodes_B, axis=0))
+    node_u = np.concatenate([zero, np.cumsum(ends[:, 0] + swept, axis=0)])
+    parts = []
+    for span, at, u_in, f_in, turn in inner:
+        A, shape = line.A_BE[span.numbers], (len(span.numbers), len(at))
+        arms = np.einsum("ea,g->ega", A[:, :, 0], at).reshape(-1, 3)
+        start_u, start_f = (
+            np.repeat(part[span.numbers], len(at), axis=0) for part in (node_u, node_f)
+        )
+        centre = np.broadcast_to((A @ span.section.slice_mass.centre_E)[:, None], (*shape, 3))
+        parts.append(
+            (
+                start_u + _cross_arms(start_f, arms) + u_in.reshape(-1, 3, m, m),
+                start_f + f_in.reshape(-1, 3, m, m),
+                turn.reshape(-1, 3, m),
+                centre.reshape(-1, 3),
             )
-    node_f = np.concatenate([np.zeros((1, 3, m, m)), np.cumsum(ends[:, 1], axis=0)])
-    swept = np.diff(line.x_B)[:, None, None, None] * _cross(node_f[:-1], E1, 1)
-    node_u = np.concatenate([np.zeros((1, 3, m, m)), np.cumsum(ends[:, 0] + swept, axis=0)])
-    if mass_form == "lumped":
-        turn = np.einsum("ae,kam->kem", line.A_BE, columns_B.reshape(line.n_node, 6, m)[:, 3:])
-        return (node_u, node_f), (node_u, node_f, turn)
-    u_all, f_all, turn_all = [], [], []
-    for numbers, at, u, f, turn in inner:
-        start = _cross(node_f[numbers], E1, 1)[:, None] * at[:, None, None, None]
-        u_all.append((u + start + node_u[numbers][:, None]).reshape(-1, 3, m, m))
-        f_all.append((f + node_f[numbers][:, None]).reshape(-1, 3, m, m))
-        turn_all.append(turn.reshape(-1, 3, m))
-    stations = np.concatenate(u_all), np.concatenate(f_all), np.concatenate(turn_all)
-    return (node_u, node_f), stations
+        )
+    u, f, turns, centres = (np.concatenate(part) for part in zip(*parts, strict=True))
+    return node_u, node_f, (u, f, turns, centres)
 
 
-def _mean_motion(stations: Stations, h_B: Array, turn_B: Array) -> Array:
-    """Rigid motion (6, m, m) with the same momentum as the fields at the stations."""
-    rigid = rigid_motions(stations.x_B)
-    R, Q = rigid[:, :3], rigid[:, 3:]
-    inertia = np.einsum("k,kab,kac->bc", stations.m, R, R, optimize=True)
-    inertia += np.einsum("kab,kad,kdc->bc", Q, stations.J_B, Q, optimize=True)
-    moment = np.einsum("k,kab,kaij->bij", stations.m, R, h_B, optimize=True)
-    moment += np.einsum("kab,kad,kdij->bij", Q, stations.J_B, turn_B, optimize=True)
+def _mean_motion(points: PointMasses, rigid: Array, h_B: Array) -> Array:
+    """Rigid motion (6, m, m) with the same momentum as the field at the points.
+
+    `rigid` (p, 3, 6) are the displacements of the points in unit rigid motions.
+    """
+    inertia = np.einsum("k,kab,kac->bc", points.m, rigid, rigid, optimize=True)
+    moment = np.einsum("k,kab,kaij->bij", points.m, rigid, h_B, optimize=True)
     return np.linalg.solve(inertia, moment.reshape(6, -1)).reshape(moment.shape)
 
 
@@ -159,6 +169,11 @@ def _integration(x: Array, at: Array) -> Array:
 def _cross(a: Array, b: Array, axis: int) -> Array:
     """a x b of an array a whose `axis` counts components and a vector b (3,)."""
     return np.moveaxis(np.cross(np.moveaxis(a, axis, -1), b), -1, axis)
+
+
+def _cross_arms(a: Array, arms: Array) -> Array:
+    """a x b of a (p, 3, ...) and one vector each, (p, 3)."""
+    return np.cross(a, arms.reshape(*arms.shape, *(1,) * (a.ndim - 2)), axis=1)
 
 
 def _both(a: Array, b: Array) -> Array:

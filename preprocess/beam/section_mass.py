@@ -32,7 +32,7 @@ class SectionMass:
         Raises
         ------
         ValueError : the matrix is not that of a rigid slice, so it has no mass
-            centre and inertia.
+            centre and inertia; or no distribution of mass has this inertia.
         """
         m = float(np.trace(mass[:3, :3]) / 3.0)
         if not m > 0.0:
@@ -50,6 +50,13 @@ class SectionMass:
                 "the section's 6x6 mass is not that of a rigid slice: entry "
                 f"[{i}, {j}] is {mass[i, j]:.9g}, expected {slice_.matrix()[i, j]:.9g}"
             )
+        E = second_moments(slice_.J_E[None])[0][0]
+        if E.min() < -TOLERANCE * float(np.trace(mass[3:, 3:])):
+            a, b, c = np.linalg.eigvalsh(slice_.J_E)
+            raise ValueError(
+                f"the section's rotary inertia about its mass centre is impossible: {a:.6g}, "
+                f"{b:.6g}, {c:.6g} kg m, expected no value above the sum of the others"
+            )
         return slice_
 
     def matrix(self) -> Array:
@@ -57,3 +64,14 @@ class SectionMass:
         c = skew(self.centre_E)
         lower = self.m * c
         return np.block([[self.m * np.eye(3), -lower], [lower, self.J_E - self.m * c @ c]])
+
+
+def second_moments(J: Array) -> tuple[Array, Array]:
+    """Principal second moments of mass of rotary inertias (k, 3, 3): E = 1/2 tr(J) 1 - J.
+
+    Returns the moments (k, 3), negative only in an impossible inertia and in round-off, and their
+    axes, the columns of (k, 3, 3).
+    """
+    half = 0.5 * np.trace(J, axis1=1, axis2=2)
+    E, axes = np.linalg.eigh(half[:, None, None] * np.eye(3) - J)
+    return E, axes

@@ -1,11 +1,14 @@
 """Specification of a beam body, with positions and axes as numbers."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, cast
 
+import numpy as np
+
 from ...solver.math.arrays import Array
-from ...solver.package.body.specification import BeamSpecification
-from ...solver.package.common.table_form import check_form
+from ...solver.package.body.specification import BeamSpecification, LineTable
+from ...solver.package.common.table_form import SpecError, check_form, expected
 from .line import section_axes
 from .spec_modes import ModeSpec, Reference, read_modes, read_reference
 
@@ -21,8 +24,10 @@ class BeamSpec:
     body : name
     length : [m]
     elements : number of elements
-    A_BE : (3, 3) section axes in body axes
-    section : specification of the cross-section (see `section.analyse`)
+    nodes_B : (n, 3) nodes of a curved or twisted beam [m]; None: straight along x
+    A_BE : (3, 3) section axes in body axes; with nodes those of each element, (n - 1, 3, 3)
+    stations : fractions of the length, rising, where the sections are given; one if uniform
+    sections : specification of the cross-section at each station (see `section.analyse`)
     theory : "timoshenko" or "classical" (no shear)
     mass_form : "consistent" or "lumped"
     interfaces : name and place as a fraction of the length
@@ -34,8 +39,10 @@ class BeamSpec:
     body: str
     length: float
     elements: int
+    nodes_B: Array | None
     A_BE: Array
-    section: dict[str, Any]
+    stations: tuple[float, ...]
+    sections: tuple[dict[str, Any], ...]
     theory: str
     mass_form: str
     interfaces: dict[str, float]
@@ -55,12 +62,21 @@ def read_spec(spec: dict[str, Any]) -> BeamSpec:
     table = cast(BeamSpecification, spec)
     places = {name: entry["at"] for name, entry in table["interfaces"].items()}
     interfaces = {n: ENDS[at] if isinstance(at, str) else float(at) for n, at in places.items()}
+    stations = table.get("stations") or [{"at": 0.0, "section": table["section"]}]
+    at = tuple(float(station["at"]) for station in stations)
+    if any(b <= a for a, b in pairwise(at)):
+        raise SpecError(expected("stations", list(at), "rising fractions of the length"))
+    nodes_B, A_BE = None, section_axes(table["x2_axis"])
+    if "line" in table:
+        nodes_B, A_BE = _line(table["line"])
     return BeamSpec(
         body=table["body"],
         length=float(table["length"]),
         elements=table["elements"],
-        A_BE=section_axes(table["x2_axis"]),
-        section=table["section"],
+        nodes_B=nodes_B,
+        A_BE=A_BE,
+        stations=at,
+        sections=tuple(station["section"] for station in stations),
         theory=table["theory"],
         mass_form=table["mass_form"],
         interfaces=interfaces,
@@ -68,3 +84,25 @@ def read_spec(spec: dict[str, Any]) -> BeamSpec:
         modes=read_modes(table["modes"], interfaces),
         damping_ratio=float(table["damping_ratio"]),
     )
+
+
+def _line(table: LineTable) -> tuple[Array, Array]:
+    """Nodes (n, 3) and section axes (n - 1, 3, 3) of a line. Raises SpecError."""
+    try:
+        nodes = np.array(table["nodes"], dtype=float).reshape(-1, 3)
+        x2 = np.array(table["x2_axes"], dtype=float).reshape(-1, 3)
+    except ValueError as error:
+        raise SpecError("line: expected rows of three numbers") from error
+    if len(nodes) < 2 or len(x2) != len(nodes) - 1:
+        count = f"{len(nodes)} nodes and {len(x2)} axes"
+        raise SpecError(f"line: expected one x2 axis less than nodes, found {count}")
+    along = np.diff(nodes, axis=0)
+    if not np.all(np.linalg.norm(along, axis=1) > 0.0):
+        raise SpecError("line.nodes: two neighbours have the same position")
+    e1 = along / np.linalg.norm(along, axis=1, keepdims=True)
+    e2 = x2 - np.einsum("ea,ea->e", x2, e1)[:, None] * e1
+    size = np.linalg.norm(e2, axis=1, keepdims=True)
+    if not np.all(size > 1e-3):
+        raise SpecError("line.x2_axes: an axis is along its element")
+    e2 = e2 / size
+    return nodes, np.stack([e1, e2, np.cross(e1, e2)], axis=2)

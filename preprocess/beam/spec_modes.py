@@ -33,12 +33,14 @@ class ModeSpec:
     eigenmodes : kinds and counts
     attachments : interface and direction (one of DIRECTIONS) of each unit load
     static_axial : True if the shape under a load that increases along the beam is requested
+    static_inertia : True if the shapes under inertia loads of rigid accelerations are requested
     spinning : plane and number of the shapes of a spinning beam
     """
 
     eigenmodes: tuple[ModeRequest, ...] = ()
     attachments: tuple[tuple[str, str], ...] = ()
     static_axial: bool = False
+    static_inertia: bool = False
     spinning: tuple[tuple[str, int], ...] = ()
 
 
@@ -55,7 +57,7 @@ def read_modes(tables: list[Any], places: dict[str, float]) -> ModeSpec:
     """Sort the requested modes by kind. Raises SpecError for a load at an unknown interface."""
     eigenmodes: list[ModeRequest] = []
     attachments: list[tuple[str, str]] = []
-    static_axial = False
+    static_axial = static_inertia = False
     spinning: list[tuple[str, int]] = []
     for i, table in enumerate(tables):
         kind = table["kind"]
@@ -64,11 +66,15 @@ def read_modes(tables: list[Any], places: dict[str, float]) -> ModeSpec:
             attachments += [(table["at"], direction) for direction in table["directions"]]
         elif kind == "static-axial":
             static_axial = True
+        elif kind == "static-inertia":
+            static_inertia = True
         elif kind.startswith("spinning-"):
             spinning.append((kind, table["count"]))
         else:
             eigenmodes.append(ModeRequest(kind, table["count"]))
-    return ModeSpec(tuple(eigenmodes), tuple(attachments), static_axial, tuple(spinning))
+    return ModeSpec(
+        tuple(eigenmodes), tuple(attachments), static_axial, static_inertia, tuple(spinning)
+    )
 
 
 def _known(name: str, places: dict[str, float], key: str) -> None:

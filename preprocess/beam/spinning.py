@@ -26,11 +26,11 @@ def spinning_loads(
     Parameters
     ----------
     condition : reference condition; not a mean axis, because a mean axis carries the first load
-    line : the beam, of one section
+    line : the beam, straight and, for the tension, uniform
     requested : key of PLANES and number of shapes
     origin : node on the axis of rotation
     """
-    x = line.x_B - line.x_B[origin]
+    x = line.nodes_B[:, 0] - line.nodes_B[origin, 0]
     tension = 0.5 * (np.where(x < 0.0, x[0], x[-1]) ** 2 - x**2)
     zero = np.zeros(6 * line.n_node)
     loads = []
@@ -44,7 +44,7 @@ def spinning_loads(
             loads.append(StaticLoad(f"{kind} {k + 1}", zero, load))
             shape = condition.static(zero[:, None], load[:, None]).columns[:, 0]
             slope = sign * shape.reshape(-1, 6)[:, turning]
-            pull = _derivative(tension * slope, line.x_B)
+            pull = _derivative(tension * slope, line.nodes_B[:, 0])
     return loads
 
 

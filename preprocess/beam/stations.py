@@ -1,7 +1,7 @@
 """Mass stations of a beam: positions of its mass and their motion in the modes.
 
 The inertia invariants of a body are sums over stations (solver/package/
-invariants.py). With lumped mass the stations are the nodes. With consistent
+invariants.py). With lumped mass the stations are the ends of the elements. With consistent
 mass they are the Gauss points of int N' m N dx. There the modes move the section
 by phi = N_t X and psi = N_r X. The quadrature is exact, so the sums equal
 the consistent mass to round-off.
@@ -57,6 +57,25 @@ class Stations:
         return np.array([along[1] + about[2], along[2] + about[1], about[0], along[0]])
 
 
+def nodal_mass(line: BeamLine) -> tuple[Array, Array]:
+    """Lumped mass of each node, (n,) [kg], and inertia about the node, (n, 3, 3) [kg m2]."""
+    mass, inertia = np.zeros(line.n_node), np.zeros((line.n_node, 3, 3))
+    for span in line.spans:
+        half, A = 0.5 * span.element.length, line.A_BE[span.numbers]
+        J_B = half * A @ span.section.mass[3:, 3:] @ A.transpose(0, 2, 1)
+        for end in range(2):
+            np.add.at(mass, span.numbers + end, half * span.section.slice_mass.m)
+            np.add.at(inertia, span.numbers + end, J_B)
+    return mass, inertia
+
+
+def station_places(length: float, mass_form: str) -> tuple[Array, Array]:
+    """Places of the stations of an element and the lengths that belong to them, (g,) each [m]."""
+    if mass_form == "lumped":
+        return np.array([0.0, length]), np.full(2, 0.5 * length)
+    return gauss(length, MASS_POINTS)
+
+
 def mass_stations(line: BeamLine, columns_B: Array, mass_form: str) -> Stations:
     """Mass stations of a beam and their motion under nodal displacement columns.
 
@@ -64,58 +83,27 @@ def mass_stations(line: BeamLine, columns_B: Array, mass_form: str) -> Stations:
     ----------
     line : the beam
     columns_B : (6 n, n_mode) nodal displacements and rotations, body axes [m, rad]
-    mass_form : "consistent" (Gauss points) or "lumped" (nodes)
+    mass_form : "consistent" (Gauss points) or "lumped" (the ends of each element)
     """
-    if mass_form == "lumped":
-        return _lumped(line, columns_B)
-    return _consistent(line, columns_B)
-
-
-def nodal_mass(line: BeamLine) -> tuple[Array, Array]:
-    """Lumped mass of each node, (n,) [kg], and inertia about the node, (n, 3, 3) [kg m2]."""
-    lengths = np.zeros(line.n_node)
-    for element, numbers in line.spans:
-        np.add.at(lengths, numbers, 0.5 * element.length)
-        np.add.at(lengths, numbers + 1, 0.5 * element.length)
-    J_node_B = line.A_BE @ line.mass[3:, 3:] @ line.A_BE.T
-    return lengths * line.section_mass.m, lengths[:, None, None] * J_node_B
-
-
-def _lumped(line: BeamLine, columns_B: Array) -> Stations:
-    mass, _ = nodal_mass(line)
-    nodal = columns_B.reshape(line.n_node, 6, -1)
-    return _at_mass_centre(line, mass, line.nodes_B, nodal[:, :3], nodal[:, 3:])
-
-
-def _consistent(line: BeamLine, columns_B: Array) -> Stations:
     nodal_E = line.to_element(columns_B)
-    mass, position, motion = [], [], []
-    for element, numbers in line.spans:
-        x, w = gauss(element.length, MASS_POINTS)
-        motion_E = np.einsum("gai,eim->egam", element.shape(x), nodal_E[numbers], optimize=True)
-        motion.append(motion_E.reshape(x.size * len(numbers), 6, motion_E.shape[-1]))
-        position.append((line.x_B[numbers][:, None] + x).ravel())
-        mass.append(np.tile(w * line.section_mass.m, len(numbers)))
-    x_B = np.zeros((sum(map(len, mass)), 3))
-    x_B[:, 0] = np.concatenate(position)
-    motion_all = np.concatenate(motion)
-    phi_B = np.einsum("ab,kbm->kam", line.A_BE, motion_all[:, :3])
-    psi_B = np.einsum("ab,kbm->kam", line.A_BE, motion_all[:, 3:])
-    return _at_mass_centre(line, np.concatenate(mass), x_B, phi_B, psi_B)
-
-
-def _at_mass_centre(
-    line: BeamLine, mass: Array, x_B: Array, phi_B: Array, psi_B: Array
-) -> Stations:
-    """Move stations from the reference line to the section's mass centre."""
-    slice_ = line.section_mass
-    centre_B = line.A_BE @ slice_.centre_E
-    J_B = line.A_BE @ slice_.J_E @ line.A_BE.T
-    lengths = mass / slice_.m
-    return Stations(
-        m=mass,
-        x_B=x_B + centre_B,
-        phi_B=phi_B - skew(centre_B) @ psi_B,
-        psi_B=psi_B,
-        J_B=lengths[:, None, None] * J_B,
-    )
+    parts = []
+    for span in line.spans:
+        x, w = station_places(span.element.length, mass_form)
+        motion = span.element.shape(x) @ nodal_E[span.numbers][:, None]  # (e, g, 6, m)
+        slice_, A = span.section.slice_mass, line.A_BE[span.numbers][:, None]
+        place = slice_.centre_E + x[:, None] * np.array([1.0, 0.0, 0.0])
+        phi = motion[:, :, :3] - skew(slice_.centre_E) @ motion[:, :, 3:]
+        inertia = A @ slice_.J_E @ A.swapaxes(-1, -2)
+        start = line.nodes_B[span.numbers][:, None]
+        count = len(x) * len(span.numbers)
+        parts.append(
+            Stations(
+                m=np.tile(w * slice_.m, len(span.numbers)),
+                x_B=(start + np.einsum("eab,gb->ega", A[:, 0], place)).reshape(count, 3),
+                phi_B=(A @ phi).reshape(count, 3, -1),
+                psi_B=(A @ motion[:, :, 3:]).reshape(count, 3, -1),
+                J_B=(w[:, None, None] * inertia).reshape(count, 3, 3),
+            )
+        )
+    columns = ("m", "x_B", "phi_B", "psi_B", "J_B")
+    return Stations(*(np.concatenate([getattr(p, name) for p in parts]) for name in columns))

@@ -1,10 +1,22 @@
 """Beam theories: Timoshenko with six strains, or the classical theory without shear."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from ...solver.math.arrays import Array
+from .line import LineSection
 
 _REMAINING_SHEAR = 1e-4  # per row and column: 1e-8 of the shear compliance is negligible
+
+
+def of_theory(section: LineSection, theory: str) -> LineSection:
+    """The section as a beam of this theory uses it."""
+    if theory == "timoshenko":
+        return section
+    trapeze = section.trapeze.copy()
+    trapeze[1:3] = 0.0
+    return replace(section, K=section_stiffness(section.K, theory), trapeze=trapeze)
 
 
 def section_stiffness(K: Array, theory: str) -> Array:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
-from .eigenmodes import SPARE, ModeRequest, eigenmodes
+from .eigenmodes import SPARE, Eigenmodes, ModeRequest, eigenmodes
 from .kinds import Participation, shares_of
 from .reference import Condition, EigenSolver, ModeError
 from .static import StaticLoad, static_modes
@@ -64,6 +64,19 @@ def reduced_modes(
         modes are not orthonormal to RESIDUAL.
     """
     kept = eigenmodes(condition, requests, participation, far_to_near, solver, spare)
+    return completed(condition, kept, loads, participation)
+
+
+def completed(
+    condition: Condition,
+    kept: Eigenmodes,
+    loads: Sequence[StaticLoad],
+    participation: Participation,
+) -> Modes:
+    """The eigenmodes `kept`, and the static modes that `loads` add to them.
+
+    Raises ModeError if the modes are not orthonormal to RESIDUAL.
+    """
     added = static_modes(condition, kept, loads, participation)
     n_eigen, n_static = len(kept.values), len(added.values)
     modes = Modes(

@@ -105,8 +105,18 @@ class MeanAxis:
     Raises ModeError for a body without inertia about some axis, which has no mean orientation.
     """
 
-    def __init__(self, K: Any, M: Any, rigid: Array, algebra: "Algebra | None" = None) -> None:
-        """`rigid` (n_dof, 6): rigid motions R of the nodes."""
+    def __init__(
+        self,
+        K: Any,
+        M: Any,
+        rigid: Array,
+        algebra: "Algebra | None" = None,
+        still: "IntArray | None" = None,
+    ) -> None:
+        """`rigid` (n_dof, 6): rigid motions R of the nodes.
+
+        `still`: six dofs that prevent rigid motions; absent: those of the first node.
+        """
         self._algebra = algebra or SCIPY
         self.K, self.M, self.rigid = sp.csr_matrix(K), sp.csr_matrix(M), rigid
         self._MR = self.M @ rigid
@@ -121,7 +131,8 @@ class MeanAxis:
         self._inertia = scipy.linalg.cho_factor(inertia)
         # For loads in equilibrium, any six dofs that prevent rigid motions can be held: no
         # reactions.
-        self._still = HeldDofs(K, M, np.arange(6), algebra)
+        held = np.arange(6) if still is None else still
+        self._still = HeldDofs(K, M, held, algebra)
         self.n_finite = _massive(self.M) - 6
         self.n_free = self.K.shape[0]
 

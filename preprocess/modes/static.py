@@ -21,6 +21,7 @@ import scipy.optimize
 
 from ...solver.errors import few
 from ...solver.math.arrays import Array, IntArray
+from ...solver.package.body.specification import DIRECTIONS
 from .eigenmodes import Eigenmodes
 from .kinds import TIE, Participation, separating_rotation
 from .reference import Condition
@@ -44,6 +45,15 @@ class StaticLoad:
     label: str
     force_B: Array
     acceleration_B: Array
+
+
+def inertia_loads(rigid: Array) -> list[StaticLoad]:
+    """Loads M a of the six rigid accelerations a = `rigid` (n_dof, 6), in order of DIRECTIONS."""
+    zero = np.zeros(len(rigid))
+    return [
+        StaticLoad(f"inertia {direction}", zero, column)
+        for direction, column in zip(DIRECTIONS, rigid.T, strict=True)
+    ]
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,11 @@ from functools import cached_property, partial
 import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
+from ...solver.package.body.invariants import rigid_motions
 from ...solver.package.body.specification import DIRECTIONS
 from ...solver.package.common.table_form import SpecError, expected
 from .. import fenicsx
-from ..modes import Algebra, Condition, HeldDofs, MeanAxis, StaticLoad
+from ..modes import Algebra, Condition, HeldDofs, MeanAxis, StaticLoad, inertia_loads
 from .assembly import DOFS
 from .body_spec import ShellBodySpec
 from .frequencies import TOLERANCE
@@ -116,6 +117,9 @@ class ShellModel:
             outwards = np.zeros((len(self.independent_nodes), DOFS))
             outwards[:, 0] = (self._places_B - self.origin_B)[:, 0]
             loads.append(StaticLoad("static-axial", zero, outwards.ravel()))
+        if modes.static_inertia:
+            places = self._places_B - self.origin_B
+            loads += inertia_loads(rigid_motions(places).reshape(-1, 6))
         return loads
 
     @cached_property

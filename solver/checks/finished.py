@@ -139,12 +139,14 @@ class FinishedRun:
 
     def numbers(self) -> dict[str, float | int]:
         """Return what summary.json and sweep.h5 keep of the checks."""
+        damped = self.solution.damped_energy
         return {
             "constraint_position_max": self.past.position.value,
             "constraint_rotation_max": self.past.rotation.value,
             "constraint_velocity_max": self.past.velocity.value,
             "energy_drift_relative": self.past.energy_drift,
-            "drive_work": self.past.drive_work,
+            "drive_work": self.past.drive_work + damped,
+            "damped_energy": damped,
             "momentum_balance": self.momentum_balance,
             "degrees_of_freedom": self.degrees_of_freedom,
         }

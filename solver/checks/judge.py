@@ -13,6 +13,7 @@ from . import (
     momentum,
     motion,
     packages,
+    stalls,
     stiffening,
     strength,
 )
@@ -23,6 +24,7 @@ Check = Callable[[FinishedRun], Iterable[Finding]]
 # In the order in which their findings are shown. Strength comes last: what it computes is kept.
 CHECKS: tuple[Check, ...] = (
     completion.completion_findings,
+    stalls.stall_findings,
     constraints.constraint_findings,
     energy.energy_findings,
     momentum.momentum_findings,

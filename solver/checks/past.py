@@ -6,6 +6,7 @@ import numpy as np
 
 from ..dynamics.recover import History
 from ..math.arrays import Array
+from ..results.schema import ENERGIES, ROUNDING
 
 
 @dataclass
@@ -33,6 +34,7 @@ class Past:
     drive_work: float = 0.0  # at the end [J]
     _start: float | None = None
     _scale: float = 0.0
+    _terms: dict[str, float] = field(default_factory=dict)  # largest of each energy [J]
     _lowest: float = np.inf
     _highest: float = -np.inf
 
@@ -48,12 +50,20 @@ class Past:
         self.balance.take(t, np.abs(balance - self._start))
         sizes = np.abs(e["kinetic"]).max(), np.abs(e["drive_work"]).max()
         self._scale = float(max(self._scale, *sizes))
+        for name in ENERGIES:
+            self._terms[name] = max(self._terms.get(name, 0.0), float(np.abs(e[name]).max()))
         self._lowest = float(min(self._lowest, e["potential"].min()))
         self._highest = float(max(self._highest, e["potential"].max()))
         self.drive_work = float(e["drive_work"][-1])
 
     @property
+    def energy_in_play(self) -> float:
+        """Largest energy of the run [J]; see results.energy_in_play."""
+        return max(self._scale, self._highest - self._lowest) or 1.0
+
+    @property
     def energy_drift(self) -> float:
         """Largest error of the energy balance over the largest energy in play; see
         results.relative_balance."""
-        return self.balance.value / (max(self._scale, self._highest - self._lowest) or 1.0)
+        rounding = ROUNDING * sum(self._terms.values())
+        return self.balance.value / self.energy_in_play if self.balance.value > rounding else 0.0

@@ -13,11 +13,11 @@ from ..dynamics.recover import stiffened
 from ..dynamics.series import mass_matrices
 from ..math.arrays import Array
 from ..mechanism import build
+from ..monitors.geometric_stiffness import geometric_stiffness
 from ..monitors.spin import SpinMonitor
 from ..results.codes.motion import BUCKLING, INDEFINITE, MATTERS, NO_STIFFENING_DATA
 from ..results.finding import Finding
 from .finished import FinishedRun
-from .geometric_stiffness import geometric_stiffness
 
 
 def stiffening_findings(run: FinishedRun) -> Iterator[Finding]:
@@ -43,7 +43,7 @@ def stiffening_findings(run: FinishedRun) -> Iterator[Finding]:
 def _without_data(name: str) -> Finding:
     text = (
         f"{name}: geometric_stiffening was asked for, but the package of the body has no "
-        "second-order data: the body stays linear. Beams of up to 16 modes have them since format "
+        "second-order data: the body stays linear. Beams of up to 40 modes have them since format "
         "1.3 of the package: build it again"
     )
     return NO_STIFFENING_DATA.finding(text, body=name)
@@ -74,6 +74,8 @@ def _of_stiffened(run: FinishedRun, i: int) -> Iterator[Finding]:
             "mean-axis frame, or splitting the body, helps"
         )
         yield INDEFINITE.finding(text, body=name, t=when, value=lowest)
+    if any(finding.code == BUCKLING.name and finding.body == name for finding in run.noticed):
+        return
     t, values = run.scan(softness, run.look.stiffening)
     bad = np.flatnonzero(-values <= BUCKLING.limit)
     if bad.size:

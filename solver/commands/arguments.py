@@ -1,6 +1,7 @@
-"""Types of command-line arguments that several subcommands share."""
+"""What the arguments of several subcommands share."""
 
 import argparse
+import os
 
 
 def whole_number(text: str) -> int:
@@ -8,3 +9,10 @@ def whole_number(text: str) -> int:
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"{text!r}: expected a whole number from 1")
     return int(text)
+
+
+def cores() -> int:
+    """Return the number of cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

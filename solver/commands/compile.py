@@ -14,7 +14,7 @@ from ..dynamics.forces.table import KINDS as FORCE_KINDS
 from ..dynamics.independence import new_independence
 from ..dynamics.joints.table import KINDS, N_PARAMETER
 from ..dynamics.least_energy import least_energy
-from ..dynamics.model import Model
+from ..dynamics.model import Model, state_size
 from ..dynamics.projection import projected
 from ..dynamics.singular_value import difference, new_spectrum
 from ..dynamics.system import assemble, derivative, law_at
@@ -69,7 +69,7 @@ def _hinge() -> tuple[Model, Array]:
     body = rigid_body("body", 1.0, np.zeros(3), np.eye(3))
     markers = [MarkerTable(-1, np.zeros(3)), MarkerTable(0, np.zeros(3))]
     model = assemble_model([body], markers, [JointTable("hinge", "revolute", 0, 1)])
-    y = np.zeros(model.n_pos + model.n_vel + 1)
+    y = np.zeros(state_size(model))
     y[3] = 1.0
     return model, y
 
@@ -127,7 +127,7 @@ def _compile_others() -> None:
     rotation_matrix(y[3:7])
     rotation_vectors(rotation_matrices(y[None, 3:7]))
     vectors_to_matrices(y[None, 7:10])
-    law_at(model, 0, 0.0)
+    law_at(model, -1, 0.0)
 
 
 def _compile_evaluation() -> None:
@@ -138,7 +138,7 @@ def _compile_evaluation() -> None:
     joints = [JointTable(kind, kind, 0, 1, law, (1.0,) * N_PARAMETER) for kind in KINDS]
     forces = [ForceTable(kind, kind, 0, 1, law=law) for kind in FORCE_KINDS]
     model = assemble_model([body], markers, joints, [(1, 1.0)], alpha=0.0, forces=forces)
-    y = np.zeros(model.n_pos + model.n_vel + 1)
+    y = np.zeros(state_size(model))
     y[3] = 1.0
     t, states = np.zeros(1), y[None]
     assemble(model, 0.0, y)

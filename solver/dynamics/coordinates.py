@@ -46,6 +46,13 @@ def moved(model: Model, positions: Array, step: Array) -> Array:
 
 
 @lean
+def move_rows(model: Model, y: Array, steps: Array) -> None:
+    """Move the positions in each row of y (k, n_pos or more) in place by steps (k, n_vel)."""
+    for k in range(y.shape[0]):
+        move(model, y[k], steps[k])
+
+
+@lean
 def move(model: Model, y: Array, step: Array) -> None:
     """Move the positions in y (n_pos or more) in place; see `moved`."""
     for i in range(model.n_body):

@@ -17,6 +17,7 @@ Rows that follow from others are left out: a choice of independent rows loses ra
 whole does.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -25,8 +26,8 @@ from ..math.arrays import Array, IntArray
 from ..math.compiled import inlined, lean, structure
 from .coordinates import rates_into
 from .elimination import factorise_profile
-from .model import Model
-from .order import Order, row_order
+from .model import Model, state_size
+from .order import Order, padded, row_order
 from .system import evaluate
 from .workspace import Work
 
@@ -57,12 +58,12 @@ class Independence(NamedTuple):
 
 def new_independence(model: Model) -> Independence:
     """Return memory for a model; all rows are kept."""
-    plan, n_c, n = model.plan, model.n_constraint, model.n_pos + model.n_vel + 1
-    bodies = model.marker_body[model.joint_marker].reshape(-1, 2)
+    plan, n_c, n = model.plan, model.n_constraint, state_size(model)
     at_body = [
         plan.body_row[plan.row_start[i] : plan.row_start[i + 1]].tolist()
         for i in range(model.n_body)
     ]
+    bodies = _bodies(model, at_body)
     every = np.ones(len(bodies), dtype=bool)
     order = row_order(bodies, model.joint_row, every, len(bodies), at_body)
     blocks = (model.n_body, order.most_rows, plan.widest)
@@ -83,6 +84,15 @@ def new_independence(model: Model) -> Independence:
         np.zeros(n_c),
         np.zeros(n_c),
     )
+
+
+def _bodies(model: Model, at_body: Sequence[Sequence[int]]) -> IntArray:
+    """Return the bodies of each joint and coupling, (nj, 2 or more)."""
+    found: list[list[int]] = [[] for _ in model.joint_kind]
+    for i, rows in enumerate(at_body):
+        for k in dict.fromkeys((np.searchsorted(model.joint_row, rows, side="right") - 1).tolist()):
+            found[k].append(i)
+    return padded(found)
 
 
 @lean

@@ -5,9 +5,10 @@ the step loop uses no objects per body. Data of bodies are concatenated, with
 offsets; markers and joints are tables, and point masses are part of their bodies. A body without
 modes is rigid. The ground is body -1 and has no coordinates.
 
-State: y = [positions | velocities | work]
+State: y = [positions | velocities | auxiliary states | work]
   positions of a body   r_G (3), p (4 Euler parameters), q (m)
   velocities of a body  rdot_G (3), w_B (3), qdot (m)
+  auxiliary states      of controllers, friction, angles over many turns (quantities.py)
   work                  done on the system by drives, dampers, actuators and loads [J]
 """
 
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 from ..math.arrays import Array
 from ..math.compiled import structure
 from .plan import Plan
+from .quantities import Quantities
 
 IntArray = NDArray[np.int64]
 
@@ -99,3 +101,10 @@ class Model(NamedTuple):
     carried_start: IntArray  # (nb + 1,) point masses with second-order motion, body by body
     carried_marker: IntArray
     carried_mass: Array  # [kg]
+    n_aux: int  # auxiliary states
+    quantities: Quantities  # what expressions read, and the expressions
+
+
+def state_size(model: Model) -> int:
+    """Return the length of the state y."""
+    return model.n_pos + model.n_vel + model.n_aux + 1

@@ -46,25 +46,25 @@ def row_order(
 
     Parameters
     ----------
-    bodies : (n_g, 2) bodies of each group, -1 for the ground; joints come first
+    bodies : (n_g, 2 or more) bodies of each group, -1 for the ground or none; joints come first
     row : (n_g + 1,) first row of each group
     free : (n_g,) False: rows that drive a frame and are not eliminated
     n_joint : groups that are joints
     at_body : rows at each body, column by column
     """
-    groups = tuple(bodies.ravel().tolist()), tuple(row.tolist()), tuple(free.tolist())
+    groups = tuple(map(tuple, bodies.tolist())), tuple(row.tolist()), tuple(free.tolist())
     return _row_order(*groups, n_joint, tuple(map(tuple, at_body)))
 
 
 @lru_cache(maxsize=16)  # the members of a sweep have the same joints
 def _row_order(
-    sides: tuple[int, ...],
+    sides: tuple[tuple[int, ...], ...],
     rows: tuple[int, ...],
     used: tuple[bool, ...],
     n_joint: int,
     at_body: tuple[tuple[int, ...], ...],
 ) -> Order:
-    bodies = np.array(sides, dtype=np.int64).reshape(-1, 2)
+    bodies = padded(sides)
     row, free = np.array(rows, dtype=np.int64), np.array(used, dtype=bool)
     counts = np.diff(row)
     compact = _places(bodies[free], starts(counts[free].tolist()), int(np.sum(free[:n_joint])))
@@ -85,6 +85,13 @@ def _row_order(
         profile_start=starts((np.arange(first.size) - first + 1).tolist()),
         constraint=constraint,
     )
+
+
+def padded(lists: Sequence[Sequence[int]]) -> IntArray:
+    """Return lists of bodies as rows (n, 2 or more), with -1 for none."""
+    width = max([2, *(len(one) for one in lists)])
+    rows = [[*one, *[-1] * (width - len(one))] for one in lists]
+    return np.array(rows, dtype=np.int64).reshape(-1, width)
 
 
 def joined(lists: Sequence[Sequence[int]]) -> IntArray:
@@ -151,7 +158,7 @@ def _first_columns(bodies: IntArray, row: IntArray, place: IntArray) -> IntArray
     """Return the first column of each place: that of the first row at the same bodies."""
     begin = place[row[:-1]]
     least = np.full(int(bodies.max(initial=-1)) + 2, place.size)  # the last one is the ground's
-    for side in range(2):
+    for side in range(bodies.shape[1]):
         np.minimum.at(least, bodies[:, side], begin)
     least[-1] = place.size
     first = np.empty(place.size, dtype=np.int64)
@@ -213,7 +220,7 @@ def _leaves_first(bodies: IntArray) -> list[int]:
     """
     ground = int(bodies.max()) + 1
     at_body: list[list[tuple[int, int]]] = [[] for _ in range(ground + 1)]
-    for k, pair in enumerate(np.where(bodies < 0, ground, bodies).tolist()):
+    for k, pair in enumerate(np.where(bodies < 0, ground, bodies)[:, :2].tolist()):
         at_body[pair[0]].append((k, pair[1]))
         at_body[pair[1]].append((k, pair[0]))
     holder: dict[int, int] = {}  # body -> joint by which it hangs

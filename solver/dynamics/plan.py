@@ -18,7 +18,7 @@ import numpy as np
 
 from ..math.arrays import IntArray
 from ..math.compiled import structure
-from .order import Order, joined, picked, row_order, starts
+from .order import Order, joined, padded, picked, row_order, starts
 
 
 @structure
@@ -27,7 +27,7 @@ class Plan(NamedTuple):
 
     widest: int  # coordinates of the largest body
     most_modes: int
-    marker_used: IntArray  # markers on bodies that joints and force elements stand on
+    marker_used: IntArray  # markers on bodies that joints, force elements and expressions use
     size: IntArray  # (nb,) coordinates of each body
     lead: IntArray  # (nb,) a mode is coupled with so many leading coordinates: 6, or all of them
     base: IntArray  # (nb,) first coordinate that is eliminated: 6 where the frame is driven
@@ -40,6 +40,7 @@ class Plan(NamedTuple):
     added_start: IntArray  # (nb + 1,) first direction of added inertia of each body
     element_start: IntArray  # (nf + 1,) first entry of each force element in element_row
     element_row: IntArray  # which of the rows that its kind can have
+    coupling_column: IntArray  # (n_term, 2) row of a coupling among those at the bodies of a term
     element_side: IntArray  # (nf, 2) first of them among the rows at a body; -1: ground or none
     most_element_rows: int  # rows that a kind of force element can have
     mass: Order  # rows of the mass matrix: constraints and added inertia
@@ -58,6 +59,8 @@ def make_plan(
     added: Sequence[int] = (),
     element_rows: Sequence[Sequence[int]] = (),
     most_element_rows: int = 0,
+    measured: Sequence[int] = (),
+    couplings: Sequence[Sequence[int]] = (),
 ) -> Plan:
     """Return the plan of a mechanism; arguments as in `Model`.
 
@@ -68,24 +71,37 @@ def make_plan(
     added : by body, directions of added inertia; none if empty
     element_rows : by force element, its rows in Newton's matrix; none if empty
     most_element_rows : of any kind of force element
+    measured : markers whose motion expressions read
+    couplings : by coupling, the last ones of the joints, the two markers of each coordinate
     """
     nb, nj, nf = n_mode.size, joint_row.size - 1, len(force_marker)
-    used = np.unique(np.concatenate([joint_marker.ravel(), force_marker.ravel()]).astype(np.int64))
+    standing = (joint_marker.ravel(), force_marker.ravel(), np.array(measured))
+    used = np.unique(np.concatenate(standing).astype(np.int64))
     bodies = marker_body[joint_marker].reshape(nj, 2)
-    ends = marker_body[force_marker].reshape(nf, 2)
+    at_ends = marker_body[force_marker].reshape(nf, 2)
     driven = np.full(nj, -1) if driven is None else driven
     side_row = np.full((nj, 2), -1, dtype=np.int64)
     at_body: list[list[int]] = [[] for _ in range(nb)]
-    for k in range(nj):
+    n_plain = nj - len(couplings)
+    for k in range(n_plain):
         for side in range(2):
             if bodies[k, side] >= 0:
                 rows = at_body[bodies[k, side]]
                 side_row[k, side] = len(rows)
                 rows.extend(range(joint_row[k], joint_row[k + 1]))
+    coupled, columns = [], []
+    for k, ends in enumerate(couplings, start=n_plain):
+        column = {}
+        for body in dict.fromkeys(marker_body[list(ends)].tolist()):
+            if body >= 0:
+                column[body] = len(at_body[body])
+                at_body[body].append(int(joint_row[k]))
+        columns += [column.get(body, -1) for body in marker_body[list(ends)].tolist()]
+        coupled.append(list(column))
     constraint_rows = [list(rows) for rows in at_body]
 
     # groups of rows: joints, added inertia of one body each, force elements
-    groups, row = bodies.tolist(), joint_row.tolist()
+    groups, row = [*bodies[:n_plain].tolist(), *coupled], joint_row.tolist()
     added = list(added) or [0] * nb
     for i, count in enumerate(added):
         if count:
@@ -100,11 +116,11 @@ def make_plan(
         if not len(found):
             continue
         for side in range(2):
-            if ends[k, side] >= 0:
-                rows = at_body[ends[k, side]]
+            if at_ends[k, side] >= 0:
+                rows = at_body[at_ends[k, side]]
                 element_side[k, side] = len(rows)
                 rows.extend(range(row[-1], row[-1] + len(found)))
-        groups.append(ends[k].tolist())
+        groups.append(at_ends[k].tolist())
         row.append(row[-1] + len(found))
     newton = _order(groups, row, driven, at_body)
 
@@ -128,6 +144,7 @@ def make_plan(
         added_start=starts(added),
         element_start=starts([len(found) for found in element_rows]),
         element_row=joined(element_rows),
+        coupling_column=np.array(columns, dtype=np.int64).reshape(-1, 2),
         element_side=element_side,
         most_element_rows=most_element_rows,
         mass=mass,
@@ -140,5 +157,4 @@ def _order(
 ) -> Order:
     free = np.ones(len(groups), dtype=bool)
     free[: driven.size] = driven < 0
-    bodies = np.array(groups, dtype=np.int64).reshape(-1, 2)
-    return row_order(bodies, np.array(row, dtype=np.int64), free, driven.size, at_body)
+    return row_order(padded(groups), np.array(row, dtype=np.int64), free, driven.size, at_body)

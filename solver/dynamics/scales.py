@@ -38,7 +38,7 @@ def scales(model: Model, y0: Array, t_end: float) -> Scales:
       and dampers, whose accelerations may last for an instant, that of the energy stored in them.
     Energy: that of all masses at this speed.
     """
-    length = _length(model, y0)
+    length = extent(model, y0)
     speed = max(length / t_end, _at_start(model, y0, length), _of_drives(model, y0, t_end, length))
     return Scales(length, speed, float(model.mass.sum()) * speed**2)
 
@@ -50,7 +50,8 @@ def shape_sizes(model: Model, i: int) -> Array:
     return np.asarray(np.sqrt(diagonal / model.mass[i]))
 
 
-def _length(model: Model, y0: Array) -> float:
+def extent(model: Model, y0: Array) -> float:
+    """Return the size of a mechanism in state y0 (n,), the length of `scales` [m]."""
     points = [y0[a : a + 3] for a in model.pos_start]
     for k, body in enumerate(model.marker_body):
         at = model.marker_x[k] if body == GROUND else marker_motions(model, k, y0[None])[0][0, :3]
@@ -73,8 +74,13 @@ def _at_start(model: Model, y0: Array, length: float) -> float:
     stored = energies[1] + work.power[1]
     gain = max(fall, 2.0 * abs(float(stored)) / mass)
     if model.plan.element_row.shape[0] == 0:
-        gain = max(gain, _of_frames(model, rates[0, model.n_pos : -1], length) * length)
-    return max(_of_frames(model, y0[model.n_pos : -1], length), float(np.sqrt(gain)))
+        gain = max(
+            gain,
+            _of_frames(model, rates[0, model.n_pos : model.n_pos + model.n_vel], length) * length,
+        )
+    return max(
+        _of_frames(model, y0[model.n_pos : model.n_pos + model.n_vel], length), float(np.sqrt(gain))
+    )
 
 
 def _of_frames(model: Model, v: Array, length: float) -> float:

@@ -14,17 +14,18 @@ from ..math.rotations import rotation_into
 from ..math.triple import cross3, minus3
 from .bodies.marker import move_marker
 from .bodies.motion import N_MOTION, place, stand
+from .dependence import REGULAR
 from .energy import energies_into, momenta_into
-from .forces.table import FIRST_LOAD, element_wrench
-from .model import Model
+from .forces.table import FIRST_LOAD
+from .model import Model, state_size
 from .system import (
-    REGULAR,
     by_blocks,
     dense_derivative_into,
     derivative_into,
     evaluate,
     evaluate_rates,
-    law_at,
+    force_wrench,
+    n_coupling,
 )
 from .workspace import PHI, Work, spare_work
 
@@ -58,7 +59,7 @@ def along_solution(
     doubtful = regular < regular_above
     if model.penalty > 0.0 and model.beta > 0.0:
         doubtful[:] = True
-    spare = np.zeros(model.n_pos + model.n_vel + 1)
+    spare = np.zeros(state_size(model))
     for k in np.flatnonzero(doubtful).tolist():
         into = rates[k] if model.penalty == 0.0 else spare
         multipliers[k] = dense_derivative_into(model, work, float(t[k]), y[k], into)
@@ -93,7 +94,8 @@ def mass_matrices(model: Model, i: int, t: Array, y: Array) -> Array:
 
 def loaded_markers(model: Model) -> IntArray:
     """Return the marker of each load of `marker_loads`, (n,)."""
-    return np.concatenate([model.joint_marker.ravel(), model.force_marker.ravel()])
+    pairs = model.quantities.marker[model.quantities.coupling_coordinate]
+    return np.concatenate([a.ravel() for a in (model.joint_marker, model.force_marker, pairs)])
 
 
 def marker_loads(model: Model, t: Array, y: Array, multipliers: Array) -> Array:
@@ -102,11 +104,10 @@ def marker_loads(model: Model, t: Array, y: Array, multipliers: Array) -> Array:
     Global components; the moment is about the origin of the marker of that side
     (`loaded_markers`). Those of joints are -C' lambda with the coefficients C of the joint's rows,
     which do the same virtual work; multipliers (k, n_c). A load from outside acts on the second
-    marker alone.
+    marker alone. Couplings of coordinates act on the markers of all their terms, which come last.
     """
     t, y = _contiguous(t, y)
-    n = model.joint_marker.size + model.force_marker.size
-    found = np.zeros((t.size, n, 6))
+    found = np.zeros((t.size, loaded_markers(model).size, 6))
     _loads(model, spare_work(model), t, y, np.ascontiguousarray(multipliers), found)
     return found
 
@@ -170,10 +171,19 @@ def _masses(model: Model, work: Work, i: int, t: Array, y: Array, found: Array) 
 
 @lean
 def _loads(model: Model, work: Work, t: Array, y: Array, multipliers: Array, found: Array) -> None:
-    n_joint = model.joint_kind.shape[0]
+    n_joint, q = model.joint_kind.shape[0], model.quantities
+    first = n_joint - n_coupling(model)
     for k in range(t.shape[0]):
         evaluate(model, work, t[k], y[k])
-        for i in range(n_joint):
+        for c in range(n_joint - first):
+            push = multipliers[k, model.joint_row[first + c]]
+            for term in range(q.coupling_start[c], q.coupling_start[c + 1]):
+                at = 2 * (n_joint + model.force_kind.shape[0] + term)
+                for a in range(6):
+                    size = push * q.coupling_ratio[term]
+                    found[k, at, a] = -size * work.g[q.coupling_coordinate[term], a]
+                    found[k, at + 1, a] = -size * work.g[q.coupling_coordinate[term], 6 + a]
+        for i in range(first):
             for row in range(model.joint_row[i], model.joint_row[i + 1]):
                 for a in range(6):
                     found[k, 2 * i, a] -= work.rows[row, a] * multipliers[k, row]
@@ -181,8 +191,7 @@ def _loads(model: Model, work: Work, t: Array, y: Array, multipliers: Array, fou
         for i in range(model.force_kind.shape[0]):
             one = work.motion[model.force_marker[i, 0]]
             two = work.motion[model.force_marker[i, 1]]
-            size, _, _ = law_at(model, model.force_law[i], t[k])
-            wrench = element_wrench(model.force_kind[i], one, two, model.force_parameters[i], size)
+            wrench = force_wrench(model, work, i, t[k])
             arm = minus3(place(two), place(one))
             turn = cross3(arm, wrench.force)
             at = 2 * (n_joint + i)

@@ -7,7 +7,7 @@ import numpy as np
 from ..math.arrays import Array
 from ..math.compiled import inlined, lean
 from ..math.laws import law_value
-from ..math.triple import Triple, cross3, minus3, sum3
+from ..math.triple import Triple, cross3, minus3, sum3, times3, triple
 from .bodies.floating_frame import evaluate_bodies
 from .bodies.marker import evaluate_markers
 from .bodies.motion import place
@@ -16,16 +16,15 @@ from .constraints.baumgarte import stabilised
 from .constraints.minimum_norm import minimum_norm
 from .constraints.saddle_point import saddle_point
 from .coordinates import rates_into
+from .dependence import REGULAR, rows_depend
 from .elimination import factorise, solve
 from .energy import stored_energies
+from .forces.contract import Wrench
 from .forces.table import FIRST_LOAD, element_wrench
 from .joints.table import joint_rows
-from .model import Model
+from .measures import acceleration_of, auxiliary_rate, force_size, law_of_time, measure
+from .model import Model, state_size
 from .workspace import GAMMA, PHI, PHI_T, Work, spare_work
-
-# Smallest ratio of a pivot to its diagonal entry, below which rows are treated as dependent
-# and the penalty is used: an elimination without it would lose more than half of the digits.
-REGULAR = 1e-7
 
 
 class Equations(NamedTuple):
@@ -52,15 +51,18 @@ def evaluate(model: Model, work: Work, t: float, y: Array) -> None:
     work.power[0] = work.power[1] = 0.0
     evaluate_bodies(model, work, y)
     evaluate_markers(model, work, y)
+    measure_into(model, work, y)
     _add_forces(model, work, t)
     _evaluate_joints(model, work, t)
+    if model.quantities.coupling_ratio.shape[0] > 0:
+        _evaluate_couplings(model, work)
 
 
 @inlined
 def _evaluate_joints(model: Model, work: Work, t: float) -> None:
     """Fill the rows of all joints and the Jacobians at the bodies."""
     rows, plan = work.rows, model.plan
-    for k in range(model.joint_kind.shape[0]):
+    for k in range(model.joint_kind.shape[0] - n_coupling(model)):
         one = work.motion[model.joint_marker[k, 0]]
         two = work.motion[model.joint_marker[k, 1]]
         begin, end = model.joint_row[k], model.joint_row[k + 1]
@@ -87,6 +89,52 @@ def _evaluate_joints(model: Model, work: Work, t: float) -> None:
 
 
 @inlined
+def n_coupling(model: Model) -> int:
+    """Return how many of the joints, the last ones, are couplings of coordinates."""
+    return int(model.quantities.coupling_start.shape[0] - 1)
+
+
+@lean
+def _evaluate_couplings(model: Model, work: Work) -> None:
+    """Fill the rows of couplings, sum r e = 0, and their columns of the Jacobians.
+
+    The coefficients C of a row are those of its first coordinate.
+    """
+    q, plan, rows = model.quantities, model.plan, work.rows
+    first = model.joint_kind.shape[0] - n_coupling(model)
+    for c in range(n_coupling(model)):
+        row, begin, end = model.joint_row[first + c], q.coupling_start[c], q.coupling_start[c + 1]
+        for j in range(rows.shape[1]):
+            rows[row, j] = 0.0
+        for term in range(begin, end):
+            m = q.coupling_coordinate[term]
+            for side in range(2):
+                column, body = (
+                    plan.coupling_column[term, side],
+                    model.marker_body[q.marker[m, side]],
+                )
+                if column >= 0:
+                    for b in range(plan.size[body]):
+                        work.J[body, b, column] = 0.0
+        for term in range(begin, end):
+            m, r = q.coupling_coordinate[term], q.coupling_ratio[term]
+            one, two = work.motion[q.marker[m, 0]], work.motion[q.marker[m, 1]]
+            rows[row, PHI] += r * work.quantity[2 * m]
+            rows[row, GAMMA] -= r * acceleration_of(q.kind[m], q.axes[m], one, two)
+            if term == begin:
+                for j in range(12):
+                    rows[row, j] = r * work.g[m, j]
+            for side in range(2):
+                column, marker = plan.coupling_column[term, side], q.marker[m, side]
+                if column >= 0:
+                    body = model.marker_body[marker]
+                    for b in range(plan.size[body]):
+                        for a in range(6):
+                            push = r * work.g[m, 6 * side + a]
+                            work.J[body, b, column] += push * work.J_m[marker, a, b]
+
+
+@inlined
 def fill_jacobian(J: Array, first: int, C: Array, begin: int, J_m: Array, n: int) -> None:
     """J (n, r) from column `first`: C of one side times the marker's Jacobian, transposed."""
     for p in range(C.shape[0]):
@@ -108,7 +156,43 @@ def law_at(model: Model, law: int, t: float) -> tuple[float, float, float]:
     """Value and rates of a law at t; zeros where there is none."""
     if law < 0:
         return 0.0, 0.0, 0.0
+    if model.quantities.law[law] >= 0:
+        return law_of_time(model.quantities, model.quantities.law[law], t)
     return law_value(model.law_start, model.law_time, model.law_coefficient, law, t)
+
+
+@inlined
+def measure_into(model: Model, work: Work, y: Array) -> None:
+    """Fill the quantities that expressions read, in state y with these markers."""
+    if work.quantity.shape[0] > 0:
+        first = model.n_pos + model.n_vel
+        measure(model.quantities, work.motion, y, first, work.quantity, work.g)
+
+
+@inlined
+def auxiliary_rates_into(model: Model, work: Work, t: float, out: Array) -> None:
+    """Fill the rates of the auxiliary states of the last evaluation in out (n,)."""
+    first = model.n_pos + model.n_vel
+    for j in range(model.n_aux):
+        out[first + j], _ = auxiliary_rate(model.quantities, j, t, work.quantity)
+
+
+@lean
+def force_wrench(model: Model, work: Work, k: int, t: float) -> Wrench:
+    """Wrench of force element k at time t, with the quantities and markers of `work`."""
+    along, size = model.quantities.along[k], 0.0
+    if model.force_law[k] >= 0:
+        size, _, _ = law_at(model, model.force_law[k], t)
+    elif model.quantities.force[k] >= 0:
+        force_size(model.quantities, k, t, work.quantity, work.size[k])
+        size = work.size[k, 0]
+    if along >= 0:  # the row of a coordinate: virtual work size g (v_1, w_1, v_2, w_2)
+        push = times3(size, triple(work.g[along, 6:9]))
+        turn = times3(size, triple(work.g[along, 9:12]))
+        return Wrench(push, turn, 0.0, size * work.quantity[2 * along + 1])
+    one = work.motion[model.force_marker[k, 0]]
+    two = work.motion[model.force_marker[k, 1]]
+    return element_wrench(model.force_kind[k], one, two, model.force_parameters[k], size)
 
 
 @inlined
@@ -117,10 +201,7 @@ def _add_forces(model: Model, work: Work, t: float) -> None:
     for k in range(model.force_kind.shape[0]):
         one = work.motion[model.force_marker[k, 0]]
         two = work.motion[model.force_marker[k, 1]]
-        size = 0.0
-        if model.force_law[k] >= 0:
-            size, _, _ = law_at(model, model.force_law[k], t)
-        wrench = element_wrench(model.force_kind[k], one, two, model.force_parameters[k], size)
+        wrench = force_wrench(model, work, k, t)
         work.power[0] += wrench.power
         work.power[1] += wrench.potential
         _push(model, work, model.force_marker[k, 1], wrench.force, wrench.moment, 1.0)
@@ -161,14 +242,10 @@ def dense(model: Model, work: Work) -> Equations:
             f[j + a] = work.f[i, a]
             for b in range(a + 1):
                 M[j + a, j + b] = M[j + b, j + a] = work.M[i, a, b]
-    for k in range(model.joint_kind.shape[0]):
-        for side in range(2):
-            body = model.marker_body[model.joint_marker[k, side]]
-            if body >= 0:
-                j, first = model.vel_start[body], plan.side_row[k, side]
-                for p in range(model.joint_row[k + 1] - model.joint_row[k]):
-                    for a in range(plan.size[body]):
-                        Phi_q[model.joint_row[k] + p, j + a] += work.J[body, a, first + p]
+        for p in range(plan.row_start[i], plan.row_start[i + 1]):
+            row, column = plan.body_row[p], p - plan.row_start[i]
+            for a in range(plan.size[i]):
+                Phi_q[row, j + a] += work.J[i, a, column]
     return Equations(
         M,
         f,
@@ -228,15 +305,12 @@ def row_products(model: Model, J: Array, a: Array, out: Array) -> None:
     """Fill out (n_c,) with Phi_q a, for J (nb, n, r) and a (nb, n)."""
     plan = model.plan
     out[:] = 0.0
-    for k in range(model.joint_kind.shape[0]):
-        begin = model.joint_row[k]
-        for side in range(2):
-            body = model.marker_body[model.joint_marker[k, side]]
-            if body >= 0:
-                first = plan.side_row[k, side]
-                for p in range(model.joint_row[k + 1] - begin):
-                    for j in range(plan.size[body]):
-                        out[begin + p] += J[body, j, first + p] * a[body, j]
+    for i in range(plan.size.shape[0]):
+        first = plan.row_start[i]
+        for p in range(plan.row_start[i + 1] - first):
+            row = plan.body_row[first + p]
+            for j in range(plan.size[i]):
+                out[row] += J[i, j, p] * a[i, j]
 
 
 @inlined
@@ -296,7 +370,10 @@ def factorise_mass(model: Model, work: Work) -> None:
     work.softness[:] = 0.0
     _factorise_blocks(model, work)
     if model.penalty > 0.0 and work.factors.regular[0] < REGULAR:
-        soften(model, work.J, work.softness)
+        depend = rows_depend(model, model.plan.mass, work.factors, work.J, work.softness)
+        work.softness[:] = 0.0
+        if depend:
+            soften(model, work.J, work.softness)
         _factorise_blocks(model, work)
 
 
@@ -420,7 +497,8 @@ def derivative_into(model: Model, work: Work, t: float, y: Array, out: Array) ->
     power = work.power[0]
     for k in range(model.n_constraint):
         power += work.multipliers[k] * work.rows[k, PHI_T]
-    out[model.n_pos + model.n_vel] = power
+    auxiliary_rates_into(model, work, t, out)
+    out[model.n_pos + model.n_vel + model.n_aux] = power
     flatten(model, work.acceleration, out, model.n_pos)
 
 
@@ -431,13 +509,14 @@ def dense_derivative_into(model: Model, work: Work, t: float, y: Array, out: Arr
     acceleration, multipliers = accelerations(model, equations, y)
     rates_into(model, y, out)
     out[model.n_pos : model.n_pos + model.n_vel] = acceleration
+    auxiliary_rates_into(model, work, t, out)
     out[-1] = multipliers @ equations.Phi_t + equations.power[0]
     return multipliers
 
 
 def derivative(model: Model, t: float, y: Array) -> Array:
     """Return dy/dt, (n,), in a new array; see `derivative_into`."""
-    out = np.empty(y.shape[0])
+    out = np.empty(state_size(model))
     fill = derivative_into if by_blocks(model) else dense_derivative_into
     fill(model, spare_work(model), t, y, out)
     return out

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..math.arrays import Array
+from ..math.expressions.tree import Node
 from ..math.laws import N_COEFFICIENT, Law
 from ..package.body.invariants import inertia_at_rest
 from ..package.body.schema import Invariants, ModalPackage, SecondOrder
@@ -13,8 +14,9 @@ from .bodies.added_inertia import POSITIVE, missing_inertia
 from .driven import Stand, driven_frames
 from .forces.table import KINDS as FORCE_KINDS
 from .forces.table import MOST_ROWS, N_PARAMETER, rows_in_use
-from .joints.table import CONSTRAINTS, KINDS, NAMES, ROWS
+from .joints.table import CONSTRAINTS, COUPLED, KINDS, NAMES, ROWS
 from .joints.table import N_PARAMETER as N_JOINT_PARAMETER
+from .measured import CoordinateTable, CouplingRow, Measured, quantities_of, reads_own
 from .model import GROUND, Model
 from .plan import make_plan
 
@@ -89,7 +91,10 @@ class JointTable:
 
 @dataclass(frozen=True)
 class ForceTable:
-    """One force element between two markers; kind is a key of `forces.table.KINDS`."""
+    """One force element between two markers; kind is a key of `forces.table.KINDS`.
+
+    One that acts along a coordinate is no kind of its own: the coordinate says how it acts.
+    """
 
     name: str
     kind: str
@@ -97,6 +102,8 @@ class ForceTable:
     marker_2: int
     parameters: tuple[float, ...] = ()  # numbers of its kind: forces/contract.py
     law: Law | None = None  # of an actuator or a load
+    size: Node | None = None  # in place of a law: an expression (measured.py)
+    along: int = -1  # coordinate (measured.py) that an element of this kind acts along
 
 
 def assemble_model(
@@ -108,6 +115,7 @@ def assemble_model(
     alpha: float = 5.0,
     beta: float = 5.0,
     forces: Sequence[ForceTable] = (),
+    measured: Measured | None = None,
 ) -> Model:
     """Concatenate the tables to a model.
 
@@ -116,7 +124,9 @@ def assemble_model(
     point_masses : pairs of (marker index, mass [kg])
     gravity_G : (3,) [m/s2]
     alpha, beta : Baumgarte's constants, Eq. (13) [1/s]
+    measured : what expressions of laws and forces read; none if None
     """
+    measured = measured or Measured()
     n_mode = np.array([b.mass.shape[0] for b in bodies], dtype=np.int64)
     for marker in markers:
         expected = 0 if marker.body == GROUND else int(n_mode[marker.body])
@@ -124,6 +134,7 @@ def assemble_model(
             raise ValueError(
                 f"marker shapes {marker.phi.shape}, {marker.psi.shape}: expected (3, {expected})"
             )
+    joints = [*joints, *(_coupling(row, measured) for row in measured.couplings)]
     kinds = np.array([KINDS[j.kind] for j in joints], dtype=np.int64)
     laws: list[Law] = []
     joint_law, force_law = _numbered(joints, laws), _numbered(forces, laws)
@@ -142,6 +153,7 @@ def assemble_model(
     marker_size = [m.phi.size for m in markers]
     joint_row = _starts(np.array([len(ROWS[NAMES[k]]) for k in kinds], dtype=np.int64))
     scale = _inertia_scale(bodies, markers, point_masses)
+    quantities = quantities_of(measured, laws, [(e.size, e.along) for e in forces])
     driven = driven_frames([_stand(j, markers, marker_H) for j in joints])
     added = [
         # a frame that is driven is no unknown
@@ -181,7 +193,7 @@ def assemble_model(
         joint_row=joint_row,
         joint_law=joint_law,
         joint_parameters=_filled([j.parameters for j in joints], N_JOINT_PARAMETER),
-        force_kind=np.array([FORCE_KINDS[e.kind] for e in forces], dtype=np.int64),
+        force_kind=np.array([FORCE_KINDS.get(e.kind, -1) for e in forces], dtype=np.int64),
         force_marker=force_marker,
         force_law=force_law,
         force_parameters=_filled([e.parameters for e in forces], N_PARAMETER),
@@ -211,8 +223,13 @@ def assemble_model(
             ],
             driven=driven,
             added=[len(directions) for directions in added],
-            element_rows=[rows_in_use(e.kind, e.parameters) for e in forces],
+            element_rows=[_element_rows(e) for e in forces],
             most_element_rows=MOST_ROWS,
+            measured=measured.markers,
+            couplings=[
+                [k for m, _ in row.terms for k in _ends(measured.coordinates[m])]
+                for row in measured.couplings
+            ],
         ),
         second_start=_starts(stiffened**2),
         third_start=_starts(stiffened**3),
@@ -227,7 +244,26 @@ def assemble_model(
         carried_start=_starts(np.array([len(c) for c in carried], dtype=np.int64)),
         carried_marker=np.array([k for c in carried for k, _ in c], dtype=np.int64),
         carried_mass=np.array([mass for c in carried for _, mass in c], dtype=float),
+        n_aux=int(quantities.rate.size),
+        quantities=quantities,
     )
+
+
+def _ends(coordinate: CoordinateTable) -> tuple[int, int]:
+    return coordinate.marker_1, coordinate.marker_2
+
+
+def _coupling(row: CouplingRow, measured: Measured) -> JointTable:
+    """Return a coupling as a joint between the markers of its first coordinate."""
+    one, two = _ends(measured.coordinates[row.terms[0][0]])
+    return JointTable(row.name, COUPLED[row.unit], one, two)
+
+
+def _element_rows(force: ForceTable) -> list[int]:
+    """Return the rows of an element in Newton's matrix."""
+    if force.along < 0:
+        return rows_in_use(force.kind, force.parameters)
+    return [0] if reads_own(force.size, force.along) else []
 
 
 def _filled(lists: Sequence[Sequence[float]], columns: int) -> Array:

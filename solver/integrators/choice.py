@@ -71,11 +71,29 @@ def make_integrator(
     solver : `[solver]` of a case
     treatment : the one that the model was prepared for; of `solver` by default
     fixed_step : [s], without error control (benchmarks)
+
+    Raises
+    ------
+    InputError
+        An integrator that has no place for the auxiliary states of the model.
     """
     treatment = treatment or treatment_of(solver)
     kind: type[Any] = INTEGRATORS[solver.integrator]
     if issubclass(kind, ExplicitLoop) and not by_blocks(model):
         kind = kind.method  # redundant constraints without a penalty take dense linear algebra
+    if model.n_aux and not kind.auxiliary:
+        able = [name for name, other in INTEGRATORS.items() if other.auxiliary]
+        raise InputError(
+            f'solver.integrator = "{solver.integrator}": does not integrate the auxiliary states '
+            "that controllers, bristle_friction and expressions of angles have; expected "
+            f"{', '.join(able[:EXAMPLES])} ..."
+        )
+    if (model.quantities.update >= 0).any() and not kind.samples:
+        able = [name for name, other in INTEGRATORS.items() if other.samples]
+        raise InputError(
+            f'solver.integrator = "{solver.integrator}": does not stop at the instants of '
+            f"controllers with a sample_time; expected {' or '.join(able)}"
+        )
     rtol = kind.local_share * solver.rtol
     options: dict[str, Any] = {
         "rtol": rtol,

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ..dynamics.coordinates import moved, position_rates
-from ..dynamics.model import Model
+from ..dynamics.model import Model, state_size
 from ..dynamics.projection import projected
 from ..dynamics.system import (
     accelerations,
@@ -22,7 +22,7 @@ from .generic.constrained import ConstrainedSystem
 
 def right_hand_side(model: Model) -> Derivative:
     """Return f(t, y) -> dy/dt of the index-1 system, each time in the same array."""
-    work, out = new_work(model), np.empty(model.n_pos + model.n_vel + 1)
+    work, out = new_work(model), np.empty(state_size(model))
     fill = derivative_into if by_blocks(model) else dense_derivative_into
 
     def rate(t: float, y: Array) -> Array:

@@ -38,6 +38,7 @@ class ExplicitLoop(ClosingLoop):
     method: ClassVar[type[ExplicitRungeKutta]]
     tableau: ClassVar[ExplicitTableau]
     fails_before_growth = False
+    samples = True
     on_growth = ExplicitRungeKutta.on_growth
     on_failure = ExplicitRungeKutta.on_failure
 
@@ -53,6 +54,9 @@ class ExplicitLoop(ClosingLoop):
     def _begin(self, rate: Array, multipliers: Array) -> Any:
         model, tableau = self._model, self.tableau
         return new_explicit_workspace(model, tableau, self.t, self.y, rate, self._h_next)
+
+    def _restart(self, rate: Array, multipliers: Array) -> None:
+        self._workspace.y[:], self._workspace.f[:] = self.y, rate
 
     def _call(
         self, most: int, times: Array, rows: Array, filled: int, ends: Ends

@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from ..dynamics.auxiliary import Instants, sampled
 from ..dynamics.constraints.treatment import Treatment
 from ..dynamics.model import Model
 from ..dynamics.system import by_blocks, derivative_into
-from ..dynamics.workspace import new_work
+from ..dynamics.workspace import new_work, spare_work
 from ..math.arrays import Array
 from ..math.compiled import COMPILED
 from ..math.keys import Number
@@ -20,7 +21,7 @@ from .compiled.alpha_workspace import new_alpha_workspace
 from .compiled.closing import close
 from .compiled.dependent_rows import PENALTY
 from .compiled.radau import advance
-from .compiled.radau_workspace import new_radau_workspace
+from .compiled.radau_workspace import new_radau_workspace, restart_radau
 from .compiled.step_control import Ends, Options
 from .compiled.tableau import MU
 from .generic import Integrator
@@ -29,11 +30,16 @@ from .generic.alpha_scheme import FORMULATIONS, SPECTRAL_RADIUS, scheme
 from .generic.base import FIRST_STEPS, Dense
 from .generic.explicit import Powers
 from .generic.hermite import Hermite
+from .generic.pace import Pace
 from .generic.steps import Steps
+from .ringing import ringing
 
 # Steps of one call, between which Ctrl-C is heard without loss.
 CHUNK = 200 if COMPILED else 5
 MOST_KEPT = 500_000  # numbers of the steps of one call
+# Cutoffs that are tried against a stall, times pi over the interval of the results.
+CUTOFFS = (10.0, 3.0, 1.0)
+PATIENCE = 4  # looks at a run that goes on stalled, before the next
 PLACES = ("_begun", "_stood", "_ends")  # no part of what a loop goes on from
 TROUBLE = {
     codes.NEWTON: "the Newton iteration does not converge (or constraints contradict)",
@@ -85,6 +91,8 @@ class StepLoop(Integrator):
         self._ends = self._nowhere[3]
         self._begun: Any = None  # mark of the beginning of the last stride
         self._stood: Any = None  # step of it after which the loop stands, mark of its end
+        self._instants = Instants(model, self.t_end)
+        self._stop_at_next(self.t)
 
     def stride(self, times: Array, rows: Array, filled: int, keep: bool = False) -> int:
         """Take up to CHUNK steps; the solution at `times` (k,) goes to `rows` (k, n).
@@ -92,6 +100,7 @@ class StepLoop(Integrator):
         Returns the number of rows filled, of which `filled` were there already. `keep`: keep what
         `steps_taken` needs.
         """
+        self._sample()
         watched = self.fixed_step is not None and self.counters.steps < FIRST_STEPS
         if keep and self._begun is None:
             most = max(10, min(CHUNK, MOST_KEPT // self.n))
@@ -157,7 +166,31 @@ class StepLoop(Integrator):
         for array, values in arrays:
             array[...] = values
 
+    def _sample(self) -> None:
+        """Sample controllers where the loop stands at an instant, and go on from there."""
+        if self.t < self._options.t_end or self.t >= self.t_end:
+            return
+        self.y = sampled(self._model, self.t, self.y, self._instants.sampled_at(self.t))
+        rate, work = np.zeros(self.n), spare_work(self._model)
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            derivative_into(self._model, work, self.t, self.y, rate)
+        self._evaluated += 1
+        self._restart(rate, work.multipliers)
+        self._stop_at_next(self.t)
+
+    def _stop_at_next(self, t: float) -> None:
+        """Let the loop end at the next instant after t."""
+        times = self._instants.t
+        k = int(np.searchsorted(times, t, side="right"))
+        end = float(times[k]) if k < times.size else self.t_end
+        self._options = self._options._replace(t_end=end)
+
+    def _restart(self, rate: Array, multipliers: Array) -> None:
+        """Go on from the present state as from a start, with its rate and multipliers."""
+        raise NotImplementedError
+
     def _advance(self) -> None:
+        self._sample()
         code, _ = self._call(1, *self._nowhere)
         self._take_over(code)
 
@@ -237,6 +270,7 @@ class Radau(ClosingLoop):
     """
 
     name = "radau"
+    samples = True
     local_share = 0.5
     meaning = "implicit Runge-Kutta of order 5, the fastest where modes are stiff"
     place = 2
@@ -250,12 +284,66 @@ class Radau(ClosingLoop):
         "contradict each other, or increase rtol"
     )
 
+    on_stall = (
+        "cutoff_frequency, above which vibrations are damped; damping of the body or element; "
+        "fewer modes; or rtol and atol_velocity that do not ask for the vibration"
+    )
+    keys = (
+        Number(
+            "cutoff_frequency",
+            "rad/s",
+            "of radau: faster vibrations are damped, not resolved; 0: all are resolved that the "
+            "tolerance asks for; default: as 0, until they stall the run (integrators.md)",
+            least=0,
+        ),
+    )
+
+    def __init__(
+        self,
+        model: Model,
+        t0: float,
+        y0: Array,
+        t_end: float,
+        *,
+        cutoff_frequency: float | None = None,
+        **options: Any,
+    ) -> None:
+        super().__init__(model, t0, y0, t_end, **options)
+        self._workspace.clock[codes.CUTOFF] = cutoff_frequency or 0.0
+        self._tries = list(CUTOFFS) if cutoff_frequency is None else []
+        self._patience = 0
+
+    def follow(self, pace: Pace) -> None:
+        """Answer a stall by a cutoff, as high as ends it."""
+        found = pace.stalled(self.t, self.counters.steps, self.counters.rejected)
+        if found is None:
+            return
+        if not self.stalls:
+            component, rate = ringing(self._model, self._workspace)
+            self.stalls = [replace(found, component=component, rate=rate, remedy=self.on_stall)]
+        elif self._patience > 0:
+            self._patience -= 1
+            return
+        if self._tries:
+            cutoff = self._tries.pop(0) * np.pi / pace.interval
+            self._patience = PATIENCE
+            self._workspace.clock[codes.CUTOFF] = cutoff
+            self.stalls = [replace(self.stalls[0], cutoff=cutoff)]
+
+    @property
+    def damped_energy(self) -> float:
+        """Energy taken out of vibrations above the cutoff [J]."""
+        return float(self._workspace.damped.sum())
+
     def for_loop(self, model: Model) -> Model:
         """Return the model with the softness of dependent rows that suits the iteration."""
         return model._replace(penalty=PENALTY) if model.penalty > 0.0 else model
 
     def _begin(self, rate: Array, multipliers: Array) -> Any:
         return new_radau_workspace(self._model, self.t, self.y, rate, multipliers, self._h_next)
+
+    def _restart(self, rate: Array, multipliers: Array) -> None:
+        restart_radau(self._model, self._workspace, self.t, self.y, rate, multipliers)
 
     def _call(
         self, most: int, times: Array, rows: Array, filled: int, ends: Ends
@@ -322,6 +410,7 @@ class GeneralizedAlpha(StepLoop):
         ),
     )
     treatments = FORMULATIONS
+    auxiliary = False
     order = 2
     # What it does not damp shows in its multipliers, not in the state.
     on_growth = (

@@ -4,7 +4,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ..dynamics.model import Model
+from ..dynamics.model import Model, state_size
 from ..dynamics.scales import scales, shape_sizes
 from ..math.arrays import Array
 
@@ -37,7 +37,9 @@ def tolerances(model: Model, y0: Array, solver: ToleranceKeys, rtol: float) -> A
     their rates; rtol E of the work. The keys of a case have precedence, for all components alike.
     """
     size = scales(model, y0, solver.t_end)
-    atol = np.full(model.n_pos + model.n_vel + 1, size.energy)
+    atol = np.full(state_size(model), size.energy)
+    v_end = model.n_pos + model.n_vel
+    atol[v_end : v_end + model.n_aux] = model.quantities.scale
     for i in range(model.n_body):
         shapes = shape_sizes(model, i)
         a, j = int(model.pos_start[i]), model.n_pos + int(model.vel_start[i])
@@ -49,13 +51,15 @@ def tolerances(model: Model, y0: Array, solver: ToleranceKeys, rtol: float) -> A
     if solver.atol_position is not None:
         atol[: model.n_pos] = solver.atol_position
     if solver.atol_velocity is not None:
-        atol[model.n_pos :] = solver.atol_velocity
+        atol[model.n_pos : v_end] = solver.atol_velocity
+        atol[-1] = solver.atol_velocity
     return atol
 
 
 def blocks(model: Model) -> list[int]:
     """Return the first index of each block of the error norm: positions of each body, velocities
-    of each body, work.
+    of each body, auxiliary states, work.
     """
     j = model.n_pos + np.asarray(model.vel_start)
-    return [*map(int, model.pos_start), *map(int, j), model.n_pos + model.n_vel]
+    more = range(model.n_pos + model.n_vel, state_size(model))
+    return [*map(int, model.pos_start), *map(int, j), *more]

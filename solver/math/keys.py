@@ -41,6 +41,26 @@ class Direction:
 
 
 @dataclass(frozen=True)
+class Expression:
+    """An expression of a case (math/expressions/parse.py)."""
+
+    name: str
+    unit: str
+    meaning: str  # one line
+    required: bool = False
+    default: str | None = None
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Points of a curve y(x)."""
+
+    name: str
+    unit: str
+    meaning: str  # one line
+
+
+@dataclass(frozen=True)
 class OfTime:
     """The law of time of a force or torque; may be absent."""
 

@@ -7,6 +7,7 @@ piece has no end, and the first is also valid before its beginning.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -19,10 +20,19 @@ SINE_PIECES = 32  # pieces of a sine ramp: acceleration accurate to 1e-11 of its
 
 @dataclass(frozen=True)
 class Law:
-    """Pieces of one law: their beginnings (k,) [s] and coefficients (k, N_COEFFICIENT)."""
+    """Pieces of one law: their beginnings (k,) [s] and coefficients (k, N_COEFFICIENT).
+
+    `expression` (math/expressions/tree.py) takes their place where there is one.
+    """
 
     times: Array
     coefficients: Array
+    expression: Any = None
+
+
+def of_expression(expression: Any) -> Law:
+    """The law that an expression of the time says."""
+    return Law(np.zeros(1), np.zeros((1, N_COEFFICIENT)), expression)
 
 
 @jit

@@ -9,9 +9,12 @@ from ..dynamics.model import Model
 from ..dynamics.tables import Body, assemble_model, flexible_body, rigid_body
 from ..math.rotations import matrix_to_parameters
 from ..package import Interface, ModalPackage
+from .couplings import coupling_rows
 from .forces import force_tables
 from .initial import Start
 from .joints import BuiltJoint, joint_tables
+from .measured import Reader
+from .modal_start import modal_values
 from .places import Places
 from .virtual import VirtualBodies, through_virtual_bodies
 
@@ -31,6 +34,7 @@ class BuiltMechanism:
     places: dict[str, tuple[int, Interface]]  # "BODY.INTERFACE" -> body index, interface
     joints: dict[str, BuiltJoint]  # joints of the case
     signal_marker: dict[str, int]  # signal of a place -> marker index
+    state_names: list[str]  # auxiliary states, without those that count turns
 
 
 def build(
@@ -49,7 +53,9 @@ def build(
     stiffening = stiffening or mechanism.solver.geometric_stiffening
     bodies = _bodies(mechanism, packages, stiffening=stiffening)
     joints, built_joints = joint_tables(mechanism, places)
-    forces = force_tables(mechanism, places)
+    reader = Reader(mechanism, places, built_joints, joints)
+    forces = force_tables(mechanism, places, reader)
+    reader.found.couplings += coupling_rows(mechanism, reader)
     masses = [
         (places.marker(f"masses.{name}.at", mass.at, np.eye(3)), mass.mass)
         for name, mass in mechanism.masses.items()
@@ -69,16 +75,18 @@ def build(
         masses,
         np.array(mechanism.gravity),
         forces=forces,
+        measured=reader.found,
     )
     return BuiltMechanism(
         model=virtual.scaled(model),
-        start=_start(mechanism, places, virtual, model),
+        start=_start(mechanism, places, virtual, model, packages),
         body_names=list(mechanism.bodies),
-        joint_names=[joint.name for joint in virtual.joints],
+        joint_names=[joint.name for joint in virtual.joints] + list(mechanism.couplings),
         packages=packages,
         places=places.known,
         joints=built_joints,
         signal_marker=signal_marker,
+        state_names=[state.name for state in reader.found.states],
     )
 
 
@@ -93,7 +101,13 @@ def _bodies(
     ]
 
 
-def _start(mechanism: "Mechanism", places: Places, virtual: VirtualBodies, model: Model) -> Start:
+def _start(
+    mechanism: "Mechanism",
+    places: Places,
+    virtual: VirtualBodies,
+    model: Model,
+    packages: dict[str, ModalPackage],
+) -> Start:
     """Return the given start; what is not given is free to follow from joints and drives."""
     positions = np.zeros(model.n_pos)
     velocities = np.zeros(model.n_vel)
@@ -104,7 +118,7 @@ def _start(mechanism: "Mechanism", places: Places, virtual: VirtualBodies, model
         a = int(model.pos_start[i])
         positions[a : a + 3] = r
         positions[a + 3 : a + 7] = matrix_to_parameters(A)
-    for i, body in enumerate(mechanism.bodies.values()):
+    for i, (name, body) in enumerate(mechanism.bodies.items()):
         j = int(model.vel_start[i])
         given[j : j + 6] = True
         given[j + 6 : j + 6 + int(model.n_mode[i])] = still
@@ -114,4 +128,10 @@ def _start(mechanism: "Mechanism", places: Places, virtual: VirtualBodies, model
                 given[part] = False
             else:
                 velocities[part] = value
+        if body.kind != "rigid":
+            first = int(model.pos_start[i]) + 7
+            for k, q in modal_values(name, "modal_coordinates", body, packages[name]):
+                positions[first + k] = q
+            for k, rate in modal_values(name, "modal_rates", body, packages[name]):
+                velocities[j + 6 + k], given[j + 6 + k] = rate, True
     return Start(positions, velocities, given)

@@ -11,15 +11,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..dynamics.constraints.minimum_norm import RANK_TOLERANCE
-from ..dynamics.constraints.scaling import row_masses, scaled_jacobian
+from ..dynamics.auxiliary import started
 from ..dynamics.coordinates import moved
+from ..dynamics.instant import law_values, with_laws
 from ..dynamics.model import Model
+from ..dynamics.null_space import free_motions
 from ..dynamics.system import Equations, assemble
 from ..errors import InputError
 from ..math.arrays import Array
-from .inertia import require_inertia
-from .initial import Start, consistent_state
+from .initial import Start
 
 _TOLERANCE = (
     1e-10  # tolerance of the unbalanced accelerations, relative to the largest due to the loads
@@ -32,22 +32,21 @@ _CLOSED = 1e-12
 _DIFFERENCE = 1e-6  # [m, rad, modes] increment for the stiffness by finite differences
 
 
-def starting_state(
-    model: Model, start: Start, kind: str, joint_names: list[str], body_names: list[str]
-) -> Array:
-    """Return the initial state y (n,) of a run; `kind` is solver.start of a case.
+def resting_state(model: Model, start: Start, body_names: list[str]) -> tuple[Model, Array]:
+    """Return the state y (n,) at rest in static equilibrium, and the model with laws that hold it.
+
+    Drives and loads keep what they have at t = 0.
 
     Raises
     ------
     InputError
-        As `consistent_state`, `equilibrium` and `require_inertia`.
+        As `equilibrium`.
     """
-    y = consistent_state(model, start, joint_names)
-    if kind == "equilibrium":
-        found = equilibrium(model, replace(start, positions=y[: model.n_pos]), body_names)
-        y = consistent_state(model, found, joint_names)
-    require_inertia(model, y, body_names)
-    return y
+    found = equilibrium(model, start, body_names)
+    values = law_values(model, 0.0)
+    values[:, 1:] = 0.0
+    still = with_laws(model, 0.0, values)
+    return still, started(still, 0.0, resting(model, found.positions, np.zeros(model.n_vel)))
 
 
 def equilibrium(model: Model, start: Start, body_names: list[str], t: float = 0.0) -> Start:
@@ -61,7 +60,7 @@ def equilibrium(model: Model, start: Start, body_names: list[str], t: float = 0.
     InputError
         No equilibrium found, or joints cannot be closed; names the body with unbalanced forces.
     """
-    positions = _closed(model, start.positions, t)
+    positions = closed(model, start.positions, t)
     largest = 0.0
     for _ in range(_MAX_ITERATIONS):
         here = _Balance(model, positions, t)
@@ -72,17 +71,17 @@ def equilibrium(model: Model, start: Start, body_names: list[str], t: float = 0.
             if stiffness.size == 0 or stiffness[0] > -_NEUTRAL:
                 return replace(start, positions=positions)
             step = here.Z @ directions[:, 0]
-            positions = _closed(model, moved(model, positions, _sized(step, _NUDGE)), t)
+            positions = closed(model, moved(model, positions, _sized(step, _NUDGE)), t)
             continue
         if stiffness[0] > _NEUTRAL:
             step = here.Z @ np.linalg.solve(K, here.unbalanced)
         else:
             along = directions.T @ here.unbalanced
             step = here.Z @ (directions @ (along / np.maximum(np.abs(stiffness), _NEUTRAL)))
-        positions = _downhill(model, here, positions, _limited(step), t)
+        positions = _downhill(model, here, positions, limited(step), t)
     raise InputError(
         f"solver.start: no static equilibrium within {_MAX_ITERATIONS} steps; "
-        f"{_pushed(model, here.push, body_names)}. Expected loads that joints, springs and "
+        f"{pushed(model, here.push, body_names)}. Expected loads that joints, springs and "
         "elasticity can balance"
     )
 
@@ -93,18 +92,10 @@ class _Balance:
     def __init__(self, model: Model, positions: Array, t: float) -> None:
         self.model, self.t = model, t
         self.equations = _at_rest(model, positions, t)
-        Phi_q = self.equations.Phi_q
-        root = np.sqrt(model.inertia_scale)
-        self.Z = np.diag(1.0 / root)
-        self.multipliers: Array = np.zeros(0)
-        if len(Phi_q):
-            _, s, Vt = np.linalg.svd(scaled_jacobian(Phi_q, model.inertia_scale))
-            rank = int(np.sum(s > RANK_TOLERANCE * s[0]))
-            self.Z = Vt[rank:].T / root[:, None]
-            # least squares in the metric of the inertia
-            balance = (Phi_q / root).T, self.equations.f / root
-            found = np.linalg.lstsq(*balance, rcond=RANK_TOLERANCE)[0]
-            self.multipliers = np.asarray(found, dtype=float)
+        free = free_motions(self.equations, model.inertia_scale)
+        self.Z = free.Z
+        # least squares in the metric of the inertia
+        self.multipliers = free.P.T @ self.equations.f
         self.unbalanced = self.Z.T @ self.equations.f  # (n_free,)
         self.push = self.Z @ self.unbalanced  # (n_vel,) as accelerations
 
@@ -124,14 +115,19 @@ class _Balance:
         return K
 
 
+def resting(model: Model, positions: Array, velocities: Array) -> Array:
+    """Return the state y (n,) of positions and velocities; angles turn as at the given start."""
+    return np.concatenate([positions, velocities, model.quantities.start, [0.0]])
+
+
 def _at_rest(model: Model, positions: Array, t: float) -> Equations:
-    return assemble(model, t, np.concatenate([positions, np.zeros(model.n_vel + 1)]))
+    return assemble(model, t, started(model, t, resting(model, positions, np.zeros(model.n_vel))))
 
 
 def _downhill(model: Model, here: _Balance, positions: Array, step: Array, t: float) -> Array:
     """Return the position after a step, shortened until the unbalanced forces do work along it."""
     for _ in range(30):
-        there = _closed(model, moved(model, positions, step), t)
+        there = closed(model, moved(model, positions, step), t)
         before = here.equations.f @ step
         after = here.force(there) @ step
         if before + after >= 0.0:
@@ -140,24 +136,22 @@ def _downhill(model: Model, here: _Balance, positions: Array, step: Array, t: fl
     return there
 
 
-def _closed(model: Model, positions: Array, t: float) -> Array:
+def closed(model: Model, positions: Array, t: float) -> Array:
     """Return positions with the joints closed by the least change, elastic motion included."""
-    root = np.sqrt(model.inertia_scale)
     for _ in range(50):
         equations = _at_rest(model, positions, t)
         if np.max(np.abs(equations.Phi), initial=0.0) < _CLOSED:
             return positions
-        scale = np.sqrt(row_masses(equations.Phi_q, model.inertia_scale))
-        C = scaled_jacobian(equations.Phi_q, model.inertia_scale)
-        step = np.linalg.lstsq(C, -scale * equations.Phi, rcond=RANK_TOLERANCE)[0] / root
-        positions = moved(model, positions, _limited(step))
+        step = -free_motions(equations, model.inertia_scale).P @ equations.Phi
+        positions = moved(model, positions, limited(step))
     raise InputError(
         "solver.start: the joints cannot be closed during the search for equilibrium "
         f"({np.max(np.abs(equations.Phi)):.2g} m or rad apart); give initial positions closer to it"
     )
 
 
-def _limited(step: Array) -> Array:
+def limited(step: Array) -> Array:
+    """Return a step (n_vel,) that moves no coordinate by more than 0.3 m, rad or modal units."""
     return step * min(1.0, _MAX_STEP / max(float(np.max(np.abs(step))), 1e-300))
 
 
@@ -165,7 +159,7 @@ def _sized(step: Array, size: float) -> Array:
     return step * (size / float(np.max(np.abs(step))))
 
 
-def _pushed(model: Model, push: Array, body_names: list[str]) -> str:
+def pushed(model: Model, push: Array, body_names: list[str]) -> str:
     """Describe the largest unbalanced acceleration and its body."""
     largest, text = -1.0, ""
     for i, name in enumerate(body_names):

@@ -1,5 +1,6 @@
 """Force elements and loads from the tables of a case."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -8,8 +9,9 @@ from ..dynamics.forces.contract import Number, Three
 from ..dynamics.forces.table import ELEMENTS
 from ..dynamics.tables import ForceTable
 from ..errors import InputError
-from ..inputs.case.of_time import is_load, law
+from ..inputs.case.of_time import is_along, is_load, law
 from .laws import law_of
+from .measured import Reader
 from .places import Places, axes
 
 if TYPE_CHECKING:
@@ -19,12 +21,22 @@ if TYPE_CHECKING:
 _Z = [0.0, 0.0, 1.0]
 
 
-def force_tables(mechanism: "Mechanism", places: Places) -> list[ForceTable]:
-    """Return the force elements in the order of the case."""
-    return [
-        _load(name, force, places) if is_load(force) else _element(name, force, places)
-        for name, force in mechanism.forces.items()
-    ]
+def force_tables(mechanism: "Mechanism", places: Places, reader: Reader) -> list[ForceTable]:
+    """Return the force elements in the order of the case; `reader` gets what they read."""
+    found = []
+    for name, force in mechanism.forces.items():
+        if is_along(force):
+            found.append(reader.force(name, force))
+            continue
+        given = law(force)
+        table = _load(name, force, places) if is_load(force) else _element(name, force, places)
+        if given is not None and given.expression is not None:
+            size = reader.size(given.expression, f"forces.{name}.expression")
+            table = replace(table, size=size)
+        elif given is not None:
+            table = replace(table, law=law_of(given))
+        found.append(table)
+    return found
 
 
 def _element(name: str, force: "ElementTable", places: Places) -> ForceTable:
@@ -38,9 +50,7 @@ def _element(name: str, force: "ElementTable", places: Places) -> ForceTable:
         numbers = kind.numbers(given, places.shift(one, two))
     except InputError as error:
         raise InputError(f"forces.{name}{error}") from error
-    actuator = law(force)
-    of_time = law_of(actuator) if actuator is not None else None
-    return ForceTable(name, force.kind, one, two, numbers, of_time)
+    return ForceTable(name, force.kind, one, two, numbers)
 
 
 def _load(name: str, load: "LoadTable", places: Places) -> ForceTable:
@@ -48,4 +58,4 @@ def _load(name: str, load: "LoadTable", places: Places) -> ForceTable:
     reference = at if load.frame == "following" else places.ground_axes()
     direction = np.array(load.direction, dtype=float)
     direction /= np.linalg.norm(direction)
-    return ForceTable(name, load.kind, reference, at, tuple(direction.tolist()), law_of(load.law))
+    return ForceTable(name, load.kind, reference, at, tuple(direction.tolist()))

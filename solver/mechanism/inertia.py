@@ -32,5 +32,6 @@ def require_inertia(model: Model, y: Array, body_names: list[str], t: float = 0.
     raise InputError(
         f"{name}: it can {how} without inertia, and no joint holds it there, so that no "
         "acceleration follows from the loads; expected inertia about every axis that the joints "
-        "leave free. Give it inertia, or a joint that holds it (universal in place of spherical)"
+        "leave free, above the round-off of its heaviest mass. Give it inertia, or a joint that "
+        "holds it (universal in place of spherical); make a very heavy mass a rigid body of its own"
     )

@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..dynamics.auxiliary import started
 from ..dynamics.bodies.marker import marker_motion
 from ..dynamics.constraints.minimum_norm import RANK_TOLERANCE
 from ..dynamics.constraints.scaling import scaled_jacobian
@@ -72,11 +73,11 @@ def consistent_state(model: Model, start: Start, joint_names: list[str], t: floa
         The mechanism cannot be assembled, or given velocities contradict joints and
         drives; names the joints.
     """
-    y = np.concatenate([start.positions, np.zeros(model.n_vel + 1)])
+    y = np.concatenate([start.positions, np.zeros(model.n_vel), model.quantities.start, [0.0]])
     if model.n_constraint:
         y = _assembled(model, y, joint_names, t)
     y[model.n_pos : model.n_pos + model.n_vel] = _velocities(model, start, y, joint_names, t)
-    return y
+    return started(model, t, y)
 
 
 def _rows(model: Model, joint: int) -> slice:
@@ -247,15 +248,7 @@ def _velocities(model: Model, start: Start, y: Array, names: list[str], t: float
         if violation < _POSITION_TOLERANCE * max(1.0, float(np.abs(found).max())):
             return found
     equations = assemble(model, t, y)
-    A = np.zeros((n_free + n_c, n_free + n_c))
-    b = np.zeros(n_free + n_c)
-    A[:n_free, :n_free] = equations.M[np.ix_(free, free)]
-    A[n_free:, :n_free] = equations.Phi_q[:, free]
-    A[:n_free, n_free:] = equations.Phi_q[:, free].T
-    b[:n_free] = -(equations.M @ v)[free]
-    b[n_free:] = -equations.Phi_t - equations.Phi_q @ v
-    if b.any():  # else the rest stands still
-        v[free] = np.linalg.lstsq(A, b, rcond=1e-12)[0][:n_free]
+    v[free] = _least_energy(equations, model, v, free)
     residual = equations.Phi_q @ v + equations.Phi_t
     scale = max(1.0, float(np.max(np.abs(v), initial=0.0)))
     if n_c and np.max(np.abs(residual)) > _VELOCITY_TOLERANCE * scale:
@@ -265,3 +258,34 @@ def _velocities(model: Model, start: Start, y: Array, names: list[str], t: float
             "give fewer velocities or consistent values"
         )
     return v
+
+
+def _least_energy(equations: Equations, model: Model, v: Array, free: Array) -> Array:
+    """Return free velocities of least kinetic energy, for constraints that may be redundant.
+
+    First velocities that satisfy the constraints, in a metric without masses, then what least
+    energy adds to them in the null space: a heavy body behind a light one costs no digits of the
+    constraints. One system for both would lose as many as the ratio of the masses has.
+
+    Parameters
+    ----------
+    v : (n_vel,) the given velocities, zero where `free` (n_vel,)
+    """
+    frame = np.repeat(model.vel_start, np.diff([*model.vel_start, model.n_vel]))
+    root = np.sqrt(model.inertia_scale[frame] / model.inertia_scale)[free]
+    missing = -equations.Phi_t - equations.Phi_q @ v
+    J = equations.Phi_q[:, free] * root
+    U, s, Vt = np.linalg.svd(J) if J.size else (np.eye(J.shape[0]), np.zeros(0), np.eye(J.shape[1]))
+    rank = int(np.sum(s > RANK_TOLERANCE * s.max(initial=0.0)))
+    found = root * (Vt[:rank].T @ ((U[:, :rank].T @ missing) / s[:rank]))
+    null = root[:, None] * Vt[rank:].T
+    if null.shape[1]:
+        # least squares on a root of M: twice the digits of the normal equations
+        diagonal = np.diag(equations.M)
+        size = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+        w, X = np.linalg.eigh(equations.M / size[:, None] / size)
+        C = (X * np.sqrt(np.maximum(w, 0.0))).T * size
+        still = v.copy()
+        still[free] = found
+        found = found - null @ np.linalg.lstsq(C[:, free] @ null, C @ still, rcond=None)[0]
+    return found

@@ -9,7 +9,7 @@ from ..dynamics.tables import JointTable
 from ..errors import InputError
 from ..inputs.case.of_time import drives
 from ..math.arrays import Array
-from .laws import law_of, shifted
+from .laws import drive_law, shifted
 from .places import Places, axes
 
 if TYPE_CHECKING:
@@ -46,7 +46,8 @@ def joint_tables(
             driven = driven_by[drive_key].drive
             coordinate = driven.coordinate
             start = shift[coordinate.axis] if isinstance(coordinate, Displacement) else 0.0
-            law = shifted(law_of(drive), float(start))
+            given = drive_law(drive, mechanism, f"joints.{name}.{drive_key}")
+            law = shifted(given, float(start))
             label = f"{name} ({drive_key.replace('_', ' ')})"
             tables.append(JointTable(label, driven.kind, one, two, law))
         built[name] = BuiltJoint(kind, tuple(range(first, len(tables))), shift)

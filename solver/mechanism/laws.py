@@ -3,15 +3,26 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from ..inputs.case.expressions import CaseScope, expression
 from ..math import laws
+from ..math.expressions.tree import constant
 from ..math.laws import Law
 
 if TYPE_CHECKING:
     from ..inputs.case.laws import LoadLaw, RotationDrive, TranslationDrive
+    from ..inputs.case.schema import Mechanism
+
+
+def drive_law(given: "RotationDrive | TranslationDrive", mechanism: "Mechanism", key: str) -> Law:
+    """Return the law of a drive, which may be an expression of the time."""
+    if given.expression is not None:
+        scope = CaseScope(mechanism)
+        return laws.of_expression(expression(given.expression, scope, f"{key}.expression"))
+    return law_of(given)
 
 
 def law_of(given: "RotationDrive | TranslationDrive | LoadLaw") -> Law:
-    """Return the law of a table that has exactly one (inputs/case/laws.py)."""
+    """Return the law of a table that has exactly one (inputs/case/laws.py), no expression."""
     if given.polynomial is not None:
         return laws.polynomial(given.polynomial)
     if given.smooth_step is not None:
@@ -33,6 +44,8 @@ def law_of(given: "RotationDrive | TranslationDrive | LoadLaw") -> Law:
 
 def shifted(law: Law, by: float) -> Law:
     """Return a law plus a constant."""
+    if law.expression is not None:
+        return replace(law, expression=law.expression + constant(by))
     coefficients = law.coefficients.copy()
     coefficients[:, 0] += by
     return replace(law, coefficients=coefficients)

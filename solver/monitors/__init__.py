@@ -1,1 +1,1 @@
-"""What is watched during a run: spin, singular positions, energy."""
+"""What is watched during a run: spin, buckling, singular positions, energy."""

@@ -3,16 +3,18 @@
 from dataclasses import dataclass
 
 from ..integrators.generic import Steps, StopRequest
+from .buckling import BucklingMonitor
 from .singularity import SingularityMonitor
 from .spin import SpinMonitor
 
 
 @dataclass
 class Monitors:
-    """Spin and singular positions; the latter also follows the energy balance."""
+    """Spin, buckling and singular positions; the latter also follows the energy balance."""
 
     spin: SpinMonitor
     passage: SingularityMonitor
+    buckling: BucklingMonitor | None = None
 
     def __post_init__(self) -> None:
         self.passage.look_at_spins_above(self.spin.safe_spins())
@@ -20,7 +22,10 @@ class Monitors:
 
     def __call__(self, steps: Steps) -> StopRequest | None:
         """Show steps to all monitors; return the earliest of their requests."""
-        spin = self.spin(steps)
-        passage = self.passage(steps if spin is None else steps.until(spin.t_stop))
-        requests = [request for request in (spin, passage) if request is not None]
+        requests: list[StopRequest] = []
+        for monitor in (self.spin, self.buckling, self.passage):
+            request = None if monitor is None else monitor(steps)
+            if request is not None:
+                requests.append(request)
+                steps = steps.until(request.t_stop)
         return min(requests, key=lambda request: request.t_stop, default=None)

@@ -1,6 +1,7 @@
 """The report of a case: figures, report.html and a table on the screen."""
 
 from .build import make_report
+from .case_table import case_table
 from .table import summary_table
 
-__all__ = ["make_report", "summary_table"]
+__all__ = ["case_table", "make_report", "summary_table"]

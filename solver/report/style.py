@@ -40,8 +40,11 @@ _RULES: Any = {
 
 
 @contextlib.contextmanager
-def house_style() -> Iterator[None]:
-    """Context with the style of all figures. Raises InputError without matplotlib."""
+def house_style(*, formulas: bool = False) -> Iterator[None]:
+    """Context with the style of all figures. Raises InputError without matplotlib.
+
+    With `formulas`, text between dollar signs is one; names of a user then need `plain_words`.
+    """
     try:
         import matplotlib
     except ImportError as error:
@@ -49,8 +52,13 @@ def house_style() -> Iterator[None]:
             "report: figures need matplotlib, which is not installed; expected "
             "the extra `plot`: pip install plymotion[plot]"
         ) from error
-    with matplotlib.rc_context(_RULES):
+    with matplotlib.rc_context({**_RULES, "text.parse_math": formulas}):
         yield
+
+
+def plain_words(text: str) -> str:
+    """Return words of a user for a figure with formulas."""
+    return text.replace("$", r"\$")
 
 
 class Canvas:

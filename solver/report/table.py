@@ -22,9 +22,9 @@ def summary_table(summaries: list[dict[str, Any]]) -> str:
         for name in names:
             row += list(signal_numbers(summary.get("signals", {}).get(name, {})))
         signals.append(row)
-    tables = [_aligned(runs, left=(0, 7))]
+    tables = [aligned(runs, left=(0, 7))]
     if names:
-        tables.append(_aligned(signals, left=(0,)))
+        tables.append(aligned(signals, left=(0,)))
     return "\n\n".join(tables)
 
 
@@ -58,7 +58,8 @@ def _outcome(summary: dict[str, Any]) -> list[str]:
     ]
 
 
-def _aligned(rows: Sequence[Sequence[str]], left: tuple[int, ...]) -> str:
+def aligned(rows: Sequence[Sequence[str]], left: tuple[int, ...]) -> str:
+    """Return rows of cells as lines of equal columns; `left`: columns aligned to the left."""
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
     # The name of a signal may extend over both of its columns.
     for i, text in enumerate(rows[0][:-1]):

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..errors import nearest
 from ..package.common.container import get_text, kind_of_file, open_file
+from ..package.common.identity import version_of
 from .schema import (
     FORMAT,
     FORMAT_VERSION,
@@ -32,7 +33,7 @@ def read_result(path: str | Path) -> RunResult:
         if found != FORMAT:
             what = repr(found) if found else kind_of_file(file)
             raise ResultError(f"{path}: attribute format: expected {FORMAT!r}, this is {what}")
-        major, minor = (int(v) for v in file.attrs["format_version"])
+        major, minor = version_of(path, file, ResultError)
         if major > FORMAT_VERSION[0]:
             raise ResultError(
                 f"{path}: written by a newer Plymotion: format {major}.{minor}, "

@@ -11,6 +11,7 @@ FORMAT = "plymotion result"
 FORMAT_VERSION = (1, 0)
 
 ENERGIES = ("kinetic", "strain", "potential", "drive_work")
+ROUNDING = 1e3 * float(np.finfo(float).eps)  # of sums of energies, relative
 
 
 class ResultError(InputError):
@@ -34,17 +35,26 @@ def energy_balance(energies: dict[str, Array]) -> Array:
     return np.asarray(balance - balance[0])
 
 
-def relative_balance(energies: dict[str, Array]) -> Array:
-    """Error of the energy balance over the largest energy of the run, (k,) [-].
-    That is the largest of the kinetic energy, the work and the change of potential.
-    """
+def energy_in_play(energies: dict[str, Array]) -> float:
+    """Largest of the kinetic energy, the work and the change of potential [J]; 1 if all are 0."""
     e = energies
     scale = max(
         float(np.max(np.abs(e["kinetic"]))),
         float(np.max(np.abs(e["drive_work"]))),
         float(np.ptp(e["potential"])),
     )
-    return energy_balance(energies) / (scale or 1.0)
+    return scale or 1.0
+
+
+def relative_balance(energies: dict[str, Array]) -> Array:
+    """Error of the energy balance over the energy in play, (k,) [-].
+
+    Of the error, what rounding of the terms explains does not count: at rest there is nothing else.
+    """
+    terms = (float(np.max(np.abs(energies[name]), initial=0.0)) for name in ENERGIES)
+    error = energy_balance(energies)
+    error = np.where(np.abs(error) > ROUNDING * sum(terms), error, 0.0)
+    return np.asarray(error / energy_in_play(energies))
 
 
 @dataclass(frozen=True)

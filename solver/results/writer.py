@@ -1,5 +1,6 @@
 """Write a result: one VTKHDF file with an animation for ParaView and all result arrays."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import h5py
@@ -8,7 +9,7 @@ import numpy as np
 from ..math.arrays import Array, IntArray
 from ..math.rows import LongRows, spans
 from ..package.common.container import new_file, set_text
-from .schema import FORMAT, FORMAT_VERSION, ResultError, RunResult, check_result
+from .schema import FORMAT, FORMAT_VERSION, BodyGeometry, ResultError, RunResult, check_result
 
 LARGE = 1_000_000  # size in bytes above which an array is compressed
 MULTIPLIER_UNIT = "N, N m"
@@ -39,7 +40,11 @@ def write_result(path: str | Path, result: RunResult, *, max_frames: int = 200) 
         set_text(file, "run", result.run)
         set_text(file, "units", "SI")
         _write_results(file.create_group("results"), result)
-        _write_animation(file.create_group("VTKHDF"), result, frames(len(result.t), max_frames))
+        chosen = frames(len(result.t), max_frames)
+        deflection = None if result.node_deflection is None else result.node_deflection[chosen]
+        points = result.node_positions_G[chosen]
+        view = file.create_group("VTKHDF")
+        write_animation(view, result.bodies, result.t[chosen], points, deflection)
 
 
 def frames(k: int, max_frames: int) -> IntArray:
@@ -97,33 +102,44 @@ def _put(
     return dataset
 
 
-def _write_animation(view: h5py.Group, result: RunResult, chosen: IntArray) -> None:
-    """Write one unstructured grid of all bodies: fixed points and cells, moving displacement."""
+def write_animation(
+    view: h5py.Group,
+    bodies: Sequence[BodyGeometry],
+    t: Array,
+    points: Array,
+    deflection: Array | None = None,
+) -> None:
+    """Write one unstructured grid of all bodies: fixed points and cells, moving displacement.
+
+    Parameters
+    ----------
+    view : the group /VTKHDF of a new file
+    t : (k,) times of the frames [s]
+    points : (k, n, 3) global positions of the nodes of all bodies end to end [m]
+    deflection : (k, n) magnitude of the elastic displacement [m]
+    """
     view.attrs["Version"] = np.array([2, 2], dtype=np.int64)
     view.attrs.create("Type", np.bytes_("UnstructuredGrid"), dtype="S16")
-    points = result.node_positions_G[chosen]
     n_step, n = points.shape[:2]
-    starts = np.cumsum([0] + [len(body.nodes_B) for body in result.bodies])
-    cells = [len(body.cell_types) for body in result.bodies]
-    connectivity = _join(
-        [b.connectivity + s for b, s in zip(result.bodies, starts[:-1], strict=True)]
-    )
-    lengths = _join([np.diff(body.offsets) for body in result.bodies])
+    starts = np.cumsum([0] + [len(body.nodes_B) for body in bodies])
+    cells = [len(body.cell_types) for body in bodies]
+    connectivity = _join([b.connectivity + s for b, s in zip(bodies, starts[:-1], strict=True)])
+    lengths = _join([np.diff(body.offsets) for body in bodies])
     view["Points"] = points[0]
     view["Connectivity"] = connectivity
     view["Offsets"] = np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64)
-    view["Types"] = _join([body.cell_types for body in result.bodies]).astype(np.uint8)
+    view["Types"] = _join([body.cell_types for body in bodies]).astype(np.uint8)
     counts = {"Points": n, "Cells": sum(cells), "ConnectivityIds": len(connectivity)}
     for name, count in counts.items():
         view[f"NumberOf{name}"] = np.array([count], dtype=np.int64)
     view["CellData/body_id"] = np.repeat(np.arange(len(cells)), cells).astype(np.int64)
 
     moving = {"displacement": (points - points[0]).reshape(-1, 3)}
-    if result.node_deflection is not None:
-        moving["deflection"] = result.node_deflection[chosen].ravel()
+    if deflection is not None:
+        moving["deflection"] = deflection.ravel()
     steps = view.create_group("Steps")
     steps.attrs["NSteps"] = np.int64(n_step)
-    steps["Values"] = result.t[chosen]
+    steps["Values"] = t
     steps["NumberOfParts"] = np.ones(n_step, dtype=np.int64)
     still = np.zeros(n_step, dtype=np.int64)
     for name in ("PartOffsets", "PointOffsets", "CellDataOffsets/body_id"):

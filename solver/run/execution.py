@@ -3,19 +3,24 @@
 import json
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..checks.finished import FinishedRun, Look
+from ..checks.stalls import stall_finding
 from ..errors import InputError, PackageError
 from ..inputs.case.record import sealed
 from ..integrators.choice import make_integrator
 from ..integrators.generic import Steps, StopRequest, Watch, integrate
+from ..integrators.generic.pace import Stall
+from ..interrupts import held
 from ..math.arrays import Array
 from ..package import ModalPackage, read_package
 from ..results import RunResult, write_result, write_summary
+from ..results.finding import Finding
 from .disk_usage import disk_note, nearest_folder
 from .inputs_digest import inputs_sha256
 from .outcome import RunSpec, collect
@@ -25,6 +30,7 @@ from .timing import Stopwatch
 if TYPE_CHECKING:
     from ..inputs.case.schema import Mechanism
 
+FIRST_LINE_S = 2.0  # wall time after which a run without a terminal tells where it is
 INCOMPLETE = 3  # exit code of a run that ended early with a result
 
 
@@ -38,20 +44,31 @@ def read_run(file: Path) -> RunSpec:
     """
     try:
         table = json.loads(file.read_text(encoding="utf-8"))
-        case, run = table["case"], table["run"]
+        case, run = str(table["case"]), str(table["run"])
         mechanism = _mechanism(table, str(file))
-        entries = table["packages"]
-    except (OSError, ValueError, KeyError, TypeError) as error:
+        entries = [(body, *_entry(entry)) for body, entry in table["packages"].items()]
+        unknown = [body for body, *_ in entries if body not in mechanism.bodies]
+        if unknown:
+            raise ValueError(f"packages.{unknown[0]}: there is no such body")
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise InputError(
-            f"{file}: not a run file ({error}); expected one written by "
+            f"{file}: not a run file ({type(error).__name__}: {error}); expected one written by "
             "`python -m plymotion.solver check`"
         ) from error
     packages = {}
-    for body, entry in entries.items():
-        path = file.parent.parent / entry["file"]
+    for body, name, digest in entries:
         whose = f"bodies.{body} of case {case}, run {run}"
-        packages[body] = package_of(path, entry.get("inputs_sha256"), whose, f"make {case}")
+        path = file.parent.parent / name
+        packages[body] = package_of(path, digest, whose, f"make {case}")
     return RunSpec(case, run, mechanism, packages)
+
+
+def _entry(entry: Any) -> tuple[str, str | None]:
+    """Return file and digest of a package. Raises ValueError for other content."""
+    name, digest = entry["file"], entry.get("inputs_sha256")
+    if not isinstance(name, str) or "\0" in name or not isinstance(digest, str | None):
+        raise ValueError(f"packages: expected file and inputs_sha256, found {entry!r}")
+    return name, digest
 
 
 def _mechanism(table: dict[str, Any], where: str) -> "Mechanism":
@@ -103,6 +120,7 @@ def integrated(
     prepared: Prepared,
     watch: Watch | None = None,
     look: Look | None = None,
+    on_stall: Callable[[Stall], None] | None = None,
     folder: Path | None = None,
 ) -> FinishedRun:
     """Integrate a prepared mechanism from its start to `t_end`: a single run, or one of a sweep.
@@ -113,6 +131,7 @@ def integrated(
     ----------
     watch : sees the steps in place of the monitors, which it must call itself
     look : at how many output times the checks look
+    on_stall : told at once of a run that has come to a stall
     folder : for states that are too many for memory; None: that of temporary files
     """
     solver = prepared.mechanism.solver
@@ -120,16 +139,29 @@ def integrated(
     if solution is None:
         integrator = make_integrator(prepared.model, prepared.y0, solver, prepared.treatment)
         times = output_times(solver.t_end, solver.output_step)
-        solution = integrate(integrator, times, watch=watch or prepared.watch, folder=folder)
+        solution = integrate(
+            integrator,
+            times,
+            watch=watch or prepared.watch,
+            on_stall=on_stall,
+            folder=folder,
+        )
         order = integrator.order
     return prepared.finished(prepared.explained(solution), order, look or Look())
 
 
 class _Progress:
-    """Show simulated time and pass the steps on to the monitors."""
+    """Show simulated time and pass the steps on to the monitors.
+
+    On a terminal by a bar; elsewhere by lines, the first after 2 s, then at doubled intervals.
+    """
 
     def __init__(self, watch: Watch, t_end: float, label: str, show: bool) -> None:
         self.watch, self.note = watch, watch.note
+        self.t_end, self.label, self.steps, self._show = t_end, label, 0, show
+        self.findings: list[Finding] = []  # of monitors, told as they grow
+        self._told = 0
+        self.begin, self.next = time.perf_counter(), FIRST_LINE_S if show else np.inf
         self.seconds = 0.0  # CPU time of the monitors
         self.bar: Any = None
         if show and sys.stderr.isatty():
@@ -145,13 +177,31 @@ class _Progress:
             )
 
     def __call__(self, steps: Steps) -> StopRequest | None:
+        self.steps += len(steps)
         if self.bar is not None:
             self.bar.update(steps.t[-1] - self.bar.n)
+        elif time.perf_counter() - self.begin > self.next:
+            self.next *= 2.0
+            print(
+                f"{self.label}: t = {steps.t[-1]:.6g} of {self.t_end:g} s, {self.steps} steps, "
+                f"{time.perf_counter() - self.begin:.0f} s",
+                file=sys.stderr,
+                flush=True,
+            )
         begin = time.process_time()
         try:
             return self.watch(steps)
         finally:
             self.seconds += time.process_time() - begin
+            for finding in self.findings[self._told :]:
+                self.tell(finding.text)
+            self._told = len(self.findings)
+
+    def tell(self, text: str) -> None:
+        """Show a line at once."""
+        if self._show:
+            write = print if self.bar is None else self.bar.write
+            write(f"{self.label}: {text}", file=sys.stderr)
 
     def close(self) -> None:
         """Remove the bar."""
@@ -175,17 +225,43 @@ def execute(
         A mechanism that cannot be assembled, contradictory constraints, an integrator that
         does not go with the treatment of constraints.
     """
-    begin, clock = time.perf_counter(), Stopwatch()
+    clock = Stopwatch()
+    return _collected(spec, *_solved(spec, clock, progress, folder), clock, folder)
+
+
+def _solved(
+    spec: RunSpec, clock: Stopwatch, progress: bool, folder: Path | None
+) -> tuple[Prepared, FinishedRun, float]:
+    """Return the mechanism, its motion, and the wall time of both [s]."""
+    begin = time.perf_counter()
     prepared = prepare(spec.mechanism, spec.packages)
     clock.lap("build")
     follow = _Progress(prepared.watch, spec.mechanism.solver.t_end, spec.run, progress)
+    if prepared.buckling is not None:
+        follow.findings = prepared.buckling.findings
     try:
-        finished = integrated(prepared, follow, folder=folder)
+        finished = integrated(
+            prepared,
+            follow,
+            on_stall=lambda stall: follow.tell(stall_finding(prepared.built, stall).text),
+            folder=folder,
+        )
     finally:
         follow.close()
-    solve_s = time.perf_counter() - begin
+    seconds = time.perf_counter() - begin
     clock.lap("integrate")
     clock.move(follow.seconds, "integrate", "monitors")
+    return prepared, finished, seconds
+
+
+def _collected(
+    spec: RunSpec,
+    prepared: Prepared,
+    finished: FinishedRun,
+    solve_s: float,
+    clock: Stopwatch,
+    folder: Path | None,
+) -> tuple[RunResult, dict[str, Any]]:
     result, summary = collect(spec, prepared.measured, finished, solve_s, folder)
     clock.lap("recover")
     summary["cost"]["seconds"] = clock.seconds
@@ -205,16 +281,19 @@ def run_file(
     disk = nearest_folder(out)
     if note := disk_note(spec, disk):
         print(f"{spec.run}: {note}", file=sys.stderr, flush=True)
-    result, summary = execute(spec, progress=progress, folder=disk)
-    clock.skip()
-    out.mkdir(parents=True, exist_ok=True)
-    write_result(out / "result.vtkhdf", result)
-    clock.lap("write")
-    seconds = summary["cost"]["seconds"]
-    seconds["import"] = import_s
-    seconds["load"] += clock.seconds["load"]
-    seconds["write"] = clock.seconds["write"]
-    summary["inputs_sha256"] = digest
-    # Last, because make takes it as the sign of a finished run.
-    write_summary(out / "summary.json", summary)
+    solving = Stopwatch()
+    solved = _solved(spec, solving, progress, disk)
+    with held():  # what is computed is kept
+        result, summary = _collected(spec, *solved, solving, disk)
+        clock.skip()
+        out.mkdir(parents=True, exist_ok=True)
+        write_result(out / "result.vtkhdf", result)
+        clock.lap("write")
+        seconds = summary["cost"]["seconds"]
+        seconds["import"] = import_s
+        seconds["load"] += clock.seconds["load"]
+        seconds["write"] = clock.seconds["write"]
+        summary["inputs_sha256"] = digest
+        # Last, because make takes it as the sign of a finished run.
+        write_summary(out / "summary.json", summary)
     return summary

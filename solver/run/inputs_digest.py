@@ -12,8 +12,9 @@ def inputs_sha256(file: Path) -> str:
     try:
         content = file.read_bytes()
         digest = hashlib.sha256(solver_sha256().encode() + content)
-        for entry in json.loads(content)["packages"].values():
+        table = json.loads(content)
+        for entry in (*table["packages"].values(), *table.get("check_packages", {}).values()):
             digest.update((file.parent.parent / entry["file"]).read_bytes())
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return ""
     return digest.hexdigest()

@@ -88,7 +88,7 @@ def collect(
         Signal(name, sensor.unit, sensor.description, kept["signals", name].all())
         for name, sensor in sensors.items()
     )
-    geometry, points = _geometry(finished.built, y)
+    geometry, points = drawn_shapes(finished.built, y)
     result = RunResult(
         case=spec.case,
         run=spec.run,
@@ -116,7 +116,7 @@ def collect(
         "signals": {s.name: signal_summary(s, t) for s in found_signals},
         "checks": {
             **judgement.numbers,
-            "modes_used": {n: p.n_mode for n, p in spec.packages.items()},
+            "modes_used": {n: p.n_mode for n, p in finished.packages.items()},
         },
         "strength": {n: strength_entry(found) for n, found in judgement.strengths.items()},
         "fatigue": {name: fatigue_entry(sensors[name], turning[name]) for name in turning},
@@ -138,7 +138,7 @@ def collect(
     return result, summary
 
 
-def _geometry(built: BuiltMechanism, y: Array) -> tuple[tuple[BodyGeometry, ...], Array]:
+def drawn_shapes(built: BuiltMechanism, y: Array) -> tuple[tuple[BodyGeometry, ...], Array]:
     """Return the drawn shape of every body and its global points (k, n, 3)."""
     bodies, places = [], []
     for i, name in enumerate(built.body_names):

@@ -13,8 +13,11 @@ from ..integrators.choice import treatment_of
 from ..integrators.generic import Solution
 from ..math.arrays import Array
 from ..mechanism import BuiltMechanism, build
-from ..mechanism.equilibrium import starting_state
+from ..mechanism.axis import given_spin
 from ..mechanism.initial import redundancy
+from ..mechanism.reduced import used_packages
+from ..mechanism.start import starting_state
+from ..monitors.buckling import BucklingMonitor
 from ..monitors.singularity import SingularityMonitor
 from ..monitors.spin import SpinMonitor
 from ..monitors.together import Monitors
@@ -38,6 +41,7 @@ class Prepared:
     measured: dict[str, Sensor]
     spin: SpinMonitor
     passage: SingularityMonitor
+    buckling: BucklingMonitor | None  # None: no body has second-order data
     notes: list[Finding]  # what a user should know of the start
     refused: Solution | None  # in place of a run that should not begin
 
@@ -49,7 +53,7 @@ class Prepared:
     @property
     def watch(self) -> Monitors:
         """All monitors."""
-        return Monitors(self.spin, self.passage)
+        return Monitors(self.spin, self.passage, self.buckling)
 
     def explained(self, solution: Solution) -> Solution:
         """Return the solution; of a run that failed in a singular position, with words on that."""
@@ -65,7 +69,10 @@ class Prepared:
         """Return the run as the checks see it; `order` is that of the integrator."""
         passage, t_end = self.passage, solution.t[-1]
         # Two monitors may ask for a stop in the same step; what is beyond the earlier one is cut.
-        met = [f for f in (*self.spin.findings, *passage.findings) if f.t is None or f.t <= t_end]
+        found = [*self.spin.findings, *passage.findings]
+        if self.buckling is not None:
+            found += self.buckling.findings
+        met = [f for f in found if f.t is None or f.t <= t_end]
         noticed = (*met, *self.notes, *passage.passed(), *passage.energy.findings())
         return FinishedRun(
             mechanism=self.mechanism,
@@ -94,8 +101,10 @@ def prepare(
     """
     solver = mechanism.solver
     treatment = treatment_of(solver)
-    built = build(mechanism, packages)
-    y0 = starting_state(built.model, built.start, solver.start, built.joint_names, built.body_names)
+    built = build(mechanism, used_packages(mechanism, packages))
+    names = built.joint_names, built.body_names
+    spin = given_spin(solver)
+    y0 = starting_state(built.model, built.start, solver.start, *names, spin)
     found = redundancy(built.model, y0, built.joint_names)
     built = replace(built, model=treated(built.model, treatment)._replace(redundant=found.count))
     wanted = {
@@ -103,14 +112,14 @@ def prepare(
         for name, signal in mechanism.signals.items()
         if signals is None or name in signals
     }
-    spin = SpinMonitor(built.model, built.body_names, stop=solver.on_invalid == "stop")
+    spins = SpinMonitor(built.model, built.body_names, stop=solver.on_invalid == "stop")
     passage = SingularityMonitor(
         built.model,
         built.joint_names,
         treatment.name,
         stop=solver.on_singular == "stop",
     )
-    invalid = spin.at_start(0.0, y0)
+    invalid = spins.at_start(0.0, y0)
     passage.at_start(0.0, y0)
     refused = None
     if invalid is not None:
@@ -121,8 +130,27 @@ def prepare(
         treatment=treatment,
         y0=y0,
         measured=sensors(built, wanted, mechanism.materials),
-        spin=spin,
+        spin=spins,
         passage=passage,
+        buckling=_buckling(mechanism, built, spins),
         notes=found.findings(),
         refused=refused,
     )
+
+
+def _buckling(
+    mechanism: "Mechanism", built: BuiltMechanism, spin: SpinMonitor
+) -> BucklingMonitor | None:
+    """Return the monitor of the bodies that have second-order data; None without any."""
+    bodies = [
+        i
+        for i, name in enumerate(built.body_names)
+        if name in built.packages and built.packages[name].second_order is not None
+    ]
+    if not bodies:
+        return None
+    solver, tables = mechanism.solver, built.model
+    if not solver.geometric_stiffening:
+        tables = build(mechanism, dict(built.packages), stiffening=True).model
+    stop = solver.on_invalid == "stop"
+    return BucklingMonitor(built.model, tables, bodies, spin, solver.t_end, stop)

@@ -8,10 +8,12 @@ from beam_samples import CLAMPED, reduced
 from case_samples import rigid
 from judged_samples import judged, judged_case
 from recovery_samples import PLY, PLY_STRENGTH, mode_resultants, plies_of, rectangle_recovery
+from scipy.optimize import brentq
 from stiffening_samples import rectangle
 
 from plymotion.preprocess.beam.body import mode_warnings
-from plymotion.preprocess.beam.line import BeamLine
+from plymotion.preprocess.beam.line import straight_line
+from plymotion.solver.run.execution import execute, read_run
 
 PENDULUM = (
     "gravity = [0.0, -9.81, 0.0]\n"
@@ -122,16 +124,40 @@ def test_a_linear_column_in_tension(tmp_path):
     assert entry["limit"] == 0.05
 
 
+def reaches(load, size):
+    """Time at which the force of `pushed` reaches a load: smooth step, 6 x^5 - 15 x^4 + 10 x^3."""
+    x = brentq(lambda x: size * x**3 * (10 + x * (6 * x - 15)) - load, 0.0, 1.0)
+    return 0.5 * x
+
+
 @pytest.mark.provokes("buckling-by-motion")
-def test_a_stiffened_column_buckles(tmp_path):
+def test_a_run_ends_where_a_stiffened_column_buckles(tmp_path):
     found = judged(
         tmp_path,
-        pushed([-1.0, 0, 0], 1.1 * EULER),
+        pushed([-1.0, 0, 0], 1.3 * EULER),
         {"column": column().package},
         geometric_stiffening=True,
         **RADAU,
     )
-    assert "buckling-by-motion" in found.codes
+    assert found.codes == ["buckling-by-motion"]
+    assert found.summary["status"] == "stopped"
+    entry = found.finding("buckling-by-motion")
+    assert entry["t"] == pytest.approx(reaches(EULER, 1.3 * EULER), abs=1e-3)
+    assert found.summary["t_end"] == pytest.approx(entry["t"], abs=1e-9)
+
+
+@pytest.mark.provokes("buckling-load")
+def test_a_linear_column_is_told_of_its_buckling_load_at_the_instant(tmp_path, capsys):
+    found = judged(
+        tmp_path, pushed([-1.0, 0, 0], 1.3 * EULER), {"column": column().package}, **RADAU
+    )
+    assert {"buckling-load", "stiffening-matters"} == set(found.codes)
+    assert found.summary["completed"]
+    entry = found.finding("buckling-load")
+    assert entry["level"] == "warning"
+    assert entry["t"] == pytest.approx(reaches(EULER, 1.3 * EULER), abs=1e-3)
+    execute(read_run(tmp_path / "build/runs/base.json"), progress=True)
+    assert "buckles" in capsys.readouterr().err
 
 
 @pytest.mark.provokes("stiffened-mass-indefinite", "elastic-rotation-large")
@@ -197,7 +223,7 @@ def test_a_ply_fails(tmp_path):
     recovery = rectangle_recovery(
         0.004, 0.02, plies_of(("cfrp", 90.0)), {"cfrp": {**PLY, "strength": PLY_STRENGTH}}
     )
-    line = BeamLine(package.nodes_B[:, 0], section.K, section.M, np.eye(3))
+    line = straight_line(package.nodes_B[:, 0], section.K, section.M, np.eye(3))
     columns = np.moveaxis(package.shapes_B, 0, 2).reshape(6 * line.n_node, -1)
     form = package.invariants.mass_form
     strong = dataclasses.replace(

@@ -166,3 +166,12 @@ def test_a_run_imports_what_it_uses(repository: Path, tmp_path: Path) -> None:
     assert not loaded & {"scipy", "matplotlib", "numba", "tqdm", "meshio", "pyvista"}
     assert "plymotion.solver.report" not in loaded
     assert "plymotion.solver.inputs.case.load" not in loaded
+
+
+def test_exchange_with_other_codes_needs_no_fe_code(repository: Path) -> None:
+    loaded = {
+        name.split(".")[0]
+        for name in modules_after_importing("plymotion.preprocess.exchange", repository)
+    }
+    assert {"numpy", "scipy", "h5py"} <= loaded
+    assert not loaded & (FE_MODULES | {"pydantic", "numba", "matplotlib", "meshio", "pyvista"})

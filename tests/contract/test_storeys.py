@@ -9,7 +9,7 @@ from collections import defaultdict
 from collections.abc import Iterable
 from pathlib import Path
 
-MOST_ROOMS, MOST_LEVELS = 20, 10
+MOST_ROOMS, MOST_LEVELS = 20, 11
 Graph = dict[str, set[str]]
 
 

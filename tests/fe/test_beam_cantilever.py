@@ -16,7 +16,7 @@ import pytest
 from body_specs import beam_body
 from section_specs import rectangle_spec
 
-from plymotion.preprocess.beam.line import BeamLine
+from plymotion.preprocess.beam.line import straight_line
 from plymotion.preprocess.body import build_body
 from plymotion.preprocess.fenicsx import eigenpairs
 
@@ -79,7 +79,7 @@ def test_reference_is_the_shear_rigid_limit_of_the_same_beam() -> None:
     compliance[2, :] *= 1e-2
     compliance[:, 2] *= 1e-2
     mass[3:, 3:] *= 1e-4
-    line = BeamLine(package.nodes_B[:, 0], np.linalg.inv(compliance), mass, np.eye(3))
+    line = straight_line(package.nodes_B[:, 0], np.linalg.inv(compliance), mass, np.eye(3))
     free = np.arange(6, 6 * line.n_node)
     K, M = line.stiffness()[free][:, free], line.mass_matrix("consistent")[free][:, free]
     values, X = eigenpairs(K, M, 5)

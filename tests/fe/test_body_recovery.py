@@ -13,6 +13,7 @@ from ply_stresses import beam_ply_stress
 from recovery_samples import mode_resultants
 
 from plymotion.preprocess.beam.body import beam_model
+from plymotion.preprocess.beam.line import LineSection
 from plymotion.preprocess.beam.spec import read_spec
 from plymotion.preprocess.body import RECOVERY_DEGREE, build_body
 from plymotion.preprocess.section import analyse
@@ -96,9 +97,9 @@ def held_statically(section: dict[str, Any], load_E: np.ndarray) -> tuple[ModalP
     """
     spec = body_spec(section, [{"kind": "lowest", "count": 1}])
     package = build_body(spec)
-    model = beam_model(read_spec(spec), package.sections[0].K, package.sections[0].M)
+    model = beam_model(read_spec(spec), LineSection(package.sections[0].K, package.sections[0].M))
     line, load = model.line, np.zeros(6 * model.line.n_node)
-    load[-6:] = np.kron(np.eye(2), line.A_BE) @ load_E
+    load[-6:] = np.kron(np.eye(2), line.A_BE[0]) @ load_E
     K = line.stiffness().toarray()
     shape = np.concatenate([np.zeros(6), np.linalg.solve(K[6:, 6:], load[6:])])[:, None]
     package = dataclasses.replace(

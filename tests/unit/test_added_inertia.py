@@ -19,8 +19,8 @@ from plymotion.solver.dynamics.tables import JointTable, MarkerTable, assemble_m
 from plymotion.solver.dynamics.workspace import new_work
 from plymotion.solver.errors import InputError
 from plymotion.solver.integrators.generic import integrate
-from plymotion.solver.mechanism.equilibrium import starting_state
 from plymotion.solver.mechanism.initial import Start, consistent_state
+from plymotion.solver.mechanism.start import starting_state
 
 NONE, NOTHING = np.zeros((3, 0)), np.zeros((0, 0))
 

@@ -5,7 +5,7 @@ import pytest
 import scipy.integrate
 
 from plymotion.preprocess.beam.element import BeamElement, Q, Z, gauss
-from plymotion.preprocess.beam.line import BeamLine, node_positions, section_axes
+from plymotion.preprocess.beam.line import node_positions, section_axes, straight_line
 
 
 def coupled_stiffness() -> np.ndarray:
@@ -39,7 +39,7 @@ def test_patch_state_is_exact_on_an_irregular_mesh(kind: int) -> None:
     # One resultant at the free end: constant extension, twist, curvature and shear (the latter
     # with the moment that equilibrium demands).
     x = LENGTH * np.array([0.0, 0.13, 0.55, 1.0])
-    line = BeamLine(x, K, np.eye(6), np.eye(3))
+    line = straight_line(x, K, np.eye(6), np.eye(3))
     load = np.zeros(24)
     load[18 + kind] = 1.0
     stiffness = line.stiffness().toarray()
@@ -98,7 +98,7 @@ def test_slender_limit_does_not_lock(elements: int) -> None:
     length = 1e5 * h
     EA, EI, GA = E * h**2, E * h**4 / 12, E / (2 * (1 + nu)) * h**2 * 5 / 6
     section = np.diag([EA, GA, GA, 0.14 * GA * h**2, EI, EI])
-    line = BeamLine(np.linspace(0, length, elements + 1), section, np.eye(6), np.eye(3))
+    line = straight_line(np.linspace(0, length, elements + 1), section, np.eye(6), np.eye(3))
     stiffness = line.stiffness().toarray()[6:, 6:]
     scale = 1.0 / np.sqrt(np.diag(stiffness))
     load = np.zeros(len(stiffness))
@@ -128,8 +128,8 @@ def test_gauss_points_suffice_for_the_mass() -> None:
 def test_section_turned_by_90_degrees_swaps_the_planes() -> None:
     section, mass = np.diag([1e6, 3e5, 2e5, 10.0, 20.0, 30.0]), np.diag([1, 1, 1, 5e-3, 2e-3, 3e-3])
     x = np.linspace(0, 1, 4)
-    straight = BeamLine(x, section, mass, section_axes(np.array([0.0, 1.0, 0.0])))
-    turned = BeamLine(x, section, mass, section_axes(np.array([0.0, 0.0, 1.0])))
+    straight = straight_line(x, section, mass, section_axes(np.array([0.0, 1.0, 0.0])))
+    turned = straight_line(x, section, mass, section_axes(np.array([0.0, 0.0, 1.0])))
     y, z = 6 * 3 + 1, 6 * 3 + 2
     for a, b in (
         (straight.stiffness(), turned.stiffness()),

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from beam_samples import modal_mass
 
-from plymotion.preprocess.beam.line import BeamLine, node_positions, section_axes
+from plymotion.preprocess.beam.line import BeamLine, node_positions, section_axes, straight_line
+from plymotion.preprocess.beam.points import point_masses
 from plymotion.preprocess.beam.section_mass import SectionMass
-from plymotion.preprocess.beam.stations import mass_stations, nodal_mass
+from plymotion.preprocess.beam.stations import Stations, mass_stations, nodal_mass
 from plymotion.solver.math.rotations import skew
 from plymotion.solver.package.body.invariants import inertia_at_rest
 
@@ -22,7 +23,7 @@ def eccentric_line(elements: int = 8) -> BeamLine:
     scale = np.sqrt([1e4, 3e3, 2e3, 50.0, 80.0, 120.0])
     K = (A @ A.T + 6 * np.eye(6)) * np.outer(scale, scale)
     x = node_positions(LENGTH, elements, [0.3])
-    return BeamLine(x, K, ECCENTRIC.matrix(), section_axes(np.array([0.0, 0.6, 0.8])))
+    return straight_line(x, K, ECCENTRIC.matrix(), section_axes(np.array([0.0, 0.6, 0.8])))
 
 
 def rigid_columns(line: BeamLine) -> np.ndarray:
@@ -50,7 +51,7 @@ def test_rigid_motion_of_the_stations_is_that_of_the_body(form: str) -> None:
     line = eccentric_line(200 if form == "lumped" else 8)
     stations = mass_stations(line, rigid_columns(line), form)
     inv = stations.invariants(form)
-    A, mass = line.A_BE, M_LINE * LENGTH
+    A, mass = line.A_BE[0], M_LINE * LENGTH
     c = A @ ECCENTRIC.centre_E
     centre = np.array([LENGTH / 2, 0, 0]) + c
     assert inv.mass == pytest.approx(mass, rel=1e-13)
@@ -71,6 +72,53 @@ def test_rigid_motion_of_the_stations_is_that_of_the_body(form: str) -> None:
     # columns of T01, S and J_psi for a rigid rotation: phi = w x x, psi = w
     assert np.allclose(inv.S_B[:, 3:], -skew(inv.S0_B), atol=1e-12)
     assert np.allclose(inv.J_psi_B[:, 3:], inv.J0_B, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("J", "count"),
+    [
+        (np.zeros((3, 3)), 1),
+        (np.diag([2e-3, 0.0, 2e-3]), 2),
+        (J, 4),
+        (np.diag([5e-3, 4e-3, 3e-3]), 6),
+    ],
+)
+def test_points_have_mass_centre_and_inertia_of_their_slice(J: np.ndarray, count: int) -> None:
+    m, x = np.array([2.0]), np.array([[0.3, 0.1, -0.2]])
+    phi, psi = np.random.default_rng(1).normal(size=(2, 1, 3, 5))
+    points = point_masses(Stations(m, x, phi, psi, J[None]))
+    assert len(points.m) == count
+    assert np.all(points.m > 0.0)
+    assert points.m.sum() == pytest.approx(2.0, rel=1e-15)
+    assert np.allclose(points.m @ points.s_B, 0.0, atol=1e-17)
+    assert np.allclose(points.x_B, x + points.s_B, atol=1e-15)
+    E = np.einsum("p,pa,pb->ab", points.m, points.s_B, points.s_B)
+    assert np.allclose(np.trace(E) * np.eye(3) - E, J, atol=1e-17)
+    # a point moves like the slice: centre and rotation
+    moved = phi[0][None] + np.cross(psi[0][None], points.s_B[:, :, None], axis=1)
+    assert np.allclose(points.phi_B, moved, atol=1e-16)
+
+
+def test_inertia_of_no_mass_is_refused() -> None:
+    slice_ = SectionMass(1.0, np.array([0.0, 0.1, 0.0]), np.diag([6e-3, 2e-3, 3e-3]))
+    with pytest.raises(ValueError, match=r"impossible: 0\.002, 0\.003, 0\.006.*above the sum"):
+        SectionMass.from_matrix(slice_.matrix())
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_points_have_the_inertia_and_momenta_of_the_slices(form: str) -> None:
+    line = eccentric_line()
+    X = np.random.default_rng(1).normal(size=(6 * line.n_node, 5))
+    stations = mass_stations(line, X, form)
+    slices, points = stations.invariants(form), point_masses(stations).invariants(form)
+    assert np.abs(points.J0_B).max() == np.abs(points.J_psi_B).max() == 0.0
+    assert np.allclose(inertia_at_rest(points), inertia_at_rest(slices), rtol=1e-13)
+    T = points.T01_B - slices.T01_B
+    moment = np.array([T[1, 2] - T[2, 1], T[2, 0] - T[0, 2], T[0, 1] - T[1, 0]])
+    assert np.allclose(moment, slices.J_psi_B, atol=1e-14)
+    assert np.allclose(points.S_B, slices.S_B, atol=1e-13)
+    modal = np.einsum("aaij->ij", points.T11_B)
+    assert np.allclose(modal, modal_mass(stations), rtol=1e-12, atol=1e-14)
 
 
 def test_nodal_mass_is_the_diagonal_of_the_lumped_mass() -> None:

@@ -8,7 +8,7 @@ import scipy.sparse as sp
 from beam_samples import CHORD, CLAMPED, MEAN_AXIS, NAMES, REFERENCES, dense, reduced
 
 from plymotion.preprocess.beam.accuracy import coarse_mesh_warnings
-from plymotion.preprocess.beam.line import BeamLine, section_axes
+from plymotion.preprocess.beam.line import section_axes, straight_line
 from plymotion.preprocess.beam.stations import mass_stations
 from plymotion.preprocess.modes import (
     KINDS,
@@ -38,7 +38,7 @@ def modes_of(
     solver: EigenSolver = dense,
 ) -> Modes:
     x = np.linspace(0, 1.0, elements + 1)
-    line = BeamLine(x, K, mass, section_axes(np.array(x2)))
+    line = straight_line(x, K, mass, section_axes(np.array(x2)))
     return reduced_modes(
         HeldDofs(line.stiffness(), line.mass_matrix("consistent"), 6 * reference + np.arange(6)),
         [ModeRequest(*r) for r in requests],

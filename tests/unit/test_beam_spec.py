@@ -7,6 +7,7 @@ import pytest
 from body_specs import beam_body
 
 from plymotion.preprocess.beam.body import beam_model
+from plymotion.preprocess.beam.line import LineSection
 from plymotion.preprocess.beam.spec import read_spec
 from plymotion.preprocess.beam.spec_modes import ModeSpec, Reference
 from plymotion.preprocess.fingerprint import fingerprint
@@ -54,7 +55,7 @@ def test_frame_and_attachments_get_nodes() -> None:
         reference={"kind": "chord", "at": ["root", "tip"]},
         modes=[{"kind": "attachment", "at": "mid", "directions": ["y"]}],
     )
-    model = beam_model(read_spec(asked), np.eye(6), np.eye(6))
+    model = beam_model(read_spec(asked), LineSection(np.eye(6), np.eye(6)))
     assert model.reference_nodes == (0, 16)
     assert model.loaded_nodes == (0, 8, 16)
 
@@ -124,10 +125,10 @@ def test_nothing_is_left_to_the_reader() -> None:
 
 def test_interfaces_get_nodes_and_need_enough_elements() -> None:
     odd = {"root": {"at": "start"}, "a": {"at": 0.3}, "tip": {"at": "end"}}
-    model = beam_model(read_spec(spec(interfaces=odd)), np.eye(6), np.eye(6))
-    assert model.line.x_B[model.node_of["a"]] == pytest.approx(0.3 * 0.545, rel=1e-14)
+    model = beam_model(read_spec(spec(interfaces=odd)), LineSection(np.eye(6), np.eye(6)))
+    assert model.line.along[model.node_of["a"]] == pytest.approx(0.3 * 0.545, rel=1e-14)
     with pytest.raises(SpecError, match=r"elements: expected at least 2.*found 1"):
-        beam_model(read_spec(spec(interfaces=odd, elements=1)), np.eye(6), np.eye(6))
+        beam_model(read_spec(spec(interfaces=odd, elements=1)), LineSection(np.eye(6), np.eye(6)))
 
 
 def test_fingerprint_changes_with_the_body_only() -> None:

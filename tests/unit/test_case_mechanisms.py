@@ -274,7 +274,9 @@ def test_table_from_a_file_is_part_of_the_run(tmp_path):
     )
     model = _built(tmp_path, source).model
     assert law_at(model, model.force_law[2], 0.5)[0] == pytest.approx(4.0)
-    assert "push.csv" in (tmp_path / "build/case.mk").read_text()
+    (link,) = (tmp_path / "build/inputs").iterdir()
+    assert link.readlink() == tmp_path / "push.csv"
+    assert f"inputs/{link.name}" in (tmp_path / "build/case.mk").read_text()
 
 
 def test_bad_line_of_a_file(tmp_path, capsys):

@@ -67,7 +67,9 @@ def test_rules_follow_the_files_of_sections(case, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     write_case(load_case(described(case)), Path("out"))
     rules = Path("out/case.mk").read_text()
-    assert "out/case.mk: sections/box-layup-2.toml\nsections/box-layup-2.toml:\n" in rules
+    (link,) = Path("out/inputs").iterdir()
+    assert link.readlink() == tmp_path / "sections/box-layup-2.toml"
+    assert f"out/case.mk: {link}\n{link}:\n" in rules
 
 
 def test_where_a_mesh_lies_does_not_change_the_body(case, tmp_path, monkeypatch):

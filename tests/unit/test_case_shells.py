@@ -102,8 +102,9 @@ def test_parameters_of_the_body_come_before_those_of_the_description(case: Path)
 def test_make_knows_description_and_mesh(case: Path) -> None:
     _spec(case)
     rules = (case.parent / "build/case.mk").read_text()
-    assert "plate.toml" in rules
-    assert "plate.py" in rules
+    links = list((case.parent / "build/inputs").iterdir())
+    assert {link.readlink().name for link in links} == {"plate.toml", "plate.py"}
+    assert all(f"inputs/{link.name}:" in rules for link in links)
 
 
 @pytest.mark.parametrize(

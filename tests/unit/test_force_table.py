@@ -27,7 +27,7 @@ def _marker(rng):
     return motion
 
 
-@pytest.mark.parametrize("kind", FORCES)
+@pytest.mark.parametrize("kind", KINDS)
 def test_every_number_leads_to_its_kind(kind):
     rng = np.random.default_rng(1)
     one, two = _marker(rng), _marker(rng)

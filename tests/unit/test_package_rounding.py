@@ -102,8 +102,8 @@ def test_second_order_of_an_interface_may_cancel(name: str) -> None:
 
 
 def test_no_second_order_displacement_at_all() -> None:
-    """Twist and stretch have no second-order displacement: all tables are round-off."""
-    modes = [{"kind": "torsion", "count": 2}, {"kind": "axial", "count": 2}]
+    """Stretch has no second-order displacement: all tables are round-off."""
+    modes = [{"kind": "axial", "count": 4}]
     package = reduced(CLAMPED, modes, mass=np.diag([1, 1, 1, 0.03, 0.02, 0.01])).package
     size = float(np.abs(package.shapes_B).max()) ** 2
     for path, value in second_order_values(package.second_order).items():

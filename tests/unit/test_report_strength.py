@@ -15,7 +15,7 @@ from recovery_samples import (
     rectangle_recovery,
 )
 
-from plymotion.preprocess.beam.line import BeamLine
+from plymotion.preprocess.beam.line import straight_line
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.package import ModalPackage
@@ -41,7 +41,7 @@ def with_stresses(package: ModalPackage, scale: float | None) -> ModalPackage:
         materials["cfrp"]["strength"] = strength
     plies = plies_of(*[("cfrp", 30.0)] * 3)
     recovery = rectangle_recovery(0.04, 0.01, plies, materials, columns=4)
-    line = BeamLine(package.nodes_B[:, 0], section.K, section.M, np.eye(3))
+    line = straight_line(package.nodes_B[:, 0], section.K, section.M, np.eye(3))
     columns = np.moveaxis(package.shapes_B, 0, 2).reshape(6 * line.n_node, -1)
     values = np.diag(package.stiffness)
     form = package.invariants.mass_form

@@ -18,7 +18,7 @@ import scipy.optimize
 
 from plymotion.preprocess.beam.accuracy import frequency_error
 from plymotion.preprocess.beam.element import Q, Z
-from plymotion.preprocess.beam.line import BeamLine
+from plymotion.preprocess.beam.line import BeamLine, straight_line
 from plymotion.preprocess.beam.stations import mass_stations
 from plymotion.preprocess.modes import KINDS, HeldDofs, ModeRequest, Modes, reduced_modes
 
@@ -49,7 +49,7 @@ def dense(K: np.ndarray, M: np.ndarray, n_mode: int) -> tuple[np.ndarray, np.nda
 def cantilever_modes(
     K: np.ndarray, elements: int, requests: list[ModeRequest], mass_form: str = "consistent"
 ) -> tuple[BeamLine, Modes]:
-    line = BeamLine(np.linspace(0, LENGTH, elements + 1), K, MASS, np.eye(3))
+    line = straight_line(np.linspace(0, LENGTH, elements + 1), K, MASS, np.eye(3))
 
     def participation(columns: np.ndarray) -> np.ndarray:
         return mass_stations(line, columns, mass_form).participation()

@@ -70,7 +70,8 @@ def test_ten_singular_passes(name, integrator, rtol, core, reference):
 @pytest.mark.parametrize("name", ["ggl", "index3"])
 def test_generalized_alpha_stays_on_the_branch(name, reference):
     """Second order: the phase at 10 s is off, the branch and the number of passes are not."""
-    done = run(four_bars(1), name, [0.0, 10.0], rtol=1e-5)
+    # rtol = 1e-5 gives 0.029 to 0.032 s, by the last digits of the velocities at the start
+    done = run(four_bars(1), name, [0.0, 10.0], rtol=5e-6)
     assert done.solution.status == "finished"
     assert not done.monitor.findings
     exact = _passes(1, 10.0)

@@ -21,7 +21,7 @@ from recovery_samples import (
 
 from plymotion.preprocess.beam.body import BeamModel, beam_model, beam_modes, beam_package
 from plymotion.preprocess.beam.element import Q, Z
-from plymotion.preprocess.beam.line import BeamLine, section_axes
+from plymotion.preprocess.beam.line import BeamLine, LineSection, section_axes, straight_line
 from plymotion.preprocess.beam.spec import read_spec
 from plymotion.solver.package import ModalPackage, SectionData, validate, write_package
 from plymotion.solver.package.section.recovery_data import strengths
@@ -73,7 +73,7 @@ def static(line: BeamLine, held: int, load: np.ndarray) -> np.ndarray:
 def tip_loads(line: BeamLine) -> np.ndarray:
     """Unit forces and moments along the section axes at the last node, in body axes."""
     load = np.zeros((6 * line.n_node, 6))
-    load[-6:] = np.kron(np.eye(2), line.A_BE)
+    load[-6:] = np.kron(np.eye(2), line.A_BE[0])
     return load
 
 
@@ -81,7 +81,7 @@ def tip_loads(line: BeamLine) -> np.ndarray:
 def test_static_resultants_are_those_of_statics(held: int) -> None:
     """All couplings, uneven elements, turned axes: F(x) = (1 + (x - L) Q) F_tip to round-off."""
     x = LENGTH * np.array([0.0, 0.13, 0.3, 0.55, 1.0])
-    line = BeamLine(x, coupled(), MASS, section_axes(np.array([0.0, 0.6, 0.8])))
+    line = straight_line(x, coupled(), MASS, section_axes(np.array([0.0, 0.6, 0.8])))
     columns = static(line, held, tip_loads(line))
     found = mode_resultants(line, columns, np.zeros(6), "consistent", (held,))
     places = [*x[: held + 1], *x[held:]] if held else [*x]
@@ -123,12 +123,12 @@ def mode_error(stiffness: np.ndarray, elements: int, mass_form: str, mode: int) 
 
     In units of sqrt(K_ii), which make forces and moments comparable.
     """
-    line = BeamLine(np.linspace(0, LENGTH, elements + 1), stiffness, MASS, np.eye(3))
+    line = straight_line(np.linspace(0, LENGTH, elements + 1), stiffness, MASS, np.eye(3))
     K, M = line.stiffness()[6:, 6:], line.mass_matrix(mass_form)[6:, 6:]
     values, X = dense(K, M, mode + 1)
     columns = np.vstack([np.zeros((6, mode + 1)), X])
     found = mode_resultants(line, columns, values, mass_form, (0,))
-    expected = exact_resultants(line.K, values[mode], found.station_x, columns[-6:, mode])
+    expected = exact_resultants(stiffness, values[mode], found.station_x, columns[-6:, mode])
     unit = np.sqrt(np.diag(stiffness))
     gap = np.abs(found.resultants_E[:, :, mode] - expected) / unit
     return float(gap.max() / np.abs(expected / unit).max())
@@ -163,10 +163,10 @@ def body(
     requests = [{"kind": kind, "count": count} for kind in kinds]
     entries = {"length": LENGTH, "elements": elements, "modes": requests, **changes}
     spec = beam_body(body="arm", section={}, **entries)
-    model = beam_model(read_spec(spec), ISOTROPIC, MASS)
+    model = beam_model(read_spec(spec), LineSection(ISOTROPIC, MASS))
     modes = beam_modes(model, dense)
     section = SectionData("bar", ISOTROPIC, MASS, "", recovery)
-    return model, beam_package(model, modes, section, {})
+    return model, beam_package(model, modes, [section], {})
 
 
 def quasi_static(package: ModalPackage, force_B: np.ndarray) -> np.ndarray:

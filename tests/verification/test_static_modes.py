@@ -115,7 +115,7 @@ def test_spun_bar_stretches_as_it_should(reference: dict[str, Any]) -> None:
         beam = reduced(reference, modes, elements=8, mass=centred)
         line = beam.model.line
         field = np.zeros((line.n_node, 6))
-        field[:, 0] = line.x_B
+        field[:, 0] = line.nodes_B[:, 0]
         load_on_nodes = line.mass_matrix("consistent") @ field.ravel()
         rigid = rigid_motions(line.nodes_B).reshape(6 * line.n_node, 6)
         columns = np.hstack([rigid, beam.modes.columns_B])

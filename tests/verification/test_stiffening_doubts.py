@@ -10,13 +10,13 @@ from beam_samples import CLAMPED, reduced
 from stiffening_samples import CHORD, rectangle, soft_modes, soft_pendulum
 
 from plymotion.solver.checks.finished import FinishedRun
-from plymotion.solver.checks.geometric_stiffness import geometric_stiffness
 from plymotion.solver.checks.stiffening import stiffening_findings
 from plymotion.solver.dynamics.constraints.treatment import Treatment
 from plymotion.solver.dynamics.system import assemble, derivative
 from plymotion.solver.inputs.case.schema import Mechanism
 from plymotion.solver.integrators.generic import Solution
 from plymotion.solver.mechanism import build
+from plymotion.solver.monitors.geometric_stiffness import geometric_stiffness
 from plymotion.solver.monitors.spin import SpinMonitor
 
 K, MASS = rectangle(70e9, 0.3, 2700.0, 0.004, 0.02)

@@ -9,6 +9,7 @@ from beam_samples import CHORD, CLAMPED, MEAN_AXIS, NAMES, REFERENCES, coupled_s
 from flexible_samples import momenta, total_energy
 from stiffening_samples import on_interface
 
+from plymotion.preprocess.beam.section_mass import SectionMass
 from plymotion.solver.dynamics.bodies.marker import marker_motion
 from plymotion.solver.dynamics.bodies.second_order import stiffening_matrices
 from plymotion.solver.dynamics.reactions import momentum_balance
@@ -31,9 +32,31 @@ from plymotion.solver.math.rotations import matrix_to_parameters, rotation_matri
 GRAVITY = (0.3, -9.81, 2.0)
 
 
-def flying(reference, *, carried=False, gravity=(0.0, 0.0, 0.0), stiffening=True):
+# A section rolled in the body, with a product of inertia beside an offset mass centre.
+UNSYMMETRIC = {
+    "mass": SectionMass(
+        1.0,
+        np.array([0.0, 0.02, -0.01]),
+        np.array([[0.03, 0.0, 0.0], [0.0, 0.018, 0.004], [0.0, 0.004, 0.012]]),
+    ).matrix(),
+    "x2_axis": [0.0, 0.8, 0.6],
+}
+FORMS = {
+    "alone": {},
+    "with a mass at the tip": {"carried": True},
+    "lumped": {"mass_form": "lumped"},
+    "unsymmetric": UNSYMMETRIC,
+    "bulky lumps": {  # inertia along the beam, too: six points for a node
+        "mass": SectionMass(1.0, np.zeros(3), np.diag([0.03, 0.025, 0.02])).matrix(),
+        "mass_form": "lumped",
+    },
+}
+
+
+def flying(reference, *, carried=False, gravity=(0.0, 0.0, 0.0), stiffening=True, **changes):
     """A coupled beam that tumbles about all axes, bends in both planes and twists."""
-    beam = reduced(reference, [{"kind": "lowest", "count": 5}], K=coupled_stiffness())
+    modes = [{"kind": "lowest", "count": 5}]
+    beam = reduced(reference, modes, K=coupled_stiffness(), **changes)
     body = flexible_body("beam", beam.package, stiffening=stiffening)
     marker = on_interface(0, beam, "tip", stiffening=stiffening)
     masses = [(0, 0.5)] if carried else []
@@ -68,11 +91,11 @@ def drift(model, states):
     ]
 
 
-@pytest.mark.parametrize("carried", [False, True], ids=["alone", "with a mass at the tip"])
+@pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("reference", REFERENCES, ids=NAMES)
-def test_tumbling_body_keeps_energy_and_both_momenta(reference, carried):
+def test_tumbling_body_keeps_energy_and_both_momenta(reference, form):
     """The drift is that of the integrator: it falls with the fourth power of the step or faster."""
-    _, model, y = flying(reference, carried=carried)
+    _, model, y = flying(reference, **FORMS[form])
     coarse, fine = (drift(model, classical(model, y, h, 0.06)) for h in (1e-3, 5e-4))
     for one, two in zip(coarse, fine, strict=True):
         assert two < 1e-13 or (two < 1e-6 and one / two > 12.0)

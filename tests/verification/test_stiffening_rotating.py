@@ -4,10 +4,13 @@ import tomllib
 
 import numpy as np
 import pytest
-from beam_samples import CHORD, CLAMPED, reduced
-from stiffening_samples import steady_spin
+import scipy.linalg
+from beam_samples import CHORD, CLAMPED, NAMES, REFERENCES, reduced
+from stiffening_samples import rectangle, steady_spin
 
 from plymotion.preprocess.beam.section_mass import SectionMass
+from plymotion.solver.dynamics.system import derivative
+from plymotion.solver.dynamics.tables import assemble_model, flexible_body
 from plymotion.solver.package import read_package
 
 # Slender to the limit of a Bernoulli beam that cannot be stretched: EI = rhoA = L = 1.
@@ -102,3 +105,60 @@ def test_composite_blade_against_measured_flap_frequencies(blade, repository):
         gap = np.linalg.norm(found - measured) / np.linalg.norm(measured)
         assert gap < expected["tolerance"]
         assert np.abs(found / measured - 1.0).max() < 0.07  # of the first mode: see docs
+
+
+def flat(width: float, height: float):
+    """Stiffness and mass of a rectangle, `width` in the plane of rotation about z."""
+    K, mass = rectangle(70e9, 0.3, 2700.0, width, height)
+    return {"K": K, "mass": mass}
+
+
+@pytest.mark.parametrize("mass_form", ["consistent", "lumped"])
+@pytest.mark.parametrize(("width", "height"), [(0.03, 0.004), (0.004, 0.03), (0.02, 0.02)])
+def test_propeller_moment(width, height, mass_form):
+    """Torsion of a spinning bar: w^2 = w0^2 + W^2 (E_y - E_z) / (E_y + E_z).
+
+    The stiffness W^2 (E_y - E_z) is proportional to the mass, so all modes are exact on any mesh.
+    """
+    torsion = [{"kind": "torsion", "count": 4}]
+    blade = reduced(CLAMPED, torsion, elements=6, mass_form=mass_form, **flat(width, height))
+    (at_rest, _), (spinning, _) = (steady_spin(blade.package, w) for w in (0.0, 900.0))
+    E_y, E_z = width**2, height**2
+    expected = 900.0**2 * (E_y - E_z) / (E_y + E_z)
+    np.testing.assert_allclose(spinning**2 - at_rest**2, expected, atol=1e-7 * at_rest[-1] ** 2)
+
+
+@pytest.mark.parametrize("reference", REFERENCES, ids=NAMES)
+def test_propeller_moment_of_a_free_bar_in_all_frames(reference):
+    """All torsion modes of the mesh, so that every frame has the same motions.
+
+    The free bar spins about z. Its motion is linearised with the rates of the frame.
+    """
+    spin, m = 900.0, 6
+    torsion = [{"kind": "torsion", "count": m}]
+    bar = reduced(reference, torsion, elements=6, **flat(0.03, 0.004)).package
+    model = assemble_model([flexible_body("bar", bar, stiffening=True)], [], [])
+    steady = np.zeros(2 * m + 3)  # q, w, q_d
+    steady[m + 2] = spin
+
+    def rate(x):
+        y = np.zeros(model.n_pos + model.n_vel + 1)
+        y[3], y[7 : 7 + m], y[10 + m : 13 + 2 * m] = 1.0, x[:m], x[m:]
+        return np.concatenate([x[m + 3 :], derivative(model, 0.0, y)[10 + m : 13 + 2 * m]])
+
+    def slope(e, step):
+        return (rate(steady + step * e) - rate(steady - step * e)) / (2 * step)
+
+    # rates enter as a polynomial of second degree: differences are exact for any step
+    A = [slope(e, 1e-6 if i < m else 1.0) for i, e in enumerate(np.eye(2 * m + 3))]
+    values = np.linalg.eigvals(np.array(A).T)
+    found = np.sort(values.imag[values.imag > 1.0])[-m:]
+    line = reduced(reference, torsion, elements=6, **flat(0.03, 0.004)).model.line
+    twist = np.arange(3, 6 * line.n_node, 6)
+    K, M = (
+        P.toarray()[np.ix_(twist, twist)]
+        for P in (line.stiffness(), line.mass_matrix("consistent"))
+    )
+    free = scipy.linalg.eigh(K, M, eigvals_only=True)[1:]
+    expected = np.sqrt(free + spin**2 * (0.03**2 - 0.004**2) / (0.03**2 + 0.004**2))
+    np.testing.assert_allclose(found, expected, rtol=1e-6)

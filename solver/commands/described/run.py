@@ -7,10 +7,9 @@ from collections.abc import Callable, Sequence
 
 from tqdm import tqdm
 
+from ...interrupts import INTERRUPTED
 from .entries import Entry
 from .make import Made, Request, SpecOf, make_files, write_specs
-
-INTERRUPTED = 130
 
 Shown = Callable[[list[Made], list[Request]], int]
 

@@ -2,24 +2,26 @@
 
 import argparse
 import multiprocessing
-import signal
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from ...errors import InputError, PackageError, few
+from ...fidelity.execution import run_any
+from ...fidelity.words import fidelity_line
+from ...interrupts import INTERRUPTED, asked, handle, passed_to_children
 from ...results import ResultError, read_summary
-from ...run.execution import INCOMPLETE, run_file
+from ...run.execution import INCOMPLETE
 from ...run.inputs_digest import inputs_sha256
 from ...run.timing import timing_text
+from ..defect import DEFECT, report
 
-INPUT, INTERRUPTED = 2, 130
+INPUT = 2
 
 
 @dataclass
@@ -48,29 +50,66 @@ class _Task:
 
 
 def run_runs(options: argparse.Namespace) -> int:
-    """Integrate the runs; return the exit code of the worst."""
-    import_s = time.process_time()
-    files: list[Path] = options.runs
+    """Integrate the runs, or all of a case file; return the exit code of the worst."""
+    files: list[Path] = options.files
+    if any(file.suffix == ".toml" or file.is_dir() for file in files):
+        from ..cases.command import run_case
+
+        return run_case(options)
+    for name in ("run", "packages", "coarse", "force", "no_report"):
+        if getattr(options, name):
+            raise InputError(f"--{name.replace('_', '-')}: expected with a case file only")
     if options.out is not None and len(files) > 1:
         raise InputError(f"--out {options.out}: expected with one run file only; use --out-dir")
+    return run_files(
+        files,
+        out=options.out,
+        out_dir=options.out_dir,
+        update=options.update,
+        jobs=options.jobs or 1,
+        timing=options.timing,
+        quiet=options.quiet,
+    )
+
+
+def run_files(
+    files: Sequence[Path],
+    *,
+    out: Path | None = None,
+    out_dir: Path | None = None,
+    update: bool = False,
+    jobs: int = 1,
+    timing: bool = False,
+    quiet: bool = False,
+) -> int:
+    """Integrate the runs of run files and print what became of them; return the worst exit code.
+
+    Parameters
+    ----------
+    out : folder for the results of one run
+    out_dir : folder for a folder per run; None: above the run files
+    update : only runs whose inputs or solver have changed
+    jobs : processes
+    """
+    import_s = time.process_time()
     doubled = {file.stem for file in files if sum(f.stem == file.stem for f in files) > 1}
     if doubled:
         raise InputError(f"run files of the same name: {few(sorted(doubled))}")
     tasks = []
     for file in files:
-        out = options.out or (options.out_dir or file.parent.parent) / file.stem
-        if options.update and _up_to_date(file, out):
+        folder = out or (out_dir or file.parent.parent) / file.stem
+        if update and _up_to_date(file, folder):
             print(f"{file.stem}: up to date")
             continue
-        tasks.append(_Task(file, out, not options.quiet, options.timing, import_s))
+        tasks.append(_Task(file, folder, not quiet, timing, import_s))
         import_s = 0.0
-    jobs = min(options.jobs, len(tasks))
+    jobs = min(jobs, len(tasks))
     outcomes = _by_workers(tasks, jobs) if jobs > 1 else _here(tasks)
     codes = []
     for outcome in outcomes:
         outcome.tell()
         codes.append(outcome.code)
-    return next((code for code in (INTERRUPTED, INPUT, INCOMPLETE) if code in codes), 0)
+    return next((code for code in (INTERRUPTED, DEFECT, INPUT, INCOMPLETE) if code in codes), 0)
 
 
 def _up_to_date(file: Path, out: Path) -> bool:
@@ -87,20 +126,23 @@ def _up_to_date(file: Path, out: Path) -> bool:
 def _outcome(task: _Task) -> Outcome:
     """Do one run."""
     try:
-        summary = run_file(task.file, task.out, progress=task.progress, import_s=task.import_s)
+        summary = run_any(task.file, task.out, progress=task.progress, import_s=task.import_s)
     except (InputError, PackageError) as error:
         return Outcome(INPUT, errors=str(error).splitlines())
     except OSError as error:
         return Outcome(INPUT, errors=[f"{error.filename or ''}: {error.strerror or error}"])
     except KeyboardInterrupt:
         return Outcome(INTERRUPTED, errors=[f"{task.file}: interrupted, nothing written"])
+    except Exception as error:
+        return Outcome(DEFECT, errors=[f"{task.file}: {report(error)}"])
     return Outcome(_code(summary), _lines(summary, task.timing))
 
 
 def _code(summary: dict[str, Any]) -> int:
     if summary["status"] == "interrupted":
         return INTERRUPTED
-    return 0 if summary["completed"] else INCOMPLETE
+    refused = summary.get("fidelity", {}).get("verdict") == "not met"
+    return 0 if summary["completed"] and not refused else INCOMPLETE
 
 
 def _lines(summary: dict[str, Any], timing: bool) -> list[str]:
@@ -110,6 +152,8 @@ def _lines(summary: dict[str, Any], timing: bool) -> list[str]:
         f"{summary['run']}: {outcome} at t = {summary['t_end']:.4g} s, "
         f"{cost['steps']} steps, {cost['solve_s']:.2f} s"
     ]
+    if "fidelity" in summary:
+        text.append(f"  {fidelity_line(summary['fidelity'])}")
     text += [f"  warning [{w['code']}] {w['message']}" for w in summary["warnings"]]
     return [*text, f"  {timing_text(cost['seconds'])}"] if timing else text
 
@@ -118,7 +162,8 @@ def _here(tasks: list[_Task]) -> Iterator[Outcome]:
     for task in tasks:
         outcome = _outcome(task)
         yield outcome
-        if outcome.code == INTERRUPTED:
+        if asked() and task is not tasks[-1]:
+            yield Outcome(INTERRUPTED)
             return
 
 
@@ -126,10 +171,12 @@ def _by_workers(tasks: list[_Task], jobs: int) -> Iterator[Outcome]:
     """Do runs in processes; after Ctrl-C those under way end and the others do not begin."""
     context: Any = multiprocessing.get_context("fork" if sys.platform == "linux" else "spawn")
     stop = context.Event()
-    with (
-        _interrupts_to(stop),
-        ProcessPoolExecutor(jobs, context, initializer=_begin, initargs=(stop,)) as pool,
-    ):
+    pool = ProcessPoolExecutor(jobs, context, initializer=_begin, initargs=(stop,))
+
+    def children() -> list[int]:
+        return [child.pid for child in multiprocessing.active_children() if child.pid is not None]
+
+    with passed_to_children(stop, children), pool:
         waiting: set[Future[Outcome]] = {pool.submit(_in_worker, _quiet(task)) for task in tasks}
         while waiting:
             done, waiting = wait(waiting, return_when=FIRST_COMPLETED)
@@ -147,33 +194,31 @@ def _quiet(task: _Task) -> _Task:
     return _Task(task.file, task.out, progress=False, timing=task.timing)
 
 
-@contextmanager
-def _interrupts_to(stop: Any) -> Iterator[None]:
-    """Leave Ctrl-C, which the workers get as well, to them."""
-    before = signal.signal(signal.SIGINT, lambda *_: stop.set())
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
 _stop: Any = None
+_busy = False
 
 
 def _begin(stop: Any) -> None:
-    """Prepare a worker: the first Ctrl-C ends its run, later ones do not disturb the writing."""
+    """Prepare a worker: the first signal ends its run, later ones do not disturb the writing."""
     global _stop
     _stop = stop
 
-    def interrupted(*_: Any) -> None:
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
-        stop.set()
-        raise KeyboardInterrupt
+    told: list[int] = []
 
-    signal.signal(signal.SIGINT, interrupted)
+    def interrupted(number: int, *_: Any) -> None:
+        told.append(number)
+        if _busy and len(told) == 1:
+            raise KeyboardInterrupt
+
+    handle(interrupted)
 
 
 def _in_worker(task: _Task) -> Outcome:
+    global _busy
     if _stop.is_set():
         return Outcome(INTERRUPTED)
-    return _outcome(task)
+    _busy = True
+    try:
+        return _outcome(task)
+    finally:
+        _busy = False

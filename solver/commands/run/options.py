@@ -8,11 +8,16 @@ from typing import Any
 from ..arguments import whole_number
 
 EPILOG = """\
-Several FILEs are integrated in one process, or in --jobs processes, which saves the time to start.
+`plymotion CASE.toml` is `plymotion run CASE.toml`: it checks the case, builds its bodies in the
+Python with FEniCSx, integrates its runs and writes DIR/report.html. What is up to date by content
+is not done again.
+
+Several run files are integrated in one process, or in --jobs processes, which saves the time to
+start.
 A run that fails does not stop the others. Each leaves result.vtkhdf and summary.json.
 
 exit code: 0 all runs finished; 2 something is wrong with an input; 3 a run ended early, its results
-up to that time are kept; 130 interrupted, results are kept.
+up to that time are kept; 130, 143, 129 ended by Ctrl-C, TERM or HUP, results are kept.
 """
 
 
@@ -20,30 +25,49 @@ def add_run_command(commands: Any, run: Callable[[argparse.Namespace], int]) -> 
     """Add `run` to the subcommands of an argument parser; `run` is what it does."""
     parser = commands.add_parser(
         "run",
-        help="integrate runs",
+        help="run a case file from check to report, or integrate run files",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument(
-        "runs",
+        "files",
         nargs="+",
         type=Path,
         metavar="FILE",
-        help="build/<case>/runs/<run>.json, written by check",
+        help="a case file, CASE.toml; or run files, build/<case>/runs/<run>.json",
     )
-    parser.add_argument("--out", type=Path, metavar="DIR", help="folder for the results of one run")
     parser.add_argument(
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="of a case: its folder (default build/<case>); of one run file: folder of its results",
+    )
+    parser.add_argument(
+        "--jobs",
+        type=whole_number,
+        metavar="N",
+        help="processes (default: 1 with run files, all cores with a case file)",
+    )
+    parser.add_argument("--timing", action="store_true", help="print what the CPU seconds went to")
+    parser.add_argument("--quiet", action="store_true", help="no progress bar")
+    case = parser.add_argument_group("with a case file")
+    case.add_argument(
+        "--run", action="append", metavar="NAME", help="only this run; may be given several times"
+    )
+    case.add_argument("--coarse", action="store_true", help="apply the [coarse] variant")
+    case.add_argument(
+        "--packages", type=Path, metavar="DIR", help="ready packages: FEniCSx is not needed"
+    )
+    case.add_argument("--force", action="store_true", help="integrate runs that are up to date")
+    case.add_argument("--no-report", action="store_true", help="no figures and report.html")
+    several = parser.add_argument_group("with run files")
+    several.add_argument(
         "--out-dir",
         type=Path,
         metavar="DIR",
         help="folder for a folder per run (default: build/<case>, above the run files)",
     )
-    parser.add_argument(
-        "--jobs", type=whole_number, default=1, metavar="N", help="processes (default 1)"
-    )
-    parser.add_argument(
+    several.add_argument(
         "--update", action="store_true", help="only runs whose inputs or solver have changed"
     )
-    parser.add_argument("--timing", action="store_true", help="print what the CPU seconds went to")
-    parser.add_argument("--quiet", action="store_true", help="no progress bar")
     parser.set_defaults(command=run)

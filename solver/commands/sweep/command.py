@@ -8,6 +8,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
+from ...interrupts import INTERRUPTED, held
 from ...math.compiled import COMPILED
 from ...package.common.container import temporary_sibling
 from ...results import ResultError
@@ -17,7 +18,7 @@ from .file import SweepResult, read_sweep, result_of, sweep_csv, write_sweep
 from .member import FAILED, FINISHED, PENDING, STOPPED, Row
 from .plan import Plan, read_plan
 
-INCOMPLETE, INTERRUPTED = 3, 130
+INCOMPLETE = 3
 SAVE_S = 10.0  # least time between two savings on the way
 TOLD = 10  # members that did not finish, on the screen
 CSV = "sweep.csv"  # written last: what make takes as the sign of a sweep that is through
@@ -96,7 +97,8 @@ class _Work:
 
     def save(self) -> None:
         """Write the file; it is whole at any time."""
-        write_sweep(self.file, result_of(self.plan, self.rows))
+        with held():
+            write_sweep(self.file, result_of(self.plan, self.rows))
         self._saved = time.perf_counter()
 
     def _save_now_and_then(self) -> None:

@@ -1,13 +1,13 @@
 """Compute the members of a sweep in portions, here or by worker processes."""
 
 import multiprocessing
-import signal
 import time
 from collections.abc import Callable, Sequence
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 
 from ...errors import InputError
+from ...interrupts import asked, ignore
 from ...results.codes.members import WORKER_LOST
 from .member import FAILED, Packages, Row, compute
 from .plan import Plan, read_plan
@@ -55,7 +55,7 @@ def compute_here(plan: Plan, numbers: Sequence[int], keys: Sequence[str], report
             for number, row in zip(portion, rows, strict=True):
                 if row.done:
                     report(number, row)
-            if not all(row.done for row in rows):
+            if asked() or not all(row.done for row in rows):
                 return False
             portions.took(len(portion), time.perf_counter() - begin)
     except KeyboardInterrupt:
@@ -81,7 +81,7 @@ class _Worker:
         self.link.send((portion, [keys[k] for k in portion]))
 
     def end(self) -> None:
-        self.process.terminate()
+        self.process.kill()  # nothing of it is left on a disk
         self.process.join()
         self.link.close()
 
@@ -111,6 +111,8 @@ def compute_by_workers(
         for _ in range(jobs):
             start()
         while crew:
+            if asked():  # while rows were saved
+                return False
             links = wait([worker.link for worker in crew])
             for worker in [w for w in crew if w.link in links]:
                 try:
@@ -147,8 +149,8 @@ def compute_by_workers(
 
 
 def _work(file: Path, link: Connection) -> None:
-    """Compute what comes over the link until it closes. The parent process minds Ctrl-C."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    """Compute what comes over the link until it closes. The parent process minds signals."""
+    ignore()
     plan = read_plan(file)
     packages = Packages(plan)
     while True:

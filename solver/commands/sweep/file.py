@@ -12,6 +12,7 @@ import numpy as np
 
 from ...math.arrays import Array
 from ...package.common.container import get_text, new_file, open_file, set_text
+from ...package.common.identity import version_of
 from ...results import ResultError
 from ...run.execution import output_times
 from .member import CHECKS, COST, DAMAGE, MEASURES, Row
@@ -133,7 +134,7 @@ def read_sweep(path: Path) -> SweepResult:
         found = get_text(file, "format")
         if found != FORMAT:
             raise ResultError(f"{path}: attribute format: expected {FORMAT!r}, this is {found!r}")
-        major, minor = (int(v) for v in file.attrs["format_version"])
+        major, minor = version_of(path, file, ResultError)
         if major > FORMAT_VERSION[0]:
             raise ResultError(
                 f"{path}: written by a newer Plymotion: format {major}.{minor}, "

@@ -118,7 +118,7 @@ def read_plan(file: Path) -> Plan:
                 Member(tuple(m["values"]), m["changes"], m["packages"]) for m in table["members"]
             ),
         )
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise InputError(
             f"{file}: not a sweep file ({error}); expected one written by "
             "`python -m plymotion.solver check`"

@@ -15,7 +15,9 @@ import numpy as np
 
 from ...math.arrays import Array, IntArray
 
-POSITIVE = 1e-10  # least eigenvalue of a mass matrix scaled to a diagonal of one
+# Least eigenvalue of a mass matrix scaled to a diagonal of one: that leaves enough digits to an
+# elimination; and above rounding, which a heavy mass on a light body comes close to.
+POSITIVE, ROUNDING = 1e-10, 1e-13
 
 
 def missing_inertia(mass: float, J: Array, M_wq: Array, S0: Array, S: Array, M_qq: Array) -> Array:
@@ -73,7 +75,7 @@ def undetermined_body(
     if Z.shape[1] == 0:
         return None
     values, vectors = np.linalg.eigh(Z.T @ (M / np.outer(root, root)) @ Z)
-    if values[0] > POSITIVE:
+    if values[0] > ROUNDING:
         return None
     free = (Z @ vectors[:, 0]) / root
     share = [float(np.linalg.norm((free * root)[j : j + 6])) for j in vel_start]

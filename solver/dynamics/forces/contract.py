@@ -8,8 +8,11 @@ its markers, parameters and law. CONTRIBUTING.md has the recipe.
 Markers of an `Element`: z along its key `axis` (global z without one), x along `axis_1` if it has
 one; in the given starting position both markers have the same axes. Their origins are the places.
 
-A kernel is compiled (`@jit`) and sees two markers as rows of bodies/motion.py, in global
-components:
+A `CoordinateForce` has no kernels: it writes its force along a coordinate of a joint, or along the
+line between two places, as an expression.
+
+A kernel of the others is compiled (`@jit`) and sees two markers as rows of bodies/motion.py, in
+global components:
 
 wrench(one, two, parameters, law) -> Wrench
     parameters : (N_PARAMETER,) the numbers among the keys, in their order
@@ -30,11 +33,11 @@ rows(one, two, parameters, rows) -> None
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar, NamedTuple
 
 from ...math.arrays import Array
-from ...math.keys import Direction, Number, OfTime, Three
+from ...math.keys import Curve, Direction, Expression, Number, OfTime, Three
 from ...math.triple import Triple
 from ..workspace import DAMPING, FORCE, N_ELEMENT_ROW, STIFFNESS
 
@@ -67,28 +70,91 @@ def as_given(values: Mapping[str, Any], shift: Array) -> Mapping[str, Any]:
 
 @dataclass(frozen=True, kw_only=True)
 class ForceElement:
-    """What springs and loads have in common.
+    """What all kinds have in common.
 
     Attributes
     ----------
     kind : name in tables and in the case file
     meaning, remark : title and text for docs/case-reference.md; no full stop behind the title
-    wrench : kernel
     order : place in the manual and in lists; those of equal order follow by name
     """
 
     kind: str
     meaning: str
-    wrench: Callable[..., Any]
     remark: str = ""
     order: int = 100
+
+
+@dataclass(frozen=True)
+class State:
+    """An auxiliary state of a force; expressions as in `Terms`.
+
+    Attributes
+    ----------
+    name : in the expressions of the force
+    rate : its rate by time; None: it is constant, but for `update`
+    start : its value at the start of a run, which reads earlier states only
+    scale : its size, for the tolerance of its error
+    update : its value from an instant on, every `sample_time` of the force from t = 0 on; reads
+        the values before it
+    """
+
+    name: str
+    rate: str | None
+    start: str = "0"
+    scale: float = 1.0
+    update: str | None = None
+
+
+@dataclass(frozen=True)
+class Terms:
+    """A force as expressions (math/expressions/parse.py).
+
+    They read the coordinate `x` [m, rad], its rate `v`, the keys of the kind by name (a curve as a
+    function), `states`, earlier `names`, and the time `t`.
+
+    Attributes
+    ----------
+    force : that pushes the coordinate up [N, N m]
+    names : parts of the others, by name
+    states : auxiliary states
+    """
+
+    force: str
+    names: Mapping[str, str] = field(default_factory=dict)
+    states: tuple[State, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class CoordinateForce(ForceElement):
+    """A force along a coordinate of a joint, or along the line between two places.
+
+    Newton's matrix and the energy balance follow from the expression; its work counts as work done
+    on the system.
+
+    Attributes
+    ----------
+    keys : of the case file, behind `joint`, `coordinate`, `between` and `kind`
+    terms : f(values) -> the force, from numbers, texts and curves of the case file by key (None:
+        not given); the text of an InputError goes on "forces.NAME"
+    """
+
+    keys: tuple[Number | Expression | Curve, ...]
+    terms: Callable[[Mapping[str, Any]], Terms]
+
+
+@dataclass(frozen=True, kw_only=True)
+class KernelForce(ForceElement):
+    """An element or a load, whose wrench is a kernel."""
+
+    wrench: Callable[..., Any]
 
     def __post_init__(self) -> None:
         _check(self.kind, "wrench", self.wrench)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Load(ForceElement):
+class Load(KernelForce):
     """A load from outside at one place; nothing acts back.
 
     Its keys are `at`, `direction`, `frame` and `law`. Its parameters are the unit vector along
@@ -99,7 +165,7 @@ class Load(ForceElement):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Element(ForceElement):
+class Element(KernelForce):
     """An element between two places.
 
     Attributes
@@ -173,12 +239,18 @@ __all__ = [
     "FORCE",
     "N_ELEMENT_ROW",
     "STIFFNESS",
+    "CoordinateForce",
+    "Curve",
     "Direction",
     "Element",
+    "Expression",
     "ForceElement",
+    "KernelForce",
     "Load",
     "Number",
     "OfTime",
+    "State",
+    "Terms",
     "Three",
     "Wrench",
 ]

@@ -8,13 +8,14 @@ from ...math.compiled import jit
 from ...math.dispatch import dispatched
 from . import __name__ as _package
 from . import __path__ as _path
-from .contract import Element, ForceElement, Load, Wrench
+from .contract import CoordinateForce, Element, ForceElement, KernelForce, Load, Wrench
 
 
-def _place(element: ForceElement) -> tuple[bool, bool, int, str]:
-    """Elements with rows in Newton's matrix, those without, loads; each in their order."""
+def _place(element: ForceElement) -> tuple[bool, bool, bool, int, str]:
+    """Elements with rows in Newton's matrix, those without, loads, others; each in their order."""
     without = not isinstance(element, Element) or element.rows is None
-    return isinstance(element, Load), without, element.order, element.kind
+    other = isinstance(element, CoordinateForce)
+    return other, isinstance(element, Load), without, element.order, element.kind
 
 
 FORCES: dict[str, ForceElement] = by_name(
@@ -23,9 +24,13 @@ FORCES: dict[str, ForceElement] = by_name(
 )
 ELEMENTS: dict[str, Element] = {k: e for k, e in FORCES.items() if isinstance(e, Element)}
 LOADS: dict[str, Load] = {k: e for k, e in FORCES.items() if isinstance(e, Load)}
+COORDINATE_FORCES: dict[str, CoordinateForce] = {
+    k: e for k, e in FORCES.items() if isinstance(e, CoordinateForce)
+}
+_KERNELS = {k: e for k, e in FORCES.items() if isinstance(e, KernelForce)}
 
 # A number holds within one process: models are built anew in each.
-KINDS = {kind: number for number, kind in enumerate(FORCES)}
+KINDS = {kind: number for number, kind in enumerate(_KERNELS)}
 FIRST_LOAD = len(ELEMENTS)
 N_PARAMETER = max(len(Load.parameters), *(len(e.parameters) for e in ELEMENTS.values()))
 MOST_ROWS = max(e.most_rows for e in ELEMENTS.values())
@@ -40,7 +45,7 @@ _ROWS = [*(e.rows for e in ELEMENTS.values() if e.rows is not None), no_rows]
 
 
 @jit
-@dispatched("kind", [(e.wrench, ("one", "two", "parameters", "law")) for e in FORCES.values()])
+@dispatched("kind", [(e.wrench, ("one", "two", "parameters", "law")) for e in _KERNELS.values()])
 def element_wrench(kind: int, one: Array, two: Array, parameters: Array, law: float) -> Wrench:
     """The wrench of one element; `law` is its actuator force, or the size of a load."""
     raise NotImplementedError  # dispatched

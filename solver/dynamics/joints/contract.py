@@ -95,6 +95,11 @@ class Constraint:
 
 
 @dataclass(frozen=True)
+class CouplingKind(Constraint):
+    """Row of a coupling of several joints (dynamics/couplings), which is filled elsewhere."""
+
+
+@dataclass(frozen=True)
 class Drive(Constraint):
     """Rows that prescribe a coordinate; their kernel takes f, f_d, f_dd (OF_A_LAW).
 

@@ -9,7 +9,7 @@ from ...math.compiled import jit
 from ...math.dispatch import Call, dispatched
 from . import __name__ as _package
 from . import __path__ as _path
-from .contract import FREEDOMS, OF_A_LAW, Constraint, Coordinate, Drive, Joint
+from .contract import FREEDOMS, OF_A_LAW, Constraint, Coordinate, CouplingKind, Drive, Joint
 
 _found = catalogue(_package, _path, Constraint)
 JOINTS: dict[str, Joint] = by_name(
@@ -22,7 +22,9 @@ JOINTS: dict[str, Joint] = by_name(
     "joint",
 )
 DRIVES: dict[str, Drive] = by_name([(c.kind, c) for c in _found if isinstance(c, Drive)], "drive")
-CONSTRAINTS: dict[str, Constraint] = {**JOINTS, **DRIVES}
+_coupling_kinds = {c.kind: c for c in _found if isinstance(c, CouplingKind)}
+COUPLED = {c.units: kind for kind, c in _coupling_kinds.items()}
+CONSTRAINTS: dict[str, Constraint] = {**JOINTS, **DRIVES, **_coupling_kinds}
 
 # A number holds within one process: models are built anew in each.
 NAMES = tuple(CONSTRAINTS)
@@ -47,7 +49,7 @@ def _call(constraint: Constraint) -> Call:
     if isinstance(constraint, Joint):
         more = [f"parameters[{k}]" for k in range(len(constraint.parameters))]
     else:
-        more = list(OF_A_LAW)
+        more = list(OF_A_LAW) if isinstance(constraint, Drive) else []
     return constraint.rows, ["rows", "k", "one", "two", *more]
 
 

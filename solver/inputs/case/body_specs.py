@@ -8,10 +8,12 @@ from pydantic import BaseModel
 from ...package.body.specification import Specification
 from ...package.common.plain_data import inputs_sha256
 from .beams import beam_spec
+from .reduction import Reducible
 from .schema import BeamBody, Mechanism, Placed, ShellBody
 from .shells import shell_body_spec
 
-STATE = set(Placed.model_fields)  # where a body starts says nothing about its package
+# Where a body starts, and what a run uses of it, say nothing about its package.
+STATE = {*Placed.model_fields, *Reducible.model_fields}
 
 
 @dataclass(frozen=True)

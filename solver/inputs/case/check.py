@@ -8,10 +8,15 @@ from ...errors import InputError, nearest
 from ...integrators.choice import treatment_of
 from ..common.material import check_materials
 from .body_specs import BodySpec, BodySpecs
-from .check_bodies import Body, check_bodies, interfaces
-from .forces import LoadTable
+from .check_bodies import Body, check_bodies
+from .check_expressions import check_drive, check_force
+from .check_places import check_place
+from .coupled import check_couplings
+from .forces import CoordinateTable, LoadTable
 from .laws import RotationDrive
 from .of_time import drives
+from .outputs import output_findings
+from .rich import check_fidelity
 from .schema import BeamBody, Mechanism, RigidBody, ShellBody
 from .signals import (
     JointSignal,
@@ -27,36 +32,24 @@ def cross_check(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodyS
     bodies, wrong = check_bodies(mechanism, specs)
     found = check_materials(mechanism.materials) + wrong
     found += _joints(mechanism) + _two_drives(mechanism) + _forces(mechanism)
+    found += check_couplings(mechanism)
     for name, mass in mechanism.masses.items():
         found += check_place(f"masses.{name}.at", mass.at, mechanism, ground=False)
     for name, signal in mechanism.signals.items():
         found += _signal(f"signals.{name}", signal, mechanism)
+    spin = mechanism.solver.spin
+    if spin is not None and spin.speed != 0.0 and mechanism.solver.start != "equilibrium":
+        found.append(
+            f'solver.spin.speed = {spin.speed:g}: expected 0, or solver.start = "equilibrium"; '
+            "bodies take velocity and angular_velocity"
+        )
+    found += check_fidelity(mechanism)
+    found += output_findings(mechanism)
     try:
         treatment_of(mechanism.solver)
     except InputError as error:
         found.append(str(error))
     return bodies, found
-
-
-def check_place(key: str, place: str, mechanism: Mechanism, *, ground: bool) -> list[str]:
-    """Return errors of a place "BODY.INTERFACE" or "ground.POINT"."""
-    owner, dot, point = place.partition(".")
-    if not dot:
-        expected = '"BODY.INTERFACE"' + (' or "ground.POINT"' if ground else "")
-        return [f'{key} = "{place}": expected {expected}']
-    if owner == "ground" and ground:
-        if point in mechanism.ground:
-            return []
-        hint = nearest(point, mechanism.ground)
-        return [f'{key} = "{place}": the ground has no point "{point}"{hint}']
-    if owner not in mechanism.bodies:
-        return [f'{key} = "{place}": there is no body "{owner}"{nearest(owner, mechanism.bodies)}']
-    known = interfaces(mechanism.bodies[owner])
-    if known is not None and point not in known:
-        return [
-            f'{key} = "{place}": body "{owner}" has no interface "{point}"{nearest(point, known)}'
-        ]
-    return []
 
 
 def _owners(between: list[str]) -> list[str]:
@@ -93,6 +86,7 @@ def _joints(mechanism: Mechanism) -> list[str]:
         if axis is not None and axis_2 is not None:
             found += _right_angle(f"{key}.axis_2", axis, axis_2)
         for drive_key, drive in drives(joint).items():
+            found += check_drive(f"{key}.{drive_key}", drive, mechanism)
             times = drive.table.times if drive.table else None
             if times and times[-1] < mechanism.solver.t_end:
                 found.append(
@@ -124,8 +118,13 @@ def _forces(mechanism: Mechanism) -> list[str]:
     found = []
     for name, force in mechanism.forces.items():
         key = f"forces.{name}"
+        found += check_force(key, force, mechanism)
         if isinstance(force, LoadTable):
             found += check_place(f"{key}.at", force.at, mechanism, ground=False)
+            continue
+        if isinstance(force, CoordinateTable):
+            if force.between is not None:
+                found += _between(f"{key}.between", force.between, mechanism, one_body=True)
             continue
         found += _between(f"{key}.between", force.between, mechanism, one_body=True)
         axis, axis_1 = getattr(force, "axis", None), getattr(force, "axis_1", None)

@@ -6,9 +6,11 @@ from ...errors import InputError, nearest
 from ...math.definite import is_positive_definite
 from .beams import check_motion
 from .body_specs import BodySpec, BodySpecs
+from .rich import CHECK, rich_bodies
 from .schema import BeamBody, Mechanism, PackageBody, RigidBody, ShellBody
 
 SYMMETRY = 1e-5  # of the largest entry: products of inertia may be given to five digits
+TRIANGLE = 1e-5  # relative: the same digits
 Body = BeamBody | ShellBody | RigidBody | PackageBody
 
 
@@ -21,7 +23,12 @@ def check_bodies(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, Body
             found += unknown + check_motion(f"bodies.{name}", body)
         elif isinstance(body, BeamBody | ShellBody):
             try:
-                sound[name] = specs.of(name, body, mechanism)
+                if mechanism.fidelity is None:
+                    sound[name] = specs.of(name, body, mechanism)
+                    continue
+                model, check = rich_bodies(name, mechanism)
+                sound[name] = specs.of(name, model, mechanism)
+                sound[name + CHECK] = specs.of(name, check, mechanism)
             except InputError as error:
                 found += str(error).splitlines()
         elif isinstance(body, RigidBody):
@@ -32,6 +39,14 @@ def check_bodies(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, Body
                     f"bodies.{name}.inertia = {body.inertia}: expected a symmetric, "
                     "positive definite 3x3 matrix"
                 )
+            else:
+                a, b, c = np.linalg.eigvalsh(inertia)
+                if c > (a + b) * (1.0 + TRIANGLE):
+                    found.append(
+                        f"bodies.{name}.inertia = {body.inertia}: no body has principal moments "
+                        f"{a:.6g}, {b:.6g}, {c:.6g} kg m2; expected none above the sum of the "
+                        "other two"
+                    )
     return sound, found
 
 

@@ -2,13 +2,14 @@
 
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 
-from pydantic import Field, create_model
+from pydantic import Field, create_model, model_validator
 
-from ...dynamics.forces.contract import Element, ForceElement
+from ...dynamics.forces.contract import CoordinateForce, Element, ForceElement, Load
 from ...dynamics.forces.table import FORCES
-from ..common.table import Table, unit
+from ..common.table import Name, Table, unit
 from .keys import GlobalDirection, field_of
 from .laws import LoadLaw
+from .signals import JointCoordinate
 
 
 class ElementTable(Table):
@@ -37,21 +38,52 @@ class LoadTable(Table):
     kind: str
 
 
-def _table(element: ForceElement) -> type[ElementTable] | type[LoadTable]:
+class CoordinateTable(Table):
+    """Keys of every force along a coordinate."""
+
+    joint: Name | None = Field(
+        default=None, description="the joint whose coordinate it acts along; or `between`"
+    )
+    coordinate: JointCoordinate | None = Field(
+        default=None, description="of the joint; absent: the only one that it has"
+    )
+    between: list[str] | None = Field(
+        default=None,
+        min_length=2,
+        max_length=2,
+        description="in place of `joint`, two places: the coordinate is their distance",
+    )
+    kind: str
+
+    @model_validator(mode="after")
+    def _one_coordinate(self) -> "CoordinateTable":
+        if (self.joint is None) == (self.between is None):
+            raise ValueError("expected either `joint` or `between`")
+        if self.coordinate is not None and self.joint is None:
+            raise ValueError("expected `coordinate` with `joint` only")
+        return self
+
+
+ForceTable = ElementTable | LoadTable | CoordinateTable
+
+
+def _table(element: ForceElement) -> type[ElementTable] | type[LoadTable] | type[CoordinateTable]:
     fields: dict[str, Any] = {"kind": (Literal[element.kind], ...)}
     title = f'`[forces.NAME]` with kind = "{element.kind}": {element.meaning}.'
     text = f"{title}\n\n{element.remark}" if element.remark else title
     name = f"{element.kind.title().replace('_', '')}Force"
-    if not isinstance(element, Element):
+    if isinstance(element, Load):
         return create_model(name, __base__=LoadTable, __doc__=text, **fields)
+    assert isinstance(element, Element | CoordinateForce)
     fields |= {key.name: field_of(key) for key in element.keys}
-    return create_model(name, __base__=ElementTable, __doc__=text, **fields)
+    base = ElementTable if isinstance(element, Element) else CoordinateTable
+    return create_model(name, __base__=base, __doc__=text, **fields)
 
 
-FORCE_TABLES: tuple[type[ElementTable] | type[LoadTable], ...] = tuple(
+FORCE_TABLES: tuple[type[ElementTable] | type[LoadTable] | type[CoordinateTable], ...] = tuple(
     _table(element) for element in FORCES.values()
 )
 if TYPE_CHECKING:
-    CaseForce = ElementTable | LoadTable
+    CaseForce = ForceTable
 else:
     CaseForce = Annotated[Union[(*FORCE_TABLES,)], Field(discriminator="kind")]

@@ -5,8 +5,9 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, Field
 from pydantic.fields import FieldInfo
 
-from ...math.keys import Direction, Number, OfTime, Three
+from ...math.keys import Curve, Direction, Expression, Number, OfTime, Three
 from ..common.table import Vector, unit
+from .curves import CurveTable
 from .laws import LoadLaw
 
 Z = [0.0, 0.0, 1.0]
@@ -29,11 +30,25 @@ GlobalDirection = Annotated[Vector, AfterValidator(_of_some_length)]
 Constants = Annotated[list[Annotated[float, Field(ge=0)]], Field(min_length=3, max_length=3)]
 
 
-def field_of(key: Number | Three | Direction | OfTime) -> tuple[Any, FieldInfo]:
+Key = Number | Three | Direction | OfTime | Expression | Curve
+
+
+def field_of(key: Key) -> tuple[Any, FieldInfo]:
     """Return type and field of a key, as `create_model` takes them."""
     if isinstance(key, Number):
         return _number(key)
     default: Any = None
+    if isinstance(key, Curve):
+        points: FieldInfo = Field(
+            default=default, description=key.meaning, json_schema_extra=unit(key.unit)
+        )
+        return CurveTable | None, points
+    if isinstance(key, Expression):
+        given: Any = ... if key.required else key.default
+        text: FieldInfo = Field(
+            default=given, description=key.meaning, json_schema_extra=unit(key.unit)
+        )
+        return (str | None if given is None else str), text
     if isinstance(key, OfTime):
         return LoadLaw | None, Field(default=default, description=key.meaning)
     if isinstance(key, Three):

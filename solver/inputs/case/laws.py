@@ -9,7 +9,8 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationInfo, model_validator
 
 from ...math import laws
-from ..common.table import Table, unit
+from ..common.messages import printable
+from ..common.table import FilePath, Table, unit
 
 Times = Annotated[list[float], Field(min_length=2)]
 # Keys of the validation context: the folder of the case file; whether tables are read already.
@@ -22,7 +23,7 @@ class TimeTable(Table):
     After the last time the last value is kept.
     """
 
-    file: str | None = Field(
+    file: FilePath | None = Field(
         default=None,
         description="instead of `times` and `values`: a text file of two columns, time and value, "
         "separated by commas; path relative to the case file",
@@ -39,7 +40,7 @@ class TimeTable(Table):
     def _from_file(cls, data: Any, info: ValidationInfo) -> Any:
         if not isinstance(data, dict) or not isinstance(data.get("file"), str):
             return data
-        if (info.context or {}).get(RESOLVED):
+        if (info.context or {}).get(RESOLVED) or printable(data["file"]) != data["file"]:
             return data
         if "times" in data or "values" in data:
             raise ValueError("expected either `file` or `times` and `values`")
@@ -111,7 +112,7 @@ class _Law(Table):
         return self
 
 
-LAWS = ("constant", "speed", "polynomial", "table", "ramp", "smooth_step")
+LAWS = ("constant", "speed", "polynomial", "table", "ramp", "smooth_step", "expression")
 Coefficients = Annotated[list[float], Field(min_length=1, max_length=laws.N_COEFFICIENT)]
 
 
@@ -136,6 +137,11 @@ class RotationDrive(_Law):
     )
     table: TimeTable | None = Field(default=None, description="angles [rad] at given times")
     smooth_step: SmoothStep | None = Field(default=None, description="from 0 to an angle")
+    expression: str | None = Field(
+        default=None,
+        description="of the time `t` and of parameters, see mechanisms.md",
+        json_schema_extra=unit("rad"),
+    )
 
 
 class TranslationDrive(_Law):
@@ -161,6 +167,11 @@ class TranslationDrive(_Law):
     )
     table: TimeTable | None = Field(default=None, description="displacements [m] at given times")
     smooth_step: SmoothStep | None = Field(default=None, description="from 0 to a displacement")
+    expression: str | None = Field(
+        default=None,
+        description="of the time `t` and of parameters, see mechanisms.md",
+        json_schema_extra=unit("m"),
+    )
 
 
 class LoadLaw(_Law):
@@ -176,6 +187,11 @@ class LoadLaw(_Law):
     )
     table: LoadTable | None = Field(default=None, description="values at given times")
     smooth_step: SmoothStep | None = Field(default=None, description="from 0 to a value")
+    expression: str | None = Field(
+        default=None,
+        description="of the time, coordinates and parameters, see mechanisms.md",
+        json_schema_extra=unit("N or N m"),
+    )
 
 
 LAW_TABLES: tuple[type[Table], ...] = (

@@ -15,6 +15,20 @@ from .laws import FOLDER
 from .schema import CaseFile, Mechanism
 from .sweep_members import CheckedSweep, check_sweep
 
+# Names that the folder of a case has for other things than the results of a run, or of a sweep.
+RESERVED = {
+    "runs": {
+        "bodies": "a folder of this name",
+        "inputs": "a folder of this name",
+        "runs": "a folder of this name",
+        "sweeps": "a folder of this name",
+        "ran": "a file of this name",
+    },
+    "sweeps": {"bodies": "a folder sweeps/bodies"},
+}
+
+IN_COARSE = " (in [coarse])"
+
 
 @dataclass(frozen=True)
 class Case:
@@ -22,7 +36,7 @@ class Case:
 
     Attributes
     ----------
-    name : of its folder
+    name : of its folder; of the file, unless that is case.toml
     file : where it comes from
     top : what is beside the mechanism
     runs : mechanism by run
@@ -79,6 +93,13 @@ def load_case(file: Path, *, coarse: bool = False) -> Case:
     specs = BodySpecs(file.parent)
     runs: dict[str, Mechanism] = {}
     bodies: dict[str, dict[str, BodySpec]] = {}
+    if top.coarse and not coarse:
+        problems += _of_coarse(file)
+    problems += [
+        f"{file}: {table}.{name}: expected another name, build/CASE has {RESERVED[table][name]}"
+        for table, names in (("runs", top.runs), ("sweeps", top.sweeps))
+        for name in RESERVED[table].keys() & names.keys()
+    ]
     for name, run in top.runs.items():
         merged = merged_with(f"runs.{name}", run.variants)
         try:
@@ -110,14 +131,27 @@ def load_case(file: Path, *, coarse: bool = False) -> Case:
             problems.append(f'{file}: {key}.run = "{sweep.run}": no such run{hint}')
         elif sweep.run in runs:
             merged = merged_with(key, [*top.runs[sweep.run].variants, *sweep.variants])
+            merged.pop("fidelity", None)  # members have the modes that the case gives
             checked = check_sweep(f"{file}: {key}", sweep, merged, specs)
             if isinstance(checked, list):
                 problems += checked
             else:
                 sweeps[name] = checked
     if problems:
-        raise InputError("\n".join(dict.fromkeys(problems)))
-    return Case(file.resolve().parent.name, file, top, runs, bodies, sweeps)
+        told = dict.fromkeys(problems)
+        twice = {f"{line}{IN_COARSE}" for line in told}
+        raise InputError("\n".join(line for line in told if line not in twice))
+    name = file.resolve().parent.name if file.name == "case.toml" else file.stem
+    return Case(name, file, top, runs, bodies, sweeps)
+
+
+def _of_coarse(file: Path) -> list[str]:
+    """Return what is wrong with a case in its coarse version, beyond the whole case."""
+    try:
+        load_case(file, coarse=True)
+    except InputError as error:
+        return [f"{line}{IN_COARSE}" for line in str(error).splitlines()]
+    return []
 
 
 def merge(base: dict[str, Any], over: dict[str, Any]) -> None:

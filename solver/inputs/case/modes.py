@@ -87,6 +87,15 @@ class StaticAxialChoice(Table):
     kind: Literal["static-axial"]
 
 
+class StaticInertiaChoice(Table):
+    """One entry of `modes` with kind = "static-inertia": the shapes under inertia loads, six.
+
+    The loads of rigid accelerations along and about the body axes.
+    """
+
+    kind: Literal["static-inertia"]
+
+
 class SpinningChoice(Table):
     """One entry of `modes` with kind = "spinning-xy", "spinning-xz": bending under tension by spin.
 
@@ -100,7 +109,7 @@ class SpinningChoice(Table):
 
 
 Modes = Annotated[
-    ModeChoice | AttachmentChoice | StaticAxialChoice | SpinningChoice,
+    ModeChoice | AttachmentChoice | StaticAxialChoice | StaticInertiaChoice | SpinningChoice,
     Field(discriminator="kind"),
 ]
 
@@ -110,6 +119,7 @@ MODE_TABLES: tuple[type[Table], ...] = (
     ModeChoice,
     AttachmentChoice,
     StaticAxialChoice,
+    StaticInertiaChoice,
     SpinningChoice,
 )
 
@@ -139,7 +149,7 @@ def check_modes(
         f'{key}.modes[{i}].kind = "{mode.kind}": expected reference.kind "clamped" or "chord" with '
         "it: a mean axis carries its first load"
         for i, mode in enumerate(modes)
-        if isinstance(mode, SpinningChoice) and reference.kind == "mean-axis"
+        if isinstance(mode, SpinningChoice | StaticInertiaChoice) and reference.kind == "mean-axis"
     ]
     places = [fractions[place] for place in reference.places if place in fractions]
     if len(places) == 2 and places[0] == places[1]:

@@ -2,14 +2,14 @@
 
 from typing import TYPE_CHECKING
 
-from ...dynamics.forces.table import ELEMENTS, LOADS
+from ...dynamics.forces.table import COORDINATE_FORCES, ELEMENTS, LOADS
 from ...dynamics.joints.contract import DrivenBy
 from ...dynamics.joints.table import JOINTS
 
 if TYPE_CHECKING:
     from typing_extensions import TypeIs
 
-    from .forces import ElementTable, LoadTable
+    from .forces import CoordinateTable, ForceTable, LoadTable
     from .joints import JointTable
     from .laws import LoadLaw, RotationDrive, TranslationDrive
 
@@ -21,14 +21,21 @@ def drives(joint: "JointTable") -> dict[str, "RotationDrive | TranslationDrive"]
     return {name: drive for name, drive in found.items() if drive is not None}
 
 
-def is_load(force: "ElementTable | LoadTable") -> "TypeIs[LoadTable]":
+def is_load(force: "ForceTable") -> "TypeIs[LoadTable]":
     """Whether a force comes from outside, at one place."""
     return force.kind in LOADS
 
 
-def law(force: "ElementTable | LoadTable") -> "LoadLaw | None":
+def is_along(force: "ForceTable") -> "TypeIs[CoordinateTable]":
+    """Whether a force acts along a coordinate."""
+    return force.kind in COORDINATE_FORCES
+
+
+def law(force: "ForceTable") -> "LoadLaw | None":
     """Return the law of a load, or of the actuator of an element if it has one."""
     if is_load(force):
         return force.law
+    if is_along(force):
+        return None
     laws = [getattr(force, key) for key in ELEMENTS[force.kind].laws]
     return laws[0] if laws else None

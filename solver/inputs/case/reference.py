@@ -6,12 +6,15 @@ from ..common.material import MATERIAL_TABLES
 from ..common.page import chapters, required
 from ..section.mesh_table import SHAPE_MESHES
 from . import schema
+from .couplings import COUPLING_TABLES
+from .curves import CurveTable
+from .fidelity import Fidelity
 from .forces import FORCE_TABLES
 from .joints import JOINT_TABLES
 from .laws import LAW_TABLES
 from .modes import MODE_TABLES
 from .signals import SIGNAL_TABLES
-from .solver import Solver
+from .solver import Solver, Spin
 from .sweeps import Sweep, Variation
 
 _FIRST: tuple[type[BaseModel], ...] = (schema.CaseFile, schema.Mechanism, *MATERIAL_TABLES)
@@ -27,11 +30,15 @@ _THEN: tuple[type[BaseModel], ...] = (
     schema.PointInterface,
     schema.GroundPoint,
     *JOINT_TABLES,
+    *COUPLING_TABLES,
     *LAW_TABLES,
     *FORCE_TABLES,
+    CurveTable,
     schema.PointMass,
     *SIGNAL_TABLES,
     Solver,
+    Spin,
+    Fidelity,
     schema.Run,
     schema.Figure,
     Sweep,

@@ -9,6 +9,7 @@ from pydantic import ValidationError
 from ...errors import InputError
 from ..common.messages import lines
 from .laws import RESOLVED
+from .outputs import output_findings
 from .schema import Mechanism
 
 
@@ -21,9 +22,12 @@ def resolved(table: Mapping[str, Any], where: str) -> Mechanism:
         A file that was not written by `check`, or by another version; `where` names it.
     """
     try:
-        return Mechanism.model_validate(table, context={RESOLVED: True})
+        found = Mechanism.model_validate(table, context={RESOLVED: True})
     except ValidationError as error:
         raise InputError("\n".join(lines(error, Mechanism, where))) from error
+    if wrong := output_findings(found):
+        raise InputError("\n".join(f"{where}: {line}" for line in wrong))
+    return found
 
 
 def put(table: dict[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:

@@ -9,11 +9,14 @@ from pydantic import Field
 
 from ...package.body.specification import LinkKind, MassForm, Theory
 from ..common.material import Material
-from ..common.table import Name, Table, Vector, unit
+from ..common.table import FilePath, Name, Table, Vector, Word, unit
 from ..section.mesh_table import ShapeMesh, shape_or
+from .couplings import CaseCoupling
+from .fidelity import Fidelity
 from .forces import CaseForce
 from .joints import CaseJoint
 from .modes import Modes, Reference
+from .reduction import Reducible
 from .signals import Signal
 from .solver import Solver
 from .sweeps import Sweep
@@ -25,7 +28,7 @@ class DescribedSection(Table):
     Its keys: docs/section-description.md.
     """
 
-    file: str = Field(description="path of a section description, relative to the case file")
+    file: FilePath = Field(description="path of a section description, relative to the case file")
 
 
 if TYPE_CHECKING:
@@ -74,7 +77,22 @@ class Placed(Table):
     )
 
 
-class BeamBody(Placed):
+class Deformed(Placed):
+    """Keys of every flexible body: initial elastic motion."""
+
+    modal_coordinates: dict[str, float] = Field(
+        default={},
+        description="at the start, by label or number of the mode, which `plymotion info PACKAGE` "
+        "lists; joints are closed by the frames. With start = equilibrium, where the search begins",
+    )
+    modal_rates: dict[str, float] = Field(
+        default={},
+        description="at the start, likewise; of the others see solver.modes_at_start",
+        json_schema_extra=unit("1/s"),
+    )
+
+
+class BeamBody(Reducible, Deformed):
     """`[bodies.NAME]` with kind = "beam": straight along body x, from x = 0."""
 
     kind: Literal["beam"]
@@ -137,7 +155,7 @@ class ShellInterface(Table):
     )
 
 
-class ShellBody(Placed):
+class ShellBody(Reducible, Deformed):
     """`[bodies.NAME]` with kind = "shell": a laminated shell, its axes those of the mesh.
 
     Mesh, materials, laminates, regions, elements and stiffeners come from the description; its
@@ -145,7 +163,7 @@ class ShellBody(Placed):
     """
 
     kind: Literal["shell"]
-    shell: str = Field(
+    shell: FilePath = Field(
         description="path of a shell description (docs/shell-description.md), relative to the "
         "case file"
     )
@@ -184,11 +202,11 @@ class RigidBody(Placed):
     interfaces: dict[Name, PointInterface] = Field(default={}, description="named places")
 
 
-class PackageBody(Placed):
+class PackageBody(Reducible, Deformed):
     """`[bodies.NAME]` with kind = "package": a modal package from a file."""
 
     kind: Literal["package"]
-    package: str = Field(description="path of the .vtkhdf file, relative to the case file")
+    package: FilePath = Field(description="path of the .vtkhdf file, relative to the case file")
 
 
 Body = Annotated[BeamBody | ShellBody | RigidBody | PackageBody, Field(discriminator="kind")]
@@ -220,10 +238,21 @@ class Mechanism(Table):
     bodies: dict[Name, Body] = Field(min_length=1, description="moving bodies")
     ground: dict[Name, GroundPoint] = Field(default={}, description="points of the ground")
     joints: dict[Name, CaseJoint] = Field(default={}, description="constraints")
-    forces: dict[Name, CaseForce] = Field(default={}, description="springs, bushings, loads")
+    couplings: dict[Name, CaseCoupling] = Field(
+        default={}, description="gears, belts, screws: equations between coordinates of joints"
+    )
+    forces: dict[Name, CaseForce] = Field(
+        default={}, description="springs, loads, stops, friction, controllers"
+    )
+    parameters: dict[Word, float] = Field(
+        default={}, description="numbers that expressions read by name"
+    )
     masses: dict[Name, PointMass] = Field(default={}, description="point masses")
     signals: dict[Name, Signal] = Field(default={}, description="what is measured")
     solver: Solver = Field(description="time integration")
+    fidelity: Fidelity | None = Field(
+        default=None, description="the accuracy of a run, by which its model is chosen"
+    )
 
 
 class Run(Table):

@@ -9,13 +9,32 @@ from pydantic import Field, create_model
 
 from ...dynamics.constraints.treatment import Treatment
 from ...integrators.table import INTEGRATORS
-from ..common.table import Table, unit
-from .keys import field_of
+from ..common.table import Table, Vector, unit
+from .keys import GlobalDirection, field_of
 
 if TYPE_CHECKING:
     IntegratorName = str
 else:
     IntegratorName = Literal[(*INTEGRATORS,)]
+
+
+class Spin(Table):
+    """`spin` of `[solver]`: the whole mechanism turns about a fixed axis at constant speed."""
+
+    axis: GlobalDirection = Field(
+        description="direction of the axis, global", json_schema_extra=unit("-")
+    )
+    point: Vector = Field(
+        default=[0.0, 0.0, 0.0],
+        description="a point of the axis, global",
+        json_schema_extra=unit("m"),
+    )
+    speed: float = Field(
+        default=0.0,
+        description="angular velocity about the axis; other than 0: with `start = "
+        '"equilibrium"` only',
+        json_schema_extra=unit("rad/s"),
+    )
 
 
 class _Integration(Table):
@@ -25,10 +44,18 @@ class _Integration(Table):
     output_step: float = Field(
         gt=0, description="interval of the results", json_schema_extra=unit("s")
     )
+    most_outputs: int = Field(
+        default=10_000_000, ge=1, description="outputs, t_end / output_step, that are not refused"
+    )
     start: Literal["positions", "equilibrium"] = Field(
         default="positions",
         description="positions: as given, with joints closed; equilibrium: static equilibrium "
-        "under all loads and drives at t = 0",
+        "under all loads and drives at t = 0; with `spin`, relative equilibrium in axes that turn",
+    )
+    spin: Spin | None = Field(
+        default=None,
+        description="spin of the start in equilibrium; its axis is that of `plymotion modes --at "
+        "spin=...` too",
     )
     modes_at_start: Literal["still", "free"] = Field(
         default="still",
@@ -42,7 +69,7 @@ class _Integration(Table):
     )
     rtol: float = Field(
         default=1e-5,
-        gt=0,
+        ge=1e-15,
         le=0.1,
         description="accuracy: expected error of positions over the size of the mechanism, of "
         "velocities over its speed; see accuracy.md",
@@ -121,7 +148,8 @@ class Solver(_WithOptions):
     )
     on_invalid: Literal["stop", "warn"] = Field(
         default="stop",
-        description="when a linear body stops being valid: end the run there, or continue",
+        description="when a linear body stops being valid, or a stiffened one buckles: end the run "
+        "there, or continue",
     )
     geometric_stiffening: bool = Field(
         default=False,

@@ -4,7 +4,9 @@
     build/<case>/bodies/<name>.json     one distinct body: what the preprocessor builds
     build/<case>/runs/<run>.json        one run: resolved mechanism and its packages
     build/<case>/sweeps/<name>.json     one sweep: its members, their bodies in sweeps/bodies
+    build/<case>/inputs/<digest>        links to the files that all this is made from
     build/<case>/case.mk                what make must know
+    build/<case>/manifest.json          which files of the folder `check` has written
 
 A file is rewritten only when its content changes, so that make rebuilds no
 package after an edit that does not concern it.
@@ -16,74 +18,74 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from ...package.common.container import temporary_sibling
 from .body_specs import BodySpec
 from .load import Case
-from .of_time import drives, law
+from .output_folder import OutputFolder
 from .record import seal
+from .rich import model_and_check
+from .rules import rules
 from .schema import Mechanism, PackageBody
 from .sweep_members import CheckedSweep
 from .sweep_table import sweep_content
 
 
 def write_case(case: Case, out: Path, packages: Path | None = None) -> None:
-    """Write all files of a checked case into `out`.
+    """Write all files of a checked case into `out`, and remove those that it no longer has.
 
     Parameters
     ----------
     packages : folder of ready packages; None: out/bodies, built by the preprocessor
+
+    Raises
+    ------
+    InputError
+        `out` has files of the same names that `check` has not written; nothing is written.
     """
-    files = _BodyFiles(case, out, packages)
-    run_packages: dict[str, list[str]] = {}
+    folder = OutputFolder(out)
+    files = _BodyFiles(case, folder, packages)
+    run_packages: list[Path] = []
     for run, mechanism in case.runs.items():
-        table = files.packages(mechanism, case.bodies[run], "bodies", run)
-        run_packages[run] = sorted(os.path.relpath(out / t["file"]) for t in table.values())
-        write_if_changed(
-            out / "runs" / f"{run}.json",
-            dump(
-                {
-                    "case": case.name,
-                    "run": run,
-                    "title": case.top.runs[run].title or run,
-                    "packages": table,
-                    "checked": seal(mechanism),
-                    "mechanism": mechanism.model_dump(),
-                }
-            ),
-        )
-    spec_files = list(files.specs)
-    sweep_specs: dict[str, list[Path]] = {}
+        model, check = model_and_check(case.bodies[run])
+        table = files.packages(mechanism, model, "bodies", run)
+        of_check = files.packages(mechanism, check, "bodies", f"{run}.check") if check else {}
+        run_packages += [out / t["file"] for t in (*table.values(), *of_check.values())]
+        content = {
+            "case": case.name,
+            "run": run,
+            "title": case.top.runs[run].title or run,
+            "packages": table,
+            **({"check_packages": of_check} if of_check else {}),
+            "checked": seal(mechanism),
+            "mechanism": mechanism.model_dump(),
+        }
+        folder.add(f"runs/{run}.json", dump(content))
+    body_specs = list(files.specs)
+    sweep_specs: dict[str, list[str]] = {}
     for name, sweep in case.sweeps.items():
         content, sweep_specs[name] = _sweep(case, name, sweep, files)
-        write_if_changed(out / "sweeps" / f"{name}.json", dump(content))
-    kept = {f.stem for f in files.specs if f.parent.parent.name == "sweeps"}
-    _drop_stale(out / "sweeps" / "bodies", kept, (".json", ".vtkhdf"))
-    _drop_stale(out / "sweeps", set(case.sweeps), (".json", ".built"))
-    _drop_stale(out / "bodies", {f.stem for f in spec_files}, (".json", ".vtkhdf"))
-    _drop_stale(out / "runs", set(case.runs), (".json",))
+        folder.add(f"sweeps/{name}.json", dump(content), f"sweeps/{name}.built")
     first = next(iter(case.runs.values()))
-    write_if_changed(
-        out / "case.json",
-        dump(
-            {
-                "case": case.name,
-                "title": case.top.title,
-                "runs": {n: r.title or n for n, r in case.top.runs.items()},
-                "figures": {n: f.model_dump() for n, f in case.top.figures.items()},
-                "signals": {n: s.model_dump() for n, s in first.signals.items()},
-            }
-        ),
-    )
-    _write_rules(case, out, spec_files, run_packages, sweep_specs, built=packages is None)
+    content = {
+        "case": case.name,
+        "title": case.top.title,
+        "runs": {n: r.title or n for n, r in case.top.runs.items()},
+        "figures": {n: f.model_dump() for n, f in case.top.figures.items()},
+        "signals": {n: s.model_dump() for n, s in first.signals.items()},
+    }
+    folder.add("case.json", dump(content))
+    if packages is not None:
+        body_specs, sweep_specs = [], {}
+    text = rules(case, folder, body_specs, run_packages, sweep_specs)
+    folder.write(last=("case.mk", text))
 
 
 class _BodyFiles:
     """Specifications of distinct bodies, each written once however many mechanisms have it."""
 
-    def __init__(self, case: Case, out: Path, packages: Path | None) -> None:
-        self.case, self.out, self.ready = case, out, packages
-        self.specs: list[Path] = []
-        self._known: dict[str, tuple[Path, Path]] = {}  # hash -> specification, package
+    def __init__(self, case: Case, folder: OutputFolder, packages: Path | None) -> None:
+        self.case, self.folder, self.ready = case, folder, packages
+        self.specs: list[str] = []
+        self._known: dict[str, tuple[str, Path]] = {}  # hash -> specification, package
 
     def packages(
         self, mechanism: Mechanism, specs: dict[str, BodySpec], folder: str, run: str = ""
@@ -95,34 +97,37 @@ class _BodyFiles:
         that members that come and go leave the others' packages alone.
         """
         table: dict[str, dict[str, str]] = {}
+        out = self.folder.path
         for name, body in mechanism.bodies.items():
             if isinstance(body, PackageBody):
                 file = (self.case.file.parent / body.package).resolve()
-                table[name] = {"file": os.path.relpath(file, self.out)}
+                table[name] = {"file": os.path.relpath(file, out)}
             elif name in specs:
                 digest = specs[name].inputs_sha256
                 if digest not in self._known:
                     stem = f"{name}.{run or digest[:12]}"
-                    file = self.out / folder / f"{stem}.json"
-                    package = (self.ready or self.out / folder) / f"{stem}.vtkhdf"
-                    write_if_changed(file, dump({**specs[name].content, "inputs_sha256": digest}))
-                    self._known[digest] = file, package
-                    self.specs.append(file)
+                    spec = f"{folder}/{stem}.json"
+                    package = (self.ready or out / folder) / f"{stem}.vtkhdf"
+                    built = () if self.ready else (f"{folder}/{stem}.vtkhdf",)
+                    text = dump({**specs[name].content, "inputs_sha256": digest})
+                    self.folder.add(spec, text, *built)
+                    self._known[digest] = spec, package
+                    self.specs.append(spec)
                 package = self._known[digest][1]
                 table[name] = {
-                    "file": os.path.relpath(package, self.out),
+                    "file": os.path.relpath(package, out),
                     "inputs_sha256": digest,
                 }
         return table
 
-    def spec_files(self, digests: Iterable[str]) -> list[Path]:
-        """Return the specifications of bodies."""
+    def spec_files(self, digests: Iterable[str]) -> list[str]:
+        """Return the specifications of bodies, from `out`."""
         return [self._known[digest][0] for digest in digests]
 
 
 def _sweep(
     case: Case, name: str, sweep: CheckedSweep, files: _BodyFiles
-) -> tuple[dict[str, Any], list[Path]]:
+) -> tuple[dict[str, Any], list[str]]:
     """Return the content of sweeps/<name>.json, and the specifications of its bodies."""
     tables = [
         files.packages(member, bodies, "sweeps/bodies")
@@ -135,70 +140,6 @@ def _sweep(
     return content, files.spec_files(digests)
 
 
-def _write_rules(
-    case: Case,
-    out: Path,
-    spec_files: list[Path],
-    run_packages: dict[str, list[str]],
-    sweep_specs: dict[str, list[Path]],
-    *,
-    built: bool,
-) -> None:
-    """Write case.mk: lists for the Makefile, and what the runs need."""
-    base = os.path.relpath(out)
-    text = [
-        "# Written by `python -m plymotion.solver check`; do not edit.",
-        f"{case.name}_SPECS := {' '.join(os.path.relpath(f) for f in spec_files) if built else ''}",
-        f"{case.name}_RUNS := {' '.join(case.runs)}",
-        f"{case.name}_SWEEPS := {' '.join(case.sweeps)}",
-    ]
-    for name, specs in sweep_specs.items() if built else ():
-        text.append(f"{case.name}_{name}_SPECS := {' '.join(map(os.path.relpath, specs))}")
-    run_files = [f"{base}/runs/{run}.json" for run in run_packages]
-    needed = sorted({file for files in run_packages.values() for file in files})
-    text.append(f"{base}/ran: {' '.join([*run_files, *needed])}")
-    folder = case.file.parent
-    mechanisms = [*case.runs.values(), *(s.base for s in case.sweeps.values())]
-    bodies = [*case.bodies.values(), *(b for s in case.sweeps.values() for b in s.bodies)]
-    sources = {file for specs in bodies for spec in specs.values() for file in spec.sources}
-    sources |= {file for mechanism in mechanisms for file in _law_sources(mechanism, folder)}
-    for file in sorted(os.path.relpath(source) for source in sources):
-        # Its own rule has no recipe: a file that is gone makes the rules anew.
-        text += [f"{base}/case.mk: {file}", f"{file}:"]
-    # The rules file is the target of `check`: always newer than the case file.
-    write_atomic(out / "case.mk", "\n".join(text) + "\n")
-
-
-def _law_sources(mechanism: Mechanism, folder: Path) -> list[Path]:
-    """Return the files beside the case file that its laws of time come from."""
-    laws: list[Any] = []
-    for joint in mechanism.joints.values():
-        laws += drives(joint).values()
-    laws += [law(force) for force in mechanism.forces.values()]
-    tables = [each.table for each in laws if each is not None and each.table is not None]
-    return [folder / table.file for table in tables if table.file is not None]
-
-
-def _drop_stale(folder: Path, keep: set[str], suffixes: tuple[str, ...]) -> None:
-    """Remove files of bodies or runs that the case no longer has."""
-    for file in folder.glob("*"):
-        if file.suffix in suffixes and file.name[: -len(file.suffix)] not in keep:
-            file.unlink()
-
-
 def dump(data: Any) -> str:
     """Return readable JSON."""
     return json.dumps(data, indent=2) + "\n"
-
-
-def write_if_changed(file: Path, text: str) -> None:
-    """Write a file unless it already holds `text`."""
-    if not (file.is_file() and file.read_text(encoding="utf-8") == text):
-        write_atomic(file, text)
-
-
-def write_atomic(file: Path, text: str) -> None:
-    """Write to a temporary name in the same folder, then rename."""
-    file.parent.mkdir(parents=True, exist_ok=True)
-    with temporary_sibling(file) as temporary:
-        temporary.write_text(text, encoding="utf-8")

@@ -18,7 +18,7 @@ def lines(error: ValidationError, model: type[BaseModel], where: str) -> list[st
 
 def _line(item: Any, model: type[BaseModel], where: str) -> str:
     path, kind = follow(model, item["loc"])
-    key = ".".join(str(part) for part in path)
+    key = printable(".".join(str(part) for part in path))
     if item["type"] == "extra_forbidden":
         _, table = follow(model, item["loc"][:-1])
         return f"{where}: {key}: unknown key{nearest(str(path[-1]), _keys(table))}"
@@ -46,8 +46,16 @@ def _one_of_words(kind: Any) -> bool:
     return get_origin(kind) is Literal and all(isinstance(word, str) for word in get_args(kind))
 
 
+def printable(text: str) -> str:
+    """Return a text in one line: control characters as escapes."""
+    return "".join(
+        letter if letter.isprintable() else letter.encode("unicode_escape").decode("ascii")
+        for letter in text
+    )
+
+
 def _short(value: Any) -> str:
-    text = f'"{value}"' if isinstance(value, str) else repr(value)
+    text = f'"{printable(value)}"' if isinstance(value, str) else repr(value)
     return text if len(text) < 60 else text[:57] + "..."
 
 

@@ -2,17 +2,29 @@
 
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+
+from .messages import printable
+
+
+def usable_path(text: str) -> str:
+    """Return a path. Raises ValueError if no message could show it in one line."""
+    if not text or printable(text) != text:
+        raise ValueError("expected a path without control characters")
+    return text
+
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_-]*$")]
+Word = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]  # of an expression
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
+FilePath = Annotated[str, AfterValidator(usable_path)]
 Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
 
 
 class Table(BaseModel):
-    """A table of an input file: unknown keys are errors."""
+    """A table of an input file: unknown keys are errors; true, false and "1" are no numbers."""
 
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True)
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True, strict=True)
 
 
 def plain_table(table: BaseModel) -> Any:

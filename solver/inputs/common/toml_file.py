@@ -16,8 +16,10 @@ def read_toml(file: Path, what: str) -> dict[str, Any]:
         No such file; not TOML.
     """
     try:
-        return tomllib.loads(file.read_text(encoding="utf-8"))
+        return tomllib.loads(file.read_text(encoding="utf-8-sig"))
     except (FileNotFoundError, IsADirectoryError) as error:
         raise InputError(f"{file}: no such {what}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except RecursionError:
+        raise InputError(f"{file}: not valid TOML: nested too deep; expected 100 levels") from None
+    except ValueError as error:  # of the syntax, of UTF-8, or a number of thousands of digits
         raise InputError(f"{file}: not valid TOML: {error}") from error

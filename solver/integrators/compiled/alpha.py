@@ -98,7 +98,7 @@ def advance_alpha(
             evaluate(model, work, t_new, stage)
             counts[EVALUATIONS] += 1
             if iteration == 1:
-                freeze(model, work, stage, frozen)
+                freeze(model, work, t_new, stage, frozen)
                 to_d = h * scheme.to_v
                 factorise_pencil(model, frozen, real, scheme.to_a, to_d, h * h)
                 counts[FACTORISATIONS] += 1

@@ -36,7 +36,7 @@ def close(
     real.load[:] = 0.0
     if not violation <= CLOSED:
         for _ in range(MAX_ITERATIONS):
-            freeze(model, work, y, frozen)
+            freeze(model, work, t, y, frozen)
             factorise_pencil(model, frozen, real, s * s, s, 1.0)
             for k in range(model.n_constraint):
                 real.gamma[k] = -work.rows[k, PHI]
@@ -52,7 +52,7 @@ def close(
             if violation <= CLOSED:
                 break
     if moved == 0.0:
-        freeze(model, work, y, frozen)
+        freeze(model, work, t, y, frozen)
         factorise_pencil(model, frozen, real, s * s, s, 1.0)
     for _ in range(MAX_ITERATIONS):
         evaluate_rates(model, work, y)

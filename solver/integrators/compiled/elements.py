@@ -22,9 +22,17 @@ def _evaluate_rows(model: Model, work: Work, e: int) -> int:
     plan = model.plan
     begin, end = plan.element_start[e], plan.element_start[e + 1]
     if begin < end:
-        one = work.motion[model.force_marker[e, 0]]
-        two = work.motion[model.force_marker[e, 1]]
-        element_rows(model.force_kind[e], one, two, model.force_parameters[e], work.element)
+        along = model.quantities.along[e]
+        if along >= 0:  # a force along a coordinate: -g'F with F = -size
+            for j in range(12):
+                work.element[0, j] = work.g[along, j]
+            work.element[0, FORCE] = -work.size[e, 0]
+            work.element[0, STIFFNESS] = max(0.0, -work.size[e, 1])
+            work.element[0, DAMPING] = max(0.0, -work.size[e, 2])
+        else:
+            one = work.motion[model.force_marker[e, 0]]
+            two = work.motion[model.force_marker[e, 1]]
+            element_rows(model.force_kind[e], one, two, model.force_parameters[e], work.element)
         for k in range(begin, end):
             for j in range(N_ELEMENT_ROW):
                 work.element_used[k - begin, j] = work.element[plan.element_row[k], j]

@@ -13,6 +13,7 @@ by one system of the same structure as that of the mass matrix:
     Phi_q x = (c + (s + 2 alpha) Phi_q rho) / (s^2 + 2 alpha s + beta^2),
     g x - m / (k + s c) = (e + c g rho) / (k + s c),
     delta v = s x - rho,   delta q = G x + (r_q - G rho) / s,
+    delta z of auxiliary states as in coupled_states.py,
 
 with the feedback alpha, beta of Baumgarte's treatment in c: without it in the matrix, Newton's
 iteration would converge only where steps are much shorter than 1 / alpha and 1 / beta. Forces of
@@ -25,13 +26,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...dynamics.dependence import REGULAR, rows_depend
 from ...dynamics.elimination import factorise, solve
-from ...dynamics.model import Model
-from ...dynamics.system import REGULAR, add_inertia, soften
+from ...dynamics.model import Model, state_size
+from ...dynamics.system import add_inertia, soften
 from ...dynamics.workspace import Factors, Work, new_factors, place_added_rows
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean, structure
 from ...math.rotations import along_parameters
+from .coupled_states import freeze_states, hold_states, left_of_states, move_states
 from .elements import freeze_elements
 
 NOTHING = 1e-100  # of stiffness and damping: an element that holds nothing in a direction
@@ -44,7 +47,7 @@ class Pencil(NamedTuple):
     factors: Factors
     load: Array  # (nb, n) R
     gamma: Array  # (n_r,) c of constraints and e of force elements; afterwards 0 beyond constraints
-    r: Array  # (n,) r_q
+    r: Array  # (n,) r_q and r_z
     rho: Array  # (nb, n)
     x: Array  # (nb, n)
     delta: Array  # (n,) answer in the coordinates of y
@@ -62,12 +65,14 @@ class Frozen(NamedTuple):
     p: Array  # (nb, 4)
     stiffness: Array  # (n_e,) of the rows of force elements [N/m, N m/rad]
     damping: Array  # (n_e,) [N s/m, N m s/rad]
+    auxiliary: Array  # (na,) derivatives of the rates of auxiliary states by themselves [1/s]
+    coupled: Array  # (n, 3) of forces with states of their own (coupled_states.py)
 
 
 def new_pencil(model: Model, one: Any) -> Pencil:
     """Return memory of the type of `one`."""
     nb, n, n_r = model.n_body, model.plan.widest, model.plan.newton.place.shape[0]
-    n_y = model.n_pos + model.n_vel + 1
+    n_y = state_size(model)
     return Pencil(
         new_factors(model, model.plan.newton, one),
         np.zeros((nb, n)) * one,
@@ -92,14 +97,16 @@ def new_frozen(model: Model) -> Frozen:
         np.zeros((nb, 4)),
         np.zeros(n_e),
         np.zeros(n_e),
+        np.zeros(model.n_aux),
+        np.zeros((model.quantities.coupled_force.shape[0], 3)),
     )
     place_added_rows(model, frozen.J)
     return frozen
 
 
 @inlined
-def freeze(model: Model, work: Work, y: Array, frozen: Frozen) -> None:
-    """Keep what the last evaluation, in state y, has filled."""
+def freeze(model: Model, work: Work, t: float, y: Array, frozen: Frozen) -> None:
+    """Keep what the last evaluation, at time t in state y, has filled."""
     plan, row_start = model.plan, model.plan.row_start
     frozen.softness[:] = 0.0
     for i in range(plan.size.shape[0]):
@@ -115,6 +122,8 @@ def freeze(model: Model, work: Work, y: Array, frozen: Frozen) -> None:
             frozen.p[i, k] = y[model.pos_start[i] + 3 + k]
     if plan.element_row.shape[0] > 0:
         freeze_elements(model, work, frozen.stiffness, frozen.damping, frozen.J)
+    if model.n_aux > 0:
+        freeze_states(model, work, t, frozen.auxiliary, frozen.coupled)
 
 
 @lean
@@ -127,7 +136,8 @@ def factorise_pencil(
     """
     _factorise(model, frozen, pencil, mass, damping, stiffness)
     if model.penalty > 0.0 and pencil.factors.regular[0] < REGULAR:
-        soften(model, frozen.J, frozen.softness)
+        if rows_depend(model, model.plan.newton, pencil.factors, frozen.J, pencil.softness):
+            soften(model, frozen.J, frozen.softness)
         _factorise(model, frozen, pencil, mass, damping, stiffness)
 
 
@@ -153,8 +163,12 @@ def _factorise(
         softness[k] = frozen.softness[k] / fed
     first = n_c + plan.added_start[model.n_body]
     for k in range(frozen.stiffness.shape[0]):
-        hold = stiffness * frozen.stiffness[k] + damping * frozen.damping[k]
-        softness[first + k] = 1.0 / hold if abs(hold) > NOTHING else 1.0 / NOTHING
+        softness[first + k] = stiffness * frozen.stiffness[k] + damping * frozen.damping[k]
+    s = damping / stiffness
+    hold_states(model, frozen.auxiliary, frozen.coupled, s, stiffness, first, softness)
+    for k in range(first, first + frozen.stiffness.shape[0]):
+        hold = softness[k]
+        softness[k] = 1.0 / hold if abs(hold) > NOTHING else 1.0 / NOTHING
     factorise(plan, plan.newton, pencil.factors, frozen.J, softness)
 
 
@@ -177,7 +191,7 @@ def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> No
     for i in range(plan.size.shape[0]):
         n, m, two = plan.size[i], model.n_mode[i], model.square_start[i]
         a = model.pos_start[i]
-        _spin_of(frozen.p[i], r, a + 3, rho[i])
+        spin_of(frozen.p[i], r, a + 3, rho[i])
         for k in range(3):
             rho[i, k] = r[a + k]
         for k in range(m):
@@ -212,11 +226,13 @@ def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> No
                     for b in range(plan.size[body]):
                         lost = frozen.damping[begin + p] * rho[body, b]
                         gamma[e + begin + p] += J[b, first + p] * lost
+    left_of_states(model, frozen.auxiliary, frozen.coupled, frozen.J, r, rho, s, e, gamma)
     for k in range(frozen.damping.shape[0]):
         gamma[e + k] *= pencil.softness[e + k]
     solve(plan, plan.newton, pencil.factors, load, gamma, x, pencil.mu)
     for k in range(n_c, gamma.shape[0]):
         gamma[k] = 0.0
+    move_states(model, frozen.auxiliary, frozen.coupled, frozen.J, r, rho, x, s, delta)
     c = 1.0 / s
     for i in range(plan.size.shape[0]):
         m = model.n_mode[i]
@@ -236,7 +252,7 @@ def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> No
 
 
 @inlined
-def _spin_of(p: Array, r: Array, a: int, rho: Array) -> None:
+def spin_of(p: Array, r: Array, a: int, rho: Array) -> None:
     """rho[3:6] = 2 E' r[a:a+4] / p'p: the rotation that changes Euler parameters so."""
     e0, e1, e2, e3 = p[0], p[1], p[2], p[3]
     c = 2.0 / (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3)

@@ -10,6 +10,7 @@ from ...dynamics.model import Model
 from ...math.arrays import Array
 from ...math.compiled import lean
 from .closing import close
+from .cutoff import energy, filter_error, start_filter
 from .dependent_rows import factorise_stages, reduce_multipliers, softened, yield_rows
 from .pencil import freeze, solve_pencil
 from .radau_workspace import RadauWorkspace
@@ -29,6 +30,7 @@ from .stages import (
 )
 from .step_control import (
     ARRIVED,
+    CUTOFF,
     ERROR_LAST,
     EVALUATIONS,
     FACTORISATIONS,
@@ -86,12 +88,14 @@ def advance(
     ends : of the steps taken, as many as it has room for
     """
     clock, counts, work, stage = workspace.clock, workspace.counts, workspace.work, workspace.stage
-    frozen, real, pair = workspace.frozen, workspace.real, workspace.pair
+    frozen, real, pair, w_c = workspace.frozen, workspace.real, workspace.pair, clock[CUTOFF]
     n = stage.shape[0]
     fixed = options.fixed_step > 0.0
     most = 2 * MAX_ITERATIONS if fixed else MAX_ITERATIONS
     tolerance = max(2e-15 / options.rtol, min(0.01, options.rtol**0.5))
-    taken = 0
+    taken, stored, ringing = 0, 0.0, False
+    if w_c > 0.0:
+        stored = energy(model, work, clock[TIME], workspace.y, workspace.cutoff.parts)
     while clock[TIME] < options.t_end:
         if taken == most_steps:
             return PAUSED, filled
@@ -122,7 +126,7 @@ def advance(
                     workspace.r[k],
                 )
                 if iteration == 1 and k == 1:
-                    freeze(model, work, stage, frozen)
+                    freeze(model, work, t + C[k] * h, stage, frozen)
             if iteration == 1:
                 factorise_stages(model, workspace, h)
                 counts[FACTORISATIONS] += 1
@@ -183,9 +187,15 @@ def advance(
                     solve_pencil(model, frozen, real, MU / h)
                     real.delta[n - 1] = 0.0
                     error = norm(options, real.delta, workspace.weight)
+                    ringing = error > 1.0
+                    if w_c > 0.0:
+                        if again == 0:
+                            start_filter(model, frozen, workspace.cutoff, w_c)
+                        filter_error(model, workspace.cutoff, w_c, real.delta)
+                        error = norm(options, workspace.cutoff.error, workspace.weight)
                     if not error > 1.0:
-                        if again == 0 and frozen.stiffness.shape[0] == 0:
-                            # The work is a quadrature. That of stiff elements is not resolved.
+                        if again == 0 and frozen.stiffness.shape[0] == 0 and w_c == 0.0:
+                            # The work is a quadrature. That of what is stiff is not resolved.
                             real.delta[n - 1] = real.r[n - 1] * h / MU
                             error = norm(options, real.delta, workspace.weight)
                         break
@@ -221,6 +231,14 @@ def advance(
         if softened(frozen):
             reduce_multipliers(model, workspace)
         accept(workspace, h)
+        if w_c > 0.0:
+            stored -= energy(model, work, t_new, workspace.y, workspace.cutoff.parts)
+            if ringing:
+                lost = stored + workspace.y[n - 1] - workspace.y_old[n - 1]
+                workspace.damped[0] += lost
+                workspace.Q[0, n - 1] -= lost
+                workspace.y[n - 1] -= lost
+            stored = workspace.cutoff.parts.sum()
         if clock[TAKEN] > 0.0:  # Gustafsson: errors that grow ask for more care
             factor *= min(1.0, h / clock[TAKEN] * (clock[ERROR_LAST] / error) ** 0.25)
         clock[NEXT] = min(h * max(MIN_FACTOR, min(MAX_FACTOR, factor)), CAUTION * clock[LIMIT])

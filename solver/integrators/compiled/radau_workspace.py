@@ -9,9 +9,10 @@ from ...dynamics.system import evaluate
 from ...dynamics.workspace import Work, new_work
 from ...math.arrays import Array, IntArray
 from ...math.compiled import structure
+from .cutoff import Cutoff, new_cutoff
 from .elements import start_forces
 from .pencil import Frozen, Pencil, new_frozen, new_pencil
-from .step_control import ERROR_LAST, LIMIT, NEXT, RATE, TIME
+from .step_control import ERROR_LAST, LIMIT, NEXT, RATE, TAKEN, TIME
 
 
 @structure
@@ -37,19 +38,28 @@ class RadauWorkspace(NamedTuple):
     stage: Array  # (n,)
     rate: Array  # (n,) at a stage
     weight: Array  # (n,)
-    clock: Array  # (6,)
+    cutoff: Cutoff
+    least: Array  # (n_e,) stiffness that elements have had [N/m, N m/rad]
+    damped: Array  # (1,) energy lost above the cutoff [J]
+    clock: Array  # (7,)
     counts: IntArray  # (6,)
 
 
 def new_radau_workspace(
-    model: Model, t: float, y: Array, rate: Array, multipliers: Array, first_step: float
+    model: Model,
+    t: float,
+    y: Array,
+    rate: Array,
+    multipliers: Array,
+    first_step: float,
 ) -> RadauWorkspace:
     """Return memory for a run from state y (n,) at t [s], with its rate and multipliers (n_c,)."""
     n, nb, widest = y.shape[0], model.n_body, model.plan.widest
     n_r = model.plan.newton.place.shape[0]
+    frozen, least = new_frozen(model), np.full(model.plan.element_row.shape[0], np.inf)
     workspace = RadauWorkspace(
         new_work(model),
-        new_frozen(model),
+        frozen,
         new_pencil(model, 1.0),
         new_pencil(model, 1.0 + 0.0j),
         y.copy(),
@@ -67,13 +77,25 @@ def new_radau_workspace(
         np.zeros(n),
         np.zeros(n),
         np.zeros(n),
-        np.zeros(6),
+        new_cutoff(model, frozen, least),
+        least,
+        np.zeros(1),
+        np.zeros(7),
         np.zeros(6, dtype=np.int64),
     )
     workspace.clock[TIME], workspace.clock[NEXT], workspace.clock[ERROR_LAST] = t, first_step, 1.0
-    workspace.clock[RATE], workspace.clock[LIMIT] = 1.0, 1e300
+    workspace.clock[LIMIT] = 1e300
+    restart_radau(model, workspace, t, y, rate, multipliers)
+    return workspace
+
+
+def restart_radau(
+    model: Model, workspace: RadauWorkspace, t: float, y: Array, rate: Array, multipliers: Array
+) -> None:
+    """Forget what was before state y (n,) at t [s]; rate and multipliers are those after it."""
+    workspace.y[:], workspace.f[:] = y, rate
+    workspace.clock[TAKEN], workspace.clock[RATE] = 0.0, 1.0
     evaluate(model, workspace.work, t, y)
     for k in range(3):
         workspace.multipliers_old[k, : model.n_constraint] = multipliers
         start_forces(model, workspace.work, workspace.multipliers_old[k])
-    return workspace

@@ -6,7 +6,7 @@ Phi_q vdot = gamma are from being met. That spares a factorisation of the mass m
 
 from ...dynamics.coordinates import rates_into
 from ...dynamics.model import Model
-from ...dynamics.system import evaluate, evaluate_rates
+from ...dynamics.system import auxiliary_rates_into, evaluate, evaluate_rates
 from ...dynamics.workspace import GAMMA, PHI, PHI_T, Work
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean
@@ -34,11 +34,14 @@ def residual(
     load : (nb, n), f - M vdot - Phi_q' lambda
     gamma : (n_r,), gamma - Phi_q vdot, with the feedback of Baumgarte's treatment, and what the
         forces of elements leave of their law
-    r : (n,), of which positions: G v - qdot
+    r : (n,), of which positions: G v - qdot, and auxiliary states: their law less zdot
     """
     evaluate(model, work, t, y)
     rates_into(model, y, r)
     for i in range(model.n_pos):
+        r[i] -= rate[i]
+    auxiliary_rates_into(model, work, t, r)
+    for i in range(model.n_pos + model.n_vel, model.n_pos + model.n_vel + model.n_aux):
         r[i] -= rate[i]
     for k in range(model.n_constraint):
         gamma[k] = work.rows[k, GAMMA]

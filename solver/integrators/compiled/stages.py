@@ -54,6 +54,9 @@ def transform_residuals(model: Model, workspace: RadauWorkspace) -> None:
         real.gamma[i], pair.gamma[i] = _decouple(gamma[0, i], gamma[1, i], gamma[2, i])
     for i in range(model.n_pos):
         real.r[i], pair.r[i] = _decouple(r[0, i], r[1, i], r[2, i])
+    first = model.n_pos + model.n_vel
+    for i in range(first, first + model.n_aux):
+        real.r[i], pair.r[i] = _decouple(r[0, i], r[1, i], r[2, i])
 
 
 @inlined

@@ -16,6 +16,10 @@ STEPS_WORTH_A_LOOK = 100
 GROWN = 1e3
 
 SHORTER = "error control (no fixed step) shortens it by itself"
+STALLED = (
+    "an implicit method that damps vibrations of no interest (radau, or gear with max_order = 2), "
+    "fewer modes, or damping of the body or element"
+)
 NOT_FINITE = "Look for a singular position, a division by zero or unstable motion just after it"
 OTHERWISE = (
     "Look for a jump or a singularity in the forces just after it, loosen rtol "
@@ -58,9 +62,17 @@ def of_stability(h_mean: float, rate: float) -> str:
 def fastest_rate(
     f: Callable[[float, Array], Array], t: float, y: Array, weight: Array, iterations: int = 12
 ) -> float:
+    """Largest modulus of the eigenvalues of df/dy [1/s]; see `fastest_motion`."""
+    return fastest_motion(f, t, y, weight, iterations)[0]
+
+
+def fastest_motion(
+    f: Callable[[float, Array], Array], t: float, y: Array, weight: Array, iterations: int = 12
+) -> tuple[float, int]:
     """Largest modulus of the eigenvalues of df/dy [1/s], by power iteration on differences.
 
-    Two applications at a time: a pair of imaginary eigenvalues +-iw gives -w^2.
+    Returned with the component of y that moves most. Two applications at a time: a pair of
+    imaginary eigenvalues +-iw gives -w^2.
     `weight` (n,) scales the components, 0 leaves one out; 2 `iterations` + 1 evaluations.
     """
     known = np.isfinite(weight) & (weight > 0)
@@ -78,9 +90,9 @@ def fastest_rate(
     for _ in range(iterations):
         once = applied(z / np.linalg.norm(z))
         if not np.any(once):
-            return 0.0
+            return 0.0, -1
         z = applied(once)
         square = float(np.linalg.norm(z))
         if not (isfinite(square) and square > 0):
-            return 0.0
-    return square**0.5
+            return 0.0, -1
+    return square**0.5, int(np.argmax(np.abs(z)))

@@ -7,7 +7,7 @@ be compiled later without changing the contract.
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -16,6 +16,7 @@ from ...math.arrays import Array
 from ...math.keys import Number
 from . import advice
 from .norm import ErrorNorm
+from .pace import Pace, Stall
 
 Derivative = Callable[[float, Array], Array]
 Jacobian = Callable[[float, Array], Array]
@@ -85,11 +86,16 @@ class Integrator(ABC):
     local_share: ClassVar[float] = 1.0
     takes: ClassVar[str] = "derivative"  # or "constrained", "model": its first argument
 
+    # Whether it integrates auxiliary states of controllers, friction, angles over many turns.
+    auxiliary: ClassVar[bool] = True
+    samples: ClassVar[bool] = False  # and the jumps of those that are sampled
+
     # Words on runs that fail, without the full stop.
     on_growth: ClassVar[str] = ""  # a fixed step that makes the state grow, or fail
     fails_before_growth: ClassVar[bool] = False  # trouble shows in Newton's iteration, not in y
     on_failure: ClassVar[str] = advice.OTHERWISE
     on_any_failure: ClassVar[str] = ""  # behind the others
+    on_stall: ClassVar[str] = advice.STALLED  # what helps a run of tiny steps
     # Of |h w| on average, above which stability and not accuracy limits the steps; None: nowhere.
     limited_above: ClassVar[float | None] = None
 
@@ -135,6 +141,7 @@ class Integrator(ABC):
         self.status = "running"
         self.message = ""
         self.hints: list[str] = []
+        self.stalls: list[Stall] = []
         self.counters = Counters()
         self._trouble = ""  # why the last attempt was refused
         self._stalled = ""  # why a method gives up
@@ -300,6 +307,20 @@ class Integrator(ABC):
             words = f"{words}. {self.on_any_failure}"
         self.message = f"{where}; last refusal: {self._trouble or 'none'}. {words}."
 
+    def follow(self, pace: Pace) -> None:
+        """Notice that the run has come to a stall; called between steps, or many of them."""
+        if self.stalls:
+            return
+        found = pace.stalled(self.t, self.counters.steps, self.counters.rejected)
+        if found is not None:
+            rate, component = self._fastest_motion()
+            self.stalls.append(replace(found, component=component, rate=rate, remedy=self.on_stall))
+
+    @property
+    def damped_energy(self) -> float:
+        """Energy that the method has taken out of vibrations, as far as it counts it [J]."""
+        return 0.0
+
     def final_hints(self) -> tuple[str, ...]:
         """`hints`, and what a look back on a finished run adds (some evaluations of f)."""
         if (
@@ -321,8 +342,13 @@ class Integrator(ABC):
 
     def _fastest_rate(self) -> float:
         """Highest rate of the motion at the end of the run [1/s]; some evaluations of f."""
+        return self._fastest_motion()[0]
+
+    def _fastest_motion(self) -> tuple[float, int]:
+        """Highest rate of the motion [1/s], and the component of the state that moves most."""
         weight = self.norm.weight(self.y, self.y)
-        return advice.fastest_rate(self.derivative, self.t, self.y, weight)
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            return advice.fastest_motion(self.derivative, self.t, self.y, weight)
 
     @classmethod
     def for_treatment(cls, name: str) -> dict[str, Any]:

@@ -10,6 +10,7 @@ import numpy as np
 from ...math.arrays import Array
 from .base import Counters, Integrator
 from .output import Output
+from .pace import Pace, Stall
 from .steps import EachStep, Noted, Steps, StopRequest, Watch
 
 
@@ -28,6 +29,8 @@ class Solution:
     code: str = ""  # of the stop request
     counters: Counters = field(default_factory=Counters)
     hints: tuple[str, ...] = ()
+    stalls: tuple[Stall, ...] = ()
+    damped_energy: float = 0.0  # taken out of vibrations, as far as the integrator counts it [J]
 
 
 def requested_times(t_out: Sequence[float] | Array, t0: float, t_end: float) -> Array:
@@ -59,6 +62,7 @@ def integrate(
     on_step: Callable[[Integrator], StopRequest | None] | None = None,
     *,
     watch: Watch | None = None,
+    on_stall: Callable[[Stall], None] | None = None,
     folder: Path | None = None,
 ) -> Solution:
     """Step to the end; the solution at t_out comes from dense output, not the nearest step.
@@ -71,6 +75,7 @@ def integrate(
         are taken one by one for it
     watch : sees all accepted steps, many at a time; may return a StopRequest. The run ends with
         the step that it names; steps beyond are dropped
+    on_stall : told at once of a run that has come to a stall, and what was done about it
     folder : where rows are kept that are too many for memory; None: that of temporary files
 
     Raises
@@ -81,7 +86,7 @@ def integrate(
     times = requested_times(t_out, integrator.t, integrator.t_end)
     # Of one kind in memory, for a loop that is compiled for it.
     times = np.require(times, requirements=("C", "A", "W"))
-    drive = _Drive(integrator, Output(times, integrator.n, folder))
+    drive = _Drive(integrator, Output(times, integrator.n, folder), on_stall)
     interrupted = False
     try:
         if on_step is not None:
@@ -98,10 +103,14 @@ def integrate(
 class _Drive:
     """A run under way: what is kept of it."""
 
-    def __init__(self, integrator: Any, output: Output) -> None:
+    def __init__(
+        self, integrator: Any, output: Output, on_stall: Callable[[Stall], None] | None
+    ) -> None:
         self.integrator, self.output = integrator, output
         self.t_last, self.y_last = integrator.t, integrator.y
         self.request: StopRequest | None = None
+        pace = Pace(integrator.t, integrator.t_end, output.times)
+        self._pace, self._on_stall = pace, on_stall
         if output.times[0] == self.t_last:
             output.rows[0] = self.y_last
             output.filled = 1
@@ -122,6 +131,7 @@ class _Drive:
                 if self.request is None:
                     self._reach(integrator.t, integrator.y, filled)
                     output.make_room()
+                    self._follow()
         except KeyboardInterrupt:
             # Steps that were taken are kept, looked at or not; in plain NumPy a loop is heard
             # within, and stands where its last stride ended.
@@ -155,8 +165,17 @@ class _Drive:
                 if output.next_time > t:
                     break
                 output.make_room()
+            self._follow()
         if watch is not None and noted is not None and noted.count:
             watch(noted.taken())
+
+    def _follow(self) -> None:
+        """Let the integrator look at its pace, unless its steps are fixed."""
+        integrator, known = self.integrator, list(self.integrator.stalls)
+        if integrator.status == "running" and integrator.fixed_step is None:
+            integrator.follow(self._pace)
+            if self._on_stall is not None and integrator.stalls != known:
+                self._on_stall(integrator.stalls[-1])
 
     def _reach(self, t: float, y: Array, filled: int) -> None:
         self.t_last, self.y_last, self.output.filled = t, y, filled
@@ -196,6 +215,8 @@ class _Drive:
             code=code,
             counters=integrator.counters,
             hints=tuple(integrator.hints) if interrupted else integrator.final_hints(),
+            stalls=tuple(integrator.stalls),
+            damped_energy=integrator.damped_energy,
         )
 
 

@@ -51,6 +51,7 @@ class SundialsIda(Peer):
     treatments = FORMULATIONS
     order = 1
     takes = "constrained"
+    auxiliary = False
 
     def __init__(
         self,

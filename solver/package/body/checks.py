@@ -28,6 +28,7 @@ from .layout import (
     body_sizes,
     body_values,
 )
+from .provenance_checks import check_provenance
 from .recovery_checks import check_stations
 from .scales import critical_damping, modal_mass_sizes
 from .schema import MASS_FORMS, MODE_KINDS, REFERENCE_CONDITIONS, ModalPackage
@@ -120,6 +121,7 @@ def content_findings(package: ModalPackage) -> list[Remark]:
     if package.cell_resultants is not None:
         n_laminate, n_cell = len(package.laminates), len(package.cell_types)
         check_cells(package.cell_resultants, n_laminate, n_cell, error)
+    check_provenance(package.provenance, error)
     if bad:
         return bad  # the other checks would report the same error
 

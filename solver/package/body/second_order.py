@@ -15,7 +15,7 @@ from ..common.remark import Reporter
 from .scales import body_size, second_order_sizes
 from .schema import Interface, ModalPackage, SecondOrder
 
-MOST_MODES = 16  # G4 has m^4 numbers; bodies with more modes have no second-order data
+MOST_MODES = 40  # G4 has m^4 numbers; bodies with more modes have no second-order data
 
 SECOND_ORDER_LAYOUT: tuple[DatasetSpec, ...] = (
     spec("second_order/Z0_B", "3, m, m", F, "kg m", "B", "sum m h_a,ij"),

@@ -15,6 +15,13 @@ preprocessor checks keys and types only (common/table_form.py). SI units and deg
      "damping_ratio": 0.0,
      "interfaces": {"root": {"at": "start"}, "mid": {"at": 0.5}, "tip": {"at": "end"}}}
 
+A curved or twisted beam has its nodes, a tapered beam the sections of its stations. `length` and
+fractions of it are then along the line, `elements` counts those of the line, and `x2_axis` and
+`section` are those at the start:
+
+     "line": {"nodes": [[0, 0, 0], ...], "x2_axes": [[0, 1, 0], ...]},
+     "stations": [{"at": 0.0, "section": {...}}, {"at": 1.0, "section": {...}}]
+
     {"body": "hand", "kind": "shell",
      "shell": {"mesh": {...}, "materials": {...}, "laminates": {...}, "regions": {...},
                "elements": {...}, "stiffeners": {...}},     see preprocess/shell/spec.py
@@ -77,11 +84,34 @@ class StaticAxial(TypedDict):
     kind: Literal["static-axial"]
 
 
+class StaticInertia(TypedDict):
+    """The static shapes under the inertia loads of rigid accelerations, six."""
+
+    kind: Literal["static-inertia"]
+
+
 class SpinningModes(TypedDict):
     """Static shapes of a spinning beam."""
 
     kind: SpinningKind
     count: int
+
+
+class LineTable(TypedDict):
+    """The nodes of a curved or twisted beam, and x2 of the section in each element, body axes.
+
+    Only the part of an axis normal to its element counts.
+    """
+
+    nodes: list[list[float]]
+    x2_axes: list[list[float]]
+
+
+class StationTable(TypedDict):
+    """A section at a fraction of the length; between two stations K and mass change linearly."""
+
+    at: float
+    section: dict[str, Any]
 
 
 class BeamInterfaceTable(TypedDict):
@@ -123,11 +153,13 @@ class BeamSpecification(_Provenance):
     length: float
     elements: int
     x2_axis: list[float]
+    line: NotRequired[LineTable]
     section: dict[str, Any]
+    stations: NotRequired[list[StationTable]]
     theory: Theory
     mass_form: MassForm
     reference: ReferenceTable
-    modes: list[Eigenmodes | Attachment | StaticAxial | SpinningModes]
+    modes: list[Eigenmodes | Attachment | StaticAxial | StaticInertia | SpinningModes]
     damping_ratio: float
     interfaces: dict[str, BeamInterfaceTable]
 
@@ -140,7 +172,7 @@ class ShellSpecification(_Provenance):
     shell: ShellTable
     mass_form: MassForm
     reference: ReferenceTable
-    modes: list[ShellEigenmodes | Attachment | StaticAxial]
+    modes: list[ShellEigenmodes | Attachment | StaticAxial | StaticInertia]
     damping_ratio: float
     interfaces: dict[str, ShellInterfaceTable]
 

@@ -32,6 +32,13 @@ def temporary_sibling(path: Path) -> Iterator[Path]:
         temporary.unlink(missing_ok=True)
 
 
+def write_text(path: Path, text: str) -> None:
+    """Write a text file under a temporary name, then rename it; its folder is made if missing."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with temporary_sibling(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+
+
 @contextlib.contextmanager
 def new_file(path: Path) -> Iterator[h5py.File]:
     """Open a new HDF5 file under a temporary name; it is renamed to `path` when complete."""

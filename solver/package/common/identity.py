@@ -48,10 +48,7 @@ def identity_notes(path: Path, file: h5py.File, known: FileFormat) -> list[Remar
     if found != known.format:
         what = f"{found!r}" if found else kind_of_file(file)
         raise PackageError(f"{path}: attribute format: expected {known.format!r}, this is {what}")
-    try:
-        major, minor = (int(v) for v in np.ravel(file.attrs["format_version"]))
-    except (KeyError, ValueError, TypeError):
-        raise PackageError(f"{path}: attribute format_version: expected [major, minor]") from None
+    major, minor = version_of(path, file, PackageError)
     if major != known.version[0]:
         age = "a newer" if major > known.version[0] else "an older"
         raise PackageError(
@@ -65,6 +62,15 @@ def identity_notes(path: Path, file: h5py.File, known: FileFormat) -> list[Remar
     newest = ".".join(map(str, known.version))
     text = f"{path}: format {major}.{minor} is newer than {newest}: parts of it are not read"
     return [Remark("warning", "format_version", text)]
+
+
+def version_of(path: Path, file: h5py.File, error: type[Exception]) -> tuple[int, int]:
+    """Return major and minor version of a file's format. Raises `error` for other values."""
+    try:
+        major, minor = (int(v) for v in np.ravel(file.attrs["format_version"]))
+    except (KeyError, ValueError, TypeError, OverflowError):
+        raise error(f"{path}: attribute format_version: expected [major, minor]") from None
+    return major, minor
 
 
 def checksum_findings(file: h5py.File, known: FileFormat) -> list[Remark]:

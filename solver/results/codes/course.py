@@ -61,6 +61,27 @@ FEEDBACK = Code(
     limit=0.06,
 )
 
+# Steps that are tiny beside what is asked of the run (integrators/generic/pace.py).
+VIBRATION_DAMPED = Code(
+    "vibration-damped",
+    "warning",
+    "a vibration that was resolved kept the steps tiny: from then on `radau` damps all vibrations "
+    "above a cutoff frequency, which the finding gives with the energy that they lost",
+    "on average more than 100 steps for each `output_step` (or each thousandth of the run, if that "
+    "is shorter), over 2000 attempts; limits of the cutoff: pi / `output_step` to ten times that",
+    "`cutoff_frequency = 0` if the vibration matters; else damping of the body or element, or a "
+    "cutoff of your own",
+)
+STALLED = Code(
+    "steps-tiny",
+    "warning",
+    "a motion that may be of no interest keeps the steps tiny, and nothing was done about it: the "
+    "run takes long",
+    "as `vibration-damped`",
+    '`integrator = "radau"` without `cutoff_frequency = 0`, fewer modes, or damping of the body or '
+    "element",
+)
+
 # Singular positions on the way.
 SINGULAR = Code(
     "singular-position",
@@ -95,6 +116,8 @@ CODES = (
     LOCKED,
     CONSTRAINT_DRIFT,
     FEEDBACK,
+    VIBRATION_DAMPED,
+    STALLED,
     SINGULAR,
     BRANCH,
     SINGULAR_PASSED,

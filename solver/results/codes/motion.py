@@ -71,9 +71,18 @@ BUCKLING = Code(
     "error",
     "a stiffened body loses all stiffness in one of its modes under the loads of the motion and "
     "the joints: it buckles",
-    "smallest eigenvalue of elastic plus geometric stiffness not above {limit:g}",
+    "smallest eigenvalue of elastic plus geometric stiffness not above {limit:g}; the run ends "
+    'there unless `on_invalid = "warn"`',
     "split the body, stiffen it, or reduce the load",
     limit=0.0,
+)
+BUCKLING_LOAD = Code(
+    "buckling-load",
+    "warning",
+    "the loads of a linear body exceed its buckling load; the body keeps its stiffness all the "
+    "same, so that its motion is wrong from then on",
+    "as `buckling-by-motion`, with the geometric stiffness that the body would have",
+    "set `geometric_stiffening = true`, split the body, stiffen it, or reduce the load",
 )
 INDEFINITE = Code(
     "stiffened-mass-indefinite",
@@ -109,6 +118,7 @@ CODES = (
     FEW_MODES,
     MATTERS,
     BUCKLING,
+    BUCKLING_LOAD,
     INDEFINITE,
     NO_STIFFENING_DATA,
     PLY_FAILURE,

@@ -11,7 +11,7 @@ from matplotlib.patches import Rectangle
 
 from ....math.arrays import Array
 from ....package.section.schema import SectionFile
-from ....report.style import INK, WARNING, Canvas
+from ....report.style import INK, WARNING, Canvas, plain_words
 from .detail import Detail, detail_of, nearest_to_mean, normal, outer_cells
 from .drawing import Shape, fill, frame
 from .ply_colours import is_isotropic, ply_colours, ply_legend
@@ -54,7 +54,9 @@ def draw_mesh(section: SectionFile, shape: Shape, path: Path) -> Path:
         parts = grid[1].subgridspec(1, 3, width_ratios=[2.3 if detail else 0.01, 2.6, 2.6])
     room = {"w_pad": 0.08, "h_pad": 0.1, "rect": (0.0, 0.02, 1.0, 0.98)}
     canvas.figure.set_layout_engine("constrained", **room)
-    canvas.figure.suptitle(section.name, x=0.012, ha="left", fontsize=11, fontweight="bold")
+    canvas.figure.suptitle(
+        plain_words(section.name), x=0.012, ha="left", fontsize=11, fontweight="bold"
+    )
     axes = canvas.figure.add_subplot(grid[0])
     _cells(axes, section, shape, faces, detail)
     _directions(axes, section, shape)
@@ -106,7 +108,7 @@ def _directions(axes: Any, section: SectionFile, shape: Shape) -> None:
         if is_isotropic(section, int(mesh.ply[outer[0]])):
             if names:
                 inside = shape.middles[mesh.region == region]
-                _name(axes, inside[nearest_to_mean(inside)], name)
+                _name(axes, inside[nearest_to_mean(inside)], plain_words(name))
             continue
         places = _places(mesh.layer_direction[outer], middles, 1.6 * ARROW * shape.size)
         for i, place in enumerate(places):
@@ -116,7 +118,7 @@ def _directions(axes: Any, section: SectionFile, shape: Shape) -> None:
             _arrow(axes, foot - ARROW / 2 * shape.size * y2, foot + ARROW / 2 * shape.size * y2)
             if i == 0 and names:  # beside the tail of a vertical arrow, where there is more space
                 away = 0.033 * y3 - 0.4 * ARROW * abs(y3[0]) * y2
-                _name(axes, foot + shape.size * away, f"{name}  $y_2$", y3)
+                _name(axes, foot + shape.size * away, f"{plain_words(name)}  $y_2$", y3)
 
 
 def _arrow(axes: Any, tail: Array, tip: Array) -> None:

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
 from ....package.section.schema import SectionFile
-from ....report.style import COLOURS, GREY, INK
+from ....report.style import COLOURS, GREY, INK, plain_words
 
 DARKEST, LIGHTEST, ALONE = 0.15, 0.74, 0.45  # share of white in the shades of one material
 MOST = 14  # plies named in the legend
@@ -93,7 +93,7 @@ def ply_legend(axes: Any, colours: list[PlyColour]) -> None:
     oriented = any(colour.angle_deg is not None for colour in shown)
     axes.legend(
         shown,
-        [colour.label for colour in shown],
+        [plain_words(colour.label) for colour in shown],
         handler_map={PlyColour: _FibreHandler()},
         title="Plies: fibre from $x_1$ (right) to $y_2$ (up)" if oriented else "Materials",
         loc="upper left",

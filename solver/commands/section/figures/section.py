@@ -19,7 +19,7 @@ def draw_section(section: SectionFile, folder: Path) -> list[Path]:
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     shape = shape_of(section.mesh)
-    with house_style():
+    with house_style(formulas=True):
         return [
             draw_mesh(section, shape, folder / f"{stem}-mesh.png"),
             draw_states(section, shape, folder / f"{stem}-states.png"),

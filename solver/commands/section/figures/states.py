@@ -10,7 +10,7 @@ from matplotlib.patheffects import withStroke
 from ....math.arrays import Array
 from ....package.section.schema import RESULTANTS, SectionFile
 from ....package.section.stress import cell_means, unit_stress
-from ....report.style import GREY, INK, Canvas
+from ....report.style import GREY, INK, Canvas, plain_words
 from .cell_field import CellField
 from .drawing import Shape, frame
 
@@ -39,7 +39,9 @@ def draw_states(section: SectionFile, shape: Shape, path: Path) -> Path:
     rows = 6 // columns
     tall = min(max((WIDTH / columns - 0.75) * height / width, 0.35), 3.2) + 0.45
     canvas = Canvas(WIDTH, rows * tall + 0.6)
-    title = canvas.figure.suptitle(section.name, x=0.012, ha="left", fontsize=11, fontweight="bold")
+    title = canvas.figure.suptitle(
+        plain_words(section.name), x=0.012, ha="left", fontsize=11, fontweight="bold"
+    )
     title.set_in_layout(True)
     canvas.figure.supxlabel(
         r"stress in section axes under one unit of each resultant: $\sigma_{11}$, and $\tau$ = "

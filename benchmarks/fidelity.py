@@ -1,0 +1,306 @@
+"""Accuracy asked, estimated and true of runs with [fidelity]: `make fidelity`.
+
+.venv/bin/python benchmarks/fidelity.py build/benchmarks/fidelity.json [SCENE ...]
+
+Each scene (fidelity_scenes.py) is asked for four outputs at several accuracies. The true error is
+measured against a run of the same theory with more modes, a finer mesh and a tight tolerance.
+FENICSX_PYTHON builds the packages.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from fidelity_scenes import HELD, SCENES, Table
+
+from plymotion.solver.errors import InputError
+from plymotion.solver.fidelity.execution import read_planned
+from plymotion.solver.fidelity.metrics import difference, scales
+from plymotion.solver.fidelity.model import with_values
+from plymotion.solver.fidelity.plan import BodyPlan, Plan
+from plymotion.solver.fidelity.procedure import checked, plan_of
+from plymotion.solver.fidelity.trial import Trial, attempted, tried
+from plymotion.solver.inputs.case import load_case
+from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.package.body.selection import vibrations
+from plymotion.solver.run.execution import execute, read_run
+
+ACCURACIES = (1e-2, 1e-3)
+OUTPUTS = ("tip", "deflection", "force", "moment")
+FOLDER = Path("build/benchmarks/fidelity")
+TRUTH_RTOL, TRUTH_ELEMENTS = 3e-7, 64
+# Brute force: vibrations of each kind, static shapes, stiffening, tolerance.
+GRID = ((0, 1, 3), (0, 4), (False, True), (1e-4,))
+BUDGET = 3.0  # CPU s of a request
+
+
+def main() -> None:
+    """Build the packages, measure the scenes, write the file."""
+    out = Path(sys.argv[1])
+    names = sys.argv[2:] or list(SCENES)
+    built(names)
+    scenes = json.loads(out.read_text())["scenes"] if out.is_file() and sys.argv[2:] else {}
+    for name in names:
+        try:
+            scenes[name] = measured(name)
+        except RuntimeError as problem:  # a truth that stops cannot be compared with
+            print(problem, flush=True)
+            continue
+        print(name, scenes[name]["summary"], flush=True)
+        write(out, scenes)
+
+
+def built(names: list[str]) -> None:
+    """Write the cases and build their packages in one process."""
+    for name in names:
+        folder = FOLDER / name
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "case.toml").write_text(toml(with_runs(SCENES[name])), encoding="utf-8")
+        write_case(load_case(folder / "case.toml"), folder)
+        files = sorted((folder / "bodies").glob("*.json"))
+        specs = [str(f) for f in files if not current(f)]
+        if specs:
+            python = os.environ.get("FENICSX_PYTHON", "python3")
+            command = [python, "-m", "plymotion.preprocess", "body", *specs]
+            subprocess.run([*command, "--out-dir", str(folder / "bodies")], check=True)
+
+
+def current(spec: Path) -> bool:
+    """Tell whether the package of a specification is there and newer."""
+    package = spec.with_suffix(".vtkhdf")
+    return package.is_file() and package.stat().st_mtime > spec.stat().st_mtime
+
+
+def with_runs(scene: Table) -> Table:
+    """Return a scene with a planned run and the run of the truth."""
+    flat = "upper" not in scene["bodies"]  # the arm moves in space
+    bodies: Table = {}
+    for name, body in scene["bodies"].items():
+        if body["kind"] != "beam":
+            continue
+        places = [p for p in body["interfaces"] if p != "root" and loaded(name, p, scene)]
+        modes: list[Table] = [{"kind": "bending-xy", "count": 10}, {"kind": "axial", "count": 2}]
+        attached: Table = {"kind": "attachment", "directions": ["x", "y", "rz"]}
+        if not flat:
+            modes = [
+                {"kind": "bending-xy", "count": 6},
+                {"kind": "bending-xz", "count": 8},
+                {"kind": "torsion", "count": 3},
+                {"kind": "axial", "count": 2},
+            ]
+            del attached["directions"]
+        modes += [{**attached, "at": place} for place in places]
+        bodies[name] = {"elements": TRUTH_ELEMENTS, "modes": [*modes, {"kind": "static-axial"}]}
+    solver = {"rtol": TRUTH_RTOL, "geometric_stiffening": True}
+    return {
+        **scene,
+        "variants": {
+            "planned": {"fidelity": {"accuracy": 1e-3}},
+            "truth": {"bodies": bodies, "solver": solver},
+        },
+        "runs": {"planned": {"variants": ["planned"]}, "truth": {"variants": ["truth"]}},
+    }
+
+
+def loaded(body: str, place: str, scene: Table) -> bool:
+    """Tell whether a joint or a mass acts at an interface."""
+    key = f"{body}.{place}"
+    joints = [text for joint in scene["joints"].values() for text in joint["between"]]
+    return key in joints or key in [mass["at"] for mass in scene.get("masses", {}).values()]
+
+
+def truth(name: str) -> tuple[np.ndarray, float]:
+    """Return the signals (o, k) of the truth and its CPU time; kept in a file."""
+    file, run = FOLDER / name / "truth.npz", FOLDER / name / "runs" / "truth.json"
+    if file.is_file():
+        known = np.load(file)
+        if str(known["case"]) == (FOLDER / name / "case.toml").read_text():
+            return known["signals"], float(known["cpu"])
+    begin = time.process_time()
+    result, summary = execute(read_run(run), progress=False)
+    if not summary["completed"]:
+        raise RuntimeError(f"{name}: the truth stopped: {summary['message']}")
+    signals = {signal.name: signal.values for signal in result.signals}
+    found = np.array([signals[output] for output in OUTPUTS])
+    cpu = time.process_time() - begin
+    case = (FOLDER / name / "case.toml").read_text()
+    np.savez(file, signals=found, cpu=cpu, case=case)
+    return found, cpu
+
+
+def measured(name: str) -> Table:
+    """Return all requests of a scene."""
+    exact, truth_cpu = truth(name)
+    spec, check = read_planned(FOLDER / name / "runs" / "planned.json")
+    spec = asking(spec, OUTPUTS[0], 1e-2)
+    first = plan_of(asking(spec, OUTPUTS[0], 1e-2), check)  # loads what is compiled
+    rigid = tried(spec, base_plan(first.plan), first.study.model, first.study.check, [OUTPUTS[0]])
+    grid = brute_force(spec, first, exact)
+    tight = all_modes(spec, first)
+    sizes = scales("pointwise", exact)
+    requests = []
+    for output, accuracy in product(OUTPUTS, ACCURACIES):
+        o = OUTPUTS.index(output)
+        answer = checked(plan_of(asking(spec, output, accuracy), check))
+        delivered = answer.delivered
+        assert delivered is not None
+        assert answer.trial is not None
+        of_model = error(answer.trial, 0, exact[o]) / sizes[o]
+        of_check = error(delivered, 0, exact[o]) / sizes[o]
+        meeting = [cpu for cpu, errors in grid if errors[o] / sizes[o] <= accuracy]
+        estimate = float(answer.estimate[0]) if answer.estimate is not None else None
+        requests.append(
+            {
+                "output": output,
+                "accuracy": accuracy,
+                "verdict": answer.verdict,
+                "reason": answer.reason,
+                "estimate": estimate,
+                "true": float(of_model),
+                "delivered": float(of_check),
+                "model_s": answer.trial.cpu,
+                "cheapest_s": min(meeting, default=None),
+                "check_s": answer.check.cpu if answer.check is not None else None,
+                "plan_s": answer.cpu["plan"],
+                "all_s": sum(answer.cpu.values()),
+                "rounds": answer.rounds,
+                "plan": answer.plan.table(),
+            }
+        )
+    accepted = [r for r in requests if r["verdict"] == "met"]
+    met = [r for r in accepted if r["true"] <= r["accuracy"]]
+    return {
+        "held": name in HELD,
+        "truth_s": truth_cpu,
+        "rigid_s": rigid.cpu,
+        "all_modes_s": tight.cpu if tight is not None else None,
+        "all_modes_error": [
+            float(error(tight, o, exact[o]) / sizes[o]) for o in range(len(OUTPUTS))
+        ]
+        if tight is not None
+        else None,
+        "requests": requests,
+        "summary": f"accepted {len(accepted)} of {len(requests)}, met {len(met)}",
+    }
+
+
+def error(trial: Trial, o: int, exact: np.ndarray) -> float:
+    """Largest difference of a signal of a run from the truth; infinite if it ended early."""
+    if not trial.complete:
+        return 1e300
+    return float(difference("pointwise", trial.signals[o], exact))
+
+
+def asking(spec: Any, output: str, accuracy: float) -> Any:
+    """Return the run with another request."""
+    fidelity = with_values(
+        spec.mechanism.fidelity, accuracy=accuracy, signals=[output], budget=BUDGET
+    )
+    return replace(spec, mechanism=with_values(spec.mechanism, fidelity=fidelity))
+
+
+def base_plan(plan: Plan) -> Plan:
+    """Return the plan of rigid bodies."""
+    return Plan({name: BodyPlan() for name in plan.bodies}, False, 1e-4)
+
+
+def all_modes(spec: Any, answer: Any) -> Trial | None:
+    """Run all vibrations and load shapes of the check packages with a tight tolerance."""
+    bodies = {}
+    for name in answer.plan.bodies:
+        package = answer.study.check[name].package
+        labels = tuple(package.mode_labels[i] for i in vibrations(package).tolist())
+        bodies[name] = BodyPlan(labels, 10, True, "check")
+    return attempted(
+        spec, Plan(bodies, True, 1e-5), answer.study.model, answer.study.check, list(OUTPUTS)
+    )
+
+
+def brute_force(spec: Any, answer: Any, exact: np.ndarray) -> list[tuple[float, list[float]]]:
+    """Return CPU time and errors (o,) of the models of the grid."""
+    found = []
+    for count, static, stiffening, rtol in product(*GRID):
+        if not count and not static and stiffening:
+            continue
+        bodies = {}
+        for name in answer.plan.bodies:
+            package = answer.study.model[name].package
+            known = [package.mode_labels[i] for i in vibrations(package).tolist()]
+            kept = [label for label in known if int(label.rpartition(" ")[2]) <= count]
+            bodies[name] = BodyPlan(tuple(kept), static)
+        plan = Plan(bodies, stiffening, rtol)
+        try:
+            trial = tried(spec, plan, answer.study.model, answer.study.check, list(OUTPUTS))
+        except InputError:
+            continue
+        found.append((trial.cpu, [error(trial, o, exact[o]) for o in range(len(OUTPUTS))]))
+    return found
+
+
+def write(out: Path, scenes: Table) -> None:
+    """Write the file with the figures over all scenes, and those that were not used for tuning."""
+    figures = totals(scenes)
+    figures["held"] = totals({n: s for n, s in scenes.items() if s["held"]})
+    figures["scenes"] = scenes
+    out.parent.mkdir(parents=True, exist_ok=True)
+    out.with_suffix(".part").write_text(json.dumps(figures, indent=1), encoding="utf-8")
+    out.with_suffix(".part").rename(out)
+
+
+def totals(scenes: Table) -> Table:
+    """Return the figures over some scenes."""
+    pairs = [(scene, request) for scene in scenes.values() for request in scene["requests"]]
+    requests = [request for _, request in pairs]
+    accepted = [r for r in requests if r["verdict"] == "met"]
+    ratios = [r["estimate"] / r["true"] for r in accepted if r["true"] > 0.0]
+    costs = [r["model_s"] / r["cheapest_s"] for r in accepted if r["cheapest_s"]]
+    whole = [(r["model_s"] + r["check_s"]) / s["all_modes_s"] for s, r in pairs if r["check_s"]]
+    plans = [r["plan_s"] / s["rigid_s"] for s, r in pairs]
+    refused = [r for r in requests if r["verdict"] != "met"]
+    return {
+        "requests": len(requests),
+        "accepted": len(accepted),
+        "met": sum(bool(r["true"] <= r["accuracy"]) for r in accepted),
+        "false_refusals": sum(bool(r["true"] <= r["accuracy"]) for r in refused),
+        "effectivity": quantiles(ratios),
+        "effectivity_within": sum(bool(0.5 <= r <= 3.0) for r in ratios),
+        "cost_ratio_median": median(costs),
+        "all_in_ratio_median": median(whole),
+        "indicators_over_rigid_median": median(plans),
+        "delivered_met": sum(bool(r["delivered"] <= r["accuracy"]) for r in requests),
+    }
+
+
+def quantiles(values: list[float]) -> list[float] | None:
+    """Return the 5 %, median and 95 % of values."""
+    return [float(v) for v in np.quantile(values, [0.05, 0.5, 0.95])] if values else None
+
+
+def median(values: list[float]) -> float | None:
+    """Return the median of values."""
+    return float(np.median(values)) if values else None
+
+
+def toml(table: Table) -> str:
+    """Return plain data as TOML, tables below the first level in one line."""
+    return "\n".join(f"{key} = {inline(value)}" for key, value in table.items()) + "\n"
+
+
+def inline(value: Any) -> str:
+    """Return a value in one line of TOML."""
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{json.dumps(k)} = {inline(v)}" for k, v in value.items()) + " }"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(inline, value)) + "]"
+    return json.dumps(value)
+
+
+if __name__ == "__main__":
+    main()

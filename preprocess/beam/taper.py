@@ -1,0 +1,69 @@
+"""Sections along a beam: given at stations, linear between them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...solver.math.arrays import Array
+from ...solver.package.body.schema import SectionData
+from .line import BeamLine, LineSection
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Sections along a beam.
+
+    Attributes
+    ----------
+    places : (k,) fractions of the length, rising; constant sections beyond the first and last
+    sections : (k,) the sections there
+    """
+
+    places: tuple[float, ...]
+    sections: tuple[LineSection, ...]
+
+    def line(self, nodes_B: Array, A_BE: Array) -> BeamLine:
+        """A beam whose elements have the sections of their middles.
+
+        Parameters
+        ----------
+        nodes_B : (n, 3) nodes [m]
+        A_BE : (n - 1, 3, 3) section axes of the elements in body axes
+        """
+        count = len(A_BE)
+        if len(self.sections) == 1:
+            return BeamLine(nodes_B, A_BE, self.sections, np.zeros(count, dtype=np.int64))
+        along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(nodes_B, axis=0), axis=1))])
+        middles = 0.5 * (along[:-1] + along[1:]) / along[-1]
+        sections = tuple(self._at(fraction) for fraction in middles)
+        return BeamLine(nodes_B, A_BE, sections, np.arange(count))
+
+    def at_nodes(self, line: BeamLine, given: Sequence[SectionData]) -> tuple[SectionData, ...]:
+        """Sections for users: that of a uniform beam, or one for each node.
+
+        `given` are those of the stations, used where a station is at a node.
+        """
+        if len(given) == 1:
+            return (given[0],)
+        found = []
+        for node, fraction in enumerate(line.along / line.along[-1]):
+            nearest = int(np.argmin(np.abs(np.array(self.places) - fraction)))
+            section = self._at(float(fraction))
+            name = f"{node + 1:04d}"
+            if abs(self.places[nearest] - fraction) < 1e-9:
+                one = given[nearest]
+                name, ply_table, recovery = f"{name} {one.name}", one.ply_table, one.recovery
+                found.append(SectionData(name, section.K, section.mass, ply_table, recovery))
+            else:
+                found.append(SectionData(name, section.K, section.mass))
+        return tuple(found)
+
+    def _at(self, fraction: float) -> LineSection:
+        weights = [np.interp(fraction, self.places, row) for row in np.eye(len(self.places))]
+        used = [(w, s) for w, s in zip(weights, self.sections, strict=True) if w > 0.0]
+        return LineSection(
+            K=np.sum([w * s.K for w, s in used], axis=0),
+            mass=np.sum([w * s.mass for w, s in used], axis=0),
+            trapeze=np.sum([w * s.trapeze for w, s in used], axis=0),
+        )

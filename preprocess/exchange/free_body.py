@@ -1,0 +1,98 @@
+"""A free body as another code describes it: nodes, cells, stiffness and mass."""
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from ...solver.math.arrays import Array, IntArray
+from ...solver.package.body.invariants import rigid_motions
+
+DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Cells of a mesh, as in a modal package.
+
+    Attributes
+    ----------
+    connectivity : (i,) rows of nodes, in the order of VTK
+    offsets : (c + 1,)
+    types : (c,) VTK cell types
+    """
+
+    connectivity: IntArray
+    offsets: IntArray
+    types: IntArray
+
+    @staticmethod
+    def of(cells: list[list[int]], types: list[int]) -> "Cells":
+        """From lists of rows of nodes."""
+        sizes = [0, *map(len, cells)]
+        flat = [row for cell in cells for row in cell]
+        return Cells(
+            np.array(flat, dtype=np.int64),
+            np.cumsum(sizes, dtype=np.int64),
+            np.array(types, dtype=np.int64),
+        )
+
+    @staticmethod
+    def points(count: int) -> "Cells":
+        """One vertex per node, for a body without a mesh."""
+        rows = np.arange(count, dtype=np.int64)
+        return Cells(rows, np.arange(count + 1, dtype=np.int64), np.ones(count, dtype=np.int64))
+
+    def each(self) -> list[tuple[int, IntArray]]:
+        """Type and rows of nodes of every cell."""
+        parts = np.split(self.connectivity, self.offsets[1:-1])
+        return list(zip(self.types.tolist(), parts, strict=True))
+
+
+@dataclass(frozen=True)
+class FreeBody:
+    """Matrices of a body that nothing holds; n nodes, N degrees of freedom.
+
+    Attributes
+    ----------
+    where : file or object that messages name
+    nodes : (n, 3) [length]
+    node_ids : (n,) labels, unique
+    cells : of the mesh
+    K, M : (N, N) sparse, both triangles
+    dof_node : (N,) row of the node
+    dof_direction : (N,) 0 to 2 translation, 3 to 5 rotation, along and about the global axes
+    groups : rows of nodes by name of a set in the source
+    notes : facts about the source, for the provenance
+    """
+
+    where: str
+    nodes: Array
+    node_ids: IntArray
+    cells: Cells
+    K: sp.csr_matrix
+    M: sp.csr_matrix
+    dof_node: IntArray
+    dof_direction: IntArray
+    groups: dict[str, IntArray] = field(default_factory=dict)
+    notes: dict[str, Any] = field(default_factory=dict)
+
+    def rigid_motions(self) -> Array:
+        """Rigid motions in the dofs, (N, 6): along and about the axes through the origin."""
+        return np.asarray(rigid_motions(self.nodes)[self.dof_node, self.dof_direction])
+
+    def in_units(self, length: float, mass: float, time: float) -> "FreeBody":
+        """The same body in SI; arguments: the size of the source's units in m, kg and s.
+
+        A translation is a length and a rotation is a number, so each row and column of a rotation
+        has one more power of the length.
+        """
+        arm = sp.diags(np.where(self.dof_direction < 3, 1.0, length))
+        K, M = (sp.csr_matrix(arm @ A @ arm) for A in (self.K, self.M))
+        return replace(self, nodes=self.nodes * length, K=K * (mass / time**2), M=M * mass)
+
+    def labels(self, dof: int) -> str:
+        """Node and direction of a dof, for messages."""
+        label = self.node_ids[self.dof_node[dof]]
+        return f"node {label}, direction {DIRECTIONS[self.dof_direction[dof]]}"

@@ -1,0 +1,90 @@
+"""From an import file (arm.toml) to a modal package."""
+
+import importlib
+import tomllib
+from pathlib import Path
+from typing import Any, cast, get_args
+
+from ...solver.errors import InputError, did_you_mean
+from ...solver.package import ModalPackage
+from ...solver.package.common.table_form import SpecError, check_form
+from .free_body import FreeBody
+from .modal import write_tables
+from .read.files import Files
+from .reduce import Tell, reduce_body
+from .spec import ImportFile, Reduction, Source
+
+SOURCES = get_args(Source)
+OWN_KEYS = ("format", "from", "files")
+
+
+def read_table(file: Path) -> dict[str, Any]:
+    """The table of an import file, with its form checked. Raises InputError."""
+    try:
+        table = tomllib.loads(file.read_text(encoding="utf-8"))
+    except FileNotFoundError as error:
+        raise InputError(f"{file}: no such file; expected an import file (TOML)") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{file}: {error}") from error
+    check_table(table, str(file))
+    return table
+
+
+def check_table(table: dict[str, Any], where: str) -> None:
+    """Raise InputError for a key that is unknown or missing, or a value of another type."""
+    try:
+        check_form(table, ImportFile)
+    except SpecError as error:
+        raise InputError(f"{where}: {error}") from error
+
+
+def imported(
+    table: dict[str, Any],
+    folder: Path,
+    where: str,
+    source: "str | None" = None,
+    tell: Tell = lambda _: None,
+    tables: "Path | None" = None,
+) -> "ModalPackage | Path":
+    """Modal package of the body that an import file describes, or tables of its modes.
+
+    Parameters
+    ----------
+    table : content of the file, see `read_table`
+    folder : where its paths start
+    where : name of the file, for messages
+    source : instead of the key `from`
+    tables : folder for the tables of a source that has modes only; `plymotion experimental` makes
+        the package from the file that is returned then
+
+    Raises
+    ------
+    InputError : a file is missing or wrong, or the matrices are not those of a free body.
+    """
+    kind = str(source or table.get("from", ""))
+    if kind not in SOURCES:
+        hint = did_you_mean(kind, SOURCES)
+        raise InputError(
+            f"{where}: from = {kind!r}: expected one of {', '.join(SOURCES)}, here or by --from"
+            f"{hint}"
+        )
+    files = Files(table["files"], folder, where)
+    tell(f"reading {kind}")
+    reader = importlib.import_module(f"{__package__}.read.{kind.replace('-', '_')}")
+    found = reader.read(files)
+    reduction = cast(Reduction, {k: v for k, v in table.items() if k not in OWN_KEYS})
+    if isinstance(found, FreeBody):
+        return reduce_body(found, reduction, tell)
+    if tables is None:
+        raise InputError(
+            f'{where}: from = "{kind}": it has modes without matrices; make the package with '
+            '`plymotion import`, and use it as kind = "package"'
+        )
+    return write_tables(found, reduction, files, tables)
+
+
+def package_of(table: dict[str, Any], folder: Path, where: str) -> ModalPackage:
+    """Modal package of a source with matrices. Raises InputError, also for other sources."""
+    package = imported(table, folder, where)
+    assert isinstance(package, ModalPackage)
+    return package

@@ -1,0 +1,127 @@
+"""Inertia invariants of a mass matrix whose elements are not known.
+
+- Three displacements per node and equal mass in all directions, M = M_s x 1: the position x_a is a
+  displacement field of the elements, so sums with M_s are the integrals of the elements.
+- Diagonal M: sums over nodes are exact.
+- Coupled M with rotations: momentum and angular momentum of the modes, R' M X, and the inertia of
+  the rigid body, R' M R, are exact; T11 and the symmetric part of T01 come from lumped masses.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy.sparse as sp
+
+from ...solver.math.arrays import Array, IntArray
+from ...solver.package import Invariants, from_stations
+from .free_body import FreeBody
+
+SAME = 1e-9  # blocks of M relative to its largest entry
+
+
+class Inertia(NamedTuple):
+    """Invariants, lumped masses of the nodes, and which of the three forms M has."""
+
+    invariants: Invariants
+    node_mass: Array  # (n,) [kg]
+    node_inertia: Array  # (n, 3, 3) [kg m2]
+    form: str
+
+
+def inertia(body: FreeBody, shapes: Array) -> Inertia:
+    """Invariants of a body in SI units.
+
+    Parameters
+    ----------
+    shapes : (m, n, 6) displacement and rotation of the nodes; zero where there is no dof
+    """
+    number = np.full((len(body.nodes), 6), -1)
+    number[body.dof_node, body.dof_direction] = np.arange(len(body.dof_node))
+    used = np.flatnonzero(number[:, 0] >= 0)
+    blocks = [body.M[number[used, a]] for a in range(3)]
+    Ms = sp.csr_matrix(blocks[0][:, number[used, 0]])
+    X = np.moveaxis(shapes, 0, 2)  # (n, 6, m)
+    lumped = _lumped(body, number, Ms, used)
+    off_diagonal = body.M - sp.diags(body.M.diagonal())
+    if np.abs(off_diagonal.data).max(initial=0.0) <= SAME * np.abs(body.M.data).max():
+        m, J = lumped
+        sums = from_stations(m, body.nodes, X[:, :3], X[:, 3:], J, "lumped")
+        return Inertia(sums, m, J, "diagonal mass: sums over the nodes")
+    if (body.dof_direction < 3).all() and _same_in_all_directions(blocks, Ms, number[used]):
+        sums = _consistent(Ms, body.nodes[used], X[used, :3])
+        return Inertia(sums, *lumped, "M = M_s x 1: consistent sums")
+    return Inertia(_coupled(body, X, *lumped), *lumped, "coupled mass: T11 from lumped masses")
+
+
+def _same_in_all_directions(
+    blocks: list[sp.csr_matrix], Ms: sp.csr_matrix, number: IntArray
+) -> bool:
+    limit = SAME * np.abs(Ms.data).max()
+    for a in range(3):
+        for b in range(3):
+            gap = blocks[a][:, number[:, b]] - (Ms if a == b else 0 * Ms)
+            if np.abs(gap.data).max(initial=0.0) > limit:
+                return False
+    return True
+
+
+def _consistent(Ms: sp.csr_matrix, x: Array, phi: Array) -> Invariants:
+    """Sums with the scalar mass matrix: x (n, 3), phi (n, 3, m)."""
+    m = phi.shape[2]
+    flat = phi.reshape(len(x), 3 * m)
+    Mx, Mphi = Ms @ x, Ms @ flat
+    T11 = (flat.T @ Mphi).reshape(3, m, 3, m).transpose(0, 2, 1, 3)
+    return Invariants(
+        mass=float(Ms.sum()),
+        S0_B=Mx.sum(axis=0),
+        S_B=Mphi.sum(axis=0).reshape(3, m),
+        T00_B=_symmetric(x.T @ Mx),
+        T01_B=(x.T @ Mphi).reshape(3, 3, m),
+        T11_B=(T11 + T11.transpose(1, 0, 3, 2)) / 2.0,
+        J0_B=np.zeros((3, 3)),
+        J_psi_B=np.zeros((3, m)),
+        mass_form="consistent",
+    )
+
+
+def _symmetric(A: Array) -> Array:
+    return np.asarray((A + A.T) / 2.0)
+
+
+def _lumped(
+    body: FreeBody, number: IntArray, Ms: sp.csr_matrix, used: IntArray
+) -> tuple[Array, Array]:
+    """Nodal masses: the diagonal of M scaled to the total, which is never negative."""
+    n = len(body.nodes)
+    mass, J = np.zeros(n), np.zeros((n, 3, 3))
+    diagonal = body.M.diagonal()
+    R = body.rigid_motions()[:, :3]
+    total = float(np.einsum("ni,ni->", R, body.M @ R)) / 3.0
+    of_node = diagonal[number[used, :3]].mean(axis=1)
+    mass[used] = of_node * (total / of_node.sum())
+    for a in range(3):
+        there = number[:, 3 + a] >= 0
+        J[there, a, a] = diagonal[number[there, 3 + a]]
+    return mass, J
+
+
+def _coupled(body: FreeBody, X: Array, mass: Array, J: Array) -> Invariants:
+    sums = from_stations(mass, body.nodes, X[:, :3], X[:, 3:], J, "lumped")
+    R, U = body.rigid_motions(), X[body.dof_node, body.dof_direction]
+    MR = body.M @ R
+    momentum, rigid = MR.T @ U, R.T @ MR
+    S0 = np.array([rigid[1, 5], rigid[2, 3], rigid[0, 4]])
+    T = sums.T00_B
+    T01 = sums.T01_B
+    moment = np.array([T01[1, 2] - T01[2, 1], T01[2, 0] - T01[0, 2], T01[0, 1] - T01[1, 0]])
+    return Invariants(
+        mass=float(np.trace(rigid[:3, :3]) / 3.0),
+        S0_B=S0,
+        S_B=momentum[:3],
+        T00_B=T,
+        T01_B=T01,
+        T11_B=sums.T11_B,
+        J0_B=_symmetric(rigid[3:, 3:] - np.trace(T) * np.eye(3) + T),
+        J_psi_B=momentum[3:] - moment,
+        mass_form="lumped",
+    )

@@ -1,0 +1,140 @@
+"""Bodies of which a source has modes only: tables for `plymotion experimental` (docs/modes.md).
+
+Computed modes without matrices, and measured ones, take the same way: shapes at nodes, masses of
+the nodes, and corrections that make the shapes orthonormal in these masses.
+"""
+
+import json
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from ...solver.errors import InputError
+from ...solver.math.arrays import Array, IntArray
+from .free_body import Cells
+from .links import interface_rows
+from .masses import PARTS
+from .read.files import Files
+from .read.matrices import table_rows
+from .reduce import rows_of
+from .spec import Reduction
+from .units import sizes
+
+LINES = {3: ((0, 1),), 5: ((0, 1), (1, 2), (2, 0)), 9: ((0, 1), (1, 2), (2, 3), (3, 0))}
+LINES |= {22: LINES[5], 23: LINES[9]}
+
+
+@dataclass(frozen=True)
+class ModalBody:
+    """Modes of a source in its units; n nodes, m modes in ascending frequency.
+
+    Attributes
+    ----------
+    shapes : (m, n, 6) displacements and rotations, any scale
+    has_rotations : whether the source has rotations
+    hertz : (m,) natural frequencies [1 / time]
+    damping_ratios : (m,)
+    mass : (n,); None: from the file `masses`
+    """
+
+    where: str
+    nodes: Array
+    node_ids: IntArray
+    cells: Cells
+    shapes: Array
+    has_rotations: bool
+    hertz: Array
+    damping_ratios: Array
+    mass: Array | None = None
+    groups: dict[str, IntArray] = field(default_factory=dict)
+
+    @property
+    def dof_node(self) -> IntArray:
+        """Nodes that move: all."""
+        return np.arange(len(self.nodes))
+
+
+def write_tables(body: ModalBody, table: Reduction, files: Files, folder: Path) -> Path:
+    """Write measured.toml and its CSV files in SI; returns the former.
+
+    Raises InputError for nodes without masses, or fewer modes than requested.
+    """
+    length, mass, time = sizes(table["units"])
+    wanted = sum(mode["count"] for mode in table["modes"] if mode["kind"] == "lowest")
+    if any(mode["kind"] != "lowest" for mode in table["modes"]):
+        raise InputError(
+            f'{body.where}: modes: expected kind = "lowest": the source has modes only'
+        )
+    if wanted > len(body.hertz):
+        raise InputError(f"{body.where}: modes: {wanted} of {len(body.hertz)} modes requested")
+    masses = _masses(body, files, length, mass)
+    total = table.get("total_mass")
+    found = float(masses[:, 0].sum())
+    if total is not None and abs(found - total) > 1e-3 * total:
+        raise InputError(
+            f"{body.where}: total_mass = {total:.9g} kg, but the nodes have {found:.9g} kg"
+        )
+    folder.mkdir(parents=True, exist_ok=True)
+    names = ["node", "x", "y", "z", "mass", *PARTS]
+    _csv(folder / "nodes.csv", names, body.node_ids, np.hstack([body.nodes * length, masses]))
+    lines = [f'format = 1\nbody = {json.dumps(table["body"])}\nnodes = "nodes.csv"']
+    lines.append(f"lines = {json.dumps(_lines(body))}")
+    reference = table["reference"]
+    held = f", at = {json.dumps(reference['at'])}" if "at" in reference else ""
+    lines.append(f'\n[reference]\nkind = "{reference["kind"]}"{held}'.replace(", at", "\nat"))
+    columns = ["ux", "uy", "uz", "rx", "ry", "rz"][: 6 if body.has_rotations else 3]
+    for i in range(wanted):
+        shape = body.shapes[i, :, : len(columns)].copy()
+        shape[:, 3:] *= length  # a rotation per unit of the same shape
+        _csv(folder / f"mode{i + 1}.csv", ["node", *columns], body.node_ids, shape)
+        lines.append(
+            f'\n[[modes]]\nfrequency_hz = {body.hertz[i] / time:.17g}\nshape = "mode{i + 1}.csv"\n'
+            f"damping_ratio = {table.get('damping_ratio', body.damping_ratios[i]):.17g}\n"
+            f'label = "vibration {i + 1}"'
+        )
+    metres = replace(body, nodes=body.nodes * length)
+    for name, entry in table["interfaces"].items():
+        rows = interface_rows(metres, entry, length, f"{body.where}: interfaces.{name}")
+        lines.append(f"\n[interfaces.{name}]\nnodes = {body.node_ids[rows].tolist()}")
+    file = folder / "measured.toml"
+    file.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return file
+
+
+def _masses(body: ModalBody, files: Files, length: float, mass: float) -> Array:
+    """Mass and six inertias of the nodes, (n, 7), in SI."""
+    found = np.zeros((len(body.nodes), 7))
+    if body.mass is not None:
+        found[:, 0] = body.mass * mass
+        return found
+    path = files.path("masses")
+    for number, row in table_rows(path, "node, mass, Jxx, Jyy, Jzz, Jxy, Jxz, Jyz"):
+        try:
+            label, values = int(row[0]), [float(part) for part in row[1:]]
+        except ValueError:
+            label, values = 0, []
+        if len(values) not in (1, 7):
+            raise InputError(
+                f"{path}:{number}: expected node, mass [, six inertias]; found {', '.join(row)}"
+            )
+        at = int(rows_of(np.array([label]), body.node_ids, f"{path}:{number}")[0])
+        found[at, : len(values)] = values
+    return found * mass * np.array([1.0, *[length**2] * 6])
+
+
+def _lines(body: ModalBody) -> list[list[int]]:
+    """Edges of the cells that are lines or faces, by labels."""
+    pairs = set()
+    for kind, rows in body.cells.each():
+        for a, b in LINES.get(kind, ()):
+            ends = body.node_ids[rows[[a, b]]].tolist()
+            pairs.add((min(ends), max(ends)))
+    return [list(pair) for pair in sorted(pairs)]
+
+
+def _csv(file: Path, names: list[str], ids: IntArray, values: Array) -> None:
+    lines = [",".join(names)]
+    for label, row in zip(ids, values, strict=True):
+        lines.append(",".join([str(label), *(f"{value:.17g}" for value in row)]))
+    file.write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -1,0 +1,60 @@
+"""Files that an import file names: they exist, and their keys are known."""
+
+import hashlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from ....solver.errors import InputError, nearest
+
+
+class Files:
+    """The table `files` of an import file; paths are relative to its folder."""
+
+    def __init__(self, table: Mapping[str, Any], folder: Path, where: str) -> None:
+        self.table, self.folder, self.where = table, folder, where
+        self._hashes: dict[str, str] = {}
+
+    def only(self, required: tuple[str, ...], optional: tuple[str, ...] = ()) -> None:
+        """Raise InputError for an unknown or a missing key."""
+        known = (*required, *optional)
+        for key in self.table:
+            if key not in known:
+                raise InputError(f"{self.where}: files.{key}: unknown key{nearest(key, known)}")
+        for key in required:
+            if key not in self.table:
+                raise InputError(
+                    f"{self.where}: files.{key}: missing; expected a path; all keys: "
+                    f"{', '.join(known)}"
+                )
+
+    def path(self, key: str) -> Path:
+        """Path of a file that exists. Raises InputError otherwise."""
+        name = self.table[key]
+        if not isinstance(name, str):
+            raise InputError(f"{self.where}: files.{key} = {name!r}: expected a path")
+        path = self.folder / name
+        if not path.is_file():
+            raise InputError(f"{self.where}: files.{key} = {name!r}: no such file: {path}")
+        if key not in self._hashes:
+            self._hashes[key] = file_sha256(path)
+        return path
+
+    def __contains__(self, key: str) -> bool:
+        return key in self.table
+
+    def notes(self) -> dict[str, Any]:
+        """Names and hashes of the files that were read, for the provenance."""
+        names = {key: str(self.table[key]) for key in self._hashes}
+        return {"files": names, "sha256": self._hashes}
+
+
+def file_sha256(path: Path) -> str:
+    """SHA-256 of a file."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def text_lines(path: Path) -> list[str]:
+    """Lines of a text file; bytes outside ASCII come from comments only."""
+    return path.read_text(encoding="utf-8", errors="replace").splitlines()

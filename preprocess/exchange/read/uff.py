@@ -1,0 +1,103 @@
+"""Nodes and modes of a universal file: datasets 15 or 2411, and 55."""
+
+from pathlib import Path
+
+import numpy as np
+
+from ....solver.errors import InputError
+from ..free_body import Cells
+from ..modal import ModalBody
+from ..reduce import rows_of
+from .files import Files, text_lines
+
+NORMAL_MODE, DISPLACEMENT, REAL = 2, 8, 2
+
+
+def read(files: Files) -> ModalBody:
+    """Body from `uff` and `masses` (CSV: node, mass and inertias).
+
+    Raises InputError for complex modes, nodes in a coordinate system of their own, and files
+    without nodes or modes.
+    """
+    files.only(("uff", "masses"))
+    path = files.path("uff")
+    nodes: dict[int, list[float]] = {}
+    modes: list[tuple[float, float, dict[int, list[float]]]] = []
+    for kind, lines in _datasets(path):
+        if kind == 15:
+            for line in lines:
+                if int(line[20:30]):
+                    raise InputError(f"{path}: node {line[:10].strip()}: expected global axes")
+                nodes[int(line[:10])] = _numbers(line[40:])
+        elif kind == 2411:
+            for head, data in zip(lines[::2], lines[1::2], strict=True):
+                nodes[int(head[:10])] = _numbers(data, 25)
+        elif kind == 55:
+            modes.append(_mode(path, lines))
+    if not nodes or not modes:
+        raise InputError(
+            f"{path}: {len(nodes)} nodes and {len(modes)} modes; expected datasets 15 and 55"
+        )
+    modes.sort(key=lambda mode: mode[0])
+    ids = np.array(sorted(nodes), dtype=np.int64)
+    shapes = np.zeros((len(modes), len(ids), 6))
+    widest = 0
+    for shape, mode in zip(shapes, modes, strict=True):
+        rows = rows_of(np.array(list(mode[2]), dtype=np.int64), ids, str(path))
+        values = np.array(list(mode[2].values()))
+        shape[rows, : values.shape[1]] = values
+        widest = max(widest, values.shape[1])
+    return ModalBody(
+        where=files.where,
+        nodes=np.array([nodes[int(i)] for i in ids]),
+        node_ids=ids,
+        cells=Cells.points(len(ids)),
+        shapes=shapes,
+        has_rotations=widest == 6,
+        hertz=np.array([mode[0] for mode in modes]),
+        damping_ratios=np.array([mode[1] for mode in modes]),
+    )
+
+
+def _datasets(path: Path) -> list[tuple[int, list[str]]]:
+    """Number and lines of each dataset between two lines -1."""
+    found: list[tuple[int, list[str]]] = []
+    inside: list[str] | None = None
+    for line in text_lines(path):
+        if line.strip() == "-1":
+            if inside:
+                found.append((int(inside[0].split()[0].rstrip("b")), inside[1:]))
+            inside = None if inside is not None else []
+        elif inside is not None:
+            inside.append(line)
+    return found
+
+
+def _mode(path: Path, lines: list[str]) -> tuple[float, float, dict[int, list[float]]]:
+    """Frequency [Hz], damping ratio, and values by label of a dataset 55."""
+    _, analysis, _, quantity, kind, size = (int(word) for word in lines[5].split()[:6])
+    if analysis != NORMAL_MODE or quantity != DISPLACEMENT or kind != REAL:
+        raise InputError(
+            f"{path}: dataset 55 with analysis {analysis}, quantity {quantity}, numbers {kind}; "
+            f"expected real displacements of normal modes ({NORMAL_MODE}, {DISPLACEMENT}, {REAL})"
+        )
+    hertz, _, ratio, _ = _numbers(lines[7])[:4]
+    data, k = dict[int, list[float]](), 8
+    while k < len(lines):
+        label, values = int(lines[k].split()[0]), list[float]()
+        while len(values) < size:
+            k += 1
+            values += _numbers(lines[k])
+        data[label] = values
+        k += 1
+    return hertz, ratio, data
+
+
+def _numbers(line: str, width: int = 13) -> list[float]:
+    """Numbers of fixed width, or separated by blanks."""
+    words = line.split()
+    fixed = [line[i : i + width].strip() for i in range(0, len(line.rstrip()), width)]
+    try:
+        return [float(word.replace("D", "E")) for word in (words if len(words) > 1 else fixed)]
+    except ValueError:
+        return [float(word.replace("D", "E")) for word in fixed if word]

@@ -1,0 +1,240 @@
+"""From the free matrices of any code to a modal package: the one reduction of all sources."""
+
+from collections.abc import Callable
+from datetime import UTC, datetime
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+
+from ... import __version__
+from ...solver.errors import InputError, nearest
+from ...solver.math.arrays import Array, IntArray
+from ...solver.package import Interface, ModalPackage
+from ..modes import HeldDofs, MeanAxis, ModeError, Modes, StaticLoad, completed
+from .direct import Direct
+from .free_body import DIRECTIONS, FreeBody
+from .inertia import Inertia, inertia
+from .links import Constrained, Link, constrained, links
+from .refusals import check_free_body
+from .spec import Reduction
+from .units import sizes
+from .vibrations import vibrations
+
+Tell = Callable[[str], None]  # told of each step
+CHORD = ((0, 1, 2, 3), (1, 2))
+ALONG = 1e-6  # sine of the angle between a chord and x
+
+
+def reduce_body(source: FreeBody, table: Reduction, tell: Tell = lambda _: None) -> ModalPackage:
+    """Modal package of a body from its free matrices.
+
+    Parameters
+    ----------
+    source : in the units of `table`
+    table : interfaces, reference condition and modes (docs/exchange.md)
+    tell : told of each step
+
+    Raises
+    ------
+    InputError : the matrices are not those of one free body, or a request cannot be fulfilled.
+    """
+    length, mass, time = sizes(table["units"])
+    body = source.in_units(length, mass, time)
+    tell(f"checking {len(body.dof_node)} degrees of freedom")
+    check_free_body(body, table.get("total_mass"))
+    every = links(body, table["interfaces"], length)
+    parts = constrained(body, every)
+    try:
+        modes = _modes(body, table, every, parts, tell)
+    except ModeError as error:
+        raise InputError(f"{body.where}: {error}") from error
+    tell("inertia invariants")
+    U = np.asarray(parts.T @ modes.columns_B)
+    shapes = np.zeros((U.shape[1], len(body.nodes), 6))
+    shapes[:, body.dof_node, body.dof_direction] = U.T
+    return _package(body, table, every, modes, U, shapes, inertia(body, shapes))
+
+
+def _modes(
+    body: FreeBody, table: Reduction, every: list[Link], parts: Constrained, tell: Tell
+) -> Modes:
+    K, M = (parts.T.T @ A @ parts.T for A in (body.K, body.M))
+    direct = Direct(parts.places)
+    kind = table["reference"]["kind"]
+    carriers = _carriers(body, table, every)
+    if kind == "mean-axis":
+        still = _six_dofs(parts)
+        condition: HeldDofs | MeanAxis = MeanAxis(K, M, parts.rigid, direct.algebra, still)
+        direct.add_subset(np.setdiff1d(np.arange(K.shape[0]), still))
+    else:
+        dofs = (range(6),) if kind == "clamped" else CHORD
+        held = [
+            parts.reference_dofs[link.name][list(own)]
+            for link, own in zip(carriers, dofs, strict=True)
+        ]
+        condition = HeldDofs(K, M, np.concatenate(held), direct.algebra)
+        direct.add_subset(condition.free)
+    requests = table["modes"]
+    count = sum(r["count"] for r in requests if r["kind"] == "lowest")
+    tell(f"{count} vibrations of {K.shape[0]} degrees of freedom")
+
+    def participation(columns: Array) -> Array:
+        return _directions(body, np.asarray(parts.T @ columns))
+
+    def name_of(dof: int) -> str:
+        return body.labels(int(np.argmax(np.abs(parts.T[:, [dof]].toarray()[:, 0]))))
+
+    kept = vibrations(condition, count, direct, participation, name_of, body.where)
+    loads = _loads(table, every, parts)
+    tell(f"{len(loads)} static shapes")
+    return completed(condition, kept, loads, participation)
+
+
+def _six_dofs(parts: Constrained) -> IntArray:
+    """Six dofs far apart that prevent rigid motions."""
+    size = float(np.ptp(parts.places, axis=0).max()) or 1.0
+    centred = parts.rigid.copy()
+    for k, axis in enumerate(np.eye(3)):
+        centred[:, 3 + k] -= centred[:, :3] @ np.cross(axis, parts.places.mean(axis=0))
+    centred[:, 3:] /= size
+    _, pivots = scipy.linalg.qr(centred.T, mode="r", pivoting=True)
+    return np.sort(pivots[:6])
+
+
+def _carriers(body: FreeBody, table: Reduction, every: list[Link]) -> list[Link]:
+    """Interfaces that carry the frame: one, two of a chord, or none."""
+    reference = table["reference"]
+    at = reference.get("at", [])
+    names = [at] if isinstance(at, str) else at
+    expected = {"clamped": 1, "chord": 2, "mean-axis": 0}[reference["kind"]]
+    where = f"{body.where}: reference"
+    if len(names) != expected:
+        raise InputError(
+            f'{where}.at = {at!r}: expected {expected} interface(s) with kind "{reference["kind"]}"'
+        )
+    by_name = {link.name: link for link in every}
+    for name in names:
+        if name not in by_name:
+            raise InputError(f'{where}.at = "{name}": no such interface{nearest(name, by_name)}')
+        if not by_name[name].rigid:
+            raise InputError(
+                f'{body.where}: interfaces.{name}.link = "average": expected "rigid": it carries '
+                "the body frame"
+            )
+    found = [by_name[name] for name in names]
+    if expected == 2:
+        along = found[1].position - found[0].position
+        if not np.linalg.norm(along[1:]) <= ALONG * np.linalg.norm(along) > 0.0:
+            raise InputError(
+                f"{where}.at: expected two interfaces on a line along the body's x; {names[0]} is "
+                f"at {found[0].position.tolist()} m, {names[1]} at {found[1].position.tolist()} m"
+            )
+    return found
+
+
+def _loads(table: Reduction, every: list[Link], parts: Constrained) -> list[StaticLoad]:
+    by_name = {link.name: link for link in every}
+    zero = np.zeros(parts.T.shape[1])
+    loads = []
+    for i, request in enumerate(table["modes"]):
+        if request["kind"] != "attachment":
+            continue
+        if request["at"] not in by_name:
+            hint = nearest(request["at"], by_name)
+            raise InputError(f'modes[{i}].at = "{request["at"]}": no such interface{hint}')
+        for direction in request["directions"]:
+            row = by_name[request["at"]].motion[DIRECTIONS.index(direction)]
+            force = np.asarray((row @ parts.T).todense()).ravel()
+            loads.append(StaticLoad(f"attachment {request['at']} {direction}", force, zero))
+    return loads
+
+
+def _directions(body: FreeBody, U: Array) -> Array:
+    """Modal mass by main direction of motion: along y, along z, zero, along x; (4, m, m)."""
+    diagonal = body.M.diagonal()
+    split = []
+    for axis in (1, 2, None, 0):
+        rows = np.flatnonzero(body.dof_direction == axis) if axis is not None else np.arange(0)
+        split.append(U[rows].T @ (diagonal[rows, None] * U[rows]))
+    return np.array(split)
+
+
+def _package(
+    body: FreeBody,
+    table: Reduction,
+    every: list[Link],
+    modes: Modes,
+    U: Array,
+    shapes: Array,
+    sums: Inertia,
+) -> ModalPackage:
+    """Nodes of the body, and one node without mass at the reference point of each interface."""
+    n, ends = len(body.nodes), len(every)
+    motions = [np.asarray(link.motion @ U) for link in every]  # (6, m) each
+    first = int(body.node_ids.max(initial=0)) + 1
+    labels = first + np.arange(ends)
+    interfaces = tuple(
+        Interface(
+            link.name,
+            "node",
+            np.array([label], dtype=np.int64),
+            np.ones(1),
+            link.position,
+            link.A_BI,
+            motion[:3],
+            motion[3:],
+        )
+        for link, label, motion in zip(every, labels, motions, strict=True)
+    )
+    m = U.shape[1]
+    ratio = float(table.get("damping_ratio", 0.0))
+    frequencies = np.sqrt(modes.values)
+    return ModalPackage(
+        body=table["body"],
+        nodes_B=np.vstack([body.nodes, *(link.position for link in every)]),
+        node_ids=np.concatenate([body.node_ids, labels]),
+        connectivity=body.cells.connectivity,
+        offsets=body.cells.offsets,
+        cell_types=body.cells.types,
+        shapes_B=np.concatenate([shapes, *(motion.T[:, None] for motion in motions)], axis=1),
+        mode_kinds=modes.kinds,
+        frequencies=frequencies,
+        mass=np.eye(m),
+        stiffness=np.diag(modes.values),
+        damping=np.diag(2.0 * ratio * frequencies),
+        node_mass=np.concatenate([sums.node_mass, np.zeros(ends)]),
+        node_inertia_B=np.concatenate([sums.node_inertia, np.zeros((ends, 3, 3))]),
+        invariants=sums.invariants,
+        interfaces=interfaces,
+        reference_condition=table["reference"]["kind"],
+        mode_labels=modes.labels,
+        provenance=provenance(table, body.notes, n, sums.form, modes.warnings),
+    )
+
+
+def provenance(
+    table: Any, notes: dict[str, Any], nodes: int, form: str, warnings: Any
+) -> dict[str, Any]:
+    """Where a package comes from."""
+    return {
+        "plymotion": __version__,
+        "command": "plymotion import",
+        "import": dict(table),
+        "source": notes,
+        "nodes_of_source": nodes,
+        "inertia": form,
+        "warnings": list(warnings),
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+    }
+
+
+def rows_of(labels: IntArray, known: IntArray, where: str) -> IntArray:
+    """Rows of labels among the known ones; InputError names the first unknown label."""
+    order = np.argsort(known, kind="stable")
+    at = np.searchsorted(known[order], labels).clip(max=len(known) - 1)
+    rows = order[at]
+    wrong = np.flatnonzero(known[rows] != labels)
+    if len(wrong):
+        raise InputError(f"{where}: no node has the label {labels[wrong[0]]}")
+    return np.asarray(rows)

@@ -1,0 +1,1 @@
+"""Writers: one file per format, each with `write(package, out, source)`."""

@@ -1,0 +1,19 @@
+"""Package to Exudyn: a script that reads the package and adds the body to a mechanism."""
+
+from pathlib import Path
+
+from ....solver.package import ModalPackage
+from ....solver.package.common.container import temporary_sibling
+
+SUFFIX = ".py"
+SCRIPT = Path(__file__).with_name("exudyn_body.py")
+
+
+def write(package: ModalPackage, out: Path, source: Path) -> str:
+    """Write the script; it reads `source`, which must stay beside it. Returns a remark."""
+    relative = source.resolve()
+    name = relative.name if relative.parent == out.resolve().parent else str(relative)
+    text = SCRIPT.read_text(encoding="utf-8").replace('"PACKAGE"', repr(name).replace("'", '"'))
+    with temporary_sibling(out) as temporary:
+        temporary.write_text(text.replace("arm_exudyn", out.stem), encoding="utf-8")
+    return f"{package.n_mode} modes; import it beside {name}"

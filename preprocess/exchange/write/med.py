@@ -1,0 +1,76 @@
+"""Mesh and mode shapes as a MED 3 file (code_aster, SALOME), by h5py."""
+
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from ....solver.package import ModalPackage
+from ....solver.package.common.container import temporary_sibling
+from ..free_body import Cells
+from ..med_order import COMPONENTS, FIELD, MED_CELLS, MESH_STEP, NO_PROFILE
+
+SUFFIX = ".med"
+BLANK = np.bytes_(" ")
+
+
+def write(package: ModalPackage, out: Path, source: Path) -> str:
+    """Write the file: field DEPL, one time step per mode, whose time is the frequency [Hz].
+
+    The labels of the nodes are kept (NUM). Returns a remark.
+    """
+    name = package.body[:64] or "body"
+    with (
+        temporary_sibling(out) as temporary,
+        h5py.File(temporary, "w", libver=("earliest", "v110")) as file,
+    ):
+        file.create_group("INFOS_GENERALES").attrs.update({"MAJ": 3, "MIN": 0, "REL": 0})
+        _mesh(file, package, name)
+        _field(file, package, name)
+    left_out = sorted(set(package.cell_types.tolist()) - set(MED_CELLS))
+    remark = f"mesh {name!r}, {package.n_mode} modes in the field {FIELD}"
+    return remark + (f"; cells of the VTK types {left_out} are left out" if left_out else "")
+
+
+def _mesh(file: h5py.File, package: ModalPackage, name: str) -> None:
+    mesh = file.create_group(f"ENS_MAA/{name}")
+    mesh.attrs.update({"DIM": 3, "ESP": 3, "REP": 0, "SRT": 1, "TYP": 0})
+    mesh.attrs.update({"UNT": BLANK, "UNI": np.bytes_(f"{'m':<16}" * 3)})
+    mesh.attrs["NOM"] = np.bytes_("".join(f"{axis:<16}" for axis in "XYZ"))
+    mesh.attrs["DES"] = np.bytes_("Plymotion modal package")
+    step = mesh.create_group(MESH_STEP)
+    step.attrs.update({"CGT": 1, "NDT": -1, "NOR": -1, "PDT": -1.0})
+    nodes = step.create_group("NOE")
+    nodes.attrs.update({"CGT": 1, "CGS": 1, "PFL": np.bytes_(NO_PROFILE)})
+    _counted(nodes, "COO", package.nodes_B.ravel(order="F"), len(package.nodes_B))
+    _counted(nodes, "NUM", package.node_ids, len(package.node_ids))
+    groups = step.create_group("MAI")
+    groups.attrs["CGT"] = 1
+    cells = Cells(package.connectivity, package.offsets, package.cell_types).each()
+    for kind, (title, order) in MED_CELLS.items():
+        rows = [cell[order] for own, cell in cells if own == kind]
+        if rows:
+            group = groups.create_group(title)
+            group.attrs.update({"CGT": 1, "CGS": 1, "PFL": np.bytes_(NO_PROFILE)})
+            _counted(group, "NOD", np.array(rows).ravel(order="F") + 1, len(rows))
+    file.create_group(f"FAS/{name}/FAMILLE_ZERO").attrs["NUM"] = 0
+
+
+def _counted(group: h5py.Group, name: str, values: np.ndarray, count: int) -> None:
+    group.create_dataset(name, data=values).attrs.update({"CGT": 1, "NBR": count})
+
+
+def _field(file: h5py.File, package: ModalPackage, name: str) -> None:
+    field = file.create_group(f"CHA/{FIELD}")
+    field.attrs.update({"MAI": np.bytes_(name), "TYP": 6, "NCO": 6, "UNT": np.bytes_("Hz")})
+    field.attrs["UNI"] = np.bytes_("".join(f"{unit:<16}" for unit in ["m"] * 3 + ["rad"] * 3))
+    field.attrs["NOM"] = np.bytes_("".join(f"{part:<16}" for part in COMPONENTS))
+    for i, shape in enumerate(package.shapes_B, 1):
+        step = field.create_group(f"{i:020d}{1:020d}")
+        hertz = float(package.frequencies[i - 1]) / (2.0 * np.pi)
+        step.attrs.update({"NDT": i, "NOR": 1, "PDT": hertz, "RDT": -1, "ROR": -1})
+        place = step.create_group("NOE")
+        place.attrs.update({"GAU": BLANK, "PFL": np.bytes_(NO_PROFILE)})
+        values = place.create_group(NO_PROFILE)
+        values.attrs.update({"NBR": len(shape), "NGA": 1, "GAU": BLANK})
+        values.create_dataset("CO", data=shape.ravel(order="F"))

@@ -1,0 +1,90 @@
+"""Packages of a case, built in the Python with FEniCSx unless they are up to date."""
+
+import hashlib
+import json
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import plymotion
+
+from ...errors import InputError
+from ...inputs.case.specs import dump
+from ...package.common.container import write_text
+from ..fenicsx_side.interpreter import find_interpreter
+from ..fenicsx_side.launch import environment, importable
+
+STAMP = "packages.record"  # of each package: what it was built from, and the file that was left
+
+
+def build_packages(specs: Sequence[Path], folder: Path, *, quiet: bool = False) -> list[str]:
+    """Build the packages of body specifications into a folder; return the names of those built.
+
+    Without FEniCSx nothing is needed as long as all packages are up to date.
+
+    Raises
+    ------
+    InputError
+        No Python with FEniCSx, or a body that cannot be built.
+    """
+    before, now = _read(folder / STAMP), {spec.stem: _inputs(spec) for spec in specs}
+    wanted = [
+        spec
+        for spec in specs
+        if before.get(spec.stem) != [now[spec.stem], _left(folder / f"{spec.stem}.vtkhdf")]
+    ]
+    if not wanted:
+        return []
+    python = find_interpreter()
+    folder.mkdir(parents=True, exist_ok=True)
+    command = [python, "-P", "-m", "plymotion.preprocess", "body", *map(str, wanted)]
+    with importable() as home:
+        done = subprocess.run(
+            [*command, "--out-dir", str(folder)],
+            env=environment(home),
+            stdout=subprocess.DEVNULL if quiet else sys.stderr,
+        )
+    for spec in wanted:
+        file = folder / f"{spec.stem}.vtkhdf"
+        if file.is_file() and done.returncode == 0:
+            before[spec.stem] = [now[spec.stem], _left(file)]
+    write_text(folder / STAMP, dump(before))
+    if done.returncode < 0 or done.returncode == 130:
+        raise KeyboardInterrupt
+    if done.returncode != 0:
+        raise InputError(f"{folder}: packages could not be built, see the messages above")
+    return [spec.stem for spec in wanted]
+
+
+def _read(file: Path) -> dict[str, Any]:
+    try:
+        found = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def _inputs(spec: Path) -> str:
+    """Digest of a specification and of all sources that a package depends on."""
+    return hashlib.sha256(_sources() + spec.read_bytes()).hexdigest()
+
+
+def _left(file: Path) -> list[int]:
+    """Size and time of a file; nothing of one that is not there."""
+    try:
+        found = file.stat()
+    except OSError:
+        return []
+    return [found.st_size, found.st_mtime_ns]
+
+
+def _sources() -> bytes:
+    """Digest of the preprocessor, and of the parts of the solver that it imports."""
+    home, found = Path(plymotion.__file__).resolve().parent, hashlib.sha256()
+    for folder in ("preprocess", "meshes", "solver/package", "solver/math"):
+        for file in sorted((home / folder).rglob("*")):
+            if file.suffix in (".py", ".geo"):
+                found.update(file.read_bytes())
+    return found.digest()

@@ -1,0 +1,37 @@
+"""Report of the finished runs of a case folder, as text for the screen."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+from ...errors import InputError
+from ...results import read_summary
+
+
+def report_case(folder: Path, runs: Sequence[str] | None = None) -> str:
+    """Write figures and report.html of a folder that `check` wrote; return a table of its runs.
+
+    Parameters
+    ----------
+    runs : names of finished runs; None: all that have a summary
+
+    Raises
+    ------
+    InputError
+        Not the folder of a case; no finished run; no matplotlib.
+    """
+    from ...report import case_table, make_report, summary_table  # imports matplotlib
+
+    try:
+        case = case_table(json.loads((folder / "case.json").read_text(encoding="utf-8")))
+    except (OSError, ValueError, RecursionError) as error:
+        raise InputError(
+            f"{folder}: no case.json ({error}); expected the folder of a case"
+        ) from error
+    if runs is None:
+        runs = [r for r in case["runs"] if (folder / r / "summary.json").is_file()]
+    if not runs:
+        raise InputError(f"{folder}: no finished run; expected <run>/summary.json")
+    page = make_report(folder, list(runs), case)
+    summaries = [read_summary(folder / run / "summary.json") for run in runs]
+    return f"{summary_table(summaries)}\nReport: {page}"

@@ -1,0 +1,1 @@
+"""The commands `import` and `export`: bodies from and to other codes."""

@@ -1,0 +1,63 @@
+"""Start the exchange with other codes, which is a part of the preprocessor, in this Python.
+
+The solver does not import the preprocessor. It starts it as a process, as it does with FEniCSx; the
+two exchange files only. This part of the preprocessor needs no FEniCSx, so the Python is the same.
+"""
+
+import argparse
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from ...package import write_package
+from ..fenicsx_side.launch import environment, importable
+from ..measured_modes import experimental_package, load_measurement
+
+INTERRUPTED = 130
+TABLES = 4  # exit code of the exchange: the source has modes only, and their tables are written
+
+
+def run_import(options: argparse.Namespace) -> int:
+    """Run `plymotion import`; returns the exit code."""
+    words = ["import", str(options.file), "--out", str(options.out)]
+    words += ["--from", options.source] if options.source else []
+    words += ["--quiet"] if options.quiet else []
+    with tempfile.TemporaryDirectory(prefix="plymotion-") as folder:
+        code = exchange([*words, "--tables", folder])
+        if code != TABLES:
+            return code
+        return _from_modes(Path(folder) / "measured.toml", options)
+
+
+def _from_modes(tables: Path, options: argparse.Namespace) -> int:
+    """Make the package of a source that has modes only, as `plymotion experimental` does."""
+    package = experimental_package(load_measurement(tables))
+    package.provenance["command"] = "plymotion import"
+    package.provenance["import"] = options.file.read_text(encoding="utf-8")
+    write_package(options.out, package)
+    for warning in package.provenance["warnings"]:
+        print(f"warning [{warning['code']}] {warning['message']}", file=sys.stderr)
+    print(f"{options.out}: {package.body}, {package.n_mode} modes")
+    return 0
+
+
+def run_export(options: argparse.Namespace) -> int:
+    """Run `plymotion export`; returns the exit code."""
+    words = ["export", str(options.file), "--to", options.target]
+    return exchange([*words, *(["--out", str(options.out)] if options.out else [])])
+
+
+def exchange(words: Sequence[str]) -> int:
+    """Run `python -m plymotion.preprocess.exchange`; its output is that of this process."""
+    with importable() as folder:
+        process = subprocess.Popen(
+            [sys.executable, "-P", "-m", "plymotion.preprocess.exchange", *words],
+            env=environment(folder),
+        )
+        try:
+            return process.wait()
+        except KeyboardInterrupt:  # the terminal has interrupted both
+            process.wait()
+            return INTERRUPTED

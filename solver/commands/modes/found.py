@@ -1,0 +1,153 @@
+"""Modes about a state, with everything that is told of them."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ...dynamics.spinning import Spin
+from ...errors import InputError
+from ...linearisation.constancy import change_when_turned
+from ...linearisation.modes import Modes, modes_of
+from ...linearisation.participation import Participation, participation, whirl_rates
+from ...linearisation.sources import sources_of
+from ...linearisation.state_space import StateSpace, linearise
+from ...math.arrays import Array
+from ...math.rotations import vector_to_matrix
+from ...mechanism.relative_equilibrium import after_turn
+from ...signals import sensors
+from .state import State, States
+
+_AT_REST = 1e-6  # accelerations of a state called an equilibrium, of those by loads
+_TURNS = (0.8, 1.6)  # [rad] angles at which equations are compared
+_CONSTANT = 1e-5  # change of the equations, over the eigenvalues, that counts as none
+_ACCURATE = 1e-4  # estimated error of the differences without a note
+
+
+@dataclass(frozen=True)
+class Found:
+    """Modes about one state."""
+
+    state: State
+    space: StateSpace
+    modes: Modes
+    shares: Participation
+    whirl: Array  # (k,) angular frequencies seen from axes at rest; nan: no whirl
+    notes: tuple[str, ...]
+
+
+def find_modes(states: States, state: State, *, ports: bool = True, check: bool = True) -> Found:
+    """Linearise about a state and solve for its modes.
+
+    Where the whole mechanism turns but its equations are not constant in axes that turn with it,
+    axes at rest are taken, unless the state was asked for by its spin.
+
+    Parameters
+    ----------
+    ports : with inputs and outputs
+    check : whether the equations are constant in axes that turn
+
+    Raises
+    ------
+    InputError
+        `--at spin=...` of a mechanism whose equations are not constant in axes that turn with it.
+    """
+    built, mechanism = states.built, states.spec.mechanism
+    spin = state.spin if state.spin is not None and state.spin.rate != 0.0 else None
+
+    def linearised(W: Array) -> tuple[StateSpace, Modes]:
+        space = linearise(
+            state.model,
+            state.t,
+            state.y,
+            W,
+            sensors=sensors(built, mechanism.signals) if ports else None,
+            sources=sources_of(mechanism, built) if ports else (),
+        )
+        return space, modes_of(state.model, space, state.t)
+
+    space, modes = linearised(np.zeros(3) if spin is None else spin.W)
+    if spin is not None and check and _changes(state, space, modes, spin):
+        if state.given_spin:
+            raise InputError(
+                f"--at spin={spin.rate:g}: the equations are not constant in axes that turn with "
+                "the mechanism: its supports differ in directions across the axis. Expected "
+                "supports that are the same in all directions; or, for rigid rotors of equal "
+                "transverse inertias, angular_velocity of the body and --at start: axes at rest"
+            )
+        state, spin = replace(state, spin=None), None
+        space, modes = linearised(np.zeros(3))
+    axis = spin.axis if spin is not None else None
+    shares = participation(state.model, space, modes, built.body_names, built.packages, axis)
+    whirl = whirl_rates(modes, shares.forward, spin.rate if spin is not None else 0.0)
+    return Found(state, space, modes, shares, whirl, tuple(_notes(states, state, space, modes)))
+
+
+def _changes(state: State, space: StateSpace, modes: Modes, spin: Spin) -> bool:
+    """Tell whether the equations change while the mechanism turns."""
+    for angle in _TURNS:
+        later = after_turn(state.model, state.y, spin, state.t, angle)
+        there = linearise(later.model, state.t, later.y, spin.W)
+        A = vector_to_matrix(angle * spin.axis)
+        if change_when_turned(state.model, space, modes, there, A) > _CONSTANT:
+            return True
+    return False
+
+
+def _notes(states: States, state: State, space: StateSpace, modes: Modes) -> list[str]:
+    notes = []
+    if space.rank.doubtful:
+        notes.append(
+            f"{space.rank.text}: these are close to each other. Whether the rows that they stand "
+            "for follow from others is uncertain, and with it one mode"
+        )
+    off = float(np.linalg.norm(space.free.Z_left @ space.acceleration))
+    loads = float(np.linalg.norm(space.forces / np.sqrt(state.model.inertia_scale)))
+    if off > _AT_REST * max(loads, 1e-9):
+        notes.append(
+            "the state is no equilibrium: the modes are those of this instant, and hold for "
+            "motions that are fast against the change of the state"
+        )
+    elif np.abs(space.auxiliary_rates).max(initial=0.0) > _AT_REST:
+        names = [states.built.state_names[j] for j in space.auxiliary]
+        moving = np.abs(space.auxiliary_rates) > _AT_REST
+        told = ", ".join(n for n, moves in zip(names, moving, strict=True) if moves)
+        notes.append(
+            f"the state is no equilibrium: {told} still changes. --at t=TIME takes a time after it "
+            "has settled"
+        )
+    if space.error > _ACCURATE:
+        notes.append(
+            f"the accelerations are not smooth about this state (differences agree to "
+            f"{space.error:.1g}): friction, stops or tables may have a corner there"
+        )
+    if modes.unstable.any():
+        growth = float(modes.growth.max())
+        notes.append(f"unstable: {int(modes.unstable.sum())} modes grow, at up to {growth:.4g} 1/s")
+    return notes
+
+
+def entries(found: Found, body_names: list[str]) -> list[dict[str, Any]]:
+    """Return the modes as plain data."""
+    out = []
+    for k, value in enumerate(found.modes.eigenvalues):
+        w = float(found.modes.frequencies[k])
+        still = bool(found.modes.still[k])
+        whirl = float(found.whirl[k])
+        out.append(
+            {
+                "number": k + 1,
+                "frequency_hz": w / (2.0 * np.pi),
+                "angular_frequency": w,
+                "damping_ratio": float(found.modes.damping[k]),
+                "eigenvalue": [0.0, 0.0] if still else [float(value.real), float(value.imag)],
+                "kind": "zero" if still else "oscillation" if w > 0.0 else "real",
+                "fixed_axes_angular_frequency": None if np.isnan(whirl) else whirl,
+                "main": found.shares.main[k],
+                "bodies": {
+                    name: float(share)
+                    for name, share in zip(body_names, found.shares.bodies[:, k], strict=False)
+                },
+            }
+        )
+    return out

@@ -1,0 +1,44 @@
+"""The command `plymotion plan`: the model of a run, chosen by its accuracy."""
+
+import argparse
+import json
+from pathlib import Path
+
+from ...errors import InputError, nearest
+from ...fidelity.execution import answered
+from ...fidelity.words import answer_text, entry
+from ...inputs.case import load_case
+from ...inputs.case.specs import write_case
+from ...run.execution import INCOMPLETE
+
+
+def run_file_of(options: argparse.Namespace) -> Path:
+    """Check a case, write its run files, and return the one of the run that the options name.
+
+    Raises
+    ------
+    InputError
+        The case is wrong, has no such run, or its run has no [fidelity].
+    """
+    case = load_case(options.case)
+    run = options.run or next(iter(case.runs))
+    if run not in case.runs:
+        raise InputError(f'{options.case}: runs: no run "{run}"{nearest(run, case.runs)}')
+    if case.runs[run].fidelity is None:
+        raise InputError(
+            f"{options.case}: run {run} has no [fidelity]: expected a table with accuracy and "
+            "signals (docs/fidelity.md)"
+        )
+    folder: Path = options.folder or Path("build") / case.name
+    write_case(case, folder, options.packages)
+    return folder / "runs" / f"{run}.json"
+
+
+def run_plan(options: argparse.Namespace) -> int:
+    """Print the plan of a run; return the exit code."""
+    answer = answered(run_file_of(options), again=True, check=not options.no_check)
+    if options.json:
+        print(json.dumps(entry(answer), indent=2))
+    else:
+        print(answer_text(answer))
+    return INCOMPLETE if answer.verdict == "not met" else 0

@@ -1,0 +1,39 @@
+"""Arguments of the command `plymotion plan`."""
+
+import argparse
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+EPILOG = """\
+The case needs [fidelity] (docs/fidelity.md), and the packages that `make CASE` builds. The plan is
+written to build/<case>/plans/<run>.toml, where `plymotion run` finds it.
+
+exit code: 0 the request is met; 2 something is wrong with an input; 3 the request is not met.
+"""
+
+
+def add_plan_command(commands: Any, run: Callable[[argparse.Namespace], int]) -> None:
+    """Add `plan` to the subcommands of an argument parser; `run` is what it does."""
+    parser = commands.add_parser(
+        "plan",
+        help="choose the model of a run by its accuracy",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    add_case_arguments(parser)
+    parser.add_argument(
+        "--no-check", action="store_true", help="indicators only: no run of model and check"
+    )
+    parser.add_argument("--json", action="store_true", help="print the answer as JSON")
+    parser.set_defaults(command=run)
+
+
+def add_case_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments that name a run of a case."""
+    parser.add_argument("case", type=Path, help="cases/<name>/case.toml")
+    parser.add_argument("--run", default=None, metavar="RUN", help="default: the first run")
+    parser.add_argument(
+        "--folder", type=Path, default=None, metavar="DIR", help="default: build/<case>"
+    )
+    parser.add_argument("--packages", type=Path, help="folder of ready packages")

@@ -1,0 +1,37 @@
+"""Whether constraint rows depend on each other, whatever the masses of the bodies.
+
+A small pivot of J K^-1 J' has two causes: rows that depend on each other, and a heavy body
+behind a light one, which two rows hold almost as one. Only the first leaves forces undetermined.
+"""
+
+from ..math.arrays import Array
+from ..math.compiled import lean
+from .elimination import factorise
+from .model import Model
+from .order import Order
+from .workspace import Factors
+
+# Smallest ratio of a pivot to its diagonal entry, below which rows are treated as dependent
+# and the penalty is used: an elimination without it would lose more than half of the digits.
+REGULAR = 1e-7
+CLEARLY = 1e3  # of the geometry alone: rows that are independent have such a multiple of it
+ABSENT = 1e100  # softness of a row that holds nothing
+
+
+@lean
+def rows_depend(model: Model, order: Order, factors: Factors, J: Array, softness: Array) -> bool:
+    """Tell whether constraint rows depend on each other; `factors` and `softness` are overwritten.
+
+    Every body counts as one of unit mass with its own radius of gyration and its own modes, so
+    that the pivots are those of the geometry.
+    """
+    for i in range(model.n_body):
+        L, v = factors.L[i], model.vel_start[i]
+        for a in range(model.plan.size[i]):
+            for b in range(a):
+                L[a, b] = 0.0
+            L[a, a] = model.inertia_scale[v + a] / model.inertia_scale[v]
+    for k in range(softness.shape[0]):
+        softness[k] = 0.0 if k < model.n_constraint else ABSENT
+    factorise(model.plan, order, factors, J, softness)
+    return bool(factors.regular[0] < CLEARLY * REGULAR)

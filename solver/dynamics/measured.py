@@ -1,0 +1,197 @@
+"""Tables of what expressions read, and their conversion to arrays (quantities.py).
+
+In the trees of expressions a quantity is `value(m)` or `rate_of(m)` of coordinate m, or `state(j)`.
+"""
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..math.expressions.program import new_stack, programs
+from ..math.expressions.tree import Node
+from ..math.laws import Law
+from .quantities import ANGLE, Quantities
+
+Quantity = tuple[str, int]
+
+
+def value(m: int) -> Quantity:
+    """Name the value of coordinate m."""
+    return ("value", m)
+
+
+def rate_of(m: int) -> Quantity:
+    """Name the rate of coordinate m."""
+    return ("rate", m)
+
+
+def state(j: int) -> Quantity:
+    """Name auxiliary state j."""
+    return ("state", j)
+
+
+def curve(k: int) -> Quantity:
+    """Name curve k."""
+    return ("curve", k)
+
+
+@dataclass(frozen=True)
+class CoordinateTable:
+    """A coordinate of two markers; `kind` and `axes` as in quantities.py."""
+
+    kind: int
+    marker_1: int
+    marker_2: int
+    axes: tuple[int, ...] = ()
+    offset: float = 0.0  # value at which it is zero [m, rad]
+    first: float = 0.0  # value near which an angle over many turns starts [rad]
+
+
+@dataclass(frozen=True)
+class StateTable:
+    """An auxiliary state.
+
+    Attributes
+    ----------
+    name : for messages
+    rate : expression of its rate; None: constant
+    start : expression of its value at the start, of coordinates and earlier states
+    scale : size, for the tolerance of its error
+    update : expression of its value from an instant on, every `period` [s] from t = 0 on
+    """
+
+    name: str
+    rate: Node | None
+    start: Node
+    scale: float = 1.0
+    update: Node | None = None
+    period: float = 0.0
+
+
+@dataclass(frozen=True)
+class CouplingRow:
+    """One equation between coordinates: the sum of ratio times value is zero.
+
+    unit : d distance [m], r angle [rad]
+    """
+
+    name: str
+    unit: str
+    terms: tuple[tuple[int, float], ...]  # coordinate and its ratio
+
+
+@dataclass
+class Measured:
+    """Coordinates, states and curves of a model, as they are added."""
+
+    coordinates: list[CoordinateTable] = field(default_factory=list)
+    states: list[StateTable] = field(default_factory=list)
+    curves: list[Law] = field(default_factory=list)
+    couplings: list[CouplingRow] = field(default_factory=list)
+
+    def coordinate(self, table: CoordinateTable) -> int:
+        """Return the number of a coordinate; one that is there already is not added again."""
+        if table not in self.coordinates:
+            self.coordinates.append(table)
+        return self.coordinates.index(table)
+
+    def state(self, table: StateTable) -> int:
+        """Add a state; return its number."""
+        self.states.append(table)
+        return len(self.states) - 1
+
+    def curve(self, law: Law) -> int:
+        """Add a curve; return its number."""
+        self.curves.append(law)
+        return len(self.curves) - 1
+
+    @property
+    def markers(self) -> list[int]:
+        """Markers of the coordinates."""
+        return [k for c in self.coordinates for k in (c.marker_1, c.marker_2)]
+
+
+def quantities_of(
+    measured: Measured, laws: Sequence[Law], forces: Sequence[tuple[Node | None, int]]
+) -> Quantities:
+    """Return the arrays.
+
+    Parameters
+    ----------
+    laws : of time; those that are expressions are taken from here
+    forces : by force element, the expression of its size, and the coordinate that it acts along
+    """
+    coordinates, n = measured.coordinates, len(measured.coordinates)
+    sizes = [size for size, _ in forces]
+    states = measured.states
+    nodes = [law.expression for law in laws] + sizes + [s.rate for s in states]
+    nodes += [s.start for s in states] + [s.update for s in states]
+    used = [node for node in nodes if node is not None]
+    number = iter(range(len(used)))
+    numbers = [next(number) if node is not None else -1 for node in nodes]
+    n_law, n_state = len(laws), len(states)
+    ends = np.cumsum([n_law, len(sizes), n_state, n_state, n_state])
+    terms = [term for row in measured.couplings for term in row.terms]
+    read: set[Hashable] = {leaf.quantity for node in used for leaf in node.leaves()}
+    read |= {value(m) for m, _ in terms}
+    turning = [m for m, c in enumerate(coordinates) if c.kind == ANGLE and value(m) in read]
+    turn = np.full(n, -1, dtype=np.int64)
+    turn[turning] = n_state + np.arange(len(turning))
+
+    coupled = [
+        (k, j)
+        for k, (size, along) in enumerate(forces)
+        if size is not None and along >= 0
+        for j in sorted({_state_of(leaf) for leaf in size.leaves()} - {-1})
+        if states[j].rate is not None
+    ]
+
+    def place(quantity: Hashable) -> int:
+        assert isinstance(quantity, tuple)
+        kind, k = quantity
+        return {"value": 2 * k, "rate": 2 * k + 1, "state": 2 * n + k, "curve": k}[kind]
+
+    return Quantities(
+        kind=np.array([c.kind for c in coordinates], dtype=np.int64),
+        marker=np.array(measured.markers, dtype=np.int64).reshape(n, 2),
+        axes=np.array([(*c.axes, 0, 0, 0, 0)[:4] for c in coordinates], dtype=np.int64).reshape(
+            n, 4
+        ),
+        offset=np.array([c.offset for c in coordinates], dtype=float),
+        turn=turn,
+        rate=np.array([*numbers[ends[1] : ends[2]], *[-1] * len(turning)], dtype=np.int64),
+        of_coordinate=np.array([*[-1] * n_state, *turning], dtype=np.int64),
+        start=np.array([*[0.0] * n_state, *(coordinates[m].first for m in turning)]),
+        start_expression=np.array(
+            [*numbers[ends[2] : ends[3]], *[-1] * len(turning)], dtype=np.int64
+        ),
+        update=np.array([*numbers[ends[3] :], *[-1] * len(turning)], dtype=np.int64),
+        period=np.array([*(s.period for s in states), *[0.0] * len(turning)], dtype=float),
+        scale=np.array([*(s.scale for s in states), *[np.inf] * len(turning)]),
+        programs=programs(used, place, measured.curves),
+        law=np.array(numbers[:n_law], dtype=np.int64),
+        force=np.array(numbers[n_law : ends[1]], dtype=np.int64),
+        along=np.array([along for _, along in forces], dtype=np.int64),
+        coupled_force=np.array([k for k, _ in coupled], dtype=np.int64),
+        coupled_state=np.array([j for _, j in coupled], dtype=np.int64),
+        coupling_start=np.cumsum(
+            [0, *(len(row.terms) for row in measured.couplings)], dtype=np.int64
+        ),
+        coupling_coordinate=np.array([m for m, _ in terms], dtype=np.int64),
+        coupling_ratio=np.array([ratio for _, ratio in terms], dtype=float),
+        stack=new_stack(used),
+    )
+
+
+def _state_of(leaf: Node) -> int:
+    """Return the state that a leaf reads; -1: none."""
+    quantity = leaf.quantity
+    return int(quantity[1]) if isinstance(quantity, tuple) and quantity[0] == "state" else -1
+
+
+def reads_own(size: Node | None, along: int) -> bool:
+    """Tell whether a force along a coordinate depends on it, on its rate or on states."""
+    own = (value(along), rate_of(along))
+    leaves = size.leaves() if size is not None else ()
+    return any(leaf.quantity in own or _state_of(leaf) >= 0 for leaf in leaves)

@@ -1,0 +1,115 @@
+"""Choice of a plan from the indicators: cheapest additions first, until the losses are small."""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from ..math.arrays import Array
+from .indicators import Indicators
+from .model import Rich
+from .model import rows as rows_of
+from .plan import LEAST_RTOL, MOST_RTOL, BodyPlan, Plan
+
+SHARE = 0.5  # of the accuracy, for all modes that are left out
+STIFFENING_SHARE = 0.25  # of the accuracy: loss from which stiffening is on
+STIFFENING_SPIN = 0.5  # of the first clamped frequency: spin from which it is on
+SHAPE_SHARE = 0.1  # of the accuracy, for static shapes that are left out
+COST = {"vibration": 1.0, "static": 1.5, "ringing": 6.0}  # of an addition, relative
+MOTIONS = ("position", "velocity", "angular_velocity", "orientation", "joint")
+MOTION_RTOL, OTHER_RTOL = 3.0, 30.0  # accuracy over tolerance, by the kind of signal
+
+
+def chosen(
+    indicators: Indicators,
+    rich: Mapping[str, Rich],
+    accuracy: float,
+    kinds: Mapping[str, str],
+    least: Mapping[str, BodyPlan],
+) -> tuple[Plan, Array]:
+    """Return a plan whose losses are below SHARE of the accuracy, and its losses (o,).
+
+    Parameters
+    ----------
+    kinds : of the signals
+    least : what each body has at least
+    """
+    spin = max(indicators.spin.values(), default=0.0)
+    stiffening = bool(
+        (indicators.stiffening > STIFFENING_SHARE * accuracy).any() or spin > STIFFENING_SPIN
+    )
+    by = MOTION_RTOL if all(kinds[n] in MOTIONS for n in indicators.names) else OTHER_RTOL
+    rtol = min(max(accuracy / by, LEAST_RTOL), MOST_RTOL)
+    plan = Plan(dict(least), stiffening, rtol)
+    loss = _loss(indicators, plan)
+    while loss.max(initial=0.0) > SHARE * accuracy:
+        best: tuple[float, Plan, Array] | None = None
+        for kind, candidate in _additions(indicators, plan):
+            after = _loss(indicators, candidate)
+            gain = float(np.maximum(loss, SHARE * accuracy).sum())
+            gain -= float(np.maximum(after, SHARE * accuracy).sum())
+            gain = gain / COST[kind]
+            if best is None or gain > best[0]:
+                best = gain, candidate, after
+        if best is None:
+            break
+        plan, loss = best[1], best[2]
+    for name, body in plan.bodies.items():
+        if body.static:
+            count = _shapes(indicators, plan, name, rich[name], SHAPE_SHARE * accuracy)
+            plan = plan.with_body(name, static=max(count, least[name].static))
+    return plan, loss
+
+
+def _additions(indicators: Indicators, plan: Plan) -> Iterator[tuple[str, Plan]]:
+    for mode in indicators.modes:
+        body = plan.bodies[mode.body]
+        if mode.vibration and mode.label not in body.vibrations:
+            yield (
+                "vibration",
+                plan.with_body(mode.body, vibrations=(*body.vibrations, mode.label)),
+            )
+    for name, body in plan.bodies.items():
+        if not body.static:
+            yield "static", plan.with_body(name, static=1)
+        elif not body.ringing:
+            yield "ringing", plan.with_body(name, ringing=True)
+
+
+def _loss(indicators: Indicators, plan: Plan) -> Array:
+    parts = indicators.effects
+    lost = np.zeros(parts.base.shape)
+    for j, mode in enumerate(indicators.modes):
+        body = plan.bodies[mode.body]
+        if (mode.vibration and mode.label in body.vibrations) or (body.static and body.ringing):
+            continue
+        lost += parts.response[:, :, j]
+        if body.static:
+            lost -= parts.static[:, :, j]
+    return indicators.loss(lost)
+
+
+def _shapes(indicators: Indicators, plan: Plan, name: str, rich: Rich, allowed: float) -> int:
+    """Return how many static shapes of a body keep the quasi-static response to `allowed`."""
+    kept = rows_of(rich.package, plan.bodies[name].vibrations)
+    shapes = rich.rest(kept)
+    worth = rich.energies(shapes)
+    eta, K = rich.eta, rich.package.stiffness
+    mine = [j for j, mode in enumerate(indicators.modes) if mode.body == name]
+    labels = {label: i for i, label in _static_rows(rich)}
+    own = [labels[indicators.modes[j].label] for j in mine]
+    usable = int(np.sum(worth > 1e-6 * max(float(worth.max(initial=0.0)), 1e-300)))
+    unit = shapes[:, :usable] / worth[:usable]
+    along = eta @ K @ unit  # (k, r) coordinates of the response in the shapes
+    static = indicators.effects.static[:, :, mine]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slope = np.where(eta[None, :, own] != 0.0, static / eta[None, :, own], 0.0)
+    for count in range(1, usable + 1):
+        left = along[:, count:] @ unit[own, count:].T  # (k, m)
+        lost = np.einsum("okm,km->ok", slope, left)
+        if float(indicators.loss(lost).max(initial=0.0)) <= allowed:
+            return count
+    return usable
+
+
+def _static_rows(rich: Rich) -> list[tuple[int, str]]:
+    return list(enumerate(rich.package.mode_labels))

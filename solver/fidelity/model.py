@@ -1,0 +1,141 @@
+"""The model and the check of a plan: packages with the chosen modes, and other solver settings."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..math.arrays import Array
+from ..package import ModalPackage
+from ..package.body.selection import axial_load, inertia_loads, vibrations, with_statics
+from ..package.body.transform import rigid
+from ..run.outcome import RunSpec
+from .plan import BodyPlan, Plan
+
+if TYPE_CHECKING:
+    from ..inputs.case.schema import Mechanism
+
+DAMPED = 0.2  # damping ratio of static shapes that do not ring: 1 would lag behind their loads
+TIGHT = 3e-5  # tolerance of a check at most
+TIGHTEST = 5e-7
+TIGHTER = 4.0  # and so many times below that of the model
+SMALL = 1e-4  # singular value of a load shape that a check leaves out, relative to the largest
+MOST_STATIC = 10  # static shapes of a check
+
+
+@dataclass(frozen=True)
+class Rich:
+    """The rich package of a body with the quasi-static response to the loads of the run.
+
+    Attributes
+    ----------
+    eta : (k, m) K^-1 p at k output times
+    """
+
+    package: ModalPackage
+    eta: Array
+
+    def rest(self, kept: list[int]) -> Array:
+        """Static shapes (m, r) that the response needs beside the modes `kept`, largest first.
+
+        Left singular vectors in the norm of the strain energy, times their singular values.
+        """
+        root = np.linalg.cholesky(self.package.stiffness).T
+        left = root @ self.eta.T
+        if kept:
+            Q = np.linalg.qr(root[:, kept])[0]
+            left = left - Q @ (Q.T @ left)
+        U, s, _ = np.linalg.svd(left, full_matrices=False)
+        return np.asarray(np.linalg.solve(root, U * s))
+
+    def energies(self, shapes: Array) -> Array:
+        """Square roots of the strain energies of shapes (m, r), (r,)."""
+        return np.sqrt(np.einsum("ir,ij,jr->r", shapes, self.package.stiffness, shapes))
+
+
+def rows(package: ModalPackage, labels: tuple[str, ...]) -> list[int]:
+    """Return the rows of vibrations by label; those that the package does not have are left out."""
+    return [i for i in vibrations(package).tolist() if package.mode_labels[i] in labels]
+
+
+def body_package(
+    rich: Rich, kept: list[int], static: int, *, ringing: bool, stiffening: bool
+) -> ModalPackage:
+    """Return the package of a body with some vibrations and static shapes."""
+    package = rich.package
+    if not kept and not static:
+        return rigid(package)
+    shapes = rich.rest(kept)
+    worth = rich.energies(shapes)
+    whole = float(np.sqrt(np.einsum("ki,ij,kj->k", rich.eta, package.stiffness, rich.eta).sum()))
+    chosen = shapes[:, : min(static, int(np.sum(worth > 1e-9 * whole)))]
+    loads = package.stiffness @ chosen
+    if stiffening and static:
+        loads = np.column_stack([axial_load(package), inertia_loads(package)[:, 0], loads])
+    return with_statics(package, kept, loads, (), None if ringing else DAMPED)
+
+
+def model_packages(
+    plan: Plan, model: Mapping[str, Rich], check: Mapping[str, Rich]
+) -> dict[str, ModalPackage]:
+    """Return the packages of the model of a plan."""
+    found = {}
+    for name, body in plan.bodies.items():
+        rich = (check if body.mesh == "check" else model)[name]
+        kept = rows(rich.package, body.vibrations)
+        found[name] = body_package(
+            rich, kept, body.static, ringing=body.ringing, stiffening=plan.stiffening
+        )
+    return found
+
+
+def check_plan(
+    plan: Plan, ranked: Mapping[str, tuple[str, ...]], check: Mapping[str, Rich], more: int = 2
+) -> Plan:
+    """Return the plan of a check: more vibrations, all load shapes, no damping, tight.
+
+    Parameters
+    ----------
+    ranked : labels of the vibrations of each body, by their indicators, largest first
+    more : vibrations that are added by rank; the lowest unused one is added to them
+    """
+    bodies = {}
+    for name, body in plan.bodies.items():
+        package = check[name].package
+        known = [package.mode_labels[i] for i in vibrations(package).tolist()]
+        unused = [label for label in ranked[name] if label not in body.vibrations]
+        added = [label for label in unused if label in known][:more]
+        added += [label for label in known if label not in (*body.vibrations, *added)][:1]
+        kept = tuple(label for label in known if label in (*body.vibrations, *added))
+        rich = check[name]
+        worth = rich.energies(rich.rest(rows(package, kept)))
+        largest = float(np.linalg.norm(rich.energies(rich.rest([]))))
+        static = min(int(np.sum(worth > SMALL * max(largest, 1e-300))), MOST_STATIC)
+        bodies[name] = BodyPlan(kept, static, True, "check")
+    rtol = max(min(TIGHT, plan.rtol / TIGHTER), TIGHTEST)
+    second = any(rich.package.second_order is not None for rich in check.values())
+    return Plan(bodies, plan.stiffening or second, rtol, plan.inputs_sha256)
+
+
+def planned(
+    spec: RunSpec, plan: Plan, model: Mapping[str, Rich], check: Mapping[str, Rich]
+) -> RunSpec:
+    """Return a run with the model of a plan."""
+    packages = {**spec.packages, **model_packages(plan, model, check)}
+    solver = with_values(
+        spec.mechanism.solver,
+        rtol=plan.rtol,
+        geometric_stiffening=plan.stiffening,
+        atol_position=None,
+        atol_velocity=None,
+    )
+    mechanism: Mechanism = with_values(spec.mechanism, solver=solver)
+    return replace(spec, mechanism=mechanism, packages=packages)
+
+
+def with_values(table: Any, **values: Any) -> Any:
+    """Return a copy of a checked table (a model, or its record) with other values."""
+    if hasattr(table, "model_copy"):
+        return table.model_copy(update=values)
+    return type(table)(**{**vars(table), **values})

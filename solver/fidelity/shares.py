@@ -1,0 +1,102 @@
+"""The difference of a check, split by kind and body: what is promoted if it is too large."""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from .plan import LEAST_RTOL, Plan
+from .trial import Trial, distance
+
+PROMOTED = 0.3  # of the largest share, from which a kind is promoted
+
+
+@dataclass(frozen=True)
+class Share:
+    """What one promotion changes: kind, body ("" of all), largest change of a signal."""
+
+    kind: str
+    body: str
+    value: float
+
+    def entry(self) -> dict[str, object]:
+        """Return plain data."""
+        return {"kind": self.kind, "body": self.body, "value": self.value}
+
+
+def promotions(
+    plan: Plan, check: Plan, ranked: Mapping[str, tuple[str, ...]]
+) -> Iterator[tuple[str, str, Plan]]:
+    """Return kind, body and plan of each single promotion towards a check.
+
+    Of the vibrations of the check only those that respond (`ranked`, by body) are promoted.
+    """
+    for name, body in plan.bodies.items():
+        more = check.bodies[name]
+        added = [label for label in more.vibrations if label in ranked[name]]
+        if set(added) - set(body.vibrations):
+            kept = tuple(dict.fromkeys((*body.vibrations, *added)))
+            yield "vibrations", name, plan.with_body(name, vibrations=kept)
+        if more.static > body.static:
+            static = max(2 * body.static, body.static + 2)
+            yield "statics", name, plan.with_body(name, static=min(static, more.static))
+        if body.static and not body.ringing:
+            yield "ringing", name, plan.with_body(name, ringing=True)
+        if body.mesh == "model" and not body.rigid:
+            yield "mesh", name, plan.with_body(name, mesh="check")
+    if check.stiffening and not plan.stiffening:
+        yield "stiffening", "", replace(plan, stiffening=True)
+    if plan.rtol > LEAST_RTOL:
+        yield "tolerance", "", replace(plan, rtol=max(LEAST_RTOL, plan.rtol / 10.0))
+
+
+def split(
+    trial: Trial,
+    check: Trial,
+    ranked: Mapping[str, tuple[str, ...]],
+    metric: str,
+    run: Callable[[Plan], Trial | None],
+) -> list[Share]:
+    """Return the share of each promotion, largest first; `run` tries a plan."""
+    found = []
+    for kind, body, plan in promotions(trial.plan, check.plan, ranked):
+        other = run(plan)
+        if other is None:
+            continue
+        value = distance(metric, trial, other)
+        largest = float(value.max(initial=0.0))
+        found.append(Share(kind, body, largest if np.isfinite(largest) else 1e300))
+    return sorted(found, key=lambda share: -share.value)
+
+
+def promoted(
+    plan: Plan,
+    check: Plan,
+    ranked: Mapping[str, tuple[str, ...]],
+    shares: list[Share],
+    estimate: float,
+) -> Plan:
+    """Return the plan with the promotions of large shares; with all, if none explains the check."""
+    largest = max((share.value for share in shares), default=0.0)
+    every = not shares or estimate > 2.0 * largest
+    wanted = {(s.kind, s.body) for s in shares if every or s.value >= PROMOTED * largest}
+    for kind, body, single in promotions(plan, check, ranked):
+        if every or (kind, body) in wanted:
+            plan = _joined(plan, single, kind, body)
+    return plan
+
+
+def _joined(plan: Plan, single: Plan, kind: str, body: str) -> Plan:
+    if kind == "stiffening":
+        return replace(plan, stiffening=True)
+    if kind == "tolerance":
+        return replace(plan, rtol=single.rtol)
+    new = single.bodies[body]
+    fields: dict[str, dict[str, Any]] = {
+        "vibrations": {"vibrations": new.vibrations},
+        "statics": {"static": new.static},
+        "ringing": {"ringing": True},
+        "mesh": {"mesh": "check"},
+    }
+    return plan.with_body(body, **fields[kind])

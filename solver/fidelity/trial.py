@@ -1,0 +1,92 @@
+"""Runs of a plan: its signals, its cost, its result; and the comparison of two runs."""
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..checks.finished import FinishedRun
+from ..errors import InputError
+from ..math.arrays import Array
+from ..run.execution import integrated
+from ..run.outcome import RunSpec, collect
+from ..run.preparation import Prepared, prepare
+from ..signals import Recording
+from .metrics import difference, scales
+from .model import Rich, planned
+from .plan import Plan
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A run of a plan.
+
+    Attributes
+    ----------
+    signals : (o, k)
+    complete : it reached the end
+    cpu : seconds, building and integration
+    """
+
+    plan: Plan
+    spec: RunSpec
+    prepared: Prepared
+    finished: FinishedRun
+    signals: Array
+    complete: bool
+    cpu: float
+
+    def outcome(self) -> tuple[Any, dict[str, Any]]:
+        """Return result and summary of the run."""
+        return collect(self.spec, self.prepared.measured, self.finished, self.cpu)
+
+
+def tried(
+    spec: RunSpec,
+    plan: Plan,
+    model: Mapping[str, Rich],
+    check: Mapping[str, Rich],
+    names: list[str],
+) -> Trial:
+    """Run a plan.
+
+    Raises
+    ------
+    InputError
+        The model of the plan cannot be assembled.
+    """
+    begin = time.process_time()
+    own = planned(spec, plan, model, check)
+    prepared = prepare(own.mechanism, own.packages)
+    finished = integrated(prepared)
+    solution = finished.solution
+    recording = Recording(finished.model, solution.t, solution.y)
+    signals = np.array([prepared.measured[name].values(recording) for name in names])
+    cpu = time.process_time() - begin
+    return Trial(plan, own, prepared, finished, signals, solution.status == "finished", cpu)
+
+
+def attempted(
+    spec: RunSpec,
+    plan: Plan,
+    model: Mapping[str, Rich],
+    check: Mapping[str, Rich],
+    names: list[str],
+) -> Trial | None:
+    """Run a plan; None if its model cannot be assembled."""
+    try:
+        return tried(spec, plan, model, check, names)
+    except InputError:
+        return None
+
+
+def distance(metric: str, one: Trial, two: Trial) -> Array:
+    """Return the difference (o,) of the signals of two runs, of the largest value of the second.
+
+    Infinite if one of them ended early.
+    """
+    if not (one.complete and two.complete):
+        return np.full(len(two.signals), np.inf)
+    return difference(metric, one.signals, two.signals) / scales(metric, two.signals)

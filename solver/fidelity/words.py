@@ -1,0 +1,156 @@
+"""The answer of a plan as an engineer reads it, and its entry in summary.json."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from .plan import Plan
+from .procedure import Answer
+
+NOT_CHECKED = (
+    "the cross-sections and materials of the bodies: both packages have the same",
+    "the joints: rigid, without friction and clearance",
+    "the theory: beams and shells of small strain in both runs; geometrically exact theories "
+    "may differ pointwise by more than 1e-3 in vibrating signals",
+)
+MEASURED = "bodies from files: one package, so its mesh and its modes"
+
+
+def not_checked(answer: Answer) -> list[str]:
+    """Return what neither the plan nor the check looks at."""
+    bodies = answer.spec.mechanism.bodies
+    files = [name for name in answer.plan.bodies if bodies[name].kind == "package"]
+    shells = [name for name in answer.plan.bodies if bodies[name].kind == "shell"]
+    found = list(NOT_CHECKED)
+    if files:
+        found.append(f"{MEASURED} ({', '.join(files)})")
+    if shells:
+        found.append(f"the mesh of shells: the check has more modes of it ({', '.join(shells)})")
+    return found
+
+
+def entry(answer: Answer) -> dict[str, Any]:
+    """Return the entry `fidelity` of summary.json."""
+    fidelity = answer.spec.mechanism.fidelity
+    assert fidelity is not None
+    indicators = answer.study.indicators
+    estimate = answer.estimate
+    return {
+        "asked": fidelity.accuracy,
+        "metric": fidelity.metric,
+        "scale": dict(zip(answer.names, indicators.scale.tolist(), strict=True)),
+        "plan": answer.plan.table(),
+        "losses": dict(zip(answer.names, answer.losses.tolist(), strict=True)),
+        "estimate": None
+        if estimate is None
+        else {n: _finite(e) for n, e in zip(answer.names, estimate.tolist(), strict=True)},
+        "shares": [share.entry() for share in answer.shares],
+        "rounds": answer.rounds,
+        "cpu": dict(answer.cpu),
+        "verdict": answer.verdict,
+        "reason": answer.reason,
+        "base": answer.study.base.reason or "rigid",
+        "not_checked": not_checked(answer),
+    }
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None
+
+
+def fidelity_line(found: Mapping[str, Any]) -> str:
+    """Return the entry of summary.json in one line."""
+    values = [value for value in (found["estimate"] or {}).values() if value is not None]
+    estimate = f"estimated error {max(values):.1e}" if values else "no estimate of the error"
+    reason = f", {found['reason']}" if found["reason"] else ""
+    return f"accuracy {found['asked']:g} {found['verdict']}: {estimate}{reason}"
+
+
+def remarks(answer: Answer) -> list[str]:
+    """Return the lines at the top of a plan file."""
+    fidelity = answer.spec.mechanism.fidelity
+    assert fidelity is not None
+    return [
+        f"Plan of run {answer.spec.run} of case {answer.spec.case}, accuracy "
+        f"{fidelity.accuracy:g} ({fidelity.metric}).",
+        f"Verdict: {answer.verdict}" + (f", {answer.reason}." if answer.reason else "."),
+        "A run uses this file as long as its inputs are the same. It may be edited: an edited plan",
+        "is checked, but not changed.",
+    ]
+
+
+def answer_text(answer: Answer) -> str:
+    """Return the answer in words."""
+    fidelity = answer.spec.mechanism.fidelity
+    assert fidelity is not None
+    lines = [
+        f"{answer.spec.case}, run {answer.spec.run}: {', '.join(answer.names)} to "
+        f"{fidelity.accuracy:g} of the largest value ({fidelity.metric})",
+        "",
+    ]
+    if answer.study.base.reason:
+        lines += [f"The bodies cannot all be rigid: {answer.study.base.reason}", ""]
+    lines += _model(answer.plan)
+    lines += ["", *_omissions(answer), ""]
+    if answer.estimate is None:
+        lines.append(f"Not checked{': ' + answer.reason if answer.reason else ''}.")
+    else:
+        for name, value in zip(answer.names, answer.estimate.tolist(), strict=True):
+            lines.append(f"Estimated error of {name}: {value:.1e}")
+        words = {"met": "The request is met", "not met": "The request is NOT met"}
+        reason = f": {answer.reason}" if answer.reason else ""
+        lines.append(f"{words[answer.verdict]}{reason}. The result of the check is delivered.")
+    if answer.shares:
+        lines += ["", "Shares of the error of the last plan that was too coarse:"]
+        for share in answer.shares[:6]:
+            body = f" of {share.body}" if share.body else ""
+            lines.append(f"  {share.kind}{body}: {share.value:.1e}")
+    cpu = ", ".join(f"{name} {value:.2f}" for name, value in answer.cpu.items())
+    if answer.trial is not None:
+        cpu += f"; a run of the chosen model {answer.trial.cpu:.2f}"
+    lines += ["", f"CPU seconds: {cpu}", "Not checked:"]
+    lines += [f"  - {text}" for text in not_checked(answer)]
+    return "\n".join(lines)
+
+
+def _model(plan: Plan) -> list[str]:
+    lines = ["Model:"]
+    for name, body in plan.bodies.items():
+        if body.rigid:
+            lines.append(f"  {name}: rigid")
+            continue
+        kept = f"{len(body.vibrations)} vibrations"
+        if body.vibrations:
+            kept += f" ({', '.join(body.vibrations)})"
+        ring = "undamped" if body.ringing else "damped"
+        shapes = f", {body.static} static shapes, {ring}" if body.static else ", no static shapes"
+        lines.append(f"  {name}: {kept}{shapes}; mesh of the {body.mesh}")
+    lines.append(f"  geometric stiffening: {'on' if plan.stiffening else 'off'}")
+    lines.append(f"  rtol = {plan.rtol:.2g}")
+    return lines
+
+
+def _omissions(answer: Answer) -> list[str]:
+    """Return what each omission costs by the indicators."""
+    indicators, plan = answer.study.indicators, answer.plan
+    static = {name: body.static > 0 for name, body in plan.bodies.items()}
+    worth = indicators.worth(static)
+    lines = ["Indicated cost of what the model leaves out (of the largest value of a signal):"]
+    for name, body in plan.bodies.items():
+        mine = [
+            (float(worth[j]), mode.label)
+            for j, mode in enumerate(indicators.modes)
+            if mode.body == name and mode.label not in body.vibrations
+        ]
+        left = sorted(mine, reverse=True)[:3]
+        if left:
+            text = ", ".join(f"{label} {value:.1e}" for value, label in left)
+            lines.append(f"  {name}: {text}")
+    if not plan.stiffening:
+        worst = float(indicators.stiffening.max(initial=0.0))
+        lines.append(f"  geometric stiffening: {worst:.1e}")
+    for name, ratio in indicators.spin.items():
+        if ratio > 0.25:
+            lines.append(f"  {name} spins at {ratio:.2f} of its first clamped frequency")
+    return lines

@@ -1,0 +1,107 @@
+"""Forces along a coordinate of a case as trees of expressions."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from ...dynamics.forces.contract import Terms
+from ...dynamics.forces.table import COORDINATE_FORCES
+from ...errors import InputError
+from ...math.expressions import operations as op
+from ...math.expressions.tree import Node, constant
+from ...math.keys import Curve, Expression, Number
+from .expressions import CaseScope, PlaceCheck, Read, expression, joint_coordinate, load
+
+if TYPE_CHECKING:
+    from .forces import CoordinateTable
+    from .schema import Mechanism
+
+
+@dataclass(frozen=True)
+class StateTerms:
+    """An auxiliary state of a force, as trees."""
+
+    name: str
+    rate: Node | None
+    start: Node
+    scale: float
+    update: Node | None
+
+
+@dataclass(frozen=True)
+class ForceTerms:
+    """A force along a coordinate, as trees."""
+
+    along: Read
+    force: Node
+    states: tuple[StateTerms, ...]
+    curves: tuple[str, ...]  # keys of the curves that are given
+
+
+def force_terms(
+    name: str, force: "CoordinateTable", mechanism: "Mechanism", check: PlaceCheck | None = None
+) -> ForceTerms:
+    """Return the expressions of `[forces.NAME]`.
+
+    Raises
+    ------
+    InputError
+    """
+    kind = COORDINATE_FORCES[force.kind]
+    key = f"forces.{name}"
+    along = _along(key, force, mechanism)
+    values = {k.name: getattr(force, k.name) for k in kind.keys}
+    try:
+        terms = kind.terms(values)
+    except InputError as error:
+        raise InputError(f"{key}{error}") from error
+    names = {"x": load(along), "v": load(replace(along, rate=True))}
+    public = CaseScope(mechanism, names, check=check)
+    for k in kind.keys:
+        value = values[k.name]
+        if value is None:
+            continue
+        if isinstance(k, Number):
+            names[k.name] = constant(value)
+        elif isinstance(k, Expression):
+            names[k.name] = expression(value, public, f"{key}.{k.name}")
+    given = tuple(k.name for k in kind.keys if isinstance(k, Curve) and values[k.name] is not None)
+    scope = CaseScope(mechanism, names, {k: _reader((name, k)) for k in given})
+    return _trees(name, terms, along, scope, given)
+
+
+def _trees(
+    name: str, terms: Terms, along: Read, scope: CaseScope, curves: tuple[str, ...]
+) -> ForceTerms:
+    key = f"forces.{name}"
+    starts = []
+    for state in terms.states:
+        starts.append(expression(state.start, scope, key))
+        scope.names[state.name] = load(Read("state", (name, state.name)))
+    for part, text in terms.names.items():
+        scope.names[part] = expression(text, scope, key)
+    force = expression(terms.force, scope, key)
+
+    def optional(text: str | None) -> Node | None:
+        return None if text is None else expression(text, scope, key)
+
+    states = tuple(
+        StateTerms(s.name, optional(s.rate), start, s.scale, optional(s.update))
+        for s, start in zip(terms.states, starts, strict=True)
+    )
+    return ForceTerms(along, force, states, curves)
+
+
+def _along(key: str, force: "CoordinateTable", mechanism: "Mechanism") -> Read:
+    if force.joint is None:
+        assert force.between is not None
+        return Read("length", (force.between[0], force.between[1]))
+    try:
+        return Read("joint", joint_coordinate(mechanism, force.joint, force.coordinate))
+    except ValueError as error:
+        where = "joint" if force.joint not in mechanism.joints else "coordinate"
+        raise InputError(f"{key}.{where}: {error}") from error
+
+
+def _reader(curve: tuple[str, str]) -> Callable[..., Node]:
+    return lambda node: Node(op.CURVE, (node,), quantity=curve)

@@ -1,0 +1,30 @@
+"""The number of outputs of a run, and what they take."""
+
+from math import isfinite
+
+from .schema import BeamBody, Mechanism, ShellBody
+
+RIGID = 13  # coordinates and velocities of a body without modes, kept at each output
+
+
+def output_findings(mechanism: Mechanism) -> list[str]:
+    """Return what is wrong with the outputs that a mechanism asks for, one line each."""
+    solver = mechanism.solver
+    key = f"solver.output_step = {solver.output_step:g}"
+    if solver.output_step > solver.t_end:
+        return [f"{key}: expected at most solver.t_end = {solver.t_end:g} s"]
+    count = solver.t_end / solver.output_step
+    if count <= solver.most_outputs:
+        return []
+    modes = sum(
+        getattr(mode, "count", 1)
+        for body in mechanism.bodies.values()
+        if isinstance(body, BeamBody | ShellBody)
+        for mode in body.modes
+    )
+    width = RIGID * len(mechanism.bodies) + 2 * modes
+    size = f"{8.0 * width * count:.3g}" if isfinite(count) else "more than 1e308"
+    return [
+        f"{key}: {count:.4g} outputs up to t_end = {solver.t_end:g} s, which take at least {size} "
+        f"bytes; expected at most solver.most_outputs = {solver.most_outputs}, which may be raised"
+    ]

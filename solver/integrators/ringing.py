@@ -1,0 +1,28 @@
+"""Which vibration keeps the steps of Radau IIA short."""
+
+import numpy as np
+
+from ..dynamics.model import Model
+from .compiled.radau_workspace import RadauWorkspace
+
+
+def ringing(model: Model, workspace: RadauWorkspace) -> tuple[int, float]:
+    """Return the component of the state that rings most in the last step, and its rate [rad/s].
+
+    By the cubic coefficients of the step's polynomials: of a vibration that the step resolves,
+    those of velocities are w times those of positions. Components are weighed by inertia.
+    """
+    cubic, n_pos, M = workspace.Q[2], model.n_pos, workspace.frozen.M
+    size = np.zeros(model.n_vel)
+    for i, j in enumerate(model.vel_start):
+        for k in range(int(model.plan.size[i])):
+            size[j + k] = M[i, k, k] * cubic[n_pos + j + k] ** 2
+    most = int(np.argmax(size))
+    i = int(np.searchsorted(model.vel_start, most, side="right")) - 1
+    k, a = most - int(model.vel_start[i]), int(model.pos_start[i])
+    turns, j = 3 <= k < 6, n_pos + most
+    q = a + k + (1 if k > 5 else 0)
+    swing = 2.0 * cubic[a + 3 : a + 7] if turns else cubic[q : q + 1]
+    speed = cubic[j - k + 3 : j - k + 6] if turns else cubic[j : j + 1]
+    size_q, size_v = float(np.linalg.norm(swing)), float(np.linalg.norm(speed))
+    return j, size_v / size_q if size_q > 0.0 else 0.0

@@ -1,0 +1,134 @@
+"""Signals that end a command: Ctrl-C, TERM of a batch scheduler, HUP of a lost connection.
+
+All three raise KeyboardInterrupt, so that what is computed is kept in the same way.
+"""
+
+import contextlib
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from types import FrameType
+from typing import Any
+
+INTERRUPTED = 130  # exit code of a program that was ended by Ctrl-C
+NUMBERS = [signal.SIGINT, signal.SIGTERM]
+if sys.platform != "win32":
+    NUMBERS.append(signal.SIGHUP)
+
+_received: list[int] = []  # since the command began
+_commands = 0  # that are under way in this process
+
+
+@contextlib.contextmanager
+def heard() -> Iterator[None]:
+    """Treat TERM and HUP like Ctrl-C as long as a command is under way.
+
+    A signal that is ignored stays so (`nohup`). Does nothing outside the main thread.
+    """
+    global _commands
+    if not _commands:
+        _received.clear()
+    _commands += 1
+    try:
+        with _handled(_interrupt):
+            yield
+    finally:
+        _commands -= 1
+
+
+def end_at_once() -> None:
+    """End the program at a signal while it starts: nothing is written yet.
+
+    An exception within an import would be a traceback, or be taken for a missing module.
+    """
+    handle(_end)
+
+
+@contextlib.contextmanager
+def starting() -> Iterator[None]:
+    """Do what `end_at_once` says while modules of a command are imported."""
+    with _handled(_end) if _commands else contextlib.nullcontext():
+        yield
+
+
+def _end(number: int, frame: FrameType | None) -> None:
+    os.write(2, b"interrupted: nothing written\n")
+    os._exit(128 + number)
+
+
+@contextlib.contextmanager
+def held() -> Iterator[None]:
+    """Complete a block that saves results before a signal counts; a second one counts at once.
+
+    In a command the signal is noted, see `asked`; elsewhere it is raised after the block.
+    """
+    late: list[int] = []
+
+    def note(number: int, frame: FrameType | None) -> None:
+        _received.append(number)
+        if late:
+            raise KeyboardInterrupt
+        late.append(number)
+
+    with _handled(note):
+        yield
+    if late and not _commands:
+        raise KeyboardInterrupt
+
+
+def asked() -> bool:
+    """Tell whether a signal has asked the command to end."""
+    return bool(_received)
+
+
+def exit_code(code: int) -> int:
+    """Return 128 + the signal for a command that a signal has ended, `code` for others."""
+    return 128 + _received[0] if code == INTERRUPTED and _received else code
+
+
+def passed_to_children(stop: Any, processes: Callable[[], list[int]]) -> Any:
+    """Return a context in which a signal sets the event `stop` and goes to child processes."""
+    parent = os.getpid()
+
+    def forward(number: int, frame: FrameType | None) -> None:
+        _received.append(number)
+        stop.set()
+        for child in processes() if os.getpid() == parent else []:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(child, number)
+
+    return _handled(forward)
+
+
+def ignore() -> None:
+    """Leave all signals to the parent process, which ends this one."""
+    for number in NUMBERS:
+        signal.signal(number, signal.SIG_IGN)
+
+
+def handle(handler: Callable[[int, FrameType | None], None]) -> None:
+    """Set the handler of a process for all signals that are not ignored."""
+    for number in NUMBERS:
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, handler)
+
+
+@contextlib.contextmanager
+def _handled(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]:
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = {number: signal.getsignal(number) for number in NUMBERS}
+    handle(handler)
+    try:
+        yield
+    finally:
+        for number, old in before.items():
+            signal.signal(number, old)
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    _received.append(number)
+    raise KeyboardInterrupt

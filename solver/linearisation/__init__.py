@@ -1,0 +1,1 @@
+"""Equations of motion linearised about a state: modes, Campbell diagrams, transfer functions."""

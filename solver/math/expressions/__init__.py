@@ -1,0 +1,1 @@
+"""Expressions of a case: parsed by a whitelist, evaluated with derivatives in compiled code."""

@@ -1,0 +1,35 @@
+"""Initial modal coordinates and rates of a body, by label or number of the mode."""
+
+from typing import TYPE_CHECKING
+
+from ..errors import InputError, nearest
+from ..package import ModalPackage
+
+if TYPE_CHECKING:
+    from ..inputs.case.schema import Deformed
+
+
+def modal_values(
+    name: str, key: str, body: "Deformed", package: ModalPackage
+) -> list[tuple[int, float]]:
+    """Return the modes and their values of bodies.NAME.KEY (`modal_coordinates`, `modal_rates`).
+
+    Modes have their labels, or their kinds if there is one of a kind, or numbers from 1.
+
+    Raises
+    ------
+    InputError
+        No such mode; the same mode twice.
+    """
+    labels = list(package.mode_labels or package.mode_kinds)
+    known = {label: k for k, label in enumerate(labels) if labels.count(label) == 1}
+    known |= {str(k + 1): k for k in range(package.n_mode)}
+    found: dict[int, float] = {}
+    for word, value in getattr(body, key).items():
+        where = f'bodies.{name}.{key} = "{word}"'
+        if word not in known:
+            raise InputError(f"{where}: no such mode{nearest(word, known)}")
+        if known[word] in found:
+            raise InputError(f"{where}: expected each mode once; it has another value")
+        found[known[word]] = value
+    return list(found.items())

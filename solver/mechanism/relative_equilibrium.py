@@ -1,0 +1,237 @@
+"""Relative equilibrium: a mechanism that turns as a whole at a constant spin about a fixed axis.
+
+Velocities are those of a rigid rotation, accelerations point to the axis, modal rates are zero.
+Newton's method along the free motions Z solves Z'(f - M a) = 0; joints are closed, and velocities
+moved with the positions, after each step. Where it fails, the spin grows from rest in steps.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..dynamics.auxiliary import started
+from ..dynamics.coordinates import moved
+from ..dynamics.instant import law_values, with_laws
+from ..dynamics.model import Model
+from ..dynamics.null_space import FreeMotions, free_motions
+from ..dynamics.spinning import Spin, spin_accelerations, spin_velocities, turned
+from ..dynamics.system import Equations, assemble
+from ..errors import InputError, few
+from ..math.arrays import Array
+from .equilibrium import closed, equilibrium, limited, pushed, resting
+from .initial import Start
+
+_TOLERANCE = 1e-10  # of the unbalanced accelerations, relative to the largest of loads
+_CONSTANT = 1e-6  # the same for loads in turned positions
+_CONSISTENT = 1e-9  # velocities that joints contradict, relative to the largest
+_NEUTRAL = 1e-6  # [1/s2] stiffness over inertia that is treated as zero
+_DIFFERENCE = 1e-6  # [m, rad, modes]
+_ITERATIONS = 40
+_LEAST_STEP = 1.0 / 256.0  # of the spin, in the continuation from rest
+_TURNS = (1.0, 2.5)  # [rad] angles at which loads are compared
+
+
+class Steady(NamedTuple):
+    """A relative equilibrium."""
+
+    model: Model  # whose drives turn with it and whose loads keep their size
+    y: Array  # (n,)
+
+
+def relative_equilibrium(
+    model: Model,
+    start: Start,
+    spin: Spin,
+    joint_names: list[str],
+    body_names: list[str],
+    t: float = 0.0,
+) -> Steady:
+    """Return the relative equilibrium near the given positions; loads are those at time t.
+
+    Raises
+    ------
+    InputError
+        Joints that do not let the mechanism turn; loads that are not constant in axes that turn
+        with it; no equilibrium found.
+    """
+    positions = closed(model, start.positions, t)
+    _Turning(model, positions, spin, t).require(joint_names)
+    found, trouble = _newton(model, positions, spin, t)
+    if found is None:
+        found, trouble = _from_rest(model, start, spin, body_names, t)
+    if found is None:
+        raise InputError(
+            f"no relative equilibrium at a spin of {spin.rate:g} rad/s: "
+            f"{pushed(model, trouble, body_names)}. Expected loads that joints, springs, "
+            "elasticity and the spin can balance"
+        )
+    here = _Turning(model, found, spin, t)
+    here.require(joint_names)
+    _require_constant(model, found, spin, t, body_names)
+    return Steady(here.model, here.y)
+
+
+def after_turn(model: Model, y: Array, spin: Spin, t: float, angle: float) -> Steady:
+    """Return a mechanism in relative equilibrium y (n,) after it has turned by an angle [rad]."""
+    positions = turned(model, y[: model.n_pos], spin, angle)
+    there = _Turning(model, positions, spin, t, angle)
+    return Steady(there.model, there.y)
+
+
+class _Turning:
+    """A mechanism in given positions that turns at a spin."""
+
+    def __init__(self, model: Model, positions: Array, spin: Spin, t: float, angle: float = 0.0):
+        self.positions, self.spin, self.t = positions, spin, t
+        self.model = _with_spin(model, positions, spin, t, angle)
+        self.v = spin_velocities(model, positions, spin)
+        self.y = started(self.model, t, resting(model, positions, self.v))
+
+    def evaluated(self) -> tuple[Equations, Array]:
+        """Return the equations, and the forces (n_vel,) less those that the spin takes."""
+        equations = assemble(self.model, self.t, self.y)
+        a = spin_accelerations(self.model, self.positions, self.spin)
+        return equations, equations.f - equations.M @ a
+
+    def require(self, joint_names: list[str]) -> None:
+        """Raise InputError if joints to the ground do not let it turn; names them."""
+        equations = assemble(self.model, self.t, self.y)
+        off = np.abs(equations.Phi_q @ self.v + equations.Phi_t)
+        if off.size == 0 or off.max() <= _CONSISTENT * max(1.0, float(np.abs(self.v).max())):
+            return
+        model = self.model
+        held = [
+            name
+            for k, name in enumerate(joint_names)
+            if off[int(model.joint_row[k]) : int(model.joint_row[k + 1])].max(initial=0.0)
+            > 1e-3 * off.max()
+        ]
+        x, y, z = self.spin.axis
+        raise InputError(
+            f"spin about ({x:g}, {y:g}, {z:g}): joint {few(held)} does not let the "
+            "mechanism turn as a whole about this axis. Expected an axis along that of the joint "
+            "to the ground"
+        )
+
+
+def _with_spin(model: Model, positions: Array, spin: Spin, t: float, angle: float) -> Model:
+    """Return the model with drives at the rates of the spin, after a turn, and constant loads."""
+    values = law_values(model, t)
+    values[:, 1:] = 0.0
+    laws = [int(k) for k in model.joint_law]
+    if max(laws, default=-1) >= 0:
+        unit = np.zeros_like(values)
+        unit[[k for k in laws if k >= 0], 1] = 1.0
+        y = resting(model, positions, spin_velocities(model, positions, spin))
+        still = assemble(with_laws(model, t, values), t, y)
+        share = assemble(with_laws(model, t, values + unit), t, y).Phi_t - still.Phi_t
+        needed = -(still.Phi_q @ y[model.n_pos : model.n_pos + model.n_vel]) - still.Phi_t
+        for joint, law in enumerate(laws):
+            rows = slice(int(model.joint_row[joint]), int(model.joint_row[joint + 1]))
+            if law >= 0 and np.any(share[rows]):
+                rate = float(needed[rows] @ share[rows] / (share[rows] @ share[rows]))
+                values[law, 1] = rate
+                values[law, 0] += angle * rate / spin.rate if spin.rate else 0.0
+    return with_laws(model, t, values)
+
+
+def _newton(model: Model, positions: Array, spin: Spin, t: float) -> tuple[Array | None, Array]:
+    """Return positions of equilibrium, or None and the unbalanced accelerations (n_vel,)."""
+    largest, push = 0.0, np.zeros(model.n_vel)
+    for _ in range(_ITERATIONS):
+        here = _Turning(model, positions, spin, t)
+        equations, g = here.evaluated()
+        free = free_motions(equations, model.inertia_scale)
+        unbalanced = free.Z.T @ g
+        push = free.Z @ unbalanced
+        largest = max(largest, float(np.max(np.abs(g) / model.inertia_scale)))
+        size = float(np.linalg.norm(unbalanced))
+        if np.max(np.abs(push), initial=0.0) <= _TOLERANCE * max(largest, 1e-12):
+            return positions, push
+        K = _stiffness(model, here, equations, g, free)
+        step = limited(free.Z @ _solved(K, unbalanced))
+        for _ in range(12):
+            try:
+                there = closed(model, moved(model, positions, step), t)
+            except InputError:
+                step = 0.5 * step
+                continue
+            after = _Turning(model, there, spin, t)
+            left = (
+                free_motions(after.evaluated()[0], model.inertia_scale).Z.T @ after.evaluated()[1]
+            )
+            if np.linalg.norm(left) < size:
+                break
+            step = 0.5 * step
+        else:
+            return None, push
+        positions = there
+    return None, push
+
+
+def _stiffness(
+    model: Model, here: _Turning, equations: Equations, g: Array, free: FreeMotions
+) -> Array:
+    """Return the stiffness over inertia (n_free, n_free) along Z, multipliers held [1/s2]."""
+    multipliers = free.P.T @ g
+    K = np.zeros((free.Z.shape[1], free.Z.shape[1]))
+
+    def force(positions: Array) -> Array:
+        there, found = _Turning(model, positions, here.spin, here.t).evaluated()
+        return np.asarray(found - there.Phi_q.T @ multipliers)
+
+    for k, z in enumerate(free.Z.T):
+        h = _DIFFERENCE / float(np.max(np.abs(z)))
+        ahead = force(moved(model, here.positions, h * z))
+        behind = force(moved(model, here.positions, -h * z))
+        K[:, k] = free.Z.T @ (behind - ahead) / (2.0 * h)
+    return K
+
+
+def _solved(K: Array, b: Array) -> Array:
+    """Return the solution of K x = b without the directions that have no stiffness."""
+    U, s, Vt = np.linalg.svd(K)
+    use = s > max(_NEUTRAL, 1e-14 * s.max(initial=0.0))
+    return np.asarray(Vt[use].T @ ((U[:, use].T @ b) / s[use]))
+
+
+def _from_rest(
+    model: Model, start: Start, spin: Spin, body_names: list[str], t: float
+) -> tuple[Array | None, Array]:
+    """Follow the equilibrium from rest as the spin grows."""
+    try:
+        positions = equilibrium(model, start, body_names, t).positions
+    except InputError:  # held up by the spin alone
+        positions = closed(model, start.positions, t)
+    share, step, push = 0.0, 0.125, np.zeros(model.n_vel)
+    while share < 1.0:
+        target = min(1.0, share + step)
+        found, push = _newton(model, positions, spin._replace(rate=target * spin.rate), t)
+        if found is None:
+            step *= 0.5
+            if step < _LEAST_STEP:
+                return None, push
+            continue
+        positions, share, step = found, target, 2.0 * step
+    return positions, push
+
+
+def _require_constant(
+    model: Model, positions: Array, spin: Spin, t: float, body_names: list[str]
+) -> None:
+    """Raise InputError if the loads change when the mechanism has turned."""
+    if spin.rate == 0.0:
+        return
+    for angle in _TURNS:
+        there = _Turning(model, turned(model, positions, spin, angle), spin, t, angle)
+        equations, g = there.evaluated()
+        free = free_motions(equations, model.inertia_scale)
+        push = free.Z @ (free.Z.T @ g)
+        loads = float(np.max(np.abs(g) / model.inertia_scale))
+        if np.max(np.abs(push), initial=0.0) > _CONSTANT * max(loads, 1e-9):
+            raise InputError(
+                "spin: the loads are not constant in axes that turn with the mechanism: after "
+                f"{np.degrees(angle):.0f} deg {pushed(model, push, body_names)}. Expected gravity "
+                "and loads along the axis, or loads that follow the bodies, and springs to the "
+                "ground that are the same in all directions across the axis"
+            )

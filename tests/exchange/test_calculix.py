@@ -1,0 +1,98 @@
+"""Solids of CalculiX: its own runs, matrices to packages."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from exchange_decks import LENGTH, MASS, MM, SI, frequencies, write_solid
+from exchange_routes import ccx, import_file, run_program
+
+from plymotion.preprocess.exchange.import_file import package_of as built
+from plymotion.preprocess.exchange.import_file import read_table
+from plymotion.preprocess.exchange.read.calculix import read
+from plymotion.preprocess.exchange.read.files import Files
+from plymotion.solver.errors import InputError
+from plymotion.solver.package import ModalPackage, validate, write_package
+
+COUNT = (16, 2)
+
+
+def package_of(file: Path) -> ModalPackage:
+    return built(read_table(file), file.parent, str(file))
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The arm in m, kg, s and in mm, t, s; a deck of its free vibrations."""
+    program = ccx()
+    folder = tmp_path_factory.mktemp("calculix")
+    write_solid(folder / "si.inp", COUNT, SI)
+    write_solid(folder / "mm.inp", COUNT, MM)
+    free = "*STEP\n*FREQUENCY\n14\n*END STEP"
+    write_solid(folder / "free.inp", COUNT, SI, free)
+    for name in ("si.sti", "mm.sti", "free.dat"):
+        run_program(program, [name.split(".")[0]], folder, folder / name)
+    import_file(folder, "calculix", {"deck": "si.inp"}, MASS, name="si.toml")
+    mm = ("mm", "t")
+    import_file(folder, "calculix", {"deck": "mm.inp"}, MASS, name="mm.toml", units=mm)
+    return folder
+
+
+def test_free_frequencies_are_those_of_calculix(folder: Path) -> None:
+    """Its .dat has seven digits."""
+    table = read_table(folder / "si.toml")
+    table |= {"reference": {"kind": "mean-axis"}, "modes": [{"kind": "lowest", "count": 8}]}
+    table["interfaces"] = {"tip": {"set": "NTIP", "link": "average"}}
+    found = built(table, folder, "si.toml").frequencies
+    np.testing.assert_allclose(found, frequencies(folder / "free.dat")[6:], rtol=1e-6)
+
+
+def test_package_is_valid_and_consistent(folder: Path, tmp_path: Path) -> None:
+    package = package_of(folder / "si.toml")
+    write_package(tmp_path / "arm.vtkhdf", package)
+    assert validate(tmp_path / "arm.vtkhdf") == []
+    assert package.invariants.mass_form == "consistent"
+    assert package.invariants.mass == pytest.approx(MASS, rel=1e-9)
+    assert set(package.cell_types.tolist()) == {25}
+
+
+def test_millimetres_and_tonnes_give_the_same_body(folder: Path) -> None:
+    """Matrices to 1e-12; its files have 14 digits, of which slender bending keeps 7."""
+    si, mm = (read(Files({"deck": f"{name}.inp"}, folder, name)) for name in ("si", "mm"))
+    mm = mm.in_units(1e-3, 1e3, 1.0)
+    for a, b in ((si.K, mm.K), (si.M, mm.M)):
+        assert np.abs((a - b).data).max() < 1e-12 * np.abs(a.data).max()
+    assert np.abs(si.nodes - mm.nodes).max() < 1e-12 * LENGTH
+    one, two = (package_of(folder / name) for name in ("si.toml", "mm.toml"))
+    np.testing.assert_allclose(one.frequencies, two.frequencies, rtol=1e-6)
+    assert two.invariants.mass == pytest.approx(one.invariants.mass, rel=1e-12)
+    np.testing.assert_allclose(two.invariants.T00_B, one.invariants.T00_B, rtol=0, atol=1e-12)
+
+
+def test_a_deck_of_shells_is_refused(folder: Path) -> None:
+    text = (folder / "si.inp").read_text()
+    head = text.split("*ELEMENT")[0]
+    (folder / "shell.inp").write_text(head + "*ELEMENT, TYPE=S8R\n1, 1,2,3,4,5,6,7,8\n")
+    file = import_file(folder, "calculix", {"deck": "shell.inp"}, MASS, name="shell.toml")
+    with pytest.raises(InputError, match=r"element 1 of type S8: expected solids .*by their modes"):
+        package_of(file)
+
+
+def test_a_held_deck_is_refused(folder: Path, tmp_path: Path) -> None:
+    """`*BOUNDARY` takes the held dofs out of the matrices, and their mass."""
+    deck = write_solid(tmp_path / "held.inp", (4, 1), SI)
+    deck.write_text(deck.read_text().replace("*STEP", "*BOUNDARY\nNROOT, 1, 1\n*STEP", 1))
+    run_program(ccx(), ["held"], tmp_path, tmp_path / "held.sti")
+    file = import_file(tmp_path, "calculix", {"deck": "held.inp"}, MASS)
+    with pytest.raises(InputError, match=r"no degree of freedom along x .*of a held body"):
+        package_of(file)
+
+
+def test_files_of_two_analyses_are_refused(folder: Path, tmp_path: Path) -> None:
+    for name in ("si.inp", "si.sti", "si.mas", "si.dof"):
+        (tmp_path / name).write_bytes((folder / name).read_bytes())
+    lines = (tmp_path / "si.dof").read_text().splitlines()
+    (tmp_path / "si.dof").write_text("\n".join(lines[:-3]) + "\n")
+    file = import_file(tmp_path, "calculix", {"deck": "si.inp"}, MASS)
+    with pytest.raises(InputError, match="do the files belong to one analysis"):
+        package_of(file)

@@ -1,0 +1,111 @@
+"""Sources that have modes without matrices: universal files and MED, out and in again."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from brick_model import brick
+from exchange_samples import DENSITY, SIZE, request
+
+from plymotion.preprocess.exchange import from_matrices
+from plymotion.solver.__main__ import main
+from plymotion.solver.package import ModalPackage, read_package, validate, write_package
+
+TABLE = """\
+format = 1
+body = "arm"
+from = "{source}"
+units = {{ length = "m", mass = "kg", time = "s" }}
+total_mass = 0.54
+reference = {{ kind = "clamped", at = "root" }}
+modes = [{{ kind = "lowest", count = 8 }}]
+
+[files]
+{source} = "arm.{source}"
+masses = "arm_masses.csv"
+
+[interfaces]
+root = {{ nodes = [{root}], link = "average" }}
+tip = {{ nodes = [{tip}], link = "average" }}
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The bar with its eight lowest modes, exported."""
+    folder = tmp_path_factory.mktemp("modes")
+    body = brick(SIZE, (80, 4, 2), density=DENSITY)
+    cells = (body.cells + 1).tolist()
+    wanted = request(modes=[{"kind": "lowest", "count": 8}])
+    package = from_matrices(body.M, body.K, body.nodes, body.dofs, cells=cells, **wanted)
+    write_package(folder / "arm.vtkhdf", package)
+    for target in ("uff", "med"):
+        out = folder / f"arm.{target}"
+        assert main(["export", str(folder / "arm.vtkhdf"), "--to", target, "-o", str(out)]) == 0
+    return folder
+
+
+def again(folder: Path, source: str) -> ModalPackage:
+    """The package that comes back."""
+    n = int(read_package(folder / "arm.vtkhdf").node_ids[-1])
+    file = folder / f"{source}.toml"
+    file.write_text(TABLE.format(source=source, root=n - 1, tip=n))
+    out = folder / f"{source}.vtkhdf"
+    assert main(["import", str(file), "-o", str(out), "--quiet"]) == 0
+    assert not [f for f in validate(out) if f.level == "error"]
+    return read_package(out)
+
+
+def deflection(package: ModalPackage) -> float:
+    """Bending of the tip per unit force along z."""
+    phi = package.interfaces[1].phi_B[2]
+    return float(phi @ np.linalg.solve(package.stiffness, phi))
+
+
+@pytest.mark.parametrize("source", ["uff", "med"])
+def test_bending_comes_back(folder: Path, source: str) -> None:
+    """Shapes become orthonormal in the lumped masses: 0.1 %."""
+    before, after = read_package(folder / "arm.vtkhdf"), again(folder, source)
+    digits = 1e-5 if source == "uff" else 1e-12
+    np.testing.assert_allclose(after.frequencies, before.frequencies, rtol=digits)
+    assert deflection(after) == pytest.approx(deflection(before), rel=1e-3)
+    assert after.invariants.mass == pytest.approx(before.invariants.mass, rel=1e-12)
+
+
+def test_pyuff_reads_the_universal_file(folder: Path) -> None:
+    """Coordinates and shapes to the six digits of the format."""
+    import sys
+
+    from exchange_routes import PROGRAMS
+
+    if not (PROGRAMS / "python" / "pyuff").is_dir():
+        pytest.skip("pyuff is not installed: make test-exchange downloads it")
+    sys.path.insert(0, str(PROGRAMS / "python"))
+    try:
+        import pyuff
+    finally:
+        sys.path.pop(0)
+    package = read_package(folder / "arm.vtkhdf")
+    file = pyuff.UFF(str(folder / "arm.uff"))
+    kinds = list(file.get_set_types())
+    assert kinds == [164, 15, *[55] * package.n_mode]
+    nodes = file.read_sets(1)
+    found = np.column_stack([nodes["x"], nodes["y"], nodes["z"]])
+    np.testing.assert_allclose(found, package.nodes_B, atol=1e-5 * SIZE[0])
+    mode = file.read_sets(2)
+    shape = np.column_stack([mode[f"r{k}"] for k in range(1, 7)]).real
+    np.testing.assert_allclose(shape, package.shapes_B[0], atol=1e-5 * np.abs(shape).max())
+
+
+def test_attachments_need_matrices(
+    folder: Path, capfd: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    text = TABLE.format(source="uff", root=1, tip=2)
+    attachment = '{ kind = "attachment", at = "tip", directions = ["x"] }'
+    text = text.replace('{ kind = "lowest", count = 8 }', attachment)
+    file = folder / "attachment.toml"
+    file.write_text(text)
+    out = tmp_path / "arm.vtkhdf"
+    assert main(["import", str(file), "-o", str(out), "--quiet"]) == 2
+    assert "modes only" in capfd.readouterr().err
+    assert not out.exists()

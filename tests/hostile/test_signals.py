@@ -1,0 +1,184 @@
+"""INT, TERM and HUP: what is computed is kept, and the exit code tells the signal."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+from case_samples import HEAD, SOLVER, rigid
+
+from plymotion.solver.__main__ import main
+from plymotion.solver.commands.sweep.file import read_sweep
+from plymotion.solver.inputs.case import load_case
+from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.results import read_result
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
+SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
+BALL = rigid("ball", 1.0, 0.1, {"c": (0, 0, 0)})
+LONG = SOLVER.format(t_end=1e5, step=1.0, more="max_step = 0.01")
+SWEEP = """
+[sweeps.s]
+run = "base"
+vary = { end = { keys = ["solver.t_end"], values = [0.1, 0.2, 1e5] } }
+"""
+# Tells where it is: while it steps, while it writes, while it imports.
+TOLD = """
+import sys, time
+import plymotion.solver.run.execution as r
+from plymotion.solver.monitors.together import Monitors
+from plymotion.solver.__main__ import main
+watch, write = Monitors.__call__, r.write_result
+def told(self, steps):
+    if steps.t[-1] > 1.0 and not hasattr(r, "told"):
+        r.told = True
+        sys.stdout.write("stepping\\n"), sys.stdout.flush()
+    return watch(self, steps)
+def writing(path, result):
+    if "--slow-disk" in sys.argv:
+        print("writing", flush=True)
+        time.sleep(1.0)
+    write(path, result)
+Monitors.__call__, r.write_result = told, writing
+sys.exit(main([word for word in sys.argv[1:] if word != "--slow-disk"]))
+"""
+
+
+def _files(folder, text):
+    file = folder / "case.toml"
+    file.write_text(HEAD + BALL + text)
+    write_case(load_case(file), folder / "build")
+    return folder / "build"
+
+
+def _started(*words):
+    return subprocess.Popen(
+        [sys.executable, "-c", TOLD, *map(str, words), "--quiet"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"PLYMOTION_COMPILED": "0"},
+        start_new_session=True,
+    )
+
+
+def _ended(process, number, words=("stepping",)):
+    try:
+        assert [process.stdout.readline().strip() for _ in words] == list(words)
+        process.send_signal(number)
+        out, errors = process.communicate(timeout=60)
+    finally:
+        process.kill()
+    assert process.returncode == 128 + number, errors
+    assert "Traceback" not in errors
+    return out, errors
+
+
+def _nothing_hidden(folder):
+    assert not list(folder.rglob(".*"))
+
+
+@pytest.mark.parametrize("number", SIGNALS)
+def test_a_run_keeps_its_part(tmp_path, number):
+    build = _files(tmp_path, LONG)
+    out, _ = _ended(_started("run", build / "runs/base.json"), number)
+    assert "base: interrupted at t = " in out
+    summary = json.loads((build / "base/summary.json").read_text())
+    assert summary["status"] == "interrupted"
+    assert read_result(build / "base/result.vtkhdf").t[-1] == summary["t_end"] > 1.0
+    _nothing_hidden(build)
+
+
+@pytest.mark.parametrize("number", SIGNALS)
+def test_processes_get_the_signal_of_the_first(tmp_path, number):
+    """The scheduler's signal reaches one process; two runs are under way, the third waits."""
+    build = _files(tmp_path, LONG + "[runs.two]\n[runs.three]\n")
+    runs = [build / f"runs/{name}.json" for name in ("base", "two", "three")]
+    process = _started("run", *runs, "--jobs", "2")
+    out, _ = _ended(process, number, ("stepping", "stepping"))
+    for name in ("base", "two"):
+        assert f"{name}: interrupted at t = " in out
+        assert json.loads((build / name / "summary.json").read_text())["t_end"] > 1.0
+    assert not (build / "three").exists()
+    _nothing_hidden(build)
+
+
+def test_a_signal_while_results_are_written_does_not_lose_them(tmp_path):
+    build = _files(tmp_path, SOLVER.format(t_end=0.1, step=0.1, more="") + "[runs.two]\n")
+    runs = [build / "runs/base.json", build / "runs/two.json"]
+    out, _ = _ended(_started("run", *runs, "--slow-disk"), signal.SIGTERM, ("writing",))
+    assert "base: done at t = 0.1 s" in out
+    assert json.loads((build / "base/summary.json").read_text())["completed"]
+    assert not (build / "two").exists()
+
+
+@pytest.mark.parametrize("number", SIGNALS)
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_a_sweep_keeps_its_members(tmp_path, number, jobs):
+    build = _files(tmp_path, LONG + SWEEP)
+    process = _started("sweep", build / "sweeps/s.json", "--jobs", jobs)
+    if jobs == "1":
+        _, errors = _ended(process, number)
+    else:
+        time.sleep(8.0)  # its processes say nothing
+        _, errors = _ended(process, number, ())
+    assert "s: interrupted; 2 of 3 members are in" in errors
+    rows = read_sweep(build / "sweeps/s/sweep.h5").rows
+    assert [row.status for row in rows] == ["finished", "finished", "pending"]
+    _nothing_hidden(build)
+
+
+# A signal in the moment in which a module is imported.
+IMPORTING = """
+import os, runpy, sys
+file, module, name, number = sys.argv[1:]
+class Finder:
+    def find_spec(found, *_):
+        if found == name:
+            os.kill(os.getpid(), int(number))
+sys.meta_path.insert(0, Finder)
+sys.argv = ["plymotion", "run", file, "--quiet"]
+runpy.run_module(module, run_name="__main__")
+"""
+MODULES = ["plymotion.solver.commands", "numpy", "h5py", "plymotion.solver.run.execution"]
+
+
+@pytest.mark.parametrize("number", SIGNALS)
+def test_an_end_before_the_beginning(tmp_path, number):
+    """While it starts: no traceback, nothing written."""
+    build = _files(tmp_path, LONG)
+    for module in ("plymotion", "plymotion.solver"):
+        for name in MODULES:
+            words = [str(build / "runs/base.json"), module, name, str(int(number))]
+            done = subprocess.run(
+                [sys.executable, "-c", IMPORTING, *words],
+                capture_output=True,
+                text=True,
+                env=os.environ | {"PLYMOTION_COMPILED": "0"},
+            )
+            assert done.stderr == "interrupted: nothing written\n", name
+            assert done.returncode == 128 + number
+            assert not (build / "base").exists()
+
+
+def test_an_ignored_signal_stays_ignored(tmp_path):
+    """As with nohup."""
+    build = _files(tmp_path, SOLVER.format(t_end=0.1, step=0.1, more=""))
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        process = _started("run", build / "runs/base.json", "--slow-disk")
+        assert process.stdout.readline() == "writing\n"
+        process.send_signal(signal.SIGHUP)
+        process.communicate(timeout=60)
+    finally:
+        signal.signal(signal.SIGHUP, before)
+    assert process.returncode == 0
+
+
+def test_handlers_are_given_back():
+    before = [signal.getsignal(number) for number in SIGNALS]
+    assert main(["check"]) == 2
+    assert [signal.getsignal(number) for number in SIGNALS] == before

@@ -1,0 +1,92 @@
+"""`plymotion case.toml`: from a case file to its report, in any folder."""
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from plymotion.solver.__main__ import main
+
+CASE = Path("cases/double-pendulum/case.toml").resolve()
+PACKAGES = Path("tests/packages/double-pendulum").resolve()
+SHORT = """
+[variants.short.solver]
+t_end = 0.05
+
+[runs.short]
+variants = ["short"]
+"""
+
+
+@pytest.fixture
+def pendulum(tmp_path, monkeypatch):
+    """A copy of a case, short, in a folder of its own, which is the current one."""
+    file = tmp_path / "pendulum.toml"
+    file.write_text(CASE.read_text(encoding="utf-8") + SHORT, encoding="utf-8")
+    packages = tmp_path / "packages"
+    packages.mkdir()
+    for source in PACKAGES.glob("*.vtkhdf"):
+        (packages / source.name).symlink_to(source)
+    monkeypatch.chdir(tmp_path)
+    return file
+
+
+def _main(*words):
+    return main([str(word) for word in words])
+
+
+def test_from_case_to_report(pendulum, capsys):
+    words = (pendulum.name, "--run", "short", "--packages", "packages")
+    assert _main(*words) == 0
+    page = Path("build/pendulum/report.html")
+    assert page.is_file()
+    summary = json.loads(Path("build/pendulum/short/summary.json").read_text())
+    assert summary["status"] == "finished"
+    assert summary["t_end"] == 0.05
+    first = capsys.readouterr()
+    assert "short: done at t = 0.05 s" in first.out
+    assert "Report: build/pendulum/report.html" in first.out
+    assert "runs: 1" in first.err
+    # a second time nothing is done again
+    before = Path("build/pendulum/short/result.vtkhdf").stat().st_mtime_ns
+    assert _main("run", *words, "--quiet") == 0
+    again = capsys.readouterr()
+    assert "short: up to date" in again.out
+    assert again.err == ""
+    assert Path("build/pendulum/short/result.vtkhdf").stat().st_mtime_ns == before
+    assert _main(*words, "--force", "--no-report") == 0
+    assert Path("build/pendulum/short/result.vtkhdf").stat().st_mtime_ns > before
+
+
+def test_another_folder(pendulum):
+    words = ("--run", "short", "--packages", "packages", "--no-report", "--out", "there")
+    assert _main(pendulum.name, *words) == 0
+    assert Path("there/short/summary.json").is_file()
+    assert not Path("build").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("pendulum.toml", "--run", "shrt"), "--run shrt: pendulum.toml has no such run; did you"),
+        (("nothing.toml",), "nothing.toml: no such case file"),
+        (("run", "pendulum.toml", "other.toml"), "expected one case file, or run files only"),
+        (("pendulum.toml", "--update"), "--update: for run files"),
+        (("run", "runs/short.json", "--force"), "--force: expected with a case file only"),
+    ],
+)
+def test_wrong_arguments(pendulum, capsys, words, message):
+    assert _main(*words) == 2
+    assert message in capsys.readouterr().err
+    assert not Path("build").exists()
+
+
+def test_name_of_a_case(pendulum, tmp_path):
+    folder = tmp_path / "arm"
+    folder.mkdir()
+    shutil.copy(pendulum, folder / "case.toml")
+    words = ("--run", "short", "--packages", "packages", "--no-report")
+    assert _main("arm/case.toml", *words) == 0
+    assert _main("run", "arm", *words) == 0
+    assert [path.name for path in Path("build").iterdir()] == ["arm"]

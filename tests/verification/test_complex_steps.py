@@ -1,0 +1,36 @@
+"""Linearised equations against complex steps, which are exact, in plain NumPy."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+
+@pytest.mark.parametrize(
+    ("case", "run", "at"),
+    [
+        ("double-pendulum", "isotropic-soft-free-stiffened", "start"),
+        ("rotating-blade", "stiffened", "spin=60"),
+        ("actuated-beam", "layup-2-root", "start"),  # bends by less than its own thickness
+    ],
+)
+def test_differences_agree_with_complex_steps(repository, case, run, at):
+    files = [f"cases/{case}/case.toml", f"tests/packages/{case}"]
+    variables = {
+        **os.environ,
+        "PLYMOTION_COMPILED": "0",
+        "PYTHONPATH": os.pathsep.join([str(repository), str(repository / "tests")]),
+    }
+    done = subprocess.run(
+        [sys.executable, "tests/complex_steps.py", *files, run, at],
+        cwd=repository,
+        env=variables,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    off = json.loads(done.stdout)
+    assert off["accelerations"] < 1e-8
+    assert off["velocities"] < 1e-10

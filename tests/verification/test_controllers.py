@@ -1,0 +1,124 @@
+"""Controllers against closed forms: continuous, saturated, sampled."""
+
+import itertools
+
+import numpy as np
+import pytest
+from coordinate_samples import DEFAULT, RADAU, carriage, force, run, wheel
+from scipy.integrate import solve_ivp
+
+from plymotion.solver.errors import InputError
+
+
+def controller(joint="rail", **keys):
+    return force("c", "controller", **{"joint": joint, "setpoint": "0.1", **keys})
+
+
+@pytest.mark.parametrize("solver", ["", RADAU])
+def test_proportional_and_derivative(tmp_path, solver):
+    """Without a filter, through gears: m x'' = n (kp (x0 - x) - kd x'), and a moving setpoint."""
+    text = carriage(
+        controller(setpoint="0.1 + 0.2 * t", proportional=20.0, derivative=2.0, gear_ratio=2.0),
+        mass=2.0,
+    )
+    t, s, summary = run(tmp_path, text, 2.0, 0.05, solver)
+    w, d = np.sqrt(20.0), 1.0
+    r = np.sqrt(w**2 - d**2)
+    # error e = setpoint - x: e(0) = 0.1, edot(0) = 0.2
+    e = np.exp(-d * t) * (0.1 * np.cos(r * t) + (0.2 + d * 0.1) / r * np.sin(r * t))
+    np.testing.assert_allclose(s["x"], 0.1 + 0.2 * t - e, atol=1e-8)
+    assert summary["checks"]["energy_drift_relative"] < 1e-6
+
+
+@pytest.mark.parametrize("solver", ["", RADAU, DEFAULT])
+def test_integral_filter_and_saturation(tmp_path, solver):
+    """Of a wheel turned by more than a turn, against the equations integrated elsewhere."""
+    keys = {"proportional": 8.0, "integral": 6.0, "derivative": 2.0, "filter_time": 0.02}
+    text = wheel(
+        controller("axle", setpoint="9.0", upper=5.0, lower=-4.0, feedforward="0.5 * sin(t)",
+                   **keys),
+        inertia=0.5,
+    )  # fmt: skip
+    t, s, summary = run(tmp_path, text, 6.0, 0.1, solver)
+
+    def rates(t, y):
+        x, v, integral, w = y
+        demand = 8.0 * (9.0 - x) + integral + 2.0 * (9.0 - x - w) / 0.02 + 0.5 * np.sin(t)
+        output = np.clip(demand, -4.0, 5.0)
+        back = (output - demand) * 6.0 / 8.0
+        return [v, output / 0.5, 6.0 * (9.0 - x) + back, (9.0 - x - w) / 0.02]
+
+    exact = solve_ivp(rates, (0, 6), [0, 0, 0, 9.0], "DOP853", t, rtol=1e-11, atol=1e-12)
+    assert np.ptp(np.clip(exact.y[1], None, None)) > 10.0
+    loose = {"": 1e-6, RADAU: 1e-5, DEFAULT: 2e-2}[solver]
+    np.testing.assert_allclose(s["angle"], exact.y[0], atol=loose)
+    assert summary["cost"]["steps"] < (3000 if not solver else 1500)
+
+
+@pytest.mark.parametrize("solver", ["", RADAU, DEFAULT])
+def test_sampled(tmp_path, solver):
+    """The output is held between instants: exact recursion of a mass under constant forces."""
+    period, kp, ki, kd, tf, m = 0.01, 40.0, 30.0, 4.0, 0.02, 2.0
+    text = carriage(
+        controller(setpoint="0.1 * cos(t)", sensor="joint('rail')", proportional=kp, integral=ki,
+                   derivative=kd, filter_time=tf, sample_time=period, upper=3.0),
+        mass=m,
+    )  # fmt: skip
+    _t, s, summary = run(tmp_path, text, 1.0, 0.1, solver)
+    x = v = integral = 0.0
+    found, w = [0.0], 0.1
+    for k in range(100):
+        error = 0.1 * np.cos(k * period) - x
+        demand = kp * error + integral + kd * (error - w) / (tf + period)
+        output = min(demand, 3.0)
+        integral += period * (ki * error + (output - demand) * ki / kp)
+        w = (tf * w + period * error) / (tf + period)
+        x, v = x + period * v + 0.5 * period**2 * output / m, v + period * output / m
+        if k % 10 == 9:
+            found.append(x)
+    np.testing.assert_allclose(s["x"], found, rtol=1e-9, atol=1e-12)
+    assert summary["cost"]["steps"] <= 130
+    assert summary["checks"]["energy_drift_relative"] < 1e-10
+
+
+def test_two_rates(tmp_path):
+    """Controllers of 3 ms and 7 ms: exact recursion from instant to instant."""
+    text = carriage(
+        force("a", "controller", joint="rail", setpoint="1", proportional=3.0, sample_time=3e-3),
+        force("b", "controller", joint="rail", setpoint="0", sensor="v", proportional=2.0,
+              sample_time=7e-3),
+    )  # fmt: skip
+    _, s, summary = run(tmp_path, text, 0.1, 0.1)
+    x = v = f_a = f_b = 0.0
+    instants = sorted({*range(0, 100, 3), *range(0, 100, 7), 100})
+    for begin, end in itertools.pairwise(instants):
+        f_a = 3.0 * (1 - x) if begin % 3 == 0 else f_a
+        f_b = -2.0 * v if begin % 7 == 0 else f_b
+        h = 1e-3 * (end - begin)
+        x, v = x + h * v + 0.5 * h * h * (f_a + f_b), v + h * (f_a + f_b)
+    assert s["x"][-1] == pytest.approx(x, rel=1e-10)
+    assert summary["cost"]["steps"] <= len(instants) + 10
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ({}, "has no effect; expected proportional, integral or derivative"),
+        ({"proportional": 1.0, "upper": 1.0, "lower": 2.0}, "forces.c.lower = 2: expected below"),
+        ({"proportional": 1.0, "anti_windup_time": 1.0}, "expected lower or upper"),
+        ({"proportional": 1.0, "sample_time": 0.0}, "forces.c.sample_time = 0.0: value should"),
+        ({"proportional": 1.0, "setpont": "1"}, "did you mean 'setpoint'"),
+        ({"proportional": 1.0, "sensor": "joint('rail"}, "expected an expression"),
+        ({"derivative": 1.0, "sensor": "v"}, "has a rate by time that is not known"),
+    ],
+)
+def test_bad_input(tmp_path, keys, words):
+    with pytest.raises(InputError) as caught:
+        run(tmp_path, carriage(controller(**keys)), 0.1, 0.1)
+    assert words in str(caught.value)
+
+
+def test_integrators_that_do_not_stop_at_instants_say_so(tmp_path):
+    text = carriage(controller(proportional=1.0, sample_time=0.01))
+    with pytest.raises(InputError, match=r"gear.*sample_time; expected radau or rk8 or rk5"):
+        run(tmp_path, text, 0.1, 0.1, 'integrator = "gear"')

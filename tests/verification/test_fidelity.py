@@ -1,0 +1,146 @@
+"""Plans: rigid where that is enough, flexible where it is not, and checked by a richer run."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from fidelity_samples import pendulum, planned_run
+
+from plymotion.solver.fidelity.metrics import difference, scales
+from plymotion.solver.fidelity.model import Rich, with_values
+from plymotion.solver.fidelity.procedure import Answer, checked, plan_of
+from plymotion.solver.fidelity.response import modal_loads
+from plymotion.solver.fidelity.trial import distance, tried
+from plymotion.solver.fidelity.words import answer_text, entry
+from plymotion.solver.mechanism import build
+from plymotion.solver.package.body.selection import selected
+from plymotion.solver.run.execution import execute
+
+SCENES = {
+    "stiff": (pendulum(), "stiff"),
+    "soft": (pendulum(), "soft"),
+    "bending": (pendulum(signals=["bending"]), "stiff"),
+}
+
+
+@cache
+def answer_of(name: str) -> Answer:
+    table, side = SCENES[name]
+    return checked(plan_of(*planned_run(table, side)))
+
+
+@cache
+def truth(name: str) -> dict[str, np.ndarray]:
+    """Signals with all vibrations and load shapes of the check in the plane, and rtol 1e-7."""
+    table, side = SCENES[name]
+    spec, check = planned_run(table, side)
+    asked = [
+        {"kind": "bending-xy", "count": 6},
+        {"kind": "attachment", "at": "tip", "directions": ["x", "y", "rz"]},
+        {"kind": "static-inertia"},
+    ]
+    packages = {n: selected(package, asked) for n, package in check.items()}
+    solver = with_values(spec.mechanism.solver, rtol=1e-7, geometric_stiffening=True)
+    mechanism = with_values(spec.mechanism, solver=solver)
+    result, _ = execute(replace(spec, mechanism=mechanism, packages=packages), progress=False)
+    return {signal.name: signal.values for signal in result.signals}
+
+
+def test_a_stiff_machine_is_rigid() -> None:
+    answer = checked(plan_of(*planned_run(pendulum(speed=2.0, t_end=0.5), "stiff", 73e12)))
+    assert answer.plan.bodies["link0"].rigid
+    assert not answer.plan.stiffening
+    assert answer.verdict == "met"
+
+
+@pytest.mark.parametrize("name", list(SCENES))
+def test_an_accepted_plan_has_the_accuracy_and_the_check_estimates_it(name: str) -> None:
+    answer, exact = answer_of(name), truth(name)
+    assert answer.verdict == "met"
+    assert answer.trial is not None
+    assert answer.estimate is not None
+    values = np.array([exact[signal] for signal in answer.names])
+    sizes = scales("pointwise", values)
+    true = difference("pointwise", answer.trial.signals, values) / sizes
+    assert true.max() <= 1e-2
+    assert 0.5 <= answer.estimate.max() / true.max() <= 3.0
+    delivered = answer.delivered
+    assert delivered is not None
+    assert (difference("pointwise", delivered.signals, values) / sizes).max() < true.max()
+
+
+def test_a_tighter_request_takes_more_of_the_model() -> None:
+    loose = answer_of("soft")
+    table, side = SCENES["soft"]
+    tight = plan_of(
+        *planned_run({**table, "fidelity": {**table["fidelity"], "accuracy": 1e-4}}, side)
+    )
+    first = plan_of(*planned_run(table, side))
+    for name, body in first.plan.bodies.items():
+        assert len(tight.plan.bodies[name].vibrations) >= len(body.vibrations)
+    assert tight.plan.rtol < loose.plan.rtol
+
+
+def test_two_runs_of_a_case_give_the_same_plan() -> None:
+    table, side = SCENES["soft"]
+    assert checked(plan_of(*planned_run(table, side))).plan == answer_of("soft").plan
+
+
+def test_the_base_motion_leaves_no_loads_on_the_frames() -> None:
+    """The rich mechanism has the mass and inertia of the rigid one: only modes are loaded."""
+    answer = answer_of("soft")
+    base = answer.study.base
+    model = build(
+        answer.spec.mechanism, {n: r.package for n, r in answer.study.model.items()}
+    ).model
+    p = modal_loads(base, model)
+    assert np.abs(p[:, :6]).max() < 1e-9 * np.abs(p[:, 6:]).max()
+
+
+@pytest.mark.parametrize("missing", ["vibration", "statics", "tolerance", "stiffening"])
+def test_the_check_sees_an_omission(missing: str) -> None:
+    """A plan that lacks one thing differs from its check by the true error, not by less."""
+    answer, exact = answer_of("soft"), truth("soft")
+    whole = replace(answer.plan, stiffening=True, rtol=1e-6)
+    for name, body in whole.bodies.items():
+        labels = ("bending-xy 1", "bending-xy 2", *body.vibrations)
+        whole = whole.with_body(name, vibrations=tuple(dict.fromkeys(labels)), static=3)
+    poor = {
+        "vibration": whole.with_body("link0", vibrations=(), static=0),
+        "statics": whole.with_body("link0", static=0),
+        "tolerance": replace(whole, rtol=1e-2),
+        "stiffening": replace(whole, stiffening=False),
+    }[missing]
+    study = answer.study
+    trial = tried(answer.spec, poor, study.model, study.check, answer.names)
+    assert answer.check is not None
+    estimate = distance("pointwise", trial, answer.check).max()
+    values = np.array([exact[signal] for signal in answer.names])
+    sizes = scales("pointwise", values)
+    true = (difference("pointwise", trial.signals, values) / sizes).max()
+    print(missing, estimate, true)
+    assert 0.5 <= estimate / true <= 2.0
+
+
+def test_an_impossible_request_is_refused_with_a_result() -> None:
+    table = pendulum(signals=["force"], accuracy=1e-7, budget=1.0)
+    answer = checked(plan_of(*planned_run(table, "soft")))
+    assert answer.verdict == "not met"
+    assert answer.reason
+    assert answer.delivered is not None
+    found = entry(answer)
+    assert found["verdict"] == "not met"
+    assert "The request is NOT met" in answer_text(answer)
+    assert "bound" not in answer_text(answer)
+
+
+def test_static_shapes_are_those_of_the_loads_that_act() -> None:
+    """The largest shapes represent the quasi-static response to round-off."""
+    rich: Rich = answer_of("soft").study.model["link0"]
+    shapes = rich.rest([])
+    worth = rich.energies(shapes)
+    kept = shapes[:, worth > 1e-9 * worth.max()]
+    left = rich.eta.T - kept @ np.linalg.lstsq(kept, rich.eta.T, rcond=None)[0]
+    assert np.abs(left).max() < 1e-6 * np.abs(rich.eta).max()
+    assert kept.shape[1] <= 8
