@@ -13,6 +13,7 @@ TIME, NEXT, TAKEN = 0, 1, 2
 ERROR_LAST, RATE, LIMIT, CUTOFF = 3, 4, 5, 6
 # Entries of `counts`.
 STEPS, REJECTED, EVALUATIONS, FACTORISATIONS, BAD, TROUBLE = 0, 1, 2, 3, 4, 5
+JACOBIANS, COUNTS = 6, 7
 # Values of TROUBLE: why the last attempt was refused.
 NONE, NEWTON, TOO_ROUGH, ILL, OFF = 0, 1, 2, 3, 4
 SMALLEST = 1e-300  # step, whatever the time [s]
