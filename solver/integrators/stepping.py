@@ -220,6 +220,7 @@ class StepLoop(Integrator):
                 self.t_old = self.t - self.h
         self.counters.rejected = int(counts[codes.REJECTED])
         self.counters.evaluations = self._evaluated + int(counts[codes.EVALUATIONS])
+        self.counters.jacobians = int(counts[codes.JACOBIANS])
         self.counters.factorisations = int(counts[codes.FACTORISATIONS])
         if code in (codes.ARRIVED, codes.PAUSED):
             return
@@ -375,7 +376,7 @@ class Radau(ClosingLoop):
             values = polynomial(times.ravel())
             if self._closed:
                 for time, row in zip(times.ravel(), values, strict=True):
-                    close(model, work, frozen, real, MU / h, time, row)
+                    close(model, work, frozen, real, MU / h, time, row, workspace.apart)
             return values.reshape((*times.shape, self.n))
 
         return inside

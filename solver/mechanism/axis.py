@@ -7,7 +7,7 @@ import numpy as np
 from ..dynamics.joints.table import DRIVES, JOINTS, NAMES
 from ..dynamics.model import GROUND
 from ..dynamics.spinning import Spin
-from ..errors import InputError
+from ..errors import InputError, few
 from ..math.arrays import Array
 from .build import BuiltMechanism
 
@@ -48,7 +48,7 @@ def hub_axis(built: BuiltMechanism) -> tuple[Array, Array]:
     if first is None:
         why = "no hinge connects a body to the ground"
     else:
-        why = f"the joints {', '.join(found)} to the ground have different axes"
+        why = f"the joints {few(found)} to the ground have different axes"
     raise InputError(
         f"the axis of the spin is missing: {why}. Expected --axis X,Y,Z, or "
         "solver.spin = { axis = [X, Y, Z] } in the case"

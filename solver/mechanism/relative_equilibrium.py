@@ -16,7 +16,7 @@ from ..dynamics.model import Model
 from ..dynamics.null_space import FreeMotions, free_motions
 from ..dynamics.spinning import Spin, spin_accelerations, spin_velocities, turned
 from ..dynamics.system import Equations, assemble
-from ..errors import InputError
+from ..errors import InputError, few
 from ..math.arrays import Array
 from .equilibrium import closed, equilibrium, limited, pushed, resting
 from .initial import Start
@@ -108,7 +108,7 @@ class _Turning:
         ]
         x, y, z = self.spin.axis
         raise InputError(
-            f"spin about ({x:g}, {y:g}, {z:g}): joint {', '.join(held)} does not let the "
+            f"spin about ({x:g}, {y:g}, {z:g}): joint {few(held)} does not let the "
             "mechanism turn as a whole about this axis. Expected an axis along that of the joint "
             "to the ground"
         )

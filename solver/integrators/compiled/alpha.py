@@ -41,6 +41,7 @@ from .step_control import (
     FACTORISATIONS,
     GOES_ON,
     ILL,
+    JACOBIANS,
     NEWTON,
     NEXT,
     NONE,
@@ -102,6 +103,7 @@ def advance_alpha(
                 to_d = h * scheme.to_v
                 factorise_pencil(model, frozen, real, scheme.to_a, to_d, h * h)
                 counts[FACTORISATIONS] += 1
+                counts[JACOBIANS] += 1
                 for i in range(stage.shape[0]):
                     larger = max(abs(workspace.y[i]), abs(stage[i]))
                     workspace.weight[i] = 1.0 / (options.atol[i] + options.rtol * larger)

@@ -14,9 +14,10 @@ from ...dynamics.model import Model
 from ...dynamics.projection import CLOSED, TOLERABLE
 from ...dynamics.system import evaluate, evaluate_rates, flatten, largest, largest_left
 from ...dynamics.workspace import PHI, Work
-from ...math.arrays import Array
+from ...math.arrays import Array, IntArray
 from ...math.compiled import inlined, lean
 from .pencil import Frozen, Pencil, factorise_pencil, freeze
+from .step_control import EVALUATIONS, FACTORISATIONS, JACOBIANS
 
 MAX_ITERATIONS = 4
 SMALL = 1e-7  # change of positions whose square is below rounding [m, rad]
@@ -24,20 +25,30 @@ SMALL = 1e-7  # change of positions whose square is below rounding [m, rad]
 
 @lean
 def close(
-    model: Model, work: Work, frozen: Frozen, real: Pencil, s: float, t: float, y: Array
-) -> int:
-    """Move y (n,) onto the constraints, in place; return the evaluations, negated on failure.
+    model: Model,
+    work: Work,
+    frozen: Frozen,
+    real: Pencil,
+    s: float,
+    t: float,
+    y: Array,
+    counts: IntArray,
+) -> bool:
+    """Move y (n,) onto the constraints, in place; return whether that has succeeded.
 
-    `frozen` and `real` are filled anew.
+    `frozen` and `real` are filled anew; `counts` as in step_control.py.
     """
     n_pos, n_vel = model.n_pos, model.n_vel
     evaluate(model, work, t, y)
-    count, violation, moved = 1, largest(work.rows[:, PHI]), 0.0
+    counts[EVALUATIONS] += 1
+    violation, moved = largest(work.rows[:, PHI]), 0.0
     real.load[:] = 0.0
     if not violation <= CLOSED:
         for _ in range(MAX_ITERATIONS):
             freeze(model, work, t, y, frozen)
             factorise_pencil(model, frozen, real, s * s, s, 1.0)
+            counts[JACOBIANS] += 1
+            counts[FACTORISATIONS] += 1
             for k in range(model.n_constraint):
                 real.gamma[k] = -work.rows[k, PHI]
             moved = _answered(model, real)
@@ -47,13 +58,15 @@ def close(
                 if violation <= CLOSED:
                     break
             evaluate(model, work, t, y)
-            count += 1
+            counts[EVALUATIONS] += 1
             violation = largest(work.rows[:, PHI])
             if violation <= CLOSED:
                 break
     if moved == 0.0:
         freeze(model, work, t, y, frozen)
         factorise_pencil(model, frozen, real, s * s, s, 1.0)
+        counts[JACOBIANS] += 1
+        counts[FACTORISATIONS] += 1
     for _ in range(MAX_ITERATIONS):
         evaluate_rates(model, work, y)
         for k in range(model.n_constraint):
@@ -64,7 +77,7 @@ def close(
         # Softened rows take a part of what they miss, all others all of it.
         if frozen.softness[0] == 0.0 or changed < CLOSED:
             break
-    return count if violation < TOLERABLE else -count
+    return violation < TOLERABLE
 
 
 @inlined

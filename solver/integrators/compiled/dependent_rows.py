@@ -32,14 +32,16 @@ def softened(frozen: Frozen) -> bool:
 
 
 @inlined
-def factorise_stages(model: Model, workspace: RadauWorkspace, h: float) -> None:
-    """Factorise the matrices of a step of h, with the same softness in both."""
+def factorise_stages(model: Model, workspace: RadauWorkspace, h: float) -> int:
+    """Factorise the matrices of a step of h, with the same softness in both; return how many."""
     frozen, real, pair = workspace.frozen, workspace.real, workspace.pair
     factorise_pencil(model, frozen, real, (MU / h) ** 2, MU / h, 1.0)
     hard = not softened(frozen)
     factorise_pencil(model, frozen, pair, (NU / h) * (NU / h), NU / h, 1.0)
     if hard and softened(frozen):
         factorise_pencil(model, frozen, real, (MU / h) ** 2, MU / h, 1.0)
+        return 3
+    return 2
 
 
 @inlined

@@ -36,6 +36,7 @@ from .step_control import (
     FACTORISATIONS,
     GOES_ON,
     ILL,
+    JACOBIANS,
     LIMIT,
     NEWTON,
     NEXT,
@@ -128,8 +129,8 @@ def advance(
                 if iteration == 1 and k == 1:
                     freeze(model, work, t + C[k] * h, stage, frozen)
             if iteration == 1:
-                factorise_stages(model, workspace, h)
-                counts[FACTORISATIONS] += 1
+                counts[FACTORISATIONS] += factorise_stages(model, workspace, h)
+                counts[JACOBIANS] += 1
             counts[EVALUATIONS] += 3
             yield_rows(workspace)
             transform_residuals(model, workspace)
@@ -207,11 +208,9 @@ def advance(
         damped = SAFETY * (2 * MAX_ITERATIONS + 1) / (2 * MAX_ITERATIONS + iterations)
         factor = damped * error**-0.25
 
-        if counts[TROUBLE] == NONE and options.closes:
-            evaluations = close(model, work, frozen, real, MU / h, t_new, stage)
-            counts[EVALUATIONS] += abs(evaluations)
-            if evaluations < 0:
-                counts[TROUBLE] = OFF
+        closes = counts[TROUBLE] == NONE and options.closes
+        if closes and not close(model, work, frozen, real, MU / h, t_new, stage, counts):
+            counts[TROUBLE] = OFF
         if counts[TROUBLE] == NONE and not finite(stage):
             counts[TROUBLE] = ILL
 
@@ -254,6 +253,6 @@ def advance(
                 for i in range(n):
                     row[i] = workspace.y[i]
             elif options.closes:
-                close(model, work, frozen, real, MU / h, times[filled], row)
+                close(model, work, frozen, real, MU / h, times[filled], row, workspace.apart)
             filled += 1
     return ARRIVED, filled

@@ -43,6 +43,7 @@ class RadauWorkspace(NamedTuple):
     damped: Array  # (1,) energy lost above the cutoff [J]
     clock: Array  # (7,)
     counts: IntArray  # (N_COUNT,)
+    apart: IntArray  # (N_COUNT,) of what is no part of a step: joints closed at output times
 
 
 def new_radau_workspace(
@@ -81,6 +82,7 @@ def new_radau_workspace(
         least,
         np.zeros(1),
         np.zeros(7),
+        np.zeros(N_COUNT, dtype=np.int64),
         np.zeros(N_COUNT, dtype=np.int64),
     )
     workspace.clock[TIME], workspace.clock[NEXT], workspace.clock[ERROR_LAST] = t, first_step, 1.0

@@ -13,8 +13,9 @@ TIME, NEXT, TAKEN = 0, 1, 2
 ERROR_LAST, RATE, LIMIT, CUTOFF = 3, 4, 5, 6
 # Entries of `counts`.
 STEPS, REJECTED, EVALUATIONS, FACTORISATIONS, BAD, TROUBLE = 0, 1, 2, 3, 4, 5
-BECAUSE = 6  # first of the refusals by value of TROUBLE
-N_COUNT = 11
+JACOBIANS = 6
+BECAUSE = 7  # first of the refusals by value of TROUBLE
+N_COUNT = 12
 # Values of TROUBLE: why the last attempt was refused.
 NONE, NEWTON, TOO_ROUGH, ILL, OFF = 0, 1, 2, 3, 4
 SMALLEST = 1e-300  # step, whatever the time [s]
