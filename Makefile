@@ -286,7 +286,7 @@ build/numba-$(LOWEST_NUMBA)/installed: | $(LIGHT)
 	$(PY) -m pip install --quiet --upgrade --target $(@D) numba==$(LOWEST_NUMBA) "numpy<2.4"
 	@touch $@
 
-EXCHANGE := build/exchange
+EXCHANGE := build/exchange-programs
 .PHONY: test
 test: $(LIGHT) ## All of it: check, test-numba, test-fe, and every case in its coarse version
 	+@$(PY) tools/phases.py "$(MAKE)" test-setup:1000 check:2 test-fe:2 test-cases test-numba

@@ -126,3 +126,33 @@ def write_mystran(file: Path, count: tuple[int, int]) -> Path:
     lines.append("MAT8,1," + ",".join(f"{v:.3E}" for v in (E1, E2, NU12, G12, G12, G23, RHO)))
     file.write_text("\n".join([*lines, "ENDDATA"]) + "\n")
     return file
+
+
+def write_shell(file: Path, count: tuple[int, int], modes: int) -> Path:
+    """Deck of S8R with a composite section, root edge held; natural modes at the deck's nodes."""
+    nx, ny = count
+    label: dict[tuple[int, int], int] = {}
+    lines = ["*NODE, NSET=NALL"]
+    for i, j in product(range(2 * nx + 1), range(2 * ny + 1)):
+        if i % 2 and j % 2:
+            continue
+        label[i, j] = len(label) + 1
+        x, y = LENGTH * i / (2 * nx), WIDTH * (j / (2 * ny) - 0.5)
+        lines.append(f"{label[i, j]}, {x:.12g}, {y:.12g}, 0.0")
+    lines.append("*ELEMENT, TYPE=S8R, ELSET=ARM")
+    ring = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1)]
+    for n, (i, j) in enumerate(product(range(nx), range(ny)), 1):
+        nodes = [label[2 * i + a, 2 * j + b] for a, b in ring]
+        lines.append(f"{n}, " + ", ".join(map(str, nodes)))
+    lines += set_of("NROOT", (n for at, n in label.items() if at[0] == 0))
+    lines += set_of("NTIP", (n for at, n in label.items() if at[0] == 2 * nx))
+    lines += material(SI)
+    for ply, angle in enumerate(ANGLES):
+        c, s = np.cos(np.deg2rad(angle)), np.sin(np.deg2rad(angle))
+        lines += [f"*ORIENTATION, NAME=O{ply}", f"{c:.16g}, {s:.16g}, 0, {-s:.16g}, {c:.16g}, 0"]
+    lines.append("*SHELL SECTION, ELSET=ARM, COMPOSITE")
+    lines += [f"{PLY}, , CFRP, O{ply}" for ply in range(len(ANGLES))]
+    lines += ["*BOUNDARY", "NROOT, 1, 6", "*STEP", "*FREQUENCY", str(modes)]
+    lines += ["*NODE FILE, OUTPUT=2D", "U", "*END STEP"]
+    file.write_text("\n".join(lines) + "\n")
+    return file

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 REPOSITORY = Path(__file__).resolve().parent.parent
-PROGRAMS = REPOSITORY / "build" / "exchange"  # `make exchange-programs` fills it
+PROGRAMS = REPOSITORY / "build" / "exchange-programs"  # filled by make test-exchange
 
 HEAD = """\
 format = 1

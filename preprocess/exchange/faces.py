@@ -71,8 +71,9 @@ def area_weights(nodes: Array, cells: Cells, rows: IntArray, where: str) -> Arra
             own = [place.get(int(cell[k]), -1) for k in face]
             if min(own) < 0:
                 continue
-            shares = EDGE if kind in (22, 23) else SHARES[len(face)]
-            weights[own] += _size(nodes[cell[list(face)]], shares is EDGE) * np.array(shares)
+            edge = kind in (22, 23)
+            points = nodes[cell[list(face)]][: 2 if edge else len(face)]
+            weights[own] += face_area(points) * np.array(EDGE if edge else SHARES[len(face)])
     if not weights.sum() > 0.0:
         raise InputError(
             f'{where}.weights = "area": no face of a cell lies on these {len(rows)} nodes; '
@@ -81,9 +82,9 @@ def area_weights(nodes: Array, cells: Cells, rows: IntArray, where: str) -> Arra
     return np.asarray(weights / weights.sum())
 
 
-def _size(points: Array, edge: bool) -> float:
-    """Length between the first two points, or area of the polygon of the corners."""
-    if edge or len(points) == 2:
+def face_area(points: Array) -> float:
+    """Area of a face by its corners; length of an edge of two nodes."""
+    if len(points) == 2:
         return float(np.linalg.norm(points[1] - points[0]))
     corners = points[: {3: 3, 4: 4, 6: 3, 8: 4}[len(points)]]
     area = np.zeros(3)

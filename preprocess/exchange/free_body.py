@@ -88,6 +88,8 @@ class FreeBody:
         A translation is a length and a rotation is a number, so each row and column of a rotation
         has one more power of the length.
         """
+        if length == mass == time == 1.0:
+            return self  # no copies of large matrices
         arm = sp.diags(np.where(self.dof_direction < 3, 1.0, length))
         K, M = (sp.csr_matrix(arm @ A @ arm) for A in (self.K, self.M))
         return replace(self, nodes=self.nodes * length, K=K * (mass / time**2), M=M * mass)

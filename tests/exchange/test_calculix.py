@@ -4,15 +4,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from exchange_decks import LENGTH, MASS, MM, SI, frequencies, write_solid
+from exchange_decks import LENGTH, MASS, MM, SI, frequencies, write_shell, write_solid
 from exchange_routes import ccx, import_file, run_program
 
 from plymotion.preprocess.exchange.import_file import package_of as built
 from plymotion.preprocess.exchange.import_file import read_table
 from plymotion.preprocess.exchange.read.calculix import read
 from plymotion.preprocess.exchange.read.files import Files
+from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError
-from plymotion.solver.package import ModalPackage, validate, write_package
+from plymotion.solver.package import ModalPackage, read_package, validate, write_package
 
 COUNT = (16, 2)
 
@@ -96,3 +97,43 @@ def test_files_of_two_analyses_are_refused(folder: Path, tmp_path: Path) -> None
     file = import_file(tmp_path, "calculix", {"deck": "si.inp"}, MASS)
     with pytest.raises(InputError, match="do the files belong to one analysis"):
         package_of(file)
+
+
+SHELL = """\
+format = 1
+body = "arm"
+from = "calculix-modes"
+units = { length = "m", mass = "kg", time = "s" }
+total_mass = 0.31
+reference = { kind = "clamped", at = "root" }
+modes = [{ kind = "lowest", count = 8 }]
+
+[files]
+deck = "shell.inp"
+
+[interfaces]
+root = { set = "NROOT", link = "average" }
+tip = { set = "NTIP", link = "average" }
+"""
+
+
+def test_shells_by_their_modes(
+    folder: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Frequencies of the .frd file; near those of the solid, whose tip face is rigid."""
+    write_shell(tmp_path / "shell.inp", (20, 2), 8)
+    run_program(ccx(), ["shell"], tmp_path, tmp_path / "shell.dat")
+    (tmp_path / "shell.toml").write_text(SHELL)
+    out = tmp_path / "shell.vtkhdf"
+    assert main(["import", str(tmp_path / "shell.toml"), "-o", str(out), "--quiet"]) == 0
+    told = capfd.readouterr()
+    assert "interface-without-rotation" in told.err
+    package = read_package(out)
+    np.testing.assert_allclose(
+        package.frequencies, frequencies(tmp_path / "shell.dat")[:8], rtol=1e-6
+    )
+    assert package.invariants.mass == pytest.approx(MASS, rel=1e-9)
+    assert not [f for f in validate(out) if f.level == "error"]
+    solid = package_of(folder / "si.toml")
+    np.testing.assert_allclose(package.frequencies[:4], solid.frequencies[:4], rtol=0.02)
+    assert "measured-shapes-coupled" not in told.err

@@ -11,7 +11,7 @@ from ..common.dataset import DatasetSpec, read_datasets
 from ..common.identity import json_table
 from ..common.object_file import read_object_file
 from ..section.recovery_data import RECOVERY_LAYOUT, recovery_from
-from .checks import content_findings, layout_findings
+from .checks import layout_findings
 from .laminate_data import (
     CELL_LAYOUT,
     LAMINATE_LAYOUT,
@@ -27,6 +27,7 @@ from .layout import (
     MODAL_PACKAGE,
     SECTION_LAYOUT,
 )
+from .plausibility import usable_findings
 from .schema import BodyRecovery, Interface, Invariants, ModalPackage, SecondOrder, SectionData
 from .second_order import INTERFACE_SECOND_ORDER_LAYOUT, SECOND_ORDER_LAYOUT
 
@@ -42,7 +43,7 @@ def read_package(path: str | Path) -> ModalPackage:
         The file is missing, truncated, newer, incomplete, altered or of another format, or
         its numbers cannot be used; names file and dataset.
     """
-    return read_object_file(path, MODAL_PACKAGE, layout_findings, load, content_findings)
+    return read_object_file(path, MODAL_PACKAGE, layout_findings, load, usable_findings)
 
 
 def load(file: h5py.File) -> ModalPackage:
