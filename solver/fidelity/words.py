@@ -141,7 +141,9 @@ def _omissions(answer: Answer) -> list[str]:
         mine = [
             (float(worth[j]), mode.label)
             for j, mode in enumerate(indicators.modes)
-            if mode.body == name and mode.label not in body.vibrations
+            if mode.body == name
+            and mode.label not in body.vibrations
+            and (mode.vibration or not body.static)
         ]
         left = sorted(mine, reverse=True)[:3]
         if left:
