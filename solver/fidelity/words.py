@@ -51,6 +51,7 @@ def entry(answer: Answer) -> dict[str, Any]:
         "verdict": answer.verdict,
         "reason": answer.reason,
         "base": answer.study.base.reason or "rigid",
+        "horizon": answer.horizon,
         "not_checked": not_checked(answer),
     }
 
@@ -101,6 +102,12 @@ def answer_text(answer: Answer) -> str:
         words = {"met": "The request is met", "not met": "The request is NOT met"}
         reason = f": {answer.reason}" if answer.reason else ""
         lines.append(f"{words[answer.verdict]}{reason}. The result of the check is delivered.")
+    if answer.horizon is not None:
+        lines.append(
+            f"After t = {answer.horizon:.4g} s the motion is too sensitive for this accuracy: a "
+            "change of the masses by 1e-6 has grown to it (chaos, or vibrations that lose step). "
+            "The estimate holds for this very run only."
+        )
     if answer.shares:
         lines += ["", "Shares of the error of the last plan that was too coarse:"]
         for share in answer.shares[:6]:
