@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ...solver.package.body.schema import ModalPackage
+from ...solver.package.body.selection import ALONG
 from ..modes import Modes, reduced_modes
 from ..provenance import body_provenance
 from .body_spec import ShellBodySpec, read_shell_body
@@ -17,7 +18,6 @@ from .stations import mass_stations
 
 VTK_TRIANGLE = 5
 SPARE = 1  # additional modes: a shell has other modes between those of one kind
-ALONG = {"bending-xy": "along y", "bending-xz": "along z", "axial": "along x"}
 
 
 def build_shell_body(spec: dict[str, Any]) -> ModalPackage:

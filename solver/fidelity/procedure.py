@@ -12,6 +12,7 @@ from ..package import ModalPackage
 from ..package.body.selection import vibrations
 from ..run.outcome import RunSpec
 from .choice import chosen
+from .horizon import horizon
 from .indicators import Study, study
 from .model import check_plan
 from .plan import BodyPlan, Plan
@@ -32,6 +33,7 @@ class Answer:
     losses : (o,) by the indicators, of the scale
     estimate : (o,) by the check; None: not checked
     verdict : "planned", "met", "not met"
+    horizon : time at which a change of 1e-6 has grown to the accuracy [s]; None: not in the run
     delivered : the run of the check, or of the model if there is none
     """
 
@@ -48,6 +50,7 @@ class Answer:
     check: Trial | None = None
     rounds: int = 0
     reason: str = ""
+    horizon: float | None = None
 
     @property
     def delivered(self) -> Trial | None:
@@ -143,6 +146,10 @@ def checked(answer: Answer, *, promote: bool = True) -> Answer:
             estimate = _second(answer, ranked, run, fidelity.metric)
         if estimate <= MARGIN * fidelity.accuracy:
             answer.verdict, answer.reason = "met", ""
+            if fidelity.metric == "pointwise" and left() > 0.0:
+                now = time.process_time()
+                answer.horizon = horizon(answer.trial, answer.names, fidelity.accuracy)
+                answer.cpu["horizon"] = time.process_time() - now
             return answer
         answer.verdict = "not met"
         answer.reason = f"the check differs by {estimate:.2g}"

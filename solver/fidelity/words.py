@@ -51,6 +51,7 @@ def entry(answer: Answer) -> dict[str, Any]:
         "verdict": answer.verdict,
         "reason": answer.reason,
         "base": answer.study.base.reason or "rigid",
+        "horizon": answer.horizon,
         "not_checked": not_checked(answer),
     }
 
@@ -101,6 +102,12 @@ def answer_text(answer: Answer) -> str:
         words = {"met": "The request is met", "not met": "The request is NOT met"}
         reason = f": {answer.reason}" if answer.reason else ""
         lines.append(f"{words[answer.verdict]}{reason}. The result of the check is delivered.")
+    if answer.horizon is not None:
+        lines.append(
+            f"After t = {answer.horizon:.4g} s the motion is too sensitive for this accuracy: a "
+            "change of the masses by 1e-6 has grown to it (chaos, or vibrations that lose step). "
+            "The estimate holds for this very run only."
+        )
     if answer.shares:
         lines += ["", "Shares of the error of the last plan that was too coarse:"]
         for share in answer.shares[:6]:
@@ -141,7 +148,9 @@ def _omissions(answer: Answer) -> list[str]:
         mine = [
             (float(worth[j]), mode.label)
             for j, mode in enumerate(indicators.modes)
-            if mode.body == name and mode.label not in body.vibrations
+            if mode.body == name
+            and mode.label not in body.vibrations
+            and (mode.vibration or not body.static)
         ]
         left = sorted(mine, reverse=True)[:3]
         if left:

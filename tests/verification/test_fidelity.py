@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from fidelity_samples import pendulum, planned_run
 
+from plymotion.solver.fidelity.horizon import horizon
 from plymotion.solver.fidelity.metrics import difference, scales
 from plymotion.solver.fidelity.model import Rich, with_values
 from plymotion.solver.fidelity.procedure import Answer, checked, plan_of
@@ -144,3 +145,13 @@ def test_static_shapes_are_those_of_the_loads_that_act() -> None:
     left = rich.eta.T - kept @ np.linalg.lstsq(kept, rich.eta.T, rcond=None)[0]
     assert np.abs(left).max() < 1e-6 * np.abs(rich.eta).max()
     assert kept.shape[1] <= 8
+
+
+def test_the_horizon_is_where_a_tiny_change_has_grown() -> None:
+    """A regular motion has none; for an accuracy as tiny as the change it comes at once."""
+    answer = answer_of("bending")
+    assert answer.horizon is None
+    assert answer.trial is not None
+    early = horizon(answer.trial, answer.names, 1e-8)
+    assert early is not None
+    assert 0.0 < early < 0.4

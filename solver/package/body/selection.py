@@ -18,6 +18,8 @@ from .specification import DIRECTIONS
 from .transform import changed_basis
 
 DEPENDENT = 1e-6  # energy norm of the new part of a shape, relative to that of the whole shape
+# Labels of the vibrations of shells, by kind.
+ALONG = {"bending-xy": "along y", "bending-xz": "along z", "axial": "along x"}
 INERTIA_LABELS = tuple(f"inertia {direction}" for direction in DIRECTIONS)
 
 
@@ -168,7 +170,8 @@ def selected(package: ModalPackage, requests: Sequence[Mapping[str, Any]]) -> Mo
             fits = [
                 int(i)
                 for i in rows
-                if i not in kept and (kind == "lowest" or known[i].rpartition(" ")[0] == kind)
+                if i not in kept
+                and (kind == "lowest" or known[i].rpartition(" ")[0] in (kind, ALONG.get(kind)))
             ]
             if len(fits) < table["count"]:
                 raise PackageError(

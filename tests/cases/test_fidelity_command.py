@@ -1,0 +1,198 @@
+"""`plymotion plan` and `plymotion run` of a case with [fidelity], with packages built here."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from beam_samples import reduced
+from stiffening_samples import rectangle
+
+from plymotion.solver.__main__ import main
+from plymotion.solver.package import write_package
+from plymotion.solver.results import read_result, read_summary
+
+CASE = """
+format = 1
+title = "Pendulum"
+gravity = [0.0, -9.81, 0.0]
+materials.metal = { kind = "isotropic", E = 73e9, nu = 0.3, rho = 2700.0 }
+sections.bar = { shape = "rectangle", width = 0.01, height = 0.04 }
+ground.origin = { position = [0.0, 0.0, 0.0] }
+masses.load = { mass = 1.0, at = "link.tip" }
+signals.tip = { kind = "position", at = "link.tip", component = "y" }
+signals.force = { kind = "reaction", joint = "hinge", quantity = "force", component = "x" }
+solver = { t_end = 0.3, output_step = 0.002 }
+fidelity = { accuracy = 1e-2, signals = ["tip"] }
+
+[bodies.link]
+kind = "beam"
+length = 0.6
+section = "bar"
+material = "metal"
+elements = 8
+modes = [{ kind = "bending-xy", count = 2 }]
+interfaces = { root = { at = "start" }, tip = { at = "end" } }
+
+[joints.hinge]
+kind = "revolute"
+between = ["ground.origin", "link.root"]
+axis = [0.0, 0.0, 1.0]
+drive = { polynomial = [0.0, 0.0, 8.0] }
+
+[variants.impossible]
+fidelity = { accuracy = 1e-9, signals = ["force"], budget = 0.5 }
+
+[runs.base]
+[runs.impossible]
+variants = ["impossible"]
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A checked case with its packages, as `make` leaves it."""
+    root = tmp_path_factory.mktemp("pendulum")
+    (root / "case.toml").write_text(CASE)
+    out = root / "build"
+    assert main(["check", str(root / "case.toml"), "--out", str(out)]) == 0
+    K, mass = rectangle(73e9, 0.3, 2700.0, 0.04, 0.01)
+    for file in (out / "bodies").glob("*.json"):
+        spec = json.loads(file.read_text())
+        package = reduced(
+            spec["reference"],
+            spec["modes"],
+            elements=spec["elements"],
+            K=K,
+            mass=mass,
+            length=spec["length"],
+            interfaces=spec["interfaces"],
+            body=spec["body"],
+        ).package
+        known = {**package.provenance, "inputs_sha256": spec["inputs_sha256"]}
+        write_package(file.with_suffix(".vtkhdf"), replace(package, provenance=known))
+    return root
+
+
+def plan(folder: Path, *more: str) -> int:
+    case, out = str(folder / "case.toml"), str(folder / "build")
+    return main(["plan", case, "--folder", out, *more])
+
+
+def run(folder: Path, name: str = "base") -> int:
+    return main(["run", str(folder / f"build/runs/{name}.json"), "--quiet"])
+
+
+def test_two_packages_are_specified_for_a_body(folder):
+    model, check = (
+        json.loads((folder / f"build/bodies/link.base{kind}.json").read_text())
+        for kind in ("", ".check")
+    )
+    assert check["elements"] == 2 * model["elements"]
+    count = [sum(m.get("count", 0) for m in spec["modes"]) for spec in (model, check)]
+    assert count[1] >= 1.4 * count[0]
+    for spec in (model, check):
+        kinds = [mode["kind"] for mode in spec["modes"]]
+        assert {"attachment", "static-inertia", "static-axial"} <= set(kinds)
+
+
+def test_plan_prints_the_answer_and_run_delivers_the_check(folder, capsys):
+    assert plan(folder) == 0
+    text = capsys.readouterr().out
+    for words in ("Estimated error of tip", "Not checked", "The request is met", "rtol"):
+        assert words in text
+    file = folder / "build/plans/base.toml"
+    written = file.read_text()
+    assert run(folder) == 0
+    assert "accuracy 0.01 met: estimated error" in capsys.readouterr().out
+    assert file.read_text() == written
+    found = read_summary(folder / "build/base/summary.json")["fidelity"]
+    keys = {"asked", "metric", "scale", "plan", "estimate", "shares", "cpu", "verdict"}
+    assert keys | {"not_checked"} <= set(found)
+    assert found["verdict"] == "met"
+    assert 0.0 < found["estimate"]["tip"] <= 0.9 * 1e-2
+    assert read_result(folder / "build/base/result.vtkhdf").t[-1] == pytest.approx(0.3)
+
+
+def test_an_edited_plan_is_checked_and_kept(folder):
+    assert plan(folder) == 0
+    file = folder / "build/plans/base.toml"
+    lines = file.read_text().splitlines()
+    edited = [f"rtol = {2e-3}" if line.startswith("rtol") else line for line in lines]
+    file.write_text("\n".join(edited))
+    run(folder)
+    found = read_summary(folder / "build/base/summary.json")["fidelity"]
+    assert found["plan"]["rtol"] == 2e-3
+    assert found["rounds"] == 1
+    assert file.read_text() == "\n".join(edited)
+
+
+@pytest.mark.parametrize(
+    ("line", "new", "message"),
+    [
+        ("rtol", "rtol = 2.0", "rtol = 2.0: expected above 0, at most 0.1"),
+        ("vibrations", 'vibrations = ["bending-xy 9"]', 'vibrations = "bending-xy 9": no such'),
+        ("mesh", 'mesh = "fine"', 'mesh = "fine": expected "model" or "check"'),
+        ("ringing", "rings = true", "rings: unknown key"),
+        ("static_shapes", "", "static_shapes: missing"),
+    ],
+)
+def test_a_plan_that_is_wrong_is_refused(folder, capsys, line, new, message):
+    assert plan(folder, "--no-check") == 0
+    file = folder / "build/plans/base.toml"
+    lines = [new if text.startswith(line) else text for text in file.read_text().splitlines()]
+    file.write_text("\n".join(lines))
+    capsys.readouterr()
+    assert run(folder) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert "base.toml" in error
+
+
+def test_a_request_that_is_not_met_leaves_a_result(folder, capsys):
+    assert run(folder, "impossible") == 3
+    assert "not met" in capsys.readouterr().out
+    summary = read_summary(folder / "build/impossible/summary.json")
+    assert summary["fidelity"]["verdict"] == "not met"
+    assert summary["fidelity"]["reason"]
+    assert (folder / "build/impossible/result.vtkhdf").is_file()
+    assert plan(folder, "--run", "impossible") == 3
+
+
+def test_the_plan_as_json(folder, capsys):
+    assert plan(folder, "--json") == 0
+    assert json.loads(capsys.readouterr().out)["verdict"] == "met"
+
+
+def test_a_chart_is_drawn(folder, capsys):
+    case, out = str(folder / "case.toml"), str(folder / "build")
+    assert main(["chart", case, "--folder", out]) == 0
+    assert "chosen" in capsys.readouterr().out
+    assert (folder / "build/plans/base.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('signals = ["tip"]', 'signals = ["tpi"]', 'fidelity.signals = "tpi": no such signal'),
+        ("accuracy = 1e-2", "accuracy = 0", "fidelity.accuracy = 0"),
+        ("accuracy = 1e-2", 'accuracy = 1e-2, metric = "max"', "fidelity.metric"),
+        (
+            "elements = 8",
+            'elements = 8\nreduced = [{ kind = "lowest", count = 1 }]',
+            "bodies.link.reduced: expected none with [fidelity]",
+        ),
+    ],
+)
+def test_a_wrong_request_is_reported(tmp_path, capsys, old, new, message):
+    file = tmp_path / "case.toml"
+    file.write_text(CASE.replace(old, new))
+    assert main(["check", str(file)]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_a_case_without_fidelity_has_no_plan(tmp_path, capsys):
+    file = tmp_path / "case.toml"
+    file.write_text(CASE.replace("fidelity = { accuracy = 1e-2", "#"))
+    assert main(["plan", str(file), "--folder", str(tmp_path)]) == 2
+    assert "run base has no [fidelity]" in capsys.readouterr().err
