@@ -8,3 +8,13 @@ def whole_number(text: str) -> int:
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"{text!r}: expected a whole number from 1")
     return int(text)
+
+
+def add_doubtful(parser: argparse.ArgumentParser) -> None:
+    """Add --allow-doubtful to the arguments of a command that reads packages."""
+    parser.add_argument(
+        "--allow-doubtful",
+        action="store_true",
+        help="warn of packages whose numbers contradict each other (see `validate`); damaged and "
+        "unusable ones are refused all the same",
+    )

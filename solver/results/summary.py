@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..math.arrays import Array
-from ..package.common.container import temporary_sibling
+from ..package.common.temporary import temporary_sibling
 from .schema import ResultError, Signal
 
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..math.arrays import Array, IntArray
 from ..package.common.container import new_file, set_text
+from ..package.common.identity import write_file_checksum
 from .schema import FORMAT, FORMAT_VERSION, ResultError, RunResult, check_result
 
 LARGE = 1_000_000  # size in bytes above which an array is compressed
@@ -39,6 +40,7 @@ def write_result(path: str | Path, result: RunResult, *, max_frames: int = 200) 
         set_text(file, "units", "SI")
         _write_results(file.create_group("results"), result)
         _write_animation(file.create_group("VTKHDF"), result, frames(len(result.t), max_frames))
+        write_file_checksum(file)
 
 
 def frames(k: int, max_frames: int) -> IntArray:

@@ -44,6 +44,7 @@ class _Task:
     out: Path
     progress: bool
     timing: bool
+    doubtful: bool = False  # allowed
     import_s: float = 0.0
 
 
@@ -62,7 +63,9 @@ def run_runs(options: argparse.Namespace) -> int:
         if options.update and _up_to_date(file, out):
             print(f"{file.stem}: up to date")
             continue
-        tasks.append(_Task(file, out, not options.quiet, options.timing, import_s))
+        tasks.append(
+            _Task(file, out, not options.quiet, options.timing, options.allow_doubtful, import_s)
+        )
         import_s = 0.0
     jobs = min(options.jobs, len(tasks))
     outcomes = _by_workers(tasks, jobs) if jobs > 1 else _here(tasks)
@@ -87,7 +90,13 @@ def _up_to_date(file: Path, out: Path) -> bool:
 def _outcome(task: _Task) -> Outcome:
     """Do one run."""
     try:
-        summary = run_file(task.file, task.out, progress=task.progress, import_s=task.import_s)
+        summary = run_file(
+            task.file,
+            task.out,
+            progress=task.progress,
+            import_s=task.import_s,
+            allow_doubtful=task.doubtful,
+        )
     except (InputError, PackageError) as error:
         return Outcome(INPUT, errors=str(error).splitlines())
     except OSError as error:
@@ -149,7 +158,7 @@ def _by_workers(tasks: list[_Task], jobs: int) -> Iterator[Outcome]:
 
 
 def _quiet(task: _Task) -> _Task:
-    return _Task(task.file, task.out, progress=False, timing=task.timing)
+    return _Task(task.file, task.out, False, task.timing, task.doubtful)
 
 
 _stop: Any = None

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..arguments import whole_number
+from ..arguments import add_doubtful, whole_number
 
 EPILOG = """\
 Several FILEs are integrated in one process, or in --jobs processes, which saves the time to start.
@@ -44,6 +44,7 @@ def add_run_command(commands: Any, run: Callable[[argparse.Namespace], int]) -> 
     parser.add_argument(
         "--update", action="store_true", help="only runs whose inputs or solver have changed"
     )
+    add_doubtful(parser)
     parser.add_argument("--timing", action="store_true", help="print what the CPU seconds went to")
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
     parser.set_defaults(command=run)
