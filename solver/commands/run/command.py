@@ -13,6 +13,7 @@ from typing import Any
 
 from ...errors import InputError, PackageError
 from ...interrupts import INTERRUPTED, asked, handle, passed_to_children
+from ...package.common.disk_file import has_right_seal
 from ...results import ResultError, read_summary
 from ...run.execution import INCOMPLETE, run_file
 from ...run.inputs_digest import inputs_sha256
@@ -82,7 +83,7 @@ def _up_to_date(file: Path, out: Path) -> bool:
         summary = read_summary(out / "summary.json")
     except ResultError:
         return False
-    there = (out / "result.vtkhdf").is_file() and summary.get("status") != "interrupted"
+    there = has_right_seal(out / "result.vtkhdf") and summary.get("status") != "interrupted"
     known = summary.get("inputs_sha256")
     return there and bool(known) and known == inputs_sha256(file)
 

@@ -135,6 +135,17 @@ class DiskFile(io.RawIOBase):
         raise OSError(code, words, str(self.path)) from self._error
 
 
+def has_right_seal(path: Path) -> bool:
+    """Tell whether a file is there, and whole to the last byte."""
+    try:
+        with path.open("rb") as file:
+            size = file.seek(0, os.SEEK_END)
+            file.seek(max(size - LENGTH, 0))
+            return file.read(len(SEAL)) == SEAL and sealed_bytes(file)
+    except OSError:
+        return False
+
+
 def sealed_bytes(file: BinaryIO) -> bool:
     """Tell whether all bytes of a file are as they were written; true for one without a seal."""
     size = file.seek(0, os.SEEK_END)
