@@ -115,12 +115,20 @@ cases: $(CASES) ## Run all cases (make <case>: one case)
 # The list of a case's bodies and runs is made first; then make reads it and restarts.
 include $(foreach case,$(ASKED),$(call out,$(case))/case.mk)
 
+# Files that are not there, and files without content in some folders: what a fault may leave.
+lost = $(filter-out $(wildcard $(1)),$(1))
+empty_in = $(shell find $(1) -maxdepth 1 -size 0 \( -false $(patsubst %,-o -name '%',$(2)) \) \
+    2>/dev/null)
+
 define CASE_RULES
 $(1): $(2)/report.html
 	@echo "$(1): $(2)/report.html"
 
 # Other options than last time require a new case.mk.
 ifneq ($$(strip $$(file <$(2)/case.options)),$$(OPTIONS))
+$(2)/case.mk: FORCE
+endif
+ifneq ($$(call lost,$(2)/manifest.json)$$(call empty_in,$(2),manifest.json),)
 $(2)/case.mk: FORCE
 endif
 CHECK_$(1) := $$(PY) -m plymotion.solver check cases/$(1)/case.toml --out $(2) \
@@ -142,7 +150,7 @@ $(2)/runs/%.json: | $(2)/case.mk
 # below, make checks the time of each package instead of assuming that it is new.
 PACKAGES_$(1) := $$(patsubst %.json,%.vtkhdf,$$($(1)_SPECS))
 ifneq ($$(PACKAGES_$(1)),)
-ifneq ($$(filter-out $$(wildcard $$(PACKAGES_$(1))),$$(PACKAGES_$(1))),)
+ifneq ($$(call lost,$$(PACKAGES_$(1)))$$(call empty_in,$(2)/bodies,*.vtkhdf),)
 $(2)/bodies/built: FORCE
 endif
 $(2)/bodies/built: $$($(1)_SPECS) $$(PREPROCESS_SOURCES) $$(PACKAGE_SOURCES) $$(FENICSX)
@@ -154,7 +162,8 @@ endif
 # One command for all runs saves the time to start; it leaves out those that are up to date by
 # content. Exit code 3: a run stopped early; its results up to that time are kept and reported.
 SUMMARIES_$(1) := $$(patsubst %,$(2)/%/summary.json,$$($(1)_RUNS))
-ifneq ($$(filter-out $$(wildcard $$(SUMMARIES_$(1))),$$(SUMMARIES_$(1))),)
+RESULTS_$(1) := $$(SUMMARIES_$(1)) $$(patsubst %,$(2)/%/result.vtkhdf,$$($(1)_RUNS))
+ifneq ($$(call lost,$$(RESULTS_$(1)))$$(call empty_in,$(2)/*,summary.json result.vtkhdf),)
 $(2)/ran: FORCE
 endif
 $(2)/ran: $$(RUN_SOURCES) $$(LIGHT) | $$(COMPILED)
@@ -208,6 +217,10 @@ endif
 $(2)/sweeps/$(3)/sweep.csv: $(2)/sweeps/$(3).json $$(RUN_SOURCES) $$(LIGHT) | $$(COMPILED)
 	$$(PY) -m plymotion.solver sweep $(2)/sweeps/$(3).json --out $(2)/sweeps/$(3) --jobs $$(JOBS) \
 	    || [ $$$$? -eq 3 ]
+# The table is written last; the results are beside it.
+ifneq ($$(call lost,$(2)/sweeps/$(3)/sweep.h5)$$(call empty_in,$(2)/sweeps/$(3),sweep.*),)
+$(2)/sweeps/$(3)/sweep.csv: FORCE
+endif
 endef
 JOBS ?= $(shell nproc)
 $(foreach case,$(ASKED),$(foreach sweep,$($(case)_SWEEPS), \

@@ -33,7 +33,7 @@ from solver_runs import Point, largest, point, reference, solve, warm_up
 from solver_text import write_tables
 from tqdm import tqdm
 
-from plymotion.solver.package.common.container import temporary_sibling
+from plymotion.solver.package.common.temporary import temporary_sibling
 
 STEPS = (500, 1000, 2000, 5000, 10000, 20000, 50000, 70000)
 LONG = 3.0  # [s]; longer runs scatter little and are not repeated

@@ -29,7 +29,7 @@ from plymotion.solver.integrators.generic import (
     new_integrator,
 )
 from plymotion.solver.mechanism.initial import Start
-from plymotion.solver.package.common.container import temporary_sibling
+from plymotion.solver.package.common.temporary import temporary_sibling
 from plymotion.solver.report.style import INK, WARNING, Canvas, colour, house_style
 
 H = 0.02  # s, of the pendulum's runs

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from ...solver.package import ModalPackage
-from ...solver.package.common.container import temporary_sibling
+from ...solver.package.common.temporary import temporary_sibling
 
 PARTS = {"Jxx": (0, 0), "Jyy": (1, 1), "Jzz": (2, 2), "Jxy": (0, 1), "Jxz": (0, 2), "Jyz": (1, 2)}
 

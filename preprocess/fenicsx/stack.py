@@ -16,6 +16,8 @@ from contextlib import contextmanager
 import numpy as np
 from numpy.typing import NDArray
 
+from ..form_cache import use_own_folder
+
 __all__ = [
     "HAS_MUMPS",
     "MPI",
@@ -57,6 +59,7 @@ try:
     # arrive here only when they get work. All objects are created with an explicit communicator.
     petsc4py.init(comm=MPI.COMM_SELF)
 
+    use_own_folder()
     import basix
     import dolfinx
     import dolfinx.fem.petsc

@@ -16,3 +16,13 @@ def cores() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+def add_doubtful(parser: argparse.ArgumentParser) -> None:
+    """Add --allow-doubtful to the arguments of a command that reads packages."""
+    parser.add_argument(
+        "--allow-doubtful",
+        action="store_true",
+        help="warn of packages whose numbers contradict each other (see `validate`); damaged and "
+        "unusable ones are refused all the same",
+    )

@@ -80,10 +80,18 @@ def run_any(
     progress: bool = True,
     import_s: float = 0.0,
     allow_python: bool = False,
+    allow_doubtful: bool = False,
 ) -> dict[str, Any]:
     """Execute a run file, with `[fidelity]` or without; see `run_file`."""
     if not _asks(file):
-        return run_file(file, out, progress=progress, import_s=import_s, allow_python=allow_python)
+        return run_file(
+            file,
+            out,
+            progress=progress,
+            import_s=import_s,
+            allow_python=allow_python,
+            allow_doubtful=allow_doubtful,
+        )
     clock, digest = Stopwatch(), inputs_sha256(file)
     answer = answered(file)
     delivered = answer.delivered

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, nearest
-from ..package.common.container import temporary_sibling
+from ..package.common.temporary import temporary_sibling
 
 LEAST_RTOL, MOST_RTOL = 1e-6, 1e-3
 

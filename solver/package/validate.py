@@ -9,11 +9,11 @@ import h5py
 
 from ..errors import PackageError
 from .body.checks import content_findings, layout_findings
-from .body.layout import MODAL_PACKAGE
+from .body.layout import MODAL_PACKAGE, MODAL_VIEW
 from .body.plausibility import plausibility_findings
 from .body.reader import load
 from .common.container import get_text, open_file
-from .common.identity import FileFormat, checksum_findings, identity_notes
+from .common.identity import FileFormat, checksum_findings, identity_notes, unit_findings
 from .common.remark import Remark
 from .common.vtk_view import view_findings
 from .section.checks import (
@@ -22,7 +22,7 @@ from .section.checks import (
     section_plausibility_findings,
 )
 from .section.io import load_section
-from .section.layout import SECTION_FILE
+from .section.layout import SECTION_FILE, SECTION_VIEW
 
 __all__ = ["Remark", "validate"]
 
@@ -44,7 +44,7 @@ class _Kind:
 _MODAL = _Kind(
     MODAL_PACKAGE,
     layout_findings,
-    ("modal_package/mesh", "nodes_B"),
+    MODAL_VIEW,
     load,
     content_findings,
     plausibility_findings,
@@ -52,7 +52,7 @@ _MODAL = _Kind(
 _SECTION = _Kind(
     SECTION_FILE,
     section_layout_findings,
-    ("section/mesh", "nodes"),
+    SECTION_VIEW,
     load_section,
     section_content_findings,
     section_plausibility_findings,
@@ -91,10 +91,7 @@ def _attributes(file: h5py.File, known: FileFormat) -> list[Remark]:
     for name in (known.title, "units", "provenance"):
         if name not in file.attrs and name not in file:
             findings.append(Remark("warning", "/", f"attribute {name}: missing"))
-    units = get_text(file, "units", "SI")
-    if units != "SI":
-        text = f"attribute units: expected 'SI', found {units!r}"
-        findings.append(Remark("error", "/", text))
+    findings += unit_findings(file)
 
     without: dict[str, list[str]] = {}  # attributes -> datasets: one finding for all of them
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
-from ..package.common.container import temporary_sibling
+from ..package.common.temporary import temporary_sibling
 from .balance import draw_balance
 from .comparison import draw_comparison
 from .drawings import Drawing, draw_all

@@ -12,7 +12,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ..package.common.container import temporary_sibling
+from ..package.common.temporary import temporary_sibling
 from .style import house_style
 
 KEYS = "figures.json"  # digest of what each figure was drawn from, by path

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..errors import nearest
 from ..package.common.container import get_text, kind_of_file, open_file
-from ..package.common.identity import version_of
+from ..package.common.identity import check_file_checksum, version_of
 from .schema import (
     FORMAT,
     FORMAT_VERSION,
@@ -40,6 +40,8 @@ def read_result(path: str | Path) -> RunResult:
                 f"this reader knows {FORMAT_VERSION[0]}.x"
             )
         result = _load(path, file)
+        if minor > 0:  # 1.0 had none
+            check_file_checksum(path, file, ResultError)
     try:
         check_result(result)
     except ResultError as error:

@@ -8,7 +8,7 @@ from ..errors import InputError
 from ..math.arrays import Array, IntArray
 
 FORMAT = "plymotion result"
-FORMAT_VERSION = (1, 0)
+FORMAT_VERSION = (1, 1)
 
 ENERGIES = ("kinetic", "strain", "potential", "drive_work")
 ROUNDING = 1e3 * float(np.finfo(float).eps)  # of sums of energies, relative

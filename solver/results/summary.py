@@ -9,7 +9,7 @@ import numpy as np
 
 from ..math.arrays import Array
 from ..math.rows import spans
-from ..package.common.container import temporary_sibling
+from ..package.common.temporary import temporary_sibling
 from .schema import ResultError, Signal
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from ..math.arrays import Array, IntArray
 from ..math.rows import LongRows, spans
 from ..package.common.container import new_file, set_text
+from ..package.common.identity import write_file_checksum
 from .schema import FORMAT, FORMAT_VERSION, BodyGeometry, ResultError, RunResult, check_result
 
 LARGE = 1_000_000  # size in bytes above which an array is compressed
@@ -45,6 +46,7 @@ def write_result(path: str | Path, result: RunResult, *, max_frames: int = 200) 
         points = result.node_positions_G[chosen]
         view = file.create_group("VTKHDF")
         write_animation(view, result.bodies, result.t[chosen], points, deflection)
+        write_file_checksum(file)
 
 
 def frames(k: int, max_frames: int) -> IntArray:

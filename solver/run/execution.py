@@ -34,8 +34,10 @@ FIRST_LINE_S = 2.0  # wall time after which a run without a terminal tells where
 INCOMPLETE = 3  # exit code of a run that ended early with a result
 
 
-def read_run(file: Path) -> RunSpec:
+def read_run(file: Path, *, allow_doubtful: bool = False) -> RunSpec:
     """Read build/<case>/runs/<run>.json and the packages that it names.
+
+    `allow_doubtful` as in `read_package`.
 
     Raises
     ------
@@ -59,7 +61,9 @@ def read_run(file: Path) -> RunSpec:
     for body, name, digest in entries:
         whose = f"bodies.{body} of case {case}, run {run}"
         path = file.parent.parent / name
-        packages[body] = package_of(path, digest, whose, f"make {case}")
+        packages[body] = package_of(
+            path, digest, whose, f"make {case}", allow_doubtful=allow_doubtful
+        )
     return RunSpec(case, run, mechanism, packages)
 
 
@@ -81,13 +85,16 @@ def _mechanism(table: dict[str, Any], where: str) -> "Mechanism":
     return found
 
 
-def package_of(path: Path, expected: str | None, whose: str, remedy: str) -> ModalPackage:
+def package_of(
+    path: Path, expected: str | None, whose: str, remedy: str, *, allow_doubtful: bool = False
+) -> ModalPackage:
     """Read the package that a run file names.
 
     Parameters
     ----------
     expected : hash of the inputs that it must have been built from; None: any
     whose, remedy : body and command, for messages
+    allow_doubtful : as in `read_package`
 
     Raises
     ------
@@ -96,7 +103,7 @@ def package_of(path: Path, expected: str | None, whose: str, remedy: str) -> Mod
     """
     path = path.resolve()
     shown = path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path
-    package = read_package(shown)
+    package = read_package(shown, allow_doubtful=allow_doubtful)
     found = package.provenance.get("inputs_sha256")
     if expected is not None and found != expected:
         raise PackageError(
@@ -291,6 +298,7 @@ def run_file(
     progress: bool = True,
     import_s: float = 0.0,
     allow_python: bool = False,
+    allow_doubtful: bool = False,
 ) -> dict[str, Any]:
     """Execute a run file and write result.vtkhdf and summary.json into `out`.
 
@@ -298,7 +306,7 @@ def run_file(
     functions of the user may run.
     """
     clock, digest = Stopwatch(), inputs_sha256(file)
-    spec = read_run(file)
+    spec = read_run(file, allow_doubtful=allow_doubtful)
     clock.lap("load")
     disk = nearest_folder(out)
     if note := disk_note(spec, disk):

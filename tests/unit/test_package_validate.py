@@ -92,7 +92,7 @@ def with_interface(**change: object) -> ModalPackage:
             "modes/stiffness",
         ),
         (dataclasses.replace(cantilever(), mass=2 * np.eye(4)), "note", "modes/mass"),
-        (dataclasses.replace(cantilever(), damping=-np.eye(4)), "warning", "modes/damping"),
+        (dataclasses.replace(cantilever(), damping=-np.eye(4)), "error", "modes/damping"),
         (
             dataclasses.replace(cantilever(), shapes_B=cantilever().shapes_B + 0.01),
             "warning",

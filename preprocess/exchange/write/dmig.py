@@ -14,7 +14,7 @@ from ....solver.errors import InputError
 from ....solver.math.arrays import Array
 from ....solver.package import ModalPackage
 from ....solver.package.body.invariants import free_body_mass, rigid_motions
-from ....solver.package.common.container import temporary_sibling
+from ....solver.package.common.temporary import temporary_sibling
 
 SUFFIX = ".bdf"
 RANK = 1e-9  # of the motions of the interfaces by their coordinates

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from ....solver.package import ModalPackage
-from ....solver.package.common.container import temporary_sibling
+from ....solver.package.common.temporary import temporary_sibling
 
 SUFFIX = ".py"
 SCRIPT = Path(__file__).with_name("exudyn_body.py")

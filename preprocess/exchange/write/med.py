@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 
 from ....solver.package import ModalPackage
-from ....solver.package.common.container import temporary_sibling
+from ....solver.package.common.temporary import temporary_sibling
 from ..free_body import Cells
 from ..med_order import COMPONENTS, FIELD, MED_CELLS, MESH_STEP, NO_PROFILE
 

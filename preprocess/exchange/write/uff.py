@@ -7,7 +7,7 @@ import numpy as np
 
 from ....solver.math.arrays import Array
 from ....solver.package import ModalPackage
-from ....solver.package.common.container import temporary_sibling
+from ....solver.package.common.temporary import temporary_sibling
 from ..masses import write_masses
 
 SUFFIX = ".uff"

@@ -46,6 +46,7 @@ def run_case(options: argparse.Namespace) -> int:
         timing=options.timing,
         quiet=options.quiet,
         allow_python=options.allow_python,
+        allow_doubtful=options.allow_doubtful,
     )
     if code == INTERRUPTED or options.no_report:
         return code

@@ -12,7 +12,7 @@ import plymotion
 
 from ...errors import InputError
 from ...inputs.case.specs import dump
-from ...package.common.container import write_text
+from ...package.common.temporary import write_text
 from ..fenicsx_side.interpreter import find_interpreter
 from ..fenicsx_side.launch import environment, importable
 

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError
-from ...package.common.container import temporary_sibling
 from ...package.common.shares import by_mesh, mesh_key
+from ...package.common.temporary import temporary_sibling
 from ..fenicsx_side.interpreter import find_interpreter
 from ..fenicsx_side.workers import outcomes
 from .entries import Entry

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...inputs.case.specs import dump
 from ...math.arrays import Array
-from ...package.common.container import write_text
+from ...package.common.temporary import write_text
 from .campbell import Diagram, Spins
 from .campbell_figure import draw
 from .case import read_spec

@@ -8,7 +8,7 @@ from scipy.io import savemat
 
 from ...linearisation.named_states import Realisation, realisation
 from ...linearisation.participation import coordinate_names
-from ...package.common.container import temporary_sibling
+from ...package.common.temporary import temporary_sibling
 from .found import Found
 from .state import States
 

@@ -10,7 +10,7 @@ import numpy as np
 from ...errors import InputError, nearest
 from ...linearisation.response import frequencies_between, frequency_response
 from ...math.arrays import Array
-from ...package.common.container import write_text
+from ...package.common.temporary import write_text
 from ...report.style import Canvas, colour, house_style
 from .found import Found
 

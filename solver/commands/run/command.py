@@ -15,6 +15,7 @@ from ...errors import InputError, PackageError, few
 from ...fidelity.execution import run_any
 from ...fidelity.words import fidelity_line
 from ...interrupts import INTERRUPTED, asked, handle, passed_to_children
+from ...package.common.disk_file import has_right_seal
 from ...results import ResultError, read_summary
 from ...run.execution import INCOMPLETE
 from ...run.inputs_digest import inputs_sha256
@@ -46,6 +47,7 @@ class _Task:
     out: Path
     progress: bool
     timing: bool
+    doubtful: bool = False  # allowed
     import_s: float = 0.0
     allow_python: bool = False
 
@@ -67,6 +69,7 @@ def run_runs(options: argparse.Namespace) -> int:
         timing=options.timing,
         quiet=options.quiet,
         allow_python=options.allow_python,
+        allow_doubtful=options.allow_doubtful,
     )
 
 
@@ -80,6 +83,7 @@ def run_files(
     timing: bool = False,
     quiet: bool = False,
     allow_python: bool = False,
+    allow_doubtful: bool = False,
 ) -> int:
     """Integrate the runs of run files and print what became of them; return the worst exit code.
 
@@ -90,6 +94,7 @@ def run_files(
     update : only runs whose inputs or solver have changed
     jobs : processes
     allow_python : run the Python functions that a case names as controllers
+    allow_doubtful : warn of packages that `validate` would refuse, if they can be used
     """
     import_s = time.process_time()
     doubled = {file.stem for file in files if sum(f.stem == file.stem for f in files) > 1}
@@ -101,7 +106,7 @@ def run_files(
         if update and _up_to_date(file, folder):
             print(f"{file.stem}: up to date")
             continue
-        tasks.append(_Task(file, folder, not quiet, timing, import_s, allow_python))
+        tasks.append(_Task(file, folder, not quiet, timing, allow_doubtful, import_s, allow_python))
         import_s = 0.0
     jobs = min(jobs, len(tasks))
     outcomes = _by_workers(tasks, jobs) if jobs > 1 else _here(tasks)
@@ -118,7 +123,7 @@ def _up_to_date(file: Path, out: Path) -> bool:
         summary = read_summary(out / "summary.json")
     except ResultError:
         return False
-    there = (out / "result.vtkhdf").is_file() and summary.get("status") != "interrupted"
+    there = has_right_seal(out / "result.vtkhdf") and summary.get("status") != "interrupted"
     known = summary.get("inputs_sha256")
     return there and bool(known) and known == inputs_sha256(file)
 
@@ -132,6 +137,7 @@ def _outcome(task: _Task) -> Outcome:
             progress=task.progress,
             import_s=task.import_s,
             allow_python=task.allow_python,
+            allow_doubtful=task.doubtful,
         )
     except (InputError, PackageError) as error:
         return Outcome(INPUT, errors=str(error).splitlines())

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..arguments import whole_number
+from ..arguments import add_doubtful, whole_number
 
 EPILOG = """\
 `plymotion CASE.toml` is `plymotion run CASE.toml`: it checks the case, builds its bodies in the
@@ -53,6 +53,7 @@ def add_run_command(commands: Any, run: Callable[[argparse.Namespace], int]) -> 
         action="store_true",
         help="run the Python functions that a case names as controllers: only of cases you trust",
     )
+    add_doubtful(parser)
     parser.add_argument("--timing", action="store_true", help="print what the CPU seconds went to")
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
     case = parser.add_argument_group("with a case file")

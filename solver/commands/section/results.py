@@ -10,7 +10,9 @@ from ...errors import PackageError
 from ...math.arrays import Array
 from ...package.common.container import get_text, open_file
 from ...package.common.dataset import read_dataset
-from ...package.common.identity import identity_notes, json_table
+from ...package.common.identity import checksum_findings, identity_notes, json_table
+from ...package.common.remark import raise_first
+from ...package.section.checks import section_layout_findings
 from ...package.section.layout import SECTION_FILE, SECTION_FILE_LAYOUT, SECTION_GROUP
 
 _CENTRES = ("shear_centre", "tension_centre", "mass_centre")
@@ -52,6 +54,7 @@ def read_results(file: Path) -> SectionResults:
     with open_file(file, PackageError) as hdf:
         identity_notes(file, hdf, SECTION_FILE)
         group = hdf[SECTION_GROUP]
+        raise_first(file, section_layout_findings(group) + checksum_findings(hdf, SECTION_FILE))
         data: dict[str, Any] = {
             spec.path: read_dataset(group[spec.path], spec)
             for spec in SECTION_FILE_LAYOUT

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ...package.common.container import temporary_sibling
+from ...package.common.temporary import temporary_sibling
 from .results import SectionResults
 from .show import section_json
 

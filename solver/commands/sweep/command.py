@@ -10,11 +10,11 @@ from tqdm import tqdm
 
 from ...interrupts import INTERRUPTED, held
 from ...math.compiled import COMPILED
-from ...package.common.container import temporary_sibling
+from ...package.common.temporary import temporary_sibling
 from ...results import ResultError
 from .engine import compute_by_workers, compute_here
 from .figure import draw_sweep
-from .file import SweepResult, read_sweep, result_of, sweep_csv, write_sweep
+from .file import SweepResult, believed_rows, result_of, sweep_csv, write_sweep
 from .member import FAILED, FINISHED, PENDING, STOPPED, Row
 from .plan import Plan, read_plan
 
@@ -26,7 +26,7 @@ CSV = "sweep.csv"  # written last: what make takes as the sign of a sweep that i
 
 def run_sweep(options: argparse.Namespace) -> int:
     """Compute a sweep; return 0, or 3 if a member failed or stopped, 130 if interrupted."""
-    plan = read_plan(options.sweep)
+    plan = read_plan(options.sweep, allow_doubtful=options.allow_doubtful)
     folder: Path = options.out or options.sweep.with_suffix("")
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / "sweep.h5"
@@ -111,7 +111,13 @@ def _known(file: Path) -> dict[str, Row]:
     if not file.is_file():
         return {}
     try:
-        return {row.key: row for row in read_sweep(file).rows if row.done}
+        rows, altered = believed_rows(file)
+        if altered:
+            print(
+                f"{file}: {altered} rows were altered after writing; they are computed anew",
+                file=sys.stderr,
+            )
+        return rows
     except ResultError as error:
         print(f"{error}; everything is computed anew", file=sys.stderr)
         return {}

@@ -66,11 +66,13 @@ def compute_here(plan: Plan, numbers: Sequence[int], keys: Sequence[str], report
 class _Worker:
     """A process that computes one portion after the other."""
 
-    def __init__(self, file: Path) -> None:
+    def __init__(self, plan: Plan) -> None:
         # A fresh interpreter: threads and open files of this one are none of its own.
         context = multiprocessing.get_context("spawn")
         self.link, there = context.Pipe()
-        self.process = context.Process(target=_work, args=(file, there), daemon=True)
+        self.process = context.Process(
+            target=_work, args=(plan.file, plan.allow_doubtful, there), daemon=True
+        )
         self.process.start()
         there.close()
         self.portion: list[int] = []
@@ -104,7 +106,7 @@ def compute_by_workers(
 
     def start() -> None:
         if portion := portions.next():
-            crew.append(_Worker(plan.file))
+            crew.append(_Worker(plan))
             crew[-1].give(portion, keys)
 
     try:
@@ -148,10 +150,10 @@ def compute_by_workers(
     return True
 
 
-def _work(file: Path, link: Connection) -> None:
+def _work(file: Path, allow_doubtful: bool, link: Connection) -> None:
     """Compute what comes over the link until it closes. The parent process minds signals."""
     ignore()
-    plan = read_plan(file)
+    plan = read_plan(file, allow_doubtful=allow_doubtful)
     packages = Packages(plan)
     while True:
         try:

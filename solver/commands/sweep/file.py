@@ -12,14 +12,15 @@ import numpy as np
 
 from ...math.arrays import Array
 from ...package.common.container import get_text, new_file, open_file, set_text
-from ...package.common.identity import version_of
+from ...package.common.identity import check_file_checksum, version_of, write_file_checksum
 from ...results import ResultError
 from ...run.execution import output_times
 from .member import CHECKS, COST, DAMAGE, MEASURES, Row
 from .plan import Plan
+from .row_digest import row_sha256
 
 FORMAT = "plymotion sweep"
-FORMAT_VERSION = (1, 0)
+FORMAT_VERSION = (1, 1)
 TEXTS = ("key", "status", "message", "code", "warnings")
 
 
@@ -98,6 +99,8 @@ def write_sweep(path: Path, result: SweepResult) -> None:
         for name in TEXTS:
             words = [" ".join(r.warnings) if name == "warnings" else getattr(r, name) for r in rows]
             _texts(members, name, words)
+        kept = result.signal_units, _histories(result), result.t.size
+        _texts(members, "sha256", [row_sha256(row, *kept) for row in rows])
         members["t_end"] = np.array([row.t_end for row in rows])
         set_text(members["t_end"], "unit", "s")
         for group, names in (("checks", CHECKS), ("cost", COST)):
@@ -109,10 +112,9 @@ def write_sweep(path: Path, result: SweepResult) -> None:
             set_text(signal, "description", result.signal_words[name])
             for measure in result.measures(name):
                 signal[measure] = result.signal(name, measure)
-        histories = [n for n in result.signal_words if any(n in row.histories for row in rows)]
         if result.t.size:
             file["histories/t"] = result.t
-            for name in histories:
+            for name in _histories(result):
                 file.create_dataset(
                     f"histories/{name}",
                     data=result.history(name),
@@ -120,6 +122,12 @@ def write_sweep(path: Path, result: SweepResult) -> None:
                     shuffle=True,
                 )
                 set_text(file[f"histories/{name}"], "description", result.signal_words[name])
+        write_file_checksum(file)
+
+
+def _histories(result: SweepResult) -> list[str]:
+    """Return the signals of which any row has a history."""
+    return [n for n in result.signal_words if any(n in row.histories for row in result.rows)]
 
 
 def read_sweep(path: Path) -> SweepResult:
@@ -128,8 +136,32 @@ def read_sweep(path: Path) -> SweepResult:
     Raises
     ------
     ResultError
-        When the file is missing, truncated, foreign, newer or incomplete.
+        When the file is missing, truncated, foreign, newer, altered or incomplete.
     """
+    return _read(path, whole=True)[0]
+
+
+def believed_rows(path: Path) -> tuple[dict[str, Row], int]:
+    """Return the completed rows of a file, altered or not, by key; and how many were altered.
+
+    Raises
+    ------
+    ResultError
+        As `read_sweep`, but for an altered file.
+    """
+    result, digests = _read(path, whole=False)
+    names = result.signal_units, _histories(result), result.t.size
+    rows = [row for row in result.rows if row.done]
+    found = {
+        row.key: row
+        for row, digest in zip(result.rows, digests, strict=True)
+        if row.done and row_sha256(row, *names) == digest
+    }
+    return found, len(rows) - len(found)
+
+
+def _read(path: Path, *, whole: bool) -> tuple[SweepResult, list[str]]:
+    """Return a sweep and the digests of its rows; `whole`: of an unaltered file only."""
     with open_file(path, ResultError) as file:
         found = get_text(file, "format")
         if found != FORMAT:
@@ -140,7 +172,11 @@ def read_sweep(path: Path) -> SweepResult:
                 f"{path}: written by a newer Plymotion: format {major}.{minor}, "
                 f"this reader knows {FORMAT_VERSION[0]}.x"
             )
-        return _load(file)
+        if minor == 0:  # without checksums
+            raise ResultError(f"{path}: format {major}.{minor}: expected {major}.1 or later")
+        if whole:
+            check_file_checksum(path, file, ResultError)
+        return _load(file), _words(file["members/sha256"])
 
 
 def _load(file: h5py.File) -> SweepResult:

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..arguments import whole_number
+from ..arguments import add_doubtful, whole_number
 
 EPILOG = """\
 Leaves DIR/sweep.h5 (docs/sweeps.md), the table DIR/sweep.csv and a figure per signal. Members that
@@ -27,6 +27,7 @@ def add_sweep_command(commands: Any, run: Callable[[argparse.Namespace], int]) -
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("sweep", type=Path, help="build/<case>/sweeps/<name>.json, from check")
+    add_doubtful(parser)
     parser.add_argument(
         "--out", type=Path, metavar="DIR", help="folder (default build/<case>/sweeps/<name>)"
     )

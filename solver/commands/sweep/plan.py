@@ -55,6 +55,7 @@ class Plan:
     mechanism: Mechanism  # the same
     packages: tuple[dict[str, str], ...]  # file, inputs_sha256
     members: tuple[Member, ...]
+    allow_doubtful: bool = False  # as in `read_package`
 
     def mechanism_of(self, number: int) -> Mechanism:
         """Return the mechanism of one member. Raises InputError."""
@@ -72,7 +73,13 @@ class Plan:
         entry = self.packages[number]
         whose = f"a member of sweep {self.name} of case {self.case}"
         remedy = f"make {self.case}-sweep-{self.name}"
-        return package_of(self.package_file(number), entry.get("inputs_sha256"), whose, remedy)
+        return package_of(
+            self.package_file(number),
+            entry.get("inputs_sha256"),
+            whose,
+            remedy,
+            allow_doubtful=self.allow_doubtful,
+        )
 
     def keys(self) -> list[str]:
         """Return the hash of what each member's numbers depend on.
@@ -88,7 +95,7 @@ class Plan:
         return found
 
 
-def read_plan(file: Path) -> Plan:
+def read_plan(file: Path, *, allow_doubtful: bool = False) -> Plan:
     """Read build/<case>/sweeps/<name>.json.
 
     Raises
@@ -118,6 +125,7 @@ def read_plan(file: Path) -> Plan:
             members=tuple(
                 Member(tuple(m["values"]), m["changes"], m["packages"]) for m in table["members"]
             ),
+            allow_doubtful=allow_doubtful,
         )
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise InputError(

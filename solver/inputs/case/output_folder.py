@@ -10,7 +10,7 @@ import re
 from pathlib import Path
 
 from ...errors import InputError
-from ...package.common.container import temporary_sibling, write_text
+from ...package.common.temporary import temporary_sibling, write_text
 
 MANIFEST, WRITER = "manifest.json", "plymotion check"
 RULES_HEAD = "# Written by `python -m plymotion.solver check`; do not edit."

@@ -21,7 +21,7 @@ import numpy as np
 
 from ...errors import InputError, few, nearest
 from ...math.arrays import IntArray
-from ...package.common.container import temporary_sibling
+from ...package.common.temporary import temporary_sibling
 from .foreign import ForeignMesh
 
 

@@ -16,6 +16,7 @@ from .schema import FORMAT, FORMAT_VERSION, ModalPackage
 
 GROUP = "modal_package"
 MODAL_PACKAGE = FileFormat(FORMAT, FORMAT_VERSION, GROUP, "body")
+MODAL_VIEW = f"{GROUP}/mesh", "nodes_B"  # what ParaView shows: group and nodes
 
 
 BODY_LAYOUT: tuple[DatasetSpec, ...] = (

@@ -95,4 +95,4 @@ def _damping(package: ModalPackage) -> Iterator[Remark]:
     ratios = eigenvalues(package.damping / np.outer(size, size))
     if ratios[0] < -NEGATIVE * max(np.abs(ratios).max(), 1.0 if largest else 0.0):
         text = f"feeds energy into the body (smallest damping ratio {ratios[0]:.3g})"
-        yield _finding("warning", "modes/damping", text)
+        yield _finding("error", "modes/damping", text)

@@ -8,7 +8,6 @@ from ...math.arrays import Array
 from ...math.definite import smallest_eigenvalue
 from ..common.array_checks import ROUNDING
 from ..common.remark import Remark
-from .checks import content_findings
 from .invariants import free_body_mass, inertia_at_rest
 from .laminate_checks import laminate_findings
 from .mode_checks import CONSISTENCY, eigenvalues, mode_findings
@@ -35,12 +34,6 @@ def plausibility_findings(package: ModalPackage) -> list[Remark]:
     for interface in package.interfaces:
         findings += _interface(package, interface)
     return findings
-
-
-def usable_findings(package: ModalPackage) -> list[Remark]:
-    """Return all findings on the content: what `validate` calls an error, a reader refuses."""
-    found = content_findings(package)
-    return found or plausibility_findings(package)
 
 
 def _finding(level: str, dataset: str, message: str) -> Remark:

@@ -10,8 +10,9 @@ from ..common.container import get_text
 from ..common.dataset import DatasetSpec, read_datasets
 from ..common.identity import json_table
 from ..common.object_file import read_object_file
+from ..common.remark import Remark, raise_first
 from ..section.recovery_data import RECOVERY_LAYOUT, recovery_from
-from .checks import layout_findings
+from .checks import content_findings, layout_findings
 from .laminate_data import (
     CELL_LAYOUT,
     LAMINATE_LAYOUT,
@@ -25,17 +26,26 @@ from .layout import (
     GROUP,
     INTERFACE_LAYOUT,
     MODAL_PACKAGE,
+    MODAL_VIEW,
     SECTION_LAYOUT,
 )
-from .plausibility import usable_findings
+from .plausibility import plausibility_findings
 from .schema import BodyRecovery, Interface, Invariants, ModalPackage, SecondOrder, SectionData
 from .second_order import INTERFACE_SECOND_ORDER_LAYOUT, SECOND_ORDER_LAYOUT
 
+DOUBTFUL = "package-doubtful"  # code of the warnings that replace an error
 
-def read_package(path: str | Path) -> ModalPackage:
+
+def read_package(path: str | Path, *, allow_doubtful: bool = False) -> ModalPackage:
     """Read a modal package and check that the solver can use it.
 
-    A newer minor version of the format gives a warning only.
+    A newer minor version of the format gives a warning only. What `validate` calls an error is an
+    error here.
+
+    Parameters
+    ----------
+    allow_doubtful : numbers that can be computed with but contradict each other become warnings
+        in the package's provenance
 
     Raises
     ------
@@ -43,7 +53,23 @@ def read_package(path: str | Path) -> ModalPackage:
         The file is missing, truncated, newer, incomplete, altered or of another format, or
         its numbers cannot be used; names file and dataset.
     """
-    return read_object_file(path, MODAL_PACKAGE, layout_findings, load, usable_findings)
+    return read_object_file(
+        path,
+        MODAL_PACKAGE,
+        layout_findings,
+        load,
+        content_findings,
+        MODAL_VIEW,
+        plausibility_findings,
+        _warn if allow_doubtful else None,
+    )
+
+
+def _warn(package: ModalPackage, doubts: list[Remark]) -> None:
+    stiffness = [d for d in doubts if d.dataset == f"/{GROUP}/modes/stiffness"]
+    raise_first(Path(package.body), stiffness)  # no step can be taken with it
+    warnings = package.provenance.setdefault("warnings", [])
+    warnings += [{"code": DOUBTFUL, "message": f"{d.dataset}: {d.message}"} for d in doubts]
 
 
 def load(file: h5py.File) -> ModalPackage:

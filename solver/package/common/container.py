@@ -6,8 +6,6 @@ variable-length text needs a 4 kB heap per file object and prevents reproducible
 
 import contextlib
 import hashlib
-import os
-import secrets
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -15,35 +13,26 @@ from typing import Any
 import h5py
 import numpy as np
 
+from .disk_file import DiskFile, sealed_bytes
+from .links import refuse_foreign_parts
+from .temporary import temporary_sibling
+
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 LIBVER = ("earliest", "v110")  # readable by HDF5 1.10 and by VTK
+MOST_DEEP = 20  # groups in groups: a link to an outer group would never end
 MAX_ATTRIBUTE = 60_000  # HDF5 stores larger attributes in a form that old libraries cannot read
 
 
 @contextlib.contextmanager
-def temporary_sibling(path: Path) -> Iterator[Path]:
-    """Yield a temporary name beside `path`; rename it to `path` on success, remove it on
-    failure."""
-    temporary = path.with_name(f".{path.stem}.{os.getpid()}-{secrets.token_hex(4)}{path.suffix}")
-    try:
-        yield temporary
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
-
-
-def write_text(path: Path, text: str) -> None:
-    """Write a text file under a temporary name, then rename it; its folder is made if missing."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with temporary_sibling(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
-
-
-@contextlib.contextmanager
 def new_file(path: Path) -> Iterator[h5py.File]:
-    """Open a new HDF5 file under a temporary name; it is renamed to `path` when complete."""
-    with temporary_sibling(path) as temporary, h5py.File(temporary, "w", libver=LIBVER) as file:
-        yield file
+    """Open a new HDF5 file under a temporary name; it is renamed to `path` when complete.
+
+    Raises OSError : no room on the disk, with the size of the file.
+    """
+    with temporary_sibling(path) as temporary, DiskFile(temporary) as disk:
+        with disk.reported(), h5py.File(disk, "w", libver=LIBVER) as file:
+            yield file
+        disk.seal()
 
 
 @contextlib.contextmanager
@@ -53,10 +42,13 @@ def open_file(path: Path, error: type[Exception]) -> Iterator[h5py.File]:
         raise error(f"{path}: no such file")
     with path.open("rb") as raw:
         head = raw.read(16)
+        if not sealed_bytes(raw):
+            raise error(f"{path}: damaged: its bytes were altered after writing")
     if not head.startswith(SIGNATURE):
         raise error(f"{path}: not an HDF5 file but {_kind_of_bytes(head)}")
     try:
         with h5py.File(path, "r") as file:
+            refuse_foreign_parts(path, file, error)
             yield file
     except (OSError, KeyError, RuntimeError, ValueError, TypeError, MemoryError) as cause:
         if "truncated" in str(cause):
@@ -137,8 +129,10 @@ def is_text(dataset: h5py.Dataset) -> bool:
     return h5py.check_string_dtype(dataset.dtype) is not None
 
 
-def content_sha256(group: h5py.Group, *preamble: str) -> str:
+def content_sha256(group: h5py.Group, *preamble: str, without: str = "") -> str:
     """Hash names, attributes and values of a group in a canonical order.
+
+    An attribute of the group named `without` is left out. Data with two names are hashed with each.
 
     The rule (docs/format.md repeats it for other writers): a sequence of items,
     each its length in bytes as decimal text, a colon, and the bytes. Items are
@@ -167,15 +161,27 @@ def content_sha256(group: h5py.Group, *preamble: str) -> str:
     for text in preamble:
         item(text.encode("utf-8"))
     members: dict[str, h5py.HLObject] = {"": group}
-    group.visititems(lambda path, member: members.__setitem__(path, member))
+    _collect(group, "", members, 0)
     for path in sorted(members, key=_name_bytes):
         item(_name_bytes(path))
         for name in sorted(members[path].attrs, key=_name_bytes):
+            if name == without and path == "":
+                continue
             item(_name_bytes(name))
             value(members[path].attrs[name])
         if isinstance(members[path], h5py.Dataset):
             value(members[path][()])
     return digest.hexdigest()
+
+
+def _collect(group: h5py.Group, path: str, members: dict[str, h5py.HLObject], depth: int) -> None:
+    if depth > MOST_DEEP:
+        raise ValueError(f"groups nested deeper than {MOST_DEEP}")
+    for name in group:
+        key = f"{path}/{name}" if path else name
+        members[key] = group[name]
+        if isinstance(members[key], h5py.Group):
+            _collect(members[key], key, members, depth + 1)
 
 
 def _name_bytes(name: str | bytes) -> bytes:

@@ -13,6 +13,7 @@ from .container import content_sha256, get_text, kind_of_file, set_text
 from .remark import Remark
 
 UNITS = "SI"
+CHECKSUM = "content_sha256"
 
 
 @dataclass(frozen=True)
@@ -40,6 +41,30 @@ def write_checksum(file: h5py.File, known: FileFormat) -> None:
 
 def _checksum(file: h5py.File, known: FileFormat) -> str:
     return content_sha256(file[known.group], get_text(file, known.title), get_text(file, "units"))
+
+
+def write_file_checksum(file: h5py.File) -> None:
+    """Write the checksum of a whole file, after all data."""
+    set_text(file, CHECKSUM, content_sha256(file, without=CHECKSUM))
+
+
+def check_file_checksum(path: Path, file: h5py.File, error: type[Exception]) -> None:
+    """Compare a whole file with its checksum. Raises `error`."""
+    stored, actual = get_text(file, CHECKSUM), content_sha256(file, without=CHECKSUM)
+    if actual != stored:
+        found = f"{stored[:12]}..." if stored else "none"
+        raise error(
+            f"{path}: {CHECKSUM}: content was altered after writing, or is incomplete: "
+            f"expected {actual[:12]}..., found {found}"
+        )
+
+
+def unit_findings(file: h5py.File) -> list[Remark]:
+    """Check that the numbers of a file are in SI units."""
+    units = get_text(file, "units", UNITS)
+    if units == UNITS:
+        return []
+    return [Remark("error", "/", f"attribute units: expected {UNITS!r}, found {units!r}")]
 
 
 def identity_notes(path: Path, file: h5py.File, known: FileFormat) -> list[Remark]:

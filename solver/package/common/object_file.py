@@ -10,9 +10,17 @@ import h5py
 
 from ...errors import PackageError
 from .container import new_file, open_file
-from .identity import FileFormat, checksum_findings, identity_notes, write_checksum, write_identity
+from .identity import (
+    FileFormat,
+    checksum_findings,
+    identity_notes,
+    unit_findings,
+    write_checksum,
+    write_identity,
+)
 from .read_before import keep, key_of, recall
 from .remark import Remark, raise_first
+from .vtk_view import view_findings
 
 Object = TypeVar("Object")
 
@@ -46,6 +54,9 @@ def read_object_file(
     layout_findings: Callable[[h5py.Group], list[Remark]],
     load: Callable[[h5py.File], Object],
     content_findings: Callable[[Object], list[Remark]],
+    view: tuple[str, str],
+    doubts: Callable[[Object], list[Remark]] | None = None,
+    on_doubt: Callable[[Object, list[Remark]], None] | None = None,
 ) -> Object:
     """Read the object of a file and check that its numbers can be used.
 
@@ -56,6 +67,9 @@ def read_object_file(
     layout_findings : checks presence, type and shape of the datasets
     load : reads a file with a checked layout
     content_findings : checks the numbers
+    view : group of the mesh and name of its nodes, which ParaView shows
+    doubts : finds numbers that contradict each other, "error", or are suspicious
+    on_doubt : called with what is contradictory; None: that is an error, too
 
     Raises
     ------
@@ -73,9 +87,15 @@ def read_object_file(
         for note in notes:
             warnings.warn(note.message, UserWarning, stacklevel=3)
         raise_first(path, layout_findings(file[known.group]))
-        raise_first(path, checksum_findings(file, known))
+        raise_first(path, checksum_findings(file, known) + unit_findings(file))
+        raise_first(path, view_findings(file, *view))
         found = load(file)
     raise_first(path, content_findings(found))
-    if not notes:  # they are shown at each reading
+    doubtful = [f for f in doubts(found) if f.level == "error"] if doubts is not None else []
+    if on_doubt is None:
+        raise_first(path, doubtful)
+    elif doubtful:
+        on_doubt(found, doubtful)
+    if not notes and not doubtful:  # they are shown at each reading
         keep(key, known.group, found)
     return found

@@ -12,8 +12,20 @@ from ..common.object_file import new_object_file, read_object_file
 from ..common.remark import raise_first
 from ..common.reported import warnings_from
 from ..common.vtk_view import create_grid, describe, part_view, plane_view
-from .checks import check_shapes, section_content_findings, section_layout_findings
-from .layout import SECTION_FILE, SECTION_FILE_LAYOUT, SECTION_GROUP, section_sizes, section_values
+from .checks import (
+    check_shapes,
+    section_content_findings,
+    section_layout_findings,
+    section_plausibility_findings,
+)
+from .layout import (
+    SECTION_FILE,
+    SECTION_FILE_LAYOUT,
+    SECTION_GROUP,
+    SECTION_VIEW,
+    section_sizes,
+    section_values,
+)
 from .recovery_data import recovery_from
 from .schema import RESULTANTS, SectionFile, SectionMeshData
 from .stress import cell_means, unit_stress
@@ -45,7 +57,13 @@ def write_section(path: str | Path, section: SectionFile) -> None:
 def read_section(path: str | Path) -> SectionFile:
     """Read a section file and check that its numbers can be used; see `read_object_file`."""
     return read_object_file(
-        path, SECTION_FILE, section_layout_findings, load_section, section_content_findings
+        path,
+        SECTION_FILE,
+        section_layout_findings,
+        load_section,
+        section_content_findings,
+        SECTION_VIEW,
+        section_plausibility_findings,
     )
 
 

@@ -14,6 +14,7 @@ from .schema import SECTION_FORMAT, SECTION_FORMAT_VERSION, SectionFile
 
 SECTION_GROUP = "section"
 SECTION_FILE = FileFormat(SECTION_FORMAT, SECTION_FORMAT_VERSION, SECTION_GROUP, "name")
+SECTION_VIEW = f"{SECTION_GROUP}/mesh", "nodes"  # what ParaView shows: group and nodes
 
 SECTION_FILE_LAYOUT: tuple[DatasetSpec, ...] = (
     spec("K", "6, 6", F, "N, N m, N m2", "section", "stiffness: resultants per unit strain"),

@@ -14,7 +14,15 @@ from ..common.remark import raise_first
 from ..common.reported import warnings_from
 from ..common.vtk_view import create_grid, describe, part_view
 from .checks import check_shell_shapes, shell_content_findings, shell_layout_findings
-from .layout import CASES, SHELL_FILE, SHELL_GROUP, SHELL_LAYOUT, shell_sizes, shell_values
+from .layout import (
+    CASES,
+    SHELL_FILE,
+    SHELL_GROUP,
+    SHELL_LAYOUT,
+    SHELL_VIEW,
+    shell_sizes,
+    shell_values,
+)
 from .schema import (
     ShellCases,
     ShellFile,
@@ -50,7 +58,9 @@ def write_shell(path: str | Path, shell: ShellFile) -> None:
 
 def read_shell(path: str | Path) -> ShellFile:
     """Read a shell results file and check that its numbers can be used; see `read_object_file`."""
-    return read_object_file(path, SHELL_FILE, shell_layout_findings, _load, shell_content_findings)
+    return read_object_file(
+        path, SHELL_FILE, shell_layout_findings, _load, shell_content_findings, SHELL_VIEW
+    )
 
 
 def _load(file: h5py.File) -> ShellFile:

@@ -15,6 +15,7 @@ from .schema import SHELL_FORMAT, SHELL_FORMAT_VERSION, ShellFile
 
 SHELL_GROUP = "shell"
 SHELL_FILE = FileFormat(SHELL_FORMAT, SHELL_FORMAT_VERSION, SHELL_GROUP, "name")
+SHELL_VIEW = f"{SHELL_GROUP}/mesh", "nodes_G"  # what ParaView shows: group and nodes
 TRIANGLE = 5  # VTK's number of the cell
 
 SHELL_LAYOUT: tuple[DatasetSpec, ...] = (

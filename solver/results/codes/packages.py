@@ -16,6 +16,12 @@ def _code(name: str, meaning: str, threshold: str, remedy: str, limit: float = n
 
 BODY_CODES = (
     _code(
+        "package-doubtful",
+        "numbers of a package contradict each other; the run was asked to go on with them",
+        "an error of `plymotion validate`, with `--allow-doubtful`",
+        "correct the package",
+    ),
+    _code(
         "mesh-coarse-for-modes",
         "the mesh of a beam is coarse for some of its modes",
         "estimated relative error of a frequency above {limit:g}",

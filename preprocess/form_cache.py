@@ -1,0 +1,54 @@
+"""The folder of DOLFINx's compiled forms: our own, and put right after a killed process.
+
+FFCx marks a form under way by a file `NAME.c` and a complete one by `NAME.c.cached`. What a killed
+process leaves makes all others wait and fail ("JIT compilation timed out"). Each process of the
+preprocessor holds a lock on the folder; one that holds it alone knows that nothing is under way,
+and removes what is incomplete.
+"""
+
+import contextlib
+import fcntl  # not on Windows, where there is no DOLFINx
+import os
+from pathlib import Path
+from typing import IO
+
+from ..solver.math.disk_cache import DiskCache
+
+LOCK = "in-use"
+_held: list[IO[bytes]] = []  # as long as the process lives
+
+
+def use_own_folder() -> None:
+    """Set DOLFINx's folder of compiled forms; call it before DOLFINx is imported."""
+    home = DiskCache("forms", 0).folder()
+    if home is None:
+        return
+    folder = home / "fenics"  # DOLFINx appends this name
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return  # DOLFINx uses its own
+    os.environ["XDG_CACHE_HOME"] = str(home)
+    with contextlib.suppress(OSError):  # no locks on this file system: nothing is removed
+        _held.append(hold(folder))
+
+
+def hold(folder: Path) -> IO[bytes]:
+    """Return the lock of a folder in use; what is incomplete goes if no other process holds it."""
+    file = (folder / LOCK).open("ab")
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        _remove_incomplete(folder)
+    except BlockingIOError:
+        pass
+    fcntl.flock(file, fcntl.LOCK_SH)
+    return file
+
+
+def _remove_incomplete(folder: Path) -> None:
+    for source in folder.glob("*.c"):
+        name = source.name.removesuffix(".c")
+        complete = source.with_name(f"{name}.c.cached")
+        if not (complete.exists() and any(folder.glob(f"{name}.*so"))):
+            for file in [complete, *folder.glob(f"{name}.*")]:
+                file.unlink(missing_ok=True)

@@ -1,0 +1,64 @@
+"""Temporary names beside a file, renamed when it is complete: nothing half-written is seen."""
+
+import contextlib
+import os
+import re
+import secrets
+import socket
+from collections.abc import Iterator
+from pathlib import Path
+
+_HOST = re.sub(r"[^A-Za-z0-9]", "_", socket.gethostname()) or "_"
+_OURS = re.compile(rf"\..+\.{_HOST}-(\d+)-[0-9a-f]{{8}}(\.[^.]*)?")
+_cleaned: set[Path] = set()  # folders, by this process
+
+
+@contextlib.contextmanager
+def temporary_sibling(path: Path) -> Iterator[Path]:
+    """Yield a temporary name beside `path`; rename it to `path` on success, remove it on failure.
+
+    Temporary files in the folder whose process was killed are removed. Raises OSError with `path`.
+    """
+    _clean(path.parent)
+    token = f"{_HOST}-{os.getpid()}-{secrets.token_hex(4)}"
+    temporary = path.with_name(f".{path.stem}.{token}{path.suffix}")
+    try:
+        yield temporary
+        os.replace(temporary, path)
+    except OSError as error:
+        if error.filename is not None and Path(os.fsdecode(error.filename)) == temporary:
+            raise OSError(error.errno, error.strerror, str(path)) from error
+        if error.filename is None and error.errno is not None:
+            raise OSError(error.errno, error.strerror, str(path)) from error
+        raise
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text file under a temporary name, then rename it; its folder is made if missing."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with temporary_sibling(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+
+
+def _clean(folder: Path) -> None:
+    """Remove what processes of this machine that are no more have left, once for each folder."""
+    if folder in _cleaned:
+        return
+    _cleaned.add(folder)
+    with contextlib.suppress(OSError):
+        for file in folder.iterdir():
+            found = _OURS.fullmatch(file.name)
+            if found and not _alive(int(found[1])):
+                file.unlink(missing_ok=True)
+
+
+def _alive(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        return True
+    return True

@@ -1,0 +1,41 @@
+"""DOLFINx compiles into our own folder, and goes on after a process that was killed there."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+FORM = """
+from plymotion.preprocess.fenicsx import stack
+import ufl
+from mpi4py import MPI
+mesh = stack.dolfinx.mesh.create_unit_interval(MPI.COMM_SELF, 2)
+make = getattr(stack.dolfinx.fem, "functionspace", None) or stack.dolfinx.fem.FunctionSpace
+space = make(mesh, ("Lagrange", 1))
+v = ufl.TestFunction(space)
+print(type(stack.dolfinx.fem.form(v * ufl.dx)).__name__)
+"""
+
+
+def _compiled(cache: Path) -> "subprocess.CompletedProcess[str]":
+    return subprocess.run(
+        [sys.executable, "-c", FORM],
+        env={**os.environ, "PLYMOTION_CACHE": str(cache)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        timeout=120,
+    )
+
+
+def test_a_killed_compilation_is_done_again(tmp_path: Path) -> None:
+    first = _compiled(tmp_path)
+    assert first.returncode == 0, first.stdout
+    folder = tmp_path / "forms/fenics"
+    marks = list(folder.glob("*.c.cached"))
+    assert marks
+    for mark in marks:  # as after a kill in the middle
+        mark.unlink()
+    again = _compiled(tmp_path)
+    assert again.returncode == 0, again.stdout
+    assert sorted(folder.glob("*.c.cached")) == sorted(marks)

@@ -1,0 +1,205 @@
+"""Every file format: what was changed is refused or read as it was; no file reads another one."""
+
+import dataclasses
+import shutil
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+from hostile_profile import tries
+from package_samples import cantilever
+from result_samples import swinging_rod
+from section_samples import rectangle
+from shell_file_samples import plate
+from sweep_samples import FORCE, ball
+
+from plymotion.solver.__main__ import main
+from plymotion.solver.commands.section.results import read_results
+from plymotion.solver.commands.sweep.file import believed_rows, read_sweep
+from plymotion.solver.errors import InputError, PackageError
+from plymotion.solver.package import read_package, write_package
+from plymotion.solver.package.common.container import content_sha256
+from plymotion.solver.package.section.io import read_section, write_section
+from plymotion.solver.package.shell.io import read_shell, write_shell
+from plymotion.solver.results import read_result, write_result
+
+REFUSED = (PackageError, InputError)
+
+
+@dataclass(frozen=True)
+class Format:
+    """A file format: a sample, and its reader."""
+
+    write: Callable[[Path], object]
+    read: Callable[[Path], Any]
+    data: str  # a dataset that is read
+
+
+FORMATS = {
+    "package": Format(
+        lambda path: write_package(path, cantilever(n=5, m=2)),
+        read_package,
+        "modal_package/modes/stiffness",
+    ),
+    "section": Format(lambda path: write_section(path, rectangle()), read_section, "section/K"),
+    "shell": Format(lambda path: write_shell(path, plate()), read_shell, "shell/mesh/nodes_G"),
+    "result": Format(lambda path: write_result(path, swinging_rod()), read_result, "results/q"),
+    "sweep": Format(lambda path: _sweep(path), read_sweep, "signals/x/final"),
+}
+
+
+def _sweep(path: Path) -> None:
+    file = ball(path.parent / "case", f"{FORCE} = [0.0, 1.0, 2.0]", 'histories = ["x"]')
+    assert main(["sweep", str(file), "--quiet", "--no-figures"]) == 0
+    shutil.copy(file.with_suffix("") / "sweep.h5", path)
+
+
+@pytest.fixture(scope="module", params=FORMATS)
+def kind(request, tmp_path_factory):
+    """A format, and a file of it."""
+    path = tmp_path_factory.mktemp(request.param) / "whole.vtkhdf"
+    FORMATS[request.param].write(path)
+    return FORMATS[request.param], path
+
+
+def _equal(a: Any, b: Any) -> bool:
+    """Compare objects exactly, NaN with NaN; provenance is not covered by the checksum."""
+    if dataclasses.is_dataclass(a):
+        a, b = vars(a), vars(b)
+    if isinstance(a, dict):
+        names = [name for name in a if name != "provenance"]
+        return set(a) == set(b) and all(_equal(a[name], b[name]) for name in names)
+    if isinstance(a, tuple | list):
+        return len(a) == len(b) and all(map(_equal, a, b))
+    if isinstance(a, np.ndarray) and a.dtype.kind == "f":
+        return np.array_equal(a, b, equal_nan=True)
+    return bool(np.array_equal(a, b)) or (a != a and b != b)
+
+
+def _outcome(known: Format, path: Path) -> tuple[Any, str]:
+    try:
+        return known.read(path), ""
+    except REFUSED as error:
+        return None, str(error)
+
+
+def test_flips_and_truncations_are_never_silent(kind, tmp_path, monkeypatch):
+    """Read equal, or refused with the name of the file."""
+    monkeypatch.setenv("PLYMOTION_CACHE", str(tmp_path / "cache"))
+    known, path = kind
+    raw, sound = path.read_bytes(), known.read(path)
+    generator = np.random.default_rng(7)
+    damaged = tmp_path / "damaged.vtkhdf"
+    refused = 0
+    for _ in range(tries(40, 200)):
+        changed = bytearray(raw)
+        changed[generator.integers(len(raw))] ^= 1 << int(generator.integers(8))
+        damaged.write_bytes(changed)
+        found, message = _outcome(known, damaged)
+        assert "damaged.vtkhdf: " in message or _equal(found, sound)
+        refused += bool(message)
+    assert refused
+    for _ in range(tries(10, 50)):
+        damaged.write_bytes(raw[: generator.integers(len(raw))])
+        with pytest.raises(REFUSED, match=r"damaged\.vtkhdf: "):
+            known.read(damaged)
+
+
+def _numbers(kind: tuple[Format, Path], folder: Path) -> tuple[Path, str]:
+    """A copy of the file whose largest dataset is moved to another file of the same numbers."""
+    known, path = kind
+    copy = folder / "copy.vtkhdf"
+    shutil.copy(path, copy)
+    return copy, known.data
+
+
+@pytest.mark.parametrize("way", ["external link", "soft link", "external storage", "virtual"])
+def test_no_file_reads_another_one(kind, tmp_path, way):
+    copy, name = _numbers(kind, tmp_path)
+    with h5py.File(copy, "r+") as file:
+        values, attributes = file[name][()], dict(file[name].attrs)
+        del file[name]
+        if way == "external link":
+            with h5py.File(tmp_path / "other.h5", "w") as other:
+                other["x"] = values
+            file[name] = h5py.ExternalLink(str(tmp_path / "other.h5"), "/x")
+        elif way == "soft link":
+            file["elsewhere"] = values
+            file[name] = h5py.SoftLink("/elsewhere")
+        elif way == "external storage":
+            (tmp_path / "raw").write_bytes(np.ascontiguousarray(values).tobytes())
+            storage = [(str(tmp_path / "raw"), 0, h5py.h5f.UNLIMITED)]
+            file.create_dataset(name, values.shape, values.dtype, external=storage)
+        else:
+            with h5py.File(tmp_path / "other.h5", "w") as other:
+                other["x"] = values
+            layout = h5py.VirtualLayout(values.shape, values.dtype)
+            layout[...] = h5py.VirtualSource(str(tmp_path / "other.h5"), "x", values.shape)
+            file.create_virtual_dataset(name, layout)
+        if not way.endswith("link"):
+            file[name].attrs.update(attributes)
+    with pytest.raises(REFUSED, match="expected data in the file itself, found ") as told:
+        kind[0].read(copy)
+    assert str(copy) in str(told.value)
+    assert name in str(told.value)
+
+
+def test_a_circle_of_groups_ends(kind, tmp_path):
+    copy, name = _numbers(kind, tmp_path)
+    group = name.partition("/")[0]
+    with h5py.File(copy, "r+") as file:
+        file[f"{group}/again"] = file[group]
+    with pytest.raises(REFUSED, match=r"copy\.vtkhdf: "):
+        kind[0].read(copy)
+
+
+def test_checksums_cover_data_under_every_name(tmp_path):
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["g/one"] = [1.0, 2.0]
+        before = content_sha256(file["g"])
+        file["g/two"] = file["g/one"]
+        with_both = content_sha256(file["g"])
+        del file["g/two"]
+        file["g/two"] = [1.0, 2.0]
+        assert content_sha256(file["g"]) == with_both != before
+
+
+def test_a_result_without_its_checksum_is_refused(tmp_path):
+    write_result(tmp_path / "r.vtkhdf", swinging_rod())
+    with h5py.File(tmp_path / "r.vtkhdf", "r+") as file:
+        del file.attrs["content_sha256"]
+    with pytest.raises(InputError, match="content was altered"):
+        read_result(tmp_path / "r.vtkhdf")
+
+
+def test_numbers_of_a_section_are_checked_before_they_are_shown(tmp_path):
+    write_section(tmp_path / "s.vtkhdf", rectangle())
+    with h5py.File(tmp_path / "s.vtkhdf", "r+") as file:
+        file["section/K"][0, 0] *= 2.0
+    with pytest.raises(PackageError, match="content was altered"):
+        read_results(tmp_path / "s.vtkhdf")
+
+
+def test_a_restart_believes_no_row_that_was_altered(tmp_path, capsys):
+    file = ball(tmp_path, f"{FORCE} = [0.0, 1.0, 2.0]", 'histories = ["x"]')
+    h5 = file.with_suffix("") / "sweep.h5"
+    assert main(["sweep", str(file), "--quiet", "--no-figures"]) == 0
+    sound = read_sweep(h5)
+    assert len(believed_rows(h5)[0]) == 3
+    for name, index in (("signals/x/final", 1), ("histories/x", (2, 3)), ("checks/drive_work", 0)):
+        with h5py.File(h5, "r+") as opened:
+            opened[name][index] += 1.0
+        with pytest.raises(InputError, match=r"sweep\.h5: content_sha256: content was altered"):
+            read_sweep(h5)
+        known, altered = believed_rows(h5)
+        assert (len(known), altered) == (2, 1)
+        capsys.readouterr()
+        assert main(["sweep", str(file), "--quiet", "--no-figures"]) == 0
+        told = capsys.readouterr()
+        assert "sweep.h5: 1 rows were altered after writing; they are computed anew" in told.err
+        assert "1 computed in" in told.out
+        assert np.array_equal(read_sweep(h5).signal("x", "final"), sound.signal("x", "final"))

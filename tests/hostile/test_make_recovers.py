@@ -1,0 +1,105 @@
+"""After any fault, make goes on by itself; then it has nothing to do, and no hidden file stays."""
+
+import os
+import subprocess
+import sys
+import time
+
+import pytest
+from case_samples import HEAD, SOLVER, rigid
+from hostile_profile import LONG
+from make_samples import Project
+
+CASE = (
+    HEAD
+    + rigid("ball", 1.0, 0.1, {"c": (0, 0, 0)})
+    + SOLVER.format(t_end=0.02, step=0.01, more="")
+    + '[runs.two]\n[sweeps.s]\nrun = "base"\nvary = { "bodies.ball.mass" = [1.0, 2.0] }\n'
+    + '[signals.x]\nkind = "position"\nat = "ball.c"\ncomponent = "x"\n'
+)
+RAN = "build/one/ran"
+SWEPT = "build/one/sweeps/s/sweep.csv"
+
+
+@pytest.fixture(scope="module")
+def project(repository, tmp_path_factory):
+    """A case whose runs and sweep are done."""
+    project = Project(repository, tmp_path_factory.mktemp("make") / "project")
+    project.case("one", CASE)
+    done = project.make(RAN, SWEPT)
+    assert done.returncode == 0, done.stdout
+    return project
+
+
+def _remove(path):
+    path.unlink()
+
+
+def _empty(path):
+    path.write_bytes(b"")
+
+
+NAMES = [
+    "base/summary.json",
+    "two/result.vtkhdf",
+    "runs/base.json",
+    "manifest.json",
+    "ran",
+    "sweeps/s.json",
+    "sweeps/s/sweep.h5",
+]
+
+
+@pytest.mark.parametrize("names", [NAMES] if LONG == 1 else [[name] for name in NAMES])
+def test_lost_and_empty_files(project, names):
+    """What a killed process or a full disk may leave, and what a user may remove."""
+    files = [project.folder / "build/one" / name for name in names]
+    before = [bool(file.read_bytes()) for file in files]
+    for fault in (_remove, _empty):
+        for file in files:
+            fault(file)
+            if fault is _empty and file.parent.name in ("runs", "sweeps"):
+                file.unlink()  # never empty: it appears under its name when complete
+        done = project.make(RAN, SWEPT)
+        assert done.returncode == 0, done.stdout
+        assert [bool(file.read_bytes()) for file in files] == before
+        assert "plymotion" not in project.make(RAN, SWEPT).stdout
+
+
+@pytest.mark.parametrize("seconds", [0.8] if LONG == 1 else [0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 1.6])
+def test_killed_at_any_time(project, seconds):
+    """All processes at once, as the machine's power."""
+    for name in ("ran", "sweeps/s/sweep.csv", "case.mk"):
+        (project.folder / "build/one" / name).unlink(missing_ok=True)
+    for name in ("base", "two"):
+        (project.folder / "build/one" / name / "summary.json").unlink(missing_ok=True)
+    process = subprocess.Popen(
+        ["make", "-j1", "-o", ".venv/installed", "-o", "build/compiled", RAN, SWEPT],
+        cwd=project.folder,
+        env=os.environ | {"PYTHONPATH": str(project.folder), "PLYMOTION_COMPILED": "0"},
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
+    time.sleep(seconds)
+    os.killpg(process.pid, 9)
+    process.wait()
+    done = project.make(RAN, SWEPT)
+    assert done.returncode == 0, done.stdout
+    assert "plymotion" not in project.make(RAN, SWEPT).stdout
+    assert not [path for path in (project.folder / "build/one").rglob(".*")]
+
+
+def test_hidden_files_of_killed_processes_go(project):
+    left = project.folder / "build/one/base"
+    code = (
+        "import os, sys, signal; from pathlib import Path\n"
+        "from plymotion.solver.package.common.temporary import temporary_sibling\n"
+        "with temporary_sibling(Path(sys.argv[1])) as file:\n"
+        "    file.write_text('half'); os.kill(os.getpid(), signal.SIGKILL)\n"
+    )
+    subprocess.run([sys.executable, "-c", code, str(left / "result.vtkhdf")], check=False)
+    assert list(left.glob(".*"))
+    (left / "summary.json").unlink()
+    assert project.make(RAN).returncode == 0
+    assert not list(left.glob(".*"))
