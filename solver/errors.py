@@ -12,6 +12,16 @@ class PackageError(Exception):
     """A file of this project cannot be used; the message names file and dataset."""
 
 
+MOST_NAMED = 5
+
+
+def few(words: Iterable[str], separator: str = ", ") -> str:
+    """Return the first of some words, and how many more there are: "a, b, c, d, e and 12 more"."""
+    every = list(words)
+    more = f" and {len(every) - MOST_NAMED} more" if len(every) > MOST_NAMED else ""
+    return separator.join(every[:MOST_NAMED]) + more
+
+
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """Return "; did you mean 'x'?" for the known word closest to `word`, or nothing."""
     close = get_close_matches(word, sorted(known), n=1, cutoff=0.5)
@@ -19,7 +29,7 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
-    """Return `did_you_mean`, or all known names if none is close."""
+    """Return `did_you_mean`, or some known names if none is close."""
     names = sorted(known)
-    listed = f"; known: {', '.join(names)}" if names else "; none is defined"
+    listed = f"; known: {few(names)}" if names else "; none is defined"
     return did_you_mean(name, names) or listed

@@ -13,6 +13,7 @@ error falls at least with the square of the element length.
 
 import numpy as np
 
+from ...solver.errors import few
 from ...solver.math.arrays import Array
 from .element import BeamElement, scaled_inverse
 from .line import BeamLine
@@ -61,7 +62,7 @@ def coarse_mesh_warnings(
     if not coarse:
         return []
     message = (
-        f"{elements} elements are too few for the modes {', '.join(coarse)}: estimated frequency "
+        f"{elements} elements are too few for the modes {few(coarse)}: estimated frequency "
         f"error above {LIMIT:.0%}; increase `elements`"
     )
     return [{"code": "mesh-coarse-for-modes", "message": message}]

@@ -7,12 +7,13 @@ from typing import Any
 import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
+from ...solver.package.body.division import node_positions
 from ...solver.package.body.schema import Interface, ModalPackage, SectionData
 from ...solver.package.body.second_order import MOST_MODES, second_order_from_stations
 from ...solver.package.common.table_form import SpecError
 from ..modes import EigenSolver, Modes, reduced_modes
 from .accuracy import coarse_mesh_warnings, frequency_error
-from .line import BeamLine, LineSection, node_positions, on_x_axis
+from .line import BeamLine, LineSection, on_x_axis
 from .points import point_masses
 from .reduction import held_dofs, reference_condition, static_loads
 from .resultants import shape_resultants

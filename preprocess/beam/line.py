@@ -9,7 +9,6 @@ in this frame, x3 = x cross x2.
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 import scipy.sparse as sp
@@ -187,40 +186,3 @@ def section_axes(x2_axis_B: Array | list[float]) -> Array:
     x2 = np.array([0.0, x2[1], x2[2]]) / np.hypot(x2[1], x2[2])
     x1 = np.array([1.0, 0.0, 0.0])
     return np.column_stack([x1, x2, np.cross(x1, x2)])
-
-
-def node_positions(length: float, elements: int, stops: list[float]) -> Array:
-    """Divide a beam into elements with a node at every stop.
-
-    Parameters
-    ----------
-    length : length of the beam [m]
-    elements : total number of elements
-    stops : fractions of the length (0 to 1) that need a node
-
-    Returns
-    -------
-    (elements + 1,) positions [m]: uniform if the stops allow it, otherwise
-    uniform between stops, with the elements distributed by length.
-
-    Raises
-    ------
-    ValueError : fewer elements than stretches between stops.
-    """
-    inner = sorted({0.0, 1.0, *stops})
-    cuts = [inner[0]] + [b for a, b in pairwise(inner) if b - a > 1e-9]
-    cuts[-1] = 1.0
-    stretches = np.diff(cuts)
-    if elements < len(stretches):
-        raise ValueError(
-            f"expected at least {len(stretches)}, one between any two neighbouring interfaces"
-        )
-    # each additional element goes to the stretch with the longest elements
-    counts = np.ones(len(stretches), dtype=int)
-    for _ in range(elements - len(stretches)):
-        counts[np.argmax(np.round(stretches / counts, 12))] += 1
-    parts = [
-        np.linspace(a, b, k, endpoint=False)
-        for a, b, k in zip(cuts[:-1], cuts[1:], counts, strict=True)
-    ]
-    return length * np.append(np.concatenate(parts), 1.0)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from ...solver.errors import did_you_mean
+from ...solver.errors import did_you_mean, few
 from ...solver.package.body.specification import ReferenceTable
 from ...solver.package.common.table_form import SpecError, expected
 from ..modes import ModeRequest
@@ -79,5 +79,5 @@ def read_modes(tables: list[Any], places: dict[str, float]) -> ModeSpec:
 
 def _known(name: str, places: dict[str, float], key: str) -> None:
     if name not in places:
-        known = f"one of the interfaces {', '.join(places)}"
+        known = f"one of the interfaces {few(places)}"
         raise SpecError(expected(key, name, known) + did_you_mean(name, places))

@@ -19,6 +19,7 @@ import numpy as np
 import scipy.linalg
 import scipy.optimize
 
+from ...solver.errors import few
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.body.specification import DIRECTIONS
 from .eigenmodes import Eigenmodes
@@ -192,7 +193,7 @@ def _warnings(dropped: list[str]) -> tuple[dict[str, str], ...]:
     if not dropped:
         return ()
     message = (
-        f"no mode for {', '.join(dropped)}: the reference condition carries such a load, or its "
+        f"no mode for {few(dropped)}: the reference condition carries such a load, or its "
         "shape is a combination of earlier modes, or it moves no mass"
     )
     return ({"code": "static-modes-dependent", "message": message},)

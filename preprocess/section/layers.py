@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...solver.errors import did_you_mean
+from ...solver.errors import did_you_mean, few
 from ...solver.math.arrays import Array
 from ...solver.package.section.schema import Ply
 from ..materials import Orthotropic, material_from_dict, rotated
@@ -123,7 +123,7 @@ def layup(spec: Mapping[str, Any], mesh: SectionMesh, space: SectionSpace, where
             if material not in table:
                 raise SectionError(
                     f"{place}.plies[{i}].material = {material!r}: expected one of "
-                    + ", ".join(table)
+                    + few(table)
                     + did_you_mean(str(material), table)
                 )
             plies.append(Ply(name, i, material, float(entry.get("angle_deg", 0.0))))
@@ -156,7 +156,7 @@ def _same_names(regions: Mapping[str, Any], names: Mapping[str, int], where: str
         if name not in names:
             raise SectionError(
                 f"{where}.regions.{name}: the mesh has no such region, expected "
-                + ", ".join(names)
+                + few(names)
                 + did_you_mean(name, names)
             )
 
@@ -172,7 +172,7 @@ class _Direction:
             if self.value not in mesh.curves:
                 raise SectionError(
                     f"{where}.direction.curve = {self.value!r}: the mesh has no such physical "
-                    f"curve, expected one of {', '.join(mesh.curves) or 'none'}"
+                    f"curve, expected one of {few(mesh.curves) or 'none'}"
                     + did_you_mean(str(self.value), mesh.curves)
                 )
             self._segments = mesh.curves[self.value]

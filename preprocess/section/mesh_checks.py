@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from ...solver.errors import few
 from ...solver.math.arrays import Array
 from .. import fenicsx
 from ..fenicsx import PlainMesh
@@ -149,10 +150,10 @@ def _one_part(plain: PlainMesh, neighbours: sp.csr_matrix, where: str) -> None:
     parts = []
     for number in range(n_part):
         cells = np.flatnonzero(part == number)
-        names = ", ".join(plain.regions[i] for i in np.unique(plain.region[cells]))
+        names = few(plain.regions[i] for i in np.unique(plain.region[cells]))
         x = plain.points[plain.corners[cells]].reshape(-1, 2)
         parts.append(f"{names} from {_at(x.min(axis=0))} to {_at(x.max(axis=0))}")
-    listed = "; ".join(parts[:4]) + (f"; and {n_part - 4} more" if n_part > 4 else "")
+    listed = few(parts, "; ")
     nodes = [np.unique(plain.cells[part == number]) for number in range(n_part)]
     owners = np.bincount(np.concatenate(nodes), minlength=len(plain.points))
     pairs = _coincident(plain, np.arange(len(plain.points)))

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ...solver.errors import did_you_mean
+from ...solver.errors import did_you_mean, few
 from ...solver.math.arrays import Array, IntArray
 from .errors import ShellError
 from .mesh import ShellMesh
@@ -80,7 +80,7 @@ def _along_curve(mesh: ShellMesh, name: str, cells: IntArray, where: str) -> Arr
     if name not in mesh.curves:
         raise ShellError(
             f"{where} = {name!r}: no physical curve of that name; the mesh has "
-            + (", ".join(mesh.curves) or "none")
+            + (few(mesh.curves) or "none")
             + did_you_mean(name, mesh.curves)
         )
     first, last = np.moveaxis(mesh.points_G[mesh.curves[name]], 1, 0)

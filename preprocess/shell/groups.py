@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...solver.errors import did_you_mean
+from ...solver.errors import did_you_mean, few
 from ...solver.math.arrays import Array, IntArray
 from .errors import ShellError
 from .mesh import ShellMesh
@@ -33,7 +33,7 @@ def group(mesh: ShellMesh, name: str, where: str) -> Group:
         known = [str(known) for names in kinds.values() for known in names]
         raise ShellError(
             f"{where} = {name!r}: no physical group of that name; the mesh has "
-            + (", ".join(known) or "none")
+            + (few(known) or "none")
             + did_you_mean(name, known)
         )
     if len(found) > 1:

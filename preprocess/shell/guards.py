@@ -7,6 +7,7 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from ...solver.errors import few
 from ...solver.math.arrays import Array
 from ...solver.package.shell import elements
 from .assembly import DOFS
@@ -219,7 +220,7 @@ def check_supported(freedom: Freedom, motions: Sequence[Array], drilling: Sequen
     """Raise ShellError for load cases of a shell with free rigid motions; the message lists
     them."""
     if motions:
-        listed = "; ".join(freedom.describe(motion) for motion in motions[:6])
+        listed = few((freedom.describe(motion) for motion in motions), "; ")
         part = " of its parts" if freedom.parts().max() > 0 else ""
         raise ShellError(
             f"supports: {len(motions)} rigid motions{part} are free: {listed}. Load cases need "

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ...solver.errors import did_you_mean
+from ...solver.errors import did_you_mean, few
 from ...solver.math.arrays import IntArray
 from ..laminate import LaminateSpec, LaminateStiffness, laminate_from_dict, laminate_stiffness
 from ..materials import Orthotropic, material_from_dict
@@ -58,7 +58,7 @@ def read_regions(spec: Mapping[str, Any], mesh: ShellMesh, where: str) -> list[R
         if name != ALL and name not in mesh.regions:
             raise ShellError(
                 f"{where}.regions.{name}: the mesh has no physical surface of that name, it has "
-                + ", ".join(mesh.regions)
+                + few(mesh.regions)
                 + did_you_mean(name, (*mesh.regions, ALL))
             )
     found = []
@@ -97,7 +97,7 @@ def _laminate(
         if name not in laminates:
             raise ShellError(
                 f"{where}.laminate = {name!r}: no such laminate; expected one of "
-                + (", ".join(laminates) or "those of a table laminates")
+                + (few(laminates) or "those of a table laminates")
                 + did_you_mean(str(name), laminates)
             )
         return str(name), laminates[name]

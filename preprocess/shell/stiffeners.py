@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from ...solver.errors import few
 from ...solver.math.arrays import Array, IntArray
 from ...solver.math.definite import REGULAR, smallest_eigenvalue
 from ...solver.package.common.plain_data import canonical
@@ -93,7 +94,7 @@ def read_stiffeners(
         if at not in mesh.curves:
             raise ShellError(
                 f"{place}.at = {at!r}: expected a physical curve of the mesh, it has "
-                + (", ".join(mesh.curves) or "none")
+                + (few(mesh.curves) or "none")
             )
         ends = np.asarray(mesh.curves[at])
         along = np.diff(mesh.points_G[ends], axis=1)[:, 0]

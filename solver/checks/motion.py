@@ -1,6 +1,7 @@
 """Elastic rotations: how far interfaces turn relative to the frame of their body."""
 
 from collections.abc import Iterator
+from math import ceil
 
 import numpy as np
 
@@ -11,8 +12,17 @@ from .finished import FinishedRun
 
 
 def motion_findings(run: FinishedRun) -> Iterator[Finding]:
-    """Yield bodies whose interfaces turn too far for small elastic rotations."""
+    """Yield bodies whose interfaces turn too far for small elastic rotations.
+
+    Of a body in segments, the segment that turns most stands for all.
+    """
+    worst: dict[str, tuple[float, str, int]] = {}  # body of the case: rotation, its part, index
+    segments: dict[str, int] = {}
     for i, name in enumerate(run.built.body_names):
+        body = run.mechanism.bodies.get(name)
+        whole = getattr(body, "part_of", None) or name
+        if body is not None and body.kind == "beam":
+            segments[whole] = segments.get(whole, 0) + 1
         if not run.model.n_mode[i]:
             continue
         rotation = max(
@@ -20,16 +30,30 @@ def motion_findings(run: FinishedRun) -> Iterator[Finding]:
             for _, q in run.modes(i)
             for interface in run.packages[name].interfaces
         )
-        if rotation > ROTATION.limit:
-            text = _text(name, rotation, second_order=stiffened(run.model, i))
-            yield ROTATION.finding(text, body=name, value=rotation)
+        if rotation > worst.get(whole, (ROTATION.limit,))[0]:
+            worst[whole] = rotation, name, i
+    for whole, (rotation, name, i) in worst.items():
+        count = segments.get(whole, 0)
+        text = _text(whole, name, rotation, count, second_order=stiffened(run.model, i))
+        yield ROTATION.finding(text, body=whole, value=rotation)
 
 
-def _text(name: str, rotation: float, *, second_order: bool) -> str:
-    turn = f"{name}: an interface turns by {rotation:.2f} rad relative to the body frame "
+def _text(whole: str, name: str, rotation: float, count: int, *, second_order: bool) -> str:
+    """Return the message; `count` is the number of segments of a beam, 0 of another body.
+
+    The rotation relative to the chord of a segment is about inverse to their number.
+    """
+    part = f" of segment {name}" if count > 1 else ""
+    turn = f"{whole}: an interface{part} turns by {rotation:.2f} rad relative to the body frame "
+    limit = f"below {ROTATION.limit:g} rad"
+    split = "split the body"
+    if count:
+        now = f" ({count} now)" if count > 1 else ""
+        split = f"divide the beam by segments = {ceil(count * rotation / ROTATION.limit)}{now}"
     if second_order:
-        return (
-            f"{turn}(second-order body: below {ROTATION.limit:g} rad; expect an error of about "
-            "2 % at 0.25 rad): use a chord or mean-axis frame, or split the body"
-        )
-    return f"{turn}(linear bodies: below {ROTATION.limit:g} rad): split the body or stiffen it"
+        frame = "" if count > 1 else "use a chord or mean-axis frame, or "
+        accuracy = "expect an error of about 2 % at 0.25 rad"
+        return f"{turn}(second-order body: {limit}; {accuracy}): {frame}{split}"
+    if count:
+        split += ", with solver.geometric_stiffening = true"
+    return f"{turn}(linear bodies: {limit}): {split}, or stiffen it"

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..dynamics.model import Model
 from ..dynamics.tables import Body, assemble_model, flexible_body, rigid_body
-from ..math.rotations import matrix_to_parameters
+from ..math.rotations import matrix_to_parameters, vector_to_matrix
 from ..package import Interface, ModalPackage
 from .couplings import coupling_rows
 from .forces import force_tables
@@ -66,6 +66,14 @@ def build(
         for name, signal in mechanism.signals.items()
         if (at := getattr(signal, "at", None)) is not None  # signals of a place
     }
+    for name, signal in mechanism.signals.items():
+        frame = getattr(signal, "frame", None)
+        if frame is None:
+            continue
+        A_GM = vector_to_matrix(np.radians(np.array(frame.rotation_deg)))  # a body in segments
+        for number, at in enumerate(frame.places):
+            marker = places.marker(f"signals.{name}.at", at, A_GM)
+            signal_marker[frame_marker(name, number)] = marker
     virtual = VirtualBodies([], places.markers, joints)
     if mechanism.solver.attachment == "virtual":
         virtual = through_virtual_bodies(bodies, places.markers, joints)
@@ -90,6 +98,11 @@ def build(
         state_names=[state.name for state in reader.found.states],
         callers=tuple(s.owner for s in reader.found.states if s.inputs is not None),
     )
+
+
+def frame_marker(signal: str, number: int) -> str:
+    """Return the name of a marker that carries the frame of a signal of a body in segments."""
+    return f"{signal}#{number}"
 
 
 def _bodies(

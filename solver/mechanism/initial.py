@@ -16,7 +16,7 @@ from ..dynamics.least_energy import least_energy
 from ..dynamics.model import Model
 from ..dynamics.series import balance
 from ..dynamics.system import Equations, accelerations, assemble, law_at
-from ..errors import InputError
+from ..errors import InputError, few
 from ..math.arrays import Array
 from ..results.codes.course import REDUNDANT, SINGULAR_START
 from ..results.finding import Finding
@@ -50,7 +50,7 @@ class Redundancy:
         if self.count:
             text = (
                 f"{self.count} constraint equations follow from the others, among "
-                f"{', '.join(self.joints)}: the motion is not affected, but how these joints share "
+                f"{few(self.joints)}: the motion is not affected, but how these joints share "
                 "their forces is not determined; the share of least norm is reported. Joints that "
                 "leave more freedom (spherical, universal, cylindrical) remove the doubt"
             )
@@ -96,7 +96,7 @@ def _describe(model: Model, residual: Array, names: list[str], words: tuple[str,
             parts.append(
                 (max(shift, turn), f"{name}: {shift:.4g} {words[0]}, {turn:.4g} {words[1]}")
             )
-    return "; ".join(text for _, text in sorted(parts, reverse=True))
+    return few((text for _, text in sorted(parts, reverse=True)), "; ")
 
 
 def _closed(model: Model, y: Array, t: float) -> Array:
@@ -187,7 +187,7 @@ def redundancy(model: Model, y: Array, names: list[str], t: float = 0.0) -> Redu
         raise InputError(
             f"joints and drives contradict each other in their accelerations: {off}; "
             f"{count} of {model.n_constraint} constraint equations are redundant, among "
-            f"{', '.join(involved)}"
+            f"{few(involved)}"
         )
     return Redundancy(count, involved, general.value > here.value)
 

@@ -16,6 +16,7 @@ from ..dynamics.constraints.treatment import PASSES_SINGULAR
 from ..dynamics.independence import CERTAIN, begin, scaled_jacobian_into
 from ..dynamics.model import Model
 from ..dynamics.singular_value import difference, new_spectrum, smallest_at
+from ..errors import few
 from ..integrators.generic import Integrator, Steps, StopRequest
 from ..integrators.generic.base import Dense
 from ..integrators.generic.steps import MOST_NOTED
@@ -331,7 +332,7 @@ class SingularityMonitor:
             self._lowest, self._t_lowest = least**0.5, t
 
     def _where(self, t: float, names: list[str]) -> str:
-        return f"the constraint Jacobian loses rank at t = {t:.6g} s, in joints {', '.join(names)}"
+        return f"the constraint Jacobian loses rank at t = {t:.6g} s, in joints {few(names)}"
 
     def _advice(self) -> str:
         if self.treatment == "augmented-lagrangian":
@@ -381,10 +382,9 @@ class SingularityMonitor:
         """Return the singular positions that the run passed without harm, as one finding."""
         if self.findings or not self.passes:
             return []
-        times = ", ".join(f"{t:.4g}" for t in self.passes[:5])
-        more = " ..." if len(self.passes) > 5 else ""
+        times = few(f"{t:.4g} s" for t in self.passes)
         text = (
-            f"{len(self.passes)} singular positions on the way, at t = {times}{more} s, "
+            f"{len(self.passes)} singular positions on the way, at t = {times}, "
             "where the mechanism could leave in more than one direction; velocity and energy "
             "were continued"
         )

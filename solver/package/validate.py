@@ -96,12 +96,16 @@ def _attributes(file: h5py.File, known: FileFormat) -> list[Remark]:
         text = f"attribute units: expected 'SI', found {units!r}"
         findings.append(Remark("error", "/", text))
 
+    without: dict[str, list[str]] = {}  # attributes -> datasets: one finding for all of them
+
     def visit(_: str, item: h5py.HLObject) -> None:
         if isinstance(item, h5py.Dataset):
             missing = [name for name in DATASET_ATTRIBUTES if name not in item.attrs]
             if missing:
-                text = f"attribute {', '.join(missing)}: missing"
-                findings.append(Remark("warning", item.name, text))
+                without.setdefault(", ".join(missing), []).append(item.name)
 
     file[known.group].visititems(visit)
+    for names, datasets in without.items():
+        others = f" here and in {len(datasets) - 1} other datasets" if len(datasets) > 1 else ""
+        findings.append(Remark("warning", datasets[0], f"attribute {names}: missing{others}"))
     return findings

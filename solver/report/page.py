@@ -6,7 +6,7 @@ from typing import Any
 
 from .elements import figure, name_of, table
 from .story import Story
-from .strength import strength_section
+from .strength import fatigue_section, strength_section
 from .table import number, signal_numbers
 
 _CSS = (Path(__file__).parent / "page.css").read_text(encoding="utf-8")
@@ -41,6 +41,7 @@ def page(
         *(figure(p, f"Motion of {s.title}") for s, p in zip(stories, motions, strict=True)),
         "</div></section>",
         strength_section(stories, strengths),
+        fatigue_section(stories),
         "<section><h2>Verification</h2><div class='grid'>",
         *(figure(p, f"Balance of {s.title}") for s, p in zip(stories, balances, strict=True)),
         "</div></section>",

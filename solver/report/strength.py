@@ -61,3 +61,25 @@ def _rows(found: list[tuple[Story, str, dict[str, Any]]]) -> str:
 def fails(found: dict[str, Any]) -> bool:
     """True if a ply of a body fails, from its entry in summary.json."""
     return found["ratio"] is not None and found["ratio"] < 1.0
+
+
+def fatigue_section(stories: list[Story]) -> str:
+    """Return the section on Miner sums, or nothing if no stress has an S-N line."""
+    head = ["run", "stress", "Miner sum<br>of the run [-]", "runs to<br>failure [-]"]
+    head += ["cycles", "largest<br>range [Pa]"]
+    rows = [
+        [
+            name_of(story),
+            escape(signal),
+            number(found["damage"], 4),
+            number(found["repetitions"], 4),
+            number(found["cycles"], 6),
+            number(found["largest_range"], 4),
+        ]
+        for story in stories
+        for signal, found in story.summary.get("fatigue", {}).items()
+    ]
+    if not rows:
+        return ""
+    shown = table("".join(f"<th>{cell}</th>" for cell in head), rows)
+    return f"<section><h2>Fatigue</h2>{shown}</section>"

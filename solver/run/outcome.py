@@ -18,7 +18,8 @@ from ..mechanism import BuiltMechanism
 from ..package import ModalPackage
 from ..results import BodyGeometry, RunResult, Signal, signal_summary
 from ..results.codes.course import FEEDBACK
-from ..signals import Sensor, recorded
+from ..signals import Sensor, fatigue_entry, recorded
+from ..strength.fatigue import Turning
 from ..strength.found import summary as strength_entry
 
 if TYPE_CHECKING:
@@ -68,10 +69,13 @@ def collect(
         lambda: RowKeeper(stored=stored, folder=folder)
     )
     past = Past(within=finished.in_play)
+    turning = {name: Turning() for name, sensor in sensors.items() if sensor.life is not None}
     for some, states, values in recorded(sensors, model, finished.blocks):
         history = recover.history(model, some, states)
         past.take(some, history)
         kept["", "multipliers"].append(history.multipliers)
+        for name, found in turning.items():
+            found.take(values[name] * sensors[name].scale)
         for group, table in (
             ("signals", values),
             ("energies", history.energies),
@@ -115,6 +119,7 @@ def collect(
             "modes_used": {n: p.n_mode for n, p in finished.packages.items()},
         },
         "strength": {n: strength_entry(found) for n, found in judgement.strengths.items()},
+        "fatigue": {name: fatigue_entry(sensors[name], turning[name]) for name in turning},
         "cost": {
             "preprocess_s": sum(
                 float(sum(p.provenance.get("seconds", {}).values())) for p in spec.packages.values()

@@ -152,7 +152,7 @@ def prepare(
         built=built,
         treatment=treatment,
         y0=y0,
-        measured=sensors(built, wanted),
+        measured=sensors(built, wanted, mechanism.materials),
         spin=spins,
         passage=passage,
         buckling=_buckling(mechanism, built, spins),

@@ -1,6 +1,6 @@
 """Signals: the requested quantities, computed from states at the output times."""
 
 from .recording import Recording
-from .sensors import Sensor, recorded, sensors
+from .sensors import Sensor, fatigue_entry, recorded, sensors
 
-__all__ = ["Recording", "Sensor", "recorded", "sensors"]
+__all__ = ["Recording", "Sensor", "fatigue_entry", "recorded", "sensors"]

@@ -8,8 +8,9 @@ import numpy as np
 from ..dynamics.recover import elastic_motion, stiffened
 from ..math.arrays import Array
 from ..math.compiled import lean
-from ..math.rotations import vector_of, vectors_to_matrices
+from ..math.rotations import vector_of, vector_to_matrix, vectors_to_matrices
 from ..mechanism import BuiltMechanism
+from ..mechanism.build import frame_marker
 from .recording import Recording
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ def point_values(
     """Return what gives the vectors (k, 3) of a signal of a place."""
     kind = signal.kind
     if kind in ("deflection", "rotation"):
-        return _elastic(built, signal)
+        return _of_segments(built, name, signal) if signal.frame else _elastic(built, signal)
     marker = built.signal_marker[name]
     if kind == "position":
         return lambda recording: recording.position(marker)
@@ -73,6 +74,44 @@ def _elastic(built: BuiltMechanism, signal: "PointSignal") -> Callable[[Recordin
         return np.asarray(np.einsum("kba,kb->ka", turned, arm + u - u_eye) - arm)
 
     return seen
+
+
+def _of_segments(
+    built: BuiltMechanism, name: str, signal: "PointSignal"
+) -> Callable[[Recording], Array]:
+    """Return what gives the deflection or rotation (k, 3) of an interface of a body in segments.
+
+    The frame moves with its first place. Through two places, it is rotated further by the shortest
+    way until its chord runs through the second.
+    """
+    frame, at = signal.frame, built.signal_marker[name]
+    assert frame is not None
+    carriers = [built.signal_marker[frame_marker(name, i)] for i in range(len(frame.places))]
+    A_start = vector_to_matrix(np.radians(np.array(frame.rotation_deg)))
+    rest = np.array(frame.rest)
+
+    def values(recording: Recording) -> Array:
+        origin, A = recording.position(carriers[0]), recording.axes(carriers[0])
+        if frame.chord is not None:
+            now = A @ (np.array(frame.chord) / np.linalg.norm(frame.chord))
+            to = recording.position(carriers[1]) - origin
+            A = vectors_to_matrices(_shortest(now, to)) @ A
+        if signal.kind == "rotation":
+            turned = A.transpose(0, 2, 1) @ recording.axes(at) @ A_start
+            return rotation_vectors(turned)
+        arm = recording.position(at) - origin
+        return np.asarray(np.einsum("kba,kb->ka", A, arm) - rest)
+
+    return values
+
+
+def _shortest(one: Array, two: Array) -> Array:
+    """Return rotation vectors (k, 3) from directions (k, 3) to others by the shortest way."""
+    normal = np.cross(one, two)
+    sine = np.linalg.norm(normal, axis=1)
+    angle = np.arctan2(sine, np.einsum("ka,ka->k", one, two))
+    factor = np.divide(angle, sine, out=np.zeros_like(sine), where=sine > 0.0)
+    return np.asarray(factor[:, None] * normal)
 
 
 def rotation_vectors(matrices: Array, before: Array | None = None) -> Array:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..errors import InputError, nearest
+from ..errors import InputError, few, nearest
 from ..math.arrays import Array, IntArray
 from ..package import ModalPackage
 from ..package.body.schema import BodyRecovery
@@ -102,7 +102,7 @@ def _points(key: str, recovery: SectionRecovery, signal: "PlyStressSignal") -> I
     region = signal.region
     if region is None:
         if len(regions) > 1:
-            raise InputError(f"{key}.region: missing; expected one of {', '.join(regions)}")
+            raise InputError(f"{key}.region: missing; expected one of {few(regions)}")
         region = regions[0]
     if region not in regions:
         raise InputError(f'{key}.region = "{region}": no such region{nearest(region, regions)}')

@@ -11,6 +11,8 @@ from ..dynamics.model import Model
 from ..math.arrays import Array
 from ..mechanism import BuiltMechanism
 from ..package import ModalPackage
+from ..strength.fatigue import StressLife, Turning, fatigue_summary, rainflow_cycles
+from .fatigue import stress_life
 from .joints import joint_coordinate, reaction
 from .points import POINT_UNITS, point_values
 from .recording import Recording
@@ -19,6 +21,7 @@ from .strength import strength_values
 
 if TYPE_CHECKING:
     from ..inputs.case.signals import Signal
+    from .fatigue import Materials
 
 Values = Callable[[Recording], Array]
 _AXES = {"x": 0, "y": 1, "z": 2}
@@ -33,28 +36,40 @@ class Sensor:
     unit : "-" for a quotient
     values : function of a recording for its values (k,)
     look : function to call with all blocks of a recording before values are asked for; None: none
+    life : S-N line of a stress; None: no fatigue
+    scale : what values times it are in SI
     """
 
     unit: str
     description: str
     values: Values
     look: Look | None = None
+    life: StressLife | None = None
+    scale: float = 1.0
 
 
-def sensors(built: BuiltMechanism, signals: Mapping[str, "Signal"]) -> dict[str, Sensor]:
+def sensors(
+    built: BuiltMechanism, signals: Mapping[str, "Signal"], materials: "Materials | None" = None
+) -> dict[str, Sensor]:
     """Return the sensors of the signals of a case (inputs/case/signals.py).
+
+    materials : those of the case, for S-N lines; None: no fatigue
 
     Raises
     ------
     InputError
-        A package without resultants or stresses, an unknown ply.
+        A package without resultants or stresses, an unknown ply, a missing Python package.
     """
     found = {}
     for name, signal in signals.items():
         unit, values, look = _measuring(built, name, signal)
         if signal.divide_by is not None:
             unit, values = "-", _divided(values, signal.divide_by)
-        found[name] = Sensor(unit, signal.description, values, look)
+        life = None
+        if signal.kind == "ply_stress":
+            life = stress_life(materials or {}, built.packages[signal.body], signal)
+        scale = signal.divide_by or 1.0
+        found[name] = Sensor(unit, signal.description, values, look, life, scale)
     return found
 
 
@@ -75,6 +90,12 @@ def recorded(
     for t, y in blocks():
         recording = Recording(model, t, y, memory)
         yield t, y, {name: sensor.values(recording) for name, sensor in sensors.items()}
+
+
+def fatigue_entry(sensor: Sensor, turning: Turning) -> dict[str, Any]:
+    """Return the fatigue of a stress with an S-N line, from its turning points in SI."""
+    assert sensor.life is not None
+    return fatigue_summary(rainflow_cycles(turning.points().tolist()), sensor.life)
 
 
 def _measuring(

@@ -110,7 +110,7 @@ def test_manual_names_version_words_and_attributes(file: Path) -> None:
 def test_example_of_the_manual_runs_and_validates(tmp_path: Path) -> None:
     """The code block of "Writing a package", with a sample's arrays for those of "your FE code"."""
     sample = cantilever()
-    block = PAGE.split("## Writing a package")[1].split("## The result file")[0]
+    block = PAGE.split("## Writing a package")[1].split("\n## ")[0]
     code = "\n".join(line[4:] for line in block.splitlines() if line.startswith("    "))
     given = {
         "X": np.moveaxis(sample.shapes_B, 0, 2),

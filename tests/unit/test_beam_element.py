@@ -5,7 +5,8 @@ import pytest
 import scipy.integrate
 
 from plymotion.preprocess.beam.element import BeamElement, Q, Z, gauss
-from plymotion.preprocess.beam.line import node_positions, section_axes, straight_line
+from plymotion.preprocess.beam.line import section_axes, straight_line
+from plymotion.solver.package.body.division import node_positions
 
 
 def coupled_stiffness() -> np.ndarray:

@@ -6,6 +6,7 @@ Energy tells a right form from one that stiffens the elastic rows only; a spin-u
 import numpy as np
 import pytest
 from beam_samples import CHORD, CLAMPED, MEAN_AXIS, NAMES, REFERENCES, coupled_stiffness, reduced
+from curved_samples import meshed
 from flexible_samples import momenta, total_energy
 from stiffening_samples import on_interface
 
@@ -49,6 +50,10 @@ FORMS = {
     "bulky lumps": {  # inertia along the beam, too: six points for a node
         "mass": SectionMass(1.0, np.zeros(3), np.diag([0.03, 0.025, 0.02])).matrix(),
         "mass_form": "lumped",
+    },
+    "curved and twisted": {
+        **UNSYMMETRIC,
+        **meshed(4, length=1.0, line={"arc_deg": 60.0}, twist_deg=[[0.0, 10.0], [1.0, 70.0]]),
     },
 }
 

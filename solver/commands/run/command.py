@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from ...errors import InputError, PackageError
+from ...errors import InputError, PackageError, few
 from ...fidelity.execution import run_any
 from ...fidelity.words import fidelity_line
 from ...interrupts import INTERRUPTED, asked, handle, passed_to_children
@@ -98,7 +98,7 @@ def run_files(
     import_s = time.process_time()
     doubled = {file.stem for file in files if sum(f.stem == file.stem for f in files) > 1}
     if doubled:
-        raise InputError(f"run files of the same name: {', '.join(sorted(doubled))}")
+        raise InputError(f"run files of the same name: {few(sorted(doubled))}")
     tasks = []
     for file in files:
         folder = out or (out_dir or file.parent.parent) / file.stem

@@ -15,7 +15,7 @@ from ...package.common.container import get_text, new_file, open_file, set_text
 from ...package.common.identity import version_of
 from ...results import ResultError
 from ...run.execution import output_times
-from .member import CHECKS, COST, MEASURES, Row
+from .member import CHECKS, COST, DAMAGE, MEASURES, Row
 from .plan import Plan
 
 FORMAT = "plymotion sweep"
@@ -41,8 +41,13 @@ class SweepResult:
     rows: tuple[Row, ...]  # (k)
 
     def signal(self, name: str, measure: str) -> Array:
-        """Return the "final", "min", "t_min", "max" or "t_max" of a signal, (k,)."""
+        """Return the "final", "min", "t_min", "max", "t_max" or "damage" of a signal, (k,)."""
         return np.array([_number(r.signals.get(name, {}).get(measure)) for r in self.rows])
+
+    def measures(self, name: str) -> tuple[str, ...]:
+        """Return what there is of a signal."""
+        has = any(DAMAGE in row.signals.get(name, {}) for row in self.rows)
+        return (*MEASURES, DAMAGE) if has else MEASURES
 
     def history(self, name: str) -> Array:
         """Return a signal over time, (k, n_t)."""
@@ -102,7 +107,7 @@ def write_sweep(path: Path, result: SweepResult) -> None:
             signal = file.create_group(f"signals/{name}")
             set_text(signal, "unit", unit)
             set_text(signal, "description", result.signal_words[name])
-            for measure in MEASURES:
+            for measure in result.measures(name):
                 signal[measure] = result.signal(name, measure)
         histories = [n for n in result.signal_words if any(n in row.histories for row in rows)]
         if result.t.size:
@@ -147,7 +152,10 @@ def _load(file: h5py.File) -> SweepResult:
         group: {name: file[f"{group}/{name}"][()] for name in names}
         for group, names in (("checks", CHECKS), ("cost", COST))
     }
-    measured = {n: {m: g[m][()] for m in MEASURES} for n, g in signals.items()}
+    measured = {
+        n: {m: g[m][()] for m in (*MEASURES, DAMAGE) if m in g or m != DAMAGE}
+        for n, g in signals.items()
+    }
     units = {n: get_text(g, "unit") for n, g in signals.items()}
     series = {n: d[()] for n, d in histories.items() if n != "t"}
     rows = []
@@ -197,12 +205,13 @@ def sweep_csv(result: SweepResult) -> str:
     head = ["member", *(f"{name} [{unit}]" if unit else name for name, unit in names)]
     head += ["status", "code", "t_end [s]"]
     for name, unit in result.signal_units.items():
-        head += [f"{name} {m} [{'s' if m.startswith('t_') else unit}]" for m in MEASURES]
+        units = {"t_min": "s", "t_max": "s", DAMAGE: "-"}
+        head += [f"{name} {m} [{units.get(m, unit)}]" for m in result.measures(name)]
     writer.writerow([*head, *CHECKS, *COST, "warnings", "message"])
     for k, row in enumerate(result.rows):
         line: list[Any] = [k, *result.values[k], row.status, row.code, _blank(row.t_end)]
         for name in result.signal_units:
-            line += [_blank(row.signals.get(name, {}).get(m)) for m in MEASURES]
+            line += [_blank(row.signals.get(name, {}).get(m)) for m in result.measures(name)]
         line += [_blank(row.checks.get(name)) for name in CHECKS]
         line += [_blank(row.cost.get(name)) for name in COST]
         writer.writerow([*line, " ".join(row.warnings), row.message])

@@ -17,12 +17,14 @@ from ...results import Signal, signal_summary
 from ...results.codes.members import DEFECT, INPUT, PACKAGE
 from ...run.execution import integrated, output_times
 from ...run.preparation import prepare
-from ...signals import Recording, Sensor
+from ...signals import Recording, Sensor, fatigue_entry
+from ...strength.fatigue import Turning
 from .plan import Plan
 
 PENDING, FINISHED, STOPPED, FAILED = "pending", "finished", "stopped", "failed"
 INTERRUPTED = "interrupted"
 MEASURES = ("final", "min", "t_min", "max", "t_max")
+DAMAGE = "damage"  # Miner's sum, of stresses with an S-N line
 CHECKS = (
     "constraint_position_max",
     "constraint_rotation_max",
@@ -44,7 +46,7 @@ class Row:
     message: str = ""
     code: str = ""
     t_end: float = np.nan  # [s]
-    signals: dict[str, dict[str, Any]] = field(default_factory=dict)  # unit and MEASURES
+    signals: dict[str, dict[str, Any]] = field(default_factory=dict)  # unit, MEASURES and DAMAGE
     histories: dict[str, Array] = field(default_factory=dict)  # (n_t,), NaN after an early end
     checks: dict[str, float] = field(default_factory=dict)
     cost: dict[str, float] = field(default_factory=dict)
@@ -167,9 +169,21 @@ def _row_of(
         message="" if solution.status == FINISHED else solution.message,
         code=solution.code,
         t_end=float(t[-1]),
-        signals={name: signal_summary(series[name], t) for name in plan.signals},
+        signals={
+            name: signal_summary(series[name], t) | _damage(sensors[name], series[name].values)
+            for name in plan.signals
+        },
         histories=histories,
         checks={name: judgement.numbers[name] for name in CHECKS},
         cost={name: float(counters.get(name, seconds)) for name in COST},
         warnings=judgement.codes,
     )
+
+
+def _damage(sensor: Sensor, values: Array) -> dict[str, float]:
+    """Return Miner's sum of a stress with an S-N line."""
+    if sensor.life is None:
+        return {}
+    turning = Turning()
+    turning.take(values * sensor.scale)
+    return {DAMAGE: fatigue_entry(sensor, turning)["damage"]}

@@ -11,6 +11,7 @@ from plymotion import __version__
 from ...errors import InputError, PackageError
 from ...inputs.case.resolved import put, resolved
 from ...inputs.case.schema import Mechanism
+from ...inputs.case.segments import in_segments
 from ...inputs.case.sources import solver_sha256
 from ...package import ModalPackage
 from ...package.common.plain_data import data_sha256
@@ -57,7 +58,7 @@ class Plan:
 
     def mechanism_of(self, number: int) -> Mechanism:
         """Return the mechanism of one member. Raises InputError."""
-        return resolved(self._table_of(number), f"{self.file}: member {number}")
+        return in_segments(resolved(self._table_of(number), f"{self.file}: member {number}"))
 
     def _table_of(self, number: int) -> dict[str, Any]:
         return put(self.table, self.members[number].changes)

@@ -8,8 +8,9 @@ from pydantic import BaseModel
 from ...package.body.specification import Specification
 from ...package.common.plain_data import inputs_sha256
 from .beams import beam_spec
+from .imported import imported_spec
 from .reduction import Reducible
-from .schema import BeamBody, Mechanism, Placed, ShellBody
+from .schema import BeamBody, ImportedBody, Mechanism, Placed, ShellBody
 from .shells import shell_body_spec
 
 # Where a body starts, and what a run uses of it, say nothing about its package.
@@ -44,7 +45,9 @@ class BodySpecs:
     folder: Path
     _known: dict[tuple[str, ...], BodySpec] = field(default_factory=dict)
 
-    def of(self, name: str, body: BeamBody | ShellBody, mechanism: Mechanism) -> BodySpec:
+    def of(
+        self, name: str, body: BeamBody | ShellBody | ImportedBody, mechanism: Mechanism
+    ) -> BodySpec:
         """Return the specification of a body, whose section and material exist.
 
         Raises
@@ -54,16 +57,20 @@ class BodySpecs:
         """
         parts: list[BaseModel] = []
         if isinstance(body, BeamBody):
-            parts.append(mechanism.sections[body.section])
-            if body.material is not None:
-                parts.append(mechanism.materials[body.material])
+            used = [(s.section, s.material) for s in body.stations]
+            for section, material in [(body.section, body.material), *used]:
+                parts.append(mechanism.sections[section])
+                if material is not None:
+                    parts.append(mechanism.materials[material])
         own = body.model_dump_json(exclude=STATE)
         key = (name, own, *(part.model_dump_json() for part in parts))
         if key not in self._known:
-            content, sources = (
-                beam_spec(name, body, mechanism, self.folder)
-                if isinstance(body, BeamBody)
-                else shell_body_spec(name, body, self.folder)
-            )
+            content: Specification
+            if isinstance(body, BeamBody):
+                content, sources = beam_spec(name, body, mechanism, self.folder)
+            elif isinstance(body, ShellBody):
+                content, sources = shell_body_spec(name, body, self.folder)
+            else:
+                content, sources = imported_spec(name, body, self.folder)
             self._known[key] = BodySpec(content, inputs_sha256(content), tuple(sources))
         return self._known[key]

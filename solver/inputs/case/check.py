@@ -18,6 +18,7 @@ from .of_time import drives
 from .outputs import output_findings
 from .rich import check_fidelity
 from .schema import BeamBody, Mechanism, RigidBody, ShellBody
+from .segments import check_names
 from .signals import (
     JointSignal,
     PointSignal,
@@ -31,8 +32,8 @@ def cross_check(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodyS
     """Return the specifications of the flexible bodies by name, and one line per finding."""
     bodies, wrong = check_bodies(mechanism, specs)
     found = check_materials(mechanism.materials) + wrong
-    found += _joints(mechanism) + _two_drives(mechanism) + _forces(mechanism)
-    found += check_couplings(mechanism)
+    found += check_names(mechanism) + _joints(mechanism) + _two_drives(mechanism)
+    found += _forces(mechanism) + check_couplings(mechanism)
     for name, mass in mechanism.masses.items():
         found += check_place(f"masses.{name}.at", mass.at, mechanism, ground=False)
     for name, signal in mechanism.signals.items():
@@ -177,8 +178,9 @@ def _signal(
             f'{key}.body = "{signal.body}": expected a beam, this one is a shell: its plies have '
             'signals of kind "strength_ratio"'
         ]
-    if isinstance(body, BeamBody) and signal.x is not None and not 0 <= signal.x <= body.length:
-        return [f"{key}.x = {signal.x:g}: expected 0 to {body.length:g} m, the length of the body"]
+    length = body.length if isinstance(body, BeamBody) else None
+    if length and signal.x is not None and not 0.0 <= signal.x <= length:
+        return [f"{key}.x = {signal.x:g}: expected 0 to {length:g} m, the length of the body"]
     return []
 
 

@@ -7,11 +7,11 @@ from ...math.definite import is_positive_definite
 from .beams import check_motion
 from .body_specs import BodySpec, BodySpecs
 from .rich import CHECK, rich_bodies
-from .schema import BeamBody, Mechanism, PackageBody, RigidBody, ShellBody
+from .schema import BeamBody, ImportedBody, Mechanism, PackageBody, RigidBody, ShellBody
 
 SYMMETRY = 1e-5  # of the largest entry: products of inertia may be given to five digits
 TRIANGLE = 1e-5  # relative: the same digits
-Body = BeamBody | ShellBody | RigidBody | PackageBody
+Body = BeamBody | ShellBody | RigidBody | PackageBody | ImportedBody
 
 
 def check_bodies(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodySpec], list[str]]:
@@ -21,14 +21,15 @@ def check_bodies(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, Body
     for name, body in mechanism.bodies.items():
         if isinstance(body, BeamBody) and (unknown := _names(f"bodies.{name}", body, mechanism)):
             found += unknown + check_motion(f"bodies.{name}", body)
-        elif isinstance(body, BeamBody | ShellBody):
+        elif isinstance(body, BeamBody | ShellBody | ImportedBody):
+            whole = getattr(body, "part_of", None) or name  # equal segments share a package
             try:
-                if mechanism.fidelity is None:
-                    sound[name] = specs.of(name, body, mechanism)
+                if mechanism.fidelity is None or isinstance(body, ImportedBody):
+                    sound[name] = specs.of(whole, body, mechanism)
                     continue
                 model, check = rich_bodies(name, mechanism)
-                sound[name] = specs.of(name, model, mechanism)
-                sound[name + CHECK] = specs.of(name, check, mechanism)
+                sound[name] = specs.of(whole, model, mechanism)
+                sound[name + CHECK] = specs.of(whole, check, mechanism)
             except InputError as error:
                 found += str(error).splitlines()
         elif isinstance(body, RigidBody):
@@ -51,16 +52,19 @@ def check_bodies(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, Body
 
 
 def interfaces(body: Body) -> list[str] | None:
-    """Return the interface names of a body; None for a package, whose file has them."""
-    return None if isinstance(body, PackageBody) else list(body.interfaces)
+    """Return the interface names of a body; None if another file has them."""
+    return None if isinstance(body, PackageBody | ImportedBody) else list(body.interfaces)
 
 
 def _names(key: str, body: BeamBody, mechanism: Mechanism) -> list[str]:
     found = []
-    if body.section not in mechanism.sections:
-        hint = nearest(body.section, mechanism.sections)
-        found.append(f'{key}.section = "{body.section}": no such section{hint}')
-    if body.material is not None and body.material not in mechanism.materials:
-        hint = nearest(body.material, mechanism.materials)
-        found.append(f'{key}.material = "{body.material}": no such material{hint}')
+    places = [(key, body.section, body.material)]
+    places += [(f"{key}.stations[{i}]", s.section, s.material) for i, s in enumerate(body.stations)]
+    for where, section, material in places:
+        if section not in mechanism.sections:
+            hint = nearest(section, mechanism.sections)
+            found.append(f'{where}.section = "{section}": no such section{hint}')
+        if material is not None and material not in mechanism.materials:
+            hint = nearest(material, mechanism.materials)
+            found.append(f'{where}.material = "{material}": no such material{hint}')
     return found

@@ -10,8 +10,8 @@ from pydantic import ValidationError
 from ...errors import InputError, nearest
 from ..common import lines, read_toml
 from .body_specs import BodySpec, BodySpecs
-from .check import cross_check
 from .laws import FOLDER
+from .parts import in_parts
 from .schema import CaseFile, Mechanism
 from .sweep_members import CheckedSweep, check_sweep
 
@@ -107,9 +107,8 @@ def load_case(file: Path, *, coarse: bool = False) -> Case:
         except ValidationError as error:
             problems += lines(error, Mechanism, str(file))
             continue
-        bodies[name], found = cross_check(mechanism, specs)
+        runs[name], bodies[name], found = in_parts(mechanism, specs)
         problems += [f"{file}: {problem}" for problem in found]
-        runs[name] = mechanism
     for name, figure in top.figures.items():
         for run_name in figure.runs:
             if run_name not in top.runs:

@@ -22,9 +22,12 @@ _FIRST: tuple[type[BaseModel], ...] = (schema.CaseFile, schema.Mechanism, *MATER
 _THEN: tuple[type[BaseModel], ...] = (
     schema.DescribedSection,
     schema.BeamBody,
+    schema.BeamLine,
+    schema.BeamStation,
     schema.ShellBody,
     schema.RigidBody,
     schema.PackageBody,
+    schema.ImportedBody,
     *MODE_TABLES,
     schema.BeamInterface,
     schema.ShellInterface,

@@ -5,11 +5,11 @@ docs/case-reference.md is generated from here (`python -m plymotion.solver check
 
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import ConfigDict, Field, model_validator
 
 from ...package.body.specification import LinkKind, MassForm, Theory
 from ..common.material import Material
-from ..common.table import FilePath, Name, Table, Vector, Word, unit
+from ..common.table import FilePath, Name, Pair, Table, Vector, Word, unit
 from ..section.mesh_table import ShapeMesh, shape_or
 from .couplings import CaseCoupling
 from .fidelity import Fidelity
@@ -92,12 +92,103 @@ class Deformed(Placed):
     )
 
 
+class BeamLine(Table):
+    """`line` of a beam: a circular arc, a spline through points, or given nodes.
+
+    An arc has the given `length` and begins along body x. A spline and nodes have a length.
+    """
+
+    arc_deg: float | None = Field(
+        default=None,
+        description="angle of an arc: the tangent turns by it about `axis`",
+        json_schema_extra=unit("deg"),
+    )
+    axis: Vector = Field(
+        default=[0.0, 0.0, 1.0],
+        description="axis of an arc in the body frame, normal to x",
+        json_schema_extra=unit("-"),
+    )
+    points: list[Vector] | None = Field(
+        default=None,
+        min_length=2,
+        description="of a cubic spline, in the body frame",
+        json_schema_extra=unit("m"),
+    )
+    nodes: list[Vector] | None = Field(
+        default=None,
+        min_length=2,
+        description="of straight elements, in the body frame; interfaces and stations take the "
+        "nearest",
+        json_schema_extra=unit("m"),
+    )
+    x2_axes: list[Vector] | None = Field(
+        default=None,
+        min_length=1,
+        description="with nodes: direction of the section's x2 in each element; its part normal to "
+        "the element counts",
+        json_schema_extra=unit("-"),
+    )
+
+    @model_validator(mode="after")
+    def _one_of_three(self) -> "BeamLine":
+        given = [k for k in ("arc_deg", "points", "nodes") if getattr(self, k) is not None]
+        if len(given) != 1:
+            found = " and ".join(given) or "none of them"
+            raise ValueError(f"expected one of arc_deg, points and nodes, found {found}")
+        if (self.nodes is None) != (self.x2_axes is None):
+            raise ValueError("expected nodes and x2_axes together")
+        return self
+
+
+class BeamStation(Table):
+    """One entry of `stations` of a beam: another section along it."""
+
+    at: float = Field(description="fraction of the length")
+    section: Name = Field(description="name of a section")
+    material: Name | None = Field(default=None, description="absent: that of the body")
+    ply_angle_deg: float | None = Field(
+        default=None,
+        ge=-90,
+        le=90,
+        description="absent: that of the body",
+        json_schema_extra=unit("deg"),
+    )
+
+
 class BeamBody(Reducible, Deformed):
-    """`[bodies.NAME]` with kind = "beam": straight along body x, from x = 0."""
+    """`[bodies.NAME]` with kind = "beam": from the origin along body x, or along `line`."""
 
     kind: Literal["beam"]
-    length: float = Field(gt=0, description="length", json_schema_extra=unit("m"))
-    section: Name = Field(description="name of a section")
+    length: float | None = Field(
+        default=None,
+        gt=0,
+        description="length along the beam; required, except for a line of points or nodes, "
+        "which has a length",
+        json_schema_extra=unit("m"),
+    )
+    line: BeamLine | None = Field(
+        default=None,
+        description="curved reference line: an arc, a spline through points, or given nodes; "
+        "absent: straight along x",
+    )
+    twist_deg: list[Pair] = Field(
+        default=[],
+        description="pairs of a fraction of the length and the rotation of the section there about "
+        "the line; linear between them",
+        json_schema_extra=unit("deg"),
+    )
+    section: Name = Field(description="name of a section; with `stations`, of the one at the start")
+    stations: list[BeamStation] = Field(
+        default=[],
+        description="other sections along the beam; stiffness and mass are linear between them",
+    )
+    segments: int = Field(
+        default=1,
+        ge=1,
+        le=500,
+        description="divides the beam into so many equal bodies joined to each other, for large "
+        "elastic rotations (docs/stiffening.md); `modes` are those of each",
+    )
     material: Name | None = Field(
         default=None,
         description="name of a material; required by a shape, absent with a described section",
@@ -115,17 +206,26 @@ class BeamBody(Reducible, Deformed):
         description="direction of the section's x2 (width) in the body frame; normal to x",
         json_schema_extra=unit("-"),
     )
-    elements: int = Field(default=16, ge=1, le=2000, description="beam elements along the length")
+    elements: int = Field(
+        default=16, ge=1, le=2000, description="beam elements along the length, of all segments"
+    )
     theory: Theory = Field(
         default="timoshenko",
         description="strains of the beam: all six, or classical without shear (closer to a solid "
         "for vibrating wide strips with bending-twist coupling)",
     )
+    part_of: Name | None = Field(
+        default=None, description="of a segment, written by `check`: the body that it is a part of"
+    )
     mass_form: MassForm = Field(
         default="consistent", description="inertia from consistent mass, or lumped (the paper)"
     )
     reference: Reference = Field(default=Reference(), description="reference condition")
-    modes: list[Modes] = Field(min_length=1, description="which modes the solver gets")
+    modes: list[Modes] = Field(
+        default=[],
+        description="which modes the solver gets, at least one; of segments, those beside the "
+        "static shapes of their ends",
+    )
     damping_ratio: float = Field(
         default=0.0, ge=0, lt=1, description="of every mode", json_schema_extra=unit("-")
     )
@@ -209,7 +309,23 @@ class PackageBody(Reducible, Deformed):
     package: FilePath = Field(description="path of the .vtkhdf file, relative to the case file")
 
 
-Body = Annotated[BeamBody | ShellBody | RigidBody | PackageBody, Field(discriminator="kind")]
+class ImportedBody(Reducible, Deformed):
+    """`[bodies.NAME]` with kind = "imported": matrices of another code, reduced when it is built.
+
+    Interfaces, reference condition and modes are in the import file (docs/exchange.md).
+    """
+
+    model_config = ConfigDict(populate_by_name=True)  # run files have the name of the field
+
+    kind: Literal["imported"]
+    file: str = Field(
+        alias="import", description="path of the import file (TOML), relative to the case file"
+    )
+
+
+Body = Annotated[
+    BeamBody | ShellBody | RigidBody | PackageBody | ImportedBody, Field(discriminator="kind")
+]
 
 
 class GroundPoint(Table):

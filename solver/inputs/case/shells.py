@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 from typing import Any
 
-from ...errors import InputError
+from ...errors import InputError, few
 from ...package.body.specification import ShellSpecification
 from ..common import read_toml
 from ..common.gmsh_file import physical_groups
@@ -99,7 +99,7 @@ def _groups(key: str, body: ShellBody, mesh: Path) -> list[str]:
     known = [name for names in physical_groups(mesh) for name in names]
     return [
         f'{key}.interfaces.{name}.at = "{interface.at}": {os.path.basename(mesh)} has no physical '
-        f"group of this name, it has {', '.join(known)}"
+        f"group of this name, it has {few(known)}"
         for name, interface in body.interfaces.items()
         if interface.at not in known
     ]

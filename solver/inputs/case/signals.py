@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from ...dynamics.joints.table import COORDINATES
 from ...strength import CRITERIA
-from ..common.table import Name, Pair, Table, unit
+from ..common.table import Name, Pair, Table, Vector, unit
 
 Component = Literal["x", "y", "z", "magnitude"]
 COORDINATE_NAMES = tuple(sorted(COORDINATES))
@@ -23,6 +23,24 @@ class _Measured(Table):
         default=None, gt=0, description="makes the signal dimensionless (in its unit)"
     )
     description: str = Field(default="", description="words for figures and tables")
+
+
+class SegmentFrame(Table):
+    """`frame` of a deflection or rotation of a body in segments, written by `check`."""
+
+    places: list[str] = Field(description="interfaces that carry the frame: one, or two of a chord")
+    chord: Vector | None = Field(
+        description="from the first of two to the second at rest, body axes",
+        json_schema_extra=unit("m"),
+    )
+    rest: Vector = Field(
+        description="from the first to the place of the signal at rest, body axes",
+        json_schema_extra=unit("m"),
+    )
+    rotation_deg: Vector = Field(
+        description="rotation vector from global to body axes at the start",
+        json_schema_extra=unit("deg"),
+    )
 
 
 class PointSignal(_Measured):
@@ -48,6 +66,9 @@ class PointSignal(_Measured):
         description="for a deflection: another interface of the body, whose axes (parallel to the "
         "body axes at rest) are the reference; absent: the body frame. Deflections relative to the "
         "body frame depend on the frame, this one does not",
+    )
+    frame: SegmentFrame | None = Field(
+        default=None, description="of a body in segments, written by `check`; not for users"
     )
     component: Component = Field(description="axis")
 
@@ -165,6 +186,7 @@ class StrengthSignal(_Measured):
 
 SIGNAL_TABLES: tuple[type[Table], ...] = (
     PointSignal,
+    SegmentFrame,
     JointSignal,
     ReactionSignal,
     ResultantSignal,

@@ -11,6 +11,7 @@ from ..common import lines
 from .body_specs import BodySpec, BodySpecs
 from .check import cross_check
 from .laws import FOLDER
+from .parts import in_parts
 from .schema import Mechanism
 from .sweeps import Misplaced, Parameter, Sweep, changed, parameters_of
 
@@ -78,9 +79,9 @@ def check_sweep(
         except ValidationError as error:
             problems |= dict.fromkeys(lines(error, Mechanism, where))
             continue
-        own, wrong = cross_check(member, specs)
+        divided, own, wrong = in_parts(member, specs)
         problems |= dict.fromkeys(f"{where}: {line}" for line in wrong)
-        members.append(member)
+        members.append(divided)
         bodies.append(own)
     if problems:
         more = [f"{where}: ... and {len(problems) - TOLD} more"] if len(problems) > TOLD else []

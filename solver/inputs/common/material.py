@@ -1,9 +1,10 @@
 """Material tables: the keys, their units and bounds."""
 
 from collections.abc import Mapping
+from itertools import pairwise
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from ...package.common.materials import MaterialError, material_from_dict
 from ...package.common.strengths import read_strength
@@ -60,6 +61,57 @@ class PlyStrength(Table):
     )
 
 
+class StressLife(Table):
+    """`[materials.NAME.fatigue]` of an isotropic material, or `.fibre` of an orthotropic one: S-N.
+
+    The line is straight between the points, and beyond them, over logarithms of both. Signals of
+    kind "ply_stress" of the material then have a Miner sum (docs/strength.md).
+    """
+
+    amplitude: list[float] = Field(
+        min_length=2,
+        description="stress amplitudes (half the range), descending",
+        json_schema_extra=unit("Pa"),
+    )
+    cycles: list[float] = Field(
+        min_length=2,
+        description="cycles to failure at each amplitude, ascending",
+        json_schema_extra=unit("-"),
+    )
+    ultimate: float | None = Field(
+        default=None,
+        gt=0,
+        description="static strength of Goodman's line: a tensile mean m makes an amplitude count "
+        "as 1 / (1 - m / ultimate) times as much; absent: means have no effect",
+        json_schema_extra=unit("Pa"),
+    )
+    limit: float | None = Field(
+        default=None,
+        gt=0,
+        description="amplitude up to which cycles do no damage; absent: all do",
+        json_schema_extra=unit("Pa"),
+    )
+
+    @model_validator(mode="after")
+    def _line(self) -> "StressLife":
+        S, N = self.amplitude, self.cycles
+        if len(S) != len(N):
+            raise ValueError(f"expected as many cycles as amplitudes, found {len(N)} and {len(S)}")
+        if S[-1] <= 0.0 or any(b >= a for a, b in pairwise(S)):
+            raise ValueError(f"amplitude = {S}: expected descending stresses above 0")
+        if N[0] < 1.0 or any(b <= a for a, b in pairwise(N)):
+            raise ValueError(f"cycles = {N}: expected ascending numbers from 1 on")
+        return self
+
+
+class PlyFatigue(Table):
+    """`[materials.NAME.fatigue]` of an orthotropic material: S-N lines of stresses in ply axes."""
+
+    fibre: StressLife | None = Field(default=None, description="of stress 11")
+    transverse: StressLife | None = Field(default=None, description="of stresses 22 and 33")
+    shear: StressLife | None = Field(default=None, description="of stresses 12, 13 and 23")
+
+
 class IsotropicMaterial(Table):
     """`[materials.NAME]` with kind = "isotropic"."""
 
@@ -69,6 +121,9 @@ class IsotropicMaterial(Table):
     rho: float = Field(gt=0, description="density", json_schema_extra=unit("kg/m3"))
     strength: YieldStrength | None = Field(
         default=None, description="strength, for the margins of recovered stresses"
+    )
+    fatigue: StressLife | None = Field(
+        default=None, description="S-N line of any of its stresses, for Miner sums of signals"
     )
 
 
@@ -93,6 +148,9 @@ class OrthotropicMaterial(Table):
     strength: PlyStrength | None = Field(
         default=None, description="strengths, for the margins of recovered stresses"
     )
+    fatigue: PlyFatigue | None = Field(
+        default=None, description="S-N lines of its stresses, for Miner sums of signals"
+    )
 
 
 Material = Annotated[IsotropicMaterial | OrthotropicMaterial, Field(discriminator="kind")]
@@ -103,12 +161,14 @@ MATERIAL_TABLES: tuple[type[Table], ...] = (
     YieldStrength,
     OrthotropicMaterial,
     PlyStrength,
+    PlyFatigue,
+    StressLife,
 )
 
 
 def plain(material: IsotropicMaterial | OrthotropicMaterial) -> dict[str, Any]:
-    """Return a material as plain data in SI, without absent keys."""
-    return material.model_dump(exclude_none=True)
+    """Return what bodies depend on of a material as plain data in SI, without absent keys."""
+    return material.model_dump(exclude_none=True, exclude={"fatigue"})
 
 
 def check_materials(materials: Mapping[str, IsotropicMaterial | OrthotropicMaterial]) -> list[str]:

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InputError, nearest
+from ...errors import InputError, few, nearest
 from ...math.arrays import Array
 
 Mask = NDArray[np.bool_]
@@ -52,7 +52,7 @@ def region_sets(
     if len(whole) > 1:
         raise InputError(
             f"mesh.region_data: missing; {file} has several integer cell data, expected one "
-            f"of {', '.join(sorted(whole))}"
+            f"of {few(sorted(whole))}"
         )
     if whole:
         return _by_value(whole[0], data[whole[0]])

@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...errors import InputError, nearest
+from ...errors import InputError, few, nearest
 from ...math.arrays import IntArray
 from ...package.common.container import temporary_sibling
 from .foreign import ForeignMesh
@@ -57,7 +57,7 @@ def assign_regions(mesh: ForeignMesh, names: Iterable[str], default: str | None)
     bare = region < 0
     if default is None and bare.any() and not found:
         left = [name for name, mask in mesh.sets.items() if (mask & bare).any()]
-        listed = f"; they are in {', '.join(left)}" if left else ""
+        listed = f"; they are in {few(left)}" if left else ""
         found.append(
             f"regions: {np.count_nonzero(bare)} of {bare.size} cells of {mesh.file.name} belong to "
             f"no described region{listed}: expected a table for each, or regions.all"

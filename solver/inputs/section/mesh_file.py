@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 from typing import Any
 
-from ...errors import InputError, nearest
+from ...errors import InputError, few, nearest
 from ..common.gmsh_file import content_sha256, is_gmsh_mesh, physical_names
 from .description import Region, SectionDescription
 from .foreign import read_foreign
@@ -140,7 +140,7 @@ def _match(regions: Regions, surfaces: list[str], file: str) -> tuple[dict[str, 
             names[name] = described
         else:
             found.append(
-                f"regions.{name}: missing; {file} has the physical surfaces {', '.join(surfaces)}"
+                f"regions.{name}: missing; {file} has the physical surfaces {few(surfaces)}"
             )
     return names, found
 

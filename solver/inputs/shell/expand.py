@@ -20,7 +20,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from ...errors import InputError, nearest
+from ...errors import InputError, few, nearest
 from ..common import read_toml
 from ..common.gmsh_file import content_sha256, is_gmsh_mesh, physical_groups
 from ..common.material import check_materials, plain
@@ -220,7 +220,7 @@ def _groups(description: ShellDescription, file: Path) -> list[str]:
     ]
     if ALL not in description.regions:
         found += [
-            f"regions.{name}: missing; {file.name} has the physical surfaces {', '.join(surfaces)}"
+            f"regions.{name}: missing; {file.name} has the physical surfaces {few(surfaces)}"
             for name in surfaces
             if name not in description.regions
         ]

@@ -11,7 +11,7 @@ from ...math.arrays import Array, IntArray
 from ...math.compiled import structure
 from .elements import start_forces
 from .pencil import Frozen, Pencil, new_frozen, new_pencil
-from .step_control import NEXT, TIME
+from .step_control import N_COUNT, NEXT, TIME
 
 # Entries of `clock` after those of every loop (step_control.py): power at the ends of the last
 # step.
@@ -46,7 +46,7 @@ class AlphaWorkspace(NamedTuple):
     zero: Array  # (nb, n)
     no_load: Array  # (n_c,)
     clock: Array  # (5,)
-    counts: IntArray  # (6,) see step_control.py
+    counts: IntArray  # (N_COUNT,) see step_control.py
 
 
 def new_alpha_workspace(
@@ -79,7 +79,7 @@ def new_alpha_workspace(
         np.zeros((model.n_body, model.plan.widest)),
         np.zeros(n_c),
         np.zeros(5),
-        np.zeros(6, dtype=np.int64),
+        np.zeros(N_COUNT, dtype=np.int64),
     )
     workspace.clock[TIME], workspace.clock[NEXT] = t, first_step
     workspace.clock[POWER] = rate[n - 1]

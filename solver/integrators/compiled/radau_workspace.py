@@ -12,7 +12,7 @@ from ...math.compiled import structure
 from .cutoff import Cutoff, new_cutoff
 from .elements import start_forces
 from .pencil import Frozen, Pencil, new_frozen, new_pencil
-from .step_control import ERROR_LAST, LIMIT, NEXT, RATE, TAKEN, TIME
+from .step_control import ERROR_LAST, LIMIT, N_COUNT, NEXT, RATE, TAKEN, TIME
 
 
 @structure
@@ -42,7 +42,7 @@ class RadauWorkspace(NamedTuple):
     least: Array  # (n_e,) stiffness that elements have had [N/m, N m/rad]
     damped: Array  # (1,) energy lost above the cutoff [J]
     clock: Array  # (7,)
-    counts: IntArray  # (6,)
+    counts: IntArray  # (N_COUNT,)
 
 
 def new_radau_workspace(
@@ -81,7 +81,7 @@ def new_radau_workspace(
         least,
         np.zeros(1),
         np.zeros(7),
-        np.zeros(6, dtype=np.int64),
+        np.zeros(N_COUNT, dtype=np.int64),
     )
     workspace.clock[TIME], workspace.clock[NEXT], workspace.clock[ERROR_LAST] = t, first_step, 1.0
     workspace.clock[LIMIT] = 1e300

@@ -13,6 +13,8 @@ TIME, NEXT, TAKEN = 0, 1, 2
 ERROR_LAST, RATE, LIMIT, CUTOFF = 3, 4, 5, 6
 # Entries of `counts`.
 STEPS, REJECTED, EVALUATIONS, FACTORISATIONS, BAD, TROUBLE = 0, 1, 2, 3, 4, 5
+BECAUSE = 6  # first of the refusals by value of TROUBLE
+N_COUNT = 11
 # Values of TROUBLE: why the last attempt was refused.
 NONE, NEWTON, TOO_ROUGH, ILL, OFF = 0, 1, 2, 3, 4
 SMALLEST = 1e-300  # step, whatever the time [s]
@@ -72,6 +74,7 @@ def refuse(options: Options, clock: Array, counts: IntArray, h: float, shorter: 
     `shorter` is the factor of the next size where numbers are finite.
     """
     counts[REJECTED] += 1
+    counts[BECAUSE + counts[TROUBLE]] += 1
     if options.fixed_step > 0.0:
         return REFUSED
     if counts[TROUBLE] == ILL:

@@ -30,6 +30,9 @@ fractions of it are then along the line, `elements` counts those of the line, an
                     "tip": {"at": "right edge", "link": "average", "position": [0.7, 0.0, 0.0],
                             "rotation_deg": [0.0, 0.0, 90.0]}}}
 
+    {"body": "arm", "kind": "imported", "file": "cases/x/arm.toml", "table": {...},
+     "sha256": {"arm.inp": "..."}}                see preprocess/exchange/spec.py
+
 A shell's body axes are those of its mesh. `inputs_sha256` and `case` may be added; they go to the
 provenance of the package.
 """
@@ -177,4 +180,14 @@ class ShellSpecification(_Provenance):
     interfaces: dict[str, ShellInterfaceTable]
 
 
-Specification = BeamSpecification | ShellSpecification
+class ImportedSpecification(_Provenance):
+    """Matrices of another code: the import file, read, and hashes of the files that it names."""
+
+    body: str
+    kind: Literal["imported"]
+    file: str
+    table: dict[str, Any]
+    sha256: dict[str, str]
+
+
+Specification = BeamSpecification | ShellSpecification | ImportedSpecification

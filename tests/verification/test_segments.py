@@ -1,0 +1,194 @@
+"""Beams in segments at large rotations, against published values and closed forms."""
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from flexible_samples import momenta
+from segment_samples import cantilever, run_of
+from stiffening_samples import rectangle
+
+from plymotion.preprocess.beam.section_mass import SectionMass
+from plymotion.solver.package import read_package
+from plymotion.solver.results.codes.motion import ROTATION
+from plymotion.solver.run.execution import execute
+from plymotion.solver.run.preparation import prepare
+
+
+@pytest.fixture(scope="module")
+def reference(repository: Path) -> dict[str, Any]:
+    return tomllib.loads((repository / "tests/reference/dynamics/large_rotations.toml").read_text())
+
+
+def slowly_loaded(
+    table: dict[str, Any], kind: str, direction: list[float], value: float, time: float
+):
+    """The case with a load at the tip that rises slowly, and some damping."""
+    law = {"smooth_step": {"value": value, "duration": time}}
+    load = {"kind": kind, "at": "beam.tip", "direction": direction, "law": law}
+    table["bodies"]["beam"]["damping_ratio"] = 0.3
+    table["solver"] |= {"t_end": 1.2 * time, "output_step": 0.2 * time, "rtol": 1e-5}
+    return table | {"forces": {"load": load}}
+
+
+def at_the_end(table: dict[str, Any], matrices) -> tuple[np.ndarray, dict[str, Any]]:
+    result, summary = execute(run_of(table, matrices), progress=False)
+    assert summary["completed"]
+    return np.array([signal.values[-1] for signal in result.signals]), summary
+
+
+@pytest.mark.parametrize("segments", [8, 12])
+def test_cantilever_rolls_up_to_a_circle(segments: int) -> None:
+    """The end moment 2 pi EI / L: the tip comes back to the root."""
+    K = np.diag([1e4, 1e4, 1e4, 50.0, 100.0, 1.0])
+    mass = SectionMass(1.0, np.zeros(3), np.diag([2e-4, 1e-4, 1e-4])).matrix()
+    table = cantilever(segments, 1.0)
+    table["signals"]["turn"] = {"kind": "rotation", "at": "beam.tip", "component": "z"}
+    table = slowly_loaded(table, "torque", [0.0, 0.0, 1.0], 2.0 * np.pi, 100.0)
+    found, _ = at_the_end(table, (K, mass))
+    np.testing.assert_allclose(found, [-1.0, 0.0, 0.0, 2.0 * np.pi], atol=5e-6)
+
+
+@pytest.mark.parametrize("number", range(7))
+def test_princeton_beam(reference: dict[str, Any], number: int) -> None:
+    data = reference["princeton"]
+    h, w, E = data["height"], data["width"], data["E"]
+    G, A, I2, I3 = E / 2 / (1 + data["nu"]), h * w, h * w**3 / 12, w * h**3 / 12
+    K = np.diag([E * A, G * A, G * A, data["torsion"] * G * (I2 + I3), E * I2, E * I3])
+    _, mass = rectangle(E, data["nu"], 2700.0, h, w)
+    beta = np.radians(data["beta_deg"][number])
+    load = [0.0, -float(np.cos(beta)), float(np.sin(beta))]
+    table = slowly_loaded(cantilever(8, data["length"]), "force", load, data["force"], 20.0)
+    (_, down, across), summary = at_the_end(table, (K, mass))
+    expected = np.array([data["down"][number], data["across"][number]])
+    gap = np.linalg.norm([-down - expected[0], across - expected[1]])
+    assert gap < data["tolerance"] * np.linalg.norm(expected)
+    assert [w["code"] for w in summary["warnings"]] == []
+
+
+def test_bend_of_45_degrees(reference: dict[str, Any]) -> None:
+    """Bending in two planes with torsion of a beam that is curved at rest."""
+    data = reference["bend"]
+    E = data["E"]
+    K = np.diag([E, 5 / 12 * E, 5 / 12 * E, E / 12, E / 12, E / 12])
+    mass = SectionMass(1.0, np.zeros(3), np.diag([1 / 6, 1 / 12, 1 / 12])).matrix()
+    table = cantilever(8, data["radius"] * np.pi / 4, body={"line": {"arc_deg": 45.0}})
+    table = slowly_loaded(table, "force", [0.0, 0.0, 1.0], data["force"], 200.0)
+    found, _ = at_the_end(table, (K, mass))
+    # the bend turns to +y, that of the publications to -y in their axes
+    for source in ("bathe", "simo"):
+        gap = np.linalg.norm(found - data[source])
+        assert gap < data["tolerance"] * np.linalg.norm(data[source]), source
+
+
+def flying(data: dict[str, Any], segments: int) -> dict[str, Any]:
+    """The beam at an angle of atan(4/3), loaded at its lower end."""
+    body = {
+        "kind": "beam",
+        "length": data["length"],
+        "section": "s",
+        "material": "m",
+        "elements": 4 * segments,
+        "segments": segments,
+        "position": [6.0, 0.0, 0.0],
+        "rotation_deg": [0.0, 0.0, 180.0 - np.degrees(np.arctan(4.0 / 3.0))],
+        "interfaces": {"low": {"at": "start"}, "mid": {"at": 0.5}, "high": {"at": "end"}},
+        "reference": {"kind": "clamped", "at": "mid"},
+    }
+    t = data["until"]
+    law = {"table": {"times": [0.0, t, 20.0], "values": [1.0, 1.0, 1.0], "interpolation": "linear"}}
+    loads = {}
+    for kind, direction, value in (
+        ("force", [1.0, 0.0, 0.0], data["force"]),
+        ("torque", [0.0, 0.0, -1.0], data["moment"]),
+    ):
+        scaled = {"table": {**law["table"], "values": [value] * 3}}
+        loads[kind] = {"kind": kind, "at": "beam.low", "direction": direction, "law": scaled}
+    return {
+        "bodies": {"beam": body},
+        "forces": loads,
+        "signals": {
+            f"{end}_{axis}": {"kind": "position", "at": f"beam.{end}", "component": axis}
+            for end in ("low", "high")
+            for axis in "xyz"
+        },
+        "solver": {"t_end": t, "output_step": 0.1, "rtol": 1e-6, "geometric_stiffening": True},
+    }
+
+
+def test_flying_beam_has_the_momentum_of_its_loads(reference: dict[str, Any]) -> None:
+    """20 N s after 2.5 s, and an angular momentum of the moment and of the force's arm."""
+    data = reference["flying"]
+    EA, EI = data["EA"], data["EI"]
+    K = np.diag([EA, EA, EA, 100.0 * EI, 100.0 * EI, EI])
+    mass = SectionMass(data["mass"], np.zeros(3), data["rotary"] * np.diag([2, 1, 1])).matrix()
+    tips = []
+    for segments in (6, 12):
+        spec = run_of(flying(data, segments), (K, mass))
+        result, summary = execute(spec, progress=False)
+        assert summary["completed"]
+        assert summary["checks"]["energy_drift_relative"] < 1e-5
+        model = prepare(spec.mechanism, spec.packages).model
+        states = np.hstack([result.q, result.v, np.zeros((len(result.t), 1))])
+        linear, angular = zip(*(momenta(model, y) for y in states), strict=True)
+        expected = [data["force"] * data["until"], 0.0, 0.0]
+        np.testing.assert_allclose(linear[-1], expected, atol=2e-5 * expected[0])
+        tips.append([signal.values for signal in result.signals])
+        low_y = tips[-1][1]
+        rate = -data["moment"] - data["force"] * low_y  # about the origin
+        impulse = np.sum(0.5 * np.diff(result.t) * (rate[1:] + rate[:-1]))
+        gained = angular[-1][2] - angular[0][2]
+        assert gained == pytest.approx(impulse, rel=2e-3)  # the rule of the trapezoids
+    # the shape has converged though the beam is bent by more than a right angle
+    assert np.abs(np.array(tips[0]) - tips[1])[:, -1].max() < 5e-3 * data["length"]
+
+
+def test_spin_up_of_a_beam_in_segments(repository: Path) -> None:
+    """The manoeuvre of cases/spin-up: least deflection and steady elongation."""
+    expected = tomllib.loads((repository / "tests/reference/dynamics/spin_up.toml").read_text())
+    package = read_package(repository / "tests/packages/spin-up/beam.stiffened.vtkhdf")
+    section = package.sections[0]
+    table = cantilever(4, 10.0)
+    drive = {"ramp": {"speed": 6.0, "duration": 15.0, "shape": "sine"}}
+    table["joints"] = {
+        "hub": {
+            "kind": "revolute",
+            "between": ["ground.wall", "beam.root"],
+            "axis": [0.0, 0.0, 1.0],
+            "drive": drive,
+        }
+    }
+    table["solver"] |= {"t_end": 20.0, "output_step": 0.01, "rtol": 1e-6}
+    result, summary = execute(run_of(table, (section.K, section.M)), progress=False)
+    assert summary["completed"]
+    along, across, _ = (signal.values for signal in result.signals)
+    found, lowest = expected["stiffened"], int(np.argmin(across))
+    assert abs(across[lowest] - found["tip_min"]) < found["tip_min_tolerance"]
+    assert abs(result.t[lowest] - found["tip_min_time"]) < found["tip_min_time_tolerance"]
+    steady = along[result.t > 15.0].mean()
+    assert abs(steady - found["extension"]) < found["extension_tolerance"]
+
+
+def test_finding_proposes_the_number_of_segments() -> None:
+    """Bent by 0.4 rad in one body, and in two; with the proposed numbers there is no finding."""
+    K = np.diag([1e4, 1e4, 1e4, 50.0, 100.0, 1.0])
+    mass = SectionMass(1.0, np.zeros(3), np.diag([2e-4, 1e-4, 1e-4])).matrix()
+    modes = [{"kind": "bending-xy", "count": 2}, {"kind": "attachment", "at": "tip"}]
+
+    def findings(segments: int, moment: float) -> list[str]:
+        body = {"elements": 40} | ({"modes": modes} if segments == 1 else {})
+        table = cantilever(segments, 1.0, body=body)
+        table = slowly_loaded(table, "torque", [0.0, 0.0, 1.0], moment, 20.0)
+        _, summary = at_the_end(table, (K, mass))
+        found = [w for w in summary["warnings"] if w["code"] == ROTATION.name]
+        assert {w["body"] for w in found} <= {"beam"}
+        return [w["message"] for w in found]
+
+    for segments, moment in ((1, 0.4), (2, 0.8)):
+        (message,) = findings(segments, moment)
+        assert f"({segments} now)" in message or segments == 1
+        proposed = int(message.partition("segments = ")[2].split()[0])
+        assert 4 <= proposed <= 6
+        assert findings(proposed, moment) == []
