@@ -132,6 +132,9 @@ connects.</dd>
 <dt>Energy drift</dt><dd>Kinetic, strain and potential energy minus the work of drives and dampers
 is constant in an exact solution. The number is its largest change, divided by the largest energy
 of the run.</dd>
+<dt>Solve</dt><dd>Wall time to build the model and to integrate it. Start of the program, reading,
+recovery of results and writing are left out; <code>cost.seconds</code> of summary.json has
+them.</dd>
 <dt>Largest</dt><dd>The largest magnitude of a signal at the output times.</dd>
 <dt>Strength ratio R</dt><dd>The factor on all stresses at which the first ply fails, lowest over
 points and output times. Below 1 the ply fails in this run. The exposure 1/R grows with the load.

@@ -125,6 +125,7 @@ def collect(
                 float(sum(p.provenance.get("seconds", {}).values())) for p in spec.packages.values()
             ),
             "solve_s": solve_s,
+            "solve_s_omits": "start of the program, reading, recovery, writing; see seconds",
             "steps": counters.steps,
             "rejected": counters.rejected,
             "evaluations": counters.evaluations,
