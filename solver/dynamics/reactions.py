@@ -10,6 +10,9 @@ from . import series
 from .bodies.motion import AXES, PLACE
 from .energy import first_moments
 from .model import GROUND, Model
+from .scales import extent
+
+LOADED = 1e-6  # least load, over that which the kinetic energy stands for
 
 # Central differences, exact for polynomials up to the sixth degree.
 DIFFERENCE = ((-3, -1 / 60), (-2, 3 / 20), (-1, -3 / 4), (1, 3 / 4), (2, -3 / 20), (3, 1 / 60))
@@ -103,6 +106,10 @@ def momentum_balance(model: Model, t: Array, y: Array) -> MomentumBalance:
     rates, multipliers = series.along_solution(model, t, y)
     total, scale = acting(model, t, y, multipliers)
     error = np.abs(momentum_rates(model, t, y, rates) - total)
-    largest = np.maximum(scale.reshape(-1, 2, 3).max(axis=(0, 2)), 1e-300)
+    # In free flight there is no load: what is left is round-off of the inertia terms.
+    v = y[:, model.n_pos : model.n_pos + model.n_vel]
+    energy = 0.5 * float(np.abs(v * series.generalised_momenta(model, t, y)).sum(axis=1).max())
+    least = LOADED * energy * np.array([1.0 / extent(model, y[0]), 1.0])
+    largest = np.maximum(scale.reshape(-1, 2, 3).max(axis=(0, 2)), np.maximum(least, 1e-300))
     relative = error.reshape(-1, 2, 3).max(axis=(0, 2)) / largest
     return MomentumBalance(float(relative[0]), float(relative[1]))
