@@ -40,6 +40,11 @@ def plan_file(file: Path) -> Path:
     return file.parent.parent / "plans" / f"{file.stem}.toml"
 
 
+def labels(package: ModalPackage) -> tuple[str, ...]:
+    """Return the labels of the vibrations of a package."""
+    return tuple(package.mode_labels[i] for i in vibrations(package).tolist())
+
+
 def answered(file: Path, *, again: bool = False, check: bool = True) -> Answer:
     """Return the answer of a run with `[fidelity]`, and write its plan.
 
@@ -54,9 +59,7 @@ def answered(file: Path, *, again: bool = False, check: bool = True) -> Answer:
     answer = plan_of(spec, packages)
     digest, where = inputs_sha256(file), plan_file(file)
     known = {
-        name: tuple(
-            spec.packages[name].mode_labels[i] for i in vibrations(spec.packages[name]).tolist()
-        )
+        name: {"model": labels(spec.packages[name]), "check": labels(packages[name])}
         for name in flexible_names(spec)
     }
     given = None

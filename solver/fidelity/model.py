@@ -107,7 +107,8 @@ def check_plan(
     Parameters
     ----------
     ranked : labels of the vibrations of each body, by their indicators, largest first
-    more : vibrations that are added by rank; the lowest unused one is added to them
+    more : vibrations that are added by rank; the lowest unused one, and that of each kind that
+        responds, are added to them
     """
     bodies = {}
     for name, body in plan.bodies.items():
@@ -115,7 +116,11 @@ def check_plan(
         known = [package.mode_labels[i] for i in vibrations(package).tolist()]
         unused = [label for label in ranked[name] if label not in body.vibrations]
         added = [label for label in unused if label in known][:more]
-        added += [label for label in known if label not in (*body.vibrations, *added)][:1]
+        # The lowest of all, and of each kind that responds: the model's package has no more of it.
+        left = [label for label in known if label not in (*body.vibrations, *added)]
+        kinds = {_kind(label) for label in ranked[name]}
+        lowest = {_kind(label): label for label in reversed(left) if _kind(label) in kinds}
+        added += dict.fromkeys([*left[:1], *lowest.values()])
         kept = tuple(label for label in known if label in (*body.vibrations, *added))
         rich = check[name]
         worth = rich.energies(rich.rest(rows(package, kept)))
@@ -125,6 +130,10 @@ def check_plan(
     rtol = max(min(TIGHT, plan.rtol / TIGHTER), TIGHTEST)
     second = any(rich.package.second_order is not None for rich in check.values())
     return Plan(bodies, plan.stiffening or second, rtol, plan.inputs_sha256)
+
+
+def _kind(label: str) -> str:
+    return label.rpartition(" ")[0]
 
 
 def planned(

@@ -109,8 +109,8 @@ KEYS: dict[str, type] = {
 }
 
 
-def read_plan(file: Path, known: Mapping[str, tuple[str, ...]]) -> Plan:
-    """Read a plan; `known` has the labels of the vibrations of each flexible body.
+def read_plan(file: Path, known: Mapping[str, Mapping[str, tuple[str, ...]]]) -> Plan:
+    """Read a plan; `known` has the labels of the vibrations of each flexible body, by mesh.
 
     Raises
     ------
@@ -132,15 +132,15 @@ def read_plan(file: Path, known: Mapping[str, tuple[str, ...]]) -> Plan:
         if not isinstance(entry, dict):
             raise InputError(f"{where} = {entry!r}: expected a table")
         _keys(f"{where}.", entry, BODY_KEYS)
-        for label in entry["vibrations"]:
-            if label not in known[name]:
-                hint = nearest(str(label), known[name])
-                raise InputError(f'{where}.vibrations = "{label}": no such vibration{hint}')
         if not 0 <= entry["static_shapes"] <= 20:
             value = entry["static_shapes"]
             raise InputError(f"{where}.static_shapes = {value}: expected 0 to 20")
         if entry["mesh"] not in ("model", "check"):
             raise InputError(f'{where}.mesh = "{entry["mesh"]}": expected "model" or "check"')
+        for label in entry["vibrations"]:
+            if label not in known[name][entry["mesh"]]:
+                hint = nearest(str(label), known[name][entry["mesh"]])
+                raise InputError(f'{where}.vibrations = "{label}": no such vibration{hint}')
         bodies[name] = BodyPlan(
             tuple(entry["vibrations"]), entry["static_shapes"], entry["ringing"], entry["mesh"]
         )

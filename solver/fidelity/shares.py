@@ -30,14 +30,17 @@ def promotions(
 ) -> Iterator[tuple[str, str, Plan]]:
     """Return kind, body and plan of each single promotion towards a check.
 
-    Of the vibrations of the check only those that respond (`ranked`, by body) are promoted.
+    Of the vibrations of the check only kinds that respond (`ranked`, by body) are promoted. The
+    package of the check has more of a kind than that of the model.
     """
     for name, body in plan.bodies.items():
         more = check.bodies[name]
-        added = [label for label in more.vibrations if label in ranked[name]]
+        kinds = {label.rpartition(" ")[0] for label in ranked[name]}
+        added = [label for label in more.vibrations if label.rpartition(" ")[0] in kinds]
         if set(added) - set(body.vibrations):
             kept = tuple(dict.fromkeys((*body.vibrations, *added)))
-            yield "vibrations", name, plan.with_body(name, vibrations=kept)
+            mesh = "check" if set(added) - set(ranked[name]) else body.mesh
+            yield "vibrations", name, plan.with_body(name, vibrations=kept, mesh=mesh)
         if more.static > body.static:
             static = max(2 * body.static, body.static + 2)
             yield "statics", name, plan.with_body(name, static=min(static, more.static))
@@ -94,7 +97,7 @@ def _joined(plan: Plan, single: Plan, kind: str, body: str) -> Plan:
         return replace(plan, rtol=single.rtol)
     new = single.bodies[body]
     fields: dict[str, dict[str, Any]] = {
-        "vibrations": {"vibrations": new.vibrations},
+        "vibrations": {"vibrations": new.vibrations, "mesh": new.mesh},
         "statics": {"static": new.static},
         "ringing": {"ringing": True},
         "mesh": {"mesh": "check"},
