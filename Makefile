@@ -89,6 +89,7 @@ $(COMPILED): $(HOT_SOURCES) $(LIGHT)
 # make <case>                  everything from the case file to the report
 # make <case> PACKAGES=shipped the packages of the repository: no FEniCSx needed
 # make <case> COARSE=1         a small version, in build/<case>-coarse
+# make <case> NO_SCRIPTS=1     mesh scripts of the case are refused (docs/security.md)
 FOUND := $(patsubst cases/%/case.toml,%,$(filter cases/%/case.toml,$(call plain,cases/*/case.toml)))
 # Names that are taken: targets of this file, and files in build/.
 TAKEN := $(shell sed -n 's/^\.PHONY: //p' Makefile) FORCE Makefile distclean fenicsx.env compiled \
@@ -99,6 +100,7 @@ $(call not_seen,$(patsubst %,cases/%:,$(filter-out $(CASES),$(FOUND))),make has 
     of this name)
 COARSE ?=
 PACKAGES ?=
+NO_SCRIPTS ?=
 ifneq ($(filter-out shipped,$(PACKAGES)),)
 $(error PACKAGES=$(PACKAGES): expected PACKAGES=shipped, or nothing)
 endif
@@ -107,7 +109,7 @@ out = build/$(1)$(if $(COARSE),-coarse)
 asked = $(or $(filter $(1) $(1)-sweep-% $(call out,$(1))/%,$(MAKECMDGOALS)), \
     $(filter cases sweeps,$(MAKECMDGOALS)))
 ASKED := $(foreach case,$(CASES),$(if $(call asked,$(case)),$(case)))
-OPTIONS := $(strip PACKAGES=$(PACKAGES) COARSE=$(COARSE))
+OPTIONS := $(strip PACKAGES=$(PACKAGES) COARSE=$(COARSE) NO_SCRIPTS=$(NO_SCRIPTS))
 
 .PHONY: cases $(CASES)
 cases: $(CASES) ## Run all cases (make <case>: one case)
@@ -132,7 +134,8 @@ ifneq ($$(call lost,$(2)/manifest.json)$$(call empty_in,$(2),manifest.json),)
 $(2)/case.mk: FORCE
 endif
 CHECK_$(1) := $$(PY) -m plymotion.solver check cases/$(1)/case.toml --out $(2) \
-    $$(if $$(PACKAGES),--packages tests/packages/$(1)) $$(if $$(COARSE),--coarse)
+    $$(if $$(PACKAGES),--packages tests/packages/$(1)) $$(if $$(COARSE),--coarse) \
+    $$(if $$(NO_SCRIPTS),--no-scripts)
 
 $(2)/case.mk: cases/$(1)/case.toml $$(SOLVER_SOURCES) $$(LIGHT)
 	$$(CHECK_$(1))

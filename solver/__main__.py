@@ -16,6 +16,7 @@ from pathlib import Path
 
 from plymotion import __version__
 
+from .commands.arguments import add_no_scripts
 from .commands.chart.options import add_chart_command
 from .commands.exchange.options import add_exchange_commands
 from .commands.modes.options import add_modes_command
@@ -25,6 +26,7 @@ from .commands.section.options import add_section_command
 from .commands.shell.options import add_shell_command
 from .commands.sweep.options import add_sweep_command
 from .errors import InputError, PackageError
+from .inputs.scripts import scripts
 from .interrupts import INTERRUPTED, exit_code, heard, starting
 
 
@@ -52,7 +54,8 @@ def main(arguments: list[str] | None = None) -> int:
 def _guarded(options: argparse.Namespace) -> int:
     """Run a command; turn what it raises into a message and an exit code."""
     try:
-        return int(options.command(options))
+        with scripts(allowed=not getattr(options, "no_scripts", False)):
+            return int(options.command(options))
     except (InputError, PackageError) as error:
         for line in str(error).splitlines():
             print(f"error: {line}", file=sys.stderr)
@@ -90,6 +93,7 @@ def _parser() -> argparse.ArgumentParser:
     check.add_argument("--out", type=Path, help="folder for case.json, bodies/, runs/, ...")
     check.add_argument("--packages", type=Path, help="folder of ready packages")
     check.add_argument("--coarse", action="store_true", help="apply the [coarse] variant")
+    add_no_scripts(check)
     check.add_argument("--reference", action="store_true", help="print docs/case-reference.md")
     check.set_defaults(command=_check)
 

@@ -1,11 +1,21 @@
-"""How long the attack is: a quick one within `make test`, a long one by `make attack`."""
+"""How long the attack is, and what it counts: quick within `make test`, long by `make attack`."""
 
+import json
 import os
+from pathlib import Path
 
-# Tries of each kind in relation to the quick attack.
-LONG = int(os.environ.get("PLYMOTION_ATTACK", "1"))
+# Set by `make attack`: where the counts go.
+RECORD = os.environ.get("PLYMOTION_ATTACK", "")
+LONG = 2 if RECORD else 1
 
 
 def tries(quick: int, long: int) -> int:
     """Number of tries of a test."""
-    return long if LONG > 1 else quick
+    return long if RECORD else quick
+
+
+def count(kind: str, code: object) -> None:
+    """Count a try of a kind by its end; only `make attack` keeps it."""
+    if RECORD:
+        with Path(RECORD).open("a", encoding="utf-8") as file:
+            file.write(json.dumps([kind, str(code)]) + "\n")

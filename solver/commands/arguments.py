@@ -26,3 +26,12 @@ def add_doubtful(parser: argparse.ArgumentParser) -> None:
         help="warn of packages whose numbers contradict each other (see `validate`); damaged and "
         "unusable ones are refused all the same",
     )
+
+
+def add_no_scripts(parser: argparse.ArgumentParser) -> None:
+    """Add --no-scripts to the arguments of a command that reads descriptions."""
+    parser.add_argument(
+        "--no-scripts",
+        action="store_true",
+        help="refuse mesh scripts (.geo, .py), which can run any command; see docs/security.md",
+    )

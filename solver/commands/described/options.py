@@ -5,6 +5,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from ..arguments import add_no_scripts
+
 _SHARED: dict[str, dict[str, Any]] = {
     "out": {"type": Path, "metavar": "DIR"},
     "check": {
@@ -36,4 +38,5 @@ def add_command(
     formatter = argparse.RawDescriptionHelpFormatter
     parser = commands.add_parser(name, formatter_class=formatter, **texts)
     parser.set_defaults(command=run)
+    add_no_scripts(parser)
     return parser

@@ -210,6 +210,8 @@ def read_columns(file: Path) -> tuple[list[float], list[float]]:
 
     Raises ValueError : no such file, a line without two numbers.
     """
+    if file.exists() and not file.is_file():  # a folder, or a device that never ends
+        raise ValueError(f"{file}: cannot be read (expected a file)")
     try:
         text = file.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:

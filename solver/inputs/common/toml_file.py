@@ -15,6 +15,8 @@ def read_toml(file: Path, what: str) -> dict[str, Any]:
     InputError
         No such file; not TOML.
     """
+    if file.exists() and not file.is_file():  # a folder, or a device that never ends
+        raise InputError(f"{file}: no such {what}")
     try:
         return tomllib.loads(file.read_text(encoding="utf-8-sig"))
     except (FileNotFoundError, IsADirectoryError) as error:

@@ -24,6 +24,7 @@ from ...errors import InputError, few, nearest
 from ..common import read_toml
 from ..common.gmsh_file import content_sha256, is_gmsh_mesh, physical_groups
 from ..common.material import check_materials, plain
+from ..scripts import refuse_script
 from ..section.expand import load_section
 from .description import Mesh, Region, ShellDescription, checked
 
@@ -116,6 +117,7 @@ def _stiffeners(description: ShellDescription, folder: Path) -> dict[str, Any]:
 
 def _mesh(table: Mesh, folder: Path) -> dict[str, Any]:
     file = folder / table.file
+    refuse_script(file, f'mesh.file = "{table.file}"')
     if file.suffix not in SUFFIXES:
         raise InputError(
             f'mesh.file = "{table.file}": expected a gmsh mesh .msh, a script .geo, or a .py with '
