@@ -1,10 +1,10 @@
-"""How long the attack is, and what it counts: quick within `make test`, long by `make attack`."""
+"""How long the attack is, and what it counts: quick, or long with PLYMOTION_ATTACK."""
 
 import json
 import os
 from pathlib import Path
 
-# Set by `make attack`: where the counts go.
+# A file for the counts: set, the attack is long.
 RECORD = os.environ.get("PLYMOTION_ATTACK", "")
 LONG = 2 if RECORD else 1
 
@@ -15,7 +15,7 @@ def tries(quick: int, long: int) -> int:
 
 
 def count(kind: str, code: object) -> None:
-    """Count a try of a kind by its end; only `make attack` keeps it."""
+    """Count a try of a kind by its end; kept with PLYMOTION_ATTACK only."""
     if RECORD:
         with Path(RECORD).open("a", encoding="utf-8") as file:
             file.write(json.dumps([kind, str(code)]) + "\n")
