@@ -115,5 +115,5 @@ def run_any(
 def _asks(file: Path) -> bool:
     try:
         return json.loads(file.read_text(encoding="utf-8"))["mechanism"]["fidelity"] is not None
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return False  # the ordinary route says what is wrong

@@ -272,7 +272,7 @@ def _least_energy(equations: Equations, model: Model, v: Array, free: Array) -> 
     v : (n_vel,) the given velocities, zero where `free` (n_vel,)
     """
     frame = np.repeat(model.vel_start, np.diff([*model.vel_start, model.n_vel]))
-    root = np.sqrt(model.inertia_scale[frame] / model.inertia_scale)[free]
+    root = (np.sqrt(model.inertia_scale[frame]) / np.sqrt(model.inertia_scale))[free]
     missing = -equations.Phi_t - equations.Phi_q @ v
     J = equations.Phi_q[:, free] * root
     U, s, Vt = np.linalg.svd(J) if J.size else (np.eye(J.shape[0]), np.zeros(0), np.eye(J.shape[1]))
@@ -284,7 +284,7 @@ def _least_energy(equations: Equations, model: Model, v: Array, free: Array) -> 
         diagonal = np.diag(equations.M)
         size = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
         w, X = np.linalg.eigh(equations.M / size[:, None] / size)
-        C = (X * np.sqrt(np.maximum(w, 0.0))).T * size
+        C = (X * np.sqrt(np.maximum(w, 0.0))).T * (size / size.max())
         still = v.copy()
         still[free] = found
         found = found - null @ np.linalg.lstsq(C[:, free] @ null, C @ still, rcond=None)[0]

@@ -52,7 +52,7 @@ RUNS = {
     "n-four-bar by Radau": ("n-2-hinges", {"t_end": 0.05, "integrator": "radau"}),
     "n-four-bar": ("n-2-hinges", {"t_end": 0.05}),
     "slider-crank": ("steel", {"t_end": 0.0005}),
-    "misaligned-four-bar": ("flexible", {"t_end": 0.002}),
+    "misaligned-four-bar": ("flexible", {"t_end": 0.002, "output_step": 0.001}),
     "controlled-arm": ("stopped", {"t_end": 0.002}),
 }
 

@@ -67,9 +67,9 @@ def test_wrong_input_is_told(tmp_path, capsys, name):
 
 
 def test_limit_of_outputs_may_be_raised(tmp_path, capsys):
-    many = CASE.replace("output_step = 0.01", "output_step = 5e-8")
+    many = CASE.replace("output_step = 0.01", "output_step = 5e-9")
     assert _check(tmp_path, many) == 2
-    assert _check(tmp_path, many.replace("[solver]", "[solver]\nmost_outputs = 2_000_001")) == 0
+    assert _check(tmp_path, many.replace("[solver]", "[solver]\nmost_outputs = 20_000_001")) == 0
 
 
 def test_an_edited_run_file_is_checked_for_outputs(tmp_path, capsys):

@@ -118,7 +118,7 @@ def test_a_signal_while_results_are_written_does_not_lose_them(tmp_path):
 @pytest.mark.parametrize("number", SIGNALS)
 @pytest.mark.parametrize("jobs", ["1", "2"])
 def test_a_sweep_keeps_its_members(tmp_path, number, jobs):
-    build = _files(tmp_path, LONG + SWEEP)
+    build = _files(tmp_path, LONG.replace("= 1.0", "= 0.1") + SWEEP)
     process = _started("sweep", build / "sweeps/s.json", "--jobs", jobs)
     if jobs == "1":
         _, errors = _ended(process, number)

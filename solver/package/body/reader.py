@@ -33,8 +33,6 @@ from .plausibility import plausibility_findings
 from .schema import BodyRecovery, Interface, Invariants, ModalPackage, SecondOrder, SectionData
 from .second_order import INTERFACE_SECOND_ORDER_LAYOUT, SECOND_ORDER_LAYOUT
 
-DOUBTFUL = "package-doubtful"  # code of the warnings that replace an error
-
 
 def read_package(path: str | Path, *, allow_doubtful: bool = False) -> ModalPackage:
     """Read a modal package and check that the solver can use it.
@@ -69,7 +67,9 @@ def _warn(package: ModalPackage, doubts: list[Remark]) -> None:
     stiffness = [d for d in doubts if d.dataset == f"/{GROUP}/modes/stiffness"]
     raise_first(Path(package.body), stiffness)  # no step can be taken with it
     warnings = package.provenance.setdefault("warnings", [])
-    warnings += [{"code": DOUBTFUL, "message": f"{d.dataset}: {d.message}"} for d in doubts]
+    warnings += [
+        {"code": "package-doubtful", "message": f"{d.dataset}: {d.message}"} for d in doubts
+    ]
 
 
 def load(file: h5py.File) -> ModalPackage:
