@@ -179,13 +179,14 @@ def content_sha256(group: h5py.Group, *preamble: str, without: str = "") -> str:
     _collect(group, "", members, 0)
     for path in sorted(members, key=_name_bytes):
         item(_name_bytes(path))
-        for name in sorted(members[path].attrs, key=_name_bytes):
+        member = members.pop(path)  # HDF5 keeps what was read of a dataset until it is closed
+        for name in sorted(member.attrs, key=_name_bytes):
             if name == without and path == "":
                 continue
             item(_name_bytes(name))
-            value(members[path].attrs[name])
-        if isinstance(members[path], h5py.Dataset):
-            dataset(members[path])
+            value(member.attrs[name])
+        if isinstance(member, h5py.Dataset):
+            dataset(member)
     return digest.hexdigest()
 
 
