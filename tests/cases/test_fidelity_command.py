@@ -51,11 +51,14 @@ variants = ["impossible"]
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A checked case with its packages, as `make` leaves it."""
+    """A checked case, and its packages."""
     root = tmp_path_factory.mktemp("pendulum")
     (root / "case.toml").write_text(CASE)
     out = root / "build"
-    assert main(["check", str(root / "case.toml"), "--out", str(out)]) == 0
+    ready = root / "packages"
+    ready.mkdir()
+    words = ["check", str(root / "case.toml"), "--out", str(out), "--packages", str(ready)]
+    assert main(words) == 0
     K, mass = rectangle(73e9, 0.3, 2700.0, 0.04, 0.01)
     for file in (out / "bodies").glob("*.json"):
         spec = json.loads(file.read_text())
@@ -70,13 +73,13 @@ def folder(tmp_path_factory):
             body=spec["body"],
         ).package
         known = {**package.provenance, "inputs_sha256": spec["inputs_sha256"]}
-        write_package(file.with_suffix(".vtkhdf"), replace(package, provenance=known))
+        write_package(ready / f"{file.stem}.vtkhdf", replace(package, provenance=known))
     return root
 
 
 def plan(folder: Path, *more: str) -> int:
     case, out = str(folder / "case.toml"), str(folder / "build")
-    return main(["plan", case, "--folder", out, *more])
+    return main(["plan", case, "--folder", out, "--packages", str(folder / "packages"), *more])
 
 
 def run(folder: Path, name: str = "base") -> int:
@@ -166,7 +169,7 @@ def test_the_plan_as_json(folder, capsys):
 
 def test_a_chart_is_drawn(folder, capsys):
     case, out = str(folder / "case.toml"), str(folder / "build")
-    assert main(["chart", case, "--folder", out]) == 0
+    assert main(["chart", case, "--folder", out, "--packages", str(folder / "packages")]) == 0
     assert "chosen" in capsys.readouterr().out
     assert (folder / "build/plans/base.png").read_bytes().startswith(b"\x89PNG")
 

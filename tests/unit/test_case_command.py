@@ -90,3 +90,14 @@ def test_name_of_a_case(pendulum, tmp_path):
     assert _main("arm/case.toml", *words) == 0
     assert _main("run", "arm", *words) == 0
     assert [path.name for path in Path("build").iterdir()] == ["arm"]
+
+
+def test_packages_of_the_own_folder_are_kept(pendulum):
+    """Named by --packages, they are read, not removed as no longer wanted."""
+    assert _main("check", pendulum.name, "--out", "build/pendulum") == 0
+    bodies = Path("build/pendulum/bodies")
+    for spec in bodies.glob("*.json"):
+        shutil.copy(PACKAGES / f"{spec.stem}.vtkhdf", bodies)
+    before = sorted(path.name for path in bodies.iterdir())
+    assert _main("check", pendulum.name, "--out", "build/pendulum", "--packages", str(bodies)) == 0
+    assert sorted(path.name for path in bodies.iterdir()) == before

@@ -1,7 +1,6 @@
 """`plymotion case.toml`: check the case, build its bodies, integrate its runs, write the report."""
 
 import argparse
-import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,7 +11,7 @@ from ...inputs.case.load import Case
 from ...inputs.case.specs import write_case
 from ..arguments import cores
 from ..run.command import INPUT, INTERRUPTED, run_files
-from .packages import build_packages
+from .packages import build_packages, specs_of
 from .report import report_case
 
 
@@ -32,7 +31,7 @@ def run_case(options: argparse.Namespace) -> int:
     out: Path = options.out or Path("build") / (case.name + ("-coarse" if options.coarse else ""))
     write_case(case, out, options.packages)
     say = _Stages(out, quiet=options.quiet)
-    specs = _specs(out, chosen) if options.packages is None else []
+    specs = specs_of(out, chosen) if options.packages is None else []
     if specs:
         say.begin(f"bodies: {len(specs)}")
         built = build_packages(specs, out / "bodies", quiet=options.quiet)
@@ -65,17 +64,6 @@ def _chosen(case: Case, names: Sequence[str] | None) -> list[str]:
         if name not in case.runs:
             raise InputError(f"--run {name}: {case.file} has no such run{nearest(name, case.runs)}")
     return [name for name in case.runs if not names or name in names]
-
-
-def _specs(out: Path, runs: Sequence[str]) -> list[Path]:
-    """Return the specifications of the bodies of some runs, each once."""
-    found: dict[Path, None] = {}
-    for run in runs:
-        table = json.loads((out / "runs" / f"{run}.json").read_text(encoding="utf-8"))
-        for entry in table["packages"].values():
-            if "inputs_sha256" in entry:
-                found[out / "bodies" / f"{Path(entry['file']).stem}.json"] = None
-    return list(found)
 
 
 class _Stages:

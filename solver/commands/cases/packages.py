@@ -3,7 +3,6 @@
 import hashlib
 import json
 import subprocess
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,17 @@ from ..fenicsx_side.interpreter import find_interpreter
 from ..fenicsx_side.launch import environment, importable
 
 STAMP = "packages.record"  # of each package: what it was built from, and the file that was left
+
+
+def specs_of(out: Path, runs: Sequence[str]) -> list[Path]:
+    """Return the specifications of the bodies of some runs in a folder of `check`, each once."""
+    found: dict[Path, None] = {}
+    for run in runs:
+        table = json.loads((out / "runs" / f"{run}.json").read_text(encoding="utf-8"))
+        for entry in (*table["packages"].values(), *table.get("check_packages", {}).values()):
+            if "inputs_sha256" in entry:
+                found[out / "bodies" / f"{Path(entry['file']).stem}.json"] = None
+    return list(found)
 
 
 def build_packages(specs: Sequence[Path], folder: Path, *, quiet: bool = False) -> list[str]:
@@ -44,7 +54,7 @@ def build_packages(specs: Sequence[Path], folder: Path, *, quiet: bool = False) 
         done = subprocess.run(
             [*command, "--out-dir", str(folder)],
             env=environment(home),
-            stdout=subprocess.DEVNULL if quiet else sys.stderr,
+            stdout=subprocess.DEVNULL if quiet else 2,  # as standard error
         )
     for spec in wanted:
         file = folder / f"{spec.stem}.vtkhdf"

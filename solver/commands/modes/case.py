@@ -1,6 +1,5 @@
-"""The case that `plymotion modes` works on: its run, with packages that are built if missing."""
+"""The case that `plymotion modes` works on: its run, with packages built if out of date."""
 
-import json
 import tempfile
 from pathlib import Path
 
@@ -10,7 +9,7 @@ from ...inputs.case.load import Case
 from ...inputs.case.specs import write_case
 from ...run.execution import read_run
 from ...run.outcome import RunSpec
-from ..cases.packages import build_packages
+from ..cases.packages import build_packages, specs_of
 
 
 def read_spec(
@@ -22,7 +21,7 @@ def read_spec(
     ----------
     file : cases/<name>/case.toml, or a run file build/<case>/runs/<run>.json
     run : name of the run; None: the only one, or the first
-    packages : folder of ready packages; None: build/<case>/bodies, built there if missing
+    packages : folder of ready packages; None: build/<case>/bodies, built there if out of date
 
     Raises
     ------
@@ -43,9 +42,8 @@ def read_spec(
     with tempfile.TemporaryDirectory(prefix="plymotion-") as temporary:
         out = Path(temporary)
         write_case(case, out, folder)
-        missing = _missing(out, name)
-        if missing and packages is None:
-            build_packages(missing, folder, quiet=quiet)
+        if packages is None:
+            build_packages(specs_of(out, [name]), folder, quiet=quiet)
         try:
             return read_run(out / "runs" / f"{name}.json"), build
         except PackageError as error:
@@ -58,11 +56,3 @@ def _run_of(case: Case, run: str | None) -> str:
     if run not in case.runs:
         raise InputError(f"--run {run}: {case.file} has no such run{nearest(run, case.runs)}")
     return run
-
-
-def _missing(out: Path, run: str) -> list[Path]:
-    """Return the specifications of packages of a run that are not there."""
-    entries = json.loads((out / "runs" / f"{run}.json").read_text(encoding="utf-8"))["packages"]
-    files = [out / entry["file"] for entry in entries.values() if "inputs_sha256" in entry]
-    missing = [file for file in files if not file.is_file()]
-    return [out / "bodies" / f"{file.stem}.json" for file in missing]

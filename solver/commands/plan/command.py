@@ -10,15 +10,17 @@ from ...fidelity.words import answer_text, entry
 from ...inputs.case import load_case
 from ...inputs.case.specs import write_case
 from ...run.execution import INCOMPLETE
+from ..cases.packages import build_packages, specs_of
 
 
 def run_file_of(options: argparse.Namespace) -> Path:
-    """Check a case, write its run files, and return the one of the run that the options name.
+    """Check a case, write its run files, build the packages, and return one run file.
 
     Raises
     ------
     InputError
-        The case is wrong, has no such run, or its run has no [fidelity].
+        The case is wrong, has no such run, or its run has no [fidelity]; a package cannot be
+        built.
     """
     case = load_case(options.case)
     run = options.run or next(iter(case.runs))
@@ -31,6 +33,8 @@ def run_file_of(options: argparse.Namespace) -> Path:
         )
     folder: Path = options.folder or Path("build") / case.name
     write_case(case, folder, options.packages)
+    if options.packages is None:
+        build_packages(specs_of(folder, [run]), folder / "bodies")
     return folder / "runs" / f"{run}.json"
 
 

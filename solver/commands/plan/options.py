@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 EPILOG = """\
-The case needs [fidelity] (docs/fidelity.md), and the packages that `make CASE` builds. The plan is
+The case needs [fidelity] (docs/fidelity.md). Packages that are out of date are built. The plan is
 written to build/<case>/plans/<run>.toml, where `plymotion run` finds it.
 
 exit code: 0 the request is met; 2 something is wrong with an input; 3 the request is not met.

@@ -108,7 +108,9 @@ class _BodyFiles:
                     stem = f"{name}.{run or digest[:12]}"
                     spec = f"{folder}/{stem}.json"
                     package = (self.ready or out / folder) / f"{stem}.vtkhdf"
-                    built = () if self.ready else (f"{folder}/{stem}.vtkhdf",)
+                    # Packages of this folder are kept, whoever names it.
+                    here = self.ready is None or self.ready.resolve() == (out / folder).resolve()
+                    built = (f"{folder}/{stem}.vtkhdf",) if here else ()
                     text = dump({**specs[name].content, "inputs_sha256": digest})
                     self.folder.add(spec, text, *built)
                     self._known[digest] = spec, package
