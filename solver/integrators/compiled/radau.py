@@ -237,7 +237,8 @@ def advance(
                 workspace.damped[0] += lost
                 workspace.Q[0, n - 1] -= lost
                 workspace.y[n - 1] -= lost
-            stored = workspace.cutoff.parts.sum()
+            parts = workspace.cutoff.parts
+            stored = parts[0] + parts[1] + parts[2]
         if clock[TAKEN] > 0.0:  # Gustafsson: errors that grow ask for more care
             factor *= min(1.0, h / clock[TAKEN] * (clock[ERROR_LAST] / error) ** 0.25)
         clock[NEXT] = min(h * max(MIN_FACTOR, min(MAX_FACTOR, factor)), CAUTION * clock[LIMIT])
