@@ -63,6 +63,21 @@ class Stiffener:
         """Element mass, "consistent" or "lumped", (l, 12, 12) in G."""
         return self._elements(lambda element: element.mass_matrix(self.M, form))
 
+    def geometric(self, u: Array) -> Array:
+        """Geometric stiffness (l, 12, 12) in G of the axial forces of displacements u (n_dof,).
+
+        That of a string along the reference line of the section: the work of the force N on the
+        rotation of each element.
+        """
+        own = u.reshape(-1, 6)[self.ends].reshape(-1, 12, 1)
+        x1 = self.A_GE[:, :, 0]
+        N = ((self.stiffness() @ own)[:, 6:9, 0] * x1).sum(axis=1)
+        offset = np.concatenate([[0.0], self.offset])
+        moved = carried(self.A_GE @ offset)[:, :3]
+        change = np.concatenate([-moved, moved], axis=2)
+        across = np.eye(3) - x1[:, :, None] * x1[:, None, :]
+        return np.swapaxes(change, 1, 2) @ ((N / self.length)[:, None, None] * across @ change)
+
     def _elements(self, matrix: Callable[[BeamElement], Array]) -> Array:
         rounded = np.round(self.length / self.length.max(), 12)
         values, of = np.unique(rounded, return_inverse=True)
