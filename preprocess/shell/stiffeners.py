@@ -69,14 +69,23 @@ class Stiffener:
         That of a string along the reference line of the section: the work of the force N on the
         rotation of each element.
         """
-        own = u.reshape(-1, 6)[self.ends].reshape(-1, 12, 1)
+        own = u.reshape(-1, 6)[self.ends].reshape(-1, 12)
+        work = (self.axial_force() * own).sum(axis=1) * self.length
+        turn = self.chord_rotation()
+        return np.asarray(np.swapaxes(turn, 1, 2) @ (work[:, None, None] * turn))
+
+    def axial_force(self) -> Array:
+        """Axial force of each element from the motion of its ends, (l, 12) [N/m, N]."""
+        return np.asarray((self.A_GE[:, None, :, 0] @ self.stiffness()[:, 6:9])[:, 0])
+
+    def chord_rotation(self) -> Array:
+        """Slope of the reference line across x1 from the motion of the ends, (l, 3, 12) in G."""
         x1 = self.A_GE[:, :, 0]
-        N = ((self.stiffness() @ own)[:, 6:9, 0] * x1).sum(axis=1)
         offset = np.concatenate([[0.0], self.offset])
         moved = carried(self.A_GE @ offset)[:, :3]
-        change = np.concatenate([-moved, moved], axis=2)
         across = np.eye(3) - x1[:, :, None] * x1[:, None, :]
-        return np.swapaxes(change, 1, 2) @ ((N / self.length)[:, None, None] * across @ change)
+        change = np.concatenate([-moved, moved], axis=2) / self.length[:, None, None]
+        return np.asarray(across @ change)
 
     def _elements(self, matrix: Callable[[BeamElement], Array]) -> Array:
         rounded = np.round(self.length / self.length.max(), 12)
