@@ -74,6 +74,8 @@ def analyse(
         if estimate or accuracy is not None:
             begin("error estimate")
             error = _estimate(spec, where, problem, refine, result.K)
+        if result.round_off is not None:
+            error = result.round_off if error is None else error + result.round_off
         lap = time.perf_counter() - start
         worst = None if error is None else float(scaled(error, result.K).max())
         steps.append(
@@ -93,10 +95,12 @@ def analyse(
         refine += 1
     begin("recovery")
     M = mass_matrix(problem.space, lay.density)
-    fields = unit_displacements(problem.space, result)
-    points, lay_points = problem.space, lay
+    fields = unit_displacements(result.space, result)
+    points, lay_points = result.space, lay
     if recovery_degree is not None:
-        points = SectionSpace(problem.mesh.labelled, degree, recovery_degree)
+        points = SectionSpace(problem.mesh.cells, degree, recovery_degree)
+        if result.space.over is not None:
+            points = points.expressed(result.space.over)
         lay_points = layup(spec, problem.mesh, points, where)
     seconds = time.perf_counter() - start
     return SectionFile(
@@ -108,7 +112,7 @@ def analyse(
         tension_centre=tension_centre(result.K),
         mass_centre=mass_centre(M),
         mesh=mesh_data(problem.mesh, problem.space, lay),
-        warping=nodal_displacements(problem.space, fields[0]),
+        warping=nodal_displacements(result.space, fields[0]),
         recovery=section_recovery(points, lay_points, fields, dict(spec["materials"])),
         warnings=tuple(warnings),
         provenance={
@@ -116,6 +120,9 @@ def analyse(
             "dofs": problem.space.n_dof,
             "degree": degree,
             "refinements": steps,
+            "round_off": None
+            if result.round_off is None
+            else float(scaled(result.round_off, result.K).max()),
             "seconds": seconds,
             "versions": fenicsx.versions(),
         },
