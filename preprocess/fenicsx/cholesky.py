@@ -15,6 +15,10 @@ class FactorisationError(Exception):
     """A matrix is not symmetric positive definite."""
 
 
+class SingularError(FactorisationError):
+    """The solution of a random load is so large that the matrix appears to be singular."""
+
+
 class Cholesky:
     """A factorised symmetric positive definite matrix; `update` reuses the symbolic part.
 
@@ -24,7 +28,7 @@ class Cholesky:
 
     def __init__(self, A: Any, team: Team = ALONE, largest_growth: float = LARGEST_GROWTH) -> None:
         A = sorted_csr(A)
-        self._largest_growth = largest_growth
+        self.largest_growth = largest_growth
         self.growth = 0.0  # of a random load, by the last factorisation that was checked
         self.A = sp.csr_matrix((A.data.copy(), A.indices, A.indptr), shape=A.shape)
         self._team = team
@@ -77,10 +81,10 @@ class Cholesky:
         columns = np.asfortranarray(np.column_stack([columns, random.load]))
         X = self._solve(columns)
         self.growth = random.growth(X[:, -1])
-        if not self.growth < self._largest_growth:
-            raise FactorisationError(
-                f"the matrix is singular (scaled condition above {self._largest_growth:.0e}): is every "
-                "rigid motion constrained and every part connected?"
+        if not self.growth < self.largest_growth:
+            raise SingularError(
+                f"the matrix is singular (scaled condition above {self.largest_growth:.0e}): "
+                "is every rigid motion constrained and every part connected?"
             )
         self._check_residual(X, columns, float(diagonal.max()))
         self._checked = True

@@ -47,7 +47,11 @@ class CellMesh:
     @property
     def degree(self) -> int:
         """Degree of the geometry: 1 if all cells have corners only."""
-        return 2 if any((self.nodes[rows, CORNERS[kind] :] >= 0).any() for kind, rows in self.of_kinds) else 1
+        return (
+            2
+            if any((self.nodes[rows, CORNERS[kind] :] >= 0).any() for kind, rows in self.of_kinds)
+            else 1
+        )
 
     @cached_property
     def of_kinds(self) -> list[tuple[int, IntArray]]:
@@ -74,7 +78,7 @@ class CellMesh:
 
     @cached_property
     def edge_table(self) -> tuple[IntArray, IntArray, IntArray]:
-        """Edges of all cells: cell, first and second corner in counter-clockwise order, (e,) each."""
+        """Edges of all cells: cell, first and second corner in counter-clockwise order, (e,)."""
         cells, ends = [], []
         for kind, rows in self.of_kinds:
             edges = EDGES[KINDS[kind]]

@@ -29,7 +29,7 @@ ROUNDING = 1e-12  # of the square of a cell's size: a smaller area counts as zer
 # walls of the library are long rectangles. They are harmless; small angles and folds are not.
 LEAST_SINE = 0.04
 LEAST_AREA_RATIO = 0.02
-LONGEST = 5000.0
+LONGEST = 1e6
 
 
 def checked(mesh: CellMesh, where: str) -> tuple[CellMesh, Warnings]:
@@ -72,7 +72,11 @@ def _area_range(mesh: CellMesh) -> tuple[Array, Array, Array]:
         points, _ = fenicsx.quadrature(KINDS[kind], QUADRATURE_DEGREE)
         area = _slopes(kind, shape, points)[1]
         side = np.ptp(shape, axis=1).max(axis=1)
-        low[rows], high[rows], rounding[rows] = area.min(axis=1), area.max(axis=1), ROUNDING * side**2
+        low[rows], high[rows], rounding[rows] = (
+            area.min(axis=1),
+            area.max(axis=1),
+            ROUNDING * side**2,
+        )
     return low, high, rounding
 
 

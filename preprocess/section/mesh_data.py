@@ -44,7 +44,9 @@ def nodal_displacements(space: SectionSpace, W: Array) -> Array:
     """Displacement columns (n_dof, m) at the nodes of `mesh_data`, (m, n, 3)."""
     points, tables, _ = _numbered(space.mesh)
     out = np.zeros((len(points), 3, W.shape[1]))
-    for (kind, rows), values in zip(space.mesh.of_kinds, space.at_corners_and_middles(W), strict=True):
+    for (kind, rows), values in zip(
+        space.mesh.of_kinds, space.at_corners_and_middles(W), strict=True
+    ):
         nodes = tables[rows, : FULL[kind]]
         out[nodes[nodes >= 0]] = values[nodes >= 0]
     return np.ascontiguousarray(np.moveaxis(out, 2, 0))
@@ -62,9 +64,14 @@ def _numbered(mesh: CellMesh) -> tuple[Array, IntArray, IntArray]:
         full = FULL[kind]
         count = np.count_nonzero(tables[rows] >= 0, axis=1)
         regular = np.array(
-            [n in VTK_CELLS[kind] and (table[:n] >= 0).all() for n, table in zip(count, tables[rows], strict=True)]
+            [
+                n in VTK_CELLS[kind] and (table[:n] >= 0).all()
+                for n, table in zip(count, tables[rows], strict=True)
+            ]
         )
-        types[rows] = [VTK_CELLS[kind].get(n if ok else full) for n, ok in zip(count, regular, strict=True)]
+        types[rows] = [
+            VTK_CELLS[kind][n if ok else full] for n, ok in zip(count, regular, strict=True)
+        ]
         cell, node = np.nonzero((tables[rows][:, :full] < 0) & ~regular[:, None])
         tables[rows[cell], node] = total + np.arange(len(cell))
         points.append(shape[cell, node])

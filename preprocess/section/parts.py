@@ -26,6 +26,7 @@ class Part:
         """Values (q, k) and slopes (q, k, 2) at points of the reference cell."""
         if self.degree is not None:
             return fenicsx.basis(KINDS[self.kind], self.degree, points)
+        assert self.filling is not None
         values, slopes = full_basis(self.kind, points)
         return values @ self.filling, np.einsum("qig,ik->qkg", slopes, self.filling)
 

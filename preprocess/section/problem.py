@@ -53,46 +53,55 @@ class SectionProblem:
         if unknowns is None:
             return None
         space = self.space.expressed(unknowns)
-        solver = WarpingSolver(space, team=self.team, largest_growth=LARGEST_GROWTH)
-        return SectionOperators(space, self.team), solver
+        return SectionOperators(space, self.team), WarpingSolver(space, team=self.team)
 
-    def solve(self, C: Array) -> SectionStiffness:
+    def solve(self, C: Array, *, doubtful: bool = False) -> SectionStiffness:
         """The 6x6 stiffness for given stiffness at the points, (c, 1 or q, 6, 6) [Pa].
+
+        With `doubtful`, equations that appear to be singular are solved too.
 
         If the condition of the equations requires it, they are solved with unknowns that suit thin
         walls, and their round-off is measured: the difference from the solution with coordinates
         that are changed in their last digit.
         """
-        result = self._solve(C)
+        result = self._solve(C, doubtful)
         if self._growth <= WELL:
             return result
-        noise = 1.0 + NOISE * np.random.default_rng(0).choice([-1.0, 1.0], self.mesh.cells.points.shape)
+        noise = 1.0 + NOISE * np.random.default_rng(0).choice(
+            [-1.0, 1.0], self.mesh.cells.points.shape
+        )
         cells = replace(self.mesh.cells, points=self.mesh.cells.points * noise)
         other = SectionProblem(replace(self.mesh, cells=cells), self._degree, self.team)
         other._is_thin = self._is_thin
-        return replace(result, round_off=np.abs(other._solve(C).K - result.K))
+        again = other._solve(C, doubtful)
+        return replace(
+            result,
+            round_off=np.abs(again.K - result.K),
+            doubtful=self._growth > LARGEST_GROWTH,
+        )
 
-    def _solve(self, C: Array) -> SectionStiffness:
+    def _solve(self, C: Array, doubtful: bool) -> SectionStiffness:
         """The stiffness, by the unknowns that the condition requires."""
-        failed: Exception | None = None
+        limit = np.inf if doubtful else LARGEST_GROWTH
+        result = None
         if not self._is_thin:
+            self.solver.largest_growth = limit
             try:
                 result = stiffness(self.space, self.solver, self.operators.E(C), C)
-            except (fenicsx.FactorisationError, SectionError) as error:
-                failed = error
+            except (fenicsx.FactorisationError, SectionError):
+                if self._thin is None:
+                    raise
             else:
                 self._growth = self.solver.growth
-                if self._growth <= WELL:
+                if self._growth <= WELL or self._thin is None:
                     return result
-        if self._thin is None:
-            if failed is not None:
-                raise failed
-            return result
+        assert self._thin is not None
         operators, solver = self._thin
+        solver.largest_growth = limit
         try:
             better = stiffness(operators.space, solver, operators.E(C), C)
         except fenicsx.FactorisationError:
-            if failed is not None or self._is_thin:
+            if result is None:
                 raise
             return result
         self._is_thin, self._growth = True, max(solver.growth, 2.0 * WELL)
@@ -113,8 +122,8 @@ def section_problem(
     mesh = section_mesh(mesh_spec, where, refine=refine)
     if degree < mesh.cells.degree:
         raise SectionError(
-            f"{where}.mesh.degree = {degree}: expected at least {mesh.cells.degree}, the degree of the "
-            "mesh: a lower field cannot follow its curved edges"
+            f"{where}.mesh.degree = {degree}: expected at least {mesh.cells.degree}, the degree of "
+            "the mesh: a lower field cannot follow its curved edges"
         )
     return _kept(mesh, degree, team)
 

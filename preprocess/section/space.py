@@ -224,7 +224,6 @@ class SectionSpace:
         columns = of_cells.shape[-1]
         return (self._to_nodes @ of_cells.reshape(-1, columns)).reshape(self.n_dof, -1)
 
-
     def at_corners_and_middles(self, W: Array) -> list[Array]:
         """Values of displacement columns (n_dof, m) at the 6 or 9 nodes of the map of each cell.
 

@@ -6,6 +6,8 @@ lost in rounding below t/w = 1e-4. With differences across the wall as unknowns,
 rotations of the wall times t, the ratio is (t/w)^2.
 """
 
+from itertools import pairwise
+
 import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
@@ -36,7 +38,7 @@ def differences_across(space: SectionSpace) -> Unknowns | None:
     bounds = np.flatnonzero(np.diff(group[members], prepend=-1, append=-1))
     rows, columns, values = [], [], []
     whole = np.ones(n, dtype=bool)
-    for start, stop in zip(bounds[:-1], bounds[1:], strict=True):
+    for start, stop in pairwise(bounds):
         if stop - start < 2:
             continue
         some = members[start:stop]

@@ -45,6 +45,7 @@ class SectionStiffness:
     )
     space: SectionSpace  # of V0 and V1
     round_off: Array | None = None  # (6, 6) of K, in its units, None if it is negligible
+    doubtful: bool = False  # its condition would be refused without `allow`
 
 
 def classical_stiffness(space: SectionSpace, state: ClassicalState) -> Array:

@@ -30,9 +30,7 @@ class Unknowns:
 
     def then(self, others: "Unknowns") -> "Unknowns":
         """These unknowns as given by others."""
-        return Unknowns(
-            self.P @ others.P, others.R @ self.R, others.whole, self.at[others.at]
-        )
+        return Unknowns(self.P @ others.P, others.R @ self.R, others.whole, self.at[others.at])
 
     def of_cells(self, dofs: IntArray) -> tuple[IntArray, Array]:
         """Unknowns of cells with nodes (c, k), as (c, m), and the part of P of each, (c, k, m).

@@ -74,7 +74,7 @@ class WarpingSolver:
         team: fenicsx.Team = fenicsx.ALONE,
         largest_growth: float = LARGEST_GROWTH,
     ) -> None:
-        self._largest_growth = largest_growth
+        self.largest_growth = largest_growth
         self.rigid = rigid_fields(space)
         self._rigid_size = np.linalg.norm(self.rigid, axis=0)
         self._rigid_load = space.load(space.at_points(self.rigid))
@@ -94,8 +94,9 @@ class WarpingSolver:
         self.solvability = 0.0
         pinned = self._kept.matrix(E.data)
         if self._factor is None:
-            self._factor = fenicsx.cholesky(pinned, self._team, self._largest_growth)
+            self._factor = fenicsx.cholesky(pinned, self._team, self.largest_growth)
         else:
+            self._factor.largest_growth = self.largest_growth
             self._factor.update(pinned)
 
     @property
@@ -116,7 +117,7 @@ class WarpingSolver:
         assert self._factor is not None, "call factorise() first"
         work = np.linalg.norm(self.rigid.T @ load, axis=1) / self._rigid_size
         self.solvability = max(self.solvability, float(np.max(work)) / size if size else 0.0)
-        if not self.solvability <= NO_SOLUTION:
+        if not self.solvability <= NO_SOLUTION and self.largest_growth < np.inf:
             raise SectionError(
                 f"the warping has no solution: its load does work of {self.solvability:.1e} "
                 f"(relative) on a rigid motion; round-off is at most {SOLVABILITY:g}"
@@ -127,7 +128,6 @@ class WarpingSolver:
         if product is not None and self.growth > WELL:
             W = self._corrected(W, load, product)
         return W - self.rigid @ np.linalg.solve(self._rigid_gram, self._rigid_load.T @ W)
-
 
     def _corrected(self, W: Array, load: Array, product: Callable[[Array], Array]) -> Array:
         """Iterative refinement, until a correction does not reduce the next one."""

@@ -12,12 +12,12 @@ import pytest
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx import gmsh
 from plymotion.preprocess.section import analyse
-from plymotion.preprocess.section.curves import nearest_on_curve
 from plymotion.preprocess.section.cells import KINDS as CELL_KINDS
 from plymotion.preprocess.section.cells import full_basis
+from plymotion.preprocess.section.curves import nearest_on_curve
 from plymotion.preprocess.section.mesh import SectionError, SectionMesh, section_mesh
-from plymotion.solver.math.arrays import Array
 from plymotion.solver.inputs.section.shapes.library import SHAPES, expand, walls
+from plymotion.solver.math.arrays import Array
 
 ISOTROPIC = {"kind": "isotropic", "E": 1.0, "nu": 0.3, "rho": 1.0}
 CFRP = {
