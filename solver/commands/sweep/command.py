@@ -4,6 +4,7 @@ import argparse
 import os
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 from tqdm import tqdm
@@ -12,11 +13,14 @@ from ...interrupts import INTERRUPTED, held
 from ...math.compiled import COMPILED
 from ...package.common.temporary import temporary_sibling
 from ...results import ResultError
-from .engine import compute_by_workers, compute_here
+from ..executors.choice import executor_of
+from ..executors.executor import Executor, distribute
+from ..executors.local import Local
 from .figure import draw_sweep
 from .file import SweepResult, believed_rows, result_of, sweep_csv, write_sweep
 from .member import FAILED, FINISHED, PENDING, STOPPED, Row
 from .plan import Plan, read_plan
+from .portions import Portions
 
 INCOMPLETE = 3
 SAVE_S = 10.0  # least time between two savings on the way
@@ -32,7 +36,7 @@ def run_sweep(options: argparse.Namespace) -> int:
     file = folder / "sweep.h5"
     work = _Work(plan, file, fresh=options.fresh, show=not options.quiet)
     begin = time.perf_counter()
-    through = work.compute(options.jobs)
+    through = work.compute(lambda: executor_of(options))
     result = result_of(plan, work.rows)
     if not through:
         print(
@@ -64,7 +68,7 @@ class _Work:
         self.kept = sum(row.done for row in self.rows)
         self._saved = time.perf_counter()
 
-    def compute(self, jobs: int) -> bool:
+    def compute(self, executor: Callable[[], Executor]) -> bool:
         """Compute what is pending; False if interrupted. What is known then is in the file."""
         numbers = [k for k, row in enumerate(self.rows) if not row.done]
         with tqdm(
@@ -85,13 +89,11 @@ class _Work:
                 self._save_now_and_then()
 
             try:
-                if min(jobs, len(numbers)) > 1:
-                    if COMPILED:  # once, before all workers do
-                        from ..compile import compile_ahead
-
-                        compile_ahead()
-                    return compute_by_workers(self.plan, numbers, self.keys, jobs, report)
-                return compute_here(self.plan, numbers, self.keys, report)
+                if numbers:
+                    _compute(executor(), Portions(self.plan, numbers, self.keys, report))
+                return True
+            except KeyboardInterrupt:
+                return False
             finally:
                 self.save()
 
@@ -104,6 +106,14 @@ class _Work:
     def _save_now_and_then(self) -> None:
         if time.perf_counter() - self._saved > SAVE_S:
             self.save()
+
+
+def _compute(executor: Executor, portions: Portions) -> None:
+    if isinstance(executor, Local) and COMPILED:  # once, before all workers do
+        from ..compile import compile_ahead
+
+        compile_ahead()
+    distribute(executor, portions)
 
 
 def _known(file: Path) -> dict[str, Row]:

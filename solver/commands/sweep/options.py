@@ -5,7 +5,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..arguments import add_doubtful, whole_number
+from ..arguments import add_doubtful
+from ..executors.choice import add_executor
 
 EPILOG = """\
 Leaves DIR/sweep.h5 (docs/sweeps.md), the table DIR/sweep.csv and a figure per signal. Members that
@@ -31,9 +32,7 @@ def add_sweep_command(commands: Any, run: Callable[[argparse.Namespace], int]) -
     parser.add_argument(
         "--out", type=Path, metavar="DIR", help="folder (default build/<case>/sweeps/<name>)"
     )
-    parser.add_argument(
-        "--jobs", type=whole_number, default=1, metavar="N", help="processes (default 1)"
-    )
+    add_executor(parser, "members")
     again = parser.add_mutually_exclusive_group()
     again.add_argument("--fresh", action="store_true", help="compute all members anew")
     again.add_argument(

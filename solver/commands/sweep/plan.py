@@ -36,6 +36,7 @@ class Member:
     values: tuple[float, ...]
     changes: dict[str, Any]  # dotted keys of the mechanism
     packages: dict[str, int]  # body -> number in the list of packages
+    number: int  # in the sweep
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,8 @@ class Plan:
 
     def mechanism_of(self, number: int) -> Mechanism:
         """Return the mechanism of one member. Raises InputError."""
-        return in_segments(resolved(self._table_of(number), f"{self.file}: member {number}"))
+        where = f"{self.file}: member {self.members[number].number}"
+        return in_segments(resolved(self._table_of(number), where))
 
     def _table_of(self, number: int) -> dict[str, Any]:
         return put(self.table, self.members[number].changes)
@@ -123,7 +125,8 @@ def read_plan(file: Path, *, allow_doubtful: bool = False) -> Plan:
             mechanism=resolved(table["mechanism"], str(file)),
             packages=tuple(table["packages"]),
             members=tuple(
-                Member(tuple(m["values"]), m["changes"], m["packages"]) for m in table["members"]
+                Member(tuple(m["values"]), m["changes"], m["packages"], number)
+                for number, m in enumerate(table["members"])
             ),
             allow_doubtful=allow_doubtful,
         )
