@@ -55,13 +55,13 @@ class _Process:
 
 
 class _Thread:
-    """One worker thread, for tasks that wait for a process of their own."""
+    """One worker thread, for tasks that wait for a process; whoever stops that ends the task."""
 
     def __init__(self) -> None:
         self.pool = ThreadPoolExecutor(1)
 
     def close(self, *, at_once: bool) -> None:
-        self.pool.shutdown(cancel_futures=at_once)
+        self.pool.shutdown(wait=not at_once, cancel_futures=at_once)
 
 
 class Local:
