@@ -25,7 +25,7 @@ from .commands.plan.options import add_plan_command
 from .commands.run.options import add_run_command
 from .commands.section.options import add_section_command
 from .commands.shell.options import add_shell_command
-from .commands.sweep.options import add_sweep_command
+from .commands.sweep.options import add_merge_command, add_sweep_command
 from .errors import InputError, PackageError
 from .inputs.scripts import scripts
 from .interrupts import INTERRUPTED, exit_code, heard, starting
@@ -131,6 +131,7 @@ def _parser() -> argparse.ArgumentParser:
     add_shell_command(commands, _shell)
     add_packages_command(commands, _packages)
     add_sweep_command(commands, _sweep)
+    add_merge_command(commands, _merge)
     return parser
 
 
@@ -285,6 +286,13 @@ def _sweep(options: argparse.Namespace) -> int:
         from .commands.sweep.command import run_sweep
 
     return run_sweep(options)
+
+
+def _merge(options: argparse.Namespace) -> int:
+    with _importing():
+        from .commands.sweep.command import run_merge
+
+    return run_merge(options)
 
 
 if __name__ == "__main__":

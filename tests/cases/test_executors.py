@@ -19,7 +19,7 @@ from plymotion.solver.__main__ import main
 from plymotion.solver.commands.executors import dask, local
 from plymotion.solver.commands.executors.executor import FRUITLESS, distribute
 from plymotion.solver.commands.executors.local import Here, Local
-from plymotion.solver.commands.sweep import portions
+from plymotion.solver.commands.sweep import portions, work
 from plymotion.solver.commands.sweep.file import read_sweep
 from plymotion.solver.commands.sweep.portions import Portions
 from plymotion.solver.errors import InputError
@@ -60,6 +60,40 @@ def test_processes_give_the_same(tmp_path, alone):
     file, expected = alone
     assert sweep(file, "--out", str(tmp_path / "two"), "--jobs", "2") == 3
     assert_same_bits(tmp_path / "two/sweep.h5", expected)
+
+
+def test_shards_are_merged(tmp_path, alone, capsys):
+    """The file of all shards has the data of one command; a missing one is told and computed."""
+    file, expected = alone
+    out = tmp_path / "out"
+    for k in (1, 3, 2):
+        expected_code = 3 if k == 2 else 0  # members 8 to 11 fail
+        assert sweep(file, "--shard", f"{k}/3", "--out", str(out)) == expected_code
+        assert not (out / "sweep.csv").exists()
+        if k == 3:
+            capsys.readouterr()
+            assert main(["merge", str(file), "--out", str(out), "--no-figures"]) == 3
+            told = capsys.readouterr()
+            assert "s: 7 of 20 members are in none of 2 shards" in told.err
+            assert "7 pending" in told.out
+            assert not (out / "sweep.csv").exists()
+    assert main(["merge", str(file), "--out", str(out), "--no-figures"]) == 3
+    assert (out / "sweep.csv").is_file()
+    assert_same_bits(out / "sweep.h5", expected)
+    (out / "sweep.h5").unlink()
+    (out / "sweep-2-of-3.h5").unlink()
+    capsys.readouterr()
+    assert sweep(file, "--out", str(out)) == 3
+    assert "7 computed in" in capsys.readouterr().out
+    assert_same_bits(out / "sweep.h5", expected)
+
+
+def test_wrong_shards(tmp_path, capsys):
+    file = ball(tmp_path, f"{FORCE} = [1.0, 2.0]")
+    assert sweep(file, "--shard", "1/3") == 2
+    assert "--shard 1/3: expected at most 2 shares" in capsys.readouterr().err
+    assert main(["merge", str(file)]) == 2
+    assert "no files sweep-*-of-*.h5" in capsys.readouterr().err
 
 
 @POSIX
@@ -185,9 +219,7 @@ def test_a_dask_worker_is_killed_in_the_middle(tmp_path, alone, cluster, monkeyp
             self._size = min(self._size, 2)  # many portions
             return super().next(lane, width)
 
-    from plymotion.solver.commands.sweep import command
-
-    monkeypatch.setattr(command, "Portions", Watched)
+    monkeypatch.setattr(work, "Portions", Watched)
     monkeypatch.setattr(portions, "compute_portion", samples.noted_portion)
     first = cluster.worker()
     second = cluster.worker()

@@ -15,7 +15,7 @@ from case_samples import HEAD, SOLVER, rigid
 from sweep_samples import FORCE, MASS, ball, ball_plan, checked
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands.sweep import command, portion
+from plymotion.solver.commands.sweep import portion, work
 from plymotion.solver.commands.sweep.file import read_sweep
 from plymotion.solver.commands.sweep.member import Packages, compute
 from plymotion.solver.results.codes.motion import SPIN
@@ -413,15 +413,15 @@ def test_points_of_a_drawn_design(tmp_path):
 
 def test_saving_on_the_way(tmp_path, monkeypatch):
     """After a crash of the machine, the last saved file exists."""
-    monkeypatch.setattr(command, "SAVE_S", 0.0)
+    monkeypatch.setattr(work, "SAVE_S", 0.0)
     seen = []
-    save = command.write_sweep
+    save = work.write_sweep
 
     def watched(path, found):
         save(path, found)
         seen.append(read_sweep(path).count("finished"))
 
-    monkeypatch.setattr(command, "write_sweep", watched)
+    monkeypatch.setattr(work, "write_sweep", watched)
     file = ball(tmp_path, f"{FORCE} = [1.0, 2.0, 3.0]")
     assert sweep(file) == 0
     assert seen == [1, 2, 3, 3]

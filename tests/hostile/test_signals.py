@@ -29,7 +29,7 @@ vary = { end = { keys = ["solver.t_end"], values = [0.1, 0.2, 1e5] } }
 TOLD = """
 import sys, time
 import plymotion.solver.run.execution as r
-from plymotion.solver.commands.sweep import command
+from plymotion.solver.commands.sweep import work
 from plymotion.solver.monitors.together import Monitors
 from plymotion.solver.__main__ import main
 watch, write = Monitors.__call__, r.write_result
@@ -44,7 +44,7 @@ def writing(path, result):
         time.sleep(1.0)
     write(path, result)
 Monitors.__call__, r.write_result = told, writing
-command.SAVE_S = 0.0  # each row at once
+work.SAVE_S = 0.0  # each row at once
 sys.exit(main([word for word in sys.argv[1:] if word != "--slow-disk"]))
 """
 

@@ -2,7 +2,8 @@
 
 import hashlib
 import json
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -57,6 +58,10 @@ class Plan:
     packages: tuple[dict[str, str], ...]  # file, inputs_sha256
     members: tuple[Member, ...]
     allow_doubtful: bool = False  # as in `read_package`
+
+    def part(self, members: Sequence[Member]) -> "Plan":
+        """Return the same sweep with some of its members."""
+        return replace(self, members=tuple(members))
 
     def mechanism_of(self, number: int) -> Mechanism:
         """Return the mechanism of one member. Raises InputError."""

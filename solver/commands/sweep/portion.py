@@ -4,7 +4,7 @@ import platform
 import threading
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
@@ -46,8 +46,7 @@ def compute_portion(
         )
     with _ALONE:
         plan, packages = _read(order)
-        part = replace(plan, members=tuple(members))
-        rows = compute(part, packages, range(len(members)), keys)
+        rows = compute(plan.part(members), packages, range(len(members)), keys)
     return rows, time.perf_counter() - begin
 
 
