@@ -22,4 +22,5 @@ materials have strengths.</dd>
 time. Drag over a plot to zoom, double-click to see all again, click to go to that time.</dd>
 <dt>More</dt><dd>The folder of each run has <code>summary.json</code> (these numbers for
 programs), figures as PNG files, and <code>result.vtkhdf</code>. In ParaView apply the filter
-<em>Warp By Vector</em> with the array <em>displacement</em>, then press play.</dd></dl></section>"""
+<em>Warp By Vector</em> with the array <em>displacement</em>, then press play.</dd></dl>
+</section>"""
