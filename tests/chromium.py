@@ -5,6 +5,7 @@ messages end with a zero byte. Each browser has its own profile folder.
 """
 
 import base64
+import fcntl
 import json
 import os
 import select
@@ -30,18 +31,29 @@ def chromium() -> str:
     return found
 
 
+def _pipe() -> tuple[int, int]:
+    """A pipe whose ends have numbers above 9, so that neither is 3 or 4."""
+    ends = os.pipe()
+    high = [fcntl.fcntl(end, fcntl.F_DUPFD_CLOEXEC, 10) for end in ends]
+    for end in ends:
+        os.close(end)
+    return high[0], high[1]
+
+
 class Browser:
     """One Chromium with one tab; use it as a context."""
 
     def __init__(self, profile: Path, *flags: str, dark: bool = False) -> None:
         self.events: list[dict[str, Any]] = []
         self._number, self._buffer = 0, b""
-        there, self._write = os.pipe()
-        self._read, back = os.pipe()
+        there, self._write = _pipe()
+        self._read, back = _pipe()
+
+        def as_three_and_four() -> None:
+            os.dup2(there, 3)
+            os.dup2(back, 4)
+
         command = [
-            "/bin/sh",
-            "-c",
-            f'exec "$0" "$@" 3<&{there} 4>&{back}',
             chromium(),
             "--headless=new",
             "--no-sandbox",
@@ -55,7 +67,11 @@ class Browser:
         ]
         self._log = open(profile.with_suffix(".log"), "wb")  # noqa: SIM115
         self._process = subprocess.Popen(
-            command, pass_fds=(there, back), stdout=self._log, stderr=self._log
+            command,
+            pass_fds=(3, 4),
+            preexec_fn=as_three_and_four,
+            stdout=self._log,
+            stderr=self._log,
         )
         os.close(there)
         os.close(back)
@@ -124,7 +140,7 @@ class Browser:
         """Open a page and wait until it says that it is ready; return the time it took [s]."""
         began = time.monotonic()
         self.call("Page.navigate", url=page.resolve().as_uri() + anchor)
-        self.wait("document.documentElement.dataset.ready")
+        self.wait("document.documentElement?.dataset.ready")
         return time.monotonic() - began
 
     def run(self, expression: str) -> Any:
@@ -162,6 +178,25 @@ class Browser:
                 button="left",
                 clickCount=1,
             )
+
+    def choose(self, name: str, value: str, kind: str = "change") -> None:
+        """Set the value of a field by its id, as a user would."""
+        self.run(
+            f"(() => {{ const e = document.getElementById({json.dumps(name)});"
+            f"e.value = {json.dumps(value)}; e.dispatchEvent(new Event({json.dumps(kind)})); }})()"
+        )
+
+    def shades(self, selector: str) -> list[int]:
+        """Number of different byte values in each canvas: an empty one has two or three."""
+        return list(
+            self.run(
+                f"[...document.querySelectorAll({json.dumps(selector)})].map((c) => {{"
+                "const flat = document.createElement('canvas');"
+                "[flat.width, flat.height] = [c.width, c.height];"
+                "const pen = flat.getContext('2d'); pen.drawImage(c, 0, 0);"
+                "return new Set(pen.getImageData(0, 0, c.width, c.height).data).size; })"
+            )
+        )
 
     def key(self, key: str) -> None:
         """Press and release a key."""

@@ -7,11 +7,13 @@ from .elements import Row, name_of, section, table
 from .embed.blob import Blob, json_for_script
 from .embed.histories import NUMBERS, histories
 from .embed.inline import policy, script, style
+from .embed.scene import scene
 from .reading import READING
 from .status import banner, doubts, outcomes
 from .story import Comparison, Story
-from .strength import fatigue_section, strength_section
+from .strength import fatigue_section, strength_section, worst
 from .table import signal_numbers
+from .view import VIEW
 
 
 def page(title: str, stories: list[Story], comparisons: list[Comparison]) -> str:
@@ -23,6 +25,7 @@ def page(title: str, stories: list[Story], comparisons: list[Comparison]) -> str
         "<main>",
         outcomes(stories),
         doubts(stories),
+        VIEW if any(run["scene"] for run in index["runs"]) else "",
         section("plots", "Plots", "<div id='plot-list'></div>"),
         strength_section(stories),
         fatigue_section(stories),
@@ -62,6 +65,8 @@ def _index(
             "title": story.title,
             "stopped": story.stopped,
             **histories(blob, story.result, share),
+            "scene": scene(blob, story),
+            "worst": worst(story),
         }
         for story in stories
     ]

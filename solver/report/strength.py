@@ -3,6 +3,8 @@
 from html import escape
 from typing import Any
 
+import numpy as np
+
 from .elements import Cell, Row, figures, name_of, section, table
 from .story import Story
 from .table import number
@@ -58,13 +60,62 @@ def _rows(found: list[tuple[Story, str, dict[str, Any]]]) -> list[Row]:
 
 def _jump(story: Story, body: str, entry: dict[str, Any]) -> str:
     """Return a button that shows the place of a ply at its time in the view."""
-    if entry["time"] is None or entry["x"] is None:
+    if entry["time"] is None:
         return ""
+    node = place(story, body, entry)
+    at = "" if node is None else f" data-node='{node}'"
     return (
         f"<button type='button' class='small' data-run='{escape(story.name)}' "
-        f"data-body='{escape(body)}' data-time='{float(entry['time'])!r}' "
-        f"data-x='{float(entry['x'])!r}'>show</button>"
+        f"data-body='{escape(body)}' data-time='{float(entry['time'])!r}'{at} "
+        f"data-text='{escape(ply_text(entry))}'>show</button>"
     )
+
+
+def worst(story: Story) -> list[dict[str, Any]]:
+    """Return body, node, time and text of the weakest ply of each body, the weakest first."""
+    found = sorted(
+        (
+            (entry["ratio"], body, entry)
+            for body, entry in story.summary.get("strength", {}).items()
+            if entry["ratio"] is not None and entry["time"] is not None
+        ),
+        key=lambda each: each[0],
+    )
+    return [
+        {
+            "body": body,
+            "node": place(story, body, entry),
+            "time": entry["time"],
+            "text": ply_text(entry),
+        }
+        for _, body, entry in found
+    ]
+
+
+def ply_text(entry: dict[str, Any]) -> str:
+    """Return ply, criterion and ratio of an entry in words."""
+    ply = entry["ply"]
+    return (
+        f"R = {number(entry['ratio'], 4)} ({entry['criterion']}), {ply['region']} ply "
+        f"{ply['index']}, {ply['material']}, {ply['angle_deg']:g} deg"
+    )
+
+
+def place(story: Story, body: str, entry: dict[str, Any]) -> int | None:
+    """Return the drawn node nearest to the place of an entry; None if the body is not drawn."""
+    for geometry in story.result.bodies:
+        if geometry.name != body or geometry.view is None or geometry.view.sites is None:
+            continue
+        at = geometry.view.sites.place_B
+        if len(entry["point"]) == 3:
+            target = np.asarray(entry["point"], dtype=float)
+        else:
+            x = np.asarray(story.summary["strength"][body]["along_beam"]["x"], dtype=float)
+            if len(x) != len(at):
+                return None
+            target = at[int(np.argmin(np.abs(x - entry["x"])))]
+        return int(np.argmin(np.linalg.norm(geometry.nodes_B - target, axis=1)))
+    return None
 
 
 def fails(found: dict[str, Any]) -> bool:

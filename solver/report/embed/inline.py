@@ -2,6 +2,7 @@
 
 import base64
 import hashlib
+import json
 from functools import cache
 from pathlib import Path
 
@@ -18,6 +19,16 @@ SCRIPTS = (
     "fourier",
     "chart",
     "plots",
+    "colours",
+    "motion",
+    "camera",
+    "gl",
+    "body_gl",
+    "renderer_gl",
+    "renderer_2d",
+    "overlay",
+    "print",
+    "viewer",
     "keys",
     "main",
 )
@@ -26,7 +37,9 @@ SCRIPTS = (
 @cache
 def script() -> str:
     """Return the one script of the page: uPlot, then the files of script/ in one scope."""
-    own = "\n".join(_read(ROOM / "script" / f"{name}.js") for name in SCRIPTS)
+    shaders = {path.name: _read(path) for path in sorted((ROOM / "shader").iterdir())}
+    table = f"const SHADERS = {json.dumps(shaders)};"
+    own = table + "\n" + "\n".join(_read(ROOM / "script" / f"{name}.js") for name in SCRIPTS)
     licence = _read(VENDOR / "LICENSE").replace("*/", "* /")
     library = _read(VENDOR / "uPlot.iife.min.js")
     return f"/*\nuPlot, {licence}*/\n{library}\n(() => {{\n'use strict';\n{own}\n}})();\n"

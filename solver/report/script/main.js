@@ -6,8 +6,12 @@ async function start() {
   setUpTheme();
   setUpTables();
   setUpCharts();
+  setUpView();
+  setUpPlaces();
   setUpPlots();
   setUpKeys();
+  // For tests of the page, and for those who want the numbers behind the picture.
+  globalThis.plymotion = { page, array, clock, view, bodyState, pointsAt, spectrum, drawView, shownNow };
   document.documentElement.dataset.ready = 'yes';
 }
 

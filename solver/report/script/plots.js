@@ -54,7 +54,8 @@ function zoomToPeaks(plot, lines) {
   });
 }
 
-const unitOf = (series) => `${series.text} [${series.unit}]`;
+// A long description would not fit beside the axis.
+const unitOf = (series) => `${series.text.length < 30 ? series.text : series.name} [${series.unit}]`;
 
 function lineOf(run, series, label) {
   return { label, x: array(run.t), y: array(series.values), stopped: run.stopped };
@@ -72,6 +73,7 @@ function setUpPlots() {
   choice.append(...page.runs.map((run) => element('option', {}, run.title)));
   list.append(element('p', { class: 'choice' }, element('label', { for: 'balance-run' }, 'Verification of '), choice), balances);
   showBalances(balances, page.runs[0]);
+  fitCharts();
 }
 
 function showBalances(place, run) {
