@@ -10,7 +10,7 @@ from pathlib import Path
 from ...solver.errors import InputError, PackageError
 
 TABLES = 4  # exit code: the source has modes only, and their tables are written
-TARGETS = ("exudyn", "uff", "med", "dmig")
+TARGETS = ("exudyn", "uff", "med", "dmig", "mbdyn", "sid")
 
 
 def main(arguments: "Sequence[str] | None" = None) -> int:

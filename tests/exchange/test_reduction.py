@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 import scipy.sparse as sp
-from brick_model import CORNERS, Brick
+from brick_model import CORNERS, Brick, brick
 from exchange_samples import DENSITY, SIZE, TOTAL, bar, request
 
 from plymotion.preprocess.exchange import from_matrices
