@@ -14,9 +14,8 @@ their units, the interfaces and the modes.
 """
 EXPORT = """\
 Write a modal package in the format of another code: exudyn (a script that adds the body), uff
-(modes and masses), med (mesh and shapes), dmig (NASTRAN bulk data), mbdyn (.fem of the modal joint),
-sid (standard input data). Or write a run of a case as an
-FMU for co-simulation (fmu).
+(modes and masses), med (mesh and shapes), dmig (NASTRAN bulk data), mbdyn (.fem of the modal
+joint), sid (standard input data). Or write a run of a case as an FMU for co-simulation (fmu).
 """
 Command = Callable[[argparse.Namespace], int]
 
