@@ -31,7 +31,7 @@ from .generic.alpha_scheme import FORMULATIONS, SPECTRAL_RADIUS, scheme
 from .generic.base import FIRST_STEPS, Dense
 from .generic.explicit import Powers
 from .generic.hermite import Hermite
-from .generic.pace import Pace
+from .generic.pace import Pace, Refusals
 from .generic.steps import Steps
 from .ringing import ringing
 
@@ -245,6 +245,12 @@ class StepLoop(Integrator):
         else:
             self._fail(f"No step however small succeeds at t = {t:.9g} s")
 
+    def refusals(self) -> Refusals:
+        """Attempts that were refused so far, with the reasons."""
+        why = self._workspace.counts[codes.BECAUSE :]
+        newton, rough = int(why[codes.NEWTON]), int(why[codes.TOO_ROUGH])
+        return replace(super().refusals(), newton=newton, rough=rough)
+
     def _closes(self) -> bool:
         return False
 
@@ -354,6 +360,12 @@ class Radau(ClosingLoop):
             self._patience = PATIENCE
             self._workspace.clock[codes.CUTOFF] = cutoff
             self.stalls = [replace(self.stalls[0], cutoff=cutoff)]
+
+    def refusals(self) -> Refusals:
+        """Attempts that were refused so far, with the component that was most often the reason."""
+        blamed = self._workspace.blamed
+        component = int(np.argmax(blamed)) if blamed.any() else -1
+        return replace(super().refusals(), component=component)
 
     @property
     def damped_energy(self) -> float:

@@ -11,6 +11,7 @@ import numpy as np
 from ...checks.finished import FinishedRun, Look
 from ...checks.judge import judge
 from ...errors import InputError, PackageError
+from ...inputs.case.extreme import ERRORS, out_of_range
 from ...math.arrays import Array
 from ...package import ModalPackage
 from ...results import Signal, signal_summary
@@ -19,7 +20,7 @@ from ...run.execution import integrated, output_times
 from ...run.preparation import prepare
 from ...signals import Recording, Sensor, fatigue_entry
 from ...strength.fatigue import Turning
-from .plan import Plan
+from .plan import Member, Plan
 
 PENDING, FINISHED, STOPPED, FAILED = "pending", "finished", "stopped", "failed"
 INTERRUPTED = "interrupted"
@@ -66,10 +67,10 @@ class Packages:
         self.plan = plan
         self._known: dict[int, ModalPackage | PackageError] = {}
 
-    def of(self, number: int) -> dict[str, ModalPackage]:
+    def of(self, member: Member) -> dict[str, ModalPackage]:
         """Return the packages of one member by body. Raises PackageError."""
         found = {}
-        for body, k in self.plan.members[number].packages.items():
+        for body, k in member.packages.items():
             if k not in self._known:
                 try:
                     self._known[k] = self.plan.package(k)
@@ -100,6 +101,10 @@ def compute(
         except KeyboardInterrupt:
             break
         except Exception as error:
+            if isinstance(error, ERRORS) and (
+                message := out_of_range(plan.name, plan.mechanism_of(number).model_dump())
+            ):
+                error = InputError(message)
             rows[k] = _failed(rows[k], error)
         if not rows[k].done:
             break
@@ -114,7 +119,7 @@ def _computed(plan: Plan, packages: Packages, number: int, row: Row) -> Row:
     begin = time.perf_counter()
     mechanism = plan.mechanism_of(number)
     kept = {*plan.signals, *plan.histories}
-    prepared = prepare(mechanism, packages.of(number), kept)
+    prepared = prepare(mechanism, packages.of(plan.members[number]), kept)
     finished = integrated(prepared, look=LOOK)
     if finished.solution.status == INTERRUPTED:
         return row

@@ -2,7 +2,8 @@
 
 import hashlib
 import json
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +37,7 @@ class Member:
     values: tuple[float, ...]
     changes: dict[str, Any]  # dotted keys of the mechanism
     packages: dict[str, int]  # body -> number in the list of packages
+    number: int  # in the sweep
 
 
 @dataclass(frozen=True)
@@ -57,9 +59,14 @@ class Plan:
     members: tuple[Member, ...]
     allow_doubtful: bool = False  # as in `read_package`
 
+    def part(self, members: Sequence[Member]) -> "Plan":
+        """Return the same sweep with some of its members."""
+        return replace(self, members=tuple(members))
+
     def mechanism_of(self, number: int) -> Mechanism:
         """Return the mechanism of one member. Raises InputError."""
-        return in_segments(resolved(self._table_of(number), f"{self.file}: member {number}"))
+        where = f"{self.file}: member {self.members[number].number}"
+        return in_segments(resolved(self._table_of(number), where))
 
     def _table_of(self, number: int) -> dict[str, Any]:
         return put(self.table, self.members[number].changes)
@@ -123,7 +130,8 @@ def read_plan(file: Path, *, allow_doubtful: bool = False) -> Plan:
             mechanism=resolved(table["mechanism"], str(file)),
             packages=tuple(table["packages"]),
             members=tuple(
-                Member(tuple(m["values"]), m["changes"], m["packages"]) for m in table["members"]
+                Member(tuple(m["values"]), m["changes"], m["packages"], number)
+                for number, m in enumerate(table["members"])
             ),
             allow_doubtful=allow_doubtful,
         )

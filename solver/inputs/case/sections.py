@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from ...errors import InputError
+from ...errors import InputError, under
 from ..common import read_toml
 from ..common.material import plain
 from ..section.description import Region
@@ -76,7 +76,6 @@ def _described(key: str, name: str, file: Path) -> tuple[dict[str, Any], list[Pa
         table = read_toml(file, "section description")
         spec = described_section(table, file)
     except InputError as error:
-        lines = [f"{key}.file: {line}" for line in str(error).splitlines()]
-        raise InputError("\n".join(lines)) from error
+        raise under(f"{key}.file", error) from error
     del spec["title"]  # another title is no other body
     return {**spec, "name": name}, source_files(table, file)

@@ -13,6 +13,7 @@ from .check import cross_check
 from .laws import FOLDER
 from .parts import in_parts
 from .schema import Mechanism
+from .sharing import sharing
 from .sweeps import Misplaced, Parameter, Sweep, changed, parameters_of
 
 TOLD = 10  # limit of errors per sweep: hundreds of members may share one
@@ -81,7 +82,7 @@ def check_sweep(
             continue
         divided, own, wrong = in_parts(member, specs)
         problems |= dict.fromkeys(f"{where}: {line}" for line in wrong)
-        members.append(divided)
+        members.append(sharing(divided, base))
         bodies.append(own)
     if problems:
         more = [f"{where}: ... and {len(problems) - TOLD} more"] if len(problems) > TOLD else []
