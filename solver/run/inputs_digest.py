@@ -5,6 +5,8 @@ import json
 from pathlib import Path
 
 from ..inputs.case.sources import solver_sha256
+from ..package.common.disk_file import has_right_seal
+from ..results import ResultError, read_summary
 
 
 def inputs_sha256(file: Path) -> str:
@@ -18,3 +20,14 @@ def inputs_sha256(file: Path) -> str:
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return ""
     return digest.hexdigest()
+
+
+def up_to_date(file: Path, out: Path) -> bool:
+    """Tell whether a result is there that was not interrupted and has the inputs of a run file."""
+    try:
+        summary = read_summary(out / "summary.json")
+    except ResultError:
+        return False
+    there = has_right_seal(out / "result.vtkhdf") and summary.get("status") != "interrupted"
+    known = summary.get("inputs_sha256")
+    return there and bool(known) and known == inputs_sha256(file)

@@ -60,7 +60,17 @@ def load_case(file: Path, *, coarse: bool = False) -> Case:
     InputError
         One line per error: file, key, value, expectation.
     """
-    table = read_toml(file, "case file")
+    return checked_case(read_toml(file, "case file"), file, coarse=coarse)
+
+
+def checked_case(table: dict[str, Any], file: Path, *, coarse: bool = False) -> Case:
+    """Check the content of a case file; see `load_case`.
+
+    Parameters
+    ----------
+    file : its name goes into messages; paths in the case are relative to its folder
+    """
+    whole, table = table, deepcopy(table)
     top_keys = set(CaseFile.model_fields)
     over = table.get("coarse")
     if coarse and isinstance(over, dict) and isinstance(over.get("sweeps"), dict):
@@ -94,7 +104,7 @@ def load_case(file: Path, *, coarse: bool = False) -> Case:
     runs: dict[str, Mechanism] = {}
     bodies: dict[str, dict[str, BodySpec]] = {}
     if top.coarse and not coarse:
-        problems += _of_coarse(file)
+        problems += _of_coarse(whole, file)
     problems += [
         f"{file}: {table}.{name}: expected another name, build/CASE has {RESERVED[table][name]}"
         for table, names in (("runs", top.runs), ("sweeps", top.sweeps))
@@ -144,10 +154,10 @@ def load_case(file: Path, *, coarse: bool = False) -> Case:
     return Case(name, file, top, runs, bodies, sweeps)
 
 
-def _of_coarse(file: Path) -> list[str]:
+def _of_coarse(table: dict[str, Any], file: Path) -> list[str]:
     """Return what is wrong with a case in its coarse version, beyond the whole case."""
     try:
-        load_case(file, coarse=True)
+        checked_case(table, file, coarse=True)
     except InputError as error:
         return [f"{line}{IN_COARSE}" for line in str(error).splitlines()]
     return []

@@ -165,6 +165,16 @@ def parameters_of(sweep: Sweep, mechanism: BaseModel) -> list[Parameter]:
     return found
 
 
+def split_key(key: str) -> list[str]:
+    """Return the parts of a dotted key of a case.
+
+    After a colon it is a key of a description: "sections.tube:laminates.wall.angles_deg.1" is
+    the change "laminates.wall.angles_deg.1" of the table sections.tube.
+    """
+    owner, colon, inner = key.partition(":")
+    return [*owner.split("."), *(["changes", inner] if colon else [])]
+
+
 def unit_at(mechanism: BaseModel, key: str) -> str:
     """Return the unit of the number at a dotted key, "" for none.
 
