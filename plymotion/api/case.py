@@ -8,7 +8,7 @@ from typing import Any
 from ..solver.errors import InputError
 from ..solver.inputs.case.load import Case as CheckedCase
 from ..solver.inputs.case.load import checked_case
-from ..solver.inputs.case.sweeps import split_key
+from ..solver.inputs.case.sweep_keys import split_key
 from ..solver.inputs.common import read_toml
 from .html import table
 from .plain import plain

@@ -1,5 +1,6 @@
 """The members of a sweep: every point of its design as a checked mechanism."""
 
+import re
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,14 +9,16 @@ from pydantic import ValidationError
 from ...errors import nearest
 from ...math.arrays import Array
 from ..common import lines
+from ..common.messages import bare_lines
 from .body_specs import BodySpec, BodySpecs
 from .check import cross_check
 from .laws import FOLDER
 from .parts import in_parts
 from .schema import Mechanism
-from .sweeps import Misplaced, Parameter, Sweep, changed, parameters_of
+from .sweep_keys import Misplaced, Parameter, changed, changes_of, parameters_of
+from .sweeps import Sweep
 
-TOLD = 10  # limit of errors per sweep: hundreds of members may share one
+VALUE = re.compile(r" = .*?(?=: )")  # of a key in a message
 
 
 @dataclass(frozen=True)
@@ -53,7 +56,7 @@ def check_sweep(
                 hint = nearest(name, base.signals)
                 found.append(f'{where}.{key} = "{name}": no such signal{hint}')
     try:
-        parameters = parameters_of(sweep, base)
+        parameters = parameters_of(sweep, base, specs.folder)
     except Misplaced as error:
         return [*found, f"{where}.vary: {error}"]
     times = {"solver.t_end", "solver.output_step"}
@@ -67,23 +70,46 @@ def check_sweep(
         return found
     points = sweep.points()
     defaults = base.model_dump()
-    members, bodies, problems = [], list[dict[str, BodySpec]](), dict[str, None]()
-    for values in points:
-        changes = {
-            key: float(value)
-            for parameter, value in zip(parameters, values, strict=True)
-            for key in parameter.keys
-        }
+    members, bodies, problems = [], list[dict[str, BodySpec]](), _MemberProblems(where)
+    for k, point in enumerate(points):
+        values = dict(zip(sweep.vary, map(float, point), strict=True))
         try:
-            member = Mechanism.model_validate(changed(merged, defaults, changes), context=context)
+            changes = changes_of(sweep, parameters, values, base.parameters)
+            table = changed(merged, defaults, changes)
+            member = Mechanism.model_validate(table, context=context)
+        except Misplaced as error:
+            problems.add(k, values, [str(error)])
+            continue
         except ValidationError as error:
-            problems |= dict.fromkeys(lines(error, Mechanism, where))
+            problems.add(k, values, bare_lines(error, Mechanism))
             continue
         divided, own, wrong = in_parts(member, specs)
-        problems |= dict.fromkeys(f"{where}: {line}" for line in wrong)
+        problems.add(k, values, wrong)
         members.append(divided)
         bodies.append(own)
-    if problems:
-        more = [f"{where}: ... and {len(problems) - TOLD} more"] if len(problems) > TOLD else []
-        return [*list(problems)[:TOLD], *more]
+    if problems.found:
+        return problems.lines()
     return CheckedSweep(sweep, base, parameters, points, members, bodies)
+
+
+class _MemberProblems:
+    """Findings of the members of a sweep: those that differ in a value only are one."""
+
+    def __init__(self, where: str) -> None:
+        self.where = where
+        self.found: dict[str, list[str]] = {}  # finding without value: as it is, by member
+
+    def add(self, number: int, values: dict[str, float], lines: list[str]) -> None:
+        """Add the findings of a member."""
+        member = ", ".join(f"{name} = {value:.6g}" for name, value in values.items())
+        for line in lines:
+            told = f"{line} (member {number}: {member})"
+            self.found.setdefault(VALUE.sub("", line), []).append(told)
+
+    def lines(self) -> list[str]:
+        """Return one line per finding, with the first member that has it."""
+        return [
+            f"{self.where}: {told[0].removesuffix(')')}"
+            + (f"; and {len(told) - 1} more members)" if len(told) > 1 else ")")
+            for told in self.found.values()
+        ]

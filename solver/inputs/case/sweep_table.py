@@ -2,8 +2,8 @@
 
 from typing import Any
 
+from .sweep_keys import differences
 from .sweep_members import CheckedSweep
-from .sweeps import differences
 
 Packages = dict[str, dict[str, str]]
 

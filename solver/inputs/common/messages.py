@@ -13,17 +13,22 @@ _WORDS |= {"model_attributes_type": "expected a table", "list_type": "expected a
 
 def lines(error: ValidationError, model: type[BaseModel], where: str) -> list[str]:
     """Return one message per finding of `error`, sorted; `where` names file and run."""
-    return sorted({_line(item, model, where) for item in error.errors()})
+    return [f"{where}: {line}" for line in bare_lines(error, model)]
 
 
-def _line(item: Any, model: type[BaseModel], where: str) -> str:
+def bare_lines(error: ValidationError, model: type[BaseModel]) -> list[str]:
+    """Return the same without a file: messages that begin with the key."""
+    return sorted({_line(item, model) for item in error.errors()})
+
+
+def _line(item: Any, model: type[BaseModel]) -> str:
     path, kind = follow(model, item["loc"])
     key = printable(".".join(str(part) for part in path))
     if item["type"] == "extra_forbidden":
         _, table = follow(model, item["loc"][:-1])
-        return f"{where}: {key}: unknown key{nearest(str(path[-1]), _keys(table))}"
+        return f"{key}: unknown key{nearest(str(path[-1]), _keys(table))}"
     if item["type"] == "missing":
-        return f"{where}: {key}: missing; expected a value"
+        return f"{key}: missing; expected a value"
     if item["type"] in ("union_tag_not_found", "union_tag_invalid"):
         discriminator = str(item["ctx"]["discriminator"]).strip("'()")
         members = _members(kind)
@@ -31,15 +36,15 @@ def _line(item: Any, model: type[BaseModel], where: str) -> str:
         expected = "expected one of " + ", ".join(f'"{tag}"' for tag in tags)
         expected += "".join(f", or the key {tag}" for tag in members if tag not in tags)
         if item["type"] == "union_tag_not_found":
-            return f"{where}: {key}.{discriminator}: missing; {expected}"
+            return f"{key}.{discriminator}: missing; {expected}"
         value = item["ctx"]["tag"]
         hint = nearest(value, tags)
         hint = hint if hint.startswith("; did") else ""
-        return f'{where}: {key}.{discriminator} = "{value}": {expected}{hint}'
+        return f'{key}.{discriminator} = "{value}": {expected}{hint}'
     text = _WORDS.get(item["type"], item["msg"]).removeprefix("Value error, ")
     text = text[0].lower() + text[1:]
     hint = did_you_mean(str(item["input"]), get_args(kind)) if _one_of_words(kind) else ""
-    return f"{where}: {key} = {_short(item.get('input'))}: {text.replace('input', 'value')}{hint}"
+    return f"{key} = {_short(item.get('input'))}: {text.replace('input', 'value')}{hint}"
 
 
 def _one_of_words(kind: Any) -> bool:
