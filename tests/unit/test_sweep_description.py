@@ -10,7 +10,8 @@ from sweep_samples import BALL, FORCE, MASS, ball, ball_plan
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
-from plymotion.solver.inputs.case.sweeps import Sweep, Variation, differences
+from plymotion.solver.inputs.case.sweep_keys import differences
+from plymotion.solver.inputs.case.sweeps import Sweep, Variation
 
 
 def points(**table):

@@ -11,6 +11,7 @@ import plymotion
 
 from ...errors import InputError
 from ...inputs.case.specs import dump
+from ...package.common.file_digests import files_sha256
 from ...package.common.temporary import write_text
 from ..fenicsx_side.interpreter import find_interpreter
 from ..fenicsx_side.launch import environment, importable
@@ -92,9 +93,8 @@ def _left(file: Path) -> list[int]:
 
 def _sources() -> bytes:
     """Digest of the preprocessor, and of the parts of the solver that it imports."""
-    home, found = Path(plymotion.__file__).resolve().parent, hashlib.sha256()
-    for folder in ("preprocess", "meshes", "solver/package", "solver/math"):
-        for file in sorted((home / folder).rglob("*")):
-            if file.suffix in (".py", ".geo"):
-                found.update(file.read_bytes())
-    return found.digest()
+    home = Path(plymotion.__file__).resolve().parent
+    folders = ("preprocess", "meshes", "solver/package", "solver/math")
+    files = [file for folder in folders for file in (home / folder).rglob("*")]
+    found = {f.relative_to(home).as_posix(): f for f in files if f.suffix in (".py", ".geo")}
+    return files_sha256(found).encode()

@@ -51,13 +51,6 @@ def shell_table(body: "ShellBody", folder: Path) -> tuple[dict[str, Any], Path]:
     return changed(read_toml(file, "shell description"), body.changes, file), file
 
 
-def shown(line: str, key: str, file: Path, *, inline: bool) -> str:
-    """Return a message on a description that begins with the key of the case."""
-    if inline:
-        return f"{key}.{INLINE}.{line.removeprefix(f'{file}: ')}"
-    return f"{key}: {line}"
-
-
 def described(way: list[str], mechanism: "Mechanism", folder: Path) -> BaseModel | None:
     """Return the model of the description that the table at `way` has, None without one.
 

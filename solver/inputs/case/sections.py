@@ -3,14 +3,14 @@
 from pathlib import Path
 from typing import Any
 
-from ...errors import InputError
+from ...errors import InputError, under
 from ..common.material import plain
 from ..section.description import Region
 from ..section.expand import section_spec as described_section
 from ..section.expand import source_files
 from ..section.shapes.library import walls
 from ..section.shapes.mesh import ALL, shape_mesh
-from .descriptions import INLINE, section_table, shown
+from .descriptions import INLINE, section_table
 from .schema import BeamBody, DescribedSection, Mechanism
 
 
@@ -74,13 +74,14 @@ def check_section(key: str, body: BeamBody, mechanism: Mechanism) -> list[str]:
 def _described(
     key: str, name: str, section: DescribedSection, mechanism: Mechanism, folder: Path
 ) -> tuple[dict[str, Any], list[Path]]:
-    inline, file = section.file is None, folder / (section.file or INLINE)
+    file = folder / INLINE
     try:
         table, file = section_table(name, section, mechanism, folder)
         spec = described_section(table, file)
     except InputError as error:
-        where = key if inline else f"{key}.file"
-        lines = [shown(line, where, file, inline=inline) for line in str(error).splitlines()]
-        raise InputError("\n".join(lines)) from error
+        if section.file is not None:
+            raise under(f"{key}.file", error) from error
+        bare = (line.removeprefix(f"{file}: ") for line in str(error).splitlines())
+        raise InputError("\n".join(f"{key}.{INLINE}.{line}" for line in bare)) from error
     del spec["title"]  # another title is no other body
-    return {**spec, "name": name}, source_files(table, file)[inline:]
+    return {**spec, "name": name}, source_files(table, file)[section.file is None :]

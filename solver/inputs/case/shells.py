@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 from typing import Any
 
-from ...errors import InputError, few
+from ...errors import InputError, few, under
 from ...package.body.specification import ShellSpecification
 from ..common.gmsh_file import physical_groups
 from ..common.table import plain_table
@@ -35,8 +35,7 @@ def shell_body_spec(
     try:
         shell = _shell(body, folder)
     except InputError as error:
-        lines = [f"{key}.shell: {line}" for line in str(error).splitlines()]
-        raise InputError("\n".join(lines)) from error
+        raise under(f"{key}.shell", error) from error
     mesh = Path(shell["mesh"]["file"])
     if found := _groups(key, body, mesh) + _check_motion(key, body):
         raise InputError("\n".join(found))

@@ -31,10 +31,10 @@ def _line(item: Any, model: type[BaseModel]) -> str:
         return f"{key}: missing; expected a value"
     if item["type"] in ("union_tag_not_found", "union_tag_invalid"):
         discriminator = str(item["ctx"]["discriminator"]).strip("'()")
-        members = _members(kind)
-        tags = sorted(t for t, m in members.items() if discriminator in m.model_fields)
+        choices = members(kind)
+        tags = sorted(t for t, m in choices.items() if discriminator in m.model_fields)
         expected = "expected one of " + ", ".join(f'"{tag}"' for tag in tags)
-        expected += "".join(f", or the key {tag}" for tag in members if tag not in tags)
+        expected += "".join(f", or the key {tag}" for tag in choices if tag not in tags)
         if item["type"] == "union_tag_not_found":
             return f"{key}.{discriminator}: missing; {expected}"
         value = item["ctx"]["tag"]
@@ -72,9 +72,9 @@ def follow(model: Any, location: tuple[Any, ...]) -> tuple[list[Any], Any]:
     path: list[Any] = []
     kind = _bare(model)
     for part in location:
-        members = _members(kind)
-        if members:  # the name of a union's member, no key
-            kind = _bare(members.get(part))
+        named = members(kind)
+        if named:  # the name of a union's member, no key
+            kind = _bare(named.get(part))
             continue
         path.append(part)
         origin, arguments = get_origin(kind), get_args(kind)
@@ -101,7 +101,7 @@ def _bare(kind: Any) -> Any:
     return kind
 
 
-def _members(kind: Any) -> dict[Any, Any]:
+def members(kind: Any) -> dict[Any, Any]:
     """Return the members of a union by the names that pydantic gives them; empty for no union."""
     if get_origin(kind) not in (Union, UnionType):
         return {}
