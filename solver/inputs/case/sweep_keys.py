@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from pydantic import BaseModel
 
 from ...errors import InputError, nearest
@@ -97,7 +98,8 @@ def changes_of(
                 found[key] = values[parameter.name]
     for key, text in sweep.expressions.items():
         try:
-            value = value_at(parsed(text, Plain({**numbers, **values})))
+            with np.errstate(all="ignore"):
+                value = value_at(parsed(text, Plain({**numbers, **values})))
         except (ArithmeticError, ExpressionError) as error:
             raise Misplaced(f'set."{key}" = "{text}": {error}') from error
         if not math.isfinite(value):

@@ -2,9 +2,9 @@
 
 from copy import deepcopy
 from functools import cache
-from typing import Any
+from typing import Any, get_args
 
-from ..common.messages import members
+from ..common.messages import members, without_annotations
 from ..section.mesh_table import shape
 from .schema import Mechanism
 
@@ -44,10 +44,10 @@ def _kind(group: str, table: Tables) -> Any:
 def _keys(group: str) -> dict[Any, dict[str, Any]]:
     """Return the keys of every kind of a group with their types; empty for a group without."""
     field = Mechanism.model_fields.get(group)
-    arguments = getattr(getattr(field, "annotation", None), "__args__", ())
+    arguments = () if field is None else get_args(field.annotation)
     if len(arguments) != 2:
         return {}
     return {
         kind: {f.alias or name: f.annotation for name, f in model.model_fields.items()}
-        for kind, model in members(arguments[1]).items()
+        for kind, model in members(without_annotations(arguments[-1])).items()
     }

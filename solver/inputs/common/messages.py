@@ -70,34 +70,34 @@ def follow(model: Any, location: tuple[Any, ...]) -> tuple[list[Any], Any]:
     pydantic inserts the names of union members between the keys; they are removed.
     """
     path: list[Any] = []
-    kind = _bare(model)
+    kind = without_annotations(model)
     for part in location:
         named = members(kind)
         if named:  # the name of a union's member, no key
-            kind = _bare(named.get(part))
+            kind = without_annotations(named.get(part))
             continue
         path.append(part)
         origin, arguments = get_origin(kind), get_args(kind)
         if isinstance(kind, type) and issubclass(kind, BaseModel):
             field = kind.model_fields.get(str(part))
-            kind = _bare(field.annotation) if field is not None else None
+            kind = without_annotations(field.annotation) if field is not None else None
         elif origin is dict:
-            kind = _bare(arguments[1])
+            kind = without_annotations(arguments[1])
         elif origin is list:
-            kind = _bare(arguments[0])
+            kind = without_annotations(arguments[0])
         else:
             kind = None
     return path, kind
 
 
-def _bare(kind: Any) -> Any:
+def without_annotations(kind: Any) -> Any:
     """Return a type without annotations and without "or None"."""
     if get_origin(kind) is Annotated:
-        return _bare(get_args(kind)[0])
+        return without_annotations(get_args(kind)[0])
     if get_origin(kind) in (Union, UnionType):
         rest = [a for a in get_args(kind) if a is not type(None)]
         if len(rest) == 1:
-            return _bare(rest[0])
+            return without_annotations(rest[0])
     return kind
 
 
@@ -108,7 +108,7 @@ def members(kind: Any) -> dict[Any, Any]:
     found: dict[Any, Any] = {}
     for member in get_args(kind):
         names = [a.tag for a in getattr(member, "__metadata__", ()) if isinstance(a, Tag)]
-        bare = _bare(member)
+        bare = without_annotations(member)
         if not names and isinstance(bare, type) and issubclass(bare, BaseModel):
             tags = [f.annotation for n, f in bare.model_fields.items() if n in ("kind", "shape")]
             names = [name for tag in tags if get_origin(tag) is Literal for name in get_args(tag)]
