@@ -4,6 +4,7 @@ import hashlib
 import json
 from pathlib import Path
 
+from ..inputs.case.run_table import package_entries
 from ..inputs.case.sources import solver_sha256
 from ..package.common.disk_file import has_right_seal
 from ..results import ResultError, read_summary
@@ -15,7 +16,7 @@ def inputs_sha256(file: Path) -> str:
         content = file.read_bytes()
         digest = hashlib.sha256(solver_sha256().encode() + content)
         table = json.loads(content)
-        for entry in (*table["packages"].values(), *table.get("check_packages", {}).values()):
+        for entry in package_entries(table):
             digest.update((file.parent.parent / entry["file"]).read_bytes())
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return ""

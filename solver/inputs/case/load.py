@@ -12,6 +12,7 @@ from ...errors import InputError, nearest
 from ..common import lines, read_toml
 from ..common.messages import bare_lines
 from .body_specs import BodySpec, BodySpecs
+from .combined import check_elsewhere
 from .findings import Findings
 from .laws import FOLDER
 from .parts import in_parts
@@ -121,6 +122,9 @@ def checked_case(table: dict[str, Any], file: Path, *, coarse: bool = False) -> 
             continue
         runs[name], bodies[name], found = in_parts(mechanism, specs)
         findings.of_run(name, found)
+    if not findings:  # otherwise a run that is wrong would be missing
+        for name, mechanism in runs.items():
+            findings.of_run(name, check_elsewhere(mechanism, runs))
     findings.add(f"{file}: {line}" for line in _figures(top, runs))
     sweeps: dict[str, CheckedSweep] = {}
     for name, sweep in top.sweeps.items():
@@ -129,9 +133,15 @@ def checked_case(table: dict[str, Any], file: Path, *, coarse: bool = False) -> 
             hint = nearest(sweep.run, top.runs)
             findings.add([f'{file}: {key}.run = "{sweep.run}": no such run{hint}'])
         elif sweep.run in runs:
-            merged = merged_with(key, [*top.runs[sweep.run].variants, *sweep.variants])
-            merged.pop("fidelity", None)  # members have the modes that the case gives
-            checked = check_sweep(f"{file}: {key}", sweep, merged, specs)
+
+            def merged_of(
+                run: str, key: str = key, variants: list[str] = sweep.variants
+            ) -> dict[str, Any]:
+                merged = merged_with(key, [*top.runs[run].variants, *variants])
+                merged.pop("fidelity", None)  # members have the modes that the case gives
+                return merged
+
+            checked = check_sweep(f"{file}: {key}", sweep, merged_of(sweep.run), specs, merged_of)
             if isinstance(checked, list):
                 findings.of_sweep(key, checked)
             else:
