@@ -7,6 +7,7 @@ from typing import Any
 
 from ..solver.commands.described.entries import Entry
 from ..solver.commands.described.make import Made, make_files, write_specs
+from ..solver.commands.executors.local import Local
 from ..solver.commands.section.command import described_spec
 from ..solver.commands.section.results import SectionResults, read_results
 from ..solver.errors import InputError
@@ -86,9 +87,13 @@ class Section:
         folder = Path(out)
         requests, failed = write_specs([entry], folder, lambda one: described_spec(one, folder))
         made: list[Made] = list(failed)
-        options = ["--force"] if force else []
         make_files(
-            requests, "section", options, jobs=1, done=made.append, progress=lambda text: None
+            requests,
+            "section",
+            ["--force"] if force else [],
+            executor=lambda: Local(1, threads=True),
+            done=made.append,
+            progress=lambda text: None,
         )
         if made[0].status == "failed":
             raise InputError(made[0].error)

@@ -1,7 +1,7 @@
 """Analysis of a cross-section: stiffness, mass and stress recovery from its description."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from ...solver.math.arrays import Array
@@ -9,7 +9,7 @@ from ...solver.package.section.schema import SectionFile
 from .. import fenicsx
 from .errors import SectionError
 from .estimate import error_estimate, scaled
-from .guards import check_degree, solvability_warnings
+from .guards import ALLOWED, check_degree, condition_warnings, solvability_warnings
 from .inertia import mass_centre, mass_matrix
 from .layers import Layup, layup
 from .mesh_data import mesh_data, nodal_displacements
@@ -53,27 +53,34 @@ def analyse(
     Raises
     ------
     SectionError, MaterialError : a wrong description (file or section, key, value, expectation).
-    FactorisationError, MeshError : no result from FEniCSx or gmsh.
+    MeshError : no mesh from gmsh.
     """
     start = time.perf_counter()
     where = where or f"section {spec.get('name', '')}".strip()
     check_spec(spec, where)
     begin = progress or (lambda _line: None)
     degree = int(spec["mesh"].get("degree", DEGREE))
+    allow = tuple(spec.get("allow", ()))
     steps: list[dict[str, float | None]] = []
     refine = 0
     while True:
         begin(f"mesh, refined {refine} times" if refine else "mesh")
         problem = section_problem(spec["mesh"], where, degree, refine, team)
         lay = layup(spec, problem.mesh, problem.space, where)
-        warnings = [*problem.mesh.warnings, *lay.warnings, *check_degree(problem.space, lay, where)]
+        warnings = [
+            *problem.mesh.warnings,
+            *lay.warnings,
+            *check_degree(problem.space, lay, where, allow),
+        ]
         begin(f"warping, {problem.space.n_dof} dofs")
-        result = _solve(problem, lay, where)
-        warnings += solvability_warnings(result)
+        result = _solve(problem, lay, where, allow)
+        warnings += [*solvability_warnings(result), *condition_warnings(result)]
         error = None
         if estimate or accuracy is not None:
             begin("error estimate")
-            error = _estimate(spec, where, problem, refine, result.K)
+            error = _estimate(spec, where, problem, refine, result.K, allow)
+        if result.round_off is not None:
+            error = result.round_off if error is None else error + result.round_off
         lap = time.perf_counter() - start
         worst = None if error is None else float(scaled(error, result.K).max())
         steps.append(
@@ -93,10 +100,12 @@ def analyse(
         refine += 1
     begin("recovery")
     M = mass_matrix(problem.space, lay.density)
-    fields = unit_displacements(problem.space, result)
-    points, lay_points = problem.space, lay
+    fields = unit_displacements(result.space, result)
+    points, lay_points = result.space, lay
     if recovery_degree is not None:
-        points = SectionSpace(problem.mesh.labelled, degree, recovery_degree)
+        points = SectionSpace(problem.mesh.cells, degree, recovery_degree)
+        if result.space.over is not None:
+            points = points.expressed(result.space.over)
         lay_points = layup(spec, problem.mesh, points, where)
     seconds = time.perf_counter() - start
     return SectionFile(
@@ -108,7 +117,7 @@ def analyse(
         tension_centre=tension_centre(result.K),
         mass_centre=mass_centre(M),
         mesh=mesh_data(problem.mesh, problem.space, lay),
-        warping=nodal_displacements(problem.space, fields[0]),
+        warping=nodal_displacements(result.space, fields[0]),
         recovery=section_recovery(points, lay_points, fields, dict(spec["materials"])),
         warnings=tuple(warnings),
         provenance={
@@ -116,23 +125,39 @@ def analyse(
             "dofs": problem.space.n_dof,
             "degree": degree,
             "refinements": steps,
+            "round_off": None
+            if result.round_off is None
+            else float(scaled(result.round_off, result.K).max()),
             "seconds": seconds,
             "versions": fenicsx.versions(),
         },
     )
 
 
-def _solve(problem: SectionProblem, lay: Layup, where: str) -> SectionStiffness:
+def _solve(
+    problem: SectionProblem, lay: Layup, where: str, allow: Sequence[str]
+) -> SectionStiffness:
+    doubtful = ALLOWED[1] in allow
     try:
-        return problem.solve(lay.stiffness)
+        return problem.solve(lay.stiffness, doubtful=doubtful)
+    except fenicsx.FactorisationError as error:
+        hint = ""
+        if isinstance(error, fenicsx.SingularError):
+            hint = f'; allow = ["{ALLOWED[1]}"] solves it all the same'
+        raise SectionError(f"{where}: {error}{hint}") from error
     except SectionError as error:
         raise SectionError(f"{where}: {error}") from error
 
 
 def _estimate(
-    spec: Mapping[str, Any], where: str, problem: SectionProblem, refine: int, K: Array
+    spec: Mapping[str, Any],
+    where: str,
+    problem: SectionProblem,
+    refine: int,
+    K: Array,
+    allow: Sequence[str],
 ) -> Array:
     degree = problem.space.degree + 1
     richer = section_problem(spec["mesh"], where, degree, refine, problem.team)
     lay = layup(spec, richer.mesh, richer.space, where)
-    return error_estimate(K, _solve(richer, lay, where).K, problem.space.degree)
+    return error_estimate(K, _solve(richer, lay, where, allow).K, problem.space.degree)

@@ -48,13 +48,14 @@ def section_recovery(
     w, along = fields
     strain_B = space.strain_in_section(w) + space.strain_along_beam(along)
     strain_M = np.swapaxes(bond(lay.A_BM), -1, -2) @ strain_B
+    real = space.weights.ravel() > 0.0  # not those that fill up cells with fewer points
     return SectionRecovery(
-        points=space.points.reshape(-1, 2),
-        weights=space.weights.ravel(),
-        cell=np.repeat(np.arange(c), q),
-        ply=lay.ply.ravel(),
-        A_BM=A_BM.reshape(-1, 3, 3).copy(),
-        strain_M=strain_M.reshape(-1, 6, 6),
+        points=space.points.reshape(-1, 2)[real],
+        weights=space.weights.ravel()[real],
+        cell=np.repeat(np.arange(c), q)[real],
+        ply=lay.ply.ravel()[real],
+        A_BM=A_BM.reshape(-1, 3, 3)[real],
+        strain_M=strain_M.reshape(-1, 6, 6)[real],
         C_M=lay.stiffness_M,
         plies=lay.plies,
         materials=materials,

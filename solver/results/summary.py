@@ -54,7 +54,7 @@ def write_summary(path: str | Path, summary: dict[str, Any]) -> None:
     """Write a summary as standard JSON: NaN and inf become null."""
     path = Path(path)
     try:
-        text = json.dumps(_plain(summary), indent=2, ensure_ascii=False, allow_nan=False)
+        text = json.dumps(plain(summary), indent=2, ensure_ascii=False, allow_nan=False)
     except TypeError as error:
         raise ResultError(
             f"{path}: the summary contains a value that is not JSON: {error}"
@@ -75,13 +75,14 @@ def read_summary(path: str | Path) -> dict[str, Any]:
     return summary
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
+    """Return a value as JSON can hold it: arrays as lists, NaN and infinity as null."""
     if isinstance(value, dict):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     if isinstance(value, np.ndarray | np.generic):
-        return _plain(value.tolist())
+        return plain(value.tolist())
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value

@@ -21,6 +21,7 @@ from ..results.codes.course import FEEDBACK
 from ..signals import Sensor, fatigue_entry, recorded
 from ..strength.fatigue import Turning
 from ..strength.found import summary as strength_entry
+from .drawing import links, with_views
 
 if TYPE_CHECKING:
     from ..inputs.case.schema import Mechanism
@@ -95,6 +96,7 @@ def collect(
         for name, sensor in sensors.items()
     )
     geometry, points = drawn_shapes(finished.built, y)
+    geometry = with_views(geometry, finished.built, y)
     result = RunResult(
         case=spec.case,
         run=spec.run,
@@ -107,6 +109,7 @@ def collect(
         bodies=geometry,
         node_positions_G=points,
         violations={n: rows.all() for (group, n), rows in kept.items() if group == "violations"},
+        links=links(finished.built),
     )
     judgement = judge(finished)
     # Remarks on the cost of a run are findings too; `hints` repeats them beside the integrator's.

@@ -1,6 +1,6 @@
 """A mechanism ready to be integrated: model, consistent start, monitors, sensors."""
 
-from collections.abc import Container
+from collections.abc import Callable, Container
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -106,12 +106,14 @@ def prepare(
     signals: Container[str] | None = None,
     *,
     allow_python: bool = False,
+    adjust: Callable[[Model], None] | None = None,
     histories: Histories | None = None,
 ) -> Prepared:
     """Build a checked mechanism (inputs/case/schema.py), close its joints, look at it.
 
     `signals` are those that will be asked for; None: all. `allow_python`: functions of the user
-    may run. `histories` of other runs as in `sensors`.
+    may run. `adjust` may write into the arrays of the model before its joints are closed.
+    `histories` of other runs as in `sensors`.
 
     Raises
     ------
@@ -124,6 +126,8 @@ def prepare(
     solver = mechanism.solver
     treatment = treatment_of(solver)
     built = build(mechanism, used_packages(mechanism, packages))
+    if adjust is not None:
+        adjust(built.model)
     names = built.joint_names, built.body_names
     spin = given_spin(solver)
     y0 = starting_state(built.model, built.start, solver.start, *names, spin)

@@ -109,13 +109,17 @@ def _elsewhere(name: str, signals: Mapping[str, Any]) -> bool:
 
 
 def recorded(
-    sensors: Mapping[str, Sensor], model: Model, blocks: Callable[[], Iterable[tuple[Array, Array]]]
+    sensors: Mapping[str, Sensor],
+    model: Model,
+    blocks: Callable[[], Iterable[tuple[Array, Array]]],
+    memory: dict[Any, Any] | None = None,
 ) -> Iterator[tuple[Array, Array, dict[str, Array]]]:
     """Yield times (k,), states (k, n) and values of the sensors (k,), block by block.
 
     blocks : gives times and states; called again for sensors that look at all of them before
+    memory : what sensors keep of blocks that were shown in an earlier call
     """
-    memory: dict[Any, Any] = {}
+    memory = {} if memory is None else memory
     looking = [sensor.look for sensor in sensors.values() if sensor.look is not None]
     if looking:
         for t, y in blocks():

@@ -26,6 +26,8 @@ LIMITS = {
     "laminate-soft-core": ("preprocess/laminate/report.py", "SOFT"),
     "unmerged-nodes": ("preprocess/section/mesh_checks.py", "COINCIDENT"),
     "sliver-elements": ("preprocess/section/mesh_checks.py", "LEAST_SINE"),
+    "nearly-incompressible": ("preprocess/section/guards.py", "INCOMPRESSIBLE"),
+    "ill-conditioned": ("preprocess/section/problem.py", "LARGEST_GROWTH"),
     "accuracy-not-met": ("preprocess/section/analysis.py", "MOST_DOFS"),
 }
 MAKERS = {"_warning", "add_warning"}  # functions that take a code first

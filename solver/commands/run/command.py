@@ -1,6 +1,7 @@
 """The command `plymotion run`: one run or several, in one process or more."""
 
 import argparse
+import json
 import multiprocessing
 import sys
 import time
@@ -14,6 +15,7 @@ from typing import Any
 from ...errors import InputError, PackageError, few
 from ...fidelity.execution import run_any
 from ...fidelity.words import fidelity_line
+from ...inputs.case.extreme import ERRORS, out_of_range
 from ...interrupts import INTERRUPTED, asked, handle, passed_to_children
 from ...run.execution import INCOMPLETE
 from ...run.inputs_digest import up_to_date
@@ -133,8 +135,14 @@ def _outcome(task: _Task) -> Outcome:
     except KeyboardInterrupt:
         return Outcome(INTERRUPTED, errors=[f"{task.file}: interrupted, nothing written"])
     except Exception as error:
+        if isinstance(error, ERRORS) and (message := _out_of_range(task.file)):
+            return Outcome(INPUT, errors=[message])
         return Outcome(DEFECT, errors=[f"{task.file}: {report(error)}"])
     return Outcome(_code(summary), _lines(summary, task.timing))
+
+
+def _out_of_range(file: Path) -> str:
+    return out_of_range(str(file), json.loads(file.read_text(encoding="utf-8"))["mechanism"])
 
 
 def _code(summary: dict[str, Any]) -> int:

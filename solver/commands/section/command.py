@@ -44,7 +44,6 @@ def run_section(options: argparse.Namespace) -> int:
         words,
         spec_of=lambda entry: described_spec(entry, options.out),
         show=show,
-        jobs=options.jobs,
         list_each=bool(options.batch),
     )
 

@@ -12,6 +12,7 @@ from ...checks.finished import FinishedRun, Look
 from ...checks.judge import judge
 from ...errors import InputError, PackageError
 from ...inputs.case.combining import with_parts
+from ...inputs.case.extreme import ERRORS, out_of_range
 from ...math.arrays import Array
 from ...package import ModalPackage
 from ...results import Signal, signal_summary
@@ -102,6 +103,10 @@ def compute(
         except KeyboardInterrupt:
             break
         except Exception as error:
+            if isinstance(error, ERRORS) and (
+                message := out_of_range(plan.name, plan.mechanism_of(number).model_dump())
+            ):
+                error = InputError(message)
             rows[k] = _failed(rows[k], error)
         if not rows[k].done:
             break

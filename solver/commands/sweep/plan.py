@@ -2,7 +2,8 @@
 
 import hashlib
 import json
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -44,6 +45,7 @@ class Member:
     values: tuple[float, ...]
     own: Variant
     other_runs: dict[str, Variant]  # that combined signals read
+    number: int  # in the sweep
 
 
 @dataclass(frozen=True)
@@ -66,13 +68,18 @@ class Plan:
     members: tuple[Member, ...]
     allow_doubtful: bool = False  # as in `read_package`
 
+    def part(self, members: Sequence[Member]) -> "Plan":
+        """Return the same sweep with some of its members."""
+        return replace(self, members=tuple(members))
+
     def mechanism_of(self, number: int) -> Mechanism:
         """Return the mechanism of one member. Raises InputError."""
-        return in_segments(resolved(self._table_of(number), f"{self.file}: member {number}"))
+        where = f"{self.file}: member {self.members[number].number}"
+        return in_segments(resolved(self._table_of(number), where))
 
     def other_mechanism(self, number: int, run: str) -> Mechanism:
         """Return the mechanism of another run of one member. Raises InputError."""
-        where = f"{self.file}: member {number}, run {run}"
+        where = f"{self.file}: member {self.members[number].number}, run {run}"
         return in_segments(resolved(self._others_of(number)[run], where))
 
     def _table_of(self, number: int) -> dict[str, Any]:
@@ -150,8 +157,9 @@ def read_plan(file: Path, *, allow_doubtful: bool = False) -> Plan:
                     tuple(m["values"]),
                     _variant(m),
                     {run: _variant(other) for run, other in m["other_runs"].items()},
+                    number,
                 )
-                for m in table["members"]
+                for number, m in enumerate(table["members"])
             ),
             allow_doubtful=allow_doubtful,
         )

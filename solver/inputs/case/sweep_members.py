@@ -17,6 +17,7 @@ from .combining import needed, with_parts
 from .laws import FOLDER
 from .parts import in_parts
 from .schema import Mechanism
+from .sharing import sharing
 from .sweep_keys import Misplaced, Parameter, changed, changes_of, parameters_of, unit_at
 from .sweeps import Sweep
 
@@ -150,7 +151,7 @@ class _Maker:
                 continue
             divided, own, wrong = in_parts(member, self.specs)
             problems.add(k, values, wrong)
-            mechanisms.append(divided)
+            mechanisms.append(sharing(divided, base))
             bodies.append(own)
         return Members(base, mechanisms, bodies)
 

@@ -131,6 +131,11 @@ class SectionDescription(Table):
         default=None,
         description="sign convention of ply angles; required if one of them is not 0",
     )
+    allow: list[Literal["nearly-incompressible", "ill-conditioned"]] = Field(
+        default=[],
+        description="what is computed with a warning instead of an error: linear elements of a "
+        "material that locks, equations that appear to be singular",
+    )
     mesh: Mesh = Field(description="a shape of the library, or a mesh file")
     materials: dict[Name, Material] = Field(min_length=1, description="elastic materials")
     laminates: dict[Name, Laminate] = Field(default={}, description="lay-ups by name")

@@ -89,6 +89,7 @@ def section_spec(table: dict[str, Any], file: Path, folder: Path = BUILD) -> dic
     return {
         "name": file.stem,
         "title": description.title,
+        **({"allow": list(description.allow)} if description.allow else {}),
         "convention": description.convention or "contour",  # no angle: the same beam
         "mesh": mesh,
         "materials": {n: plain(m) for n, m in description.materials.items() if n in used},

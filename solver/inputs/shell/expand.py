@@ -80,7 +80,7 @@ def shell_spec(table: dict[str, Any], file: Path) -> dict[str, Any]:
         "materials": {n: plain(m) for n, m in description.materials.items() if n in used},
         "laminates": laminates,
         "regions": regions,
-        "elements": description.elements.model_dump(),
+        "elements": description.elements.model_dump(exclude_none=True),
         **({"stiffeners": stiffeners} if stiffeners else {}),
         "links": _plain(description.links),
         "supports": {
@@ -134,6 +134,8 @@ def _mesh(table: Mesh, folder: Path) -> dict[str, Any]:
         mesh["parameters"] = table.parameters
     if table.scale is not None:
         mesh["scale"] = table.scale
+    if table.element is not None:
+        mesh["element"] = table.element
     return mesh
 
 
