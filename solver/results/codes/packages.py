@@ -194,6 +194,20 @@ SECTION_CODES = (
         1e14,
     ),
     _code(
+        "strongly-curved",
+        "the section is large compared with the radius of its initial curvature",
+        "shortest over reference fibre below {limit:g}",
+        "model the part with solid elements",
+        0.5,
+    ),
+    _code(
+        "taper-neglected",
+        "the section's size changes along the beam, which the stiffness does not contain",
+        "estimated relative error of the stiffness above {limit:g}",
+        "model the part with solid elements, or accept the estimate",
+        1e-3,
+    ),
+    _code(
         "accuracy-not-met",
         "the next refinement would be too large: the accuracy asked for is not reached",
         "more than {limit:g} unknowns after the next refinement",
