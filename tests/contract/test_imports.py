@@ -111,6 +111,7 @@ PLANTED = [  # folder, forbidden import, contract that it breaks
     ("solver/math", "from .. import package", "layers"),
     ("solver/integrators/generic", "from ... import dynamics", "integrators"),
     ("solver/package", "import scipy", "package"),
+    ("solver/report", "from plymotion.api import case", "python"),
 ]
 
 
