@@ -90,7 +90,7 @@ def _api() -> str:
     import plymotion
 
     parts = ["# Names of `import plymotion`\n\n[](python.md) explains them by examples.\n"]
-    for name in plymotion.__all__:
+    for name in vars(plymotion)["__all__"]:
         found = getattr(plymotion, name)
         if name != "__version__":
             kind = "autoclass" if isinstance(found, type) else "autofunction"
