@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ..described.options import add_command, add_out, add_shared
+from ..executors.choice import add_executor
 
 FOLDER = Path("build") / "shells"
 
@@ -46,3 +47,4 @@ def add_shell_command(commands: Any, run: Callable[[argparse.Namespace], int]) -
         help="load factors of linear buckling of every load case (default 4 of each)",
     )
     add_shared(parser, "force", "quiet")
+    add_executor(parser, "shells")

@@ -21,7 +21,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from ...errors import InputError, few, nearest
+from ...errors import InputError, few, nearest, under
 from ..common import read_toml
 from ..common.gmsh_file import content_sha256, is_gmsh_mesh, physical_groups
 from ..common.material import check_materials, plain
@@ -115,8 +115,7 @@ def _stiffeners(description: ShellDescription, folder: Path) -> dict[str, Any]:
         try:
             section = load_section(folder / table["section"])
         except InputError as error:
-            lines = [f"stiffeners.{name}.section: {line}" for line in str(error).splitlines()]
-            raise InputError("\n".join(lines)) from error
+            raise under(f"stiffeners.{name}.section", error) from error
         del section["title"]
         table["section"] = section
     return found
