@@ -163,6 +163,73 @@ def test_library_agrees_with_the_headers_of_the_standard(fmpy: Any, tmp_path: Pa
         assert hasattr(library, name), name
 
 
+MASTER = """\
+#include <assert.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include "fmi2Functions.h"
+
+static void told(fmi2ComponentEnvironment e, fmi2String who, fmi2Status s, fmi2String kind,
+                 fmi2String text, ...)
+{
+    fprintf(stderr, "%s: %s\\n", who, text);
+}
+
+int main(int count, char **words)
+{
+    fmi2CallbackFunctions call = {told, calloc, free, 0, 0};
+    fmi2ValueReference push = 0, x = 1;
+    fmi2Real force = 4.0, place;
+    assert(count == 2);
+    assert(!fmi2Instantiate("a", fmi2CoSimulation, "of another", words[1], &call, 0, 0));
+    fmi2Component c = fmi2Instantiate("a", fmi2CoSimulation, GUID, words[1], &call, 0, 0);
+    assert(c);
+    for (int run = 0; run < 2; run++) {
+        assert(fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0) == fmi2OK);
+        assert(fmi2EnterInitializationMode(c) == fmi2OK);
+        assert(fmi2SetReal(c, &push, 1, &force) == fmi2OK);
+        assert(fmi2GetReal(c, &x, 1, &place) == fmi2OK && fabs(place - 0.5) < 1e-12);
+        assert(fmi2ExitInitializationMode(c) == fmi2OK);
+        for (int k = 0; k < 50; k++) {
+            assert(fmi2SetReal(c, &push, 1, &force) == fmi2OK);
+            assert(fmi2DoStep(c, 0.01 * k, 0.01, 1) == fmi2OK);
+        }
+        assert(fmi2DoStep(c, 0.9, 0.01, 1) == fmi2Error);
+        assert(fmi2GetReal(c, &x, 1, &place) == fmi2OK && fabs(place - 0.75) < 1e-9);
+        assert(fmi2Terminate(c) == fmi2OK);
+        assert(fmi2DoStep(c, 0.5, 0.01, 1) == fmi2Error);
+        assert(fmi2Reset(c) == fmi2OK);
+    }
+    fmi2FreeInstance(c);
+    puts("done");
+    return 0;
+}
+"""
+
+
+def test_a_master_in_c_finds_no_slip_of_memory(fmpy: Any, slider: Path, tmp_path: Path) -> None:
+    """The library inside a program that checks addresses, leaks and undefined behaviour."""
+    headers = Path(fmpy.__file__).parent / "c-code"
+    (tmp_path / "master.c").write_text(MASTER)
+    checks = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g"]
+    with zipfile.ZipFile(slider) as archive:
+        archive.extractall(tmp_path)
+    guid = fmpy.read_model_description(str(slider)).guid
+    program = tmp_path / "master"
+    words = [os.environ.get("CC") or "cc", *checks, "-D_GNU_SOURCE", "-DFMI2_HEADERS"]
+    words += [f"-I{headers}", f'-DGUID="{guid}"', str(tmp_path / "master.c"), str(LIBRARY)]
+    made = subprocess.run([*words, "-o", str(program), "-lm"], capture_output=True, text=True)
+    if made.returncode != 0 and ("libasan" in made.stderr or "libubsan" in made.stderr):
+        pytest.skip(f"no sanitizers: {made.stderr.strip()[-200:]}")
+    assert made.returncode == 0, made.stderr
+    resources = (tmp_path / "resources").as_uri()
+    done = subprocess.run([str(program), resources], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr[-3000:]
+    assert done.stdout == "done\n"
+
+
 class Instance:
     """An FMU that is called function by function; `told` is what it says."""
 
@@ -316,6 +383,28 @@ def test_refusals(
     monkeypatch.chdir(tmp_path)
     assert main(["export", *words, "--to", "fmu"]) == 2
     assert message in capsys.readouterr().err
+    assert not list(tmp_path.rglob("*.fmu"))
+
+
+def test_python_files_of_a_case_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """An FMU is given away; a function of the user could do anything."""
+    (tmp_path / "law.py").write_text("def law(t, inputs, memory):\n    return 0.0\n")
+    control = """[forces.push]
+kind = "python_controller"
+joint = "rail"
+sample_time = 0.01
+code = { file = "law.py", function = "law" }
+inputs = ["x"]
+"""
+    case = re.sub(r"\[forces\.push\].*?(?=\[signals)", control, SLIDER, flags=re.DOTALL)
+    (tmp_path / "case.toml").write_text(HEAD + case + SOLVER.format(t_end=1.0, step=0.01, more=""))
+    monkeypatch.chdir(tmp_path)
+    code = main(["export", "case.toml", "--to", "fmu"])
+    told = capsys.readouterr().err
+    assert code == 2, told
+    assert "forces.push.code: an FMU does not run Python files of the user" in told
     assert not list(tmp_path.rglob("*.fmu"))
 
 
