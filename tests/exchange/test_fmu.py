@@ -20,7 +20,6 @@ from plymotion.solver.__main__ import main
 from plymotion.solver.commands.exchange.fmu.write import LIBRARY
 from plymotion.solver.math.arrays import Array
 
-STEP, T_END = 1e-3, 0.5  # [s]
 OF_MODEL_EXCHANGE = {
     "fmi2EnterEventMode",
     "fmi2NewDiscreteStates",
@@ -106,12 +105,6 @@ def slider(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return export(folder, folder / "case.toml")
 
 
-def turned(t: Array) -> Array:
-    """Angle of the hinge: the drive of the case."""
-    s = np.minimum(t / 0.4, 1.0)
-    return np.asarray(-(10.0 * s**3 - 15.0 * s**4 + 6.0 * s**5))
-
-
 def test_fmpy_finds_nothing_wrong_with_the_description(fmpy: Any, arm: Path, slider: Path) -> None:
     for file in (arm, slider):
         assert fmpy.validation.validate_fmu(str(file)) == []
@@ -128,12 +121,22 @@ def test_fmpy_finds_nothing_wrong_with_the_description(fmpy: Any, arm: Path, sli
     assert (base.kg, base.m, base.s) == (1, 1, -2)
 
 
-def test_path_is_that_of_our_own_run(fmpy: Any, arm: Path, own: dict[str, Array]) -> None:
-    """Communication steps of 1 ms; fmpy starts from the angle and writes nothing but the angle."""
-    t = np.linspace(0.0, T_END, 501)
-    rows = np.array(list(zip(t, turned(t), strict=True)), dtype=[("time", float), ("u", float)])
-    rows.dtype.names = ("time", "joints.hinge.drive")
-    found = fmpy.simulate_fmu(str(arm), stop_time=T_END, output_interval=STEP, input=rows)
+def test_path_is_that_of_our_own_run(
+    fmpy: Any,
+    arm: Path,
+    own: dict[str, Array],
+    repository: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Communication steps of 1 ms, as the manual shows: the only input is the angle."""
+    shutil.copy(arm, tmp_path / "arm.fmu")
+    monkeypatch.chdir(tmp_path)
+    page = (repository / "docs/exchange.md").read_text()
+    (code,) = re.findall(r"^In fmpy:\n\n```python\n(.*?)^```", page, re.DOTALL | re.MULTILINE)
+    names: dict[str, Any] = {}
+    exec(code, names)
+    found, t = names["result"], np.linspace(0.0, 0.5, 501)
     assert found["time"] == pytest.approx(t, abs=1e-12)
     for name, values in own.items():
         assert np.abs(found[f"signals.{name}"] - values).max() < 1e-5, name
