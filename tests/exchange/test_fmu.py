@@ -1,86 +1,21 @@
-"""A mechanism as an FMU in fmpy: description, path against our own run, calls out of turn."""
+"""A mechanism as an FMU: description, path against our own run, archive, refusals."""
 
-import ctypes
-import os
 import re
 import shutil
-import subprocess
 import sys
 import zipfile
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from case_samples import HEAD, SOLVER, rigid, run_case
-from exchange_routes import PROGRAMS
+from case_samples import HEAD, SOLVER, run_case
+from fmu_samples import SLIDER, export, fmpy, slider
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands.exchange.fmu.write import LIBRARY
 from plymotion.solver.math.arrays import Array
 
-OF_MODEL_EXCHANGE = {
-    "fmi2EnterEventMode",
-    "fmi2NewDiscreteStates",
-    "fmi2EnterContinuousTimeMode",
-    "fmi2CompletedIntegratorStep",
-    "fmi2SetTime",
-    "fmi2SetContinuousStates",
-    "fmi2GetDerivatives",
-    "fmi2GetEventIndicators",
-    "fmi2GetContinuousStates",
-    "fmi2GetNominalsOfContinuousStates",
-}
-SLIDER = (
-    rigid("box", 2.0, 0.1, {"c": [0, 0, 0]}, position=[0.5, 0, 0])
-    + """
-[ground.o]
-position = [0.0, 0.0, 0.0]
-[joints.rail]
-kind = "prismatic"
-between = ["ground.o", "box.c"]
-axis = [1.0, 0.0, 0.0]
-[forces.push]
-kind = "force"
-at = "box.c"
-direction = [1.0, 0.0, 0.0]
-law = { constant = 1.0 }
-[signals.x]
-kind = "position"
-at = "box.c"
-component = "x"
-"""
-)
-
-
-@pytest.fixture(scope="module")
-def fmpy() -> Iterator[Any]:
-    """The package fmpy from the folder of the tests' programs."""
-    if shutil.which(os.environ.get("CC") or "cc") is None:
-        pytest.skip("no C compiler: an FMU needs one")
-    if not (PROGRAMS / "python" / "fmpy").is_dir():
-        pytest.skip("fmpy is not installed: make test-exchange downloads it")
-    sys.path.insert(0, str(PROGRAMS / "python"))
-    try:
-        import fmpy
-        import fmpy.fmi2
-        import fmpy.validation
-
-        yield fmpy
-    finally:
-        sys.path.remove(str(PROGRAMS / "python"))
-
-
-def export(folder: Path, case: Path, *words: str) -> Path:
-    """Write an FMU with the command; `build` goes to the folder."""
-    out, here = folder / "mechanism.fmu", Path.cwd()
-    os.chdir(folder)
-    try:
-        assert main(["export", str(case), "--to", "fmu", "-o", str(out), *words]) == 0
-    finally:
-        os.chdir(here)
-    return out
+__all__ = ["fmpy", "slider"]  # fixtures
 
 
 @pytest.fixture(scope="module")
@@ -95,14 +30,6 @@ def arm(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def own(arm: Path) -> dict[str, Array]:
     """Signals of our own run, at the communication points."""
     return run_case(arm.parent / "build/exchange/runs/calculix-solid.json")[1]
-
-
-@pytest.fixture(scope="module")
-def slider(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A mass on a rail, pushed by a force."""
-    folder = tmp_path_factory.mktemp("slider")
-    (folder / "case.toml").write_text(HEAD + SLIDER + SOLVER.format(t_end=1.0, step=0.01, more=""))
-    return export(folder, folder / "case.toml")
 
 
 def test_fmpy_finds_nothing_wrong_with_the_description(fmpy: Any, arm: Path, slider: Path) -> None:
@@ -144,210 +71,6 @@ def test_path_is_that_of_our_own_run(
     path = np.column_stack([own[f"tip_{axis}"] for axis in "xyz"])
     there = np.column_stack([found[f"signals.tip_{axis}"] for axis in "xyz"])
     assert np.linalg.norm(there[1:] - path[:-1], axis=1).max() > 1e-3
-
-
-def test_library_agrees_with_the_headers_of_the_standard(fmpy: Any, tmp_path: Path) -> None:
-    """Declared as there, without a warning; every function of co-simulation is exported."""
-    headers = Path(fmpy.__file__).parent / "c-code"
-    out = tmp_path / "library.so"
-    words = ["-std=gnu99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-Wno-unused-parameter"]
-    words += ["-D_GNU_SOURCE", "-DFMI2_HEADERS", f"-I{headers}", '-DGUID="x"']
-    compiler = os.environ.get("CC") or "cc"
-    command = [compiler, *words, "-shared", "-fPIC", str(LIBRARY), "-o", str(out), "-lm"]
-    done = subprocess.run(command, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    library = ctypes.CDLL(str(out))
-    text = (headers / "fmi2Functions.h").read_text()
-    names = set(re.findall(r"FMI2_Export \w+ +(fmi2\w+);", text))
-    assert names >= OF_MODEL_EXCHANGE
-    needed = names - OF_MODEL_EXCHANGE
-    assert len(needed) == 34
-    for name in needed:
-        assert hasattr(library, name), name
-
-
-MASTER = """\
-#include <assert.h>
-#include <math.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include "fmi2Functions.h"
-
-static void told(fmi2ComponentEnvironment e, fmi2String who, fmi2Status s, fmi2String kind,
-                 fmi2String text, ...)
-{
-    fprintf(stderr, "%s: %s\\n", who, text);
-}
-
-int main(int count, char **words)
-{
-    fmi2CallbackFunctions call = {told, calloc, free, 0, 0};
-    fmi2ValueReference push = 0, x = 1;
-    fmi2Real force = 4.0, place;
-    assert(count == 2);
-    assert(!fmi2Instantiate("a", fmi2CoSimulation, "of another", words[1], &call, 0, 0));
-    fmi2Component c = fmi2Instantiate("a", fmi2CoSimulation, GUID, words[1], &call, 0, 0);
-    assert(c);
-    for (int run = 0; run < 2; run++) {
-        assert(fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0) == fmi2OK);
-        assert(fmi2EnterInitializationMode(c) == fmi2OK);
-        assert(fmi2SetReal(c, &push, 1, &force) == fmi2OK);
-        assert(fmi2GetReal(c, &x, 1, &place) == fmi2OK && fabs(place - 0.5) < 1e-12);
-        assert(fmi2ExitInitializationMode(c) == fmi2OK);
-        for (int k = 0; k < 50; k++) {
-            assert(fmi2SetReal(c, &push, 1, &force) == fmi2OK);
-            assert(fmi2DoStep(c, 0.01 * k, 0.01, 1) == fmi2OK);
-        }
-        assert(fmi2DoStep(c, 0.9, 0.01, 1) == fmi2Error);
-        assert(fmi2GetReal(c, &x, 1, &place) == fmi2OK && fabs(place - 0.75) < 1e-9);
-        assert(fmi2Terminate(c) == fmi2OK);
-        assert(fmi2DoStep(c, 0.5, 0.01, 1) == fmi2Error);
-        assert(fmi2Reset(c) == fmi2OK);
-    }
-    fmi2FreeInstance(c);
-    puts("done");
-    return 0;
-}
-"""
-
-
-def test_a_master_in_c_finds_no_slip_of_memory(fmpy: Any, slider: Path, tmp_path: Path) -> None:
-    """The library inside a program that checks addresses, leaks and undefined behaviour."""
-    headers = Path(fmpy.__file__).parent / "c-code"
-    (tmp_path / "master.c").write_text(MASTER)
-    checks = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g"]
-    with zipfile.ZipFile(slider) as archive:
-        archive.extractall(tmp_path)
-    guid = fmpy.read_model_description(str(slider)).guid
-    program = tmp_path / "master"
-    words = [os.environ.get("CC") or "cc", *checks, "-D_GNU_SOURCE", "-DFMI2_HEADERS"]
-    words += [f"-I{headers}", f'-DGUID="{guid}"', str(tmp_path / "master.c"), str(LIBRARY)]
-    made = subprocess.run([*words, "-o", str(program), "-lm"], capture_output=True, text=True)
-    if made.returncode != 0 and ("libasan" in made.stderr or "libubsan" in made.stderr):
-        pytest.skip(f"no sanitizers: {made.stderr.strip()[-200:]}")
-    assert made.returncode == 0, made.stderr
-    resources = (tmp_path / "resources").as_uri()
-    done = subprocess.run([str(program), resources], capture_output=True, text=True, timeout=120)
-    assert done.returncode == 0, done.stderr[-3000:]
-    assert done.stdout == "done\n"
-
-
-class Instance:
-    """An FMU that is called function by function; `told` is what it says."""
-
-    def __init__(
-        self, fmpy: Any, file: Path, folder: Path, name: str = "one", told: list[str] | None = None
-    ) -> None:
-        found = fmpy.read_model_description(str(file))
-        unpacked = fmpy.extract(str(file), unzipdir=str(folder / name))
-        self.vr = {v.name: v.valueReference for v in found.modelVariables}
-        self.told: list[str] = [] if told is None else told
-        self.fmu = fmpy.fmi2.FMU2Slave(
-            guid=found.guid,
-            unzipDirectory=unpacked,
-            modelIdentifier=found.coSimulation.modelIdentifier,
-            instanceName=name,
-        )
-        callbacks = fmpy.fmi2.fmi2CallbackFunctions()
-        callbacks.logger = fmpy.fmi2.fmi2CallbackLoggerTYPE(self._hear)
-        callbacks.allocateMemory = fmpy.fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
-        callbacks.freeMemory = fmpy.fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
-        self.fmu.instantiate(callbacks=callbacks)
-
-    def _hear(self, environment: Any, name: Any, status: int, category: Any, text: bytes) -> None:
-        self.told.append(text.decode())
-
-    def begin(self, **values: float) -> None:
-        """Initialise, with these inputs."""
-        self.fmu.setupExperiment(startTime=2.0)
-        self.fmu.enterInitializationMode()
-        for name, value in values.items():
-            self.fmu.setReal([self.vr[name]], [value])
-        self.fmu.exitInitializationMode()
-
-    def moved(self, force: float, count: int = 20) -> list[float]:
-        """The place of the box at the end of each step."""
-        out = []
-        for k in range(count):
-            self.fmu.setReal([self.vr["forces.push"]], [force])
-            self.fmu.doStep(2.0 + 0.01 * k, 0.01)
-            out.append(self.fmu.getReal([self.vr["signals.x"]])[0])
-        return out
-
-    def close(self) -> None:
-        self.fmu.freeInstance()
-
-
-def test_two_instances_at_once_and_a_second_run(fmpy: Any, slider: Path, tmp_path: Path) -> None:
-    """x = 0.5 + F t^2 / 2 m; time begins at 2 s."""
-    one, two = (Instance(fmpy, slider, tmp_path, name) for name in ("one", "two"))
-    for instance, force in ((one, 4.0), (two, -6.0)):
-        instance.begin(**{"forces.push": force})
-        assert instance.fmu.getReal([instance.vr["signals.x"]])[0] == pytest.approx(0.5, abs=1e-12)
-    t = 0.01 * np.arange(1, 21)
-    first, other = one.moved(4.0), two.moved(-6.0)
-    assert first == pytest.approx(0.5 + 4.0 * t**2 / 4.0, abs=1e-10)
-    assert other == pytest.approx(0.5 - 6.0 * t**2 / 4.0, abs=1e-10)
-    one.fmu.reset()
-    assert one.fmu.getReal([one.vr["forces.push"]]) == [1.0]
-    one.begin(**{"forces.push": 4.0})
-    assert one.moved(4.0) == first
-    for instance in (one, two):
-        instance.fmu.terminate()
-        instance.close()
-
-
-def test_slopes_of_inputs_and_orders_of_polynomials(
-    fmpy: Any, slider: Path, tmp_path: Path
-) -> None:
-    """F = 4 + 30 t exactly, by its slope, although force_order = 0 would hold it."""
-    one = Instance(fmpy, slider, tmp_path)
-    one.fmu.setInteger([one.vr["force_order"]], [0])
-    one.begin(**{"forces.push": 4.0})
-    push = [one.vr["forces.push"]]
-    for k in range(20):
-        one.fmu.setReal(push, [4.0 + 0.3 * k])
-        one.fmu.setRealInputDerivatives(push, [1], [30.0])
-        one.fmu.doStep(2.0 + 0.01 * k, 0.01)
-    found, t = one.fmu.getReal([one.vr["signals.x"]])[0], 0.2
-    assert found == pytest.approx(0.5 + t**2 + 2.5 * t**3, abs=1e-10)
-    one.close()
-
-
-def test_calls_out_of_turn_are_refused_with_words(fmpy: Any, slider: Path, tmp_path: Path) -> None:
-    one = Instance(fmpy, slider, tmp_path)
-    x, push = one.vr["signals.x"], one.vr["forces.push"]
-    error = fmpy.fmi1.FMICallException
-    with pytest.raises(error):
-        one.fmu.doStep(2.0, 0.01)
-    one.begin()
-    calls: list[tuple[Any, tuple[Any, ...], str]] = [
-        (one.fmu.setReal, ([x], [1.0]), "fmi2SetReal: not an input"),
-        (one.fmu.setReal, ([push], [np.nan]), "fmi2SetReal: expected a finite number"),
-        (one.fmu.getReal, ([99],), "fmi2GetReal: no such value reference"),
-        (one.fmu.setInteger, ([0], [1]), "fixed after the initialization"),
-        (one.fmu.doStep, (3.0, 0.01), "expected to go on from where the last step has ended"),
-        (one.fmu.doStep, (2.0, -0.01), "step size: expected above 0 s"),
-        (one.fmu.setBoolean, ([0], [True]), "no Boolean variables"),
-    ]
-    for call, words, message in calls:
-        with pytest.raises(error):
-            call(*words)
-        assert message in one.told[-1]
-    assert one.moved(1.0, 1) == pytest.approx([0.5 + 0.25e-4], abs=1e-12)  # it goes on
-    one.close()
-
-
-def test_no_python_is_said(
-    fmpy: Any, slider: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    for python, message in (("/nowhere/python", "PLYMOTION_PYTHON"), ("/bin/true", "has ended")):
-        monkeypatch.setenv("PLYMOTION_PYTHON", python)
-        told: list[str] = []
-        with pytest.raises(Exception, match="instantiate"):
-            Instance(fmpy, slider, tmp_path, Path(python).name, told)
-        assert message in told[-1]
 
 
 def test_inputs_that_are_not_asked_for(arm: Path, repository: Path, tmp_path: Path) -> None:
