@@ -413,7 +413,7 @@ docs-site: $(LIGHT) ## The documentation site: build/docs-site/index.html
 	@$(PY) -c "import sphinx, myst_parser, furo, latex2mathml" 2>/dev/null || \
 	    $(PY) -m pip install --quiet --disable-pip-version-check -e '.[docs]'
 	$(PY) tools/site/layout.py build/docs-source
-	$(PY) -m sphinx -q -W -n -b html build/docs-source $(SITE)
+	$(PY) -m sphinx -q -W -b html build/docs-source $(SITE)
 	@echo "$(SITE)/index.html"
 
 CHART := docs/pictures/section-error-time.png

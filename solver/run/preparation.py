@@ -26,7 +26,7 @@ from ..monitors.together import Monitors
 from ..package import ModalPackage
 from ..results.codes.course import SINGULAR
 from ..results.finding import Finding
-from ..signals import Sensor, sensors
+from ..signals import Histories, Sensor, sensors
 
 if TYPE_CHECKING:
     from ..inputs.case.schema import Mechanism
@@ -107,11 +107,13 @@ def prepare(
     *,
     allow_python: bool = False,
     adjust: Callable[[Model], None] | None = None,
+    histories: Histories | None = None,
 ) -> Prepared:
     """Build a checked mechanism (inputs/case/schema.py), close its joints, look at it.
 
     `signals` are those that will be asked for; None: all. `allow_python`: functions of the user
     may run. `adjust` may write into the arrays of the model before its joints are closed.
+    `histories` of other runs as in `sensors`.
 
     Raises
     ------
@@ -131,11 +133,6 @@ def prepare(
     y0 = starting_state(built.model, built.start, solver.start, *names, spin)
     found = redundancy(built.model, y0, built.joint_names)
     built = replace(built, model=treated(built.model, treatment)._replace(redundant=found.count))
-    wanted = {
-        name: signal
-        for name, signal in mechanism.signals.items()
-        if signals is None or name in signals
-    }
     spins = SpinMonitor(built.model, built.body_names, stop=solver.on_invalid == "stop")
     passage = SingularityMonitor(
         built.model,
@@ -155,7 +152,9 @@ def prepare(
         built=built,
         treatment=treatment,
         y0=y0,
-        measured=sensors(built, wanted, mechanism.materials),
+        measured=sensors(
+            built, mechanism.signals, mechanism.materials, wanted=signals, histories=histories
+        ),
         spin=spins,
         passage=passage,
         buckling=_buckling(mechanism, built, spins),

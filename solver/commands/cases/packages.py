@@ -10,6 +10,7 @@ from typing import Any
 import plymotion
 
 from ...errors import InputError, few
+from ...inputs.case.run_table import package_entries
 from ...inputs.case.specs import dump
 from ...package.common.file_digests import files_sha256
 from ...package.common.temporary import write_text
@@ -30,7 +31,7 @@ def specs_of(out: Path, runs: Sequence[str]) -> list[Path]:
     found: dict[Path, None] = {}
     for run in runs:
         table = json.loads((out / "runs" / f"{run}.json").read_text(encoding="utf-8"))
-        for entry in (*table["packages"].values(), *table.get("check_packages", {}).values()):
+        for entry in package_entries(table):
             if "inputs_sha256" in entry:
                 found[out / "bodies" / f"{Path(entry['file']).stem}.json"] = None
     return list(found)
