@@ -119,7 +119,7 @@ def test_a_master_in_c_finds_no_slip_of_memory(fmpy: Any, slider: Path, tmp_path
 
 def test_two_instances_at_once_and_a_second_run(fmpy: Any, slider: Path, tmp_path: Path) -> None:
     """x = 0.5 + F t^2 / 2 m; time begins at 2 s."""
-    one, two = (Instance(fmpy, slider, tmp_path, name) for name in ("one", "two"))
+    one, two = (Instance(fmpy, slider, tmp_path, name) for name in ("one", "two ü 50%"))
     for instance, force in ((one, 4.0), (two, -6.0)):
         instance.begin(**{"forces.push": force})
         assert instance.fmu.getReal([instance.vr["signals.x"]])[0] == pytest.approx(0.5, abs=1e-12)
