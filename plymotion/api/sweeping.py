@@ -1,6 +1,9 @@
 """`plymotion.sweep`: the members of a sweep, computed as the command `plymotion sweep` does."""
 
 import json
+import os
+import subprocess
+import sys
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from pathlib import Path
@@ -8,14 +11,18 @@ from typing import Any
 
 import numpy as np
 
+import plymotion
+
 from ..solver.commands.cases.packages import build_packages
-from ..solver.commands.executors.local import Here, Local
+from ..solver.commands.executors.local import Here
+from ..solver.commands.sweep.command import INCOMPLETE
 from ..solver.commands.sweep.file import SweepResult, read_sweep, result_of, sweep_csv
 from ..solver.commands.sweep.member import FINISHED
 from ..solver.commands.sweep.plan import read_plan
 from ..solver.commands.sweep.work import Work
 from ..solver.errors import InputError, few, nearest
 from ..solver.inputs.case.specs import write_case
+from ..solver.interrupts import INTERRUPTED
 from ..solver.math.arrays import Array
 from ..solver.package.common.temporary import write_text
 from .case import Case, as_case
@@ -243,12 +250,36 @@ def sweep(
         _build(folder, file, quiet=not progress)
     target = file.with_suffix("")
     target.mkdir(parents=True, exist_ok=True)
-    plan = read_plan(file)
-    work = Work(plan, target / FILE, [] if fresh else [target / FILE], show=progress)
-    if not work.compute(lambda: Here() if jobs == 1 else Local(jobs)):
-        raise KeyboardInterrupt
-    write_text(target / "sweep.csv", sweep_csv(result_of(plan, work.rows)))
+    if jobs == 1:
+        plan = read_plan(file)
+        work = Work(plan, target / FILE, [] if fresh else [target / FILE], show=progress)
+        if not work.compute(Here):
+            raise KeyboardInterrupt
+        write_text(target / "sweep.csv", sweep_csv(result_of(plan, work.rows)))
+    else:
+        _by_command(file, jobs, fresh=fresh, progress=progress)
     return Sweep(target)
+
+
+def _by_command(file: Path, jobs: int, *, fresh: bool, progress: bool) -> None:
+    """Compute a sweep by the command, whose processes do not import the script of the user."""
+    words = [
+        "--jobs",
+        str(jobs),
+        "--no-figures",
+        *["--fresh"] * fresh,
+        *["--quiet"] * (not progress),
+    ]
+    command = [sys.executable, "-m", "plymotion", "sweep", str(file), *words]
+    home = str(Path(plymotion.__file__).resolve().parent.parent)
+    paths = os.pathsep.join(filter(None, [home, os.environ.get("PYTHONPATH")]))
+    done = subprocess.run(
+        command, env={**os.environ, "PYTHONPATH": paths}, stdout=subprocess.DEVNULL
+    )
+    if done.returncode == INTERRUPTED:
+        raise KeyboardInterrupt
+    if done.returncode not in (0, INCOMPLETE):
+        raise InputError(f"{file}: the sweep was not computed, see the messages above")
 
 
 def _build(folder: Path, file: Path, *, quiet: bool) -> None:
