@@ -1,7 +1,7 @@
 """Analysis of a cross-section: stiffness, mass and stress recovery from its description."""
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from ...solver.math.arrays import Array
@@ -10,14 +10,17 @@ from .. import fenicsx
 from .errors import SectionError
 from .estimate import error_estimate, scaled
 from .guards import ALLOWED, check_degree, condition_warnings, solvability_warnings
+from .helical import CentralSolutions
 from .inertia import mass_centre, mass_matrix
 from .layers import Layup, layup
 from .mesh_data import mesh_data, nodal_displacements
 from .problem import SectionProblem, section_problem
-from .recovery import section_recovery, unit_displacements
+from .recovery import section_recovery, unit_strains, unit_warping
+from .shape_along import curvature_of, curvature_warnings, taper_error
 from .space import SectionSpace
 from .spec import check_spec
 from .timoshenko import SectionStiffness, shear_centre, tension_centre
+from .twist import TwistedStrains
 
 DEGREE = 2  # of the warping field
 MOST_DOFS = 400_000  # limit of refinement: a larger problem takes minutes and gigabytes
@@ -73,12 +76,17 @@ def analyse(
             *check_degree(problem.space, lay, where, allow),
         ]
         begin(f"warping, {problem.space.n_dof} dofs")
-        result = _solve(problem, lay, where, allow)
+        result = _solve(problem, lay, where, spec)
         warnings += [*solvability_warnings(result), *condition_warnings(result)]
+        warnings += curvature_warnings(result)
         error = None
         if estimate or accuracy is not None:
             begin("error estimate")
-            error = _estimate(spec, where, problem, refine, result.K, allow)
+            error = _estimate(spec, where, problem, refine, result.K)
+        neglected, found = taper_error(spec, problem.mesh.cells.points, result.K)
+        warnings += found
+        if error is not None and neglected is not None:
+            error = error + neglected
         if result.round_off is not None:
             error = result.round_off if error is None else error + result.round_off
         lap = time.perf_counter() - start
@@ -99,8 +107,10 @@ def analyse(
             break
         refine += 1
     begin("recovery")
-    M = mass_matrix(problem.space, lay.density)
-    fields = unit_displacements(result.space, result)
+    density = lay.density
+    if isinstance(result, CentralSolutions):
+        density = density * TwistedStrains(problem.space, result.strains.k).g
+    M = mass_matrix(problem.space, density)
     points, lay_points = result.space, lay
     if recovery_degree is not None:
         points = SectionSpace(problem.mesh.cells, degree, recovery_degree)
@@ -116,9 +126,12 @@ def analyse(
         shear_centre=shear_centre(result.K),
         tension_centre=tension_centre(result.K),
         mass_centre=mass_centre(M),
+        initial_curvature=curvature_of(spec),
         mesh=mesh_data(problem.mesh, problem.space, lay),
-        warping=nodal_displacements(result.space, fields[0]),
-        recovery=section_recovery(points, lay_points, fields, dict(spec["materials"])),
+        warping=nodal_displacements(result.space, unit_warping(result.space, result)),
+        recovery=section_recovery(
+            points, lay_points, unit_strains(points, result), dict(spec["materials"])
+        ),
         warnings=tuple(warnings),
         provenance={
             "spec": dict(spec),
@@ -135,11 +148,11 @@ def analyse(
 
 
 def _solve(
-    problem: SectionProblem, lay: Layup, where: str, allow: Sequence[str]
-) -> SectionStiffness:
-    doubtful = ALLOWED[1] in allow
+    problem: SectionProblem, lay: Layup, where: str, spec: Mapping[str, Any]
+) -> SectionStiffness | CentralSolutions:
+    doubtful = ALLOWED[1] in spec.get("allow", ())
     try:
-        return problem.solve(lay.stiffness, doubtful=doubtful)
+        return problem.solve(lay.stiffness, k=curvature_of(spec), doubtful=doubtful)
     except fenicsx.FactorisationError as error:
         hint = ""
         if isinstance(error, fenicsx.SingularError):
@@ -150,14 +163,9 @@ def _solve(
 
 
 def _estimate(
-    spec: Mapping[str, Any],
-    where: str,
-    problem: SectionProblem,
-    refine: int,
-    K: Array,
-    allow: Sequence[str],
+    spec: Mapping[str, Any], where: str, problem: SectionProblem, refine: int, K: Array
 ) -> Array:
     degree = problem.space.degree + 1
     richer = section_problem(spec["mesh"], where, degree, refine, problem.team)
     lay = layup(spec, richer.mesh, richer.space, where)
-    return error_estimate(K, _solve(richer, lay, where, allow).K, problem.space.degree)
+    return error_estimate(K, _solve(richer, lay, where, spec).K, problem.space.degree)

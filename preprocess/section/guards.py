@@ -6,6 +6,7 @@ import numpy as np
 
 from ..materials import Orthotropic
 from .errors import SectionError
+from .helical import CentralSolutions
 from .layers import Layup
 from .space import SectionSpace
 from .timoshenko import SectionStiffness
@@ -62,7 +63,7 @@ def check_degree(
     return warnings
 
 
-def solvability_warnings(result: SectionStiffness) -> list[dict[str, str]]:
+def solvability_warnings(result: SectionStiffness | CentralSolutions) -> list[dict[str, str]]:
     """Warning if the loads of the warping do work on rigid motions beyond round-off."""
     if result.solvability <= SOLVABILITY:
         return []
@@ -76,7 +77,7 @@ def solvability_warnings(result: SectionStiffness) -> list[dict[str, str]]:
     ]
 
 
-def condition_warnings(result: SectionStiffness) -> list[dict[str, str]]:
+def condition_warnings(result: SectionStiffness | CentralSolutions) -> list[dict[str, str]]:
     """Warning about equations that were solved although their condition would be refused."""
     if not result.doubtful:
         return []

@@ -191,6 +191,20 @@ class SectionSpace:
         strain[:, :, ALONG_BEAM] = self.at_points(W)
         return strain
 
+    def slopes(self, W: Array) -> Array:
+        """Derivatives d w_a / d x_alpha at the points, (c, q, 2, 3, m) as [..., alpha, a, m]."""
+        c, q = self.weights.shape
+        slope = self.gradients.reshape(c, 2 * q, -1) @ self._of_cells(W)
+        return slope.reshape(c, q, 2, 3, -1)
+
+    def load_of_slopes(self, partner: Array) -> Array:
+        """Integral of partner d w_a / d x_alpha for each unknown of w, (n_dof, m).
+
+        `partner` (c, q, 2, 3, m) as [..., alpha, a, m].
+        """
+        c, q, m = *self.weights.shape, partner.shape[-1]
+        return self._sum(self.weighted_gradients @ partner.reshape(c, 2 * q, 3 * m))
+
     def load_in_section(self, stress: Array) -> Array:
         """Integral of (G_h w)' stress for each unknown of w, (n_dof, m), stress (c, q, 6, m)."""
         c, q, _, m = stress.shape

@@ -44,12 +44,18 @@ def rigid_fields(space: SectionSpace) -> Array:
     return space.displacements((1, 0, 0), (0, 1, 0), (0, 0, 1), (0, -space.x3, space.x2))
 
 
+def unknowns_at_nodes(space: SectionSpace) -> tuple[NDArray[np.int64], Array]:
+    """Unknowns that are displacements of nodes, (w,), and their positions (w, 2) [m]."""
+    x = np.stack([space.x2, space.x3], axis=1)
+    if space.unknowns is None:
+        return np.arange(space.n_unknown), x
+    return space.unknowns.whole, x[space.unknowns.at]
+
+
 def pinned_dofs(space: SectionSpace) -> NDArray[np.int64]:
     """Four unknowns that prevent the rigid motions: a node, and one component of a distant node."""
-    whole, x2, x3 = np.arange(space.n_unknown), space.x2, space.x3
-    if space.unknowns is not None:
-        whole, at = space.unknowns.whole, space.unknowns.at
-        x2, x3 = x2[at], x3[at]
+    whole, x = unknowns_at_nodes(space)
+    x2, x3 = x.T
     i = int(np.argmin(x2 + x3))
     lever_2, lever_3 = x2 - x2[i], x3 - x3[i]
     j = int(np.argmax(np.hypot(lever_2, lever_3)))

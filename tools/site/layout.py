@@ -28,7 +28,7 @@ def lay_out(folder: Path) -> None:
     """Write all sources of the site to `folder`, anew."""
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(ROOT / "docs", folder)
-    for name in ("conf.py", "mathml.py", "site.css"):
+    for name in ("conf.py", "docstrings.py", "mathml.py", "site.css"):
         shutil.copy(Path(__file__).parent / name, folder / name)
     (folder / "README.md").unlink()
     wanted: set[str] = set()
@@ -37,6 +37,7 @@ def lay_out(folder: Path) -> None:
         page = PAGES.get(name, name.removeprefix("docs/"))
         _write(folder / page, ROOT / name, f"docs/{page}", wanted)
     _files(folder, wanted)
+    (folder / "api.md").write_text(_api(), encoding="utf-8")
     with (folder / "index.md").open("a", encoding="utf-8") as index:
         index.write(_contents())
 
@@ -81,6 +82,21 @@ def _place(path: str, wanted: set[str]) -> str:
 
 def _relative(path: str, page: str) -> str:
     return os.path.relpath(path, os.path.dirname(page)).replace(os.sep, "/")
+
+
+def _api() -> str:
+    """The page of the docstrings of all public names."""
+    sys.path.insert(0, str(ROOT))
+    import plymotion
+
+    parts = ["# Names of `import plymotion`\n\n[](python.md) explains them by examples.\n"]
+    for name in vars(plymotion)["__all__"]:
+        found = getattr(plymotion, name)
+        if name != "__version__":
+            kind = "autoclass" if isinstance(found, type) else "autofunction"
+            members = "   :members:\n" if isinstance(found, type) else ""
+            parts.append(f"```{{eval-rst}}\n.. {kind}:: {found.__module__}.{name}\n{members}```\n")
+    return "\n".join(parts)
 
 
 def _contents() -> str:

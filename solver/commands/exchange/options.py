@@ -7,15 +7,15 @@ from typing import Any
 
 from ..arguments import add_no_scripts
 
-TARGETS = ("exudyn", "uff", "med", "dmig", "fmu")
+TARGETS = ("exudyn", "uff", "med", "dmig", "mbdyn", "sid", "fmu")
 IMPORT = """\
 Make a modal package from a body of another code. FILE (TOML, docs/exchange.md) names the files,
 their units, the interfaces and the modes.
 """
 EXPORT = """\
 Write a modal package in the format of another code: exudyn (a script that adds the body), uff
-(modes and masses), med (mesh and shapes), dmig (NASTRAN bulk data). Or write a run of a case as an
-FMU for co-simulation (fmu).
+(modes and masses), med (mesh and shapes), dmig (NASTRAN bulk data), mbdyn (.fem of the modal
+joint), sid (standard input data). Or write a run of a case as an FMU for co-simulation (fmu).
 """
 Command = Callable[[argparse.Namespace], int]
 

@@ -300,6 +300,11 @@ class ShellBody(Reducible, Deformed):
     interfaces: dict[Name, ShellInterface] = Field(
         min_length=1, description="named places; some carry the reference condition"
     )
+    second_order: bool = Field(
+        default=False,
+        description="second-order displacements of the modes, which geometric stiffening needs "
+        "(docs/stiffening.md)",
+    )
 
 
 class RigidBody(Placed):

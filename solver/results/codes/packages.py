@@ -122,6 +122,13 @@ SHELL_CODES = (
         "use the default elements",
     ),
     _code(
+        "buckling-after-large-rotation",
+        "the shell has turned far before it buckles: linear buckling assumes that it has not",
+        "rotation at the first load factor above {limit:g} rad",
+        "use the factor as an upper bound",
+        0.1,
+    ),
+    _code(
         "few-digits",
         "the equations are ill-conditioned, as those of a very thin shell or open section",
         "residual or difference of work and energy (shell), work on rigid motions (section) above "
@@ -192,6 +199,20 @@ SECTION_CODES = (
         "growth of a random load above {limit:g}",
         "check the mesh for parts that hardly hold together; compare with another mesh",
         1e14,
+    ),
+    _code(
+        "strongly-curved",
+        "the section is large compared with the radius of its initial curvature",
+        "shortest over reference fibre below {limit:g}",
+        "model the part with solid elements",
+        0.5,
+    ),
+    _code(
+        "taper-neglected",
+        "the section's size changes along the beam, which the stiffness does not contain",
+        "estimated relative error of the stiffness above {limit:g}",
+        "model the part with solid elements, or accept the estimate",
+        1e-3,
     ),
     _code(
         "accuracy-not-met",
