@@ -3,8 +3,9 @@
     python tools/lock.py 3.11 3.12 3.13
 
 Writes tools/requirements.lock, which tools/light_environment.sh installs from with LOCKED=1 (CI).
-Users get what the lower bounds in pyproject.toml allow. One file serves all versions of Python: a package
-has a line for each of its versions, with a marker, and the hashes of the wheels of this platform.
+Users get what the lower bounds in pyproject.toml allow. One file serves all versions of Python: a
+package has a line for each of its versions, with a marker, and the hashes of this platform's
+wheels.
 """
 
 import json
