@@ -233,15 +233,9 @@ def _validate(options: argparse.Namespace) -> int:
 
 
 def _experimental(options: argparse.Namespace) -> int:
-    from .commands.measured_modes import experimental_package, load_measurement
-    from .package import write_package
+    from .commands.measured_modes import experimental_package, load_measurement, write_measured
 
-    package = experimental_package(load_measurement(options.file))
-    write_package(options.out, package)
-    for warning in package.provenance["warnings"]:
-        print(f"warning [{warning['code']}] {warning['message']}", file=sys.stderr)
-    print(f"{options.out}: {package.body}, {package.n_mode} measured modes")
-    return 0
+    return write_measured(options.out, experimental_package(load_measurement(options.file)))
 
 
 def _modes(options: argparse.Namespace) -> int:

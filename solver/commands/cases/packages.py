@@ -10,7 +10,9 @@ from typing import Any
 import plymotion
 
 from ...errors import InputError, few
+from ...inputs.case.run_table import package_entries
 from ...inputs.case.specs import dump
+from ...package.common.file_digests import files_sha256
 from ...package.common.temporary import write_text
 from ..executors.executor import Executor
 from ..executors.local import Local
@@ -29,7 +31,7 @@ def specs_of(out: Path, runs: Sequence[str]) -> list[Path]:
     found: dict[Path, None] = {}
     for run in runs:
         table = json.loads((out / "runs" / f"{run}.json").read_text(encoding="utf-8"))
-        for entry in (*table["packages"].values(), *table.get("check_packages", {}).values()):
+        for entry in package_entries(table):
             if "inputs_sha256" in entry:
                 found[out / "bodies" / f"{Path(entry['file']).stem}.json"] = None
     return list(found)
@@ -125,9 +127,8 @@ def _left(file: Path) -> list[int]:
 
 def _sources() -> bytes:
     """Digest of the preprocessor, and of the parts of the solver that it imports."""
-    home, found = Path(plymotion.__file__).resolve().parent, hashlib.sha256()
-    for folder in ("preprocess", "meshes", "solver/package", "solver/math"):
-        for file in sorted((home / folder).rglob("*")):
-            if file.suffix in (".py", ".geo"):
-                found.update(file.read_bytes())
-    return found.digest()
+    home = Path(plymotion.__file__).resolve().parent
+    folders = ("preprocess", "meshes", "solver/package", "solver/math")
+    files = [file for folder in folders for file in (home / folder).rglob("*")]
+    found = {f.relative_to(home).as_posix(): f for f in files if f.suffix in (".py", ".geo")}
+    return files_sha256(found).encode()
