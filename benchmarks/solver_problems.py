@@ -186,7 +186,7 @@ def chain(n: int, t_end: float = 1.0, file: Path = EIGHT / "hand.vtkhdf") -> Pro
         "ground": {"hinge": {"position": [0.0, 0.0, 0.0]}},
         "joints": joints,
         "signals": {"tip_y": {"kind": "position", "at": f"{end}.tip", "component": "y"}},
-        "solver": {"t_end": t_end, "output_step": SEEN},
+        "solver": {"t_end": t_end, "output_step": min(SEEN, t_end)},
     }
     name = f"chain-{n}"
     files = dict.fromkeys(bodies, file)
