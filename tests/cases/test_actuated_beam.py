@@ -118,7 +118,7 @@ def _box(width, height, wall):
 
 
 def test_difference_from_the_frequency_of_the_reference(repository, reference):
-    """4.163 for 4.145 Hz: 0.33 % by the dimensions in inches, 0.12 % by a shape that is left out."""
+    """4.163 for 4.145 Hz: 0.33 % by the dimensions, 0.12 % by a shape that is left out."""
     printed, drawn = _box(0.0242, 0.0136, 0.000762), _box(0.0242062, 0.0136398, 0.000762)
     section = read_package(
         repository / "tests/packages/actuated-beam/beam.layup-1.vtkhdf"
