@@ -13,7 +13,7 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from ...solver.math.arrays import Array, IntArray
-from ...solver.package.body.specification import LINK_KINDS
+from ...solver.package.body.specification import SHELL_LINK_KINDS
 from ...solver.package.shell.cells import sides
 from .assembly import DOFS
 from .errors import ShellError
@@ -219,7 +219,7 @@ def _followed(
         T = sp.csr_matrix(sp.diags(keep) + sp.csr_matrix(entries, shape=(n_dof, n_dof)))
         dependent.append(last)
     # rigid links first: an average may be taken over nodes that one of them carries
-    for kind in LINK_KINDS:
+    for kind in SHELL_LINK_KINDS:
         rows, columns, values = [], [], []
         for number, link in enumerate(links):
             if link.kind != kind:
@@ -233,7 +233,7 @@ def _followed(
                 column = np.broadcast_to(reference, block.shape)
                 dependent.append(nodes.ravel())
             else:
-                block = averaged(arms, link.group.weights)  # (6, k, 6)
+                block = averaged(arms, link.group.weights) if link.rows is None else link.rows
                 row = np.broadcast_to(reference[:, None, None], block.shape)
                 column = np.broadcast_to(nodes, block.shape)
                 dependent.append(reference)

@@ -130,6 +130,13 @@ def mesh_of(plain: PlainMesh, where: str = "mesh") -> ShellMesh:
             f"{where}: has {plain.cell}s of degree {plain.degree}, expected three-node triangles "
             "or four-node quadrilaterals. In gmsh, set Mesh.ElementOrder = 1"
         )
+    wrong = np.flatnonzero(~np.isfinite(plain.points).all(axis=1))
+    if wrong.size:
+        tag = wrong[0] + 1 if plain.named is None else plain.named.tags[wrong[0]]
+        raise ShellError(
+            f"{where}: node {tag} at {plain.points[wrong[0]].tolist()}: expected three finite "
+            f"coordinates; {wrong.size} nodes have none"
+        )
     if plain.cell != "triangle":
         return _in_file_order(plain, where)
     labelled = fenicsx.labelled_mesh(plain)
