@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from shell_benchmarks import lamina
+from shell_benchmarks import cantilever, lamina
 from shell_model import SCRIPTS, isotropic, laminate
 from shell_specs import plate
 
@@ -119,6 +119,25 @@ def test_laminated_squares(
     spec = compressed(16, stack, {"ply": lamina(E1, 0.6, 0.5)}, edges, "x", cells)
     # a prestress without curvature: the laminate is held flat
     assert first_factor(spec) / h**3 == pytest.approx(N, rel=0.015)
+
+
+CALCULIX = {  # S8R of CalculiX 2.20, 24 x 8 elements, *BUCKLE: benchmarks/shell_buckling.py
+    "[0,0,90]s": (8.31343, 74.816),
+    "[15,15,0]s": (5.08964, 44.9584),
+    "[45,45,0]s": (1.52696, 13.834),
+    "[45]3[-45]3": (1.41681, 12.8892),
+}
+
+
+@pytest.mark.parametrize("layup", CALCULIX)
+def test_cantilever_plates_against_calculix(layup: str) -> None:
+    model, _ = cantilever((24, 8), layup)
+    model.loads = {"N": {"tip": {"at": "right", "force": [-1.0, 0.0, 0.0]}}}
+    model.frequencies = {}
+    found = analyse({**model.spec(cells=QUADS), "buckling": {"count": 2}}).buckling
+    assert found is not None
+    assert found.factors / CALCULIX[layup] == pytest.approx(np.ones(2), rel=6e-3)
+    assert found.factors[0] == pytest.approx(CALCULIX[layup][0], rel=1.5e-3)
 
 
 def column(n: tuple[int, int], direction: str, cells: dict[str, str]) -> float:
