@@ -409,6 +409,9 @@ class Figure(Table):
     title: str = Field(description="title of the picture")
     signal: Name = Field(description="name of a signal")
     runs: list[Name] = Field(min_length=1, description="names of runs")
+    spectrum: bool = Field(
+        default=False, description="amplitudes over frequency, with a Hann window, not over time"
+    )
 
 
 class CaseFile(Table):
