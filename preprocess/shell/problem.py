@@ -14,7 +14,7 @@ from .assembly import NO_LINES, NO_MATRICES, Assembly
 from .errors import ShellError
 from .flat_nodes import flat_nodes
 from .freedom import Freedom
-from .geometric import element_geometric
+from .geometric import element_geometric, element_pressure
 from .guards import drilling_motions, model_warnings
 from .links import Link, read_links
 from .loads import Loads
@@ -127,6 +127,15 @@ class ShellProblem:
                 region.geometry[some], N[region.cells[some]], in_plane
             ),
             [stiffener.geometric(u) for stiffener in self.stiffeners],
+        )
+
+    def pressure_stiffness(self, p: Array) -> sp.csr_matrix:
+        """Stiffness (n_dof, n_dof) [N/m] of pressures that follow the surface, see `pressures`."""
+        return self._assembled(
+            lambda region, some: element_pressure(
+                region.geometry[some], p[region.cells[some], : region.nodes.shape[1]]
+            ),
+            [np.zeros((len(s.ends), 12, 12)) for s in self.stiffeners],
         )
 
     @cached_property

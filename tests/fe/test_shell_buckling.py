@@ -186,6 +186,30 @@ def test_axially_compressed_cylinder(cells: dict[str, str]) -> None:
     assert first_factor(spec) / (classical * h) == pytest.approx(1.0, abs=0.06)
 
 
+@pytest.mark.parametrize("cells", KINDS, ids=NAMES)
+def test_ring_under_a_pressure_that_follows(cells: dict[str, str]) -> None:
+    """A long tube: p = 3 D/R^3 (Levy 1884); 4 D/R^3 if the pressure kept its direction."""
+    R, h = 1.0, 0.02
+    stack, materials = isotropic(70e9, 0.3, h)
+    size = {"radius": R, "length": 0.2, "second_deg": 90.0, "n_length": 2, "n_around": 40}
+    spec = {
+        "mesh": {"file": str(SCRIPTS / "cylinder.py"), "parameters": size, **cells},
+        "materials": materials,
+        "laminates": {"wall": stack},
+        "regions": {"all": {"laminate": "wall", "axis": [1.0, 0.0, 0.0]}},
+        "supports": {
+            "near": {"at": "near", "fixed": "symmetry-x"},
+            "far": {"at": "far", "fixed": "symmetry-x"},
+            "first": {"at": "first", "fixed": "symmetry-y"},
+            "second": {"at": "second", "fixed": "symmetry-z"},
+        },
+        "loads": {"p": {"all": {"pressure": -1.0}}},
+        "buckling": {"count": 1},
+    }
+    D = 70e9 * h**3 / (12.0 * 0.91)
+    assert first_factor(spec) == pytest.approx(3.0 * D / R**3, rel=0.01)
+
+
 def test_rigid_rotations_of_a_stressed_shell_have_the_exact_second_order_work() -> None:
     """x' Kg x of a rotation = -(work of the dead loads on its second-order displacement)."""
     spec = plate((4, 3), 0.1, supports={"root": {"at": "left", "fixed": "all"}})
