@@ -53,6 +53,7 @@ class Freedom:
         self._number = np.full(self.n_dof, -1)
         self._number[self.free] = np.arange(len(self.free))
         self._kept: tuple[IntArray, IntArray, IntArray] | None = None
+        self._pattern: tuple[IntArray, IntArray] = np.zeros(0, int), np.zeros(0, int)
 
     @property
     def n_free(self) -> int:
@@ -76,7 +77,8 @@ class Freedom:
 
     def _own(self, A: sp.csr_matrix) -> sp.csr_matrix:
         """Rows and columns of A that are free."""
-        if self._kept is None:
+        if self._kept is None or not _same(self._pattern, A):
+            self._pattern = A.indptr, A.indices
             row = np.repeat(np.arange(self.n_dof), np.diff(A.indptr))
             keep = np.flatnonzero((self._number[row] >= 0) & (self._number[A.indices] >= 0))
             count = np.bincount(self._number[row[keep]], minlength=self.n_free)
@@ -173,6 +175,14 @@ class Freedom:
             f"supports.{support.name}: fixes {COMPONENTS[wrong[0] % DOFS]} of a node of a "
             "rigid link; support the link instead (at = its name)"
         )
+
+
+def _same(pattern: tuple[IntArray, IntArray], A: sp.csr_matrix) -> bool:
+    """Whether a matrix has its entries at these places."""
+    return all(
+        kept is own or np.array_equal(kept, own)
+        for kept, own in zip(pattern, (A.indptr, A.indices), strict=True)
+    )
 
 
 def _plain_basis(rows: Array) -> Array:
