@@ -125,7 +125,7 @@ def prepare(
     built = build(mechanism, used_packages(mechanism, packages))
     names = built.joint_names, built.body_names
     spin = given_spin(solver)
-    y0 = starting_state(built.model, built.start, solver.start, *names, spin)
+    y0 = starting_state(built.model, built.start, solver.start, *names, spin, built.light)
     found = redundancy(built.model, y0, built.joint_names)
     built = replace(built, model=treated(built.model, treatment)._replace(redundant=found.count))
     wanted = {
