@@ -129,6 +129,15 @@ class StepLoop(Integrator):
         self._take_over(code)
         return filled
 
+    def go_on(self, t_end: float) -> None:
+        """Let the run end at t_end [s]; up to there it starts anew from the present state.
+
+        For a run that has finished, or not begun, after laws of time in the model have changed.
+        """
+        self.t_end, self.status, self.message = float(t_end), "running", ""
+        self._instants = Instants(self._model, self.t_end)
+        self._options = self._options._replace(t_end=self.t)
+
     def steps_taken(self) -> Steps:
         """Return the steps of the last stride; valid up to the next."""
         begun = self._begun[0]
@@ -187,7 +196,7 @@ class StepLoop(Integrator):
         """Sample controllers where the loop stands at an instant, and go on from there."""
         if self.t < self._options.t_end or self.t >= self.t_end:
             return
-        which = self._instants.sampled_at(self.t)
+        which = self._instants.sampled_at(self.t) & (self.t > self.t0)  # not the start again
         self.y = sampled(self._model, self.t, self.y, which, self._functions)
         rate, work = np.zeros(self.n), spare_work(self._model)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):

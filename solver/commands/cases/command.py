@@ -9,7 +9,7 @@ from ...errors import InputError, nearest
 from ...inputs.case import load_case
 from ...inputs.case.load import Case
 from ...inputs.case.specs import write_case
-from ..arguments import cores
+from ...math.cores import cores
 from ..run.command import INPUT, INTERRUPTED, run_files
 from .packages import build_packages, specs_of
 from .report import report_case
