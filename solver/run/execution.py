@@ -4,6 +4,7 @@ import json
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -317,7 +318,8 @@ def run_file(
         result, summary = _collected(spec, *solved, solving, disk)
         clock.skip()
         out.mkdir(parents=True, exist_ok=True)
-        write_result(out / "result.vtkhdf", result)
+        known = {**result.provenance, "inputs_sha256": digest}
+        write_result(out / "result.vtkhdf", replace(result, provenance=known))
         clock.lap("write")
         seconds = summary["cost"]["seconds"]
         seconds["import"] = import_s

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ...math.arrays import Array
+from ...math.arrays import Array, IntArray
 from ...results import BodyGeometry, RunResult
 from ...results.view import BodyView, Link, Sites
 from ..story import Story
@@ -16,13 +16,17 @@ TRIANGLES = 60_000  # of a body; of more, every n-th is shown
 STRENGTHS = ("Xt", "Xc", "Yt", "Yc", "Zt", "Zc", "S23", "S13", "S12", "F12_star")
 
 
-def scene(blob: Blob, story: Story) -> dict[str, Any] | None:
-    """Add the bodies and joints of a run; None if the result is older than views."""
+def scene(blob: Blob, story: Story, share: int) -> dict[str, Any] | None:
+    """Add the bodies and joints of a run; None if the result is older than views.
+
+    share : numbers that its animation may take
+    """
     result = story.result
     if not result.bodies or any(body.view is None for body in result.bodies):
         return None
     t = np.asarray(result.t)
-    rows = frame_rows(t, _peaks(story))
+    width = sum(7 + len(body.view.shapes_B) for body in result.bodies if body.view is not None)
+    rows = frame_rows(t, _peaks(story), width, share)
     points = np.asarray(result.node_positions_G[rows])
     usable = points.reshape(-1, 3)[np.isfinite(points).all(axis=2).ravel()]
     low, high = usable.min(axis=0), usable.max(axis=0)
@@ -60,7 +64,7 @@ def _body(
     number: int,
     body: BodyGeometry,
     view: BodyView,
-    rows: Array,
+    rows: IntArray,
     origin: Array,
     links: list[Link],
     size: float,
@@ -77,7 +81,7 @@ def _body(
     node, offset = [surface.node], [surface.offset_B]
     every = max(1, -(-len(surface.triangles) // TRIANGLES))
     triangles, edges = [surface.triangles[::every]], [surface.edges[::every]]
-    site, kind = [surface.site[::every]], [np.zeros(len(triangles[0]))]
+    site, kind = [surface.site[::every]], [np.zeros(len(triangles[0]), dtype=np.int64)]
     for link in links:
         for side in link.sides:
             if side.body != number:
@@ -88,9 +92,9 @@ def _body(
             offset.append(points @ side.A_BM.T)
             nodes.append(side.position_B[None])
             shapes.append(np.concatenate([side.phi_B, side.psi_B]).T[None])
-            edges.append(np.zeros(len(faces)))
+            edges.append(np.zeros(len(faces), dtype=np.int64))
             site.append(np.full(faces.shape, -1))
-            kind.append(np.ones(len(faces)))
+            kind.append(np.ones(len(faces), dtype=np.int64))
             count += 1
     q_rows = q[rows]
     return {
