@@ -21,6 +21,13 @@ def frame_rows(t: Array, peaks: list[float], width: int, share: int) -> IntArray
     return np.unique(np.concatenate([even, np.array(nearest, dtype=int)]))
 
 
+def one_sign(parameters: Array) -> Array:
+    """Euler parameters (k, 4) with the sign of their neighbours, so that they interpolate."""
+    same = (parameters[1:] * parameters[:-1]).sum(axis=1) >= 0
+    signs = np.cumprod(np.concatenate([[1.0], np.where(same, 1.0, -1.0)]))
+    return np.asarray(parameters * signs[:, None])
+
+
 def largest_energy(view: BodyView, q: Array) -> float:
     """Largest strain energy for unit length or area of all sites and times.
 

@@ -9,7 +9,7 @@ from ...results import BodyGeometry, RunResult
 from ...results.view import BodyView, Link, Sites
 from ..story import Story
 from .blob import Blob
-from .frames import frame_rows, largest_displacement, largest_energy
+from .frames import frame_rows, largest_displacement, largest_energy, one_sign
 from .glyphs import WIDTH, glyph
 
 TRIANGLES = 60_000  # of a body; of more, every n-th is shown
@@ -73,9 +73,7 @@ def _body(
     q = np.asarray(result.q[:, first + 7 : first + 7 + m])
     motion = np.array(result.q[rows, first : first + 7])
     motion[:, :3] -= origin
-    # One sign of the Euler parameters, so that they can be interpolated.
-    flips = np.cumprod(np.where((motion[1:, 3:] * motion[:-1, 3:]).sum(axis=1) < 0, -1.0, 1.0))
-    motion[1:, 3:] *= flips[:, None]
+    motion[:, 3:] = one_sign(motion[:, 3:])
     surface, nodes, shapes = view.surface, [body.nodes_B], [np.moveaxis(view.shapes_B, 0, 1)]
     count = len(body.nodes_B)
     node, offset = [surface.node], [surface.offset_B]
