@@ -1,9 +1,9 @@
 """motion.glb: the mechanism in motion for Blender, slides and other programs (glTF 2.0, binary).
 
-Node transforms are the motion of the bodies, morph targets their modes. Blender limits the values of
-morph targets to 0 to 1, so a modal coordinate q is written as w = (q - low) / (high - low) with the
-range of the run; the base mesh is at q = low, and a target moves its points by high - low. The base
-mesh is therefore not the undeformed body, as `asset.extras` of the file says.
+Node transforms are the motion of the bodies, morph targets their modes. Blender limits the values
+of morph targets to 0 to 1, so a modal coordinate q is written as w = (q - low) / (high - low) with
+the range of the run. The base mesh is at q = low, and a target moves its points by high - low. The
+base mesh is therefore not the undeformed body, as `asset.extras` of the file says.
 """
 
 import json

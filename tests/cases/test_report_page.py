@@ -236,6 +236,36 @@ def test_page_is_usable_without_3d(case_dir: Path, tmp_path: Path) -> None:
         assert plain.errors() == []
 
 
+@pytest.mark.parametrize("dark", [False, True])
+def test_no_serious_findings_on_accessibility(
+    repository: Path, case_dir: Path, tmp_path: Path, *, dark: bool
+) -> None:
+    axe = repository / "build/browser/axe.min.js"
+    if not axe.is_file():
+        pytest.skip("no axe-core: tools/browser.sh build/browser installs it")
+    with Browser(tmp_path / "profile", *SOFTWARE, dark=dark) as other:
+        other.open(case_dir / "report.html")
+        other.run(axe.read_text() + "; 0")
+        found = other.run(
+            "axe.run(document).then(({ violations, passes }) => [passes.length,"
+            "violations.map((v) => [v.impact, v.id, v.nodes.map((n) => n.html)])])"
+        )
+    passed, violations = found
+    assert passed > 20
+    assert [each for each in violations if each[0] in ("serious", "critical")] == []
+
+
+def test_nothing_is_cut_off_on_a_narrow_screen(browser: Browser) -> None:
+    browser.size(375, 800)
+    browser.wait("document.documentElement.clientWidth === 375")
+    try:
+        assert browser.run("document.documentElement.scrollWidth") <= 375
+        browser.wait("document.getElementById('canvas').getBoundingClientRect().width < 375")
+        browser.wait("plymotion.chartWidths().every((width) => width < 375)")
+    finally:
+        browser.size(1280, 900)
+
+
 def test_wrong_script_is_refused_by_the_policy(case_dir: Path, tmp_path: Path) -> None:
     """The policy is in force: a script of somebody else in the page does not run."""
     text = (case_dir / "report.html").read_text()
