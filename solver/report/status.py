@@ -6,16 +6,11 @@ from typing import Any
 from .elements import Cell, Row, figures, name_of, section, table
 from .story import Story
 
-VERDICTS = {
-    "good": "completed",
-    "doubt": "completed, with doubts",
-    "bad": "not usable as it is",
-}
 _RANK = {"good": 0, "doubt": 1, "bad": 2}
 
 
 def verdict(story: Story) -> str:
-    """Return what a run is worth: a key of VERDICTS.
+    """Return what a run is worth: "good", "doubt" or "bad".
 
     "bad": it stopped early or has a finding of level error; "doubt": it has warnings.
     """
@@ -105,6 +100,8 @@ def _outcome(story: Story) -> Cell:
     t_end = float(story.summary.get("t_end") or story.result.t[-1])
     kind, count = verdict(story), len(_doubts(story))
     words = f"stopped at {t_end:.4g} s" if story.stopped else f"completed, {t_end:.4g} s"
+    if kind == "bad" and not story.stopped:
+        words = f"not valid, {t_end:.4g} s"
     badge = f"<span class='badge {kind}'>{words}</span>"
     if count:
         said = "1 warning" if count == 1 else f"{count} warnings"

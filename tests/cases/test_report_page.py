@@ -15,6 +15,7 @@ from plymotion.solver.results import RunResult, read_result
 pytest.importorskip("matplotlib")
 
 RUNS = ("layup-1", "layup-2")
+LONG_TITLE = "lay-up 2, all plies 30 deg, a title that is too long for <small> & narrow screens"
 
 
 @pytest.fixture(scope="module")
@@ -23,7 +24,10 @@ def case_dir(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Path
     folder = tmp_path_factory.mktemp("case")
     text = (repository / "cases/double-pendulum/case.toml").read_text()
     assert "t_end = 1.0" in text
-    (folder / "case.toml").write_text(text.replace("t_end = 1.0", "t_end = 0.1"))
+    text = text.replace("t_end = 1.0", "t_end = 0.1")
+    assert LONG_TITLE not in text
+    text = text.replace("lay-up 2, all plies 30 deg", LONG_TITLE)
+    (folder / "case.toml").write_text(text)
     packages = repository / "tests/packages/double-pendulum"
     runs = [word for run in RUNS for word in ("--run", run)]
     command = [str(folder / "case.toml"), *runs, "--packages", str(packages), "--quiet"]
@@ -261,6 +265,10 @@ def test_nothing_is_cut_off_on_a_narrow_screen(browser: Browser) -> None:
     try:
         assert browser.run("document.documentElement.scrollWidth") <= 375
         browser.wait("document.getElementById('canvas').getBoundingClientRect().width < 375")
+        inside = "[...document.querySelectorAll('#view select, #view button, #view input')]"
+        assert (
+            browser.run(f"Math.max(...{inside}.map((e) => e.getBoundingClientRect().right))") <= 375
+        )
         browser.wait("plymotion.chartWidths().every((width) => width < 375)")
     finally:
         browser.size(1280, 900)
