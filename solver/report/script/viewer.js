@@ -18,7 +18,7 @@ function shownNow(scene) {
   return {
     name,
     field: FIELDS[name].number,
-    range: fieldRange(name, scene),
+    ranges: fieldRanges(name, scene),
     scale: Number(field('scale').value),
     edges: field('edges').checked,
     ratio: view.renderer.canvas.width / Math.max(view.renderer.canvas.clientWidth, 1) || 1,
@@ -52,10 +52,7 @@ function tellView() {
     .filter(Boolean).join(' · ');
   const legend = field('legend');
   legend.hidden = shown.name === 'body';
-  if (!legend.hidden) {
-    const top = digits(shown.range, 3);
-    legend.replaceChildren(element('span', {}, '0'), element('i', {}), element('span', {}, top), element('span', {}, FIELDS[shown.name].label));
-  }
+  if (!legend.hidden) legend.replaceChildren(...fieldLegend(shown));
 }
 
 function tellTime() {
