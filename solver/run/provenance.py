@@ -1,8 +1,9 @@
-"""What a result was computed with: versions and the command."""
+"""What a result was computed with: versions, packages and the command."""
 
 import platform
 import shlex
 import sys
+from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -12,10 +13,12 @@ import numpy as np
 from plymotion import __version__
 
 from ..math.compiled.versions import numba_version
+from ..package import ModalPackage
 
 
-def provenance() -> dict[str, Any]:
-    """Return versions, and the command if the command line started the run."""
+def provenance(packages: Mapping[str, ModalPackage]) -> dict[str, Any]:
+    """Return versions, the digest of the inputs of each package, and the command if it started
+    the run."""
     versions = {
         "plymotion": __version__,
         "python": platform.python_version(),
@@ -23,7 +26,11 @@ def provenance() -> dict[str, Any]:
     }
     if find_spec("numba"):
         versions["numba"] = numba_version()
+    found: dict[str, Any] = {
+        "versions": versions,
+        "packages": {name: p.provenance.get("inputs_sha256") for name, p in packages.items()},
+    }
     name, *words = sys.argv
-    if Path(name).stem not in ("plymotion", "__main__"):
-        return {"versions": versions}
-    return {"versions": versions, "command": shlex.join(["plymotion", *words])}
+    if Path(name).stem in ("plymotion", "__main__"):
+        found["command"] = shlex.join(["plymotion", *words])
+    return found

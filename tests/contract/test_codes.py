@@ -22,10 +22,15 @@ LIMITS = {
     "cst-in-plane-bending": ("preprocess/shell/guards.py", "ACROSS"),
     "dst-thick": ("preprocess/shell/plates/dst.py", "SHEAR_RATIO_LIMIT"),
     "laminate-unsymmetric": ("preprocess/laminate/report.py", "COUPLED"),
+    "buckling-after-large-rotation": ("preprocess/shell/prestress.py", "LARGE"),
     "laminate-unbalanced": ("preprocess/laminate/report.py", "COUPLED"),
     "laminate-soft-core": ("preprocess/laminate/report.py", "SOFT"),
     "unmerged-nodes": ("preprocess/section/mesh_checks.py", "COINCIDENT"),
     "sliver-elements": ("preprocess/section/mesh_checks.py", "LEAST_SINE"),
+    "nearly-incompressible": ("preprocess/section/guards.py", "INCOMPRESSIBLE"),
+    "ill-conditioned": ("preprocess/section/problem.py", "LARGEST_GROWTH"),
+    "strongly-curved": ("preprocess/section/shape_along.py", "STRONG"),
+    "taper-neglected": ("preprocess/section/shape_along.py", "TAPER"),
     "accuracy-not-met": ("preprocess/section/analysis.py", "MOST_DOFS"),
 }
 MAKERS = {"_warning", "add_warning"}  # functions that take a code first

@@ -51,7 +51,7 @@ def largest_energy(view: BodyView, q: Array) -> float:
 def largest_displacement(view: BodyView, q: Array) -> float:
     """Largest elastic displacement of all nodes and times [m]; q as above."""
     m = q.shape[1]
-    if not m:
+    if not m:  # taken as rigid
         return 0.0
     U = view.shapes_B[:, :, :3].reshape(m, -1)
     step = max(1, AT_ONCE // max(U.shape[1], 1))
