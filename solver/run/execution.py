@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from ..inputs.case.schema import Mechanism
 
 FIRST_LINE_S = 2.0  # wall time after which a run without a terminal tells where it is
-INCOMPLETE = 3  # exit code of a run that ended early with a result
 
 
 def read_run(file: Path, *, allow_doubtful: bool = False) -> RunSpec:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from sweep_samples import BALL, FORCE, MASS, ball, ball_plan
 
+from plymotion.solver.commands.cases.packages import specs_of
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
@@ -158,11 +159,11 @@ def test_a_body_is_specified_once_and_shared_with_runs(angles, tmp_path):
         "bodies/hand.layup-2.vtkhdf",
     }
     assert len(list((out / "sweeps/bodies").glob("hand.*.json"))) == 8
-    rules = (out / "case.mk").read_text()
-    assert "double-pendulum_SWEEPS := a\n" in rules
-    assert len(re.search(r"double-pendulum_a_SPECS := (.*)", rules)[1].split()) == 11
-    own = re.search(r"double-pendulum_SPECS := (.*)", rules)[1]
-    assert "sweeps" not in own  # a run waits for no body of a sweep
+    runs = list(load_case(angles).runs)
+    assert all(spec.is_file() for spec in specs_of(out, runs, ["a"]))
+    assert len(specs_of(out, [], ["a"])) == 11
+    # a run waits for no body of a sweep
+    assert {spec.parent for spec in specs_of(out, runs)} == {out / "bodies"}
 
 
 def test_more_values_leave_the_bodies_of_others_alone(angles, tmp_path):

@@ -17,12 +17,10 @@ from ...fidelity.words import fidelity_line
 from ...interrupts import INTERRUPTED, asked, handle, passed_to_children
 from ...package.common.disk_file import has_right_seal
 from ...results import ResultError, read_summary
-from ...run.execution import INCOMPLETE
 from ...run.inputs_digest import inputs_sha256
 from ...run.timing import timing_text
 from ..defect import DEFECT, report
-
-INPUT = 2
+from ..exit_codes import INCOMPLETE, INPUT, worst
 
 
 @dataclass
@@ -55,7 +53,7 @@ class _Task:
 def run_runs(options: argparse.Namespace) -> int:
     """Integrate the runs of run files; return the exit code of the worst."""
     files: list[Path] = options.files
-    for name in ("run", "packages", "coarse", "force", "no_report"):
+    for name in ("run", "sweep", "packages", "coarse", "force", "no_report"):
         if getattr(options, name):
             raise InputError(f"--{name.replace('_', '-')}: expected with a case file only")
     if options.out is not None and len(files) > 1:
@@ -100,32 +98,33 @@ def run_files(
     doubled = {file.stem for file in files if sum(f.stem == file.stem for f in files) > 1}
     if doubled:
         raise InputError(f"run files of the same name: {few(sorted(doubled))}")
-    tasks = []
+    tasks, codes = [], []
     for file in files:
         folder = out or (out_dir or file.parent.parent) / file.stem
-        if update and _up_to_date(file, folder):
+        known = _up_to_date(file, folder) if update else None
+        if known is not None:
             print(f"{file.stem}: up to date")
+            codes.append(_code(known))
             continue
         tasks.append(_Task(file, folder, not quiet, timing, allow_doubtful, import_s, allow_python))
         import_s = 0.0
     jobs = min(jobs, len(tasks))
     outcomes = _by_workers(tasks, jobs) if jobs > 1 else _here(tasks)
-    codes = []
     for outcome in outcomes:
         outcome.tell()
         codes.append(outcome.code)
-    return next((code for code in (INTERRUPTED, DEFECT, INPUT, INCOMPLETE) if code in codes), 0)
+    return worst(codes)
 
 
-def _up_to_date(file: Path, out: Path) -> bool:
-    """Tell whether a result is there that was not interrupted and has the same inputs."""
+def _up_to_date(file: Path, out: Path) -> dict[str, Any] | None:
+    """Return the summary of a result of the same inputs that was not interrupted."""
     try:
         summary = read_summary(out / "summary.json")
     except ResultError:
-        return False
+        return None
     there = has_right_seal(out / "result.vtkhdf") and summary.get("status") != "interrupted"
     known = summary.get("inputs_sha256")
-    return there and bool(known) and known == inputs_sha256(file)
+    return summary if there and known and known == inputs_sha256(file) else None
 
 
 def _outcome(task: _Task) -> Outcome:

@@ -60,6 +60,12 @@ def add_run_command(commands: Any, run: Callable[[argparse.Namespace], int]) -> 
     case.add_argument(
         "--run", action="append", metavar="NAME", help="only this run; may be given several times"
     )
+    case.add_argument(
+        "--sweep",
+        action="append",
+        metavar="NAME",
+        help="the members of this sweep, in place of the runs; may be given several times",
+    )
     case.add_argument("--coarse", action="store_true", help="apply the [coarse] variant")
     case.add_argument(
         "--packages", type=Path, metavar="DIR", help="ready packages: FEniCSx is not needed"

@@ -12,16 +12,16 @@ from ...interrupts import INTERRUPTED, held
 from ...math.compiled import COMPILED
 from ...package.common.temporary import temporary_sibling
 from ...results import ResultError
+from ..exit_codes import INCOMPLETE
 from .engine import compute_by_workers, compute_here
 from .figure import draw_sweep
 from .file import SweepResult, believed_rows, result_of, sweep_csv, write_sweep
 from .member import FAILED, FINISHED, PENDING, STOPPED, Row
 from .plan import Plan, read_plan
 
-INCOMPLETE = 3
 SAVE_S = 10.0  # least time between two savings on the way
 TOLD = 10  # members that did not finish, on the screen
-CSV = "sweep.csv"  # written last: what make takes as the sign of a sweep that is through
+CSV = "sweep.csv"  # written last: the sign of a sweep that is through
 
 
 def run_sweep(options: argparse.Namespace) -> int:

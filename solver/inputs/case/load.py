@@ -10,6 +10,7 @@ from pydantic import ValidationError
 from ...errors import InputError, nearest
 from ..common import lines, read_toml
 from .body_specs import BodySpec, BodySpecs
+from .file import case_name
 from .laws import FOLDER
 from .parts import in_parts
 from .schema import CaseFile, Mechanism
@@ -19,10 +20,8 @@ from .sweep_members import CheckedSweep, check_sweep
 RESERVED = {
     "runs": {
         "bodies": "a folder of this name",
-        "inputs": "a folder of this name",
         "runs": "a folder of this name",
         "sweeps": "a folder of this name",
-        "ran": "a file of this name",
     },
     "sweeps": {"bodies": "a folder sweeps/bodies"},
 }
@@ -140,8 +139,7 @@ def load_case(file: Path, *, coarse: bool = False) -> Case:
         told = dict.fromkeys(problems)
         twice = {f"{line}{IN_COARSE}" for line in told}
         raise InputError("\n".join(line for line in told if line not in twice))
-    name = file.resolve().parent.name if file.name == "case.toml" else file.stem
-    return Case(name, file, top, runs, bodies, sweeps)
+    return Case(case_name(file), file, top, runs, bodies, sweeps)
 
 
 def _of_coarse(file: Path) -> list[str]:
