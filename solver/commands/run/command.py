@@ -8,16 +8,17 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from ...errors import InputError, PackageError, few
-from ...fidelity.execution import run_any
-from ...fidelity.words import fidelity_line
 from ...interrupts import INTERRUPTED, asked, handle, passed_to_children
 from ...package.common.disk_file import has_right_seal
-from ...results import ResultError, read_summary
+from ...results import ResultError, RunResult, read_summary
+from ...run.execution import run_file
 from ...run.inputs_digest import inputs_sha256
+from ...run.outcome import RunSpec
 from ...run.timing import timing_text
 from ..defect import DEFECT, report
 from ..exit_codes import INCOMPLETE, INPUT, worst
@@ -130,13 +131,14 @@ def _up_to_date(file: Path, out: Path) -> dict[str, Any] | None:
 def _outcome(task: _Task) -> Outcome:
     """Do one run."""
     try:
-        summary = run_any(
+        summary = run_file(
             task.file,
             task.out,
             progress=task.progress,
             import_s=task.import_s,
             allow_python=task.allow_python,
             allow_doubtful=task.doubtful,
+            planned=partial(_planned, task),
         )
     except (InputError, PackageError) as error:
         return Outcome(INPUT, errors=str(error).splitlines())
@@ -147,6 +149,13 @@ def _outcome(task: _Task) -> Outcome:
     except Exception as error:
         return Outcome(DEFECT, errors=[f"{task.file}: {report(error)}"])
     return Outcome(_code(summary), _lines(summary, task.timing))
+
+
+def _planned(task: _Task, spec: RunSpec, digest: str) -> tuple[RunResult, dict[str, Any]]:
+    """Execute a run with `[fidelity]`."""
+    from ...fidelity.execution import delivered  # most runs need no planner
+
+    return delivered(task.file, spec, digest, allow_doubtful=task.doubtful)
 
 
 def _code(summary: dict[str, Any]) -> int:
@@ -164,6 +173,8 @@ def _lines(summary: dict[str, Any], timing: bool) -> list[str]:
         f"{cost['steps']} steps, {cost['solve_s']:.2f} s"
     ]
     if "fidelity" in summary:
+        from ...fidelity.words import fidelity_line
+
         text.append(f"  {fidelity_line(summary['fidelity'])}")
     text += [f"  warning [{w['code']}] {w['message']}" for w in summary["warnings"]]
     return [*text, f"  {timing_text(cost['seconds'])}"] if timing else text
