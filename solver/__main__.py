@@ -36,8 +36,9 @@ def main(arguments: list[str] | None = None) -> int:
     """Run one command; return the exit code.
 
     0 done; 2 wrong input, or errors found by `validate`; 3 a run, or members of a sweep,
-    ended early and their results up to that time are kept; 70 a defect of the program;
-    130, 143, 129 ended by Ctrl-C, TERM or HUP, results are kept.
+    ended early and their results up to that time are kept, or the findings of a run call its
+    results invalid; 70 a defect of the program; 130, 143, 129 ended by Ctrl-C, TERM or HUP, results
+    are kept.
     """
     if arguments is None:
         # Looking for garbage among all modules at the end of the process takes 0.03 s.

@@ -14,6 +14,7 @@ from . import (
     motion,
     packages,
     stalls,
+    start,
     stiffening,
     strength,
 )
@@ -25,6 +26,7 @@ Check = Callable[[FinishedRun], Iterable[Finding]]
 CHECKS: tuple[Check, ...] = (
     completion.completion_findings,
     stalls.stall_findings,
+    start.start_findings,
     constraints.constraint_findings,
     energy.energy_findings,
     momentum.momentum_findings,

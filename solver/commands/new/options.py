@@ -10,7 +10,7 @@ STARTERS = {
     "arm": "a driven laminated link with a payload",
     "robot-arm": "two laminated tubes with two drives, torques and ply strength",
     "panel": "a laminated plate (shell) on a turning hub",
-    "pendulum": "a laminated bar on a hinge, that falls",
+    "pendulum": "a laminated bar on a hinge, set swinging",
     "blade": "a rotating composite blade, stiffened by its spin",
 }
 EPILOG = "starters:\n" + "\n".join(f"  {name:10} {text}" for name, text in STARTERS.items())

@@ -16,12 +16,15 @@ from ...errors import InputError, PackageError, few
 from ...interrupts import INTERRUPTED, asked, handle, passed_to_children
 from ...package.common.disk_file import has_right_seal
 from ...results import ResultError, RunResult, read_summary
+from ...results.verdict import invalid_words
 from ...run.execution import run_file
 from ...run.inputs_digest import inputs_sha256
 from ...run.outcome import RunSpec
 from ...run.timing import timing_text
 from ..defect import DEFECT, report
 from ..exit_codes import INCOMPLETE, INPUT, worst
+
+DONE = "done"
 
 
 @dataclass
@@ -162,14 +165,22 @@ def _code(summary: dict[str, Any]) -> int:
     if summary["status"] == "interrupted":
         return INTERRUPTED
     refused = summary.get("fidelity", {}).get("verdict") == "not met"
-    return 0 if summary["completed"] and not refused else INCOMPLETE
+    return INCOMPLETE if refused or _ending(summary) != DONE else 0
+
+
+def _ending(summary: dict[str, Any]) -> str:
+    """Return how a run ended, in a word or two."""
+    if not summary["completed"]:
+        return str(summary["status"])
+    return invalid_words(summary) or DONE
 
 
 def _lines(summary: dict[str, Any], timing: bool) -> list[str]:
     cost = summary["cost"]
-    outcome = "done" if summary["completed"] else summary["status"]
+    ending = _ending(summary)
+    words = ending if ending == DONE or not summary["completed"] else f"{ending}, ended"
     text = [
-        f"{summary['run']}: {outcome} at t = {summary['t_end']:.4g} s, "
+        f"{summary['run']}: {words} at t = {summary['t_end']:.4g} s, "
         f"{cost['steps']} steps, {cost['solve_s']:.2f} s"
     ]
     if "fidelity" in summary:

@@ -17,7 +17,8 @@ start.
 A run that fails does not stop the others. Each leaves result.vtkhdf and summary.json.
 
 exit code: 0 all runs finished; 2 something is wrong with an input; 3 a run ended early, its results
-up to that time are kept; 130, 143, 129 ended by Ctrl-C, TERM or HUP, results are kept.
+up to that time are kept, or its own findings call its results invalid; 130, 143, 129 ended by
+Ctrl-C, TERM or HUP, results are kept.
 """
 
 
