@@ -201,6 +201,13 @@ test: $(LIGHT) ## All of it: check, test-numba, test-fe, and every case in its c
 .PHONY: test-setup
 test-setup: $(EXCHANGE)/installed $(LIGHT) $(FENICSX) $(COMPILED) build/numba-$(LOWEST_NUMBA)/installed
 
+# Nothing is compiled: that takes longer than these runs.
+.PHONY: smoke
+smoke: $(LIGHT) ## A quick look: shipped packages, one run with its report, and tests of its motion
+	PLYMOTION_COMPILED=0 $(PY) -m plymotion cases/slider-crank/case.toml --coarse --run steel \
+	    --packages tests/packages/slider-crank --out build/smoke --force
+	PLYMOTION_COMPILED=0 $(PY) -m pytest -q tests/cases/test_slider_crank.py
+
 .PHONY: check
 check: lint types imports test-light ## Lint, types, import directions and the tests without FEniCSx
 
