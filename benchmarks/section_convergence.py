@@ -40,17 +40,14 @@ REPEATS = 5
 def linear(spec: dict[str, Any], folder: Path) -> dict[str, Any]:
     """The same section on the corners of its cells only: bilinear quadrilaterals."""
     mesh = section_mesh(spec["mesh"], "benchmark")
-    nodes, cells, _ = fenicsx.geometry(mesh.labelled.mesh)
-    names = list(mesh.labelled.names)
-    numbers = [mesh.labelled.names[name] for name in names]
     file = folder / "linear.npz"
     np.savez(
         file,
-        points=nodes[:, :2],
-        cells=cells[:, [0, 1, 3, 2]],
+        points=mesh.cells.points,
+        cells=mesh.cells.nodes[:, :4],
         cell_type="quad",
-        region=np.array([numbers.index(label) for label in mesh.labelled.cell_labels]),
-        region_names=np.array(names),
+        region=mesh.cells.region,
+        region_names=np.array(mesh.cells.regions),
     )
     return {**spec, "mesh": {"arrays": str(file), "degree": 1}}
 

@@ -11,8 +11,8 @@ from ..solver.package.common.shares import shard
 BODY_EPILOG = """\
 Writes the modal package DIR/SPEC.vtkhdf for each SPEC.json. A package whose stored
 inputs (specification, preprocessor sources, format version) are unchanged is not
-written again, so runs that read it are not repeated. SPEC `-` alone reads names
-from standard input and processes each one immediately.
+written again, so make does not repeat runs that read it. SPEC `-` alone reads
+names from standard input and builds each one immediately.
 
 exit code: 0 all packages are up to date; 2 a body could not be built (the others
 were built); 130 interrupted.
@@ -157,9 +157,9 @@ def _add_section_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _body(options: argparse.Namespace) -> int:
-    from .body_packages import build_packages  # here, so that --help needs no HDF5
+    from .body_packages import build_bodies  # here, so that --help needs no HDF5
 
-    return build_packages(options)
+    return build_bodies(options)
 
 
 def _section(options: argparse.Namespace) -> int:

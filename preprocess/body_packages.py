@@ -14,19 +14,19 @@ from .fingerprint import fingerprint
 from .reporting import build_from_stdin, reporter
 
 
-def build_packages(options: argparse.Namespace) -> int:
-    """Make the requested modal packages; returns the exit code."""
+def build_bodies(options: argparse.Namespace) -> int:
+    """Build the requested packages; returns the exit code."""
     out_dir: Path = options.out_dir
     out_dir.mkdir(parents=True, exist_ok=True)
-    product, force = BodyPackages(), options.force
 
     def target_of(spec: Path) -> Path:
         return out_dir / f"{spec.stem}.vtkhdf"
 
-    with reporter(options.json, True) as (report, _):
+    with reporter(options.json, first=True) as (report, _):
+        how: dict[str, Any] = {"force": options.force, "report": report}
         if options.specs == [Path("-")]:
-            return build_from_stdin(product, target_of, force=force, report=report)
-        return build_all(product, options.specs, target_of, force=force, report=report)
+            return build_from_stdin(BodyPackages(), target_of, **how)
+        return build_all(BodyPackages(), options.specs, target_of, **how)
 
 
 class BodyPackages:

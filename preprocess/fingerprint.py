@@ -6,11 +6,11 @@ format version.
 """
 
 import functools
-import hashlib
 from pathlib import Path
 from typing import Any
 
 from ..solver.package.body.schema import FORMAT_VERSION
+from ..solver.package.common.file_digests import files_sha256
 from ..solver.package.common.plain_data import inputs_sha256
 
 # These keys do not affect the body: a new integrator setting
@@ -38,7 +38,4 @@ def _sources_sha256() -> str:
     solver = here.parent / "solver"
     for folder in (solver / "package", solver / "math"):  # all that the preprocessor may import
         files |= {p.relative_to(solver).as_posix(): p for p in folder.rglob("*.py")}
-    digest = hashlib.sha256()
-    for name in sorted(files):
-        digest.update(f"{name}\0".encode() + files[name].read_bytes() + b"\0")
-    return digest.hexdigest()
+    return files_sha256(files)

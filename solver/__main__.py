@@ -1,4 +1,4 @@
-"""The command line: check, compile, run, modes, report, section, shell, sweep and smaller ones."""
+"""The command line: check, compile, packages, run, modes, report, section, shell, sweep, ..."""
 
 if __name__ == "__main__":
     from .interrupts import end_at_once
@@ -21,11 +21,12 @@ from .commands.chart.options import add_chart_command
 from .commands.exchange.options import add_exchange_commands
 from .commands.modes.options import add_modes_command
 from .commands.new.options import add_new_command
+from .commands.packages.options import add_packages_command
 from .commands.plan.options import add_plan_command
 from .commands.run.options import add_run_command
 from .commands.section.options import add_section_command
 from .commands.shell.options import add_shell_command
-from .commands.sweep.options import add_sweep_command
+from .commands.sweep.options import add_merge_command, add_sweep_command
 from .errors import InputError, PackageError
 from .inputs.case.file import CASE_FILE
 from .inputs.scripts import scripts
@@ -139,7 +140,9 @@ def parser() -> CommandParser:
     add_exchange_commands(commands, _import, _export)
     add_section_command(commands, _section)
     add_shell_command(commands, _shell)
+    add_packages_command(commands, _packages)
     add_sweep_command(commands, _sweep)
+    add_merge_command(commands, _merge)
     return parser
 
 
@@ -254,15 +257,9 @@ def _validate(options: argparse.Namespace) -> int:
 
 
 def _experimental(options: argparse.Namespace) -> int:
-    from .commands.measured_modes import experimental_package, load_measurement
-    from .package import write_package
+    from .commands.measured_modes import experimental_package, load_measurement, write_measured
 
-    package = experimental_package(load_measurement(options.file))
-    write_package(options.out, package)
-    for warning in package.provenance["warnings"]:
-        print(f"warning [{warning['code']}] {warning['message']}", file=sys.stderr)
-    print(f"{options.out}: {package.body}, {package.n_mode} measured modes")
-    return 0
+    return write_measured(options.out, experimental_package(load_measurement(options.file)))
 
 
 def _modes(options: argparse.Namespace) -> int:
@@ -296,11 +293,24 @@ def _shell(options: argparse.Namespace) -> int:
     return run_shell(options)
 
 
+def _packages(options: argparse.Namespace) -> int:
+    from .commands.packages.command import run_packages
+
+    return run_packages(options)
+
+
 def _sweep(options: argparse.Namespace) -> int:
     with _importing():
         from .commands.sweep.command import run_sweep
 
     return run_sweep(options)
+
+
+def _merge(options: argparse.Namespace) -> int:
+    with _importing():
+        from .commands.sweep.command import run_merge
+
+    return run_merge(options)
 
 
 if __name__ == "__main__":

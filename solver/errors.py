@@ -12,6 +12,11 @@ class PackageError(Exception):
     """A file of this project cannot be used; the message names file and dataset."""
 
 
+def under(key: str, error: InputError) -> InputError:
+    """Return the same error with a key before each of its lines: "bodies.arm.shell: ..."."""
+    return InputError("\n".join(f"{key}: {line}" for line in str(error).splitlines()))
+
+
 MOST_NAMED = 5
 
 

@@ -79,6 +79,7 @@ def rectangle(
         name=name,
         K=K,
         M=np.diag([DENSITY * area] * 3 + [inertia.sum(), *inertia]),
+        initial_curvature=np.array([0.2, 0.0, 0.1]),
         error_estimate=1e-4 * np.sqrt(np.outer(K_diagonal, K_diagonal)) if estimate else None,
         shear_centre=np.zeros(2),
         tension_centre=np.zeros(2),

@@ -8,9 +8,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ...solver.errors import InputError, PackageError
+from ...solver.interrupts import INTERRUPTED
 
 TABLES = 4  # exit code: the source has modes only, and their tables are written
-TARGETS = ("exudyn", "uff", "med", "dmig")
+TARGETS = ("exudyn", "uff", "med", "dmig", "mbdyn", "sid")
 
 
 def main(arguments: "Sequence[str] | None" = None) -> int:
@@ -27,7 +28,7 @@ def main(arguments: "Sequence[str] | None" = None) -> int:
         return 2
     except KeyboardInterrupt:
         print("interrupted: nothing written", file=sys.stderr)
-        return 130
+        return INTERRUPTED
 
 
 def _parser() -> argparse.ArgumentParser:

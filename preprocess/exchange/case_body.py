@@ -8,10 +8,10 @@ from typing import Any, cast
 from ...solver.errors import InputError
 from ...solver.package import ModalPackage
 from ...solver.package.body.specification import ImportedSpecification
+from ...solver.package.common.file_digests import file_sha256
 from ...solver.package.common.table_form import SpecError, check_form
 from ..fingerprint import fingerprint
 from .import_file import check_table, package_of
-from .read.files import file_sha256
 
 
 def build_imported(content: dict[str, Any]) -> ModalPackage:

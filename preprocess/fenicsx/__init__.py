@@ -4,7 +4,7 @@ If the stack is incomplete, importing it raises `MissingFenicsx`, an ImportError
 that states what is missing and how to install it.
 """
 
-from .cholesky import Cholesky, FactorisationError, cholesky
+from .cholesky import Cholesky, FactorisationError, SingularError, cholesky
 from .eigen import EigenError, eigenpairs
 from .gmsh_model import MeshError, plain_from_model
 from .gmsh_script import gmsh_session, open_mesh, run_script
@@ -41,6 +41,7 @@ __all__ = [
     "MissingFenicsx",
     "NamedNodes",
     "PlainMesh",
+    "SingularError",
     "Team",
     "basis",
     "cell_dofs",

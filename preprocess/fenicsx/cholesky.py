@@ -15,6 +15,10 @@ class FactorisationError(Exception):
     """A matrix is not symmetric positive definite."""
 
 
+class SingularError(FactorisationError):
+    """The solution of a random load is so large that the matrix appears to be singular."""
+
+
 class Cholesky:
     """A factorised symmetric positive definite matrix; `update` reuses the symbolic part.
 
@@ -22,8 +26,10 @@ class Cholesky:
     solve after a factorisation checks it with an additional column.
     """
 
-    def __init__(self, A: Any, team: Team = ALONE) -> None:
+    def __init__(self, A: Any, team: Team = ALONE, largest_growth: float = LARGEST_GROWTH) -> None:
         A = sorted_csr(A)
+        self.largest_growth = largest_growth
+        self.growth = 0.0  # of a random load, by the last factorisation that was checked
         self.A = sp.csr_matrix((A.data.copy(), A.indices, A.indptr), shape=A.shape)
         self._team = team
         self._checked = False
@@ -74,10 +80,11 @@ class Cholesky:
         random = RandomLoad(diagonal)
         columns = np.asfortranarray(np.column_stack([columns, random.load]))
         X = self._solve(columns)
-        if not random.is_regular(X[:, -1]):
-            raise FactorisationError(
-                f"the matrix is singular (scaled condition above {LARGEST_GROWTH:.0e}): is every "
-                "rigid motion constrained and every part connected?"
+        self.growth = random.growth(X[:, -1])
+        if not self.growth < self.largest_growth:
+            raise SingularError(
+                f"the matrix is singular (scaled condition above {self.largest_growth:.0e}): "
+                "is every rigid motion constrained and every part connected?"
             )
         self._check_residual(X, columns, float(diagonal.max()))
         self._checked = True
@@ -139,12 +146,13 @@ class Cholesky:
         return self._team.stacked(found)
 
 
-def cholesky(A: Any, team: Team = ALONE) -> Cholesky:
+def cholesky(A: Any, team: Team = ALONE, largest_growth: float = LARGEST_GROWTH) -> Cholesky:
     """Factorise a symmetric positive definite sparse matrix (MUMPS where PETSc has it).
 
-    Every process of the team has all of `A` and all columns to solve for. Raises
-    FactorisationError if the matrix is indefinite or singular.
+    Every process of the team has all of `A` and all columns to solve for. `largest_growth` is that
+    of a random load in a regular matrix. Raises FactorisationError if the matrix is indefinite or
+    singular.
     """
-    factor = Cholesky(A, team)
+    factor = Cholesky(A, team, largest_growth)
     factor.check()
     return factor

@@ -29,5 +29,8 @@ class RandomLoad:
 
     def is_regular(self, solution: Array) -> bool:
         """True if the matrix that gave this solution (n,) of the load is regular."""
-        growth = np.linalg.norm(self._scale * solution) / np.linalg.norm(self._z)
-        return bool(growth < LARGEST_GROWTH)
+        return self.growth(solution) < LARGEST_GROWTH
+
+    def growth(self, solution: Array) -> float:
+        """Size of the scaled solution (n,) over that of the load."""
+        return float(np.linalg.norm(self._scale * solution) / np.linalg.norm(self._z))

@@ -9,15 +9,18 @@ from ...solver.package.section.schema import SectionFile
 from .. import fenicsx
 from .errors import SectionError
 from .estimate import error_estimate, scaled
-from .guards import check_degree, solvability_warnings
+from .guards import ALLOWED, check_degree, condition_warnings, solvability_warnings
+from .helical import CentralSolutions
 from .inertia import mass_centre, mass_matrix
 from .layers import Layup, layup
 from .mesh_data import mesh_data, nodal_displacements
 from .problem import SectionProblem, section_problem
-from .recovery import section_recovery, unit_displacements
+from .recovery import section_recovery, unit_strains, unit_warping
+from .shape_along import curvature_of, curvature_warnings, taper_error
 from .space import SectionSpace
 from .spec import check_spec
 from .timoshenko import SectionStiffness, shear_centre, tension_centre
+from .twist import TwistedStrains
 
 DEGREE = 2  # of the warping field
 MOST_DOFS = 400_000  # limit of refinement: a larger problem takes minutes and gigabytes
@@ -53,27 +56,39 @@ def analyse(
     Raises
     ------
     SectionError, MaterialError : a wrong description (file or section, key, value, expectation).
-    FactorisationError, MeshError : no result from FEniCSx or gmsh.
+    MeshError : no mesh from gmsh.
     """
     start = time.perf_counter()
     where = where or f"section {spec.get('name', '')}".strip()
     check_spec(spec, where)
     begin = progress or (lambda _line: None)
     degree = int(spec["mesh"].get("degree", DEGREE))
+    allow = tuple(spec.get("allow", ()))
     steps: list[dict[str, float | None]] = []
     refine = 0
     while True:
         begin(f"mesh, refined {refine} times" if refine else "mesh")
         problem = section_problem(spec["mesh"], where, degree, refine, team)
         lay = layup(spec, problem.mesh, problem.space, where)
-        warnings = [*problem.mesh.warnings, *lay.warnings, *check_degree(problem.space, lay, where)]
+        warnings = [
+            *problem.mesh.warnings,
+            *lay.warnings,
+            *check_degree(problem.space, lay, where, allow),
+        ]
         begin(f"warping, {problem.space.n_dof} dofs")
-        result = _solve(problem, lay, where)
-        warnings += solvability_warnings(result)
+        result = _solve(problem, lay, where, spec)
+        warnings += [*solvability_warnings(result), *condition_warnings(result)]
+        warnings += curvature_warnings(result)
         error = None
         if estimate or accuracy is not None:
             begin("error estimate")
             error = _estimate(spec, where, problem, refine, result.K)
+        neglected, found = taper_error(spec, problem.mesh.cells.points, result.K)
+        warnings += found
+        if error is not None and neglected is not None:
+            error = error + neglected
+        if result.round_off is not None:
+            error = result.round_off if error is None else error + result.round_off
         lap = time.perf_counter() - start
         worst = None if error is None else float(scaled(error, result.K).max())
         steps.append(
@@ -92,11 +107,15 @@ def analyse(
             break
         refine += 1
     begin("recovery")
-    M = mass_matrix(problem.space, lay.density)
-    fields = unit_displacements(problem.space, result)
-    points, lay_points = problem.space, lay
+    density = lay.density
+    if isinstance(result, CentralSolutions):
+        density = density * TwistedStrains(problem.space, result.strains.k).g
+    M = mass_matrix(problem.space, density)
+    points, lay_points = result.space, lay
     if recovery_degree is not None:
-        points = SectionSpace(problem.mesh.labelled, degree, recovery_degree)
+        points = SectionSpace(problem.mesh.cells, degree, recovery_degree)
+        if result.space.over is not None:
+            points = points.expressed(result.space.over)
         lay_points = layup(spec, problem.mesh, points, where)
     seconds = time.perf_counter() - start
     return SectionFile(
@@ -107,24 +126,38 @@ def analyse(
         shear_centre=shear_centre(result.K),
         tension_centre=tension_centre(result.K),
         mass_centre=mass_centre(M),
+        initial_curvature=curvature_of(spec),
         mesh=mesh_data(problem.mesh, problem.space, lay),
-        warping=nodal_displacements(problem.space, fields[0]),
-        recovery=section_recovery(points, lay_points, fields, dict(spec["materials"])),
+        warping=nodal_displacements(result.space, unit_warping(result.space, result)),
+        recovery=section_recovery(
+            points, lay_points, unit_strains(points, result), dict(spec["materials"])
+        ),
         warnings=tuple(warnings),
         provenance={
             "spec": dict(spec),
             "dofs": problem.space.n_dof,
             "degree": degree,
             "refinements": steps,
+            "round_off": None
+            if result.round_off is None
+            else float(scaled(result.round_off, result.K).max()),
             "seconds": seconds,
             "versions": fenicsx.versions(),
         },
     )
 
 
-def _solve(problem: SectionProblem, lay: Layup, where: str) -> SectionStiffness:
+def _solve(
+    problem: SectionProblem, lay: Layup, where: str, spec: Mapping[str, Any]
+) -> SectionStiffness | CentralSolutions:
+    doubtful = ALLOWED[1] in spec.get("allow", ())
     try:
-        return problem.solve(lay.stiffness)
+        return problem.solve(lay.stiffness, k=curvature_of(spec), doubtful=doubtful)
+    except fenicsx.FactorisationError as error:
+        hint = ""
+        if isinstance(error, fenicsx.SingularError):
+            hint = f'; allow = ["{ALLOWED[1]}"] solves it all the same'
+        raise SectionError(f"{where}: {error}{hint}") from error
     except SectionError as error:
         raise SectionError(f"{where}: {error}") from error
 
@@ -135,4 +168,4 @@ def _estimate(
     degree = problem.space.degree + 1
     richer = section_problem(spec["mesh"], where, degree, refine, problem.team)
     lay = layup(spec, richer.mesh, richer.space, where)
-    return error_estimate(K, _solve(richer, lay, where).K, problem.space.degree)
+    return error_estimate(K, _solve(richer, lay, where, spec).K, problem.space.degree)

@@ -1,46 +1,69 @@
 """Warnings about a section: locking of linear fields, ill-conditioned equations."""
 
+from collections.abc import Sequence
+
+import numpy as np
+
 from ..materials import Orthotropic
 from .errors import SectionError
+from .helical import CentralSolutions
 from .layers import Layup
 from .space import SectionSpace
 from .timoshenko import SectionStiffness
 from .warping import SOLVABILITY
 
-INCOMPRESSIBLE = 9.0  # bulk over shear modulus, that of Poisson's ratio 0.446
+# Bulk over shear modulus above which linear elements lock (Poisson's ratio 0.446), and above which
+# elements of degree 2 lose digits (0.4999).
+LOCKING = 9.0
+INCOMPRESSIBLE = 5000.0
+ALLOWED = ("nearly-incompressible", "ill-conditioned")  # what `allow` may list
 
 
 def bulk_over_shear(material: Orthotropic) -> float:
-    """Bulk modulus divided by the smallest shear modulus."""
-    bulk = 1.0 / float(material.compliance_M[:3, :3].sum())
-    return bulk / min(material.G12, material.G13, material.G23)
+    """Bulk modulus over the least stiffness against a change of shape without shear, halved.
+
+    In an isotropic material, this is the bulk over the shear modulus. Small shear moduli of an
+    orthotropic material, as of honeycomb, do not make it incompressible.
+    """
+    normal = material.compliance_M[:3, :3]
+    return 2.0 * float(np.linalg.eigvalsh(normal)[-1]) / float(normal.sum())
 
 
-def check_degree(space: SectionSpace, lay: Layup, where: str) -> list[dict[str, str]]:
-    """Warnings about a linear warping field.
+def check_degree(
+    space: SectionSpace, lay: Layup, where: str, allow: Sequence[str] = ()
+) -> list[dict[str, str]]:
+    """Warnings about the degree of the warping field.
 
     Raises SectionError if a linear field locks: EI is 18 % too large at Poisson's ratio 0.49.
     """
-    if space.degree > 1:
-        return []
-    for ply, material in zip(lay.plies, lay.materials, strict=True):
+    linear = space.degree == 1
+    warnings = []
+    if linear:
+        warnings.append(
+            {
+                "code": "degree-1-locks",
+                "message": "linear elements are a few per cent too stiff in bending and torsion; "
+                "use mesh.degree = 2",
+            }
+        )
+    for name, material in {
+        p.material: m for p, m in zip(lay.plies, lay.materials, strict=True)
+    }.items():
         ratio = bulk_over_shear(material)
-        if ratio > INCOMPRESSIBLE:
+        if ratio <= (LOCKING if linear else INCOMPRESSIBLE):
+            continue
+        what = f"{name} is nearly incompressible (bulk modulus {ratio:.3g} times the shear modulus)"
+        if linear and ALLOWED[0] not in allow:
             raise SectionError(
-                f"{where}.mesh.degree = 1: expected 2 for {ply.material}, which is nearly "
-                f"incompressible (bulk modulus {ratio:.0f} times the shear modulus): linear "
-                "elements lock"
+                f"{where}.mesh.degree = 1: expected 2, because {what}: linear elements lock; "
+                f'allow = ["{ALLOWED[0]}"] computes it all the same'
             )
-    return [
-        {
-            "code": "degree-1-locks",
-            "message": "linear elements are a few per cent too stiff in bending and torsion; "
-            "use mesh.degree = 2",
-        }
-    ]
+        effect = "linear elements lock" if linear else "stresses lose digits"
+        warnings.append({"code": "nearly-incompressible", "message": f"{what}: {effect}"})
+    return warnings
 
 
-def solvability_warnings(result: SectionStiffness) -> list[dict[str, str]]:
+def solvability_warnings(result: SectionStiffness | CentralSolutions) -> list[dict[str, str]]:
     """Warning if the loads of the warping do work on rigid motions beyond round-off."""
     if result.solvability <= SOLVABILITY:
         return []
@@ -50,5 +73,18 @@ def solvability_warnings(result: SectionStiffness) -> list[dict[str, str]]:
             "message": f"the loads of the warping do work of {result.solvability:.1e} (relative) "
             f"on rigid motions, usually at most {SOLVABILITY:g}: round-off, as in a very thin open "
             "section; its shear stiffness has fewer correct digits",
+        }
+    ]
+
+
+def condition_warnings(result: SectionStiffness | CentralSolutions) -> list[dict[str, str]]:
+    """Warning about equations that were solved although their condition would be refused."""
+    if not result.doubtful:
+        return []
+    return [
+        {
+            "code": "ill-conditioned",
+            "message": "the equations of the warping are nearly singular; the estimate contains "
+            "their round-off as far as a second solution shows it",
         }
     ]

@@ -5,7 +5,7 @@ wall. The fibre direction is cos(angle) x1 + sin(angle) y2. Plies are listed out
 depth below the outer surface determines the ply.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -96,7 +96,7 @@ def layup(spec: Mapping[str, Any], mesh: SectionMesh, space: SectionSpace, where
             f"{where}.convention = {convention!r}: expected one of {', '.join(CONVENTIONS)}"
             + did_you_mean(str(convention), CONVENTIONS)
         )
-    regions, names = spec["regions"], mesh.labelled.names
+    regions, names = spec["regions"], mesh.cells.regions
     _same_names(regions, names, where)
     table = {
         name: material_from_dict(constants, f"{where}.materials.{name}")
@@ -109,10 +109,10 @@ def layup(spec: Mapping[str, Any], mesh: SectionMesh, space: SectionSpace, where
     turning, mixed = False, 0
     for name, region in regions.items():
         place = f"{where}.regions.{name}"
-        cells = np.flatnonzero(mesh.labelled.cell_labels == names[name])
+        cells = np.flatnonzero(mesh.cells.region == names.index(name))
         turns = _Direction(region.get("direction"), mesh, place)
         direction, depth = turns.at(space.points[cells])
-        nodes = np.stack([space.x2, space.x3], axis=1)[np.unique(space.dofs[cells])]
+        nodes = mesh.cells.region_points(cells)
         index = _ply_index(region["plies"], depth, turns, nodes, place)
         ply[cells] = len(plies) + index
         y2[cells] = direction
@@ -145,7 +145,7 @@ def layup(spec: Mapping[str, Any], mesh: SectionMesh, space: SectionSpace, where
     return Layup(ply, y2, tuple(plies), tuple(materials), uniform, tuple(warnings))
 
 
-def _same_names(regions: Mapping[str, Any], names: Mapping[str, int], where: str) -> None:
+def _same_names(regions: Mapping[str, Any], names: Sequence[str], where: str) -> None:
     for name in names:
         if name not in regions:
             raise SectionError(

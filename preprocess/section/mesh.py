@@ -1,4 +1,4 @@
-"""DOLFINx meshes of cross-sections, with named regions and curves.
+"""Meshes of cross-sections, with named regions and curves.
 
 The mesh axes are the section's: x = x2, y = x3, origin = reference point. A mesh comes from
 a script of the library (meshes/), from a gmsh script or mesh of the user, or as arrays.
@@ -19,6 +19,7 @@ from ...solver.package.common.plain_data import canonical
 from .. import fenicsx
 from ..fenicsx import PlainMesh
 from ..python_script import load_script
+from .cells import CellMesh, cells_of_plain
 from .errors import SectionError
 from .mesh_checks import checked, folds
 
@@ -41,13 +42,13 @@ class SectionMesh:
 
     Attributes
     ----------
-    labelled : DOLFINx's mesh, the label of each cell, the label of each region
+    cells : the cells with their regions
     curves : physical curve -> (s, 2 or 3, 2) its line elements: end points, then the middle
         node of degree-2 ones [m]
     warnings : {"code", "message"}
     """
 
-    labelled: fenicsx.LabelledMesh
+    cells: CellMesh
     curves: dict[str, Array]
     warnings: tuple[dict[str, str], ...] = ()
 
@@ -92,8 +93,8 @@ def _made(table: str, file: str, content: str, refine: int) -> SectionMesh:
     if scale != 1.0:
         curves = {name: scale * lines for name, lines in plain.curves.items()}
         plain = replace(plain, points=scale * plain.points, curves=curves)
-    plain, warnings = checked(plain, str(path))
-    return SectionMesh(fenicsx.labelled_mesh(plain), plain.curves, tuple(warnings))
+    cells, warnings = checked(cells_of_plain(plain), str(path))
+    return SectionMesh(cells, plain.curves, tuple(warnings))
 
 
 def script_path(name: str) -> Path:
@@ -147,7 +148,7 @@ def _split(plain: PlainMesh, times: int) -> PlainMesh:
 def _script(path: Path, parameters: Mapping[str, Any], refine: int) -> PlainMesh:
     """Refined on the geometry; if thin rows would fold, refined with their present shape."""
     plain = fenicsx.run_script(path, parameters, refine=refine)
-    if refine and folds(plain):
+    if refine and folds(cells_of_plain(plain)):
         return _split(fenicsx.run_script(path, parameters), refine)
     return plain
 

@@ -4,40 +4,36 @@ import numpy as np
 
 from ...solver.math.arrays import Array
 from ...solver.package.section.schema import SectionMeshData
-from .. import fenicsx
+from .cells import FULL, CellMesh, IntArray
 from .layers import Layup
 from .mesh import SectionMesh
 from .space import SectionSpace
 
-# Nodes of DOLFINx's cells in VTK's order, and VTK's number for the cell, by cell and degree.
-VTK_CELLS = {
-    ("triangle", 1): ((0, 1, 2), 5),
-    ("triangle", 2): ((0, 1, 2, 5, 3, 4), 22),
-    ("quadrilateral", 1): ((0, 1, 3, 2), 9),
-    ("quadrilateral", 2): ((0, 1, 3, 2, 4, 6, 7, 5, 8), 28),
-}
+# VTK's number for a cell with these of our nodes, by kind. A cell with others is written with all.
+# Our order of corners, middles and centre is VTK's.
+VTK_CELLS = ({3: 5, 6: 22}, {4: 9, 8: 23, 9: 28})
 
 
 def mesh_data(mesh: SectionMesh, space: SectionSpace, lay: Layup) -> SectionMeshData:
     """The mesh with region, ply and directions of every cell."""
-    nodes, cells, degree = fenicsx.geometry(mesh.labelled.mesh)
-    order, vtk_type = VTK_CELLS[space.cell, degree]
-    c, k = cells.shape
-    names = tuple(mesh.labelled.names)
-    row = {mesh.labelled.names[name]: i for i, name in enumerate(names)}
+    cells = mesh.cells
+    c = cells.n_cell
+    points, tables, types = _numbered(cells)
+    connectivity = [table[table >= 0] for table in tables]
     # the integration point nearest to the centre represents the cell
-    middle = np.argmin(
-        np.linalg.norm(space.points - space.points.mean(axis=1, keepdims=True), axis=-1), axis=1
-    )
+    areas = space.weights[..., None]
+    centre = (areas * space.points).sum(axis=1, keepdims=True) / areas.sum(axis=1, keepdims=True)
+    away = np.linalg.norm(space.points - centre, axis=-1)
+    middle = np.argmin(np.where(space.weights > 0.0, away, np.inf), axis=1)
     every = np.arange(c)
     A_BM = lay.A_BM[every, middle if lay.A_BM.shape[1] > 1 else 0]
     return SectionMeshData(
-        nodes=nodes[:, :2].copy(),
-        connectivity=cells[:, order].astype(np.int64).ravel(),
-        offsets=np.arange(0, c * k + 1, k, dtype=np.int64),
-        cell_types=np.full(c, vtk_type, dtype=np.int64),
-        region=np.array([row[label] for label in mesh.labelled.cell_labels], dtype=np.int64),
-        regions=names,
+        nodes=points,
+        connectivity=np.concatenate(connectivity),
+        offsets=np.cumsum([0, *map(len, connectivity)]).astype(np.int64),
+        cell_types=types,
+        region=cells.region.astype(np.int64),
+        regions=cells.regions,
         ply=lay.ply[every, middle],
         layer_direction=lay.y2[every, middle],
         fibre=A_BM[:, :, 0],
@@ -45,11 +41,39 @@ def mesh_data(mesh: SectionMesh, space: SectionSpace, lay: Layup) -> SectionMesh
 
 
 def nodal_displacements(space: SectionSpace, W: Array) -> Array:
-    """Displacement columns (n_dof, m) at the nodes of the mesh, (m, n, 3)."""
-    nodes, cells, degree = fenicsx.geometry(space.labelled.mesh)
-    values, _ = fenicsx.basis(space.cell, space.degree, fenicsx.reference_nodes(space.cell, degree))
-    m = W.shape[1]
-    of_cells = values @ W.reshape(-1, 3 * m)[space.dofs]  # (c, k, 3 m)
-    out = np.empty((len(nodes), 3, m))
-    out[cells] = of_cells.reshape(*cells.shape, 3, m)
+    """Displacement columns (n_dof, m) at the nodes of `mesh_data`, (m, n, 3)."""
+    points, tables, _ = _numbered(space.mesh)
+    out = np.zeros((len(points), 3, W.shape[1]))
+    for (kind, rows), values in zip(
+        space.mesh.of_kinds, space.at_corners_and_middles(W), strict=True
+    ):
+        nodes = tables[rows, : FULL[kind]]
+        out[nodes[nodes >= 0]] = values[nodes >= 0]
     return np.ascontiguousarray(np.moveaxis(out, 2, 0))
+
+
+def _numbered(mesh: CellMesh) -> tuple[Array, IntArray, IntArray]:
+    """Positions of the nodes in use, nodes of each cell (c, 9) with -1 for none, VTK's types."""
+    used, compact = np.unique(mesh.nodes, return_inverse=True)
+    absent = int(used[0] < 0)
+    tables = compact.reshape(mesh.nodes.shape).astype(np.int64) - absent
+    points = [mesh.points[used[absent:]]]
+    types = np.zeros(mesh.n_cell, dtype=np.int64)
+    total = len(points[0])
+    for (kind, rows), shape in zip(mesh.of_kinds, mesh.shapes, strict=True):
+        full = FULL[kind]
+        count = np.count_nonzero(tables[rows] >= 0, axis=1)
+        regular = np.array(
+            [
+                n in VTK_CELLS[kind] and (table[:n] >= 0).all()
+                for n, table in zip(count, tables[rows], strict=True)
+            ]
+        )
+        types[rows] = [
+            VTK_CELLS[kind][n if ok else full] for n, ok in zip(count, regular, strict=True)
+        ]
+        cell, node = np.nonzero((tables[rows][:, :full] < 0) & ~regular[:, None])
+        tables[rows[cell], node] = total + np.arange(len(cell))
+        points.append(shape[cell, node])
+        total += len(cell)
+    return np.concatenate(points), tables, types

@@ -1,38 +1,136 @@
 """A section's mesh with all data that do not depend on material, kept for all lay-ups."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cached_property, lru_cache
 from typing import Any
+
+import numpy as np
 
 from ...solver.math.arrays import Array
 from .. import fenicsx
 from .errors import SectionError
+from .helical import CentralSolutions, central_solutions
 from .mesh import SectionMesh, section_mesh
 from .operators import SectionOperators
 from .space import SectionSpace
+from .thin import differences_across
 from .timoshenko import SectionStiffness, stiffness
-from .warping import WarpingSolver
+from .warping import WELL, WarpingSolver
 
+NOISE = 2.2e-16  # relative change of coordinates that measures the round-off
+LARGEST_GROWTH = 1e14  # of a random load where solutions are corrected by their residual
 KEPT = 8  # meshes (and degrees) that a process keeps
 
 
 class SectionProblem:
-    """The warping problem of a mesh at one degree of the field."""
+    """The warping problem of a mesh at one degree of the field.
 
-    def __init__(self, mesh: SectionMesh, degree: int, team: fenicsx.Team = fenicsx.ALONE) -> None:
+    Parameters
+    ----------
+    mesh : the cells
+    degree : see `SectionSpace`
+    """
+
+    def __init__(
+        self, mesh: SectionMesh, degree: int | None, team: fenicsx.Team = fenicsx.ALONE
+    ) -> None:
         self.mesh = mesh
-        self.space = SectionSpace(mesh.labelled, degree)
+        self.space = SectionSpace(mesh.cells, degree)
         self.team = team
-        self.operators = SectionOperators(self.space, team)
+        self._degree = degree
+        self._is_thin = False  # known after the first solution
+        self._growth = 0.0  # of the last solution
+        self._kept: dict[int, tuple[SectionOperators, WarpingSolver]] = {}
+
+    @property
+    def operators(self) -> SectionOperators:
+        """Operators with the displacements of nodes as unknowns."""
+        return self._prismatic(self.space)[0]
+
+    @property
+    def solver(self) -> WarpingSolver:
+        """Solver with the displacements of nodes as unknowns."""
+        return self._prismatic(self.space)[1]
+
+    def _prismatic(self, space: SectionSpace) -> tuple[SectionOperators, WarpingSolver]:
+        """Operators, and the solver that keeps the pattern and the symbolic factorisation."""
+        if id(space) not in self._kept:
+            tools = SectionOperators(space, self.team), WarpingSolver(space, team=self.team)
+            self._kept[id(space)] = tools
+        return self._kept[id(space)]
 
     @cached_property
-    def solver(self) -> WarpingSolver:
-        """Solver that keeps the pattern without pins and the symbolic factorisation."""
-        return WarpingSolver(self.space, team=self.team)
+    def _thin(self) -> SectionSpace | None:
+        """The space with differences across thin walls as unknowns."""
+        unknowns = differences_across(self.space)
+        return None if unknowns is None else self.space.expressed(unknowns)
 
-    def solve(self, C: Array) -> SectionStiffness:
-        """The 6x6 stiffness for given stiffness at the points, (c, 1 or q, 6, 6) [Pa]."""
-        return stiffness(self.space, self.solver, self.operators.E(C), C)
+    def solve(
+        self, C: Array, *, k: Array | None = None, doubtful: bool = False
+    ) -> SectionStiffness | CentralSolutions:
+        """The 6x6 stiffness for given stiffness at the points, (c, 1 or q, 6, 6) [Pa].
+
+        `k` (3,) is the initial twist and curvature of the beam, None for a prismatic one.
+        With `doubtful`, equations that appear to be singular are solved too.
+
+        If the condition of the equations requires it, they are solved with unknowns that suit thin
+        walls, and their round-off is measured: the difference from the solution with coordinates
+        that are changed in their last digit.
+        """
+        result = self._solve(C, k, doubtful)
+        if self._growth <= WELL:
+            return result
+        noise = 1.0 + NOISE * np.random.default_rng(0).choice(
+            [-1.0, 1.0], self.mesh.cells.points.shape
+        )
+        cells = replace(self.mesh.cells, points=self.mesh.cells.points * noise)
+        other = SectionProblem(replace(self.mesh, cells=cells), self._degree, self.team)
+        other._is_thin = self._is_thin
+        again = other._solve(C, k, doubtful)
+        return replace(
+            result,
+            round_off=np.abs(again.K - result.K),
+            doubtful=self._growth > LARGEST_GROWTH,
+        )
+
+    def _solve(
+        self, C: Array, k: Array | None, doubtful: bool
+    ) -> SectionStiffness | CentralSolutions:
+        """The stiffness, by the unknowns that the condition requires."""
+        result = None
+        if not self._is_thin:
+            try:
+                result = self._by(self.space, C, k, doubtful)
+            except (fenicsx.FactorisationError, SectionError):
+                if self._thin is None:
+                    raise
+            else:
+                if self._growth <= WELL or self._thin is None:
+                    return result
+        assert self._thin is not None
+        try:
+            better = self._by(self._thin, C, k, doubtful)
+        except fenicsx.FactorisationError:
+            if result is None:
+                raise
+            return result
+        self._is_thin, self._growth = True, max(self._growth, 2.0 * WELL)
+        return better
+
+    def _by(
+        self, space: SectionSpace, C: Array, k: Array | None, doubtful: bool
+    ) -> SectionStiffness | CentralSolutions:
+        limit = np.inf if doubtful else LARGEST_GROWTH
+        if k is not None:
+            found = central_solutions(space, k, C, self.team, limit)
+            self._growth = found.growth
+            return found
+        operators, solver = self._prismatic(space)
+        solver.largest_growth = limit
+        result = stiffness(space, solver, operators.E(C), C)
+        self._growth = solver.growth
+        return result
 
 
 def section_problem(
@@ -47,11 +145,10 @@ def section_problem(
     Raises SectionError if the degree of the field is below that of the geometry.
     """
     mesh = section_mesh(mesh_spec, where, refine=refine)
-    _, _, of_geometry = fenicsx.geometry(mesh.labelled.mesh)
-    if degree < of_geometry:
+    if degree < mesh.cells.degree:
         raise SectionError(
-            f"{where}.mesh.degree = {degree}: expected at least {of_geometry}, the degree of the "
-            "mesh: a lower field cannot follow its curved edges"
+            f"{where}.mesh.degree = {degree}: expected at least {mesh.cells.degree}, the degree of "
+            "the mesh: a lower field cannot follow its curved edges"
         )
     return _kept(mesh, degree, team)
 

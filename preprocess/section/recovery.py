@@ -5,9 +5,11 @@ import numpy as np
 from ...solver.math.arrays import Array
 from ...solver.package.section.schema import SectionRecovery
 from ..materials import bond
+from .helical import CentralSolutions
 from .layers import Layup
 from .space import SectionSpace
 from .timoshenko import CLASSICAL, SHEAR, SectionStiffness
+from .twist import TwistedStrains
 from .warping import beam_strain_fields
 
 
@@ -27,10 +29,28 @@ def unit_displacements(space: SectionSpace, result: SectionStiffness) -> tuple[A
     return w, result.V0 @ change + beam_strain_fields(space) @ e
 
 
+def unit_strains(space: SectionSpace, result: SectionStiffness | CentralSolutions) -> Array:
+    """Strains of the six unit resultants at the points of a space, (c, q, 6, 6)."""
+    if isinstance(result, CentralSolutions):
+        at = TwistedStrains(space, result.strains.k)
+        return at.strain_in_section(result.W) + at.strain_along_beam(result.Q)
+    w, along = unit_displacements(space, result)
+    return space.strain_in_section(w) + space.strain_along_beam(along)
+
+
+def unit_warping(space: SectionSpace, result: SectionStiffness | CentralSolutions) -> Array:
+    """Displacements (n_dof, 6) of the six unit resultants without rigid motion of the section."""
+    if not isinstance(result, CentralSolutions):
+        return unit_displacements(space, result)[0]
+    rigid = result.strains.Z
+    load = space.load(space.at_points(rigid))
+    return np.asarray(result.W - rigid @ np.linalg.solve(rigid.T @ load, load.T @ result.W))
+
+
 def section_recovery(
     space: SectionSpace,
     lay: Layup,
-    fields: tuple[Array, Array],
+    strain_B: Array,
     materials: dict[str, dict[str, object]],
 ) -> SectionRecovery:
     """Data for the recovery of ply stresses.
@@ -39,22 +59,21 @@ def section_recovery(
     ----------
     space : its points become the points of recovery
     lay : plies at these points
-    fields : `unit_displacements` on the same mesh and degree, for any points
+    strain_B : `unit_strains` at these points
     materials : constants by name, as described
     """
     c, q = space.weights.shape
     A_BM = np.broadcast_to(lay.A_BM, (c, q, 3, 3))
     # work is the same in both axes: stress_B = T stress_M, so strain_M = T' strain_B
-    w, along = fields
-    strain_B = space.strain_in_section(w) + space.strain_along_beam(along)
     strain_M = np.swapaxes(bond(lay.A_BM), -1, -2) @ strain_B
+    real = space.weights.ravel() > 0.0  # not those that fill up cells with fewer points
     return SectionRecovery(
-        points=space.points.reshape(-1, 2),
-        weights=space.weights.ravel(),
-        cell=np.repeat(np.arange(c), q),
-        ply=lay.ply.ravel(),
-        A_BM=A_BM.reshape(-1, 3, 3).copy(),
-        strain_M=strain_M.reshape(-1, 6, 6),
+        points=space.points.reshape(-1, 2)[real],
+        weights=space.weights.ravel()[real],
+        cell=np.repeat(np.arange(c), q)[real],
+        ply=lay.ply.ravel()[real],
+        A_BM=A_BM.reshape(-1, 3, 3)[real],
+        strain_M=strain_M.reshape(-1, 6, 6)[real],
         C_M=lay.stiffness_M,
         plies=lay.plies,
         materials=materials,

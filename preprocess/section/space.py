@@ -5,6 +5,7 @@ strain G_h w + G_l w', with ' for d/dx1. G_h has the derivatives within the
 section, G_l those along the beam.
 """
 
+import copy
 from functools import cached_property
 from typing import Any
 
@@ -13,7 +14,11 @@ import scipy.sparse as sp
 
 from ...solver.math.arrays import Array
 from .. import fenicsx
+from ..fenicsx import EDGES, NODES
+from .cells import CORNERS, KINDS, CellMesh, full_basis
+from .parts import lagrange_parts, own_parts
 from .pattern import Pattern
+from .unknowns import Unknowns, hanging_unknowns
 
 # Row of the strain (11, 22, 33, 23, 13, 12) to which each derivative d w_a / d x_alpha contributes,
 # in the order (a, alpha) = 1,2  1,3  2,2  2,3  3,2  3,3; and the same for each w_a'.
@@ -24,70 +29,119 @@ SLOPE = [0, 1, 5, 4, 3, 0]  # inverse map: row 11 has no entry, row 23 has two
 
 
 class SectionSpace:
-    """Continuous Lagrange functions of a degree on a mesh, and the integration points.
+    """Continuous functions on a mesh, and the integration points.
 
     These data do not depend on the material. By default, `quadrature_degree` is chosen so that E is
-    sufficiently accurate. Displacements of the section are flat arrays (n_dof,): node by
-    node the three components (w1, w2, w3). `c` counts cells, `q` the points of a cell, `k` its
-    nodes.
+    sufficiently accurate. Displacements of the section are flat arrays (n_dof,): unknown by
+    unknown the three components (w1, w2, w3). `c` counts cells, `q` the points of a cell, `k` its
+    unknowns. In a mesh of triangles and quadrilaterals, or with hanging nodes, cells with fewer
+    points or unknowns are filled up with points of zero area and functions that are zero.
+
+    Parameters
+    ----------
+    mesh : the cells
+    degree : of Lagrange functions; None: the functions of the nodes that each cell has
 
     Attributes
     ----------
     x2, x3 : (n_node,) positions of the nodes [m]
-    dofs : (c, k) nodes of each cell
+    unknowns : how the values of nodes follow from the unknowns, None if they are the unknowns
+    dofs : (c, k) unknowns of each cell
     points : (c, q, 2) positions of the integration points [m]
     weights : (c, q) their areas [m2]
-    values : (q, k) functions at the points
+    values : (q, k) or (c, q, k) functions at the points
     gradients : (c, q, 2, k) their derivatives in the section [1/m]
     """
 
     def __init__(
-        self, labelled: fenicsx.LabelledMesh, degree: int = 2, quadrature_degree: int | None = None
+        self, mesh: CellMesh, degree: int | None = 2, quadrature_degree: int | None = None
     ) -> None:
-        mesh = labelled.mesh
-        cell = fenicsx.cell_name(mesh)
-        nodes, cells, geometry_degree = fenicsx.geometry(mesh)
-        self.labelled, self.degree, self.cell = labelled, degree, cell
-        space = fenicsx.vector_space(mesh, degree, 3)
-        self.x2, self.x3 = fenicsx.dof_coordinates(space)[:, :2].T.copy()
-        self.dofs = fenicsx.cell_dofs(space)
+        self.mesh = mesh
+        self.degree = mesh.degree if degree is None else degree
+        curved = mesh.degree > 1 and is_curved(mesh)
+        self.quadrature_degree = quadrature_degree or 2 * self.degree + (2 if curved else 0)
+        P = None
+        if degree is None:
+            parts, n_node = own_parts(mesh)
+        else:
+            parts, n_node, P = lagrange_parts(mesh, degree)
+        rules = {
+            kind: fenicsx.quadrature(KINDS[kind], self.quadrature_degree)
+            for kind, _ in mesh.of_kinds
+        }
+        c, q = mesh.n_cell, max(len(weights) for _, weights in rules.values())
+        k = max(part.nodes.shape[1] for part in parts)
+        self.dofs = np.empty((c, k), dtype=np.int32)
+        self.points, self.weights = np.empty((c, q, 2)), np.zeros((c, q))
+        self.values: Array = np.zeros((q, k) if len(parts) == 1 else (c, q, k))
+        self.gradients = np.zeros((c, q, 2, k))
+        places = np.empty((n_node, 2))
+        for part in parts:
+            reference, weights = rules[part.kind]
+            rows, (p, n) = part.rows, (len(weights), part.nodes.shape[1])
+            geometry, slopes = full_basis(part.kind, reference)
+            x = geometry @ part.shape
+            inverse, determinant = _inverse(
+                np.einsum("cka,qkg->cqag", part.shape, slopes, optimize=True)
+            )
+            self.points[rows, :p], self.points[rows, p:] = x, x[:, :1]
+            self.weights[rows, :p] = weights * np.abs(determinant)
+            self.dofs[rows, :n], self.dofs[rows, n:] = part.nodes, part.nodes[:, :1]
+            values, slopes = part.functions(reference)
+            if len(parts) == 1:
+                self.values[:] = values
+            else:
+                self.values[rows, :p, :n] = values
+            by_slope = np.moveaxis(slopes, -1, 0)[:, :, None]  # (2, q, 1, k)
+            gradients = inverse[:, :, 0, :, None] * by_slope[0]
+            gradients += inverse[:, :, 1, :, None] * by_slope[1]
+            self.gradients[rows, :p, :, :n] = gradients
+            places[part.nodes] = part.places()
+        self.x2, self.x3 = places.T.copy()
+        self._parts = parts
+        self.unknowns: Unknowns | None = None
+        self.over: Unknowns | None = None  # the last change of `expressed`
+        self._finish()
+        if P is not None:
+            self._express(hanging_unknowns(P))
 
-        # curved cells need two degrees more than straight ones
-        corners = np.ascontiguousarray(nodes[:, :2])[cells]
-        curved = geometry_degree > 1 and is_curved(corners, cell)
-        self.quadrature_degree = quadrature_degree or 2 * degree + (2 if curved else 0)
-        reference, weights = fenicsx.quadrature(cell, self.quadrature_degree)
-        values, slopes = fenicsx.basis(cell, geometry_degree, reference)
-        self.points = values @ corners
-        jacobian = np.einsum("cka,qkg->cqag", corners, slopes, optimize=True)
-        determinant = (
-            jacobian[..., 0, 0] * jacobian[..., 1, 1] - jacobian[..., 0, 1] * jacobian[..., 1, 0]
-        )
-        self.weights = weights * np.abs(determinant)
-        inverse = np.empty_like(jacobian)  # d xi_g / d x_a
-        inverse[..., 0, 0], inverse[..., 1, 1] = jacobian[..., 1, 1], jacobian[..., 0, 0]
-        inverse[..., 0, 1], inverse[..., 1, 0] = -jacobian[..., 0, 1], -jacobian[..., 1, 0]
-        inverse /= determinant[..., None, None]
-        self.values, slopes = fenicsx.basis(cell, degree, reference)
-        by_slope = np.moveaxis(slopes, -1, 0)[:, :, None]  # (2, q, 1, k)
-        self.gradients = inverse[:, :, 0, :, None] * by_slope[0]
-        self.gradients += inverse[:, :, 1, :, None] * by_slope[1]
+    def _finish(self) -> None:
         k = self.dofs.shape[1]
-        # (n_node, c k): sums the contributions of the cells at each node
+        self.n_unknown = len(self.x2) if self.unknowns is None else self.unknowns.P.shape[1]
+        # (n_unknown, c k): sums the contributions of the cells to each unknown
         self._to_nodes = sp.csr_matrix(
             (np.ones(self.dofs.size), (self.dofs.ravel(), np.arange(self.dofs.size))),
-            shape=(self.x2.size, self.n_cell * k),
+            shape=(self.n_unknown, self.n_cell * k),
         )
+
+    def _express(self, unknowns: Unknowns) -> None:
+        """Change to unknowns that give the present ones."""
+        dofs, parts = unknowns.of_cells(self.dofs.astype(np.int64))
+        self.dofs = dofs.astype(np.int32)
+        self.gradients = self.gradients @ parts[:, None]
+        values = self.values if self.values.ndim == 3 else self.values[None]
+        self.values = values @ parts
+        self.unknowns = unknowns if self.unknowns is None else self.unknowns.then(unknowns)
+        self._finish()
+
+    def expressed(self, unknowns: Unknowns) -> "SectionSpace":
+        """The same functions with other unknowns, which give the present ones."""
+        other = copy.copy(self)
+        for name in ("pattern", "weighted_gradients"):
+            other.__dict__.pop(name, None)
+        other._express(unknowns)
+        other.over = unknowns
+        return other
 
     @property
     def n_cell(self) -> int:
         """Number of cells."""
-        return int(self.dofs.shape[0])
+        return self.mesh.n_cell
 
     @property
     def n_dof(self) -> int:
-        """Number of unknowns of the warping, three per node."""
-        return 3 * int(self.x2.size)
+        """Number of unknowns of the warping, three each."""
+        return 3 * self.n_unknown
 
     @property
     def area(self) -> float:
@@ -97,7 +151,7 @@ class SectionSpace:
     @cached_property
     def pattern(self) -> Pattern:
         """Sparsity pattern of every matrix on this space."""
-        return Pattern(self.dofs, self.x2.size)
+        return Pattern(self.dofs, self.n_unknown)
 
     @cached_property
     def weighted_gradients(self) -> Array:
@@ -107,11 +161,13 @@ class SectionSpace:
         return np.ascontiguousarray(np.swapaxes(weighted.reshape(c, 2 * q, k), 1, 2))
 
     def displacements(self, *fields: tuple[Any, Any, Any]) -> Array:
-        """Nodal values of fields (w1, w2, w3), each a number or (n_node,), as columns."""
+        """Unknowns of fields (w1, w2, w3), each a number or (n_node,), as columns."""
         out = np.zeros((self.x2.size, 3, len(fields)))
         for column, components in enumerate(fields):
             for i, component in enumerate(components):
                 out[:, i, column] = component
+        if self.unknowns is not None:
+            out = self.unknowns.of_nodes(out)
         return out.reshape(self.n_dof, len(fields))
 
     def at_points(self, W: Array) -> Array:
@@ -135,6 +191,20 @@ class SectionSpace:
         strain[:, :, ALONG_BEAM] = self.at_points(W)
         return strain
 
+    def slopes(self, W: Array) -> Array:
+        """Derivatives d w_a / d x_alpha at the points, (c, q, 2, 3, m) as [..., alpha, a, m]."""
+        c, q = self.weights.shape
+        slope = self.gradients.reshape(c, 2 * q, -1) @ self._of_cells(W)
+        return slope.reshape(c, q, 2, 3, -1)
+
+    def load_of_slopes(self, partner: Array) -> Array:
+        """Integral of partner d w_a / d x_alpha for each unknown of w, (n_dof, m).
+
+        `partner` (c, q, 2, 3, m) as [..., alpha, a, m].
+        """
+        c, q, m = *self.weights.shape, partner.shape[-1]
+        return self._sum(self.weighted_gradients @ partner.reshape(c, 2 * q, 3 * m))
+
     def load_in_section(self, stress: Array) -> Array:
         """Integral of (G_h w)' stress for each unknown of w, (n_dof, m), stress (c, q, 6, m)."""
         c, q, _, m = stress.shape
@@ -149,7 +219,8 @@ class SectionSpace:
     def load(self, traction: Array) -> Array:
         """Integral of w . traction for each unknown of w, (n_dof, m), traction (c, q, 3, m)."""
         weighted = self.weights[..., None, None] * traction
-        return self._sum(self.values.T @ weighted.reshape(*self.weights.shape, -1))
+        values = np.swapaxes(self.values, -1, -2)
+        return self._sum(values @ weighted.reshape(*self.weights.shape, -1))
 
     def work(self, stress: Array, strain: Array) -> Array:
         """Integral of stress' strain over the section, (m, n), of (c, q, 6, m) and (c, q, 6, n)."""
@@ -159,27 +230,53 @@ class SectionSpace:
         )
 
     def _of_cells(self, W: Array) -> Array:
-        """Nodal values cell by cell, (c, k, 3 m)."""
-        return W.reshape(self.x2.size, -1)[self.dofs]
+        """Unknowns cell by cell, (c, k, 3 m)."""
+        return W.reshape(self.n_unknown, -1)[self.dofs]
 
     def _sum(self, of_cells: Array) -> Array:
         """Loads (n_dof, m) from the contributions of the cells (c, k, 3 m)."""
         columns = of_cells.shape[-1]
         return (self._to_nodes @ of_cells.reshape(-1, columns)).reshape(self.n_dof, -1)
 
+    def at_corners_and_middles(self, W: Array) -> list[Array]:
+        """Values of displacement columns (n_dof, m) at the 6 or 9 nodes of the map of each cell.
 
-def is_curved(corners: Array, cell: str) -> bool:
-    """True unless the middle nodes of degree-2 cells lie half way between corners.
+        One array (c, 6 or 9, 3, m) for each kind in mesh.of_kinds.
+        """
+        m = W.shape[1]
+        nodal = W.reshape(self.n_unknown, 3 * m)
+        if self.unknowns is not None:
+            nodal = self.unknowns.at_nodes(nodal)
+        out = []
+        for kind, rows in self.mesh.of_kinds:
+            reference = NODES[KINDS[kind]] / 2.0
+            values = np.empty((self.n_cell, len(reference), 3 * m))
+            for part in self._parts:
+                if part.kind == kind:
+                    values[part.rows] = part.functions(reference)[0] @ nodal[part.nodes]
+            out.append(values[rows].reshape(len(rows), len(reference), 3, m))
+        return out
 
-    `corners` (c, k, 2) are the nodes of the cells in DOLFINx's order.
-    """
-    ends = {
-        "triangle": {3: (1, 2), 4: (0, 2), 5: (0, 1)},
-        "quadrilateral": {4: (0, 1), 5: (0, 2), 6: (1, 3), 7: (2, 3)},
-    }[cell]
-    size = np.abs(corners.max(axis=1) - corners.min(axis=1)).max(axis=1)
-    for middle, (a, b) in ends.items():
-        off = corners[:, middle] - 0.5 * (corners[:, a] + corners[:, b])
-        if np.any(np.abs(off).max(axis=1) > 1e-9 * size):
-            return True
+
+def _inverse(jacobian: Array) -> tuple[Array, Array]:
+    """d xi_g / d x_a as [..., g, a] and the determinant, of d x_a / d xi_g as [..., a, g]."""
+    determinant = (
+        jacobian[..., 0, 0] * jacobian[..., 1, 1] - jacobian[..., 0, 1] * jacobian[..., 1, 0]
+    )
+    inverse = np.empty_like(jacobian)
+    inverse[..., 0, 0], inverse[..., 1, 1] = jacobian[..., 1, 1], jacobian[..., 0, 0]
+    inverse[..., 0, 1], inverse[..., 1, 0] = -jacobian[..., 0, 1], -jacobian[..., 1, 0]
+    inverse /= determinant[..., None, None]
+    return inverse, determinant
+
+
+def is_curved(mesh: CellMesh) -> bool:
+    """True unless the middle nodes lie half way between corners."""
+    for (kind, _), shape in zip(mesh.of_kinds, mesh.shapes, strict=True):
+        size = np.abs(shape.max(axis=1) - shape.min(axis=1)).max(axis=1)
+        corners = CORNERS[kind]
+        for side, (a, b) in enumerate(EDGES[KINDS[kind]]):
+            off = shape[:, corners + side] - 0.5 * (shape[:, a] + shape[:, b])
+            if np.any(np.abs(off).max(axis=1) > 1e-9 * size):
+                return True
     return False

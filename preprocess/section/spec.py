@@ -7,7 +7,7 @@ from ..known_keys import check_keys
 from .errors import SectionError
 
 REQUIRED = ("mesh", "materials", "regions")
-OPTIONAL = ("name", "title", "convention")
+OPTIONAL = ("name", "title", "convention", "allow", "initial_curvature", "taper")
 REGION = ("plies", "direction")
 PLY = ("material", "angle_deg", "thickness")
 

@@ -43,6 +43,9 @@ class SectionStiffness:
     solvability: (
         float  # relative work of the warping's loads on rigid motions, 0 except for round-off
     )
+    space: SectionSpace  # of V0 and V1
+    round_off: Array | None = None  # (6, 6) of K, in its units, None if it is negligible
+    doubtful: bool = False  # its condition would be refused without `allow`
 
 
 def classical_stiffness(space: SectionSpace, state: ClassicalState) -> Array:
@@ -109,7 +112,7 @@ def stiffness(
     K = 0.5 * (K + K.T)
     if not is_positive_definite(K):
         raise SectionError("the stiffness of the section is not positive definite")
-    return SectionStiffness(K, A, B, T, state.V0, V1, solver.solvability)
+    return SectionStiffness(K, A, B, T, state.V0, V1, solver.solvability, space)
 
 
 def shear_centre(K: Array) -> Array:

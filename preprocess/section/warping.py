@@ -7,6 +7,7 @@ values of the warping.
 Paper: Eq. (37), Eq. (38).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 
 from ...solver.math.arrays import Array
 from .. import fenicsx
+from ..fenicsx.regular import LARGEST_GROWTH
 from .errors import SectionError
 from .space import SectionSpace
 
@@ -22,6 +24,9 @@ from .space import SectionSpace
 # open sections, more. Above the second value the equations themselves are wrong.
 SOLVABILITY = 1e-10
 NO_SOLUTION = 1e-6
+WELL = 1e8  # growth of a random load up to which no correction is needed
+ENOUGH = 1e-12  # square root of the relative energy of a correction that needs no further one
+MOST_CORRECTIONS = 8
 
 
 def beam_strain_fields(space: SectionSpace) -> Array:
@@ -39,12 +44,23 @@ def rigid_fields(space: SectionSpace) -> Array:
     return space.displacements((1, 0, 0), (0, 1, 0), (0, 0, 1), (0, -space.x3, space.x2))
 
 
+def unknowns_at_nodes(space: SectionSpace) -> tuple[NDArray[np.int64], Array]:
+    """Unknowns that are displacements of nodes, (w,), and their positions (w, 2) [m]."""
+    x = np.stack([space.x2, space.x3], axis=1)
+    if space.unknowns is None:
+        return np.arange(space.n_unknown), x
+    return space.unknowns.whole, x[space.unknowns.at]
+
+
 def pinned_dofs(space: SectionSpace) -> NDArray[np.int64]:
     """Four unknowns that prevent the rigid motions: a node, and one component of a distant node."""
-    a = int(np.argmin(space.x2 + space.x3))
-    lever_2, lever_3 = space.x2 - space.x2[a], space.x3 - space.x3[a]
-    b = int(np.argmax(np.hypot(lever_2, lever_3)))
-    across = 2 if abs(lever_2[b]) >= abs(lever_3[b]) else 1
+    whole, x = unknowns_at_nodes(space)
+    x2, x3 = x.T
+    i = int(np.argmin(x2 + x3))
+    lever_2, lever_3 = x2 - x2[i], x3 - x3[i]
+    j = int(np.argmax(np.hypot(lever_2, lever_3)))
+    across = 2 if abs(lever_2[j]) >= abs(lever_3[j]) else 1
+    a, b = whole[[i, j]]
     return np.array([3 * a, 3 * a + 1, 3 * a + 2, 3 * b + across])
 
 
@@ -62,7 +78,9 @@ class WarpingSolver:
         space: SectionSpace,
         pins: NDArray[np.int64] | None = None,
         team: fenicsx.Team = fenicsx.ALONE,
+        largest_growth: float = LARGEST_GROWTH,
     ) -> None:
+        self.largest_growth = largest_growth
         self.rigid = rigid_fields(space)
         self._rigid_size = np.linalg.norm(self.rigid, axis=0)
         self._rigid_load = space.load(space.at_points(self.rigid))
@@ -82,20 +100,30 @@ class WarpingSolver:
         self.solvability = 0.0
         pinned = self._kept.matrix(E.data)
         if self._factor is None:
-            self._factor = fenicsx.cholesky(pinned, self._team)
+            self._factor = fenicsx.cholesky(pinned, self._team, self.largest_growth)
         else:
+            self._factor.largest_growth = self.largest_growth
             self._factor.update(pinned)
 
-    def solve(self, load: Array, size: float) -> Array:
+    @property
+    def growth(self) -> float:
+        """Growth of a random load by the solution, which measures the condition of E."""
+        return 0.0 if self._factor is None else self._factor.growth
+
+    def solve(
+        self, load: Array, size: float, product: Callable[[Array], Array] | None = None
+    ) -> Array:
         """Warping (n_dof, m) under loads (n_dof, m).
 
         `size` is the norm of the terms of the load. The relative work of the loads
         on rigid motions is stored in `solvability`; raises SectionError if it exceeds round-off.
+        `product` computes E W from the strains of W, which is more accurate than E itself; if the
+        condition of E requires it, the solution is corrected by its residual.
         """
         assert self._factor is not None, "call factorise() first"
         work = np.linalg.norm(self.rigid.T @ load, axis=1) / self._rigid_size
         self.solvability = max(self.solvability, float(np.max(work)) / size if size else 0.0)
-        if not self.solvability <= NO_SOLUTION:
+        if not self.solvability <= NO_SOLUTION and self.largest_growth < np.inf:
             raise SectionError(
                 f"the warping has no solution: its load does work of {self.solvability:.1e} "
                 f"(relative) on a rigid motion; round-off is at most {SOLVABILITY:g}"
@@ -103,7 +131,27 @@ class WarpingSolver:
         free = self._kept.free
         W = np.zeros_like(load)
         W[free] = self._factor.solve(load[free])
+        if product is not None and self.growth > WELL:
+            W = self._corrected(W, load, product)
         return W - self.rigid @ np.linalg.solve(self._rigid_gram, self._rigid_load.T @ W)
+
+    def _corrected(self, W: Array, load: Array, product: Callable[[Array], Array]) -> Array:
+        """Iterative refinement, until a correction does not reduce the next one."""
+        assert self._factor is not None
+        free, last = self._kept.free, np.inf
+        for _ in range(MOST_CORRECTIONS):
+            residual = load - product(W)
+            step = self._factor.solve(residual[free])
+            # energy of the correction over that of the solution
+            energy = np.sum(step * residual[free], axis=0) / np.sum(W * load, axis=0)
+            size = float(np.sqrt(np.abs(energy).max()))
+            if not size < 0.5 * last:
+                break
+            W[free] += step
+            last = size
+            if size < ENOUGH:
+                break
+        return W
 
 
 @dataclass(frozen=True)
@@ -119,6 +167,11 @@ class ClassicalState:
     stress: Array  # C strain
     change_strain: Array  # G_l V0
     change_stress: Array  # C G_l V0
+    C: Array  # (c, 1 or q, 6, 6)
+
+
+def _product(space: SectionSpace, C: Array) -> Callable[[Array], Array]:
+    return lambda W: space.load_in_section(C @ space.strain_in_section(W))
 
 
 def classical_warping(
@@ -131,10 +184,10 @@ def classical_warping(
     """
     rigid = space.strain_along_beam(Psi)
     load = -space.load_in_section(C @ rigid)
-    V0 = solver.solve(load, float(np.linalg.norm(load)))
+    V0 = solver.solve(load, float(np.linalg.norm(load)), _product(space, C))
     strain = space.strain_in_section(V0) + rigid
     change = space.strain_along_beam(V0)
-    return ClassicalState(V0, strain, C @ strain, change, C @ change)
+    return ClassicalState(V0, strain, C @ strain, change, C @ change, C)
 
 
 def shear_warping(
@@ -154,4 +207,5 @@ def shear_warping(
     along = space.load_along_beam(state.stress @ T)
     within = space.load_in_section(state.change_stress @ T)
     size = float(np.linalg.norm(along) + np.linalg.norm(within))
-    return solver.solve(along - within, size), along - within, within
+    V1 = solver.solve(along - within, size, _product(space, state.C))
+    return V1, along - within, within

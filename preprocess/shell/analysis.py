@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...solver.math.arrays import Array
+from ...solver.package.shell.cells import NONE
 from ...solver.package.shell.schema import (
     ShellCases,
     ShellFile,
@@ -202,19 +203,21 @@ def _laminates(problem: ShellProblem) -> tuple[list[ShellLaminate], Warnings]:
 
 def _mesh_data(problem: ShellProblem, laminates: list[str]) -> ShellMeshData:
     mesh = problem.mesh
+    cells = mesh.cells[mesh.file_cells]
+    of_region = {region.name: region.laminate_name for region in problem.regions}
     row_in_file = np.empty(mesh.n_node, dtype=np.int64)
     row_in_file[mesh.file_nodes] = np.arange(mesh.n_node)
     A_GE, area = np.empty((len(mesh.cells), 3, 3)), np.empty(len(mesh.cells))
     for region in problem.regions:
-        A_GE[region.cells] = region.triangles.A_GE
-        area[region.cells] = region.triangles.area
+        A_GE[region.cells] = region.geometry.A_GE
+        area[region.cells] = region.geometry.area
     return ShellMeshData(
         nodes_G=mesh.points_G[mesh.file_nodes],
         node_ids=mesh.node_tags[mesh.file_nodes],
-        cells=row_in_file[mesh.cells[mesh.file_cells]],
+        cells=np.where(cells == NONE, NONE, row_in_file[cells]),
         region=mesh.region[mesh.file_cells],
         regions=mesh.regions,
-        laminate=np.array([laminates.index(region.laminate_name) for region in problem.regions]),
+        laminate=np.array([laminates.index(of_region[name]) for name in mesh.regions]),
         A_GE=A_GE[mesh.file_cells],
         area=area[mesh.file_cells],
     )

@@ -7,6 +7,7 @@ import numpy as np
 
 from ...solver.package.body.schema import ModalPackage
 from ...solver.package.body.selection import ALONG
+from ...solver.package.shell.cells import NONE, corner_counts
 from ..modes import Modes, reduced_modes
 from ..provenance import body_provenance
 from .body_spec import ShellBodySpec, read_shell_body
@@ -16,7 +17,7 @@ from .recovery import cell_resultants, laminates
 from .reduction import ShellModel, eigen_solver
 from .stations import mass_stations
 
-VTK_TRIANGLE = 5
+VTK_TRIANGLE, VTK_QUAD = 5, 9
 SPARE = 1  # additional modes: a shell has other modes between those of one kind
 
 
@@ -85,7 +86,7 @@ def shell_package(model: ShellModel, modes: Modes, provenance: dict[str, Any]) -
     found = places(mesh, links, model.carriers if spec.reference.kind == "chord" else ())
     row_in_file = np.empty(mesh.n_node, dtype=np.int64)
     row_in_file[mesh.file_nodes] = np.arange(mesh.n_node)
-    cells = row_in_file[mesh.cells[mesh.file_cells]]
+    cells, count = mesh.cells[mesh.file_cells], corner_counts(mesh.cells[mesh.file_cells])
     nodes = u.reshape(len(u) // 6, 6, m)[: mesh.n_node]  # not -1: a rigid body has no modes
     stations = mass_stations(mesh, problem.regions, problem.stiffeners, nodes, spec.mass_form)
     node_mass, node_inertia = np.zeros(len(found.ids)), np.zeros((len(found.ids), 3, 3))
@@ -96,9 +97,9 @@ def shell_package(model: ShellModel, modes: Modes, provenance: dict[str, Any]) -
         body=spec.body,
         nodes_B=found.nodes_B,
         node_ids=found.ids,
-        connectivity=cells.ravel(),
-        offsets=np.arange(0, 3 * len(cells) + 1, 3),
-        cell_types=np.full(len(cells), VTK_TRIANGLE, dtype=np.int64),
+        connectivity=row_in_file[cells[cells != NONE]],
+        offsets=np.concatenate([[0], np.cumsum(count)]),
+        cell_types=np.where(count == 3, VTK_TRIANGLE, VTK_QUAD).astype(np.int64),
         shapes_B=node_shapes(mesh, links, found, u),
         mode_kinds=modes.kinds,
         frequencies=frequencies,

@@ -26,7 +26,6 @@ from .freedom import Freedom
 from .groups import group
 from .mesh import ShellMesh
 from .regions import Region
-from .triangles import POINTS
 
 KINDS = ("force", "moment", "force_per_length", "force_per_area", "pressure", "gravity")
 KEYS = ("at", *KINDS, "sine")
@@ -95,14 +94,15 @@ class Loads:
         key = sides[:, 0] * mesh.n_node + sides[:, 1]
         found, weight = [], np.zeros(len(key))
         for region in self.regions:
-            cells = mesh.cells[region.cells]
-            for corner in range(3):
-                ends = np.sort(cells[:, [corner, (corner + 1) % 3]], axis=1)
+            cells = region.nodes
+            count = cells.shape[1]
+            for corner in range(count):
+                ends = np.sort(cells[:, [corner, (corner + 1) % count]], axis=1)
                 own = ends[:, 0] * mesh.n_node + ends[:, 1]
                 cell = np.flatnonzero(np.isin(own, key))
                 row = np.searchsorted(key, own[cell], sorter=np.argsort(key))
                 row = np.argsort(key)[row]
-                found.append((row, region.triangles.A_GE[cell, :, 2]))
+                found.append((row, region.geometry.A_GE[cell, :, 2]))
                 np.add.at(weight, row, 1.0)
         for row, e3 in found:  # a side of several cells is divided equally
             i, j = sides[row].T
@@ -144,8 +144,8 @@ class Loads:
             )
         out = np.zeros((self.mesh.n_node, 3))
         for region in chosen:
-            cells, t = self.mesh.cells[region.cells], region.triangles
-            intensity = self._intensity(entry, region, where)  # (c, 3 points)
+            cells, t = region.nodes, region.geometry
+            intensity = self._intensity(entry, region, where)  # (c, points)
             if key == "pressure":
                 value = entry[key]
                 if isinstance(value, bool) or not isinstance(value, int | float):
@@ -153,18 +153,19 @@ class Loads:
                 direction = float(value) * t.A_GE[:, :, 2]
             else:
                 direction = np.tile(vector(entry[key], f"{where}.{key}"), (len(cells), 1))
-            # linear displacements, three points of integration
-            corner = (t.area[:, None] / 3.0) * (intensity @ POINTS)
+            corner = (t.weight * intensity) @ t.interpolation
             np.add.at(out, cells, corner[:, :, None] * direction[:, None, :])
         return out
 
     def _intensity(self, entry: Mapping[str, Any], region: Region, where: str) -> Array:
-        corners = self.mesh.points_G[self.mesh.cells[region.cells]]
+        corners = self.mesh.points_G[region.nodes]
         if entry.get("sine") is None:
-            return np.ones((len(corners), 3))
+            return np.ones(region.geometry.weight.shape)
         length = vector(entry["sine"], f"{where}.sine")
         waves = np.divide(np.pi, length, out=np.zeros(3), where=length != 0.0)
-        factors = np.where(length != 0.0, np.sin((POINTS @ corners) * waves), 1.0)
+        factors = np.where(
+            length != 0.0, np.sin((region.geometry.interpolation @ corners) * waves), 1.0
+        )
         return np.asarray(factors.prod(axis=2))
 
 

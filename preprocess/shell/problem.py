@@ -10,6 +10,7 @@ import scipy.sparse as sp
 from ...solver.math.arrays import Array
 from .. import fenicsx
 from .assembly import NO_LINES, NO_MATRICES, Assembly
+from .errors import ShellError
 from .flat_nodes import flat_nodes
 from .freedom import Freedom
 from .guards import drilling_motions, model_warnings
@@ -18,13 +19,12 @@ from .loads import Loads
 from .mass import element_mass
 from .membranes import MEMBRANES
 from .mesh import ShellMesh, shell_mesh
-from .regions import Region, read_regions
+from .regions import Geometry, Region, read_regions
 from .resultants import element_resultants
 from .spec import check_spec, elements
 from .stiffeners import read_stiffeners
 from .stiffness import element_stiffness
 from .supports import read_supports
-from .triangles import Triangles
 
 AT_ONCE = 8  # number of states for which resultants are computed together
 
@@ -65,6 +65,12 @@ class ShellProblem:
         )
         membrane = MEMBRANES[self.choice.membrane]
         plain = not membrane.rotations and self.choice.drilling_form() == "none"
+        if self.mesh.cells.shape[1] == 4 and not membrane.rotations:
+            raise ShellError(
+                f"{where}.elements.membrane = {self.choice.membrane!r}: a mesh with quadrilaterals "
+                "needs a membrane with rotations, "
+                + " or ".join(name for name, m in MEMBRANES.items() if m.rotations)
+            )
         self.flat = flat_nodes(self.mesh, self.regions, self.stiffeners) if plain else None
         self.freedom = Freedom(self.mesh, self.links, self.supports, self.flat)
         self.warnings = model_warnings(self.mesh, self.regions, self.links, self.choice)
@@ -103,39 +109,50 @@ class ShellProblem:
         for region in self.regions:
             for first in range(0, u.shape[1], AT_ONCE):  # no pass without states
                 some = slice(first, first + AT_ONCE)
-                corners = nodes[self.mesh.cells[region.cells]][..., some]
+                corners = nodes[region.nodes][..., some]
                 found = element_resultants(
-                    region.triangles,
+                    region.geometry,
                     region.stiffness,
                     self.choice,
-                    corners.reshape(len(region.cells), 18, -1),
+                    corners.reshape(len(region.cells), 6 * region.nodes.shape[1], -1),
                 )
                 out[some, region.cells] = np.moveaxis(found, 2, 0)
         return out
 
     @cached_property
     def _assembly(self) -> Assembly:
-        cells = np.concatenate([self.mesh.cells[region.cells] for region in self.regions])
         lines = np.concatenate([NO_LINES, *(s.ends for s in self.stiffeners)])
-        return Assembly(cells, self.mesh.n_node, len(self.links), lines)
+        tables = [np.concatenate([r.nodes for r in kind]) for kind in self._kinds]
+        return Assembly(tables, self.mesh.n_node, len(self.links), lines)
 
     def _assembled(
-        self, element: Callable[[Region, Triangles], Array], lines: Sequence[Array]
+        self, element: Callable[[Region, Geometry], Array], lines: Sequence[Array]
     ) -> sp.csr_matrix:
         """Sum of the element matrices; each process of the team computes those of its cells.
 
         All processes sum them in the same order: for a thin shell, a difference in the last
         digit of the stiffness would change the ninth digit of its displacements.
         """
-        own = self.team.share(len(self.mesh.cells))
-        parts, first = [np.zeros((0, 18, 18))], 0
-        for region in self.regions:
+        found = [self._matrices(kind, element) for kind in self._kinds]
+        return self._assembly.matrix(found, np.concatenate([NO_MATRICES, *lines]))
+
+    @cached_property
+    def _kinds(self) -> list[list[Region]]:
+        """Regions of triangles, then those of quadrilaterals; no empty list."""
+        kinds = [[r for r in self.regions if r.nodes.shape[1] == k] for k in (3, 4)]
+        return [kind for kind in kinds if kind]
+
+    def _matrices(
+        self, regions: Sequence[Region], element: Callable[[Region, Geometry], Array]
+    ) -> Array:
+        """Element matrices of regions of one kind."""
+        own = self.team.share(sum(len(region.cells) for region in regions))
+        size = 6 * regions[0].nodes.shape[1]
+        parts, first = [np.zeros((0, size, size))], 0
+        for region in regions:
             count = len(region.cells)
             begin, end = (min(max(at - first, 0), count) for at in (own.start, own.stop))
             if begin < end:
-                parts.append(element(region, region.triangles[begin:end]))
+                parts.append(element(region, region.geometry[begin:end]))
             first += count
-        whole = parts[1] if len(parts) == 2 else np.concatenate(parts)
-        return self._assembly.matrix(
-            self.team.stacked(whole), np.concatenate([NO_MATRICES, *lines])
-        )
+        return self.team.stacked(parts[1] if len(parts) == 2 else np.concatenate(parts))

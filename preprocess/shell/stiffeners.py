@@ -20,6 +20,7 @@ from ...solver.errors import few
 from ...solver.math.arrays import Array, IntArray
 from ...solver.math.definite import REGULAR, smallest_eigenvalue
 from ...solver.package.common.plain_data import canonical
+from ...solver.package.shell.cells import sides
 from ..beam.element import BeamElement
 from ..section import analyse
 from .axes import vector
@@ -123,7 +124,7 @@ def _axes(
     if given is None:
         normals = np.zeros((len(mesh.cells), 3))
         for region in regions:
-            normals[region.cells] = region.triangles.A_GE[:, :, 2]
+            normals[region.cells] = region.geometry.A_GE[:, :, 2]
         x3 = _crossed(x1, np.cross(_edge_normals(ends, mesh, normals), x1))
         x2 = np.cross(x3, x1)
     else:
@@ -144,14 +145,15 @@ def _crossed(x1: Array, x2: Array) -> Array:
 
 def _edge_normals(ends: IntArray, mesh: ShellMesh, normals: Array) -> Array:
     """Sum of the normals of the cells at each edge, (l, 3)."""
-    sides = np.sort(mesh.cells[:, [[0, 1], [1, 2], [2, 0]]], axis=2).reshape(-1, 2)
-    key = sides[:, 0] * mesh.n_node + sides[:, 1]
+    found, owner = sides(mesh.cells)
+    found = np.sort(found, axis=1)
+    key = found[:, 0] * mesh.n_node + found[:, 1]
     order = np.argsort(key, kind="stable")
     wanted = np.sort(ends, axis=1)
     asked = wanted[:, 0] * mesh.n_node + wanted[:, 1]
     first = np.searchsorted(key[order], asked, side="left")
     last = np.searchsorted(key[order], asked, side="right")
-    total = np.concatenate([np.zeros((1, 3)), np.cumsum(normals[order // 3], axis=0)])
+    total = np.concatenate([np.zeros((1, 3)), np.cumsum(normals[owner[order]], axis=0)])
     return np.asarray(total[last] - total[first])
 
 

@@ -1,7 +1,6 @@
 """What the arguments of several subcommands share."""
 
 import argparse
-import os
 from collections.abc import Sequence
 from typing import NoReturn
 
@@ -39,18 +38,11 @@ class CommandParser(argparse.ArgumentParser):
         return {}
 
 
-def whole_number(text: str) -> int:
-    """Read a whole number from 1; argparse tells the user of anything else."""
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r}: expected a whole number from 1")
+def whole_number(text: str, least: int = 1) -> int:
+    """Read a whole number from `least`; argparse tells the user of anything else."""
+    if not text.isdecimal() or int(text) < least:
+        raise argparse.ArgumentTypeError(f"{text!r}: expected a whole number from {least}")
     return int(text)
-
-
-def cores() -> int:
-    """Return the number of cores that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def add_doubtful(parser: argparse.ArgumentParser) -> None:

@@ -13,12 +13,12 @@ import numpy as np
 from ..dynamics.coordinates import moved
 from ..dynamics.instant import with_laws
 from ..dynamics.model import Model
+from ..dynamics.reactions import DIFFERENCE
 from ..dynamics.scales import shape_sizes
 from ..math.arrays import Array
 
 STEP = 2e-4  # of the size of the mechanism, rad: the first that is tried
-_AT = np.array([-3.0, -2.0, -1.0, 1.0, 2.0, 3.0])
-_SIX = np.array([-1.0, 9.0, -45.0, 45.0, -9.0, 1.0]) / 60.0
+_AT, _SIX = np.array(DIFFERENCE).T
 _FOUR = np.array([0.0, 1.0, -8.0, 8.0, -1.0, 0.0]) / 12.0
 _SMALLER, _TRIALS = 8.0, 6  # factor between steps, and how many are tried
 _ALIKE = 1e-7  # difference of the two formulas that is small enough: the finer has 1e-10

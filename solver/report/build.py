@@ -43,8 +43,8 @@ def make_report(case_dir: Path, runs: list[str], case: dict[str, Any] | None = N
     titles = case.get("runs", {})
     stories = [read_story(case_dir, run, str(titles.get(run) or run)) for run in runs]
     by_name = {story.name: story for story in stories}
-    compared = []
-    for wanted in comparisons(case, stories):
+    compared, shown = [], comparisons(case, stories)
+    for wanted in shown:
         chosen = [by_name[run] for run in wanted.runs]
         for story in chosen:
             story.signal(wanted.signal)
@@ -56,12 +56,10 @@ def make_report(case_dir: Path, runs: list[str], case: dict[str, Any] | None = N
     strong = [story for story in stories if story.summary.get("strength")]
     strengths = [_of_run(case_dir, story, "strength", draw_exposure) for story in strong]
     draw_all(case_dir, [*compared, *motions, *balances, *strengths])
-    drawn = [(drawing.arguments[0].title, drawing.path) for drawing in compared]
     title = str(case.get("title") or stories[0].result.case)
     target = case_dir / "report.html"
     with temporary_sibling(target) as temporary:
-        pictures = ([d.path for d in kind] for kind in (motions, balances, strengths))
-        text = page(title, stories, drawn, *pictures)
+        text = page(title, stories, shown)
         temporary.write_text(text, encoding="utf-8")
     return target
 

@@ -4,7 +4,6 @@ import hashlib
 import importlib.metadata
 import json
 import multiprocessing
-import os
 import sys
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -12,6 +11,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from ..math.cores import cores
+from ..package.common.file_digests import files_sha256
 from ..package.common.temporary import temporary_sibling
 from .style import house_style
 
@@ -41,7 +42,7 @@ def draw_all(folder: Path, drawings: Sequence[Drawing]) -> None:
         if before.get(name) != key or not d.path.is_file()
     ]
     with house_style():  # also tells that matplotlib is missing
-        count = min(_cores(), len(stale)) if len(stale) > FEW else 1
+        count = min(cores(), len(stale)) if len(stale) > FEW else 1
         if count > 1:
             with ProcessPoolExecutor(count, _context()) as pool:
                 for _ in pool.map(_draw, stale):
@@ -56,12 +57,6 @@ def draw_all(folder: Path, drawings: Sequence[Drawing]) -> None:
 def _draw(drawing: Drawing) -> None:
     with house_style():
         drawing.draw(drawing.path, *drawing.arguments)
-
-
-def _cores() -> int:
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def _context() -> Any:
@@ -89,7 +84,4 @@ def _key(drawing: Drawing) -> str:
 @cache
 def _sources() -> bytes:
     """Digest of the files of this package, which draw the figures."""
-    found = hashlib.sha256()
-    for source in sorted(Path(__file__).parent.glob("*.py")):
-        found.update(source.read_bytes())
-    return found.digest()
+    return files_sha256({file.name: file for file in Path(__file__).parent.glob("*.py")}).encode()

@@ -3,7 +3,7 @@
 import hashlib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..errors import InputError, nearest
 from ..results import ResultError, RunResult, Signal, read_result, read_summary
@@ -33,8 +33,7 @@ class Story:
         raise InputError(f"run {self.name}: no signal {name!r}{nearest(name, known)}")
 
 
-@dataclass(frozen=True)
-class Comparison:
+class Comparison(NamedTuple):
     """One signal of several runs in one picture."""
 
     name: str

@@ -26,6 +26,10 @@ LIMITS = {
     "laminate-soft-core": ("preprocess/laminate/report.py", "SOFT"),
     "unmerged-nodes": ("preprocess/section/mesh_checks.py", "COINCIDENT"),
     "sliver-elements": ("preprocess/section/mesh_checks.py", "LEAST_SINE"),
+    "nearly-incompressible": ("preprocess/section/guards.py", "INCOMPRESSIBLE"),
+    "ill-conditioned": ("preprocess/section/problem.py", "LARGEST_GROWTH"),
+    "strongly-curved": ("preprocess/section/shape_along.py", "STRONG"),
+    "taper-neglected": ("preprocess/section/shape_along.py", "TAPER"),
     "accuracy-not-met": ("preprocess/section/analysis.py", "MOST_DOFS"),
 }
 MAKERS = {"_warning", "add_warning"}  # functions that take a code first

@@ -93,7 +93,7 @@ SOUND = squares((0, 0)) + groups(body="1")
 
 def test_a_sound_mesh_passes(mesh: Mesher) -> None:
     assert codes(mesh(SOUND)) == []
-    assert mesh(SOUND).labelled.n_cell == 4
+    assert mesh(SOUND).cells.n_cell == 4
 
 
 # parts
@@ -276,7 +276,7 @@ def test_no_group_at_all(mesh: Mesher) -> None:
 def test_two_groups_of_one_name(version: float, mesh: Mesher, tmp_path: Path) -> None:
     """gmsh does not write such a file, and reads it without the second name."""
     text = squares((0, 0), (1, 0)) + "Coherence;\n" + groups(skin="1", web="2")
-    assert mesh(text, version).labelled.names.keys() == {"skin", "web"}
+    assert set(mesh(text, version).cells.regions) == {"skin", "web"}
     path = tmp_path / "part.msh"
     path.write_text(path.read_text().replace('"web"', '"skin"'))
     with pytest.raises(SectionError, match=r"two physical surfaces, 1 and 2, are named 'skin'"):
@@ -316,7 +316,7 @@ def test_regions_of_arrays(names: list[str], message: str, tmp_path: Path) -> No
 def test_group_without_a_name_is_called_by_its_number(mesh: Mesher) -> None:
     text = squares((0, 0)) + "Physical Surface(7) = {1};\n"
     for save in (0.0, 4.1, 2.2):
-        assert mesh(text, save).labelled.names.keys() == {"7"}
+        assert set(mesh(text, save).cells.regions) == {"7"}
 
 
 # kinds of cells and files
@@ -369,7 +369,7 @@ def test_a_script_after_one_with_a_mistake(mistake: str, mesh: Mesher) -> None:
     """gmsh keeps the rest of a faulty script in its parser, which would affect the next script."""
     with pytest.raises(SectionError, match="syntax error"):
         mesh(mistake + "\n" + SOUND)
-    assert mesh(f"// after {mistake!r}\n" + SOUND).labelled.n_cell == 4
+    assert mesh(f"// after {mistake!r}\n" + SOUND).cells.n_cell == 4
 
 
 @pytest.mark.parametrize(

@@ -12,9 +12,12 @@ import pytest
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx import gmsh
 from plymotion.preprocess.section import analyse
+from plymotion.preprocess.section.cells import KINDS as CELL_KINDS
+from plymotion.preprocess.section.cells import full_basis
 from plymotion.preprocess.section.curves import nearest_on_curve
 from plymotion.preprocess.section.mesh import SectionError, SectionMesh, section_mesh
 from plymotion.solver.inputs.section.shapes.library import SHAPES, expand, walls
+from plymotion.solver.math.arrays import Array
 
 ISOTROPIC = {"kind": "isotropic", "E": 1.0, "nu": 0.3, "rho": 1.0}
 CFRP = {
@@ -52,33 +55,30 @@ def library(name: str, refine: int = 0, **sizes: Any) -> SectionMesh:
     return section_mesh(spec, f"{name}.mesh", refine=refine)
 
 
-def moments(mesh: SectionMesh) -> np.ndarray[Any, Any]:
+def moments(mesh: SectionMesh) -> Array:
     """Area, first and second moments by quadrature on the cells' own map."""
-    nodes, cells, degree = fenicsx.geometry(mesh.labelled.mesh)
-    cell = fenicsx.cell_name(mesh.labelled.mesh)
-    points, weights = fenicsx.quadrature(cell, 8)
-    values, slopes = fenicsx.basis(cell, degree, points)
-    corners = nodes[cells][..., :2]
+    ((kind, _),), (corners,) = mesh.cells.of_kinds, mesh.cells.shapes
+    points, weights = fenicsx.quadrature(CELL_KINDS[kind], 8)
+    values, slopes = full_basis(kind, points)
     x, y = np.moveaxis(values @ corners, -1, 0)
     jacobian = np.einsum("cka,qkg->cqag", corners, slopes)
     dA = weights * np.abs(np.linalg.det(jacobian))
     return np.array([np.sum(dA * f) for f in (1.0, x, y, x * x, y * y, x * y)])
 
 
-def nodes_of(mesh: SectionMesh, region: str) -> np.ndarray[Any, Any]:
+def nodes_of(mesh: SectionMesh, region: str) -> Array:
     """Nodes of the cells of a region, (c, k, 2)."""
-    nodes, cells, _ = fenicsx.geometry(mesh.labelled.mesh)
-    inside = mesh.labelled.cell_labels == mesh.labelled.names[region]
-    return np.asarray(nodes[cells[inside]][..., :2])
+    (corners,) = mesh.cells.shapes
+    return corners[mesh.cells.region == mesh.cells.regions.index(region)]
 
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_library(name: str, record: Callable[[str, Any], None]) -> None:
     """Nine-node cells, the regions of the table, the area of the closed form, no warning."""
     mesh = library(name)
-    assert mesh.labelled.names.keys() == {wall.region for wall in walls(name, SIZES[name])}
-    assert fenicsx.cell_name(mesh.labelled.mesh) == "quadrilateral"
-    assert fenicsx.geometry(mesh.labelled.mesh)[2] == 2
+    assert set(mesh.cells.regions) == {wall.region for wall in walls(name, SIZES[name])}
+    assert mesh.cells.kind.min() == CELL_KINDS.index("quadrilateral")
+    assert mesh.cells.degree == 2
     assert mesh.warnings == ()
     if name in AREAS:
         assert moments(mesh)[0] == pytest.approx(AREAS[name], rel=1e-5)
@@ -91,12 +91,12 @@ def test_scripts_stand_alone(name: str, repository_root: Path, tmp_path: Path) -
     if name == "airfoil":
         coordinates = np.loadtxt(repository_root / "meshes/airfoils/naca0012.dat", skiprows=1)
         spec = {"script": "airfoil", "parameters": {}, "coordinates": coordinates.tolist()}
-        assert len(section_mesh(spec, "airfoil").labelled.names) == 6
+        assert len(section_mesh(spec, "airfoil").cells.regions) == 6
         return
     for script in (repository_root / "meshes").glob("*.geo"):
         shutil.copy(script, tmp_path)
     mesh = section_mesh({"file": str(tmp_path / f"{SHAPES[name].script}.geo")}, name)
-    assert mesh.labelled.names.keys() == {wall.region for wall in SHAPES[name].walls}
+    assert set(mesh.cells.regions) == {wall.region for wall in SHAPES[name].walls}
     assert mesh.warnings == ()
 
 
@@ -109,11 +109,11 @@ def repository_root() -> Path:
 def test_refinement(name: str) -> None:
     """Four times the cells, the same regions, and the area closer to the exact one."""
     coarse, fine = library(name), library(name, refine=1)
-    assert fine.labelled.n_cell == 4 * coarse.labelled.n_cell
-    assert fine.labelled.names == coarse.labelled.names
-    for region, label in coarse.labelled.names.items():
-        count = np.count_nonzero(coarse.labelled.cell_labels == label)
-        assert np.count_nonzero(fine.labelled.cell_labels == label) == 4 * count, region
+    assert fine.cells.n_cell == 4 * coarse.cells.n_cell
+    assert fine.cells.regions == coarse.cells.regions
+    for row, region in enumerate(coarse.cells.regions):
+        count = np.count_nonzero(coarse.cells.region == row)
+        assert np.count_nonzero(fine.cells.region == row) == 4 * count, region
     if name in AREAS:
         error = [abs(moments(mesh)[0] / AREAS[name] - 1.0) for mesh in (coarse, fine)]
         assert error[1] < error[0] / 8 or error[1] < 1e-13
@@ -142,8 +142,8 @@ def test_thin_curved_rows_do_not_fold_when_refined(tmp_path: Path) -> None:
     for script in (Path(__file__).resolve().parents[2] / "meshes").glob("*.geo"):
         shutil.copy(script, tmp_path)
     user = {"file": str(tmp_path / "tube.geo"), "parameters": spec["parameters"]}
-    assert section_mesh(user, "tube", refine=1).labelled.n_cell == 4 * 36 * 16
-    assert ring.labelled.names == section_mesh(user, "tube").labelled.names
+    assert section_mesh(user, "tube", refine=1).cells.n_cell == 4 * 36 * 16
+    assert ring.cells.regions == section_mesh(user, "tube").cells.regions
 
 
 @pytest.mark.parametrize("name", [n for n in SHAPES if n not in ("airfoil", "two-cell", "i")])
@@ -154,7 +154,7 @@ def test_default_mesh_is_converged(name: str) -> None:
     assert (np.abs(coarse - fine) / np.outer(size, size)).max() < 3e-4
 
 
-def stiffness(mesh: dict[str, Any], name: str, refine: int = 0) -> np.ndarray[Any, Any]:
+def stiffness(mesh: dict[str, Any], name: str, refine: int = 0) -> Array:
     """K of an isotropic section; one more degree stands for halved elements."""
     regions = {
         wall.region: {"plies": [{"material": "m", "angle_deg": 0.0}]}
@@ -242,11 +242,11 @@ def test_airfoil(change: dict[str, Any]) -> None:
     spec = expand("airfoil", sizes)
     mesh = section_mesh(spec, "airfoil.mesh")
     assert mesh.warnings == ()
-    assert mesh.labelled.names.keys() == {wall.region for wall in walls("airfoil", sizes)}
+    assert set(mesh.cells.regions) == {wall.region for wall in walls("airfoil", sizes)}
     faces = np.concatenate([[0.0], spec["parameters"]["faces"]])
     rows = np.sort(np.concatenate([faces, 0.5 * (faces[:-1] + faces[1:])]))
     key = {"skin": "skin_front", "skin-front": "skin_front", "skin-rear": "skin_rear"}
-    for region in mesh.labelled.names:
+    for region in mesh.cells.regions:
         if region.startswith("web"):
             continue
         x = nodes_of(mesh, region).reshape(-1, 2)
@@ -356,15 +356,15 @@ def test_user_script_and_saved_mesh_agree(kind: str, tmp_path: Path) -> None:
     script = ring(tmp_path, kind)
     by_script = section_mesh({"file": str(script)}, "ring")
     degree = 2 if kind[-1].isdigit() else 1
-    assert fenicsx.geometry(by_script.labelled.mesh)[2] == degree
-    assert set(by_script.labelled.names) == {"low", "high"}
+    assert by_script.cells.degree == degree
+    assert set(by_script.cells.regions) == {"low", "high"}
     segments = by_script.curves["outer"]
     assert segments.shape == (8, degree + 1, 2)
     assert np.hypot(*segments.reshape(-1, 2).T) == pytest.approx(2.0)
     for version, binary in ((2.2, 0), (4.1, 0), (4.1, 1)):
         path = saved(script, tmp_path / f"{kind}.msh", MshFileVersion=version, Binary=binary)
         by_file = section_mesh({"file": str(path)}, "ring")
-        assert by_file.labelled.n_cell == by_script.labelled.n_cell
+        assert by_file.cells.n_cell == by_script.cells.n_cell
         assert moments(by_file) == pytest.approx(moments(by_script), rel=1e-12)
         assert by_file.curves.keys() == {"outer"}
         for region in ("low", "high"):
@@ -386,7 +386,7 @@ def test_refinement_of_a_script_and_of_its_mesh(kind: str, tmp_path: Path) -> No
     base = section_mesh({"file": str(path)}, "x")
     for refine in (1, 2):
         mesh = section_mesh({"file": str(path)}, "x", refine=refine)
-        assert mesh.labelled.n_cell == 4**refine * base.labelled.n_cell
+        assert mesh.cells.n_cell == 4**refine * base.cells.n_cell
         assert moments(mesh) == pytest.approx(moments(base), rel=1e-12, abs=1e-12)
         assert mesh.curves["outer"].shape[0] == 2**refine * base.curves["outer"].shape[0]
         ends = mesh.curves["outer"].reshape(-1, 2)
@@ -403,7 +403,7 @@ def test_eight_and_nine_nodes_make_the_same_section(tmp_path: Path) -> None:
 def test_parameters_lists_and_scale(tmp_path: Path) -> None:
     script = ring(tmp_path, "quad9")
     fine = section_mesh({"file": str(script), "parameters": {"n": 8}}, "x")
-    assert fine.labelled.n_cell == 2 * 8 * 8
+    assert fine.cells.n_cell == 2 * 8 * 8
     small = section_mesh({"file": str(script), "scale": 1e-3}, "x")
     plain = section_mesh({"file": str(script)}, "x")
     scales = np.array([2, 3, 3, 4, 4, 4])
@@ -447,7 +447,7 @@ def test_arrays(tmp_path: Path) -> None:
     assert nodes_of(mesh, "left")[..., 0].max() == 2.0
     assert mesh.curves["foot"].shape == (2, 2, 2)
     assert moments(mesh)[0] == pytest.approx(8.0)
-    assert section_mesh({"arrays": str(path)}, "part", refine=1).labelled.n_cell == 8
+    assert section_mesh({"arrays": str(path)}, "part", refine=1).cells.n_cell == 8
 
 
 def test_equal_requests_share_a_mesh_until_the_file_changes(tmp_path: Path) -> None:
@@ -455,4 +455,4 @@ def test_equal_requests_share_a_mesh_until_the_file_changes(tmp_path: Path) -> N
     first = section_mesh({"file": str(script)}, "x")
     assert section_mesh({"file": str(script)}, "another section") is first
     script.write_text(ring_text("quad9"))
-    assert fenicsx.geometry(section_mesh({"file": str(script)}, "x").labelled.mesh)[2] == 2
+    assert section_mesh({"file": str(script)}, "x").cells.degree == 2

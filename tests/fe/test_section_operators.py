@@ -5,11 +5,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from dolfinx_forms import assembled, cell_function, mesh_from_geo, mesh_from_model
+from dolfinx_forms import assembled, cell_function
+from scipy.spatial import cKDTree
 
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.fenicsx import gmsh, ufl
+from plymotion.preprocess.fenicsx import PlainMesh, gmsh, plain_from_model, ufl
 from plymotion.preprocess.materials import Orthotropic, ply_rotation, rotated
+from plymotion.preprocess.section.cells import cells_of_plain
 from plymotion.preprocess.section.operators import SectionOperators
 from plymotion.preprocess.section.pattern import Pattern
 from plymotion.preprocess.section.space import SectionSpace, is_curved
@@ -19,7 +21,7 @@ PLY = Orthotropic(142e9, 9.8e9, 9.8e9, 6.0e9, 6.0e9, 4.8e9, 0.42, 0.42, 0.42, 16
 C_30 = rotated(PLY.stiffness_M, ply_rotation(30.0))
 
 
-def triangles(order: int) -> fenicsx.LabelledMesh:
+def triangles(order: int) -> PlainMesh:
     """A disc cut by a plane, of curved (order 2) or straight triangles."""
     with fenicsx.gmsh_session():
         gmsh.clear()
@@ -30,12 +32,12 @@ def triangles(order: int) -> fenicsx.LabelledMesh:
         gmsh.option.setNumber("Mesh.MeshSizeMax", 0.4)
         gmsh.model.mesh.generate(2)
         gmsh.model.mesh.setOrder(order)
-        return mesh_from_model()
+        return plain_from_model("gmsh model", 2)
 
 
-def ellipse() -> fenicsx.LabelledMesh:
+def ellipse() -> PlainMesh:
     values = {"radius_2": 2.0, "radius_3": 1.0, "elements_arc": 8, "elements_radial": 2}
-    return mesh_from_geo(MESHES / "ellipse.geo", values)
+    return fenicsx.run_script(MESHES / "ellipse.geo", values)
 
 
 CASES = {
@@ -48,11 +50,11 @@ CASES = {
 }
 
 
-def assembled_by_dolfinx(space: SectionSpace, C: Any) -> list[Any]:
-    """E, H, L with an independent implementation of the strain operators."""
-    mesh = space.labelled.mesh
+def assembled_by_dolfinx(plain: PlainMesh, space: SectionSpace, C: Any) -> list[Any]:
+    """E, H, L with an independent implementation of the strain operators, in our numbering."""
+    mesh = fenicsx.labelled_mesh(plain).mesh
     V = fenicsx.vector_space(mesh, space.degree, 3)
-    stiffness = cell_function(mesh, C)
+    stiffness = cell_function(mesh, C[fenicsx.original_cells(mesh)])
 
     def in_section(w: Any) -> Any:
         dw = ufl.grad(w)
@@ -64,17 +66,23 @@ def assembled_by_dolfinx(space: SectionSpace, C: Any) -> list[Any]:
     dx = ufl.dx(domain=mesh, metadata={"quadrature_degree": space.quadrature_degree})
     v, u = ufl.TestFunction(V), ufl.TrialFunction(V)
     pairs = [(in_section, in_section), (in_section, along_beam), (along_beam, along_beam)]
-    return assembled([ufl.inner(left(v), stiffness * right(u)) * dx for left, right in pairs])
+    matrices = assembled([ufl.inner(left(v), stiffness * right(u)) * dx for left, right in pairs])
+    theirs = fenicsx.dof_coordinates(V)[:, :2]
+    far, node = cKDTree(theirs).query(np.stack([space.x2, space.x3], axis=1))
+    assert far.max() < 1e-12
+    order = (3 * node[:, None] + np.arange(3)).ravel()
+    return [matrix[order][:, order] for matrix in matrices]
 
 
 @pytest.mark.parametrize("name", CASES)
 def test_matrices_are_those_of_dolfinx(name: str) -> None:
     make, degree = CASES[name]
-    space = SectionSpace(make(), degree)
+    plain = make()
+    space = SectionSpace(cells_of_plain(plain), degree)
     # another material in every cell, so that symmetry does not hide errors
     factor = 1.0 + np.random.default_rng(1).random(space.n_cell)
     C = factor[:, None, None] * C_30
-    E, H, L = assembled_by_dolfinx(space, C)
+    E, H, L = assembled_by_dolfinx(plain, space, C)
     ours = SectionOperators(space).E(C[:, None])
     assert abs(ours - E).max() < 1e-12 * abs(E).max()
     # H and L are never assembled: their products with random columns
@@ -91,7 +99,7 @@ def test_matrices_are_those_of_dolfinx(name: str) -> None:
 
 
 def test_point_by_point_and_cell_by_cell_agree() -> None:
-    space = SectionSpace(ellipse())
+    space = SectionSpace(cells_of_plain(ellipse()))
     operators = SectionOperators(space)
     of_cells = operators.E(np.broadcast_to(C_30, (space.n_cell, 1, 6, 6)))
     of_points = operators.E(np.broadcast_to(C_30, (*space.weights.shape, 6, 6)))
@@ -99,7 +107,7 @@ def test_point_by_point_and_cell_by_cell_agree() -> None:
 
 
 def test_work_of_stress_on_strain_is_the_energy_of_the_matrix() -> None:
-    space = SectionSpace(triangles(2))
+    space = SectionSpace(cells_of_plain(triangles(2)))
     E = SectionOperators(space).E(np.broadcast_to(C_30, (space.n_cell, 1, 6, 6)))
     W = np.random.default_rng(2).standard_normal((space.n_dof, 2))
     strain = space.strain_in_section(W)
@@ -107,7 +115,7 @@ def test_work_of_stress_on_strain_is_the_energy_of_the_matrix() -> None:
 
 
 def test_points_and_weights_hold_the_area() -> None:
-    space = SectionSpace(ellipse())
+    space = SectionSpace(cells_of_plain(ellipse()))
     assert space.area == pytest.approx(2.0 * np.pi, rel=2e-5)
     assert np.sum(space.weights * space.points[..., 0] ** 2) == pytest.approx(
         0.25 * np.pi * 2.0**3, rel=1e-4
@@ -115,20 +123,17 @@ def test_points_and_weights_hold_the_area() -> None:
 
 
 def test_curved_cells_are_told_from_straight_ones() -> None:
-    for make, curved in ((ellipse, True), (lambda: triangles(2), True)):
-        labelled = make()
-        nodes, cells, _ = fenicsx.geometry(labelled.mesh)
-        assert is_curved(nodes[cells][..., :2], fenicsx.cell_name(labelled.mesh)) is curved
-    straight = mesh_from_geo(
+    for make in (ellipse, lambda: triangles(2)):
+        assert is_curved(cells_of_plain(make()))
+    straight = fenicsx.run_script(
         MESHES / "rectangle.geo",
         {"width": 1.0, "height": 0.5, "columns": [0.2, 0.8, 1.0], "rows": [0.3, 1.0]},
     )
-    nodes, cells, _ = fenicsx.geometry(straight.mesh)
-    assert not is_curved(nodes[cells][..., :2], "quadrilateral")
+    assert not is_curved(cells_of_plain(straight))
 
 
 def test_pattern_without_pins_is_the_submatrix() -> None:
-    space = SectionSpace(ellipse())
+    space = SectionSpace(cells_of_plain(ellipse()))
     E = SectionOperators(space).E(np.broadcast_to(C_30, (space.n_cell, 1, 6, 6)))
     pins = np.array([0, 1, 2, 17])
     kept = space.pattern.without(pins)

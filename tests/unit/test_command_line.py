@@ -1,5 +1,6 @@
 """The command line itself: entry points, nearest commands and options, completion."""
 
+import math
 import subprocess
 import sys
 from pathlib import Path
@@ -74,3 +75,18 @@ def test_bash_completes_commands_and_files(tmp_path: Path) -> None:
     """
     run = subprocess.run(["bash", "-c", lines], cwd=tmp_path, capture_output=True, text=True)
     assert run.stdout.split("\n") == ["sweep", "--coarse", "arm.toml", ""], run.stderr
+
+
+def test_smoke_finds_another_motion(repository: Path, tools: Path) -> None:
+    """What `make smoke` compares: the run as it is, and with a slider elsewhere."""
+    import smoke
+
+    signals = {"crank_angle": {"final": 7.5}, "slider_x": {"final": 0.0}}
+    summary = {"completed": True, "t_end": 0.06, "warnings": [], "signals": signals}
+    summary["signals"]["slider_x"]["final"] = 0.15 * math.cos(7.5) + math.sqrt(
+        0.09 - (0.15 * math.sin(7.5)) ** 2
+    )
+    assert smoke.problems(summary) == []
+    summary["signals"]["slider_x"]["final"] += 1e-4
+    summary["warnings"] = [{"code": "energy-drift", "message": "-"}]
+    assert [found.split()[0] for found in smoke.problems(summary)] == ["energy-drift:", "slider_x"]

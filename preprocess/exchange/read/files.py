@@ -1,11 +1,11 @@
 """Files that an import file names: they exist, and their keys are known."""
 
-import hashlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from ....solver.errors import InputError, nearest
+from ....solver.package.common.file_digests import file_sha256
 
 
 class Files:
@@ -47,12 +47,6 @@ class Files:
         """Names and hashes of the files that were read, for the provenance."""
         names = {key: str(self.table[key]) for key in self._hashes}
         return {"files": names, "sha256": self._hashes}
-
-
-def file_sha256(path: Path) -> str:
-    """SHA-256 of a file."""
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def text_lines(path: Path) -> list[str]:

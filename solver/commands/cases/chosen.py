@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ...errors import InputError, nearest
+from ...errors import InputError, few, nearest
 from ...inputs.case.file import case_file, case_name
 
 if TYPE_CHECKING:  # importing it takes 0.4 s, longer than a command with nothing to do
@@ -26,8 +26,10 @@ def chosen_sweeps(case: "Case", names: Sequence[str] | None) -> list[str]:
     return _chosen(case, "--sweep", "sweep", names, case.sweeps)
 
 
-def chosen_run(case: "Case", name: str | None) -> str:
-    """Return the run asked for; the first one if none is named."""
+def chosen_run(case: "Case", name: str | None, *, only: bool = False) -> str:
+    """Return the run asked for; if none is named the first one, or with `only` the only one."""
+    if only and name is None and len(case.runs) > 1:
+        raise InputError(f"--run: expected one of {few(case.runs)}")
     return chosen_runs(case, None if name is None else [name])[0]
 
 

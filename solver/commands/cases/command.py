@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ...errors import InputError
 from ...inputs.case.file import case_file
-from ..arguments import cores
+from ...math.cores import cores
 from ..exit_codes import INCOMPLETE, INPUT, INTERRUPTED, worst
 from .chosen import build_folder, chosen_runs, chosen_sweeps
 from .finished import RECORD, finished_before, note_finished, request_of
@@ -48,7 +48,7 @@ def _done(file: Path, out: Path, options: argparse.Namespace, request: str) -> i
     from ...inputs.case.load import load_case
     from ...inputs.case.source_files import source_files
     from ...inputs.case.specs import write_case
-    from .packages import build_packages, package_entries, specs_of
+    from .packages import named_packages
     from .sweeps import compute_sweeps
 
     def say(text: str) -> None:
@@ -62,12 +62,10 @@ def _done(file: Path, out: Path, options: argparse.Namespace, request: str) -> i
         runs = []
     write_case(case, out, options.packages)
     jobs = options.jobs or cores()
-    specs = specs_of(out, runs, sweeps) if options.packages is None else []
-    if specs:
-        say(f"bodies: {len(specs)}")
-        # Members of a sweep whose body cannot be built fail; the others are computed.
-        if not build_packages(specs, jobs=jobs, quiet=options.quiet, keep_going=not runs):
-            say("bodies: up to date")
+    files = [out / "runs" / f"{run}.json" for run in runs]
+    files += [out / "sweeps" / f"{sweep}.json" for sweep in sweeps]
+    if options.packages is None:
+        _build(files, jobs, say, quiet=options.quiet, keep_going=not runs)
     codes, text = [], ""
     if runs:
         code, text = _integrated(out, runs, options, jobs, say)
@@ -78,10 +76,28 @@ def _done(file: Path, out: Path, options: argparse.Namespace, request: str) -> i
         text = text or str(out / "sweeps" / sweeps[0])
     code = worst(codes)
     if code in (0, INCOMPLETE):
-        entries = package_entries(out, runs, sweeps)
-        inputs = [file, *source_files(case), *(out / entry["file"] for entry in entries)]
+        used = [out / entry["file"] for each in files for entry in named_packages(each)]
+        inputs = [file, *source_files(case), *used]
         note_finished(out, request, code, text, inputs, _results(out, runs, sweeps))
     return code
+
+
+def _build(files: Sequence[Path], jobs: int, say: Say, *, quiet: bool, keep_going: bool) -> None:
+    """Build the bodies of run and sweep files; `keep_going` without those that cannot be built."""
+    from ..executors.local import Local
+    from .packages import BodiesFailed, build_packages, needed_specs
+
+    for folder, specs in needed_specs(files).items():
+        say(f"bodies: {len(specs)}")
+        try:
+            if not build_packages(
+                specs, folder, executor=lambda: Local(jobs, threads=True), quiet=quiet
+            ):
+                say("bodies: up to date")
+        except BodiesFailed as error:
+            if not keep_going:
+                raise
+            print(f"error: {error}", file=sys.stderr)
 
 
 def _integrated(

@@ -3,111 +3,127 @@
 import hashlib
 import json
 import sys
-from collections.abc import Iterator, Sequence
-from contextlib import closing
+from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import plymotion
 
-from ...errors import InputError
+from ...errors import InputError, few
+from ...inputs.case.run_table import package_entries
 from ...inputs.case.specs import dump
+from ...math.cores import cores
+from ...package.common.file_digests import files_sha256
 from ...package.common.plain_data import canonical
 from ...package.common.shares import by_mesh
 from ...package.common.temporary import write_text
-from ..fenicsx_side.interpreter import find_interpreter
-from ..fenicsx_side.workers import outcomes
+from ..executors.executor import Executor
+from ..executors.local import Local
+from ..fenicsx_side.launch import Line
+from ..fenicsx_side.workers import make_all, start_of
 
-STAMP = "packages.record"  # of each package: digest of its inputs, size and time of its file
+STAMP = "packages.record"  # of each package: what it was built from, and the file that was left
 
 
-def specs_of(out: Path, runs: Sequence[str], sweeps: Sequence[str] = ()) -> list[Path]:
-    """Return the specifications of the bodies of runs and sweeps in a folder of `check`."""
+class BodiesFailed(InputError):
+    """Some bodies could not be built; the others were."""
+
+
+def specs_of(out: Path, runs: Sequence[str]) -> list[Path]:
+    """Return the specifications of the bodies of some runs in a folder of `check`, each once."""
     found: dict[Path, None] = {}
-    for entry in package_entries(out, runs, sweeps):
-        if "inputs_sha256" in entry:
-            file = Path(entry["file"])
-            folder = "sweeps/bodies" if file.parent.parent.name == "sweeps" else "bodies"
-            found[out / folder / f"{file.stem}.json"] = None
+    for run in runs:
+        table = json.loads((out / "runs" / f"{run}.json").read_text(encoding="utf-8"))
+        for entry in package_entries(table):
+            if "inputs_sha256" in entry:
+                found[out / "bodies" / f"{Path(entry['file']).stem}.json"] = None
     return list(found)
 
 
-def package_entries(
-    out: Path, runs: Sequence[str], sweeps: Sequence[str] = ()
-) -> Iterator[dict[str, str]]:
-    """Yield the entries of all packages that runs and sweeps read: file, and hash of its inputs."""
-    for run in runs:
-        table = json.loads((out / "runs" / f"{run}.json").read_text(encoding="utf-8"))
-        yield from table["packages"].values()
-        yield from table.get("check_packages", {}).values()
-    for sweep in sweeps:
-        yield from json.loads((out / "sweeps" / f"{sweep}.json").read_text("utf-8"))["packages"]
+def needed_specs(files: Sequence[Path]) -> dict[Path, list[Path]]:
+    """Return the specifications that run and sweep files need, each once, by folder.
+
+    Raises
+    ------
+    InputError
+        Not a run or sweep file.
+    """
+    found: dict[Path, dict[Path, None]] = {}
+    for file in files:
+        for entry in named_packages(file):
+            if "inputs_sha256" in entry:  # others are packages of the user
+                spec = file.parent.parent / Path(entry["file"]).with_suffix(".json")
+                found.setdefault(spec.parent, {})[spec] = None
+    return {folder: list(specs) for folder, specs in found.items()}
+
+
+def named_packages(file: Path) -> list[dict[str, Any]]:
+    """Return the entries of packages of a run or sweep file. Raises InputError."""
+    try:
+        table = json.loads(file.read_text(encoding="utf-8"))
+        packages = table["packages"]
+        entries = packages if isinstance(packages, list) else list(package_entries(table))
+        if not all(isinstance(entry["file"], str) for entry in entries):
+            raise ValueError("packages: expected the names of files")
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        raise InputError(
+            f"{file}: not a run or sweep file ({error}); expected one written by `plymotion check`"
+        ) from error
+    return entries
 
 
 def build_packages(
     specs: Sequence[Path],
-    folder: Path | None = None,
+    folder: Path,
     *,
-    jobs: int = 1,
+    executor: Callable[[], Executor] = lambda: Local(cores(), threads=True),
     quiet: bool = False,
-    keep_going: bool = False,
 ) -> list[str]:
-    """Build the packages of body specifications; return the names of those built.
+    """Build the packages of body specifications into a folder; return the names of those built.
 
     Without FEniCSx nothing is needed as long as all packages are up to date.
 
     Parameters
     ----------
-    folder : of the packages; None: beside the specification of each
-    jobs : processes; bodies of equal sections or meshes are built by one of them
-    keep_going : leave out bodies that cannot be built
+    executor : where they are built; asked for if there is anything to do
 
     Raises
     ------
     InputError
-        No Python with FEniCSx, or a body that cannot be built.
+        No Python with FEniCSx.
+    BodiesFailed
+        A body cannot be built. The others are built.
     """
-    folders = dict.fromkeys(folder or spec.parent for spec in specs)
-    stamps = {each: _Stamps(each) for each in folders}
-    wanted = [spec for spec in specs if not stamps[folder or spec.parent].is_current(spec)]
-    built: list[str] = []
-    for into, stamp in stamps.items():
-        here = [spec for spec in wanted if (folder or spec.parent) == into]
-        if here:
-            try:
-                built += _built(here, into, stamp, jobs, quiet)
-            finally:
-                stamp.write()
-    if len(built) < len(wanted) and not keep_going:
-        raise InputError(f"{wanted[0].parent}: packages could not be built, see the messages above")
-    return built
+    before, now = _read(folder / STAMP), {spec.stem: _inputs(spec) for spec in specs}
+    wanted = [
+        spec
+        for spec in specs
+        if before.get(spec.stem) != [now[spec.stem], _left(folder / f"{spec.stem}.vtkhdf")]
+    ]
+    if not wanted:
+        return []
+    folder.mkdir(parents=True, exist_ok=True)
+    failed: list[Path] = []
 
+    def done(spec: Path, line: Line) -> None:
+        _show(spec, line, quiet=quiet)
+        file = folder / f"{spec.stem}.vtkhdf"
+        if line["status"] == "failed" or not file.is_file():
+            failed.append(spec)
+            return
+        before[spec.stem] = [now[spec.stem], _left(file)]
 
-def _built(
-    specs: Sequence[Path], folder: Path, stamps: "_Stamps", jobs: int, quiet: bool
-) -> Iterator[str]:
-    """Build packages into a folder; yield the name of each as it is finished."""
-    groups = by_mesh((spec, _mesh_of(spec)) for spec in specs)
-    words = ["--out-dir", str(folder)]
-    lines = outcomes(
-        groups, find_interpreter(), "body", words, jobs=jobs, progress=lambda line: None
-    )
-    with closing(lines) as found:
-        for count, line in enumerate(found, start=1):
-            spec = Path(line["spec"])
-            for warning in line["warnings"]:
-                text = f"warning: {spec.stem}: {warning['code']}: {warning['message']}"
-                print(text, file=sys.stderr, flush=True)
-            if line["status"] == "failed":
-                print(line["defect"], end="", file=sys.stderr)
-                print(f"error: {spec}: {line['error']}", file=sys.stderr, flush=True)
-                continue
-            if not quiet:
-                text = f"[{count}/{len(specs)}] {spec.stem}: {line['text'] or line['status']}"
-                print(text, file=sys.stderr, flush=True)
-            stamps.note(spec)
-            yield spec.stem
+    start = start_of("body", ["--out-dir", str(folder.resolve())], place := executor())
+    try:
+        groups = by_mesh((spec, _mesh_of(spec)) for spec in wanted)
+        make_all(groups, start, executor=place, done=done, progress=lambda _: None)
+    finally:
+        write_text(folder / STAMP, dump(before))
+    if failed:
+        names = few([spec.stem for spec in failed])
+        raise BodiesFailed(f"{folder}: not built, see the messages above: {names}")
+    return [spec.stem for spec in wanted]
 
 
 def _mesh_of(spec: Path) -> str:
@@ -116,28 +132,18 @@ def _mesh_of(spec: Path) -> str:
     return canonical([table.get(key) for key in ("section", "sections", "mesh", "shell")])
 
 
-class _Stamps:
-    """What the packages of a folder were built from, and what each file was then."""
-
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-        self._known = _read(folder / STAMP)
-
-    def is_current(self, spec: Path) -> bool:
-        """Tell whether the package of a specification is there as it was built from it."""
-        return self._known.get(spec.stem) == self._now(spec)
-
-    def note(self, spec: Path) -> None:
-        """Note that a package was built."""
-        self._known[spec.stem] = self._now(spec)
-
-    def write(self) -> None:
-        """Write the stamps of packages that are still there."""
-        kept = {n: s for n, s in self._known.items() if (self.folder / f"{n}.vtkhdf").exists()}
-        write_text(self.folder / STAMP, dump(kept))
-
-    def _now(self, spec: Path) -> list[Any]:
-        return [_inputs(spec), _left(self.folder / f"{spec.stem}.vtkhdf")]
+def _show(spec: Path, line: Line, *, quiet: bool) -> None:
+    """Print what became of a package on standard error."""
+    for warning in line["warnings"]:
+        print(f"warning: {spec.stem}: {warning['code']}: {warning['message']}", file=sys.stderr)
+    if line["status"] != "failed":
+        if not quiet:
+            print(f"{spec.stem}: {line['text'] or line['status']}", file=sys.stderr)
+        return
+    if line["defect"]:
+        print(line["defect"], end="", file=sys.stderr)
+        print("this is an error of the preprocessor, not of the input:", file=sys.stderr)
+    print(f"error: {spec}: {line['error']}", file=sys.stderr)
 
 
 def _read(file: Path) -> dict[str, Any]:
@@ -165,9 +171,8 @@ def _left(file: Path) -> list[int]:
 @cache
 def _sources() -> bytes:
     """Digest of the preprocessor, and of the parts of the solver that it imports."""
-    home, found = Path(plymotion.__file__).resolve().parent, hashlib.sha256()
-    for folder in ("preprocess", "meshes", "solver/package", "solver/math"):
-        for file in sorted((home / folder).rglob("*")):
-            if file.suffix in (".py", ".geo"):
-                found.update(file.read_bytes())
-    return found.digest()
+    home = Path(plymotion.__file__).resolve().parent
+    folders = ("preprocess", "meshes", "solver/package", "solver/math")
+    files = [file for folder in folders for file in (home / folder).rglob("*")]
+    found = {f.relative_to(home).as_posix(): f for f in files if f.suffix in (".py", ".geo")}
+    return files_sha256(found).encode()

@@ -11,11 +11,11 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from ...package import write_package
+from ...errors import InputError
+from ...interrupts import INTERRUPTED
 from ..fenicsx_side.launch import environment, importable
-from ..measured_modes import experimental_package, load_measurement
+from ..measured_modes import experimental_package, load_measurement, write_measured
 
-INTERRUPTED = 130
 TABLES = 4  # exit code of the exchange: the source has modes only, and their tables are written
 
 
@@ -36,15 +36,18 @@ def _from_modes(tables: Path, options: argparse.Namespace) -> int:
     package = experimental_package(load_measurement(tables))
     package.provenance["command"] = "plymotion import"
     package.provenance["import"] = options.file.read_text(encoding="utf-8")
-    write_package(options.out, package)
-    for warning in package.provenance["warnings"]:
-        print(f"warning [{warning['code']}] {warning['message']}", file=sys.stderr)
-    print(f"{options.out}: {package.body}, {package.n_mode} modes")
-    return 0
+    return write_measured(options.out, package)
 
 
 def run_export(options: argparse.Namespace) -> int:
     """Run `plymotion export`; returns the exit code."""
+    if options.target == "fmu":
+        from .fmu.command import export_fmu
+
+        return export_fmu(options)
+    for name in ("run", "inputs", "coarse", "packages"):
+        if getattr(options, name):
+            raise InputError(f"--{name}: expected with --to fmu only")
     words = ["export", str(options.file), "--to", options.target]
     return exchange([*words, *(["--out", str(options.out)] if options.out else [])])
 

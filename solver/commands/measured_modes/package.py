@@ -1,14 +1,16 @@
 """A modal package from measured modes: lumped inertia of the nodes, measured frequencies."""
 
+import sys
 from datetime import UTC, datetime
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 
 from plymotion import __version__
 
 from ...math.arrays import Array, IntArray
-from ...package import Interface, ModalPackage, from_stations
+from ...package import Interface, ModalPackage, from_stations, write_package
 from .measurement import Measurement
 from .shapes import Corrected, corrected_shapes
 
@@ -114,3 +116,12 @@ def _fitted_rotation(arms: Array, shapes: Array) -> tuple[Array, int]:
     rank = int(np.count_nonzero(values > 1e-6 * max(values[-1], 1e-300)))
     psi = np.linalg.pinv(spread, rcond=1e-6, hermitian=True) @ moment.T
     return psi, rank
+
+
+def write_measured(path: Path, package: ModalPackage) -> int:
+    """Write a package of measured modes and say what is doubtful; returns the exit code 0."""
+    write_package(path, package)
+    for warning in package.provenance["warnings"]:
+        print(f"warning [{warning['code']}] {warning['message']}", file=sys.stderr)
+    print(f"{path}: {package.body}, {package.n_mode} measured modes")
+    return 0

@@ -9,7 +9,6 @@ from ...inputs.case.file import case_file
 from ...inputs.case.specs import write_case
 from ...run.execution import read_run
 from ...run.outcome import RunSpec
-from ..arguments import cores
 from ..cases.chosen import build_folder, chosen_run
 from ..cases.packages import build_packages, specs_of
 
@@ -44,7 +43,7 @@ def read_spec(
         write_case(case, out, packages or build / "bodies")
         if packages is None:
             specs = specs_of(out, [name])
-            build_packages(specs, build / "bodies", jobs=cores(), quiet=quiet)
+            build_packages(specs, build / "bodies", quiet=quiet)
         try:
             return read_run(out / "runs" / f"{name}.json"), build
         except PackageError as error:

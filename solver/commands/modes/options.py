@@ -2,8 +2,11 @@
 
 import argparse
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
+
+from ..arguments import whole_number
 
 EPILOG = """\
 --at (default start):
@@ -51,21 +54,21 @@ def add_modes_command(commands: Any, run: Callable[[argparse.Namespace], int]) -
     )
     parser.add_argument(
         "--count",
-        type=_count,
+        type=whole_number,
         default=20,
         metavar="N",
         help="modes on the screen, and followed over speed (default 20)",
     )
     parser.add_argument(
         "--shapes",
-        type=_count_or_none,
+        type=partial(whole_number, least=0),
         default=6,
         metavar="N",
         help="shapes drawn and animated (default 6; 0: none)",
     )
     parser.add_argument(
         "--harmonics",
-        type=_count_or_none,
+        type=partial(whole_number, least=0),
         default=4,
         metavar="N",
         help="lines 1P to NP of a Campbell diagram (default 4)",
@@ -103,15 +106,3 @@ def _vector(text: str) -> list[float]:
     if len(found) != 3 or not any(found):
         raise argparse.ArgumentTypeError(f"{text!r}: expected three numbers X,Y,Z, not all zero")
     return found
-
-
-def _count_or_none(text: str) -> int:
-    if not text.isdecimal():
-        raise argparse.ArgumentTypeError(f"{text!r}: expected a whole number from 0")
-    return int(text)
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r}: expected a whole number from 1")
-    return int(text)

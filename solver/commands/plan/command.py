@@ -10,7 +10,6 @@ from ...fidelity.words import answer_text, entry
 from ...inputs.case import load_case
 from ...inputs.case.file import case_file
 from ...inputs.case.specs import write_case
-from ..arguments import cores
 from ..cases.chosen import build_folder, chosen_run
 from ..cases.packages import build_packages, specs_of
 from ..exit_codes import INCOMPLETE
@@ -36,7 +35,7 @@ def run_file_of(options: argparse.Namespace) -> Path:
     folder: Path = options.folder or build_folder(file)
     write_case(case, folder, options.packages)
     if options.packages is None:
-        build_packages(specs_of(folder, [run]), jobs=cores())
+        build_packages(specs_of(folder, [run]), folder / "bodies")
     return folder / "runs" / f"{run}.json"
 
 

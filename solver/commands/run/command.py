@@ -1,6 +1,7 @@
 """The command `plymotion run`: one run or several, in one process or more."""
 
 import argparse
+import json
 import multiprocessing
 import sys
 import time
@@ -8,21 +9,18 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field, replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from ...errors import InputError, PackageError, few
+from ...inputs.case.extreme import ERRORS, out_of_range
 from ...interrupts import INTERRUPTED, asked, handle, passed_to_children
-from ...package.common.disk_file import has_right_seal
-from ...results import ResultError, RunResult, read_summary
 from ...results.verdict import invalid_words
-from ...run.execution import run_file
-from ...run.inputs_digest import inputs_sha256
-from ...run.outcome import RunSpec
+from ...run.inputs_digest import up_to_date
 from ...run.timing import timing_text
 from ..defect import DEFECT, report
 from ..exit_codes import INCOMPLETE, INPUT, worst
+from .one import run_one
 
 DONE = "done"
 
@@ -105,7 +103,7 @@ def run_files(
     tasks, codes = [], []
     for file in files:
         folder = out or (out_dir or file.parent.parent) / file.stem
-        known = _up_to_date(file, folder) if update else None
+        known = up_to_date(file, folder) if update else None
         if known is not None:
             print(f"{file.stem}: up to date")
             codes.append(_code(known))
@@ -120,28 +118,16 @@ def run_files(
     return worst(codes)
 
 
-def _up_to_date(file: Path, out: Path) -> dict[str, Any] | None:
-    """Return the summary of a result of the same inputs that was not interrupted."""
-    try:
-        summary = read_summary(out / "summary.json")
-    except ResultError:
-        return None
-    there = has_right_seal(out / "result.vtkhdf") and summary.get("status") != "interrupted"
-    known = summary.get("inputs_sha256")
-    return summary if there and known and known == inputs_sha256(file) else None
-
-
 def _outcome(task: _Task) -> Outcome:
     """Do one run."""
     try:
-        summary = run_file(
+        summary = run_one(
             task.file,
             task.out,
             progress=task.progress,
             import_s=task.import_s,
             allow_python=task.allow_python,
             allow_doubtful=task.doubtful,
-            planned=partial(_planned, task),
         )
     except (InputError, PackageError) as error:
         return Outcome(INPUT, errors=str(error).splitlines())
@@ -150,15 +136,14 @@ def _outcome(task: _Task) -> Outcome:
     except KeyboardInterrupt:
         return Outcome(INTERRUPTED, errors=[f"{task.file}: interrupted, nothing written"])
     except Exception as error:
+        if isinstance(error, ERRORS) and (message := _out_of_range(task.file)):
+            return Outcome(INPUT, errors=[message])
         return Outcome(DEFECT, errors=[f"{task.file}: {report(error)}"])
     return Outcome(_code(summary), _lines(summary, task.timing))
 
 
-def _planned(task: _Task, spec: RunSpec, digest: str) -> tuple[RunResult, dict[str, Any]]:
-    """Execute a run with `[fidelity]`."""
-    from ...fidelity.execution import delivered  # most runs need no planner
-
-    return delivered(task.file, spec, digest, allow_doubtful=task.doubtful)
+def _out_of_range(file: Path) -> str:
+    return out_of_range(str(file), json.loads(file.read_text(encoding="utf-8"))["mechanism"])
 
 
 def _code(summary: dict[str, Any]) -> int:

@@ -42,9 +42,8 @@ def run_section(options: argparse.Namespace) -> int:
         _entries(options),
         options,
         words,
-        spec_of=lambda entry: _spec(entry, options.out),
+        spec_of=lambda entry: described_spec(entry, options.out),
         show=show,
-        jobs=options.jobs,
         list_each=bool(options.batch),
     )
 
@@ -65,7 +64,8 @@ def _entries(options: argparse.Namespace) -> list[Entry]:
     return share(read_list(options.batch), options.shard or (1, 1))
 
 
-def _spec(entry: Entry, folder: Path) -> dict[str, Any]:
+def described_spec(entry: Entry, folder: Path) -> dict[str, Any]:
+    """Return the specification of a description with its changes; see `load_section`."""
     table = read_toml(entry.file, "section description")
     if not entry.changes:
         return section_spec(table, entry.file, folder)

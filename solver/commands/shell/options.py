@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ..described.options import add_command, add_out, add_shared
+from ..executors.choice import add_executor
 
 FOLDER = Path("build") / "shells"
 
@@ -38,3 +39,4 @@ def add_shell_command(commands: Any, run: Callable[[argparse.Namespace], int]) -
     what = "draw deflected shapes and modes (default: without --json)"
     add_shared(parser, "figures", help=what)
     add_shared(parser, "force", "quiet")
+    add_executor(parser, "shells")

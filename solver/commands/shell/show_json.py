@@ -3,6 +3,7 @@
 import math
 from typing import Any
 
+from ...package.shell.cells import centres
 from ...package.shell.schema import SHELL_STRESSES, ShellFile, ShellLaminate
 from .findings import CaseFindings, case_findings, stacking
 from .ply_extremes import PlyExtreme
@@ -105,7 +106,7 @@ def _ply(shell: ShellFile, ply: PlyExtreme) -> dict[str, Any]:
                 "ratio": _finite(reserve.ratio),
                 "mode": reserve.mode,
                 "level": reserve.level,
-                "at": shell.mesh.nodes_G[shell.mesh.cells[reserve.cell]].mean(axis=0).tolist(),
+                "at": centres(shell.mesh.nodes_G, shell.mesh.cells[[reserve.cell]])[0].tolist(),
             }
             for reserve in ply.reserves
         },

@@ -1,13 +1,13 @@
 """`[couplings.NAME]` of a case file: a table for each kind of dynamics/couplings."""
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
+from typing import TYPE_CHECKING, Annotated, Union
 
-from pydantic import Field, create_model
+from pydantic import Field
 
 from ...dynamics.couplings.contract import Coupling
 from ...dynamics.couplings.table import COUPLINGS
 from ..common.table import Name, Table
-from .keys import field_of
+from .keys import field_of, table_of
 from .signals import JointCoordinate
 
 
@@ -25,11 +25,8 @@ class CouplingTable(Table):
 
 
 def _table(coupling: Coupling) -> type[CouplingTable]:
-    fields: dict[str, Any] = {"kind": (Literal[coupling.kind], ...)}
-    fields |= {key.name: field_of(key) for key in coupling.keys}
-    title = f'`[couplings.NAME]` with kind = "{coupling.kind}": {coupling.meaning}.'
-    name = f"{coupling.kind.title().replace('_', '')}Coupling"
-    return create_model(name, __base__=CouplingTable, __doc__=title, **fields)
+    fields = {key.name: field_of(key) for key in coupling.keys}
+    return table_of(CouplingTable, "couplings", coupling.kind, f"{coupling.meaning}.", fields)
 
 
 COUPLING_TABLES: tuple[type[CouplingTable], ...] = tuple(_table(c) for c in COUPLINGS.values())

@@ -1,13 +1,13 @@
 """`[forces.NAME]` of a case file: a table for each kind of dynamics/forces, made from its keys."""
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
+from typing import TYPE_CHECKING, Annotated, Literal, Union
 
-from pydantic import Field, create_model, model_validator
+from pydantic import Field, model_validator
 
 from ...dynamics.forces.contract import CoordinateForce, Element, ForceElement, Load
 from ...dynamics.forces.table import FORCES
 from ..common.table import Name, Table, unit
-from .keys import GlobalDirection, field_of
+from .keys import GlobalDirection, field_of, table_of
 from .laws import LoadLaw
 from .signals import JointCoordinate
 
@@ -68,16 +68,13 @@ ForceTable = ElementTable | LoadTable | CoordinateTable
 
 
 def _table(element: ForceElement) -> type[ElementTable] | type[LoadTable] | type[CoordinateTable]:
-    fields: dict[str, Any] = {"kind": (Literal[element.kind], ...)}
-    title = f'`[forces.NAME]` with kind = "{element.kind}": {element.meaning}.'
-    text = f"{title}\n\n{element.remark}" if element.remark else title
-    name = f"{element.kind.title().replace('_', '')}Force"
+    text = f"{element.meaning}." + (f"\n\n{element.remark}" if element.remark else "")
     if isinstance(element, Load):
-        return create_model(name, __base__=LoadTable, __doc__=text, **fields)
+        return table_of(LoadTable, "forces", element.kind, text, {})
     assert isinstance(element, Element | CoordinateForce)
-    fields |= {key.name: field_of(key) for key in element.keys}
+    fields = {key.name: field_of(key) for key in element.keys}
     base = ElementTable if isinstance(element, Element) else CoordinateTable
-    return create_model(name, __base__=base, __doc__=text, **fields)
+    return table_of(base, "forces", element.kind, text, fields)
 
 
 FORCE_TABLES: tuple[type[ElementTable] | type[LoadTable] | type[CoordinateTable], ...] = tuple(

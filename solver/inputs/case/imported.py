@@ -1,12 +1,12 @@
 """Imported bodies: their import file, and hashes of the files of the other code."""
 
-import hashlib
 import os
 from pathlib import Path
 from typing import Any
 
-from ...errors import InputError, nearest
+from ...errors import InputError, nearest, under
 from ...package.body.specification import ImportedSpecification
+from ...package.common.file_digests import file_sha256
 from ..common import read_toml
 from .schema import ImportedBody
 
@@ -32,14 +32,14 @@ def imported_spec(
     try:
         table = read_toml(file, "import file")
     except InputError as error:
-        raise InputError("\n".join(f"{key}: {line}" for line in str(error).splitlines())) from error
+        raise under(key, error) from error
     paths = _files(table, file, key)
     spec: ImportedSpecification = {
         "body": name,
         "kind": "imported",
         "file": os.path.relpath(file),
         "table": table,
-        "sha256": {name: _sha256(path) for name, path in paths.items()},
+        "sha256": {name: file_sha256(path) for name, path in paths.items()},
     }
     return spec, [file, *paths.values()]
 
@@ -61,8 +61,3 @@ def _files(table: dict[str, Any], file: Path, key: str) -> dict[str, Path]:
             beside = [path.with_suffix(suffix) for suffix in (".sti", ".mas", ".dof")]
             found |= {item.name: item for item in beside if item.is_file()}
     return found
-
-
-def _sha256(path: Path) -> str:
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()

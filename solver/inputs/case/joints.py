@@ -1,14 +1,14 @@
 """`[joints.NAME]` of a case file: a table for each joint of dynamics/joints, made from its keys."""
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
+from typing import TYPE_CHECKING, Annotated, Any, Union
 
-from pydantic import Field, create_model
+from pydantic import Field
 from pydantic.fields import FieldInfo
 
 from ...dynamics.joints.contract import Angle, DrivenBy, Joint, Key
 from ...dynamics.joints.table import JOINTS
 from ..common.table import Table
-from .keys import field_of
+from .keys import field_of, table_of
 from .laws import RotationDrive, TranslationDrive
 
 
@@ -35,11 +35,8 @@ def _field(key: Key) -> tuple[Any, FieldInfo]:
 
 
 def _table(joint: Joint) -> type[JointTable]:
-    fields: dict[str, Any] = {"kind": (Literal[joint.kind], ...)}
-    fields |= {key.name: _field(key) for key in joint.keys}
-    title = f'`[joints.NAME]` with kind = "{joint.kind}": {joint.meaning}.'
-    name = f"{joint.kind.title().replace('_', '')}Joint"
-    return create_model(name, __base__=JointTable, __doc__=title, **fields)
+    fields = {key.name: _field(key) for key in joint.keys}
+    return table_of(JointTable, "joints", joint.kind, f"{joint.meaning}.", fields)
 
 
 JOINT_TABLES: tuple[type[JointTable], ...] = tuple(_table(joint) for joint in JOINTS.values())

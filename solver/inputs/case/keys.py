@@ -1,16 +1,18 @@
 """Fields of a table from the keys that the file of a kind declares (math/keys.py)."""
 
-from typing import Annotated, Any
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, Field, create_model
 from pydantic.fields import FieldInfo
 
 from ...math.keys import Code, Curve, Direction, Expression, Expressions, Number, OfTime, Three
-from ..common.table import Vector, unit
+from ..common.table import Table, Vector, unit
 from .curves import CurveTable
 from .laws import LoadLaw
 from .python_code import PythonCode
 
+Kind = TypeVar("Kind", bound=Table)
 Z = [0.0, 0.0, 1.0]
 NONE = [0.0, 0.0, 0.0]
 
@@ -32,6 +34,16 @@ Constants = Annotated[list[Annotated[float, Field(ge=0)]], Field(min_length=3, m
 
 
 Key = Number | Three | Direction | OfTime | Expression | Expressions | Curve | Code
+
+
+def table_of(
+    base: type[Kind], group: str, kind: str, meaning: str, fields: Mapping[str, Any]
+) -> type[Kind]:
+    """Return the table `[group.NAME]` of one kind: the keys of `base` and its own fields."""
+    text = f'`[{group}.NAME]` with kind = "{kind}": {meaning}'
+    name = f"{kind.title().replace('_', '')}{group.removesuffix('s').title()}"
+    own: dict[str, Any] = {"kind": (Literal[kind], ...), **fields}
+    return create_model(name, __base__=base, __doc__=text, **own)
 
 
 def field_of(key: Key) -> tuple[Any, FieldInfo]:

@@ -4,12 +4,12 @@ import os
 from pathlib import Path
 from typing import Any
 
-from ...errors import InputError, few
+from ...errors import InputError, few, under
 from ...package.body.specification import ShellSpecification
-from ..common import read_toml
 from ..common.gmsh_file import physical_groups
 from ..common.table import plain_table
 from ..shell.expand import shell_spec
+from .descriptions import shell_table
 from .modes import ModeChoice, SpinningChoice, check_modes
 from .schema import ShellBody
 
@@ -35,8 +35,7 @@ def shell_body_spec(
     try:
         shell = _shell(body, folder)
     except InputError as error:
-        lines = [f"{key}.shell: {line}" for line in str(error).splitlines()]
-        raise InputError("\n".join(lines)) from error
+        raise under(f"{key}.shell", error) from error
     mesh = Path(shell["mesh"]["file"])
     if found := _groups(key, body, mesh) + _check_motion(key, body):
         raise InputError("\n".join(found))
@@ -79,8 +78,7 @@ def _check_motion(key: str, body: ShellBody) -> list[str]:
 
 
 def _shell(body: ShellBody, folder: Path) -> Any:
-    file = folder / body.shell
-    table = read_toml(file, "shell description")
+    table, file = shell_table(body, folder)
     table = {key: value for key, value in table.items() if key not in LEFT_OUT}
     if body.parameters and isinstance(table.get("mesh"), dict):
         parameters = {**table["mesh"].get("parameters", {}), **body.parameters}

@@ -10,8 +10,9 @@ from .schema import Mechanism
 
 def source_files(case: Case) -> list[Path]:
     """Return the files that runs and sweeps of a case read: descriptions, meshes, tables, code."""
-    mechanisms = [*case.runs.values(), *(s.base for s in case.sweeps.values())]
-    bodies = [*case.bodies.values(), *(b for s in case.sweeps.values() for b in s.bodies)]
+    swept = [each for sweep in case.sweeps.values() for each in (sweep.own, *sweep.others.values())]
+    mechanisms = [*case.runs.values(), *(members.base for members in swept)]
+    bodies = [*case.bodies.values(), *(body for members in swept for body in members.bodies)]
     sources = {file for specs in bodies for spec in specs.values() for file in spec.sources}
     folder = case.file.parent
     sources |= {file for mechanism in mechanisms for file in _law_sources(mechanism, folder)}

@@ -1,8 +1,9 @@
 """The sources of the solver, whose change makes what was computed with them out of date."""
 
-import hashlib
 from functools import cache
 from pathlib import Path
+
+from ...package.common.file_digests import files_sha256
 
 # Rooms of solver/ that have no part in the motion of a mechanism.
 _APART = ("__main__.py", "commands", "report")
@@ -12,10 +13,5 @@ _APART = ("__main__.py", "commands", "report")
 def solver_sha256() -> str:
     """Return the digest of the sources of the solver."""
     root = Path(__file__).resolve().parents[2]
-    digest = hashlib.sha256()
-    for source in sorted(root.rglob("*.py")):
-        inside = source.relative_to(root)
-        if inside.parts[0] not in _APART:
-            digest.update(inside.as_posix().encode())
-            digest.update(source.read_bytes())
-    return digest.hexdigest()
+    inside = {file.relative_to(root): file for file in root.rglob("*.py")}
+    return files_sha256({n.as_posix(): f for n, f in inside.items() if n.parts[0] not in _APART})

@@ -16,12 +16,14 @@ from pathlib import Path
 from typing import Any
 
 from .body_specs import BodySpec
+from .combining import needed
 from .load import Case
 from .output_folder import WRITER, OutputFolder
 from .record import seal
 from .rich import model_and_check
 from .schema import Mechanism, PackageBody
-from .sweep_table import sweep_content
+from .sweep_members import CheckedSweep, Members
+from .sweep_table import Packages, sweep_content
 
 
 def write_case(case: Case, out: Path, packages: Path | None = None) -> None:
@@ -42,22 +44,28 @@ def write_case(case: Case, out: Path, packages: Path | None = None) -> None:
         model, check = model_and_check(case.bodies[run])
         table = files.packages(mechanism, model, "bodies", run)
         of_check = files.packages(mechanism, check, "bodies", f"{run}.check") if check else {}
+        others = {}
+        for name in needed(mechanism.signals):
+            other, specs = case.runs[name], model_and_check(case.bodies[name])[0]
+            of_other = files.packages(other, specs, "bodies", name)
+            others[name] = {
+                "packages": of_other,
+                "checked": seal(other),
+                "mechanism": other.model_dump(),
+            }
         content = {
             "case": case.name,
             "run": run,
             "title": case.top.runs[run].title or run,
             "packages": table,
             **({"check_packages": of_check} if of_check else {}),
+            **({"other_runs": others} if others else {}),
             "checked": seal(mechanism),
             "mechanism": mechanism.model_dump(),
         }
         folder.add(f"runs/{run}.json", dump(content))
     for name, sweep in case.sweeps.items():
-        tables = [
-            files.packages(member, bodies, "sweeps/bodies")
-            for member, bodies in zip(sweep.members, sweep.bodies, strict=True)
-        ]
-        folder.add(f"sweeps/{name}.json", dump(sweep_content(case.name, name, sweep, tables)))
+        folder.add(f"sweeps/{name}.json", dump(_sweep(case, name, sweep, files)))
     first = next(iter(case.runs.values()))
     content = {
         "written_by": WRITER,
@@ -107,6 +115,18 @@ class _BodyFiles:
                 file = self._known[digest]
                 table[name] = {"file": os.path.relpath(file, out), "inputs_sha256": digest}
         return table
+
+
+def _sweep(case: Case, name: str, sweep: CheckedSweep, files: _BodyFiles) -> dict[str, Any]:
+    """Return the content of sweeps/<name>.json."""
+
+    def packages(members: Members) -> list[Packages]:
+        pairs = zip(members.mechanisms, members.bodies, strict=True)
+        return [files.packages(member, bodies, "sweeps/bodies") for member, bodies in pairs]
+
+    tables = packages(sweep.own)
+    others = {run: packages(members) for run, members in sweep.others.items()}
+    return sweep_content(case.name, name, sweep, tables, others)
 
 
 def dump(data: Any) -> str:

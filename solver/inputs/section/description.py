@@ -4,7 +4,7 @@ docs/section-description.md is generated from here (`make docs`).
 """
 
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError, model_validator
 
@@ -14,6 +14,8 @@ from ..common.lay_up import Angle, LayUp, LayUpPly
 from ..common.material import Material
 from ..common.table import Name, Pair, Table, unit
 from .mesh_table import Mesh
+
+Curvature = Annotated[list[float], Field(min_length=3, max_length=3)]
 
 
 class Ply(LayUpPly):
@@ -130,6 +132,23 @@ class SectionDescription(Table):
     convention: Literal["contour", "cartesian"] | None = Field(
         default=None,
         description="sign convention of ply angles; required if one of them is not 0",
+    )
+    allow: list[Literal["nearly-incompressible", "ill-conditioned"]] = Field(
+        default=[],
+        description="what is computed with a warning instead of an error: linear elements of a "
+        "material that locks, equations that appear to be singular",
+    )
+    initial_curvature: Curvature | None = Field(
+        default=None,
+        description="k1, k2, k3: initial twist and curvature of the reference line, k1 > 0 "
+        "right-handed; k3 > 0 has its centre at x2 = 1/k3, k2 > 0 at x3 = -1/k2; absent: prismatic",
+        json_schema_extra=unit("rad/m"),
+    )
+    taper: float | None = Field(
+        default=None,
+        description="relative change of the size of the section per length; its neglect is "
+        "estimated",
+        json_schema_extra=unit("1/m"),
     )
     mesh: Mesh = Field(description="a shape of the library, or a mesh file")
     materials: dict[Name, Material] = Field(min_length=1, description="elastic materials")

@@ -89,11 +89,24 @@ def section_spec(table: dict[str, Any], file: Path, folder: Path = BUILD) -> dic
     return {
         "name": file.stem,
         "title": description.title,
+        **_along(description),
         "convention": description.convention or "contour",  # no angle: the same beam
         "mesh": mesh,
         "materials": {n: plain(m) for n, m in description.materials.items() if n in used},
         "regions": regions,
     }
+
+
+def _along(description: SectionDescription) -> dict[str, Any]:
+    """Return the keys that are not about the plane of the section."""
+    keys: dict[str, Any] = {}
+    if description.allow:
+        keys["allow"] = list(description.allow)
+    if description.initial_curvature is not None:
+        keys["initial_curvature"] = list(description.initial_curvature)
+    if description.taper:
+        keys["taper"] = description.taper
+    return keys
 
 
 def _stack(name: str, region: Region, description: SectionDescription) -> list[dict[str, Any]]:

@@ -20,7 +20,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from ...errors import InputError, few, nearest
+from ...errors import InputError, few, nearest, under
 from ..common import read_toml
 from ..common.gmsh_file import content_sha256, is_gmsh_mesh, physical_groups
 from ..common.material import check_materials, plain
@@ -80,7 +80,7 @@ def shell_spec(table: dict[str, Any], file: Path) -> dict[str, Any]:
         "materials": {n: plain(m) for n, m in description.materials.items() if n in used},
         "laminates": laminates,
         "regions": regions,
-        "elements": description.elements.model_dump(),
+        "elements": description.elements.model_dump(exclude_none=True),
         **({"stiffeners": stiffeners} if stiffeners else {}),
         "links": _plain(description.links),
         "supports": {
@@ -108,8 +108,7 @@ def _stiffeners(description: ShellDescription, folder: Path) -> dict[str, Any]:
         try:
             section = load_section(folder / table["section"])
         except InputError as error:
-            lines = [f"stiffeners.{name}.section: {line}" for line in str(error).splitlines()]
-            raise InputError("\n".join(lines)) from error
+            raise under(f"stiffeners.{name}.section", error) from error
         del section["title"]
         table["section"] = section
     return found
@@ -135,6 +134,8 @@ def _mesh(table: Mesh, folder: Path) -> dict[str, Any]:
         mesh["parameters"] = table.parameters
     if table.scale is not None:
         mesh["scale"] = table.scale
+    if table.element is not None:
+        mesh["element"] = table.element
     return mesh
 
 

@@ -84,6 +84,7 @@ def load_section(file: h5py.File) -> SectionFile:
         mesh=SectionMeshData(cell_types=data["mesh/cell_types"].astype(np.int64), **mesh),
         warping=data["warping"],
         recovery=recovery_from(data, f"{file.filename}: {group.name}"),
+        initial_curvature=data.get("initial_curvature"),
         warnings=warnings_from(data),
         provenance=json_table(f"{file.filename}: provenance", get_text(file, "provenance", "{}")),
     )

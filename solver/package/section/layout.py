@@ -28,6 +28,15 @@ SECTION_FILE_LAYOUT: tuple[DatasetSpec, ...] = (
         "expected size of the error of K",
         optional=True,
     ),
+    spec(
+        "initial_curvature",
+        "3",
+        F,
+        "rad/m",
+        "section",
+        "twist k1 and curvature k2, k3 of the reference line without load, absent: prismatic",
+        optional=True,
+    ),
     spec("shear_centre", "2", F, "m", "section", "where a shear force does not twist the beam"),
     spec("tension_centre", "2", F, "m", "section", "where an axial force does not bend the beam"),
     spec("mass_centre", "2", F, "m", "section", "mass centre"),
@@ -77,6 +86,8 @@ def section_values(section: SectionFile, where: str = "section") -> dict[str, An
     }
     if section.error_estimate is not None:
         values["error_estimate"] = section.error_estimate
+    if section.initial_curvature is not None:
+        values["initial_curvature"] = section.initial_curvature
     for name in ("nodes", "connectivity", "offsets", "cell_types", "region", "regions", "ply"):
         values[f"mesh/{name}"] = getattr(mesh, name)
     for name in ("layer_direction", "fibre"):

@@ -13,7 +13,7 @@ from typing import Any
 from ...math.arrays import Array, IntArray
 
 SECTION_FORMAT = "plymotion section"
-SECTION_FORMAT_VERSION = (1, 0)
+SECTION_FORMAT_VERSION = (1, 1)
 
 RESULTANTS = ("F1", "F2", "F3", "M1", "M2", "M3")
 STRESSES = ("11", "22", "33", "23", "13", "12")
@@ -80,5 +80,6 @@ class SectionFile:
     mesh: SectionMeshData
     warping: Array  # (6, n, 3) displacement of the nodes per unit resultant, no rigid motion
     recovery: SectionRecovery
+    initial_curvature: Array | None = None  # (3,) k1, k2, k3; None: prismatic  [rad/m]
     warnings: tuple[dict[str, str], ...] = ()  # {"code", "message"}
     provenance: dict[str, Any] = field(default_factory=dict)  # spec, dofs, seconds, versions, ...

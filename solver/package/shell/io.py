@@ -13,6 +13,7 @@ from ..common.object_file import new_object_file, read_object_file
 from ..common.remark import raise_first
 from ..common.reported import warnings_from
 from ..common.vtk_view import create_grid, describe, part_view
+from .cells import cell_table
 from .checks import check_shell_shapes, shell_content_findings, shell_layout_findings
 from .layout import (
     CASES,
@@ -78,7 +79,7 @@ def _load(file: h5py.File) -> ShellFile:
     return ShellFile(
         name=get_text(file, SHELL_FILE.title),
         mesh=ShellMeshData(
-            cells=data["mesh/connectivity"].reshape(-1, 3),
+            cells=cell_table(data["mesh/connectivity"], data["mesh/offsets"]),
             **{name: data[f"mesh/{name}"] for name in names},
         ),
         laminates=_laminates(data, where),

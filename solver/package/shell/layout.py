@@ -11,19 +11,20 @@ import numpy as np
 from ..common.dataset import DatasetSpec, F, I, T, declared_sizes, spec
 from ..common.identity import FileFormat, json_text
 from ..common.reported import WARNINGS_LAYOUT, WARNINGS_SIZED_BY, warning_values
+from .cells import NONE, corner_counts
 from .schema import SHELL_FORMAT, SHELL_FORMAT_VERSION, ShellFile
 
 SHELL_GROUP = "shell"
 SHELL_FILE = FileFormat(SHELL_FORMAT, SHELL_FORMAT_VERSION, SHELL_GROUP, "name")
 SHELL_VIEW = f"{SHELL_GROUP}/mesh", "nodes_G"  # what ParaView shows: group and nodes
-TRIANGLE = 5  # VTK's number of the cell
+TRIANGLE, QUAD = 5, 9  # VTK's numbers of the cells
 
 SHELL_LAYOUT: tuple[DatasetSpec, ...] = (
     spec("mesh/nodes_G", "n, 3", F, "m", "G", "rest positions of the nodes"),
     spec("mesh/node_ids", "n", I, "-", "-", "numbers of the nodes in the mesh file, unique"),
     spec("mesh/connectivity", "i", I, "-", "-", "nodes of all cells, as 0-based rows of nodes_G"),
     spec("mesh/offsets", "c+1", I, "-", "-", "cell j owns connectivity[offsets[j]:offsets[j+1]]"),
-    spec("mesh/cell_types", "c", "uint8", "-", "-", "VTK cell types, all triangles"),
+    spec("mesh/cell_types", "c", "uint8", "-", "-", "VTK cell types, triangles and quadrilaterals"),
     spec("mesh/region", "c", I, "-", "-", "region of each cell, as row of regions"),
     spec("mesh/regions", "r", T, "-", "-", "names of the regions, unique"),
     spec("mesh/laminate", "r", I, "-", "-", "laminate of each region, as row of laminates"),
@@ -96,11 +97,11 @@ def shell_values(shell: ShellFile, where: str = "shell") -> dict[str, Any]:
     """
     mesh, laminates = shell.mesh, shell.laminates
     plies = [(row, ply) for row, laminate in enumerate(laminates) for ply in laminate.plies]
-    n_cell = len(mesh.cells)
+    count = corner_counts(mesh.cells)
     values: dict[str, Any] = {
-        "mesh/connectivity": mesh.cells.ravel(),
-        "mesh/offsets": np.arange(0, 3 * n_cell + 1, 3),
-        "mesh/cell_types": np.full(n_cell, TRIANGLE, dtype=np.uint8),
+        "mesh/connectivity": mesh.cells[mesh.cells != NONE],
+        "mesh/offsets": np.concatenate([[0], np.cumsum(count)]),
+        "mesh/cell_types": np.where(count == 3, TRIANGLE, QUAD).astype(np.uint8),
         "laminates/names": [laminate.name for laminate in laminates],
         "laminates/reports": [
             json_text(f"{where}: laminates/reports", laminate.report) for laminate in laminates

@@ -163,7 +163,7 @@ SECTION_CODES = (
         "sliver-elements",
         "cells of the mesh are very flat or crooked: stresses there are poor",
         "sine of the flattest angle below {limit:g}, or ratio of area scales below 0.02, or of "
-        "sides above 5000",
+        "sides above 1e6",
         "mesh more evenly there",
         0.04,
     ),
@@ -178,6 +178,34 @@ SECTION_CODES = (
         "linear elements are too stiff in bending and torsion by some per cent",
         "`mesh.degree = 1`",
         "leave `mesh.degree` at 2",
+    ),
+    _code(
+        "nearly-incompressible",
+        "a material hardly changes its volume: linear elements are too stiff, others lose digits",
+        "bulk over shear modulus above {limit:g} (above 9 with `mesh.degree = 1`)",
+        "use `mesh.degree = 2`, and a Poisson's ratio that is known",
+        5000.0,
+    ),
+    _code(
+        "ill-conditioned",
+        "the equations of the warping are nearly singular; they were solved because of `allow`",
+        "growth of a random load above {limit:g}",
+        "check the mesh for parts that hardly hold together; compare with another mesh",
+        1e14,
+    ),
+    _code(
+        "strongly-curved",
+        "the section is large compared with the radius of its initial curvature",
+        "shortest over reference fibre below {limit:g}",
+        "model the part with solid elements",
+        0.5,
+    ),
+    _code(
+        "taper-neglected",
+        "the section's size changes along the beam, which the stiffness does not contain",
+        "estimated relative error of the stiffness above {limit:g}",
+        "model the part with solid elements, or accept the estimate",
+        1e-3,
     ),
     _code(
         "accuracy-not-met",

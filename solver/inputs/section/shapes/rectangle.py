@@ -3,8 +3,8 @@
 from typing import Any
 
 from .contract import Plies, Shape, Values, Wall
-from .solid import COUNTS, RECTANGLE, STACK, counts, solid_rows
-from .spacing import cosine, faces
+from .solid import COUNTS, RECTANGLE, STACK, counts, solid_rows, spaced
+from .spacing import faces
 
 
 def mesh(values: Values, plies: Plies) -> dict[str, Any]:
@@ -14,8 +14,8 @@ def mesh(values: Values, plies: Plies) -> dict[str, Any]:
         "parameters": {
             "width": values["width"],
             "height": values["height"],
-            "columns": cosine(n_2, values["grading"]),
-            "rows": solid_rows(faces(plies["section"]), n_3, values["grading"]),
+            "columns": spaced(values, n_2, "width"),
+            "rows": solid_rows(faces(plies["section"]), n_3, values),
         }
     }
 

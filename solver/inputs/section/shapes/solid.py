@@ -5,7 +5,7 @@ from typing import Any
 
 from ....errors import InputError
 from .contract import DENSITY, Parameter, Values, size
-from .spacing import cosine
+from .spacing import both_ends, cosine
 
 RECTANGLE = (
     size("width", "along x2", required=True),
@@ -20,12 +20,31 @@ COUNTS = (
 STACK = {"vector": [1.0, 0.0]}  # plies parallel to x2, the outermost on top
 
 
+SLENDER = 50.0  # sides of more slender rectangles are graded to the thickness at their ends
+
+
+def slenderness(values: Values) -> float:
+    """Long over short side."""
+    width, height = values["width"], values["height"]
+    return float(max(width, height) / min(width, height))
+
+
+def spaced(values: Values, n: int, key: str) -> list[float]:
+    """Ends of n elements along "width" or "height" as fractions of it."""
+    sides = {"width": values["width"], "height": values["height"]}
+    length = sides.pop(key)
+    (across,) = sides.values()
+    given = values["elements_2" if key == "width" else "elements_3"]
+    if given is None and length > SLENDER * across:
+        return both_ends(length, across, values["density"])
+    return cosine(n, values["grading"])
+
+
 def counts(values: Values) -> tuple[int, int]:
     """Numbers of elements that keep the stiffness of an off-axis ply within about 1e-4."""
     short = 10
     width, height = values["width"], values["height"]
-    slenderness = max(width, height) / min(width, height)
-    long = 2 * math.ceil(short * min(slenderness, 50.0) ** 0.5 / 2)
+    long = 2 * math.ceil(short * min(slenderness(values), SLENDER) ** 0.5 / 2)
     defaults = (long, short) if width >= height else (short, long)
     n_2, n_3 = (
         count(key, values[key]) or math.ceil(default * values["density"])
@@ -41,10 +60,10 @@ def count(key: str, value: Any) -> int | None:
     return None if value is None else int(value)
 
 
-def solid_rows(ends: list[float], n: int, grading: float) -> list[float]:
+def solid_rows(ends: list[float], n: int, values: Values) -> list[float]:
     """n rows, or more if every ply needs at least one."""
     if len(ends) == 1:
-        return cosine(n, grading)
+        return spaced(values, n, "height")
     lines = [0.0]
     for end in ends:
         start = lines[-1]

@@ -104,6 +104,19 @@ def along(length: float, thickness: float, density: float = 1.0) -> dict[str, fl
     }
 
 
+def both_ends(length: float, thickness: float, density: float = 1.0) -> list[float]:
+    """Ends of the elements of a strip from 0 to 1, graded to the thickness at both ends.
+
+    The stresses of torsion and shear change there within one thickness.
+    """
+    line = along(0.5 * length, thickness, density)
+    first, even = int(line["elements"]), int(line["even"])
+    sizes = [line["growth"] ** i for i in range(first)]
+    sizes += [math.fsum(sizes) * (0.5 * length / line["graded"] - 1.0) / even] * even
+    half = [math.fsum(sizes[: i + 1]) / math.fsum(sizes) for i in range(len(sizes))]
+    return [0.5 * x for x in half] + [1.0 - 0.5 * x for x in reversed(half[:-1])] + [1.0]
+
+
 def cosine(n: int, grading: float) -> list[float]:
     """Ends of n elements from 0 to 1: equal (grading 0) to cosine spacing (1)."""
     return [

@@ -26,9 +26,7 @@ def mesh(values: Values, plies: Plies) -> dict[str, Any]:
             "interface": interface,
             "columns_left": columns,
             "columns_right": columns,
-            "rows": solid_rows(
-                united([faces(plies["left"]), faces(plies["right"])]), n_3, values["grading"]
-            ),
+            "rows": solid_rows(united([faces(plies["left"]), faces(plies["right"])]), n_3, values),
         }
     }
 

@@ -1,0 +1,203 @@
+"""Thin walls and soft layers: closed forms, round-off within the estimate, no refusal."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from plymotion.preprocess.materials import isotropic, material_from_dict
+from plymotion.preprocess.section import analyse
+from plymotion.preprocess.section.errors import SectionError
+from plymotion.preprocess.section.estimate import scaled
+from plymotion.preprocess.section.guards import bulk_over_shear
+from plymotion.preprocess.section.mesh import section_mesh
+from plymotion.preprocess.section.problem import SectionProblem
+from plymotion.preprocess.section.space import SectionSpace
+from plymotion.preprocess.section.thin import differences_across
+from plymotion.solver.inputs.section.shapes.library import expand
+
+NU = 0.3
+G = 0.5 / (1.0 + NU)
+
+
+def described(
+    shape: str,
+    sizes: dict[str, float],
+    materials: dict[str, Any] | None = None,
+    plies: list[dict[str, Any]] | None = None,
+    **mesh: Any,
+) -> dict[str, Any]:
+    region = "wall" if shape == "tube" else "section"
+    direction = {"circle": [0.0, 0.0]} if shape == "tube" else {"vector": [1.0, 0.0]}
+    plies = plies or [{"material": "m"}]
+    layers = {region: [p["thickness"] for p in plies]} if len(plies) > 1 else {}
+    return {
+        "name": shape,
+        "mesh": {**expand(shape, sizes, layers), **mesh},
+        "materials": materials or {"m": {"kind": "isotropic", "E": 1.0, "nu": NU, "rho": 1.0}},
+        "regions": {region: {"plies": plies, "direction": direction}},
+    }
+
+
+def strip(t: float) -> Any:
+    """Diagonal of K of a strip of width 1 by closed forms (shear: Renton 1991)."""
+    n = np.arange(1.0, 200001.0)
+    x = n * np.pi * t
+    lag = np.where(x < 1e-2, x**3 / 3 - 2 * x**5 / 15, x - np.tanh(x))
+    tail = 18.0 / np.pi**5 / t**5 * np.sum((lag / n**5)[::-1])
+    shear_3 = 1.0 / (1.2 + (NU / (1.0 + NU)) ** 2 * tail)
+    odd = np.arange(1.0, 2001.0, 2.0)
+    lost = 192.0 / np.pi**5 * t * np.sum(np.tanh(odd * np.pi / 2.0 / t) / odd**5)
+    J = t**3 / 3.0 * (1.0 - lost)
+    shear_2 = 1.0 / (1.2 + 0.2 * (NU / (1.0 + NU)) ** 2 * t**4)
+    return np.array([t, shear_2 * G * t, shear_3 * G * t, G * J, t**3 / 12.0, t / 12.0])
+
+
+def tube(t: float) -> Any:
+    """Diagonal of K of a tube of mean radius 1 by closed forms (shear: Renton 1991)."""
+    outer, inner = 1.0 + 0.5 * t, 1.0 - 0.5 * t
+    m = inner / outer
+    area, bend = np.pi * (outer**2 - inner**2), 0.25 * np.pi * (outer**4 - inner**4)
+    ring = (1.0 + m * m) ** 2
+    k = 6 * (1 + NU) ** 2 * ring
+    k /= (7 + 14 * NU + 8 * NU**2) * ring + 4 * m * m * (5 + 10 * NU + 4 * NU**2)
+    return np.array([area, k * G * area, k * G * area, 2.0 * G * bend, bend, bend])
+
+
+@pytest.mark.parametrize("t", [1e-2, 1e-3, 1e-4, 1e-5])
+def test_tube(t: float) -> None:
+    """The rest, 4e-6, is the distance of the parabolic edges from circles."""
+    found = analyse(described("tube", {"outer_radius": 1.0 + 0.5 * t, "wall": t}))
+    assert np.diag(found.K) == pytest.approx(tube(t), rel=5e-6)
+    assert scaled(np.asarray(found.error_estimate), found.K).max() < 1e-5
+    assert found.warnings == ()
+
+
+@pytest.mark.parametrize("t", [1e-2, 1e-3, 1e-4, 1e-5])
+def test_strip(t: float) -> None:
+    found = analyse(described("rectangle", {"width": 1.0, "height": t}))
+    error = np.diag(found.K) / strip(t) - 1.0
+    estimate = np.diag(scaled(np.asarray(found.error_estimate), found.K))
+    assert np.abs(error).max() < 1e-4
+    assert np.all(np.abs(error) < 1.5 * estimate + 1e-8)
+    assert found.provenance["round_off"] is None or found.provenance["round_off"] < 1e-5
+    assert found.warnings == ()
+
+
+def test_both_kinds_of_unknowns_give_the_same_stiffness() -> None:
+    """Where both are accurate: a wall of 1/30."""
+    spec = described("rectangle", {"width": 1.0, "height": 1.0 / 30.0})
+    problem = SectionProblem(section_mesh(spec["mesh"], "strip"), 2)
+    C = np.broadcast_to(isotropic(1.0, NU, 1.0).stiffness_M, (problem.space.n_cell, 1, 6, 6))
+    plain = problem.solve(C)
+    assert plain.space is problem.space
+    problem._is_thin = True
+    thin = problem.solve(C)
+    assert thin.space is not problem.space
+    assert scaled(thin.K - plain.K, plain.K).max() < 1e-8
+
+
+def test_differences_are_another_basis_of_the_same_functions() -> None:
+    spec = described("tube", {"outer_radius": 1.0, "wall": 0.01})
+    space = SectionSpace(section_mesh(spec["mesh"], "tube").cells)
+    unknowns = differences_across(space)
+    assert unknowns is not None
+    other = space.expressed(unknowns)
+    one = unknowns.R @ unknowns.P
+    assert abs(one - np.eye(one.shape[0])).max() < 1e-14
+    nodal = np.random.default_rng(0).standard_normal((space.n_dof, 2))
+    z = unknowns.of_nodes(nodal.reshape(-1, 3, 2)).reshape(-1, 2)
+    for name in ("strain_in_section", "strain_along_beam", "at_points"):
+        ours, theirs = getattr(space, name)(nodal), getattr(other, name)(z)
+        assert np.abs(ours - theirs).max() < 1e-11 * np.abs(ours).max()
+
+
+def test_round_mesh_without_thin_cells_keeps_its_unknowns() -> None:
+    spec = described("ellipse", {"radius_2": 2.0, "radius_3": 1.0})
+    space = SectionSpace(section_mesh(spec["mesh"], "ellipse").cells)
+    assert differences_across(space) is None or len(differences_across(space).whole) > 0
+
+
+@pytest.mark.parametrize("t", [0.1, 1e-2])
+@pytest.mark.parametrize("soft", ["faces", "core"])
+def test_stiffness_ratio(soft: str, t: float) -> None:
+    """Two faces and a core with moduli 1 and 1e-9: EA and EI by rule of mixture (equal nu)."""
+    hard_core = soft == "faces"
+    E = {"face": 1e-9 if hard_core else 1.0, "core": 1.0 if hard_core else 1e-9}
+    materials = {
+        name: {"kind": "isotropic", "E": value, "nu": NU, "rho": 1.0} for name, value in E.items()
+    }
+    plies = [
+        {"material": "face", "thickness": 0.1 * t},
+        {"material": "core", "thickness": 0.8 * t},
+        {"material": "face", "thickness": 0.1 * t},
+    ]
+    found = analyse(described("rectangle", {"width": 1.0, "height": t}, materials, plies))
+    EA = (0.2 * E["face"] + 0.8 * E["core"]) * t
+    EI = (E["face"] * (1.0 - 0.8**3) + E["core"] * 0.8**3) * t**3 / 12.0
+    assert found.K[0, 0] == pytest.approx(EA, rel=1e-8)
+    assert found.K[4, 4] == pytest.approx(EI, rel=1e-6)
+    assert found.provenance["round_off"] < 1e-6
+    assert found.warnings == ()
+
+
+@pytest.mark.provokes("ill-conditioned")
+def test_what_looks_singular_is_allowed_on_request() -> None:
+    """A core of a modulus 1e-13 times that of the faces hardly holds them together."""
+    materials = {
+        name: {"kind": "isotropic", "E": E, "nu": NU, "rho": 1.0}
+        for name, E in (("face", 1.0), ("core", 1e-13))
+    }
+    plies = [{"material": m, "thickness": 0.2} for m in ("face", "core", "face")]
+    spec = described("rectangle", {"width": 1.0, "height": 0.6}, materials, plies)
+    with pytest.raises(SectionError, match=r'singular .* allow = \["ill-conditioned"\]'):
+        analyse(spec)
+    found = analyse({**spec, "allow": ["ill-conditioned"]})
+    assert [w["code"] for w in found.warnings] == ["ill-conditioned"]
+    assert found.K[0, 0] == pytest.approx(0.4, rel=1e-8)
+
+
+BALSA = {
+    "kind": "orthotropic",
+    **{"E1": 1e7, "E2": 1e7, "E3": 2.73e9, "G12": 2e6, "G13": 1e7, "G23": 1e7},
+    **{"nu12": 0.3, "nu13": 0.01, "nu23": 0.01, "rho": 110.0},
+}
+
+
+def test_shear_soft_is_not_incompressible() -> None:
+    assert bulk_over_shear(isotropic(3.0, 0.3, 1.0)) == pytest.approx(2.6 / (3 * 0.4))
+    assert bulk_over_shear(isotropic(3.0, 0.499, 1.0)) > 400.0
+    honeycomb = {**BALSA, "G12": 1e3, "G13": 1e4, "G23": 1e4}
+    assert bulk_over_shear(material_from_dict(honeycomb, "m")) < 3.0
+
+
+@pytest.mark.provokes("nearly-incompressible", "degree-1-locks")
+def test_a_material_that_locks_is_allowed_on_request(tmp_path: Any) -> None:
+    file = tmp_path / "square.npz"
+    x = np.linspace(-0.5, 0.5, 5)
+    points = np.stack(np.meshgrid(x, x, indexing="ij"), axis=-1).reshape(-1, 2)
+    i, j = np.divmod(np.arange(16), 4)
+    first = 5 * i + j
+    cells = np.stack([first, first + 5, first + 6, first + 1], axis=1)
+    np.savez(
+        file,
+        points=points,
+        cells=cells,
+        cell_type="quad",
+        region=np.zeros(16, int),
+        region_names=["section"],
+        lines=np.zeros((0, 2), int),
+        curve=[],
+        curve_names=[],
+    )
+    rubber = {"m": {"kind": "isotropic", "E": 1.0, "nu": 0.49, "rho": 1.0}}
+    spec = {
+        "name": "square",
+        "mesh": {"arrays": str(file), "degree": 1},
+        "materials": rubber,
+        "regions": {"section": {"plies": [{"material": "m"}]}},
+    }
+    with pytest.raises(SectionError, match=r'incompressible .*lock; allow = \["nearly-inc'):
+        analyse(spec)
+    codes = [w["code"] for w in analyse({**spec, "allow": ["nearly-incompressible"]}).warnings]
+    assert codes == ["degree-1-locks", "nearly-incompressible"]
