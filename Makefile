@@ -229,6 +229,16 @@ imports: $(LIGHT) ## Allowed directions between modules: import-linter
 test-light: $(LIGHT) | $(COMPILED) ## Tests without FEniCSx, on two cores
 	$(PY) -m pytest tests --ignore tests/fe -n 2 --dist worksteal -q --durations=10
 
+# The tests of tests/hostile with many more tries; the table of what became of them is in
+# docs/security.md.
+ATTACK := build/attack/counts.jsonl
+.PHONY: attack
+attack: $(LIGHT) | $(COMPILED) ## Thousands of hostile inputs, damaged files and faults (half an hour)
+	@mkdir -p $(dir $(ATTACK))
+	@: > $(ATTACK)
+	PLYMOTION_ATTACK=$(CURDIR)/$(ATTACK) $(PY) -m pytest tests/hostile -n 2 --dist worksteal -q; \
+	    code=$$?; $(PY) tools/attack_table.py $(ATTACK); exit $$code
+
 # Folders and files of the cache that cannot be read or written: no matter of Numba's version.
 CACHE_OF_ANY_NUMBA := not damaged and not missing and not written and not read_only and not at_once
 .PHONY: test-numba

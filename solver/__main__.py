@@ -17,6 +17,7 @@ from pathlib import Path
 from plymotion import __version__
 
 from .commands.arguments import CommandParser, add_no_scripts
+from .commands.blade.options import add_blade_command
 from .commands.chart.options import add_chart_command
 from .commands.exchange.options import add_exchange_commands
 from .commands.modes.options import add_modes_command
@@ -139,6 +140,7 @@ def parser() -> CommandParser:
     add_modes_command(commands, _modes)
     add_exchange_commands(commands, _import, _export)
     add_section_command(commands, _section)
+    add_blade_command(commands, _blade)
     add_shell_command(commands, _shell)
     add_packages_command(commands, _packages)
     add_sweep_command(commands, _sweep)
@@ -279,6 +281,12 @@ def _export(options: argparse.Namespace) -> int:
     from .commands.exchange.command import run_export
 
     return run_export(options)
+
+
+def _blade(options: argparse.Namespace) -> int:
+    from .commands.blade.command import run_blade
+
+    return run_blade(options)
 
 
 def _section(options: argparse.Namespace) -> int:

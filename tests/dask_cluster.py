@@ -27,7 +27,8 @@ class Cluster:
         self.file = folder / "scheduler.json"
         self.log = folder / "log"
         self.log.touch()
-        path = os.pathsep.join([str(TESTS), os.environ.get("PYTHONPATH", "")])
+        known = filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))
+        path = os.pathsep.join([str(TESTS), *map(os.path.abspath, known)])  # of another folder
         self._environment = os.environ | {"PYTHONPATH": path, LOG: str(self.log)}
         self._environment["DASK_DISTRIBUTED__SCHEDULER__WORK_STEALING"] = "False"
         words = ("--host", "127.0.0.1", "--port", "0", "--no-dashboard")

@@ -36,17 +36,21 @@ class Hang(BaseException):
 
 
 @contextmanager
-def limited(seconds: float = LIMIT_S) -> Iterator[None]:
-    """Raise Hang in a block that takes more CPU time."""
+def limited(asked: float = LIMIT_S) -> Iterator[None]:
+    """Raise Hang in a block that takes more CPU time than LIMIT_S; `asked` [s]: Ctrl-C before."""
     if sys.platform == "win32":
         yield
         return
+    left = [asked] if asked < LIMIT_S else []
 
     def hang(number: int, frame: FrameType | None) -> None:
-        raise Hang(f"more than {seconds} s")
+        if not left:
+            raise Hang(f"more than {LIMIT_S} s")
+        signal.setitimer(signal.ITIMER_PROF, LIMIT_S - left.pop())
+        os.kill(os.getpid(), signal.SIGINT)
 
     before = signal.signal(signal.SIGPROF, hang)
-    signal.setitimer(signal.ITIMER_PROF, seconds)
+    signal.setitimer(signal.ITIMER_PROF, asked)
     try:
         yield
     finally:

@@ -102,6 +102,10 @@ class Freedom:
         u[self.free] = q
         return u if self._follow is None else np.asarray(self._follow.T @ u)
 
+    def carried_along(self, given: Array) -> Array:
+        """Displacements of all degrees of freedom, (n_dof, k), from those given of fixed ones."""
+        return given if self._follow is None else np.asarray(self._follow.T @ given)
+
     def on_supports(self, forces: Array) -> Array:
         """Forces of the nodes on the fixed degrees of freedom, (n_dof, k), zero elsewhere."""
         if self._follow is not None:

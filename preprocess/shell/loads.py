@@ -10,6 +10,7 @@ pressure = p                   along +e3 of each cell [N/m2]
 sine = [a, b, c]               factor sin(pi x/a) sin(pi y/b) sin(pi z/c) of the last two; a
                                length of 0 omits its factor
 gravity = [x, y, z]            acceleration of the whole shell [m/s2], without `at`
+motion = {"uz": 1e-3}          displacement [m] or rotation [rad] of components that a support holds
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -26,9 +27,10 @@ from .freedom import Freedom
 from .groups import group
 from .mesh import ShellMesh
 from .regions import Region
+from .supports import COMPONENTS
 
 KINDS = ("force", "moment", "force_per_length", "force_per_area", "pressure", "gravity")
-KEYS = ("at", *KINDS, "sine")
+KEYS = ("at", *KINDS, "sine", "motion")
 ON_CELLS = ("force_per_area", "pressure")
 
 
@@ -62,10 +64,36 @@ class Loads:
             self._add(forces, entry, f"{where}.{name}")
         return forces.ravel()
 
+    def given(self, table: Mapping[str, Any], where: str) -> Array:
+        """Prescribed displacements of fixed degrees of freedom, (n_dof,) [m, rad].
+
+        Raises ShellError for a component that no support holds.
+        """
+        out = np.zeros((self.freedom.n_dof // DOFS, DOFS))
+        held = np.zeros(out.size, dtype=bool)
+        held[self.freedom.fixed] = True
+        for name, entry in table.items():
+            for component, value in (entry.get("motion") or {}).items():
+                place = f"{where}.{name}.motion.{component}"
+                if component not in COMPONENTS:
+                    raise ShellError(
+                        f"{place}: expected some of {', '.join(COMPONENTS)}"
+                        + did_you_mean(component, COMPONENTS)
+                    )
+                nodes = self._shares(entry.get("at"), "motion", f"{where}.{name}")[0]
+                column = COMPONENTS.index(component)
+                if not held.reshape(out.shape)[nodes, column].all():
+                    raise ShellError(
+                        f"{place}: no support holds {component} of {entry['at']!r}; expected a "
+                        "support with it, whose displacement this is instead of 0"
+                    )
+                out[nodes, column] = float(value)
+        return out.ravel()
+
     def _add(self, forces: Array, entry: Mapping[str, Any], where: str) -> None:
         given = [key for key in KINDS if entry.get(key) is not None]
-        if not given:
-            raise ShellError(f"{where}: no load; expected one of {', '.join(KINDS)}")
+        if not given and entry.get("motion") is None:
+            raise ShellError(f"{where}: no load; expected one of {', '.join((*KINDS, 'motion'))}")
         if entry.get("sine") is not None and not set(given) & set(ON_CELLS):
             raise ShellError(f"{where}.sine: expected together with {' or '.join(ON_CELLS)}")
         at = entry.get("at")

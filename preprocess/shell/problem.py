@@ -13,13 +13,14 @@ from .assembly import NO_LINES, NO_MATRICES, Assembly
 from .errors import ShellError
 from .flat_nodes import flat_nodes
 from .freedom import Freedom
+from .geometric import element_geometric
 from .guards import drilling_motions, model_warnings
 from .links import read_links
 from .loads import Loads
 from .mass import element_mass
 from .membranes import MEMBRANES
 from .mesh import ShellMesh, shell_mesh
-from .regions import Geometry, Region, read_regions
+from .regions import Region, read_regions
 from .resultants import element_resultants
 from .spec import check_spec, elements
 from .stiffeners import read_stiffeners
@@ -72,14 +73,27 @@ class ShellProblem:
                 + " or ".join(name for name, m in MEMBRANES.items() if m.rotations)
             )
         self.flat = flat_nodes(self.mesh, self.regions, self.stiffeners) if plain else None
-        self.freedom = Freedom(self.mesh, self.links, self.supports, self.flat)
+        self.freedom = self._freedom("loads")
         self.warnings = model_warnings(self.mesh, self.regions, self.links, self.choice)
+
+    @cached_property
+    def modes_freedom(self) -> Freedom:
+        """Degrees of freedom of natural modes and of buckling; `freedom` is that of load cases."""
+        if all(support.only is None for support in self.supports):
+            return self.freedom
+        return self._freedom("modes")
+
+    def _freedom(self, purpose: str) -> Freedom:
+        held = [support for support in self.supports if support.only in (None, purpose)]
+        return Freedom(self.mesh, self.links, held, self.flat)
 
     @cached_property
     def K(self) -> sp.csr_matrix:
         """Stiffness of all degrees of freedom, (n_dof, n_dof) [N/m, N, N m]."""
         return self._assembled(
-            lambda region, t: element_stiffness(t, region.stiffness, self.choice),
+            lambda region, some: element_stiffness(
+                region.geometry[some], region.stiffness, self.choice
+            ),
             [stiffener.stiffness() for stiffener in self.stiffeners],
         )
 
@@ -87,8 +101,20 @@ class ShellProblem:
     def M(self) -> sp.csr_matrix:
         """Mass of all degrees of freedom, (n_dof, n_dof) [kg, kg m, kg m2]."""
         return self._assembled(
-            lambda region, t: element_mass(t, region.stiffness.mass, self.mass_form),
+            lambda region, some: element_mass(
+                region.geometry[some], region.stiffness.mass, self.mass_form
+            ),
             [stiffener.mass(self.mass_form) for stiffener in self.stiffeners],
+        )
+
+    def geometric_stiffness(self, u: Array, in_plane: bool = True) -> sp.csr_matrix:
+        """Geometric stiffness (n_dof, n_dof) [N/m] of the stresses of displacements u (n_dof,)."""
+        N = self.resultants(u[:, None])[0, :, :3]
+        return self._assembled(
+            lambda region, some: element_geometric(
+                region.geometry[some], N[region.cells[some]], in_plane
+            ),
+            [stiffener.geometric(u) for stiffener in self.stiffeners],
         )
 
     @cached_property
@@ -126,7 +152,7 @@ class ShellProblem:
         return Assembly(tables, self.mesh.n_node, len(self.links), lines)
 
     def _assembled(
-        self, element: Callable[[Region, Geometry], Array], lines: Sequence[Array]
+        self, element: Callable[[Region, slice], Array], lines: Sequence[Array]
     ) -> sp.csr_matrix:
         """Sum of the element matrices; each process of the team computes those of its cells.
 
@@ -143,7 +169,7 @@ class ShellProblem:
         return [kind for kind in kinds if kind]
 
     def _matrices(
-        self, regions: Sequence[Region], element: Callable[[Region, Geometry], Array]
+        self, regions: Sequence[Region], element: Callable[[Region, slice], Array]
     ) -> Array:
         """Element matrices of regions of one kind."""
         own = self.team.share(sum(len(region.cells) for region in regions))
@@ -153,6 +179,6 @@ class ShellProblem:
             count = len(region.cells)
             begin, end = (min(max(at - first, 0), count) for at in (own.start, own.stop))
             if begin < end:
-                parts.append(element(region, region.geometry[begin:end]))
+                parts.append(element(region, slice(begin, end)))
             first += count
         return self.team.stacked(parts[1] if len(parts) == 2 else np.concatenate(parts))

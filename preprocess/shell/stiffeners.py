@@ -63,6 +63,30 @@ class Stiffener:
         """Element mass, "consistent" or "lumped", (l, 12, 12) in G."""
         return self._elements(lambda element: element.mass_matrix(self.M, form))
 
+    def geometric(self, u: Array) -> Array:
+        """Geometric stiffness (l, 12, 12) in G of the axial forces of displacements u (n_dof,).
+
+        That of a string along the reference line of the section: the work of the force N on the
+        rotation of each element.
+        """
+        own = u.reshape(-1, 6)[self.ends].reshape(-1, 12)
+        work = (self.axial_force() * own).sum(axis=1) * self.length
+        turn = self.chord_rotation()
+        return np.asarray(np.swapaxes(turn, 1, 2) @ (work[:, None, None] * turn))
+
+    def axial_force(self) -> Array:
+        """Axial force of each element from the motion of its ends, (l, 12) [N/m, N]."""
+        return np.asarray((self.A_GE[:, None, :, 0] @ self.stiffness()[:, 6:9])[:, 0])
+
+    def chord_rotation(self) -> Array:
+        """Slope of the reference line across x1 from the motion of the ends, (l, 3, 12) in G."""
+        x1 = self.A_GE[:, :, 0]
+        offset = np.concatenate([[0.0], self.offset])
+        moved = carried(self.A_GE @ offset)[:, :3]
+        across = np.eye(3) - x1[:, :, None] * x1[:, None, :]
+        change = np.concatenate([-moved, moved], axis=2) / self.length[:, None, None]
+        return np.asarray(across @ change)
+
     def _elements(self, matrix: Callable[[BeamElement], Array]) -> Array:
         rounded = np.round(self.length / self.length.max(), 12)
         values, of = np.unique(rounded, return_inverse=True)

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..dynamics.auxiliary import Called, Instants, sampled
 from ..dynamics.constraints.treatment import Treatment
+from ..dynamics.dependence import is_tree
 from ..dynamics.model import Model
 from ..dynamics.system import by_blocks, derivative_into
 from ..dynamics.workspace import new_work, spare_work
@@ -80,6 +81,8 @@ class StepLoop(Integrator):
         if not by_blocks(model):
             # Rows that depend on each other: of effect on Newton's matrix, not on the motion.
             model = model._replace(penalty=Treatment.penalty)
+        if is_tree(model):
+            model = model._replace(penalty=0.0)  # nothing to soften
         self._model = self.for_loop(model)
         super().__init__(right_hand_side(model), t0, y0, t_end, **options)
         self._options = Options(

@@ -12,6 +12,7 @@ from .drawings import Drawing, draw_all
 from .exposure import draw_exposure
 from .motion import draw_motion
 from .page import page
+from .spectrum import draw_spectrum
 from .story import Story, comparisons, read_story
 
 
@@ -50,7 +51,8 @@ def make_report(case_dir: Path, runs: list[str], case: dict[str, Any] | None = N
             story.signal(wanted.signal)
         content = repr((wanted, [story.content for story in chosen]))
         file = case_dir / f"{wanted.name}.png"
-        compared.append(Drawing(file, draw_comparison, (wanted, chosen), content))
+        draw = draw_spectrum if wanted.spectrum else draw_comparison
+        compared.append(Drawing(file, draw, (wanted, chosen), content))
     motions = [_of_run(case_dir, story, "motion", draw_motion) for story in stories]
     balances = [_of_run(case_dir, story, "balance", draw_balance) for story in stories]
     strong = [story for story in stories if story.summary.get("strength")]

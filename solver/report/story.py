@@ -40,6 +40,7 @@ class Comparison(NamedTuple):
     title: str
     signal: str
     runs: tuple[str, ...]
+    spectrum: bool = False  # amplitudes over frequency, not values over time
 
 
 def read_story(case_dir: Path, run: str, title: str) -> Story:
@@ -71,5 +72,6 @@ def comparisons(case: dict[str, Any], stories: list[Story]) -> list[Comparison]:
     for name, figure in wanted.items():
         runs = tuple(run for run in figure["runs"] if run in there)
         if runs:
-            found.append(Comparison(name, figure.get("title") or name, figure["signal"], runs))
+            title, spectrum = figure.get("title") or name, bool(figure.get("spectrum"))
+            found.append(Comparison(name, title, figure["signal"], runs, spectrum))
     return found

@@ -11,6 +11,7 @@ from case_samples import HEAD, SOLVER, rigid
 
 import plymotion as pm
 from plymotion.solver.__main__ import main as command
+from plymotion.solver.commands.cases.report import report_case
 
 SWING = (
     HEAD
@@ -168,3 +169,17 @@ def test_without_pandas_the_message_says_how_to_get_it(swing, monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(ImportError, match=r"pip install plymotion\[pandas\]"):
         pm.run(swing, "base").to_pandas()
+
+
+def test_a_figure_of_the_case_may_be_a_spectrum(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    figure = '[figures.hum]\ntitle = "Hum"\nsignal = "tip_z"\nruns = ["base"]\nspectrum = true\n'
+    Path("swing.toml").write_text(SWING + figure)
+    assert command(["swing.toml", "--run", "base", "--quiet"]) == 0
+    assert Path("build/swing/hum.png").stat().st_size > 1000
+    short = figure.replace("hum", "short") + "[variants.brief.solver]\noutput_step = 0.5\n"
+    runs = '[runs.brief]\nvariants = ["brief"]\n'
+    Path("swing.toml").write_text(SWING + short.replace('"base"', '"brief"') + runs)
+    pm.run("swing.toml", "brief")
+    with pytest.raises(pm.InputError, match=r"figures\.short: run brief: .*four output times"):
+        report_case(Path("build/swing"), ["brief"])

@@ -66,7 +66,7 @@ def _run(text: str, name: str) -> None:
 
 
 def test_all_names_are_known():
-    assert {"load", "run", "Section.from_file", "Result.energies"} <= EXAMPLES.keys()
+    assert {"load", "run", "sweep", "Section.from_file", "Result.energies"} <= EXAMPLES.keys()
 
 
 @pytest.mark.parametrize("name", EXAMPLES)

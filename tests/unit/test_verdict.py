@@ -52,5 +52,5 @@ def test_a_run_without_findings_is_done(tmp_path, capsys):
     file = tmp_path / "case.toml"
     body = rigid("ball", 1.0, 0.1, {"c": (0, 0, 0)})
     file.write_text(HEAD + body + SOLVER.format(t_end=0.02, step=0.01, more=""))
-    assert main([str(file), "--out", str(tmp_path / "out"), "--no-report"]) == 0
+    assert main([str(file), "--out", str(tmp_path / "out")]) == 0
     assert "base: done at t = 0.02 s" in capsys.readouterr().out

@@ -10,6 +10,7 @@ from tqdm import tqdm
 from ...interrupts import INTERRUPTED
 from ..executors.choice import executor_of
 from .entries import Entry
+from .heartbeat import Heartbeat
 from .make import Made, Request, SpecOf, make_files, write_specs
 
 Shown = Callable[[list[Made], list[Request]], int]
@@ -85,11 +86,14 @@ class _Bar:
             disable=True if quiet else None,  # None: where there is no terminal
         )
         self.list_each = list_each and self.bar.disable and not quiet
+        self.heartbeat = Heartbeat() if self.bar.disable and not quiet else None
 
     def __enter__(self) -> "_Bar":
         return self
 
     def __exit__(self, *_: object) -> None:
+        if self.heartbeat:
+            self.heartbeat.end()
         self.bar.close()
 
     def done(self, one: Made) -> None:
@@ -100,6 +104,8 @@ class _Bar:
             print(line, file=sys.stderr)
 
     def progress(self, doing: str) -> None:
+        if self.heartbeat:
+            self.heartbeat.doing = doing
         if not self.bar.disable:  # quick ones begin faster than a screen can be read
             due = time.time() - self.bar.last_print_t > self.bar.mininterval
             self.bar.set_postfix_str(doing, refresh=due)

@@ -25,7 +25,7 @@ def shell_text(shell: ShellFile) -> str:
         lines += ["", *laminate_lines(laminate)]
     for case in case_findings(shell):
         lines += ["", *_case(shell, case)]
-    lines += ["", *_modes(shell), *_effort(shell)]
+    lines += ["", *_modes(shell), *_buckling(shell), *_effort(shell)]
     lines += [f"warning [{w['code']}] {w['message']}" for w in shell.warnings]
     return "\n".join(lines)
 
@@ -188,6 +188,21 @@ def _modes(shell: ShellFile) -> list[str]:
         label = "Frequencies" if first == 0 else ""
         some = "".join(f"{value:12.6g}" for value in elastic[first : first + 6])
         lines.append(f"{label:16}{some.lstrip() if first == 0 else some[2:]} Hz")
+    return lines
+
+
+def _buckling(shell: ShellFile) -> list[str]:
+    found, lines = shell.buckling, []
+    if found is None:
+        return []
+    for row, name in enumerate(shell.cases.names):
+        factors = found.factors[found.case == row]
+        back = f"; load reversed {found.reversed[row]:.6g}" if found.reversed[row] else ""
+        if len(factors) or back:
+            listed = ", ".join(f"{factor:.6g}" for factor in factors) or "none"
+            lines.append(f"{'Load factors':16}{name}: {listed}{back}")
+        elif row not in found.case:
+            lines.append(f"{'Load factors':16}{name}: none, no buckling under this load")
     return lines
 
 

@@ -33,6 +33,15 @@ def shell_json(shell: ShellFile) -> dict[str, Any]:
     if modes is not None:
         table["frequencies_hz"] = modes.frequencies_hz[modes.n_zero :].tolist()
         table["zero_modes"] = modes.n_zero
+    if shell.buckling is not None:
+        case = shell.buckling.case
+        table["load_factors"] = {
+            name: {
+                "factors": shell.buckling.factors[case == row].tolist(),
+                "reversed": float(shell.buckling.reversed[row]) or None,
+            }
+            for row, name in enumerate(shell.cases.names)
+        }
     return table
 
 

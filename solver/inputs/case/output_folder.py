@@ -56,7 +56,7 @@ class OutputFolder:
         own = [*wanted, *made]
         self._record([*before, *own])
         for name, text in self._texts.items():
-            _write_if_changed(self.path / name, text)
+            write_if_changed(self.path / name, text)
         for name in before - set(own):
             (self.path / name).unlink(missing_ok=True)
         self._record(own)
@@ -78,7 +78,7 @@ class OutputFolder:
 
     def _record(self, names: list[str]) -> None:
         table = {"written_by": WRITER, "files": sorted(set(names))}
-        _write_if_changed(self.path / MANIFEST, json.dumps(table, indent=1) + "\n")
+        write_if_changed(self.path / MANIFEST, json.dumps(table, indent=1) + "\n")
 
 
 def _is_own(name: str) -> bool:
@@ -94,7 +94,7 @@ def _read(file: Path) -> dict[str, Any]:
     return found if isinstance(found, dict) else {}
 
 
-def _write_if_changed(file: Path, text: str) -> None:
+def write_if_changed(file: Path, text: str) -> None:
     """Write a file unless it already holds `text`."""
     raw = text.encode("utf-8")
     if not (file.is_file() and file.read_bytes() == raw):

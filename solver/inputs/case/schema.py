@@ -306,6 +306,11 @@ class ShellBody(Reducible, Deformed):
     interfaces: dict[Name, ShellInterface] = Field(
         min_length=1, description="named places; some carry the reference condition"
     )
+    second_order: bool = Field(
+        default=False,
+        description="second-order displacements of the modes, which geometric stiffening needs "
+        "(docs/stiffening.md)",
+    )
 
 
 class RigidBody(Placed):
@@ -409,6 +414,9 @@ class Figure(Table):
     title: str = Field(description="title of the picture")
     signal: Name = Field(description="name of a signal")
     runs: list[Name] = Field(min_length=1, description="names of runs")
+    spectrum: bool = Field(
+        default=False, description="amplitudes over frequency, with a Hann window, not over time"
+    )
 
 
 class CaseFile(Table):

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, ValidationError, model_validator
 
-from ...errors import InputError
+from ...errors import InputError, nearest
 from ...package.shell import elements
 from ...package.shell.elements import DRILLINGS, MEMBRANES, PLATES, QUADS, in_words
 from ..common import lines, read_toml
 from ..common.lay_up import Angle, LayUp, LayUpPly
 from ..common.material import Material
 from ..common.table import Name, Pair, Table, Vector, unit
-from .loading import Frequencies, Link, Load, Probe, Support
+from .loading import Buckling, Frequencies, Link, Load, Probe, Support
 
 Factor = Annotated[float, Field(gt=0)]
 Row = Annotated[list[float], Field(min_length=6, max_length=6)]
@@ -284,6 +284,9 @@ class ShellDescription(Table):
     frequencies: Frequencies | None = Field(
         default=None, description="natural frequencies; absent: none"
     )
+    buckling: Buckling | None = Field(
+        default=None, description="load factors of buckling; absent: none"
+    )
 
     @model_validator(mode="after")
     def _something_to_do(self) -> Self:
@@ -292,6 +295,18 @@ class ShellDescription(Table):
         empty = [name for name, case in self.loads.items() if not case]
         if empty:
             raise ValueError(f"loads.{empty[0]}: expected at least one load, [loads.{empty[0]}.X]")
+        stress = self.frequencies.prestress if self.frequencies else None
+        for key, name in (
+            *(("buckling.cases", name) for name in (self.buckling and self.buckling.cases) or ()),
+            ("buckling.constant", self.buckling.constant if self.buckling else None),
+            ("frequencies.prestress", stress),
+        ):
+            if name is not None and name not in self.loads:
+                raise ValueError(
+                    f'{key} = "{name}": no load case [loads.{name}.X]{nearest(name, self.loads)}'
+                )
+        if self.buckling and not self.loads:
+            raise ValueError("buckling without loads: expected at least one [loads.CASE.NAME]")
         if self.loads and not self.supports:
             raise ValueError("loads without supports: expected at least one table [supports.NAME]")
         return self

@@ -15,7 +15,7 @@ from .description import (
     ShellDescription,
     Stiffener,
 )
-from .loading import Frequencies, Link, Load, Probe, Support
+from .loading import Buckling, Frequencies, Link, Load, Probe, Support
 
 HEAD = (
     """\
@@ -88,7 +88,7 @@ and curves). Any number of surfaces may meet at a node, for example at a stiffen
 def shell_page() -> str:
     """Return docs/shell-description.md."""
     shell = (ShellDescription, Mesh, Laminate, Ply, Region, AxisAbout, Elements, Stiffener)
-    loading = (Link, Support, Load, Probe, Frequencies)
+    loading = (Link, Support, Load, Probe, Frequencies, Buckling)
     page = "\n".join([HEAD, *chapters((*shell, *loading, *MATERIAL_TABLES))])
     return page.rstrip("\n") + "\n"
 

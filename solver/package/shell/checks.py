@@ -74,5 +74,9 @@ def shell_content_findings(shell: ShellFile) -> list[Remark]:
             error("plies/laminate", f"laminate {laminate.name!r} has no plies")
     known = (*SHELL_MOTIONS, *SHELL_RESULTANTS)
     one_of("probes/quantities", shell.probes.quantities, known, error)
+    if shell.buckling is not None:
+        rows_of("buckling/case", shell.buckling.case, len(shell.cases.names), error)
+        if np.any(shell.buckling.factors <= 0.0):
+            error("buckling/factors", "expected numbers above 0")
     one_of("links/kinds", shell.links.kinds, LINK_KINDS, error)
     return bad

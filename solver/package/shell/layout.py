@@ -1,7 +1,8 @@
 """Layout of a shell results file: one table for writer, reader and manual.
 
 Sizes: `n` nodes, `c` cells, `i` connectivity entries, `r` regions, `b` laminates, `k` plies of
-all laminates, `l` load cases, `s` supports, `e` links, `o` probes, `m` modes, `w` warnings.
+all laminates, `l` load cases, `s` supports, `e` links, `o` probes, `m` modes, `b2` load factors,
+`w` warnings.
 """
 
 from typing import Any
@@ -69,6 +70,10 @@ SHELL_LAYOUT: tuple[DatasetSpec, ...] = (
     spec("modes/shapes_G", "m, n, 6", F, "m, rad", "G", "unit modal mass", optional=True),
     spec("modes/resultants_E", "m, c, 8", F, "N/m, N", "E", "as of cases", optional=True),
     spec("modes/n_zero", "", I, "-", "-", "modes without strain energy, the first", optional=True),
+    spec("buckling/case", "b2", I, "-", "-", "load case of each factor, as row", optional=True),
+    spec("buckling/factors", "b2", F, "-", "-", "load factors of buckling", optional=True),
+    spec("buckling/shapes_G", "b2, n, 6", F, "m, rad", "G", "largest motion 1 m", optional=True),
+    spec("buckling/reversed", "l", F, "-", "-", "factor of the reversed load", optional=True),
     *WARNINGS_LAYOUT,
 )
 
@@ -85,8 +90,10 @@ SHELL_SIZED_BY = {
     "l": "cases/names",
     "o": "probes/names",
     "m": "modes/frequencies",
+    "b2": "buckling/factors",
     **WARNINGS_SIZED_BY,
 }
+BUCKLING = ("case", "factors", "shapes_G", "reversed")
 CASES = ("names", "displacements_G", "resultants_E", "link_motions_G", "loads_G", "reactions_G")
 
 
@@ -130,6 +137,9 @@ def shell_values(shell: ShellFile, where: str = "shell") -> dict[str, Any]:
     if shell.modes is not None:
         for name in ("frequencies", "shapes_G", "resultants_E", "n_zero"):
             values[f"modes/{name}"] = getattr(shell.modes, name)
+    if shell.buckling is not None:
+        for name in BUCKLING:
+            values[f"buckling/{name}"] = getattr(shell.buckling, name)
     return values
 
 

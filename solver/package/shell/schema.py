@@ -112,6 +112,16 @@ class ShellModes:
 
 
 @dataclass(frozen=True)
+class ShellBuckling:
+    """Load factors of linear buckling, `b` of all load cases."""
+
+    case: IntArray  # (b,) row of the load cases
+    factors: Array  # (b,) above 0, ascending in each case  [-]
+    shapes_G: Array  # (b, n, 6), largest displacement 1     [m, rad]
+    reversed: Array  # (l,) smallest factor below 0 of each case; 0: none, or not asked for [-]
+
+
+@dataclass(frozen=True)
 class ShellFile:
     """The content of a shell results file."""
 
@@ -124,5 +134,6 @@ class ShellFile:
     cases: ShellCases
     probes: ShellProbes
     modes: ShellModes | None = None
+    buckling: ShellBuckling | None = None
     warnings: tuple[dict[str, str], ...] = ()  # {"code", "message"}
     provenance: dict[str, Any] = field(default_factory=dict)  # spec, dofs, seconds, versions, ...

@@ -39,10 +39,12 @@ def largest_energy(view: BodyView, q: Array) -> float:
 def largest_displacement(view: BodyView, q: Array) -> float:
     """Largest elastic displacement of all nodes and times [m]; q as above."""
     m = q.shape[1]
-    U = view.shapes_B[:, :, :3].reshape(m, -1)
+    if not m:  # taken as rigid
+        return 0.0
+    U = view.shapes_B[:, :, :3].reshape(m, 3 * view.shapes_B.shape[1])
     step = max(1, AT_ONCE // max(U.shape[1], 1))
     largest = 0.0
-    for first in range(0, len(q) if m else 0, step):
+    for first in range(0, len(q), step):
         found = (q[first : first + step] @ U).reshape(-1, 3)
         largest = max(largest, float(np.einsum("ni,ni->n", found, found).max(initial=0.0)))
     return float(np.sqrt(largest))
