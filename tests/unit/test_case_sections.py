@@ -15,12 +15,12 @@ from plymotion.solver.inputs.case.specs import write_case
 
 @pytest.fixture
 def case(repository, tmp_path: Path) -> Path:
-    """The case of the README, beside a copy of cases/sections."""
+    """The case of the first steps, beside a copy of cases/sections."""
     shutil.copytree(repository / "cases/sections", tmp_path / "sections")
     file = tmp_path / "arm" / "case.toml"
     file.parent.mkdir()
-    readme = (repository / "README.md").read_text()
-    file.write_text(re.search(r"```toml\n(.*?)```", readme, re.DOTALL)[1])
+    page = (repository / "docs/first-steps.md").read_text()
+    file.write_text(re.search(r"```toml\n(.*?)```", page, re.DOTALL)[1])
     return file
 
 
