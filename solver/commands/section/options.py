@@ -9,7 +9,7 @@ from typing import Any
 from ...errors import did_you_mean
 from ..described.options import add_command, add_out, add_shared
 from ..executors.choice import add_executor
-from .conventions import CODES
+from .codes import CODES
 
 FOLDER = Path("build") / "sections"
 
