@@ -170,6 +170,19 @@ class SectionSpace:
             out = self.unknowns.of_nodes(out)
         return out.reshape(self.n_dof, len(fields))
 
+    def layer_angles(self) -> Array:
+        """Angle of the layer direction of the mesh at the points, (c, q) [deg]."""
+        angles = self.mesh.layer_angle
+        assert angles is not None
+        out = np.zeros(self.weights.shape)
+        out[:] = angles[:, :1]
+        if angles.shape[1] > 1:
+            for kind, rows in self.mesh.of_kinds:
+                reference, _ = fenicsx.quadrature(KINDS[kind], self.quadrature_degree)
+                values = full_basis(kind, reference)[0]
+                out[rows, : len(values)] = angles[rows, : values.shape[1]] @ values.T
+        return out
+
     def at_points(self, W: Array) -> Array:
         """Values of displacement columns (n_dof, m) at the points, (c, q, 3, m)."""
         nodal = self._of_cells(W)
