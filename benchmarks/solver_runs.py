@@ -15,7 +15,8 @@ from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.generic import integrate
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.results import RunResult
-from plymotion.solver.run.execution import execute, output_times
+from plymotion.solver.run.execution import execute
+from plymotion.solver.run.integration import output_times
 from plymotion.solver.run.outcome import RunSpec
 from plymotion.solver.run.preparation import prepare
 

@@ -3,14 +3,51 @@
 Two halves meet in one file: `plymotion.preprocess` (FEniCSx) writes a modal
 package per body, `plymotion.solver` (NumPy) reads packages and integrates the
 mechanism. See docs/adr/0001 for the two links in this folder.
+
+    import plymotion as pm
+
+    result = pm.run("case.toml", "base")
+    result.signals["tip_z"].plot()
+
+docs/python.md explains the names below. Each is imported when it is asked for.
 """
 
-from pathlib import Path
+import os
+from importlib import import_module
 
 __version__ = "0.1.0"
 
+# Public name -> module of this folder; __init__.pyi tells their types.
+_PUBLIC = {
+    "Case": "api.case",
+    "InputError": "solver.errors",
+    "PackageError": "solver.errors",
+    "Result": "api.result",
+    "Section": "api.section",
+    "Signal": "api.signal",
+    "Sweep": "api.sweeping",
+    "load": "api.case",
+    "norm": "api.signal",
+    "run": "api.running",
+    "sweep": "api.sweeping",
+}
+__all__ = sorted([*_PUBLIC, "__version__"])
+
+
+def __getattr__(name: str) -> object:
+    if name not in _PUBLIC:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    found = getattr(import_module(f"{__name__}.{_PUBLIC[name]}"), name)
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *_PUBLIC])
+
+
 # A checkout without symlinks (Windows) has text files where the links should
 # be: look for the halves beside this folder instead.
-_root = Path(__file__).resolve().parent
-if not (_root / "solver").is_dir():
-    __path__.append(str(_root.parent))
+_root = os.path.dirname(os.path.realpath(__file__))
+if not os.path.isdir(os.path.join(_root, "solver")):
+    __path__.append(os.path.dirname(_root))

@@ -11,7 +11,8 @@ from ..solver.package.common.shares import shard
 BODY_EPILOG = """\
 Writes the modal package DIR/SPEC.vtkhdf for each SPEC.json. A package whose stored
 inputs (specification, preprocessor sources, format version) are unchanged is not
-written again, so make does not repeat runs that read it.
+written again, so make does not repeat runs that read it. SPEC `-` alone reads
+names from standard input and builds each one immediately.
 
 exit code: 0 all packages are up to date; 2 a body could not be built (the others
 were built); 130 interrupted.
@@ -89,6 +90,7 @@ def _parser() -> argparse.ArgumentParser:
     body.add_argument(
         "--out-dir", type=Path, required=True, metavar="DIR", help="folder of the packages"
     )
+    body.add_argument("--json", action="store_true", help="print one line of JSON per body")
     body.set_defaults(run=_body)
     for name, text, ranks in (
         ("section", "analyse cross-sections", RANKS_EPILOG),
@@ -155,17 +157,9 @@ def _add_section_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _body(options: argparse.Namespace) -> int:
-    from .batch import build_all  # here, so that --help needs no HDF5
-    from .body_packages import BodyPackages
+    from .body_packages import build_bodies  # here, so that --help needs no HDF5
 
-    out_dir: Path = options.out_dir
-    out_dir.mkdir(parents=True, exist_ok=True)
-    return build_all(
-        BodyPackages(),
-        options.specs,
-        lambda spec: out_dir / f"{spec.stem}.vtkhdf",
-        force=options.force,
-    )
+    return build_bodies(options)
 
 
 def _section(options: argparse.Namespace) -> int:

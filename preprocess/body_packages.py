@@ -1,5 +1,6 @@
 """Modal packages of bodies made by a batch."""
 
+import argparse
 import math
 import time
 from pathlib import Path
@@ -8,7 +9,24 @@ from typing import Any
 from ..solver.errors import PackageError
 from ..solver.package.body.io import read_package, write_package
 from ..solver.package.body.schema import ModalPackage
+from .batch import build_all
 from .fingerprint import fingerprint
+from .reporting import build_from_stdin, reporter
+
+
+def build_bodies(options: argparse.Namespace) -> int:
+    """Build the requested packages; returns the exit code."""
+    out_dir: Path = options.out_dir
+    out_dir.mkdir(parents=True, exist_ok=True)
+
+    def target_of(spec: Path) -> Path:
+        return out_dir / f"{spec.stem}.vtkhdf"
+
+    with reporter(options.json, first=True) as (report, _):
+        how: dict[str, Any] = {"force": options.force, "report": report}
+        if options.specs == [Path("-")]:
+            return build_from_stdin(BodyPackages(), target_of, **how)
+        return build_all(BodyPackages(), options.specs, target_of, **how)
 
 
 class BodyPackages:

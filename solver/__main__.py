@@ -1,4 +1,4 @@
-"""The command line: check, compile, run, modes, report, section, shell, sweep and smaller ones."""
+"""The command line: check, compile, packages, run, modes, report, section, shell, sweep, ..."""
 
 if __name__ == "__main__":
     from .interrupts import end_at_once
@@ -17,14 +17,16 @@ from pathlib import Path
 from plymotion import __version__
 
 from .commands.arguments import add_no_scripts
+from .commands.blade.options import add_blade_command
 from .commands.chart.options import add_chart_command
 from .commands.exchange.options import add_exchange_commands
 from .commands.modes.options import add_modes_command
+from .commands.packages.options import add_packages_command
 from .commands.plan.options import add_plan_command
 from .commands.run.options import add_run_command
 from .commands.section.options import add_section_command
 from .commands.shell.options import add_shell_command
-from .commands.sweep.options import add_sweep_command
+from .commands.sweep.options import add_merge_command, add_sweep_command
 from .errors import InputError, PackageError
 from .inputs.scripts import scripts
 from .interrupts import INTERRUPTED, exit_code, heard, starting
@@ -127,8 +129,11 @@ def _parser() -> argparse.ArgumentParser:
     add_modes_command(commands, _modes)
     add_exchange_commands(commands, _import, _export)
     add_section_command(commands, _section)
+    add_blade_command(commands, _blade)
     add_shell_command(commands, _shell)
+    add_packages_command(commands, _packages)
     add_sweep_command(commands, _sweep)
+    add_merge_command(commands, _merge)
     return parser
 
 
@@ -254,6 +259,12 @@ def _export(options: argparse.Namespace) -> int:
     return run_export(options)
 
 
+def _blade(options: argparse.Namespace) -> int:
+    from .commands.blade.command import run_blade
+
+    return run_blade(options)
+
+
 def _section(options: argparse.Namespace) -> int:
     from .commands.section.command import run_section
 
@@ -266,11 +277,24 @@ def _shell(options: argparse.Namespace) -> int:
     return run_shell(options)
 
 
+def _packages(options: argparse.Namespace) -> int:
+    from .commands.packages.command import run_packages
+
+    return run_packages(options)
+
+
 def _sweep(options: argparse.Namespace) -> int:
     with _importing():
         from .commands.sweep.command import run_sweep
 
     return run_sweep(options)
+
+
+def _merge(options: argparse.Namespace) -> int:
+    with _importing():
+        from .commands.sweep.command import run_merge
+
+    return run_merge(options)
 
 
 if __name__ == "__main__":

@@ -26,11 +26,17 @@ class Unit(NamedTuple):
 SI, MM = Unit(1.0, 1.0, 1.0), Unit(1e3, 1e-6, 1e-12)  # mm, t, s: MPa, t/mm3
 
 
-def write_solid(file: Path, count: tuple[int, int], unit: Unit = SI, steps: str = "") -> Path:
+def write_solid(
+    file: Path,
+    count: tuple[int, int],
+    unit: Unit = SI,
+    steps: str = "",
+    box: tuple[float, float, float] = (LENGTH, WIDTH, 2 * PLY),
+) -> Path:
     """Deck of C3D20R, one element per ply through the thickness; sets NROOT and NTIP."""
     nx, ny = count
     fine = (2 * nx, 2 * ny, 4)
-    size = np.array([LENGTH, WIDTH, 2 * PLY])
+    size = np.array(box)
     label: dict[tuple[int, int, int], int] = {}
     lines = ["*NODE, NSET=NALL"]
     for at in product(*(range(n + 1) for n in fine)):

@@ -49,7 +49,8 @@ def numbers(name: str, n: int | tuple[int, ...], **options: Any) -> Array:
     Parameters
     ----------
     n : cells along an edge, or along each of them
-    options : `elements`, a table as in a description; `mesh`, more parameters of its script
+    options : `elements`, a table as in a description; `mesh`, more parameters of its script;
+        `cells`, more keys of the table of the mesh
     """
     for pattern, family in FAMILIES.items():
         found = re.fullmatch(pattern, name)

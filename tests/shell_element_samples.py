@@ -7,10 +7,13 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 
 from plymotion.preprocess.shell.choice import Choice
+from plymotion.preprocess.shell.quadrilaterals import Quadrilaterals, quadrilaterals
+from plymotion.preprocess.shell.side_factors import side_factors
 from plymotion.preprocess.shell.stiffness import element_stiffness
 from plymotion.preprocess.shell.triangles import Triangles, triangles
 from plymotion.solver.package.shell import elements
 
+QUADS = tuple(elements.QUADS)
 PLATES, MEMBRANES = tuple(elements.PLATES), tuple(elements.MEMBRANES)
 
 
@@ -63,6 +66,12 @@ def patch() -> tuple[np.ndarray, np.ndarray]:
     return points, np.array(cells)
 
 
+def quad_patch() -> tuple[np.ndarray, np.ndarray]:
+    """The patch as quadrilaterals: points (8, 2), cells (5, 4)."""
+    points, _ = patch()
+    return points, np.array([(0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7), (4, 5, 6, 7)])
+
+
 def grid(n: int, warp: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
     """Unit square of n x n cells with alternating diagonals, n even."""
     line = np.linspace(0, 1, n + 1)
@@ -86,14 +95,15 @@ def in_space(points: np.ndarray, A_GE: np.ndarray) -> np.ndarray:
 
 
 def assembled(K: np.ndarray, cells: np.ndarray, n: int) -> sp.csr_matrix:
-    dofs = (6 * cells[:, :, None] + np.arange(6)).reshape(-1, 18)
-    rows, columns = np.repeat(dofs, 18, axis=1).ravel(), np.tile(dofs, 18).ravel()
+    dofs = (6 * cells[:, :, None] + np.arange(6)).reshape(len(cells), -1)
+    size = dofs.shape[1]
+    rows, columns = np.repeat(dofs, size, axis=1).ravel(), np.tile(dofs, size).ravel()
     return sp.csr_matrix((K.ravel(), (rows, columns)), shape=(6 * n, 6 * n))
 
 
 def nodal(u_G: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Nodal values (n, 6) gathered as (c, 18, 1)."""
-    return u_G[cells].reshape(len(cells), 18, 1)
+    """Nodal values (n, 6) gathered as (c, 18|24, 1)."""
+    return u_G[cells].reshape(len(cells), -1, 1)
 
 
 def solved(K: sp.csr_matrix, given: np.ndarray, known: np.ndarray, load: np.ndarray) -> np.ndarray:
@@ -130,6 +140,38 @@ def patch_error(
     points = in_space(xy, A_GE)
     t = triangles(points, cells, A_GE[:, 0])
     K = assembled(element_stiffness(t, laminate, choice), cells, len(xy))
+    return _patch_error(K, xy, e, k, A_GE)
+
+
+def quad_patch_error(
+    laminate: Plain,
+    choice: Choice,
+    e: np.ndarray,
+    k: np.ndarray,
+    A_GE: np.ndarray = SOMEHOW,
+    cut: int = 0,
+    backwards: bool = False,
+) -> float:
+    """`patch_error` of quadrilaterals, the last `cut` of them cut into triangles."""
+    xy, cells = quad_patch()
+    points = in_space(xy, A_GE)
+    whole, parts = cells[: len(cells) - cut], cells[len(cells) - cut :]
+    halves = parts[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
+    mixed = np.concatenate([whole, np.pad(halves, ((0, 0), (0, 1)), constant_values=-1)])
+    factors = side_factors(points, mixed)[: len(whole)]
+    if backwards:
+        whole, factors = whole[:, ::-1], factors[:, [2, 1, 0, 3]]
+    q = quadrilaterals(points, whole, A_GE[:, 0], backwards, factors)
+    K = assembled(element_stiffness(q, laminate, choice), whole, len(xy))
+    if cut:
+        t = triangles(points, halves, A_GE[:, 0])
+        K = K + assembled(element_stiffness(t, laminate, choice), halves, len(xy))
+    return _patch_error(K, xy, e, k, A_GE)
+
+
+def _patch_error(
+    K: sp.csr_matrix, xy: np.ndarray, e: np.ndarray, k: np.ndarray, A_GE: np.ndarray
+) -> float:
     exact = state(xy, e, k, A_GE)
     known = np.zeros((len(xy), 6), dtype=bool)
     known[:4] = True
@@ -144,6 +186,13 @@ def one_triangle(seed: int = 3) -> tuple[Triangles, np.ndarray, np.ndarray]:
     points = np.random.default_rng(seed).normal(size=(3, 3))
     direction = np.array([0.4, 1.0, -0.3])
     return triangles(points, np.array([[0, 1, 2]]), direction), points, direction
+
+
+def one_quadrilateral(warp: float = 0.0, seed: int = 3) -> tuple[Quadrilaterals, np.ndarray]:
+    """An irregular quadrilateral somewhere in space, warped or flat, and its corners."""
+    flat = np.array([[0, 0, 0], [1.1, 0.1, 0], [1.2, 0.9, warp], [-0.1, 1.2, 0]])
+    points = flat @ turn(seed).T
+    return quadrilaterals(points, np.array([[0, 1, 2, 3]]), np.array([0.4, 1.0, -0.3])), points
 
 
 def rigid_motions(points: np.ndarray) -> np.ndarray:

@@ -52,14 +52,18 @@ class Model:
     axis: list[float] = field(default_factory=lambda: [1.0, 0.0, 0.0])
 
     def spec(
-        self, elements: dict[str, Any] | None = None, mesh: dict[str, Any] | None = None
+        self,
+        elements: dict[str, Any] | None = None,
+        mesh: dict[str, Any] | None = None,
+        cells: dict[str, Any] | None = None,
     ) -> dict[str, Any]:
-        """The specification, with other elements or more parameters of the mesh."""
+        """The specification, with other elements, more parameters or keys of the mesh."""
         return {
             "name": self.script,
             "mesh": {
                 "file": str(SCRIPTS / f"{self.script}.py"),
                 "parameters": {**self.mesh, **(mesh or {})},
+                **(cells or {}),
             },
             "materials": self.materials,
             "laminates": self.laminates,

@@ -3,6 +3,7 @@
 # Uses $PYTHON, or the first Python >= 3.11 that starts and can create
 # virtual environments. A name on PATH is not sufficient: a pyenv shim may fail,
 # and Debian's minimal python3 has no ensurepip.
+# LOCKED=1 (CI): exactly the wheels of tools/requirements.lock, checked by their hashes.
 set -eu
 folder=$1
 here=$(dirname "$0")
@@ -49,6 +50,12 @@ fi
 pip() { "$folder/bin/python" -m pip --disable-pip-version-check "$@"; }
 
 log=$folder/install.log
+if [ -n "${LOCKED:-}" ]; then
+    pip install --quiet --require-hashes --only-binary :all: -r "$here/requirements.lock"
+    pip install --quiet --no-deps --no-build-isolation -e .
+    echo "setup: $folder: ready, as locked"
+    exit
+fi
 if pip install --quiet -e '.[fast,plot,test]' 2>"$log"; then
     fast="with Numba"
 elif grep -qiE 'numba|llvmlite' "$log"; then

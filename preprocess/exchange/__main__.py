@@ -11,7 +11,7 @@ from ...solver.errors import InputError, PackageError
 from ...solver.interrupts import INTERRUPTED
 
 TABLES = 4  # exit code: the source has modes only, and their tables are written
-TARGETS = ("exudyn", "uff", "med", "dmig")
+TARGETS = ("exudyn", "uff", "med", "dmig", "mbdyn", "sid")
 
 
 def main(arguments: "Sequence[str] | None" = None) -> int:

@@ -1,8 +1,8 @@
-"""Direct solution of large sparse systems of a mesh: ordering by nested dissection.
+"""Direct solution of large sparse systems of a mesh, ordered by nested dissection.
 
-The dofs are bisected by their coordinates, again and again; the dofs that separate the halves come
-last. The factors of a solid need a third of the memory, and a fifth of the time, that the minimum
-degree ordering of SuperLU needs.
+The factors of a solid need a third of the memory, and a fifth of the time, that the minimum degree
+ordering of SuperLU needs. Negative eigenvalues are counted by fronts (fronts.py): SuperLU would
+copy its factors to show their diagonal.
 """
 
 from typing import Any
@@ -13,9 +13,9 @@ import scipy.sparse.linalg as spla
 
 from ...solver.math.arrays import Array, IntArray
 from ..modes import Algebra
+from .fronts import Part, dissection, negative_eigenvalues, order_of
 
 SOFT = 1e-9  # shift of a singular stiffness relative to the mean of K_ii / M_ii
-SMALLEST = 180  # dofs of a part that is not bisected
 
 
 class Direct:
@@ -28,7 +28,7 @@ class Direct:
 
     def __init__(self, places: Array) -> None:
         self._places = {len(places): places}
-        self._orders: dict[int, IntArray] = {}
+        self._parts: dict[int, list[Part]] = {}
         self._last: tuple[Any, _Factors] | None = None
 
     def add_subset(self, kept: IntArray) -> None:
@@ -49,7 +49,7 @@ class Direct:
 
     def negative_pivots(self, A: Any) -> int:
         """Number of negative eigenvalues of A (Sylvester's law of inertia)."""
-        return self._factors(A).negative()
+        return negative_eigenvalues(sp.csr_matrix(A), self._dissected(A))
 
     def eigenpairs(self, K: Any, M: Any, count: int) -> tuple[Array, Array]:
         """Lowest values (count,) and vectors of K x = value M x, by Lanczos with shift zero."""
@@ -68,11 +68,14 @@ class Direct:
     def _factors(self, A: Any) -> "_Factors":
         if self._last is None or self._last[0] is not A:
             self._last = None  # the memory of the old ones is free for the new ones
-            n = A.shape[0]
-            if n not in self._orders:
-                self._orders[n] = dissection(A, self._places[n])
-            self._last = A, _Factors(A, self._orders[n])
+            self._last = A, _Factors(A, order_of(self._dissected(A)))
         return self._last[1]
+
+    def _dissected(self, A: Any) -> list[Part]:
+        n = A.shape[0]
+        if n not in self._parts:
+            self._parts[n] = dissection(A, self._places[n])
+        return self._parts[n]
 
 
 class _Factors:
@@ -95,37 +98,3 @@ class _Factors:
         X = np.empty_like(ordered)
         X[self.order] = self.LU.solve(ordered)
         return np.asarray(self.scale @ X)
-
-    def negative(self) -> int:
-        if not np.array_equal(self.LU.perm_r, self.LU.perm_c):
-            raise ArithmeticError("a pivot is zero: rows were exchanged")
-        return int(np.count_nonzero(self.LU.U.diagonal() < 0.0))
-
-
-def dissection(A: Any, places: Array) -> IntArray:
-    """Order of elimination of the dofs of A at `places` (n, 3)."""
-    pattern = sp.csr_matrix(
-        (np.ones(A.nnz, dtype=np.int8), A.tocsr().indices, A.tocsr().indptr), shape=A.shape
-    )
-    parts: list[IntArray] = []
-    mark = np.zeros(A.shape[0], dtype=np.int32)
-
-    def divide(rows: IntArray) -> None:
-        x = places[rows]
-        spread = np.ptp(x, axis=0)
-        axis = int(np.argmax(spread))
-        left = x[:, axis] < np.median(x[:, axis])
-        if len(rows) < SMALLEST or not left.any():
-            parts.append(rows)
-            return
-        mark[rows[left]] = 1
-        touching = pattern[rows[~left]] @ mark > 0
-        mark[rows[left]] = 0
-        right = rows[~left]
-        for half in (rows[left], right[~touching]):
-            if len(half):
-                divide(half)
-        parts.append(right[touching])
-
-    divide(np.arange(A.shape[0]))
-    return np.concatenate(parts)

@@ -5,7 +5,9 @@ from typing import Any, Literal, NotRequired, TypedDict
 from ...solver.package.body.specification import Attachment, LinkKind, ReferenceTable
 from .units import UnitsTable
 
-Source = Literal["matrices", "calculix", "calculix-modes", "nastran", "med", "uff"]
+Source = Literal[
+    "matrices", "calculix", "calculix-modes", "nastran", "med", "uff", "ansys", "ansys-modes"
+]
 
 
 class InterfaceTable(TypedDict):

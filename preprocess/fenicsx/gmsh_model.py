@@ -14,6 +14,7 @@ CELLS = {
     10: ("quadrilateral", 2, 9),
     16: ("quadrilateral", 2, 8),  # serendipity
 }
+SURFACE = ("mixed", 1, 4)  # triangles have -1 as fourth node
 LINES = {1: 2, 8: 3}
 
 
@@ -26,24 +27,27 @@ def plain_from_model(where: str, gdim: int = 2) -> PlainMesh:
 
     Raises
     ------
-    MeshError : solid cells, cells of several kinds or of a degree above 2, surfaces in no or in
-        two physical groups, groups without cells, nodes outside the plane z = 0 if gdim is 2.
+    MeshError : solid cells, cells of a degree above 2, surfaces in no or in two physical groups,
+        groups without cells; if gdim is 2, nodes outside the plane z = 0. Triangles and
+        quadrilaterals of degree 1 may be mixed: see `SURFACE`.
     """
     _check_kinds(where)
     tags, every = _nodes()
     groups = _surface_groups(where)
     _check_membership(groups, where)
-    kind = int(gmsh.model.mesh.getElementTypes(2)[0])
-    shape, degree, n_node = CELLS[kind]
+    kinds = sorted(int(kind) for kind in gmsh.model.mesh.getElementTypes(2))
+    shape, degree, n_node = CELLS[kinds[0]] if len(kinds) == 1 else SURFACE
     parts, rows = [], []
     for row, (name, entities) in enumerate(groups.items()):
-        tables = [gmsh.model.mesh.getElementsByType(kind, entity)[1] for entity in entities]
-        nodes = np.concatenate([np.zeros(0, dtype=np.int64), *tables])
-        if not nodes.size:
+        found = [_cells(kind, entities, n_node) for kind in kinds]
+        if not any(len(nodes) for nodes in found):
             raise MeshError(f"{where}: physical surface {name!r} has no cells")
-        parts.append(nodes.reshape(-1, n_node))
-        rows.append(np.full(len(parts[-1]), row))
-    cells = np.searchsorted(tags, np.concatenate(parts).astype(np.int64))
+        parts += found
+        rows.append(np.full(sum(map(len, found)), row))
+    cells = np.concatenate(parts)
+    if len(kinds) > 1:
+        return _mixed_mesh(tags, every, cells, np.concatenate(rows), tuple(groups), gdim, where)
+    cells = np.searchsorted(tags, cells)
     used = np.unique(cells)
     points, cells = used_nodes(every, cells)
     if gdim == 2:
@@ -55,6 +59,34 @@ def plain_from_model(where: str, gdim: int = 2) -> PlainMesh:
     return PlainMesh(
         points, cells, shape, degree, np.concatenate(rows), tuple(groups), curves, named
     )
+
+
+def _cells(kind: int, entities: Sequence[int], width: int) -> IntArray:
+    """Node numbers of all cells of a kind, (c, width), filled with -1."""
+    tables = [gmsh.model.mesh.getElementsByType(kind, entity)[1] for entity in entities]
+    nodes = np.concatenate([np.zeros(0, dtype=np.int64), *tables]).astype(np.int64)
+    nodes = nodes.reshape(-1, CELLS[kind][2])
+    return np.pad(nodes, ((0, 0), (0, width - nodes.shape[1])), constant_values=-1)
+
+
+def _mixed_mesh(
+    tags: IntArray,
+    every: Array,
+    cells: IntArray,
+    region: IntArray,
+    regions: tuple[str, ...],
+    gdim: int,
+    where: str,
+) -> PlainMesh:
+    """Triangles and quadrilaterals by node numbers, (c, 4)."""
+    used = np.searchsorted(tags, np.unique(cells[cells >= 0]))
+    row = np.full(len(tags), -1)
+    row[used] = np.arange(len(used))
+    rows = np.where(cells < 0, -1, row[np.searchsorted(tags, np.maximum(cells, tags[0]))])
+    shape, degree, _ = SURFACE
+    curves, named = _curves(tags, every, gdim), _named_nodes(tags, used)
+    points = _in_plane(every[used], where) if gdim == 2 else every[used]
+    return PlainMesh(points, rows, shape, degree, region, regions, curves, named)
 
 
 def _check_kinds(where: str) -> None:
@@ -70,14 +102,16 @@ def _check_kinds(where: str) -> None:
                 f"{where}: has cells of kind {name!r}, expected triangles or quadrilaterals of "
                 "degree 1 or 2 (gmsh: Mesh.ElementOrder = 2;)"
             )
+    if set(kinds) == {2, 3}:
+        return
     if len({CELLS[kind][0] for kind in kinds}) > 1:
         count = {CELLS[kind][0]: 0 for kind in kinds}
         for kind in kinds:
             count[CELLS[kind][0]] += len(gmsh.model.mesh.getElementsByType(kind)[0])
         raise MeshError(
             f"{where}: mixes {count['triangle']} triangles and {count['quadrilateral']} "
-            "quadrilaterals, expected cells of one kind. In gmsh, remove every `Recombine` for "
-            "triangles only, or set Mesh.SubdivisionAlgorithm = 1; to split all into quadrilaterals"
+            "quadrilaterals: only those of degree 1 may be mixed. In gmsh, remove every "
+            "`Recombine` for triangles only, or set Mesh.SubdivisionAlgorithm = 1;"
         )
     if len(kinds) > 1:
         raise MeshError(f"{where}: mixes cells of degree 1 and 2, or with 8 and 9 nodes")

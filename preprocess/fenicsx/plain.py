@@ -38,12 +38,14 @@ class NamedNodes(NamedTuple):
 class PlainMesh:
     """Cells of one kind, each in one region; `n` counts nodes, `c` cells, `k` nodes of a cell.
 
-    The order of the nodes of a cell is gmsh's: corners, middles of the edges, centre.
+    The order of the nodes of a cell is gmsh's: corners, middles of the edges, centre. A mesh of
+    triangles and quadrilaterals is "mixed": k = 4, and triangles have -1 as fourth node. It is
+    not converted to DOLFINx.
     """
 
     points: Array  # (n, 2 or 3) [m]
     cells: IntArray  # (c, k) rows of points
-    cell: str  # "triangle" or "quadrilateral"
+    cell: str  # "triangle", "quadrilateral" or "mixed"
     degree: int  # of the geometry, 1 or 2
     region: IntArray  # (c,) row of regions
     regions: tuple[str, ...]

@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 
 from ...solver.math.arrays import Array
+from ...solver.package.shell.cells import NONE
 from ...solver.package.shell.schema import (
+    ShellBuckling,
     ShellCases,
     ShellFile,
     ShellLaminate,
@@ -25,6 +27,7 @@ from .frequencies import natural_modes
 from .guards import check_supported, drilling_warning, zero_energy_warnings
 from .loads import resultant
 from .mesh import ShellMesh
+from .prestress import Stressed, buckling
 from .probes import probe_values, read_probes
 from .problem import ShellProblem
 from .spec import mode_count
@@ -66,8 +69,10 @@ def analyse(
     problem = ShellProblem(spec, where, team, mesh)
     laminates, warnings = _laminates(problem)
     warnings = [*problem.warnings, *warnings]
-    cases, probes = _cases(problem, warnings, begin)
-    modes = _modes(problem, warnings, begin) if "frequencies" in spec else None
+    cases, probes, u = _cases(problem, warnings, begin)
+    stressed = Stressed(problem, cases.names, u)
+    modes = _modes(problem, stressed, warnings, begin) if "frequencies" in spec else None
+    buckling = _buckling(problem, stressed, cases, warnings, begin)
     return ShellFile(
         name=str(spec.get("name", "shell")),
         mesh=_mesh_data(problem, [laminate.name for laminate in laminates]),
@@ -85,6 +90,7 @@ def analyse(
         cases=cases,
         probes=probes,
         modes=modes,
+        buckling=buckling,
         warnings=tuple(warnings),
         provenance={
             "spec": dict(spec),
@@ -99,7 +105,7 @@ def analyse(
 
 def _cases(
     problem: ShellProblem, warnings: Warnings, begin: Progress
-) -> tuple[ShellCases, ShellProbes]:
+) -> tuple[ShellCases, ShellProbes, Array]:
     spec, freedom, mesh = problem.spec, problem.freedom, problem.mesh
     probes = read_probes(problem)
     names = tuple(spec.get("loads", {}))
@@ -111,7 +117,14 @@ def _cases(
     if names:
         check_supported(freedom, *problem.free_motions(freedom))
         begin(f"load cases, {freedom.n_free} unknowns")
-        solved = solve_cases(problem.K, freedom, forces, names, problem.team)
+        given = np.stack(
+            [
+                problem.loads.given(spec["loads"][name], f"{problem.where}.loads.{name}")
+                for name in names
+            ],
+            axis=1,
+        )
+        solved = solve_cases(problem.K, freedom, forces, names, problem.team, given)
         u, energy, residual = solved.displacements, solved.energy, solved.residual
         warnings += solved.warnings
         taken = np.zeros(freedom.n_dof, dtype=bool)
@@ -139,13 +152,15 @@ def _cases(
         tuple(probe.quantity for probe in probes),
         probe_values(probes, u, resultants),
     )
-    return cases, told
+    return cases, told, u
 
 
-def _modes(problem: ShellProblem, warnings: Warnings, begin: Progress) -> ShellModes:
+def _modes(
+    problem: ShellProblem, stressed: Stressed, warnings: Warnings, begin: Progress
+) -> ShellModes:
     table = problem.spec["frequencies"]
     count = mode_count(table, f"{problem.where}.frequencies")
-    mesh, freedom = problem.mesh, problem.freedom
+    mesh, freedom = problem.mesh, problem.modes_freedom
     if table.get("free", False):
         freedom = Freedom(mesh, problem.links, flat=problem.flat)
     rigid, drilling = problem.free_motions(freedom)
@@ -153,7 +168,8 @@ def _modes(problem: ShellProblem, warnings: Warnings, begin: Progress) -> ShellM
         warnings.append(drilling_warning(len(drilling)))
     free_motions = np.array([*rigid, *drilling]).reshape(-1, freedom.n_dof).T
     begin(f"{count} modes, {freedom.n_free} unknowns")
-    found = natural_modes(problem.K, problem.M, freedom, count, free_motions, problem.team)
+    K = stressed.stiffness(table.get("prestress"), f"{problem.where}.frequencies.prestress")
+    found = natural_modes(K, problem.M, freedom, count, free_motions, problem.team)
     warnings += zero_energy_warnings(found.n_zero, len(rigid))
     values = np.where(np.arange(len(found.values)) < found.n_zero, 0.0, found.values)
     return ShellModes(
@@ -161,6 +177,31 @@ def _modes(problem: ShellProblem, warnings: Warnings, begin: Progress) -> ShellM
         _of_file(mesh, found.shapes),
         problem.resultants(found.shapes)[:, mesh.file_cells],
         found.n_zero,
+    )
+
+
+def _buckling(
+    problem: ShellProblem,
+    stressed: Stressed,
+    cases: ShellCases,
+    warnings: Warnings,
+    begin: Progress,
+) -> ShellBuckling | None:
+    if "buckling" not in problem.spec:
+        return None
+    begin("buckling")
+    found = buckling(stressed, problem.spec["buckling"], f"{problem.where}.buckling", warnings)
+    rows = [cases.names.index(name) for name in found]
+    return ShellBuckling(
+        case=np.repeat(rows, [len(f.values) for f in found.values()]).astype(np.int64),
+        factors=np.concatenate([np.zeros(0), *(f.values for f in found.values())]),
+        shapes_G=np.concatenate(
+            [
+                np.zeros((0, problem.mesh.n_node, 6)),
+                *(_of_file(problem.mesh, f.shapes) for f in found.values()),
+            ]
+        ),
+        reversed=np.array([found[name].reversed if name in found else 0.0 for name in cases.names]),
     )
 
 
@@ -202,19 +243,21 @@ def _laminates(problem: ShellProblem) -> tuple[list[ShellLaminate], Warnings]:
 
 def _mesh_data(problem: ShellProblem, laminates: list[str]) -> ShellMeshData:
     mesh = problem.mesh
+    cells = mesh.cells[mesh.file_cells]
+    of_region = {region.name: region.laminate_name for region in problem.regions}
     row_in_file = np.empty(mesh.n_node, dtype=np.int64)
     row_in_file[mesh.file_nodes] = np.arange(mesh.n_node)
     A_GE, area = np.empty((len(mesh.cells), 3, 3)), np.empty(len(mesh.cells))
     for region in problem.regions:
-        A_GE[region.cells] = region.triangles.A_GE
-        area[region.cells] = region.triangles.area
+        A_GE[region.cells] = region.geometry.A_GE
+        area[region.cells] = region.geometry.area
     return ShellMeshData(
         nodes_G=mesh.points_G[mesh.file_nodes],
         node_ids=mesh.node_tags[mesh.file_nodes],
-        cells=row_in_file[mesh.cells[mesh.file_cells]],
+        cells=np.where(cells == NONE, NONE, row_in_file[cells]),
         region=mesh.region[mesh.file_cells],
         regions=mesh.regions,
-        laminate=np.array([laminates.index(region.laminate_name) for region in problem.regions]),
+        laminate=np.array([laminates.index(of_region[name]) for name in mesh.regions]),
         A_GE=A_GE[mesh.file_cells],
         area=area[mesh.file_cells],
     )

@@ -4,6 +4,8 @@ Six unknowns per node, in the node numbering of DOLFINx's dofmap. Element matric
 blocks of two nodes. One sparse matrix of zeros and ones sums the blocks of equal nodes.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 import scipy.sparse as sp
 
@@ -19,17 +21,17 @@ class Assembly:
 
     Parameters
     ----------
-    cells : (c, 3) nodes of the cells, in the order in which element matrices will come
+    cells : tables of nodes, (c, 3) or (c, 4), in the order in which element matrices will come
     n_node : number of nodes; a node without cells gets a zero block on the diagonal
     extra : nodes appended for the reference points of links, also with zero blocks
     lines : (l, 2) nodes of the beams that stiffen it
     """
 
     def __init__(
-        self, cells: IntArray, n_node: int, extra: int = 0, lines: IntArray = NO_LINES
+        self, cells: Sequence[IntArray], n_node: int, extra: int = 0, lines: IntArray = NO_LINES
     ) -> None:
         n = n_node + extra
-        pairs = [(c[:, :, None] * n + c[:, None, :]).ravel() for c in (cells, lines)]
+        pairs = [(c[:, :, None] * n + c[:, None, :]).ravel() for c in (*cells, lines)]
         pair = np.concatenate(pairs)
         alone = np.arange(n) * (n + 1)
         key, number = np.unique(np.concatenate([pair, alone]), return_inverse=True)
@@ -49,13 +51,14 @@ class Assembly:
             self.indptr = self.indptr.astype(np.int32)
             self.indices = self.indices.astype(np.int32)
 
-    def matrix(self, element: Array, line: Array = NO_MATRICES) -> sp.csr_matrix:
-        """Sum of element matrices (c, 18, 18) of cells and (l, 12, 12) of lines, as compressed
-        rows with ascending columns. Paper: Eq. (24).
+    def matrix(self, elements: Sequence[Array], line: Array = NO_MATRICES) -> sp.csr_matrix:
+        """Sum of element matrices (c, 18|24, 18|24) of cells and (l, 12, 12) of lines, as
+        compressed rows with ascending columns. Paper: Eq. (24).
         """
-        pairs = _pairs(element, 3)
+        parts = [_pairs(element, element.shape[1] // DOFS) for element in elements]
         if len(line):
-            pairs = np.concatenate([pairs, _pairs(line, 2)])
+            parts.append(_pairs(line, 2))
+        pairs = parts[0] if len(parts) == 1 else np.concatenate(parts)
         blocks = self._sum @ pairs
         data = blocks.ravel()[self._order]
         return sp.csr_matrix((data, self.indices, self.indptr), shape=(self.n_dof, self.n_dof))

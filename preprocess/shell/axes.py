@@ -85,7 +85,7 @@ def _along_curve(mesh: ShellMesh, name: str, cells: IntArray, where: str) -> Arr
         )
     first, last = np.moveaxis(mesh.points_G[mesh.curves[name]], 1, 0)
     along = last - first
-    middles = mesh.points_G[mesh.cells[cells]].mean(axis=1)
+    middles = mesh.centres_G[cells]
     nearest = np.empty(len(cells), dtype=np.int64)
     step = max(1, CHUNK // len(along))
     for begin in range(0, len(cells), step):
@@ -103,7 +103,7 @@ def _about(mesh: ShellMesh, table: Any, cells: IntArray, where: str) -> Array:
         raise ShellError(f"{where} = {table!r}: expected {{point = [..], direction = [..]}}")
     point = vector(table["point"], f"{where}.point")
     axis = unit_vector(table["direction"], f"{where}.direction")
-    arm = mesh.points_G[mesh.cells[cells]].mean(axis=1) - point
+    arm = mesh.centres_G[cells] - point
     around = np.cross(axis, arm)
     length = np.linalg.norm(around, axis=1)
     on_axis = np.flatnonzero(length <= 1e-9 * mesh.size)

@@ -5,8 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from ...solver.package.body.schema import ModalPackage
+from ...solver.math.arrays import Array
+from ...solver.package.body.schema import ModalPackage, SecondOrder
+from ...solver.package.body.second_order import MOST_MODES, second_order_from_stations
 from ...solver.package.body.selection import ALONG
+from ...solver.package.shell.cells import NONE, corner_counts
+from ..beam.stations import Stations
 from ..modes import Modes, reduced_modes
 from ..provenance import body_provenance
 from .body_spec import ShellBodySpec, read_shell_body
@@ -14,9 +18,10 @@ from .interfaces import interfaces, node_shapes, places
 from .problem import ShellProblem
 from .recovery import cell_resultants, laminates
 from .reduction import ShellModel, eigen_solver
+from .second_order import second_order_fields
 from .stations import mass_stations
 
-VTK_TRIANGLE = 5
+VTK_TRIANGLE, VTK_QUAD = 5, 9
 SPARE = 1  # additional modes: a shell has other modes between those of one kind
 
 
@@ -85,9 +90,12 @@ def shell_package(model: ShellModel, modes: Modes, provenance: dict[str, Any]) -
     found = places(mesh, links, model.carriers if spec.reference.kind == "chord" else ())
     row_in_file = np.empty(mesh.n_node, dtype=np.int64)
     row_in_file[mesh.file_nodes] = np.arange(mesh.n_node)
-    cells = row_in_file[mesh.cells[mesh.file_cells]]
+    cells, count = mesh.cells[mesh.file_cells], corner_counts(mesh.cells[mesh.file_cells])
     nodes = u.reshape(len(u) // 6, 6, m)[: mesh.n_node]  # not -1: a rigid body has no modes
     stations = mass_stations(mesh, problem.regions, problem.stiffeners, nodes, spec.mass_form)
+    h = None
+    if spec.second_order and 0 < m <= MOST_MODES:
+        h = second_order_fields(problem, model.condition, u)
     node_mass, node_inertia = np.zeros(len(found.ids)), np.zeros((len(found.ids), 3, 3))
     for whole, of_mesh in zip((node_mass, node_inertia), model.nodal_mass, strict=True):
         whole[: mesh.n_node] = of_mesh[mesh.file_nodes]
@@ -96,9 +104,9 @@ def shell_package(model: ShellModel, modes: Modes, provenance: dict[str, Any]) -
         body=spec.body,
         nodes_B=found.nodes_B,
         node_ids=found.ids,
-        connectivity=cells.ravel(),
-        offsets=np.arange(0, 3 * len(cells) + 1, 3),
-        cell_types=np.full(len(cells), VTK_TRIANGLE, dtype=np.int64),
+        connectivity=row_in_file[cells[cells != NONE]],
+        offsets=np.concatenate([[0], np.cumsum(count)]),
+        cell_types=np.where(count == 3, VTK_TRIANGLE, VTK_QUAD).astype(np.int64),
         shapes_B=node_shapes(mesh, links, found, u),
         mode_kinds=modes.kinds,
         frequencies=frequencies,
@@ -108,13 +116,27 @@ def shell_package(model: ShellModel, modes: Modes, provenance: dict[str, Any]) -
         node_mass=node_mass,
         node_inertia_B=node_inertia,
         invariants=stations.invariants(spec.mass_form),
-        interfaces=interfaces(spec.interfaces, mesh, links, found, u),
+        interfaces=interfaces(spec.interfaces, mesh, links, found, u, h),
         reference_condition=spec.reference.kind,
         laminates=laminates(problem),
         cell_resultants=cell_resultants(problem, u),
         mode_labels=tuple(map(_label, modes.labels)),
         provenance=provenance,
+        second_order=None if h is None else _second_order(model, stations, h),
     )
+
+
+def _second_order(model: ShellModel, stations: Stations, h: Array) -> SecondOrder:
+    """Sums over the stations of their second-order motion.
+
+    A station at an arm from the mesh, with offset plies, moves with the rotation of its node too.
+    """
+    problem, pairs = model.problem, h.reshape(len(h) // 6, 6, -1)[: model.problem.mesh.n_node]
+    moved = mass_stations(
+        problem.mesh, problem.regions, problem.stiffeners, pairs, model.spec.mass_form
+    )
+    h_B = moved.phi_B.reshape(*moved.phi_B.shape[:2], *h.shape[1:])
+    return second_order_from_stations(stations.m, stations.x_B, stations.phi_B, h_B)
 
 
 def _label(label: str) -> str:

@@ -45,6 +45,7 @@ class ShellBodySpec:
     reference : how the body frame is attached to the shell; its places are interfaces, by number
     modes : requested modes
     damping_ratio : of every mode, fraction of critical
+    second_order : with second-order displacements, for geometric stiffening
     """
 
     body: str
@@ -54,6 +55,7 @@ class ShellBodySpec:
     reference: Reference
     modes: ModeSpec
     damping_ratio: float
+    second_order: bool = False
 
 
 def read_shell_body(spec: dict[str, Any]) -> ShellBodySpec:
@@ -76,6 +78,7 @@ def read_shell_body(spec: dict[str, Any]) -> ShellBodySpec:
         reference=read_reference(table["reference"], numbers),
         modes=read_modes(table["modes"], numbers),
         damping_ratio=float(table["damping_ratio"]),
+        second_order=table.get("second_order", False),
     )
 
 

@@ -9,10 +9,11 @@ from .drilling import DRILLINGS
 from .errors import ShellError
 from .membranes import MEMBRANES
 from .plates import PLATES
+from .quads import QUADS
 
 
 class Choice(NamedTuple):
-    """Names of a plate, a membrane and a drilling stiffness, with their parameters.
+    """Names of the elements of triangles and of quadrilaterals, with their parameters.
 
     Attributes
     ----------
@@ -23,6 +24,7 @@ class Choice(NamedTuple):
     drilling : key of DRILLINGS, "none", or "auto": "tie" for a membrane without rotations of its
         own, otherwise "none"
     drilling_factor : factor of the drilling stiffness, to the laminate's A66
+    quadrilateral : key of QUADS
     """
 
     plate: str = elements.PLATE
@@ -30,6 +32,7 @@ class Choice(NamedTuple):
     beta0: float | str = elements.BETA0
     drilling: str = elements.DRILLING
     drilling_factor: float = elements.DRILLING_FACTOR
+    quadrilateral: str = elements.QUAD
 
     def drilling_form(self) -> str:
         """Name of the drilling stiffness, with "auto" resolved."""
@@ -43,6 +46,7 @@ class Choice(NamedTuple):
             ("plate", PLATES),
             ("membrane", MEMBRANES),
             ("drilling", ("auto", "none", *DRILLINGS)),
+            ("quadrilateral", QUADS),
         ):
             _known(key, getattr(self, key), known)
         if isinstance(self.beta0, str):

@@ -28,11 +28,11 @@ class FlatNodes(NamedTuple):
 def flat_nodes(
     mesh: ShellMesh, regions: Sequence[Region], stiffeners: Sequence[Stiffener] = ()
 ) -> FlatNodes:
-    """Nodes with all triangles in one plane to within one degree, without a stiffener."""
+    """Nodes with all cells in one plane to within one degree, without a stiffener."""
     table = np.zeros((mesh.n_node, 3, 3))
     for region in regions:
-        n = region.triangles.A_GE[:, :, 2]
-        np.add.at(table, mesh.cells[region.cells], (n[:, :, None] * n[:, None, :])[:, None])
+        n = region.geometry.A_GE[:, :, 2]
+        np.add.at(table, region.nodes, (n[:, :, None] * n[:, None, :])[:, None])
     value, axis = np.linalg.eigh(table)
     flat = value[:, 1] < FLAT * value[:, 2]
     for stiffener in stiffeners:

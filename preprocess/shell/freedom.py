@@ -14,6 +14,7 @@ from scipy.sparse.csgraph import connected_components
 
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.body.specification import LINK_KINDS
+from ...solver.package.shell.cells import sides
 from .assembly import DOFS
 from .errors import ShellError
 from .flat_nodes import FlatNodes, dependent_rotations
@@ -101,6 +102,10 @@ class Freedom:
         u[self.free] = q
         return u if self._follow is None else np.asarray(self._follow.T @ u)
 
+    def carried_along(self, given: Array) -> Array:
+        """Displacements of all degrees of freedom, (n_dof, k), from those given of fixed ones."""
+        return given if self._follow is None else np.asarray(self._follow.T @ given)
+
     def on_supports(self, forces: Array) -> Array:
         """Forces of the nodes on the fixed degrees of freedom, (n_dof, k), zero elsewhere."""
         if self._follow is not None:
@@ -120,7 +125,7 @@ class Freedom:
         """Number of the connected part (by cells and links) of each node and reference point,
         (n,)."""
         mesh, n = self.mesh, self.n_dof // DOFS
-        pairs = [mesh.cells[:, [0, 1]], mesh.cells[:, [1, 2]]]
+        pairs = [sides(mesh.cells)[0]]
         for row, link in enumerate(self.links):
             nodes = link.group.nodes
             pairs.append(np.stack([nodes, np.full(len(nodes), mesh.n_node + row)], axis=1))

@@ -81,7 +81,7 @@ def natural_modes(
     n_zero = _without_energy(K_free, values, X, n_free_motions) if n_free_motions else 0
     values, X = values[:wanted], X[:, :wanted]
     shapes = freedom.expanded(X)
-    return Frequencies(values, shapes * _signs(shapes, freedom), n_zero, n_free_motions, ())
+    return Frequencies(values, shapes * signs(shapes, freedom), n_zero, n_free_motions, ())
 
 
 def _without_energy(K: sp.csr_matrix, values: Array, X: Array, n_free_motions: int) -> int:
@@ -135,7 +135,7 @@ def _massive(M: sp.csr_matrix) -> int:
     return int(np.count_nonzero(np.diff(M.indptr)))
 
 
-def _signs(shapes: Array, freedom: Freedom) -> Array:
+def signs(shapes: Array, freedom: Freedom) -> Array:
     """+1 or -1 for each mode: the largest displacement is positive; of equal ones, the first in the
     order of the file."""
     nodes = shapes.reshape(-1, 6, shapes.shape[1])[freedom.mesh.file_nodes, :3]

@@ -7,6 +7,7 @@ import numpy as np
 
 from ...solver.errors import did_you_mean, few
 from ...solver.math.arrays import Array, IntArray
+from ...solver.package.shell.cells import corner_areas
 from .errors import ShellError
 from .mesh import ShellMesh
 
@@ -48,10 +49,8 @@ def group(mesh: ShellMesh, name: str, where: str) -> Group:
         ends = mesh.curves[name]
         length = np.linalg.norm(np.diff(mesh.points_G[ends], axis=1)[:, 0], axis=1)
         return _gathered(mesh, name, "curve", ends, np.repeat(length / 2.0, 2))
-    of_region = mesh.region == mesh.regions.index(name)
-    cells = mesh.cells[of_region]
-    area = np.linalg.norm(mesh.area_vectors_G[of_region], axis=1)
-    return _gathered(mesh, name, "surface", cells, np.repeat(area / 3.0, 3))
+    nodes, shares = corner_areas(mesh.points_G, mesh.cells[mesh.region == mesh.regions.index(name)])
+    return _gathered(mesh, name, "surface", nodes, shares)
 
 
 def nearest_node(mesh: ShellMesh, place_G: Array) -> Group:

@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 from ...solver.errors import few
 from ...solver.math.arrays import Array
 from ...solver.package.shell import elements
+from ...solver.package.shell.cells import NONE, corner_counts, sides
 from .assembly import DOFS
 from .choice import Choice
 from .drilling import DRILLINGS
@@ -20,10 +21,11 @@ from .membranes import MEMBRANES
 from .mesh import ShellMesh
 from .plates import PLATES, shear_ratio
 from .regions import Region
+from .triangles import Triangles
 
 Warnings = list[dict[str, str]]
 
-SLIVER = 0.05  # 4 sqrt(3) area over the sum of squared sides; 1 is equilateral
+SLIVER = 0.05  # area over the sum of squared sides; 1 where they are equal
 COINCIDENT = 1e-7  # relative to the size of the mesh: two nodes at the same position
 FLAT = 1e-6  # sine of the angle between normals of a flat part
 KINK = 0.9  # cosine between neighbouring normals below which a wall ends
@@ -42,10 +44,10 @@ def model_warnings(
     mesh: ShellMesh, regions: Sequence[Region], links: Sequence[Link], choice: Choice
 ) -> Warnings:
     """All warnings about mesh and elements."""
-    sides = Sides(mesh, regions)
-    found = [*_slivers(mesh), *_unmerged(mesh, links), *_turned(mesh, sides)]
+    shared = Sides(mesh, regions)
+    found = [*_slivers(mesh), *_unmerged(mesh, links), *_turned(mesh, shared)]
     if MEMBRANES[choice.membrane].stiff_in_plane:
-        found += _narrow_walls(mesh, sides, choice.membrane)
+        found += _narrow_walls(mesh, shared, choice.membrane)
     limit = PLATES[choice.plate].shear_ratio_limit
     if limit is not None:
         found += _sides_too_short(mesh, regions, choice.plate, limit)
@@ -61,35 +63,36 @@ class Sides:
         self.normals_G = np.empty((len(mesh.cells), 3))
         area = mesh.area_vectors_G
         for region in regions:
-            e3 = region.triangles.A_GE[:, :, 2]
+            e3 = region.geometry.A_GE[:, :, 2]
             self.normals_G[region.cells] = e3
             reversed_[region.cells] = np.einsum("ci,ci->c", e3, area[region.cells]) < 0.0
-        ends = mesh.cells[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
-        forward = (ends[:, 0] < ends[:, 1]) ^ np.repeat(reversed_, 3)
+        ends, owner = sides(mesh.cells)
+        forward = (ends[:, 0] < ends[:, 1]) ^ reversed_[owner]
         key = ends.min(axis=1) * mesh.n_node + ends.max(axis=1)
         order = np.argsort(key, kind="stable")
         first = np.flatnonzero(np.concatenate([[True], np.diff(key[order]) > 0]))
         count = np.diff(np.concatenate([first, [len(key)]]))
         pair = first[count == 2]
         a, b = order[pair], order[pair + 1]
-        self.cells = np.stack([a // 3, b // 3], axis=1)
+        self.cells = np.stack([owner[a], owner[b]], axis=1)
         self.ends = ends[a]
         self.same = forward[a] == forward[b]
         self.boundary = ends[order[first[count != 2]]]  # of one cell, or of three and more
 
 
 def _slivers(mesh: ShellMesh) -> Warnings:
-    corners = mesh.points_G[mesh.cells]
-    sides = corners - np.roll(corners, 1, axis=1)
+    ends, owner = sides(mesh.cells)
+    squares = ((mesh.points_G[ends[:, 1]] - mesh.points_G[ends[:, 0]]) ** 2).sum(axis=1)
     area = np.linalg.norm(mesh.area_vectors_G, axis=1)
-    quality = 4.0 * np.sqrt(3.0) * area / np.einsum("cij,cij->c", sides, sides)
+    best = np.where(corner_counts(mesh.cells) == 3, 4.0 * np.sqrt(3.0), 4.0)
+    quality = best * area / np.bincount(owner, weights=squares)
     bad = np.flatnonzero(quality < SLIVER)
     if not bad.size:
         return []
     worst = bad[np.argmin(quality[bad])]
     text = (
-        f"{bad.size} of {len(area)} triangles are slivers, the worst at "
-        f"{_at(corners[worst].mean(axis=0))} has a shape of {quality[worst]:.2g} (equilateral: 1): "
+        f"{bad.size} of {len(area)} cells are slivers, the worst at "
+        f"{_at(mesh.centres_G[worst])} has a shape of {quality[worst]:.2g} (equal sides: 1): "
         "results near them are inaccurate; use a more uniform mesh there"
     )
     return [_warning("sliver", text)]
@@ -111,11 +114,11 @@ def _unmerged(mesh: ShellMesh, links: Sequence[Link]) -> Warnings:
     return []
 
 
-def _turned(mesh: ShellMesh, sides: Sides) -> Warnings:
-    wrong = np.flatnonzero(sides.same)
+def _turned(mesh: ShellMesh, shared: Sides) -> Warnings:
+    wrong = np.flatnonzero(shared.same)
     if not wrong.size:
         return []
-    place = mesh.points_G[sides.ends[wrong[0]]].mean(axis=0)
+    place = mesh.points_G[shared.ends[wrong[0]]].mean(axis=0)
     text = (
         f"the normals e3 of neighbours disagree along {wrong.size} sides, one at {_at(place)}: "
         "bottom and top of the lay-up, and the direction of pressures, are reversed there. Reverse "
@@ -124,31 +127,33 @@ def _turned(mesh: ShellMesh, sides: Sides) -> Warnings:
     return [_warning("normals-disagree", text)]
 
 
-def _narrow_walls(mesh: ShellMesh, sides: Sides, membrane: str) -> Warnings:
+def _narrow_walls(mesh: ShellMesh, shared: Sides, membrane: str) -> Warnings:
     """Walls between folds or free edges with few constant-strain triangles across."""
     n_cell = len(mesh.cells)
-    a, b = sides.cells.T
-    smooth = np.abs(np.einsum("si,si->s", sides.normals_G[a], sides.normals_G[b])) > KINK
+    a, b = shared.cells.T
+    smooth = np.abs(np.einsum("si,si->s", shared.normals_G[a], shared.normals_G[b])) > KINK
     graph = sp.csr_matrix((np.ones(smooth.sum()), (a[smooth], b[smooth])), shape=(n_cell, n_cell))
     n_wall, wall = connected_components(graph, directed=False)
     edge = np.zeros(mesh.n_node, dtype=bool)
-    edge[sides.boundary] = True
-    edge[sides.ends[~smooth]] = True
+    edge[shared.boundary] = True
+    edge[shared.ends[~smooth]] = True
     # one cell across: all its corners on the edge; then one more node for every two cells
     depth = np.where(edge, 0, np.iinfo(np.int64).max)
+    there = mesh.cells != NONE
     for layer in range(ACROSS // 2):
-        near = (depth[mesh.cells] == layer).any(axis=1)
-        nodes = mesh.cells[near].ravel()
+        near = ((depth[mesh.cells] == layer) & there).any(axis=1)
+        nodes = mesh.cells[near]
+        nodes = nodes[nodes != NONE]
         depth[nodes] = np.minimum(depth[nodes], layer + 1)
     deepest = np.zeros(n_wall, dtype=np.int64)
-    np.maximum.at(deepest, wall, depth[mesh.cells].max(axis=1))
+    np.maximum.at(deepest, wall, np.where(there, depth[mesh.cells], 0).max(axis=1))
     narrow = np.flatnonzero(deepest < ACROSS // 2)
     if not narrow.size:
         return []
     cell = int(np.flatnonzero(wall == narrow[0])[0])
     text = (
         f"membrane = {membrane} with fewer than {ACROSS} cells across {narrow.size} walls, one at "
-        f"{_at(mesh.points_G[mesh.cells[cell]].mean(axis=0))}: constant-strain triangles are far "
+        f"{_at(mesh.centres_G[cell])}: constant-strain triangles are far "
         "too stiff in bending of a wall in its own plane (4.5 times and more at one cell); use "
         f"membrane = {elements.MEMBRANE}"
     )
@@ -161,11 +166,13 @@ def _sides_too_short(
     """Sides with a `shear_ratio` above the limit of the plate."""
     worst, place = 0.0, ""
     for region in regions:
-        ratio = shear_ratio(region.triangles, region.stiffness.D[None], region.stiffness.Ds[None])
+        if not isinstance(region.geometry, Triangles):
+            continue
+        ratio = shear_ratio(region.geometry, region.stiffness.D[None], region.stiffness.Ds[None])
         cell = int(np.argmax(ratio.max(axis=1)))
         if ratio[cell].max() > worst:
             worst = float(ratio[cell].max())
-            place = _at(mesh.points_G[mesh.cells[region.cells[cell]]].mean(axis=0))
+            place = _at(mesh.centres_G[region.cells[cell]])
     if worst <= limit:
         return []
     text = (

@@ -58,6 +58,7 @@ def interfaces(
     links: Sequence[Link],
     found: Places,
     u: Array,
+    h: Array | None = None,
 ) -> tuple[Interface, ...]:
     """Interfaces of the package.
 
@@ -65,8 +66,10 @@ def interfaces(
     ----------
     requested, links : in the same order
     u : (n_dof, m) motion of all degrees of freedom, those of the links last
+    h : (n_dof, m, m) second-order motion, or None
     """
     rows = u.reshape(len(u) // 6, 6, u.shape[1])
+    bent = None if h is None else h.reshape(len(u) // 6, 6, *h.shape[1:])
     result = []
     for i, (interface, link) in enumerate(zip(requested, links, strict=True)):
         motion = rows[mesh.n_node + i]
@@ -85,6 +88,8 @@ def interfaces(
                 A_BI=interface.A_BI,
                 phi_B=motion[:3],
                 psi_B=motion[3:],
+                H_B=None if bent is None else bent[mesh.n_node + i, :3],
+                H_psi_B=None if bent is None else bent[mesh.n_node + i, 3:],
             )
         )
     return tuple(result)

@@ -10,6 +10,7 @@ pressure = p                   along +e3 of each cell [N/m2]
 sine = [a, b, c]               factor sin(pi x/a) sin(pi y/b) sin(pi z/c) of the last two; a
                                length of 0 omits its factor
 gravity = [x, y, z]            acceleration of the whole shell [m/s2], without `at`
+motion = {"uz": 1e-3}          displacement [m] or rotation [rad] of components that a support holds
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -26,10 +27,10 @@ from .freedom import Freedom
 from .groups import group
 from .mesh import ShellMesh
 from .regions import Region
-from .triangles import POINTS
+from .supports import COMPONENTS
 
 KINDS = ("force", "moment", "force_per_length", "force_per_area", "pressure", "gravity")
-KEYS = ("at", *KINDS, "sine")
+KEYS = ("at", *KINDS, "sine", "motion")
 ON_CELLS = ("force_per_area", "pressure")
 
 
@@ -63,10 +64,36 @@ class Loads:
             self._add(forces, entry, f"{where}.{name}")
         return forces.ravel()
 
+    def given(self, table: Mapping[str, Any], where: str) -> Array:
+        """Prescribed displacements of fixed degrees of freedom, (n_dof,) [m, rad].
+
+        Raises ShellError for a component that no support holds.
+        """
+        out = np.zeros((self.freedom.n_dof // DOFS, DOFS))
+        held = np.zeros(out.size, dtype=bool)
+        held[self.freedom.fixed] = True
+        for name, entry in table.items():
+            for component, value in (entry.get("motion") or {}).items():
+                place = f"{where}.{name}.motion.{component}"
+                if component not in COMPONENTS:
+                    raise ShellError(
+                        f"{place}: expected some of {', '.join(COMPONENTS)}"
+                        + did_you_mean(component, COMPONENTS)
+                    )
+                nodes = self._shares(entry.get("at"), "motion", f"{where}.{name}")[0]
+                column = COMPONENTS.index(component)
+                if not held.reshape(out.shape)[nodes, column].all():
+                    raise ShellError(
+                        f"{place}: no support holds {component} of {entry['at']!r}; expected a "
+                        "support with it, whose displacement this is instead of 0"
+                    )
+                out[nodes, column] = float(value)
+        return out.ravel()
+
     def _add(self, forces: Array, entry: Mapping[str, Any], where: str) -> None:
         given = [key for key in KINDS if entry.get(key) is not None]
-        if not given:
-            raise ShellError(f"{where}: no load; expected one of {', '.join(KINDS)}")
+        if not given and entry.get("motion") is None:
+            raise ShellError(f"{where}: no load; expected one of {', '.join((*KINDS, 'motion'))}")
         if entry.get("sine") is not None and not set(given) & set(ON_CELLS):
             raise ShellError(f"{where}.sine: expected together with {' or '.join(ON_CELLS)}")
         at = entry.get("at")
@@ -95,14 +122,15 @@ class Loads:
         key = sides[:, 0] * mesh.n_node + sides[:, 1]
         found, weight = [], np.zeros(len(key))
         for region in self.regions:
-            cells = mesh.cells[region.cells]
-            for corner in range(3):
-                ends = np.sort(cells[:, [corner, (corner + 1) % 3]], axis=1)
+            cells = region.nodes
+            count = cells.shape[1]
+            for corner in range(count):
+                ends = np.sort(cells[:, [corner, (corner + 1) % count]], axis=1)
                 own = ends[:, 0] * mesh.n_node + ends[:, 1]
                 cell = np.flatnonzero(np.isin(own, key))
                 row = np.searchsorted(key, own[cell], sorter=np.argsort(key))
                 row = np.argsort(key)[row]
-                found.append((row, region.triangles.A_GE[cell, :, 2]))
+                found.append((row, region.geometry.A_GE[cell, :, 2]))
                 np.add.at(weight, row, 1.0)
         for row, e3 in found:  # a side of several cells is divided equally
             i, j = sides[row].T
@@ -144,8 +172,8 @@ class Loads:
             )
         out = np.zeros((self.mesh.n_node, 3))
         for region in chosen:
-            cells, t = self.mesh.cells[region.cells], region.triangles
-            intensity = self._intensity(entry, region, where)  # (c, 3 points)
+            cells, t = region.nodes, region.geometry
+            intensity = self._intensity(entry, region, where)  # (c, points)
             if key == "pressure":
                 value = entry[key]
                 if isinstance(value, bool) or not isinstance(value, int | float):
@@ -153,18 +181,19 @@ class Loads:
                 direction = float(value) * t.A_GE[:, :, 2]
             else:
                 direction = np.tile(vector(entry[key], f"{where}.{key}"), (len(cells), 1))
-            # linear displacements, three points of integration
-            corner = (t.area[:, None] / 3.0) * (intensity @ POINTS)
+            corner = (t.weight * intensity) @ t.interpolation
             np.add.at(out, cells, corner[:, :, None] * direction[:, None, :])
         return out
 
     def _intensity(self, entry: Mapping[str, Any], region: Region, where: str) -> Array:
-        corners = self.mesh.points_G[self.mesh.cells[region.cells]]
+        corners = self.mesh.points_G[region.nodes]
         if entry.get("sine") is None:
-            return np.ones((len(corners), 3))
+            return np.ones(region.geometry.weight.shape)
         length = vector(entry["sine"], f"{where}.sine")
         waves = np.divide(np.pi, length, out=np.zeros(3), where=length != 0.0)
-        factors = np.where(length != 0.0, np.sin((POINTS @ corners) * waves), 1.0)
+        factors = np.where(
+            length != 0.0, np.sin((region.geometry.interpolation @ corners) * waves), 1.0
+        )
         return np.asarray(factors.prod(axis=2))
 
 

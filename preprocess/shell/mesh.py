@@ -1,8 +1,9 @@
-"""DOLFINx surface meshes of three-node triangles from a gmsh file or script.
+"""Surface meshes of three-node triangles and four-node quadrilaterals, from a gmsh file or script.
 
-DOLFINx owns the numbering of nodes and cells: the model is assembled through the dofmap of its
-P1 space of six components (ux uy uz rx ry rz). Results are written in the order of the mesh
-file, which is the same with every version of DOLFINx.
+For triangles, DOLFINx owns the numbering of nodes and cells: the model is assembled through the
+dofmap of its P1 space of six components (ux uy uz rx ry rz). A mesh with quadrilaterals keeps the
+numbering of the file, because not every version of DOLFINx mixes cells. Results are written in the
+order of the mesh file, which is the same with every version.
 """
 
 import hashlib
@@ -16,28 +17,32 @@ from typing import Any
 
 import numpy as np
 
+from ...solver.errors import did_you_mean
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.common.plain_data import canonical
+from ...solver.package.shell import cells as tables
 from .. import fenicsx
 from ..fenicsx import PlainMesh
 from ..python_script import load_script
 from .errors import ShellError
+from .pairing import paired
 
 KEPT = 8  # meshes that a process keeps
-KEYS = ("file", "parameters", "scale", "sha256")
+KEYS = ("file", "parameters", "scale", "element", "sha256")
+ELEMENTS = ("triangle", "quadrilateral")
 
 
 @dataclass(frozen=True, eq=False)  # equal only to itself
 class ShellMesh:
-    """A surface mesh of `n` nodes and `c` triangles, in DOLFINx's numbering.
+    """A surface mesh of `n` nodes and `c` cells.
 
     The corners of a cell have the order of the mesh file, so its normal has the direction
     of the file.
     """
 
-    space: Any  # DOLFINx's P1 space of six components
+    space: Any  # DOLFINx's P1 space of six components; None with quadrilaterals
     points_G: Array  # (n, 3)                               [m]
-    cells: IntArray  # (c, 3)
+    cells: IntArray  # (c, 3), or (c, 4) with quadrilaterals: see cells.py
     region: IntArray  # (c,) row of regions
     regions: tuple[str, ...]
     curves: dict[str, IntArray]  # physical curve -> (s, 2) nodes
@@ -59,8 +64,12 @@ class ShellMesh:
     @property
     def area_vectors_G(self) -> Array:
         """Area of each cell times its normal, (c, 3) [m2]."""
-        a, b, c = np.moveaxis(self.points_G[self.cells], 1, 0)
-        return np.asarray(0.5 * np.cross(b - a, c - a))
+        return tables.area_vectors(self.points_G, self.cells)
+
+    @property
+    def centres_G(self) -> Array:
+        """Mean of the corners of each cell, (c, 3) [m]."""
+        return tables.centres(self.points_G, self.cells)
 
 
 def shell_mesh(spec_mesh: Mapping[str, Any], where: str) -> ShellMesh:
@@ -68,14 +77,16 @@ def shell_mesh(spec_mesh: Mapping[str, Any], where: str) -> ShellMesh:
 
     Parameters
     ----------
-    spec_mesh : {"file": "part.msh" | "part.geo" | "part.py", "parameters": {...}, "scale": 1.0}.
+    spec_mesh : {"file": "part.msh" | "part.geo" | "part.py", "parameters": {...}, "scale": 1.0,
+        "element": "quadrilateral"}.
         A .geo has DefineConstant entries "Parameters/<key>"; a .py has build(gmsh, parameters)
-        that fills the current model and may leave meshing to the caller.
+        that fills the current model and may leave meshing to the caller. With this element, pairs
+        of triangles become quadrilaterals.
     where : file and key of the description, for messages
 
     Raises
     ------
-    ShellError : no such file, quadrilaterals, curved or solid cells, surfaces in no physical
+    ShellError : no such file, curved or solid cells, surfaces in no physical
         group, nodes of a physical group in no cell.
     """
     path = Path(str(spec_mesh.get("file", "")))
@@ -84,6 +95,12 @@ def shell_mesh(spec_mesh: Mapping[str, Any], where: str) -> ShellMesh:
     scale = spec_mesh.get("scale", 1.0)
     if isinstance(scale, bool) or not isinstance(scale, int | float) or not scale > 0.0:
         raise ShellError(f"{where}.scale = {scale!r}: expected a number above 0")
+    element = spec_mesh.get("element")
+    if element is not None and element not in ELEMENTS:
+        raise ShellError(
+            f"{where}.element = {element!r}: expected one of {', '.join(ELEMENTS)}"
+            + did_you_mean(str(element), ELEMENTS)
+        )
     content = hashlib.sha256(path.read_bytes()).hexdigest()
     table = canonical(spec_mesh)
     try:
@@ -97,17 +114,24 @@ def _made(table: str, file: str, content: str) -> ShellMesh:
     del content  # part of the cache key: a changed file gives another entry
     spec, path = json.loads(table), Path(file)
     plain = _read(path, spec.get("parameters", {}))
+    element = spec.get("element")
+    if element == "quadrilateral" and plain.cell == "triangle" and plain.degree == 1:
+        plain = paired(plain)
+    if element == "triangle" and plain.cell != "triangle":
+        raise ShellError('element = "triangle", but the mesh has quadrilaterals; remove `element`')
     scale = float(spec.get("scale", 1.0))
     return mesh_of(replace(plain, points=scale * plain.points), str(path))
 
 
 def mesh_of(plain: PlainMesh, where: str = "mesh") -> ShellMesh:
-    """Hand plain triangles in space to DOLFINx. Raises ShellError for any other cells."""
-    if plain.cell != "triangle" or plain.degree != 1:
+    """The mesh of plain cells in space. Raises ShellError for cells of degree 2."""
+    if plain.degree != 1:
         raise ShellError(
-            f"{where}: has {plain.cell}s of degree {plain.degree}, expected three-node triangles. "
-            "In gmsh, remove every `Recombine` and set Mesh.ElementOrder = 1"
+            f"{where}: has {plain.cell}s of degree {plain.degree}, expected three-node triangles "
+            "or four-node quadrilaterals. In gmsh, set Mesh.ElementOrder = 1"
         )
+    if plain.cell != "triangle":
+        return _in_file_order(plain, where)
     labelled = fenicsx.labelled_mesh(plain)
     space = fenicsx.vector_space(labelled.mesh, 1, 6)
     file_cells = np.argsort(fenicsx.original_cells(labelled.mesh))
@@ -139,6 +163,24 @@ def mesh_of(plain: PlainMesh, where: str = "mesh") -> ShellMesh:
         node_tags=tags,
         file_nodes=file_nodes,
         file_cells=file_cells,
+    )
+
+
+def _in_file_order(plain: PlainMesh, where: str) -> ShellMesh:
+    nodes, named = np.arange(len(plain.points)), plain.named
+    curves = {} if named is None else named.curves
+    marks = {} if named is None else named.points
+    return ShellMesh(
+        space=None,
+        points_G=plain.points,
+        cells=plain.cells,
+        region=plain.region,
+        regions=plain.regions,
+        curves={name: _rows(nodes, rows, name, where) for name, rows in curves.items()},
+        marks={name: _rows(nodes, rows, name, where) for name, rows in marks.items()},
+        node_tags=nodes + 1 if named is None else named.tags,
+        file_nodes=nodes,
+        file_cells=np.arange(len(plain.cells)),
     )
 
 

@@ -80,7 +80,7 @@ def _probe(
         return Probe(name, quantity, DOFS * of.nodes + component, weights)
     area = np.linalg.norm(mesh.area_vectors_G, axis=1)
     if near is not None:
-        middles = mesh.points_G[mesh.cells].mean(axis=1)
+        middles = mesh.centres_G
         gap = np.linalg.norm(middles - vector(near, f"{where}.near"), axis=1)
         cells = np.array([int(np.argmin(gap))])
     elif at in mesh.regions:

@@ -10,8 +10,10 @@ import scipy.sparse as sp
 from ...solver.math.arrays import Array
 from .. import fenicsx
 from .assembly import NO_LINES, NO_MATRICES, Assembly
+from .errors import ShellError
 from .flat_nodes import flat_nodes
 from .freedom import Freedom
+from .geometric import element_geometric
 from .guards import drilling_motions, model_warnings
 from .links import read_links
 from .loads import Loads
@@ -24,7 +26,6 @@ from .spec import check_spec, elements
 from .stiffeners import read_stiffeners
 from .stiffness import element_stiffness
 from .supports import read_supports
-from .triangles import Triangles
 
 AT_ONCE = 8  # number of states for which resultants are computed together
 
@@ -65,15 +66,34 @@ class ShellProblem:
         )
         membrane = MEMBRANES[self.choice.membrane]
         plain = not membrane.rotations and self.choice.drilling_form() == "none"
+        if self.mesh.cells.shape[1] == 4 and not membrane.rotations:
+            raise ShellError(
+                f"{where}.elements.membrane = {self.choice.membrane!r}: a mesh with quadrilaterals "
+                "needs a membrane with rotations, "
+                + " or ".join(name for name, m in MEMBRANES.items() if m.rotations)
+            )
         self.flat = flat_nodes(self.mesh, self.regions, self.stiffeners) if plain else None
-        self.freedom = Freedom(self.mesh, self.links, self.supports, self.flat)
+        self.freedom = self._freedom("loads")
         self.warnings = model_warnings(self.mesh, self.regions, self.links, self.choice)
+
+    @cached_property
+    def modes_freedom(self) -> Freedom:
+        """Degrees of freedom of natural modes and of buckling; `freedom` is that of load cases."""
+        if all(support.only is None for support in self.supports):
+            return self.freedom
+        return self._freedom("modes")
+
+    def _freedom(self, purpose: str) -> Freedom:
+        held = [support for support in self.supports if support.only in (None, purpose)]
+        return Freedom(self.mesh, self.links, held, self.flat)
 
     @cached_property
     def K(self) -> sp.csr_matrix:
         """Stiffness of all degrees of freedom, (n_dof, n_dof) [N/m, N, N m]."""
         return self._assembled(
-            lambda region, t: element_stiffness(t, region.stiffness, self.choice),
+            lambda region, some: element_stiffness(
+                region.geometry[some], region.stiffness, self.choice
+            ),
             [stiffener.stiffness() for stiffener in self.stiffeners],
         )
 
@@ -81,8 +101,20 @@ class ShellProblem:
     def M(self) -> sp.csr_matrix:
         """Mass of all degrees of freedom, (n_dof, n_dof) [kg, kg m, kg m2]."""
         return self._assembled(
-            lambda region, t: element_mass(t, region.stiffness.mass, self.mass_form),
+            lambda region, some: element_mass(
+                region.geometry[some], region.stiffness.mass, self.mass_form
+            ),
             [stiffener.mass(self.mass_form) for stiffener in self.stiffeners],
+        )
+
+    def geometric_stiffness(self, u: Array, in_plane: bool = True) -> sp.csr_matrix:
+        """Geometric stiffness (n_dof, n_dof) [N/m] of the stresses of displacements u (n_dof,)."""
+        N = self.resultants(u[:, None])[0, :, :3]
+        return self._assembled(
+            lambda region, some: element_geometric(
+                region.geometry[some], N[region.cells[some]], in_plane
+            ),
+            [stiffener.geometric(u) for stiffener in self.stiffeners],
         )
 
     @cached_property
@@ -103,39 +135,50 @@ class ShellProblem:
         for region in self.regions:
             for first in range(0, u.shape[1], AT_ONCE):  # no pass without states
                 some = slice(first, first + AT_ONCE)
-                corners = nodes[self.mesh.cells[region.cells]][..., some]
+                corners = nodes[region.nodes][..., some]
                 found = element_resultants(
-                    region.triangles,
+                    region.geometry,
                     region.stiffness,
                     self.choice,
-                    corners.reshape(len(region.cells), 18, -1),
+                    corners.reshape(len(region.cells), 6 * region.nodes.shape[1], -1),
                 )
                 out[some, region.cells] = np.moveaxis(found, 2, 0)
         return out
 
     @cached_property
     def _assembly(self) -> Assembly:
-        cells = np.concatenate([self.mesh.cells[region.cells] for region in self.regions])
         lines = np.concatenate([NO_LINES, *(s.ends for s in self.stiffeners)])
-        return Assembly(cells, self.mesh.n_node, len(self.links), lines)
+        tables = [np.concatenate([r.nodes for r in kind]) for kind in self._kinds]
+        return Assembly(tables, self.mesh.n_node, len(self.links), lines)
 
     def _assembled(
-        self, element: Callable[[Region, Triangles], Array], lines: Sequence[Array]
+        self, element: Callable[[Region, slice], Array], lines: Sequence[Array]
     ) -> sp.csr_matrix:
         """Sum of the element matrices; each process of the team computes those of its cells.
 
         All processes sum them in the same order: for a thin shell, a difference in the last
         digit of the stiffness would change the ninth digit of its displacements.
         """
-        own = self.team.share(len(self.mesh.cells))
-        parts, first = [np.zeros((0, 18, 18))], 0
-        for region in self.regions:
+        found = [self._matrices(kind, element) for kind in self._kinds]
+        return self._assembly.matrix(found, np.concatenate([NO_MATRICES, *lines]))
+
+    @cached_property
+    def _kinds(self) -> list[list[Region]]:
+        """Regions of triangles, then those of quadrilaterals; no empty list."""
+        kinds = [[r for r in self.regions if r.nodes.shape[1] == k] for k in (3, 4)]
+        return [kind for kind in kinds if kind]
+
+    def _matrices(
+        self, regions: Sequence[Region], element: Callable[[Region, slice], Array]
+    ) -> Array:
+        """Element matrices of regions of one kind."""
+        own = self.team.share(sum(len(region.cells) for region in regions))
+        size = 6 * regions[0].nodes.shape[1]
+        parts, first = [np.zeros((0, size, size))], 0
+        for region in regions:
             count = len(region.cells)
             begin, end = (min(max(at - first, 0), count) for at in (own.start, own.stop))
             if begin < end:
-                parts.append(element(region, region.triangles[begin:end]))
+                parts.append(element(region, slice(begin, end)))
             first += count
-        whole = parts[1] if len(parts) == 2 else np.concatenate(parts)
-        return self._assembly.matrix(
-            self.team.stacked(whole), np.concatenate([NO_MATRICES, *lines])
-        )
+        return self.team.stacked(parts[1] if len(parts) == 2 else np.concatenate(parts))

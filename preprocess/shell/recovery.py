@@ -24,7 +24,7 @@ def cell_resultants(problem: ShellProblem, u: Array) -> CellResultants:
     laminate = np.empty(len(mesh.cells), dtype=np.int64)
     names = _laminate_names(problem)
     for region in problem.regions:
-        A_BE[region.cells] = region.triangles.A_GE
+        A_BE[region.cells] = region.geometry.A_GE
         laminate[region.cells] = names.index(region.laminate_name)
     found = problem.resultants(u)[:, mesh.file_cells]
     return CellResultants(

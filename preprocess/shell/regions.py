@@ -1,4 +1,8 @@
-"""Lay-up and axes of every region of a shell. A region has the cells of one physical surface."""
+"""Lay-up and axes of every region of a shell.
+
+A region has the cells of one physical surface that are of one kind: a surface of triangles and
+quadrilaterals gives two regions of one name.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,27 +12,32 @@ import numpy as np
 
 from ...solver.errors import did_you_mean, few
 from ...solver.math.arrays import IntArray
+from ...solver.package.shell.cells import corner_counts
 from ..laminate import LaminateSpec, LaminateStiffness, laminate_from_dict, laminate_stiffness
 from ..materials import Orthotropic, material_from_dict
 from .axes import cell_directions
 from .errors import ShellError
 from .mesh import ShellMesh
+from .quadrilaterals import Quadrilaterals, quadrilaterals
+from .side_factors import side_factors
 from .triangles import Triangles, triangles
 
 ALL = "all"
+Geometry = Triangles | Quadrilaterals
 
 
 @dataclass(frozen=True)
 class Region:
-    """The cells of one physical surface, their geometry and their laminate.
+    """Cells of one kind in one physical surface, their geometry and their laminate.
 
-    `cells` (m,) are rows of the mesh's cells, `triangles` their geometry in that order; the axes
-    E of a cell are those of its laminate.
+    `cells` (m,) are rows of the mesh's cells, `nodes` (m, 3|4) their corners and `geometry` their
+    geometry in that order; the axes E of a cell are those of its laminate.
     """
 
     name: str
     cells: IntArray
-    triangles: Triangles
+    nodes: IntArray
+    geometry: Geometry
     laminate_name: str
     laminate: LaminateSpec
     stiffness: LaminateStiffness
@@ -62,6 +71,7 @@ def read_regions(spec: Mapping[str, Any], mesh: ShellMesh, where: str) -> list[R
                 + did_you_mean(name, (*mesh.regions, ALL))
             )
     found = []
+    counts, factors = corner_counts(mesh.cells), side_factors(mesh.points_G, mesh.cells)
     for row, name in enumerate(mesh.regions):
         key = name if name in given else ALL
         if key not in given:
@@ -71,17 +81,25 @@ def read_regions(spec: Mapping[str, Any], mesh: ShellMesh, where: str) -> list[R
             )
         place = f"{where}.regions.{key}"
         laminate_name, laminate = _laminate(given[key], key, laminates, materials, place)
-        cells = np.flatnonzero(mesh.region == row)
-        direction = cell_directions(mesh, given[key], cells, place)
         flip = given[key].get("flip", False)
         if not isinstance(flip, bool):
             raise ShellError(f"{place}.flip = {flip!r}: expected true or false")
-        try:
-            geometry = triangles(mesh.points_G, mesh.cells[cells], direction, flip=flip)
-        except ShellError as error:
-            raise ShellError(f"{place}: {error}") from error
         stiffness = laminate_stiffness(laminate.laminate, laminate.shear)
-        found.append(Region(name, cells, geometry, laminate_name, laminate, stiffness))
+        for count in (3, 4):
+            cells = np.flatnonzero((mesh.region == row) & (counts == count))
+            if not cells.size:
+                continue
+            direction = cell_directions(mesh, given[key], cells, place)
+            nodes = np.ascontiguousarray(mesh.cells[cells, :count])
+            try:
+                geometry: Geometry
+                if count == 3:
+                    geometry = triangles(mesh.points_G, nodes, direction, flip)
+                else:
+                    geometry = quadrilaterals(mesh.points_G, nodes, direction, flip, factors[cells])
+            except ShellError as error:
+                raise ShellError(f"{place}: {error}") from error
+            found.append(Region(name, cells, nodes, geometry, laminate_name, laminate, stiffness))
     return found
 
 

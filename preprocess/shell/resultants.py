@@ -1,4 +1,4 @@
-"""Strains and resultants of shell triangles from their displacements."""
+"""Strains and resultants of shell elements from their displacements."""
 
 import numpy as np
 
@@ -8,19 +8,24 @@ from .membranes import MEMBRANES
 from .plates import PLATES
 from .plates.dst import moment_slopes
 from .plates.strains import side_differences
-from .stiffness import AT_A_TIME, MEMBRANE, PLATE, SIGN, Stiffness, cell_stiffness
+from .quad_stiffness import quad_strains
+from .quadrilaterals import Quadrilaterals
+from .rotation import own_displacements
+from .stiffness import AT_A_TIME, Stiffness, cell_stiffness
 from .triangles import Triangles
 
 
-def element_strains(t: Triangles, laminate: Stiffness, choice: Choice, u_G: Array) -> Array:
-    """Mean strains of each triangle in E, (c, 8, m): exx eyy gxy, kxx kyy kxy [1/m], gxz gyz.
+def element_strains(
+    t: Triangles | Quadrilaterals, laminate: Stiffness, choice: Choice, u_G: Array
+) -> Array:
+    """Mean strains of each element in E, (c, 8, m): exx eyy gxy, kxx kyy kxy [1/m], gxz gyz.
 
     Parameters
     ----------
-    t : c triangles
+    t : c triangles or quadrilaterals
     laminate : A, B, D, Ds in E, one for all or one for each triangle
     choice : the elements
-    u_G : (c, 18, m) displacements [m] and rotations [rad] of the corners, m states at once
+    u_G : (c, 18|24, m) displacements [m] and rotations [rad] of the corners, m states at once
 
     Raises
     ------
@@ -32,9 +37,12 @@ def element_strains(t: Triangles, laminate: Stiffness, choice: Choice, u_G: Arra
     strains = np.empty((len(t), 8, u_G.shape[2]))
     for first in range(0, len(t), AT_A_TIME):
         some = slice(first, first + AT_A_TIME)
-        A, _, D, Ds = (a[some] if len(a) > 1 else a for a in given)
+        A, B, D, Ds = (a[some] if len(a) > 1 else a for a in given)
         part = t[some]
-        u_m, u_b = own_displacements(part, u_G[some])
+        if isinstance(part, Quadrilaterals):
+            strains[some] = quad_strains(part, A, B, D, Ds, choice, u_G[some])
+            continue
+        u_m, u_b = own_displacements(part.A_GE, u_G[some])
         plate = PLATES[choice.plate].strains(part, D, Ds)
         membrane = MEMBRANES[choice.membrane].strains(part, A, choice.beta0)
         strains[some, :3] = membrane.mean_strain @ u_m
@@ -47,8 +55,10 @@ def element_strains(t: Triangles, laminate: Stiffness, choice: Choice, u_G: Arra
     return strains
 
 
-def element_resultants(t: Triangles, laminate: Stiffness, choice: Choice, u_G: Array) -> Array:
-    """Mean resultants of each triangle in E, (c, 8, m): N [N/m] 3, M [N] 3, T [N/m] 2.
+def element_resultants(
+    t: Triangles | Quadrilaterals, laminate: Stiffness, choice: Choice, u_G: Array
+) -> Array:
+    """Mean resultants of each element in E, (c, 8, m): N [N/m] 3, M [N] 3, T [N/m] 2.
 
     Order N_xx N_yy N_xy, M_xx M_yy M_xy, T_x T_y. Arguments and errors as in `element_strains`.
 
@@ -58,20 +68,3 @@ def element_resultants(t: Triangles, laminate: Stiffness, choice: Choice, u_G: A
     strains = element_strains(t, laminate, choice, u_G)
     e, k, gamma = strains[:, :3], strains[:, 3:6], strains[:, 6:]
     return np.concatenate([A @ e + B @ k, B @ e + D @ k, Ds @ gamma], axis=1)
-
-
-def own_displacements(t: Triangles, u_G: Array) -> tuple[Array, Array]:
-    """Degrees of freedom of the membrane and of the plate in E, each (c, 9, m).
-
-    Paper: Eq. (23).
-
-    Parameters
-    ----------
-    u_G : (c, 18, m) of the corners in G
-    """
-    c, _, m = u_G.shape
-    u_E = np.swapaxes(t.A_GE, 1, 2)[:, None] @ u_G.reshape(c, 6, 3, m)
-    u = u_E.reshape(c, 3, 6, m)
-    u_m = u[:, :, MEMBRANE]
-    u_b = u[:, :, PLATE] * np.array(SIGN)[:, None]
-    return u_m.reshape(c, 9, m), u_b.reshape(c, 9, m)

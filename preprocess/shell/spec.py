@@ -9,7 +9,8 @@
  "supports": {"root": {"at": "root", "fixed": "all"}},
  "loads": {"pull": {"tip": {"at": "end", "force": [1.0, 0.0, 0.0]}}},
  "probes": {"tip": {"at": "end", "what": "uz"}},
- "frequencies": {"count": 6, "free": false}}
+ "frequencies": {"count": 6, "free": false, "prestress": "pull"},
+ "buckling": {"count": 4, "cases": ["pull"], "constant": "weight", "in_plane": true}}
 
 SI and degrees; docs/shell-description.md explains each key.
 """
@@ -36,6 +37,7 @@ TABLES = (
     "loads",
     "probes",
     "frequencies",
+    "buckling",
 )
 OTHER = ("name", "title", "format")
 REGION = (
@@ -46,9 +48,12 @@ ENTRIES = {
     "regions": REGION,
     "stiffeners": STIFFENER,
     "links": ("at", "kind", "point"),
-    "supports": ("at", "fixed"),
+    "supports": ("at", "fixed", "only"),
     "probes": ("at", "near", "what"),
 }
+
+
+BUCKLING = ("count", "cases", "constant", "in_plane")
 
 
 class Elements(NamedTuple):
@@ -76,7 +81,9 @@ def check_spec(spec: Mapping[str, Any], where: str) -> None:
             raise ShellError(f"{where}.loads.{case} = {loads!r}: expected a table of loads")
         for name, entry in loads.items():
             check_keys(entry, LOAD, f"{where}.loads.{case}.{name}", ShellError)
-    check_keys(spec.get("frequencies", {}), ("count", "free"), f"{where}.frequencies", ShellError)
+    modes = ("count", "free", "prestress")
+    check_keys(spec.get("frequencies", {}), modes, f"{where}.frequencies", ShellError)
+    check_keys(spec.get("buckling", {}), BUCKLING, f"{where}.buckling", ShellError)
 
 
 def elements(table: Mapping[str, Any], where: str) -> Elements:

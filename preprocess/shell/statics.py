@@ -31,8 +31,11 @@ def solve_cases(
     forces: Array,
     names: tuple[str, ...],
     team: fenicsx.Team = fenicsx.ALONE,
+    given: Array | None = None,
 ) -> Statics:
     """Displacements and reactions under nodal forces (n_dof, l).
+
+    `given` (n_dof, l) are displacements of fixed degrees of freedom, zero elsewhere.
 
     Raises
     ------
@@ -41,24 +44,28 @@ def solve_cases(
     if not freedom.n_free:
         raise ShellError("supports: every degree of freedom is fixed")
     reduced = freedom.reduced(K)
-    loads = freedom.gathered(forces)
+    moved = np.zeros_like(forces) if given is None else freedom.carried_along(given)
+    loads = freedom.gathered(forces - K @ moved if moved.any() else forces)
     try:
         factor = fenicsx.Cholesky(reduced, team)
         q = _refined(factor, reduced, loads)
         factor.close()
     except fenicsx.FactorisationError as error:
         raise ShellError(f"statics: {error}") from error
-    u = freedom.expanded(q)
+    u = freedom.expanded(q) + moved
     out_of_balance = np.abs(reduced @ q - loads)
     # the accuracy of a row is that of the terms that cancel in it
     size = (abs(reduced) @ np.abs(q)).max(axis=0) + np.abs(loads).max(axis=0)
     residual = out_of_balance.max(axis=0) / np.where(size > 0.0, size, 1.0)
     Ku = K @ u
     energy = 0.5 * np.einsum("nl,nl->l", u, Ku)
+    reactions = freedom.on_supports(Ku - forces)
     work = np.einsum("nl,nl->l", u, forces)
+    if given is not None:
+        work += np.einsum("nl,nl->l", given, reactions)
     return Statics(
         u,
-        freedom.on_supports(Ku - forces),
+        reactions,
         energy,
         residual,
         tuple(_warnings(names, residual, energy, work)),

@@ -3,11 +3,12 @@
 The inertia invariants of a body are sums over stations (solver/package/body/invariants.py). A
 fibre of the wall along the normal n, with the moments m0, m1, m2 of its density about the mesh,
 is a rigid piece: mass m0, centre at m1/m0 n from the mesh, rotary inertia about it
-(m2 - m1^2/m0) (1 - n n'). With consistent mass there are fibres at three points of each triangle,
-which integrate linear motions exactly. With lumped mass they are at its corners, and m2 also acts
-on the drilling rotation, as in mass.py. The sums then equal the mass matrix to round-off, with one
-exception: consistent mass also acts on the difference of the drilling rotation from that of the
-triangle. This part is zero for rigid motions and has no momentum; only the modal mass includes it.
+(m2 - m1^2/m0) (1 - n n'). With consistent mass there are fibres at three points of each triangle
+and at four of each quadrilateral, which integrate the motions of their corners exactly. With lumped
+mass they are at its corners, and m2 also acts on the drilling rotation, as in mass.py. The sums
+then equal the mass matrix to round-off, with one exception: consistent mass also acts on the
+difference of the drilling rotation from that of the cell. This part is zero for rigid
+motions and has no momentum; only the modal mass includes it.
 """
 
 from collections.abc import Sequence
@@ -16,6 +17,7 @@ import numpy as np
 
 from ...solver.math.arrays import Array
 from ...solver.package.common.table_form import SpecError
+from ...solver.package.shell.cells import corner_areas
 from ..beam.element import MASS_POINTS, BeamElement, gauss
 from ..beam.section_mass import SectionMass
 from ..beam.stations import Stations
@@ -23,7 +25,6 @@ from .links import carried, cross_matrix
 from .mesh import ShellMesh
 from .regions import Region
 from .stiffeners import Stiffener
-from .triangles import POINTS
 
 
 def mass_stations(
@@ -57,9 +58,8 @@ def nodal_mass(
     mass, rotary = np.zeros(mesh.n_node), np.zeros(mesh.n_node)
     for region in regions:
         m0, _, m2 = region.stiffness.mass
-        third = np.repeat(region.triangles.area / 3.0, 3)
-        nodes = mesh.cells[region.cells].ravel()
-        area = np.bincount(nodes, weights=third, minlength=mesh.n_node)
+        nodes, share = corner_areas(mesh.points_G, region.nodes)
+        area = np.bincount(nodes, weights=share, minlength=mesh.n_node)
         mass += m0 * area
         rotary += m2 * area
     inertia = rotary[:, None, None] * np.eye(3)
@@ -73,13 +73,16 @@ def nodal_mass(
 
 def _of_region(mesh: ShellMesh, region: Region, u: Array, form: str) -> Stations:
     m0, m1, m2 = region.stiffness.mass
-    N = POINTS if form == "consistent" else np.eye(3)
-    cells = mesh.cells[region.cells]
-    corners = u[cells]  # (c, 3, 6, m)
-    flat = corners.reshape(len(cells), 3, 6 * u.shape[2])
-    motion = (N @ flat).reshape(3 * len(cells), *u.shape[1:])
-    normal = np.repeat(region.triangles.A_GE[:, :, 2], 3, axis=0)
-    weight = np.repeat(region.triangles.area / 3.0, 3)
+    cells, count = region.nodes, region.nodes.shape[1]
+    consistent = form == "consistent"
+    N = region.geometry.interpolation if consistent else np.eye(count)
+    corners = u[cells]  # (c, 3|4, 6, m)
+    flat = corners.reshape(len(cells), count, 6 * u.shape[2])
+    motion = (N @ flat).reshape(count * len(cells), *u.shape[1:])
+    normal = np.repeat(region.geometry.A_GE[:, :, 2], count, axis=0)
+    weight = region.geometry.weight.ravel()
+    if not consistent:
+        weight = corner_areas(mesh.points_G, cells)[1]
     across = np.eye(3) - normal[:, :, None] * normal[:, None, :]
     inertia = (m2 - m1**2 / m0) * across
     if form == "lumped":

@@ -20,6 +20,7 @@ from ...solver.errors import few
 from ...solver.math.arrays import Array, IntArray
 from ...solver.math.definite import REGULAR, smallest_eigenvalue
 from ...solver.package.common.plain_data import canonical
+from ...solver.package.shell.cells import sides
 from ..beam.element import BeamElement
 from ..section import analyse
 from .axes import vector
@@ -61,6 +62,30 @@ class Stiffener:
     def mass(self, form: str) -> Array:
         """Element mass, "consistent" or "lumped", (l, 12, 12) in G."""
         return self._elements(lambda element: element.mass_matrix(self.M, form))
+
+    def geometric(self, u: Array) -> Array:
+        """Geometric stiffness (l, 12, 12) in G of the axial forces of displacements u (n_dof,).
+
+        That of a string along the reference line of the section: the work of the force N on the
+        rotation of each element.
+        """
+        own = u.reshape(-1, 6)[self.ends].reshape(-1, 12)
+        work = (self.axial_force() * own).sum(axis=1) * self.length
+        turn = self.chord_rotation()
+        return np.asarray(np.swapaxes(turn, 1, 2) @ (work[:, None, None] * turn))
+
+    def axial_force(self) -> Array:
+        """Axial force of each element from the motion of its ends, (l, 12) [N/m, N]."""
+        return np.asarray((self.A_GE[:, None, :, 0] @ self.stiffness()[:, 6:9])[:, 0])
+
+    def chord_rotation(self) -> Array:
+        """Slope of the reference line across x1 from the motion of the ends, (l, 3, 12) in G."""
+        x1 = self.A_GE[:, :, 0]
+        offset = np.concatenate([[0.0], self.offset])
+        moved = carried(self.A_GE @ offset)[:, :3]
+        across = np.eye(3) - x1[:, :, None] * x1[:, None, :]
+        change = np.concatenate([-moved, moved], axis=2) / self.length[:, None, None]
+        return np.asarray(across @ change)
 
     def _elements(self, matrix: Callable[[BeamElement], Array]) -> Array:
         rounded = np.round(self.length / self.length.max(), 12)
@@ -123,7 +148,7 @@ def _axes(
     if given is None:
         normals = np.zeros((len(mesh.cells), 3))
         for region in regions:
-            normals[region.cells] = region.triangles.A_GE[:, :, 2]
+            normals[region.cells] = region.geometry.A_GE[:, :, 2]
         x3 = _crossed(x1, np.cross(_edge_normals(ends, mesh, normals), x1))
         x2 = np.cross(x3, x1)
     else:
@@ -144,14 +169,15 @@ def _crossed(x1: Array, x2: Array) -> Array:
 
 def _edge_normals(ends: IntArray, mesh: ShellMesh, normals: Array) -> Array:
     """Sum of the normals of the cells at each edge, (l, 3)."""
-    sides = np.sort(mesh.cells[:, [[0, 1], [1, 2], [2, 0]]], axis=2).reshape(-1, 2)
-    key = sides[:, 0] * mesh.n_node + sides[:, 1]
+    found, owner = sides(mesh.cells)
+    found = np.sort(found, axis=1)
+    key = found[:, 0] * mesh.n_node + found[:, 1]
     order = np.argsort(key, kind="stable")
     wanted = np.sort(ends, axis=1)
     asked = wanted[:, 0] * mesh.n_node + wanted[:, 1]
     first = np.searchsorted(key[order], asked, side="left")
     last = np.searchsorted(key[order], asked, side="right")
-    total = np.concatenate([np.zeros((1, 3)), np.cumsum(normals[order // 3], axis=0)])
+    total = np.concatenate([np.zeros((1, 3)), np.cumsum(normals[owner[order]], axis=0)])
     return np.asarray(total[last] - total[first])
 
 

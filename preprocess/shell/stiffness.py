@@ -1,6 +1,7 @@
-"""Stiffness of shell triangles: a membrane, a plate and their coupling, rotated to the axes of G.
+"""Stiffness of shell elements: a membrane, a plate and their coupling, rotated to the axes of G.
 
-In E the degrees of freedom are (u, v, tz) of the membrane and (w, bx, by) of the plate, 9 and 9.
+In E the degrees of freedom of each corner are (u, v, tz) of the membrane and (w, bx, by) of the
+plate. Triangles are here, quadrilaterals in quad_stiffness.py.
 """
 
 from typing import Protocol
@@ -12,13 +13,12 @@ from .choice import Choice
 from .drilling import DRILLINGS
 from .membranes import MEMBRANES, MembraneStrains
 from .plates import PLATES, PlateStrains
+from .quad_stiffness import quad_stiffness
+from .quadrilaterals import Quadrilaterals
+from .rotation import to_G, together
 from .triangles import Triangles
 
-AT_A_TIME = 256  # triangles per block, so that intermediate arrays stay in the cache
-
-# Positions in the six degrees of freedom (u, v, w, rx, ry, rz) of a corner: by = -rx, bx = ry.
-MEMBRANE, PLATE = (0, 1, 5), (2, 4, 3)
-SIGN = (1.0, 1.0, -1.0)  # signs of the plate's degrees of freedom
+AT_A_TIME = 256  # elements per block, so that intermediate arrays stay in the cache
 
 
 class Stiffness(Protocol):
@@ -41,14 +41,14 @@ class Stiffness(Protocol):
         """Transverse shear, corrected, (2, 2) [N/m]."""
 
 
-def element_stiffness(t: Triangles, laminate: Stiffness, choice: Choice) -> Array:
-    """Stiffness of shell triangles in G, (c, 18, 18) [N/m, N, N m].
+def element_stiffness(t: Triangles | Quadrilaterals, laminate: Stiffness, choice: Choice) -> Array:
+    """Stiffness of shell elements in G, (c, 18, 18) or (c, 24, 24) [N/m, N, N m].
 
     Paper: Eq. (25), Eq. (26).
 
     Parameters
     ----------
-    t : c triangles
+    t : c triangles or quadrilaterals
     laminate : A, B, D, Ds in E, one for all or one for each triangle
     choice : plate, membrane, drilling
 
@@ -59,11 +59,16 @@ def element_stiffness(t: Triangles, laminate: Stiffness, choice: Choice) -> Arra
     """
     choice.checked()
     given = cell_stiffness(laminate)
-    K_G = np.empty((len(t), 18, 18))
+    size = 6 * t.xy_E.shape[1]
+    K_G = np.empty((len(t), size, size))
     for first in range(0, len(t), AT_A_TIME):
         some = slice(first, first + AT_A_TIME)
         A, B, D, Ds = (a[some] if len(a) > 1 else a for a in given)
-        K_G[some] = _stiffness(t[some], A, B, D, Ds, choice)
+        part = t[some]
+        if isinstance(part, Quadrilaterals):
+            K_G[some] = quad_stiffness(part, A, B, D, Ds, choice)
+        else:
+            K_G[some] = _stiffness(part, A, B, D, Ds, choice)
     return K_G
 
 
@@ -114,30 +119,3 @@ def weighted_squares(t: Triangles, C: Array, strain: Array) -> Array:
     c, q, n, _ = strain.shape
     stress = ((t.area / q)[:, None, None] * C)[:, None] @ strain
     return np.asarray(np.swapaxes(strain.reshape(c, q * n, 9), 1, 2) @ stress.reshape(c, q * n, 9))
-
-
-def together(K_m: Array, K_b: Array, K_mb: Array | None) -> Array:
-    """Matrix of all degrees of freedom (u, v, w, rx, ry, rz) of the corners in E, (c, 18, 18)."""
-    K = np.zeros((len(K_m), 3, 6, 3, 6))
-    m, b = K_m.reshape(-1, 3, 3, 3, 3), K_b.reshape(-1, 3, 3, 3, 3)
-    mb = None if K_mb is None else K_mb.reshape(-1, 3, 3, 3, 3)
-    for i in range(3):
-        for j in range(3):
-            K[:, :, MEMBRANE[i], :, MEMBRANE[j]] = m[:, :, i, :, j]
-            sign = SIGN[i] * SIGN[j]
-            K[:, :, PLATE[i], :, PLATE[j]] = sign * b[:, :, i, :, j]
-            if mb is not None:
-                K[:, :, MEMBRANE[i], :, PLATE[j]] = SIGN[j] * mb[:, :, i, :, j]
-                K[:, :, PLATE[j], :, MEMBRANE[i]] = SIGN[j] * mb[:, :, i, :, j].swapaxes(1, 2)
-    return K.reshape(-1, 18, 18)
-
-
-def to_G(A_GE: Array, K_E: Array) -> Array:
-    """Rotate a symmetric matrix from E to G: R K R', R six times A_GE on its diagonal, (c, 18, 18).
-
-    Paper: Eq. (23).
-    """
-    A_EG = np.swapaxes(A_GE, 1, 2)
-    right = (K_E.reshape(-1, 108, 3) @ A_EG).reshape(-1, 18, 18)
-    left = np.ascontiguousarray(np.swapaxes(right, 1, 2))  # K is symmetric: R K
-    return np.asarray((left.reshape(-1, 108, 3) @ A_EG).reshape(-1, 18, 18))

@@ -23,18 +23,22 @@ WORDS = {
 }
 
 
+ONLY = ("loads", "modes")  # load cases; natural modes and buckling
+
+
 class Support(NamedTuple):
     """Fixed degrees of freedom of one group."""
 
     name: str
     dofs: IntArray  # (k,) of all, ascending
     point_G: Array  # (3,) reference point of its reaction moment [m]
+    only: str | None = None  # one of ONLY, or None: in both
 
 
 def read_supports(
     table: Mapping[str, Any], mesh: ShellMesh, links: Sequence[Link], where: str
 ) -> list[Support]:
-    """The supports of a specification: {name: {at, fixed}}; `at` is a group or a link.
+    """The supports of a specification: {name: {at, fixed, only}}; `at` is a group or a link.
 
     Raises ShellError for an unknown group or component, and for a support on the reference point of
     an average link.
@@ -57,7 +61,13 @@ def read_supports(
             of = group(mesh, at, f"{place}.at")
             nodes, point = of.nodes, of.centre_G
         dofs = np.sort((DOFS * nodes[:, None] + components).ravel())
-        supports.append(Support(name, dofs, point))
+        only = entry.get("only")
+        if only is not None and only not in ONLY:
+            raise ShellError(
+                f"{place}.only = {only!r}: expected {' or '.join(ONLY)}"
+                + did_you_mean(str(only), ONLY)
+            )
+        supports.append(Support(name, dofs, point, only))
     return supports
 
 

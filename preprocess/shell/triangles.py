@@ -7,6 +7,7 @@ do not depend on the direction of the corners about e3, so a region may reverse 
 from dataclasses import dataclass, fields
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...solver.math.arrays import Array, IntArray
 from .errors import ShellError
@@ -15,9 +16,11 @@ START, END = (0, 1, 2), (1, 2, 0)  # corners of the three sides
 # Integration points in area coordinates, weight area / 3 each: exact up to degree 2.
 POINTS = np.full((3, 3), 1.0 / 6.0) + 0.5 * np.eye(3)
 
+BoolArray = NDArray[np.bool_]
 FLAT = 1e-10  # relative to the longest side squared: a smaller area counts as zero
 STEEP = 1e-6  # sine of the smallest angle between a reference direction and a normal
 NAMED = 5  # cells named in a message
+NORMAL = "is normal to its reference direction"
 
 
 @dataclass(frozen=True)
@@ -48,6 +51,16 @@ class Triangles:
         """Some of the triangles."""
         return Triangles(*(getattr(self, field.name)[some] for field in fields(self)))
 
+    @property
+    def interpolation(self) -> Array:
+        """Functions of the corners at the integration points, (3, 3)."""
+        return POINTS
+
+    @property
+    def weight(self) -> Array:
+        """Area of each integration point, (c, 3) [m2]."""
+        return np.repeat(self.area / 3.0, 3).reshape(-1, 3)
+
 
 def triangles(
     points_G: Array, cells: IntArray, direction_G: Array, flip: Array | bool = False
@@ -76,13 +89,8 @@ def triangles(
     refuse(~(twice_area > FLAT * longest**2), "has no area", cells)
     e3 = normal / twice_area[:, None]
     e3 = np.where(np.asarray(flip)[..., None], -e3, e3)
-    e1 = np.broadcast_to(np.asarray(direction_G, dtype=float), e3.shape)
-    whole = np.linalg.norm(e1, axis=1)
-    e1 = e1 - np.einsum("ci,ci->c", e1, e3)[:, None] * e3
-    projected = np.linalg.norm(e1, axis=1)
-    refuse(~(projected > STEEP * whole), "is normal to its reference direction", cells)
-    e1 = e1 / projected[:, None]
-    A_GE = np.stack([e1, np.cross(e3, e1), e3], axis=2)
+    A_GE, along = projected_axes(e3, direction_G)
+    refuse(~along, NORMAL, cells)
     xy_E = (corners - corners.mean(axis=1, keepdims=True)) @ A_GE[:, :, :2]
     edge_E = xy_E[:, END] - xy_E[:, START]
     # Corner i is opposite to the side that starts at the next corner. Its gradient is this side,
@@ -95,11 +103,29 @@ def triangles(
     )
 
 
-def refuse(wrong: Array, fault: str, cells: IntArray) -> None:
+def projected_axes(e3: Array, direction_G: Array) -> tuple[Array, BoolArray]:
+    """Axes A_GE (c, 3, 3) with e1 the projection of a direction, and where it has one, (c,) bool.
+
+    Parameters
+    ----------
+    e3 : (c, 3) unit normals
+    direction_G : (3,) or (c, 3)
+    """
+    e1 = np.broadcast_to(np.asarray(direction_G, dtype=float), e3.shape)
+    whole = np.linalg.norm(e1, axis=1)
+    e1 = e1 - np.einsum("ci,ci->c", e1, e3)[:, None] * e3
+    projected = np.linalg.norm(e1, axis=1)
+    along: BoolArray = projected > STEEP * whole
+    e1 = e1 / np.where(along, projected, 1.0)[:, None]
+    return np.stack([e1, np.cross(e3, e1), e3], axis=2), along
+
+
+def refuse(wrong: BoolArray, fault: str, cells: IntArray) -> None:
     """Raise `ShellError` with the first wrong cells, if any."""
     if not wrong.any():
         return
     found = np.flatnonzero(wrong)
     listed = ", ".join(f"{i} (nodes {', '.join(map(str, cells[i]))})" for i in found[:NAMED])
     more = f" and {len(found) - NAMED} more" if len(found) > NAMED else ""
-    raise ShellError(f"each of these triangles {fault}: {listed}{more}")
+    kind = "triangles" if cells.shape[1] == 3 else "quadrilaterals"
+    raise ShellError(f"each of these {kind} {fault}: {listed}{more}")

@@ -13,6 +13,7 @@ from . import (
     momentum,
     motion,
     packages,
+    refusals,
     stalls,
     stiffening,
     strength,
@@ -25,6 +26,7 @@ Check = Callable[[FinishedRun], Iterable[Finding]]
 CHECKS: tuple[Check, ...] = (
     completion.completion_findings,
     stalls.stall_findings,
+    refusals.refusal_findings,
     constraints.constraint_findings,
     energy.energy_findings,
     momentum.momentum_findings,

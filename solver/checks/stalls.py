@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..dynamics.model import state_size
 from ..integrators.generic.pace import Stall
 from ..mechanism import BuiltMechanism
 from ..results.codes.course import STALLED, VIBRATION_DAMPED
@@ -24,7 +25,7 @@ def stall_findings(run: FinishedRun) -> Iterator[Finding]:
 
 def stall_finding(built: BuiltMechanism, stall: Stall, lost: str = "") -> Finding:
     """Return what to say of a stall; `lost`: what is known of the energy that was damped."""
-    body, motion = _motion(built, stall.component)
+    body, motion = named_motion(built, stall.component)
     rate = f" (about {stall.rate:.2g} rad/s)" if stall.rate > 0.0 else ""
     why = (
         f"the steps before t = {stall.t:.6g} s averaged {stall.step:.2g} s, {stall.refused:.0%} of "
@@ -41,11 +42,15 @@ def stall_finding(built: BuiltMechanism, stall: Stall, lost: str = "") -> Findin
     return STALLED.finding(text, body=body, t=stall.t, value=stall.step)
 
 
-def _motion(built: BuiltMechanism, component: int) -> tuple[str, str]:
-    """Return body and description of a component of the state."""
+def named_motion(built: BuiltMechanism, component: int) -> tuple[str, str]:
+    """Return body and description of a component of the state; "" for one of no body."""
     model = built.model
-    velocity = component >= model.n_pos
-    if not 0 <= component < model.n_pos + model.n_vel:
+    velocity, n = component >= model.n_pos, state_size(model)
+    if component == n - 1:
+        return "", "the work of drives, loads and dampers"
+    if component >= model.n_pos + model.n_vel:
+        return "", "a state of a controller or of friction"
+    if component < 0:
         return "", "unknown"
     starts = np.asarray(model.vel_start) + model.n_pos if velocity else np.asarray(model.pos_start)
     i = int(np.searchsorted(starts, component, side="right")) - 1

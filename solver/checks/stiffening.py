@@ -44,7 +44,7 @@ def _without_data(name: str) -> Finding:
     text = (
         f"{name}: geometric_stiffening was asked for, but the package of the body has no "
         "second-order data: the body stays linear. Beams of up to 40 modes have them since format "
-        "1.3 of the package: build it again"
+        "1.3 of the package, shells with second_order = true: build it again"
     )
     return NO_STIFFENING_DATA.finding(text, body=name)
 

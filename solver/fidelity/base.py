@@ -19,7 +19,7 @@ from ..package.body.selection import (
 )
 from ..package.body.specification import DIRECTIONS
 from ..package.body.transform import rigid
-from ..run.execution import integrated
+from ..run.integration import integrated
 from ..run.outcome import RunSpec
 from ..run.preparation import prepare
 from .model import DAMPED, with_values

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..package import ModalPackage
-from ..run.execution import integrated
+from ..run.integration import integrated
 from ..run.outcome import RunSpec
 from ..run.preparation import prepare
 from ..signals import Recording

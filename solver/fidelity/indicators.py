@@ -171,13 +171,13 @@ def _indicators(
     found = response(base, built.model, p)
     wanted = {name: spec.mechanism.signals[name] for name in signals}
     kinds = {name: signal.kind for name, signal in wanted.items()}
-    measured = sensors(built, wanted)
+    measured = sensors(built, spec.mechanism.signals, wanted=wanted)
     parts = effects(found, measured, kinds)
     scale = scales(fidelity.metric, parts.base + parts.response.sum(axis=2))
     stiffened = np.zeros(len(signals))
     if any(package.second_order is not None for package in packages.values()):
         again = build(_linear(spec, stiffening=True), {**fixed, **packages})
-        second = sensors(again, wanted)
+        second = sensors(again, spec.mechanism.signals, wanted=wanted)
         lost = _stiffening_loss(found, again, measured, second, parts)
         stiffened = np.abs(lost).max(axis=1) / scale
     spin = _spins(built, found, list(rich))

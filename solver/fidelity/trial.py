@@ -10,7 +10,7 @@ import numpy as np
 from ..checks.finished import FinishedRun
 from ..errors import InputError
 from ..math.arrays import Array
-from ..run.execution import integrated
+from ..run.integration import integrated
 from ..run.outcome import RunSpec, collect
 from ..run.preparation import Prepared, prepare
 from ..signals import Recording

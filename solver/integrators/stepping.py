@@ -9,6 +9,7 @@ import numpy as np
 
 from ..dynamics.auxiliary import Called, Instants, sampled
 from ..dynamics.constraints.treatment import Treatment
+from ..dynamics.dependence import is_tree
 from ..dynamics.model import Model
 from ..dynamics.system import by_blocks, derivative_into
 from ..dynamics.workspace import new_work, spare_work
@@ -31,7 +32,7 @@ from .generic.alpha_scheme import FORMULATIONS, SPECTRAL_RADIUS, scheme
 from .generic.base import FIRST_STEPS, Dense
 from .generic.explicit import Powers
 from .generic.hermite import Hermite
-from .generic.pace import Pace
+from .generic.pace import Pace, Refusals
 from .generic.steps import Steps
 from .ringing import ringing
 
@@ -80,6 +81,8 @@ class StepLoop(Integrator):
         if not by_blocks(model):
             # Rows that depend on each other: of effect on Newton's matrix, not on the motion.
             model = model._replace(penalty=Treatment.penalty)
+        if is_tree(model):
+            model = model._replace(penalty=0.0)  # nothing to soften
         self._model = self.for_loop(model)
         super().__init__(right_hand_side(model), t0, y0, t_end, **options)
         self._options = Options(
@@ -125,6 +128,15 @@ class StepLoop(Integrator):
             code, filled = self._call(most, times, rows, filled, self._ends)
         self._take_over(code)
         return filled
+
+    def go_on(self, t_end: float) -> None:
+        """Let the run end at t_end [s]; up to there it starts anew from the present state.
+
+        For a run that has finished, or not begun, after laws of time in the model have changed.
+        """
+        self.t_end, self.status, self.message = float(t_end), "running", ""
+        self._instants = Instants(self._model, self.t_end)
+        self._options = self._options._replace(t_end=self.t)
 
     def steps_taken(self) -> Steps:
         """Return the steps of the last stride; valid up to the next."""
@@ -184,7 +196,7 @@ class StepLoop(Integrator):
         """Sample controllers where the loop stands at an instant, and go on from there."""
         if self.t < self._options.t_end or self.t >= self.t_end:
             return
-        which = self._instants.sampled_at(self.t)
+        which = self._instants.sampled_at(self.t) & (self.t > self.t0)  # not the start again
         self.y = sampled(self._model, self.t, self.y, which, self._functions)
         rate, work = np.zeros(self.n), spare_work(self._model)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
@@ -235,6 +247,12 @@ class StepLoop(Integrator):
             self._fail(f"The fixed step of {self.fixed_step:.3g} s fails at t = {t:.9g} s")
         else:
             self._fail(f"No step however small succeeds at t = {t:.9g} s")
+
+    def refusals(self) -> Refusals:
+        """Attempts that were refused so far, with the reasons."""
+        why = self._workspace.counts[codes.BECAUSE :]
+        newton, rough = int(why[codes.NEWTON]), int(why[codes.TOO_ROUGH])
+        return replace(super().refusals(), newton=newton, rough=rough)
 
     def _closes(self) -> bool:
         return False
@@ -345,6 +363,12 @@ class Radau(ClosingLoop):
             self._patience = PATIENCE
             self._workspace.clock[codes.CUTOFF] = cutoff
             self.stalls = [replace(self.stalls[0], cutoff=cutoff)]
+
+    def refusals(self) -> Refusals:
+        """Attempts that were refused so far, with the component that was most often the reason."""
+        blamed = self._workspace.blamed
+        component = int(np.argmax(blamed)) if blamed.any() else -1
+        return replace(super().refusals(), component=component)
 
     @property
     def damped_energy(self) -> float:

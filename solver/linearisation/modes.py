@@ -18,6 +18,7 @@ BoolArray = NDArray[np.bool_]
 _STILL = 1e-6  # [rad/s] eigenvalues below are zero, whatever the mechanism
 _ROUND_OFF = 100.0  # safety on the round-off of a double eigenvalue zero
 _DOUBLE = 30.0  # safety on what the eigenvalue solver makes of a double zero [sqrt(rad/s)]
+_TERMS = 10.0  # safety on the round-off of sums whose terms cancel
 _REAL = 1e-9  # imaginary part of a real eigenvalue, relative
 
 
@@ -68,7 +69,8 @@ def modes_of(model: Model, space: StateSpace, t: float = 0.0) -> Modes:
     real = np.abs(values.imag) <= _REAL * np.abs(values)
     values = np.where(real, values.real, values)
     double = _DOUBLE * float(np.sqrt(np.finfo(float).eps * largest))
-    still = np.abs(values) <= max(_STILL, _still(model, space, t), double)
+    least = np.maximum(max(_STILL, _still(model, space, t), double), _cancelled(space, left, right))
+    still = np.abs(values) <= least
     # Of a pair one is kept; of a double zero, which has one vector, also one.
     keep = [k for k in range(values.size) if values[k].imag > 0.0 or real[k]]
     keep = _single_zeros(keep, still, right)
@@ -92,6 +94,20 @@ def _still(model: Model, space: StateSpace, t: float) -> float:
     forces = np.abs(assemble(model, t, space.y).f) / model.inertia_scale
     noise = np.finfo(float).eps * float((forces * units_of(model, size)).max()) / STEP
     return float(_ROUND_OFF * np.sqrt(noise))
+
+
+def _cancelled(space: StateSpace, left: Array, right: Array) -> Array:
+    """Return what round-off makes of each eigenvalue if stiff terms cancel to zero in it [rad/s].
+
+    lambda^2 = l' A r / l' r with A the accelerations by displacements: its round-off is that of
+    the largest terms of the sums, which a rigid motion beside stiff modes cancels.
+    """
+    n = space.n_free
+    rows, r = left[n : 2 * n], right[:n]
+    terms = np.einsum("ik,ij,jk->k", np.abs(rows), np.abs(space.A_free[n : 2 * n, :n]), np.abs(r))
+    product = np.abs(np.einsum("ik,ik->k", rows.conj(), r))
+    noise = _TERMS * np.finfo(float).eps * terms
+    return np.asarray(np.sqrt(np.divide(noise, product, np.zeros_like(noise), where=product > 0)))
 
 
 def _single_zeros(keep: list[int], still: BoolArray, right: Array) -> list[int]:

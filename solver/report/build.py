@@ -12,6 +12,7 @@ from .drawings import Drawing, draw_all
 from .exposure import draw_exposure
 from .motion import draw_motion
 from .page import page
+from .spectrum import draw_spectrum
 from .story import Story, comparisons, read_story
 
 
@@ -43,25 +44,24 @@ def make_report(case_dir: Path, runs: list[str], case: dict[str, Any] | None = N
     titles = case.get("runs", {})
     stories = [read_story(case_dir, run, str(titles.get(run) or run)) for run in runs]
     by_name = {story.name: story for story in stories}
-    compared = []
-    for wanted in comparisons(case, stories):
+    compared, shown = [], comparisons(case, stories)
+    for wanted in shown:
         chosen = [by_name[run] for run in wanted.runs]
         for story in chosen:
             story.signal(wanted.signal)
         content = repr((wanted, [story.content for story in chosen]))
         file = case_dir / f"{wanted.name}.png"
-        compared.append(Drawing(file, draw_comparison, (wanted, chosen), content))
+        draw = draw_spectrum if wanted.spectrum else draw_comparison
+        compared.append(Drawing(file, draw, (wanted, chosen), content))
     motions = [_of_run(case_dir, story, "motion", draw_motion) for story in stories]
     balances = [_of_run(case_dir, story, "balance", draw_balance) for story in stories]
     strong = [story for story in stories if story.summary.get("strength")]
     strengths = [_of_run(case_dir, story, "strength", draw_exposure) for story in strong]
     draw_all(case_dir, [*compared, *motions, *balances, *strengths])
-    drawn = [(drawing.arguments[0].title, drawing.path) for drawing in compared]
     title = str(case.get("title") or stories[0].result.case)
     target = case_dir / "report.html"
     with temporary_sibling(target) as temporary:
-        pictures = ([d.path for d in kind] for kind in (motions, balances, strengths))
-        text = page(title, stories, drawn, *pictures)
+        text = page(title, stories, shown)
         temporary.write_text(text, encoding="utf-8")
     return target
 

@@ -1,26 +1,58 @@
-"""Elements of report.html: figures, tables, names of runs."""
+"""Elements of report.html: sections, tables that can be sorted, names of runs."""
 
-import base64
+from collections.abc import Sequence
 from html import escape
-from pathlib import Path
+from typing import NamedTuple
 
 from .story import Story
+from .table import number
 
 
-def figure(path: Path, caption: str, kind: str = "") -> str:
-    """Return a figure that is embedded in the page."""
-    data = base64.b64encode(path.read_bytes()).decode("ascii")
+class Cell(NamedTuple):
+    """A cell of a table: HTML, and the number that it is sorted by."""
+
+    html: str
+    value: float | None = None
+
+
+Row = Sequence[str | Cell]
+
+
+def figures(value: float | None, digits: int = 3) -> Cell:
+    """Return a number as a cell that is sorted by its full value."""
+    return Cell(number(value, digits), value)
+
+
+def section(name: str, title: str, *content: str) -> str:
+    """Return a section with a heading and the anchor `name`."""
+    inside = "\n".join(part for part in content if part)
+    head = f"<h2 id='{name}-title'>{title}</h2>"
+    return f"<section id='{name}' aria-labelledby='{name}-title'>{head}{inside}</section>"
+
+
+def table(caption: str, head: Sequence[str], rows: Sequence[Row]) -> str:
+    """Return a table that sorts by the column whose heading is pressed.
+
+    `head` and the cells are HTML; a caption is for screen readers.
+    """
+    top = "".join(f"<th scope='col'>{text}</th>" for text in head)
+    body = "".join(f"<tr>{_cells(row)}</tr>" for row in rows)
     return (
-        f"<figure class='{kind}'><img alt='{escape(caption, quote=True)}' "
-        f"src='data:image/png;base64,{data}'></figure>"
+        f"<div class='scroll' tabindex='0' role='region' aria-label='{escape(caption)}'>"
+        f"<table class='sortable'><caption>{escape(caption)}</caption>"
+        f"<thead><tr>{top}</tr></thead><tbody>{body}</tbody></table></div>"
     )
 
 
-def table(head: str, rows: list[list[str]]) -> str:
-    """Return a table; `head` has the cells of its first row."""
-    body = "".join("<tr>" + "".join(f"<td>{c}</td>" for c in row) + "</tr>" for row in rows)
-    whole = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-    return f"<div class='scroll'>{whole}</div>"
+def _cells(row: Row) -> str:
+    found = []
+    for number_, item in enumerate(row):
+        html, value = item if isinstance(item, Cell) else (item, None)
+        key = "" if value is None else f" data-v='{value!r}'"
+        found.append(
+            f"<th scope='row'{key}>{html}</th>" if number_ == 0 else f"<td{key}>{html}</td>"
+        )
+    return "".join(found)
 
 
 def name_of(story: Story) -> str:

@@ -3,7 +3,7 @@
 import hashlib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..errors import InputError, nearest
 from ..results import ResultError, RunResult, Signal, read_result, read_summary
@@ -33,14 +33,14 @@ class Story:
         raise InputError(f"run {self.name}: no signal {name!r}{nearest(name, known)}")
 
 
-@dataclass(frozen=True)
-class Comparison:
+class Comparison(NamedTuple):
     """One signal of several runs in one picture."""
 
     name: str
     title: str
     signal: str
     runs: tuple[str, ...]
+    spectrum: bool = False  # amplitudes over frequency, not values over time
 
 
 def read_story(case_dir: Path, run: str, title: str) -> Story:
@@ -72,5 +72,6 @@ def comparisons(case: dict[str, Any], stories: list[Story]) -> list[Comparison]:
     for name, figure in wanted.items():
         runs = tuple(run for run in figure["runs"] if run in there)
         if runs:
-            found.append(Comparison(name, figure.get("title") or name, figure["signal"], runs))
+            title, spectrum = figure.get("title") or name, bool(figure.get("spectrum"))
+            found.append(Comparison(name, title, figure["signal"], runs, spectrum))
     return found

@@ -1,17 +1,20 @@
-"""The section of report.html on the strength of plies."""
+"""The sections of report.html on the strength of plies and on fatigue."""
 
 from html import escape
-from pathlib import Path
 from typing import Any
 
-from .elements import figure, name_of, table
+import numpy as np
+
+from .elements import Cell, Row, figures, name_of, section, table
 from .story import Story
 from .table import number
 
 PLIES_SHOWN = 5  # of each body
+HEAD = ["run", "body", "strength ratio R [-]", "margin R - 1 [-]", "criterion", "mode"]
+HEAD += ["x [m]", "time [s]", "ply", "place"]
 
 
-def strength_section(stories: list[Story], figures: list[Path]) -> str:
+def strength_section(stories: list[Story]) -> str:
     """Return the section on ply stresses, or nothing if no material has strengths."""
     told = [story for story in stories if story.summary.get("strength")]
     if not told:
@@ -22,40 +25,97 @@ def strength_section(stories: list[Story], figures: list[Path]) -> str:
         for story, body, whole in bodies
         for found in whole.get("plies", [])[:PLIES_SHOWN]
     ]
-    tables = _rows(bodies)
+    tables = table("Lowest strength ratio of each body", HEAD, _rows(bodies))
     if len(weakest) > len(bodies):
-        tables += f"<h3>Weakest plies of each body</h3>{_rows(weakest)}"
-    drawn = "".join(
-        figure(path, f"Exposure along the beams of {story.title}")
-        for story, path in zip(told, figures, strict=True)
-    )
-    return f"<section><h2>Strength</h2>{tables}<div class='grid'>{drawn}</div></section>"
+        tables += "<h3>Weakest plies of each body</h3>"
+        tables += table("Weakest plies of each body", HEAD, _rows(weakest))
+    return section("strength", "Strength", tables)
 
 
-def _rows(found: list[tuple[Story, str, dict[str, Any]]]) -> str:
-    """Return a table of lowest strength ratios: story, body, entry of summary.json."""
-    head = ["run", "body", "strength<br>ratio R [-]", "margin<br>R - 1 [-]", "criterion", "mode"]
-    head += ["x<br>[m]", "time<br>[s]", "ply"]
-    rows = []
+def _rows(found: list[tuple[Story, str, dict[str, Any]]]) -> list[Row]:
+    """Return rows of lowest strength ratios: story, body, entry of summary.json."""
+    rows: list[Row] = []
     for story, body, entry in found:
         ply = entry["ply"]
         ratio = number(entry["ratio"], 4)
+        shown = f"<span class='badge bad'>{ratio}</span>" if fails(entry) else ratio
         rows.append(
             [
                 name_of(story),
                 escape(body),
-                f"<span class='badge bad'>{ratio}</span>" if fails(entry) else ratio,
-                number(entry["margin"], 3),
+                Cell(shown, entry["ratio"]),
+                figures(entry["margin"]),
                 escape(entry["criterion"]),
                 escape(entry["mode"]),
-                number(entry["x"], 4),
-                number(entry["time"], 4),
+                figures(entry["x"], 4),
+                figures(entry["time"], 4),
                 escape(
                     f"{ply['region']} {ply['index']}, {ply['material']}, {ply['angle_deg']:g} deg"
                 ),
+                _jump(story, body, entry),
             ]
         )
-    return table("".join(f"<th>{cell}</th>" for cell in head), rows)
+    return rows
+
+
+def _jump(story: Story, body: str, entry: dict[str, Any]) -> str:
+    """Return a button that shows the place of a ply at its time in the view."""
+    if entry["time"] is None:
+        return ""
+    node = place(story, body, entry)
+    at = "" if node is None else f" data-node='{node}'"
+    return (
+        f"<button type='button' class='small' data-run='{escape(story.name)}' "
+        f"data-body='{escape(body)}' data-time='{float(entry['time'])!r}'{at} "
+        f"data-text='{escape(ply_text(entry))}'>show</button>"
+    )
+
+
+def worst(story: Story) -> list[dict[str, Any]]:
+    """Return body, node, time and text of the weakest ply of each body, the weakest first."""
+    found = sorted(
+        (
+            (entry["ratio"], body, entry)
+            for body, entry in story.summary.get("strength", {}).items()
+            if entry["ratio"] is not None and entry["time"] is not None
+        ),
+        key=lambda each: each[0],
+    )
+    return [
+        {
+            "body": body,
+            "node": place(story, body, entry),
+            "time": entry["time"],
+            "text": ply_text(entry),
+        }
+        for _, body, entry in found
+    ]
+
+
+def ply_text(entry: dict[str, Any]) -> str:
+    """Return ply, criterion and ratio of an entry in words."""
+    ply = entry["ply"]
+    return (
+        f"R = {number(entry['ratio'], 4)} ({entry['criterion']}), {ply['region']} ply "
+        f"{ply['index']}, {ply['material']}, {ply['angle_deg']:g} deg"
+    )
+
+
+def place(story: Story, body: str, entry: dict[str, Any]) -> int | None:
+    """Return the drawn node nearest to the place of an entry; None if the body is not drawn."""
+    for geometry in story.result.bodies:
+        if geometry.name != body or geometry.view is None or geometry.view.sites is None:
+            continue
+        at = geometry.view.sites.place_B
+        if len(entry["point"]) == 3:
+            target = np.asarray(entry["point"], dtype=float)
+        else:
+            x = np.asarray(story.summary["strength"][body]["along_beam"]["x"], dtype=float)
+            if len(x) != len(at):
+                return None
+            target = at[int(np.argmin(np.abs(x - entry["x"])))]
+        return int(np.argmin(np.linalg.norm(geometry.nodes_B - target, axis=1)))
+    return None
 
 
 def fails(found: dict[str, Any]) -> bool:
@@ -65,21 +125,20 @@ def fails(found: dict[str, Any]) -> bool:
 
 def fatigue_section(stories: list[Story]) -> str:
     """Return the section on Miner sums, or nothing if no stress has an S-N line."""
-    head = ["run", "stress", "Miner sum<br>of the run [-]", "runs to<br>failure [-]"]
-    head += ["cycles", "largest<br>range [Pa]"]
-    rows = [
+    head = ["run", "stress", "Miner sum of the run [-]", "runs to failure [-]"]
+    head += ["cycles", "largest range [Pa]"]
+    rows: list[Row] = [
         [
             name_of(story),
             escape(signal),
-            number(found["damage"], 4),
-            number(found["repetitions"], 4),
-            number(found["cycles"], 6),
-            number(found["largest_range"], 4),
+            figures(found["damage"], 4),
+            figures(found["repetitions"], 4),
+            figures(found["cycles"], 6),
+            figures(found["largest_range"], 4),
         ]
         for story in stories
         for signal, found in story.summary.get("fatigue", {}).items()
     ]
     if not rows:
         return ""
-    shown = table("".join(f"<th>{cell}</th>" for cell in head), rows)
-    return f"<section><h2>Fatigue</h2>{shown}</section>"
+    return section("fatigue", "Fatigue", table("Miner sums", head, rows))

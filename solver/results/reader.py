@@ -17,6 +17,7 @@ from .schema import (
     Signal,
     check_result,
 )
+from .view_file import read_link, read_view
 
 
 def read_result(path: str | Path) -> RunResult:
@@ -81,17 +82,19 @@ def _load(path: Path, file: h5py.File) -> RunResult:
         energies=series("energies"),
         bodies=tuple(
             BodyGeometry(
-                item.name.rsplit("/", 1)[1],
-                *(
-                    np.asarray(_get(path, item, name)[()])
+                name=item.name.rsplit("/", 1)[1],
+                view=read_view(path, item),
+                **{
+                    name: np.asarray(_get(path, item, name)[()])
                     for name in ("nodes_B", "connectivity", "offsets", "cell_types")
-                ),
+                },
             )
             for item in members("bodies")
         ),
         node_positions_G=array("node_positions_G"),
         violations=series("violations"),
         node_deflection=array("node_deflection") if "node_deflection" in group else None,
+        links=tuple(read_link(path, item) for item in members("joints")),
     )
 
 

@@ -6,9 +6,10 @@ import numpy as np
 
 from ..errors import InputError
 from ..math.arrays import Array, IntArray
+from .view import BodyView, Link
 
 FORMAT = "plymotion result"
-FORMAT_VERSION = (1, 1)
+FORMAT_VERSION = (1, 2)
 
 ENERGIES = ("kinetic", "strain", "potential", "drive_work")
 ROUNDING = 1e3 * float(np.finfo(float).eps)  # of sums of energies, relative
@@ -66,6 +67,7 @@ class BodyGeometry:
     connectivity: IntArray  # flat node indices (0-based rows of nodes_B)
     offsets: IntArray  # (c + 1,)
     cell_types: IntArray  # (c,) VTK cell types
+    view: BodyView | None = None  # what is needed to show it in motion
 
 
 @dataclass(frozen=True)
@@ -85,6 +87,7 @@ class RunResult:
     # largest constraint violation, (k,) each: position [m], rotation [rad], velocity [m/s]
     violations: dict[str, Array] = field(default_factory=dict)
     node_deflection: Array | None = None  # (k, n) magnitude of the elastic displacement [m]
+    links: tuple[Link, ...] = ()  # joints, for pictures
 
     @property
     def energy_balance(self) -> Array:

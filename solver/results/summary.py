@@ -10,21 +10,25 @@ import numpy as np
 from ..math.arrays import Array
 from ..math.rows import spans
 from ..package.common.temporary import temporary_sibling
+from .measures import SquareIntegral
 from .schema import ResultError, Signal
+
+MEASURES = ("final", "min", "t_min", "max", "t_max", "rms", "peak_to_peak")
 
 
 def signal_summary(signal: Signal, t: Array) -> dict[str, Any]:
-    """Return unit, final value and both extremes of a signal with their times [s].
+    """Return unit, final value, both extremes with their times [s], and root mean square.
 
     NaN and inf are ignored; a signal without finite values
     gives None for all.
     """
     low = high = None  # value and time
-    final = np.nan
+    final, square = np.nan, SquareIntegral()
     for first, end in spans(len(signal.values), 1):
         values, times = signal.values[first:end], t[first:end]
         known = np.flatnonzero(np.isfinite(values))
         final = values[-1]
+        square.take(times, values)
         if not len(known):
             continue
         least, most = known[np.argmin(values[known])], known[np.argmax(values[known])]
@@ -33,7 +37,7 @@ def signal_summary(signal: Signal, t: Array) -> dict[str, Any]:
         if high is None or values[most] > high[0]:
             high = float(values[most]), float(times[most])
     if low is None or high is None:
-        return {"unit": signal.unit} | dict.fromkeys(("final", "min", "t_min", "max", "t_max"))
+        return {"unit": signal.unit} | dict.fromkeys(MEASURES)
     return {
         "unit": signal.unit,
         "final": float(final) if np.isfinite(final) else None,
@@ -41,6 +45,8 @@ def signal_summary(signal: Signal, t: Array) -> dict[str, Any]:
         "t_min": low[1],
         "max": high[0],
         "t_max": high[1],
+        "rms": square.rms(),
+        "peak_to_peak": high[0] - low[0],
     }
 
 
@@ -48,7 +54,7 @@ def write_summary(path: str | Path, summary: dict[str, Any]) -> None:
     """Write a summary as standard JSON: NaN and inf become null."""
     path = Path(path)
     try:
-        text = json.dumps(_plain(summary), indent=2, ensure_ascii=False, allow_nan=False)
+        text = json.dumps(plain(summary), indent=2, ensure_ascii=False, allow_nan=False)
     except TypeError as error:
         raise ResultError(
             f"{path}: the summary contains a value that is not JSON: {error}"
@@ -69,13 +75,14 @@ def read_summary(path: str | Path) -> dict[str, Any]:
     return summary
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
+    """Return a value as JSON can hold it: arrays as lists, NaN and infinity as null."""
     if isinstance(value, dict):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     if isinstance(value, np.ndarray | np.generic):
-        return _plain(value.tolist())
+        return plain(value.tolist())
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value

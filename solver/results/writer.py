@@ -11,6 +11,7 @@ from ..math.rows import LongRows, spans
 from ..package.common.container import new_file, set_text
 from ..package.common.identity import write_file_checksum
 from .schema import FORMAT, FORMAT_VERSION, BodyGeometry, ResultError, RunResult, check_result
+from .view_file import write_link, write_view
 
 LARGE = 1_000_000  # size in bytes above which an array is compressed
 MULTIPLIER_UNIT = "N, N m"
@@ -77,6 +78,12 @@ def _write_results(group: h5py.Group, result: RunResult) -> None:
         _put(sub, "connectivity", body.connectivity, "-", "-", "rows of nodes_B, cell by cell")
         _put(sub, "offsets", body.offsets, "-", "-", "start of each cell in connectivity")
         _put(sub, "cell_types", body.cell_types, "-", "-", "VTK cell types")
+        if body.view is not None:
+            write_view(sub, body.view)
+    for index, link in enumerate(result.links):
+        sub = group.create_group(f"joints/{link.name}")
+        sub.attrs["index"] = index
+        write_link(sub, link)
     text = "positions of all drawn points, bodies end to end"
     _put(group, "node_positions_G", result.node_positions_G, "m", "G", text)
     if result.node_deflection is not None:

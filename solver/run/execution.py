@@ -3,26 +3,24 @@
 import json
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..checks.finished import FinishedRun, Look
+from ..checks.finished import FinishedRun
 from ..checks.stalls import stall_finding
 from ..errors import InputError, PackageError
 from ..inputs.case.record import sealed
-from ..integrators.choice import make_integrator
-from ..integrators.generic import Steps, StopRequest, Watch, integrate
-from ..integrators.generic.pace import Stall
+from ..integrators.generic import Steps, StopRequest, Watch
 from ..interrupts import held
-from ..math.arrays import Array
 from ..package import ModalPackage, read_package
 from ..results import RunResult, write_result, write_summary
 from ..results.finding import Finding
 from .disk_usage import disk_note, nearest_folder
 from .inputs_digest import inputs_sha256
+from .integration import integrated
+from .other_runs import histories_of
 from .outcome import RunSpec, collect
 from .preparation import Prepared, prepare
 from .timing import Stopwatch
@@ -48,23 +46,42 @@ def read_run(file: Path, *, allow_doubtful: bool = False) -> RunSpec:
         table = json.loads(file.read_text(encoding="utf-8"))
         case, run = str(table["case"]), str(table["run"])
         mechanism = _mechanism(table, str(file))
-        entries = [(body, *_entry(entry)) for body, entry in table["packages"].items()]
-        unknown = [body for body, *_ in entries if body not in mechanism.bodies]
-        if unknown:
-            raise ValueError(f"packages.{unknown[0]}: there is no such body")
+        entries = _entries(table, mechanism)
+        others = {
+            name: (_mechanism(each, str(file)), each)
+            for name, each in table.get("other_runs", {}).items()
+        }
+        of_others = {name: _entries(each, other) for name, (other, each) in others.items()}
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise InputError(
             f"{file}: not a run file ({type(error).__name__}: {error}); expected one written by "
             "`python -m plymotion.solver check`"
         ) from error
-    packages = {}
-    for body, name, digest in entries:
-        whose = f"bodies.{body} of case {case}, run {run}"
-        path = file.parent.parent / name
-        packages[body] = package_of(
-            path, digest, whose, f"make {case}", allow_doubtful=allow_doubtful
-        )
-    return RunSpec(case, run, mechanism, packages)
+
+    def packages(run: str, entries: list[tuple[str, str, str | None]]) -> dict[str, ModalPackage]:
+        found = {}
+        for body, name, digest in entries:
+            whose = f"bodies.{body} of case {case}, run {run}"
+            path = file.parent.parent / name
+            found[body] = package_of(
+                path, digest, whose, f"make {case}", allow_doubtful=allow_doubtful
+            )
+        return found
+
+    known = {
+        name: RunSpec(case, name, other, packages(name, of_others[name]))
+        for name, (other, _) in others.items()
+    }
+    return RunSpec(case, run, mechanism, packages(run, entries), known)
+
+
+def _entries(table: dict[str, Any], mechanism: "Mechanism") -> list[tuple[str, str, str | None]]:
+    """Return bodies with files and digests of their packages. Raises ValueError."""
+    entries = [(body, *_entry(entry)) for body, entry in table["packages"].items()]
+    unknown = [body for body, *_ in entries if body not in mechanism.bodies]
+    if unknown:
+        raise ValueError(f"packages.{unknown[0]}: there is no such body")
+    return entries
 
 
 def _entry(entry: Any) -> tuple[str, str | None]:
@@ -111,56 +128,6 @@ def package_of(
             f"(inputs {str(found)[:12]}, expected {expected[:12]}): run `{remedy}`"
         )
     return package
-
-
-def output_times(t_end: float, step: float) -> Array:
-    """Return 0, step, 2 step, ..., t_end, (k,) [s]; the last interval may be shorter."""
-    count = int(np.floor(t_end / step * (1 + 1e-12)))
-    times = np.linspace(0.0, count * step, count + 1)
-    if t_end - times[-1] > 1e-9 * t_end:
-        times = np.append(times, t_end)
-    times[-1] = t_end
-    return times
-
-
-def integrated(
-    prepared: Prepared,
-    watch: Watch | None = None,
-    look: Look | None = None,
-    on_stall: Callable[[Stall], None] | None = None,
-    folder: Path | None = None,
-) -> FinishedRun:
-    """Integrate a prepared mechanism from its start to `t_end`: a single run, or one of a sweep.
-
-    Numerical trouble and Ctrl-C while it steps are no exceptions but the status of the solution.
-
-    Parameters
-    ----------
-    watch : sees the steps in place of the monitors, which it must call itself
-    look : at how many output times the checks look
-    on_stall : told at once of a run that has come to a stall
-    folder : for states that are too many for memory; None: that of temporary files
-    """
-    solver = prepared.mechanism.solver
-    solution, order = prepared.refused, 0
-    if solution is None:
-        integrator = make_integrator(
-            prepared.model,
-            prepared.y0,
-            solver,
-            prepared.treatment,
-            functions=prepared.functions,
-        )
-        times = output_times(solver.t_end, solver.output_step)
-        solution = integrate(
-            integrator,
-            times,
-            watch=watch or prepared.watch,
-            on_stall=on_stall,
-            folder=folder,
-        )
-        order = integrator.order
-    return prepared.finished(prepared.explained(solution), order, look or Look())
 
 
 class _Progress:
@@ -257,7 +224,12 @@ def _solved(
 ) -> tuple[Prepared, FinishedRun, float]:
     """Return the mechanism, its motion, and the wall time of both [s]."""
     begin = time.perf_counter()
-    prepared = prepare(spec.mechanism, spec.packages, allow_python=allow_python)
+    prepared = prepare(
+        spec.mechanism,
+        spec.packages,
+        allow_python=allow_python,
+        histories=histories_of(spec.mechanism.signals, spec.other_runs, allow_python=allow_python),
+    )
     clock.lap("build")
     follow = _Progress(prepared.watch, spec.mechanism.solver.t_end, spec.run, progress)
     if prepared.buckling is not None:

@@ -4,7 +4,10 @@ import hashlib
 import json
 from pathlib import Path
 
+from ..inputs.case.run_table import package_entries
 from ..inputs.case.sources import solver_sha256
+from ..package.common.disk_file import has_right_seal
+from ..results import ResultError, read_summary
 
 
 def inputs_sha256(file: Path) -> str:
@@ -13,8 +16,19 @@ def inputs_sha256(file: Path) -> str:
         content = file.read_bytes()
         digest = hashlib.sha256(solver_sha256().encode() + content)
         table = json.loads(content)
-        for entry in (*table["packages"].values(), *table.get("check_packages", {}).values()):
+        for entry in package_entries(table):
             digest.update((file.parent.parent / entry["file"]).read_bytes())
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return ""
     return digest.hexdigest()
+
+
+def up_to_date(file: Path, out: Path) -> bool:
+    """Tell whether a result is there that was not interrupted and has the inputs of a run file."""
+    try:
+        summary = read_summary(out / "summary.json")
+    except ResultError:
+        return False
+    there = has_right_seal(out / "result.vtkhdf") and summary.get("status") != "interrupted"
+    known = summary.get("inputs_sha256")
+    return there and bool(known) and known == inputs_sha256(file)

@@ -2,7 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +21,7 @@ from ..results.codes.course import FEEDBACK
 from ..signals import Sensor, fatigue_entry, recorded
 from ..strength.fatigue import Turning
 from ..strength.found import summary as strength_entry
+from .drawing import links, with_views
 
 if TYPE_CHECKING:
     from ..inputs.case.schema import Mechanism
@@ -30,12 +31,18 @@ VTK_LINE = 3
 
 @dataclass(frozen=True)
 class RunSpec:
-    """A run as `check` wrote it, with its packages read."""
+    """A run as `check` wrote it, with its packages read.
+
+    Attributes
+    ----------
+    other_runs : those that its combined signals read, by name
+    """
 
     case: str
     run: str
     mechanism: "Mechanism"
     packages: dict[str, ModalPackage]
+    other_runs: dict[str, "RunSpec"] = field(default_factory=dict)
 
     def changed(self, changes: Mapping[str, Any]) -> "RunSpec":
         """Return the run with other values at dotted keys of its mechanism, checked as a file is.
@@ -89,6 +96,7 @@ def collect(
         for name, sensor in sensors.items()
     )
     geometry, points = drawn_shapes(finished.built, y)
+    geometry = with_views(geometry, finished.built, y)
     result = RunResult(
         case=spec.case,
         run=spec.run,
@@ -101,6 +109,7 @@ def collect(
         bodies=geometry,
         node_positions_G=points,
         violations={n: rows.all() for (group, n), rows in kept.items() if group == "violations"},
+        links=links(finished.built),
     )
     judgement = judge(finished)
     # Remarks on the cost of a run are findings too; `hints` repeats them beside the integrator's.

@@ -1,6 +1,6 @@
 """A mechanism ready to be integrated: model, consistent start, monitors, sensors."""
 
-from collections.abc import Container
+from collections.abc import Callable, Container
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -26,7 +26,7 @@ from ..monitors.together import Monitors
 from ..package import ModalPackage
 from ..results.codes.course import SINGULAR
 from ..results.finding import Finding
-from ..signals import Sensor, sensors
+from ..signals import Histories, Sensor, sensors
 
 if TYPE_CHECKING:
     from ..inputs.case.schema import Mechanism
@@ -106,11 +106,14 @@ def prepare(
     signals: Container[str] | None = None,
     *,
     allow_python: bool = False,
+    adjust: Callable[[Model], None] | None = None,
+    histories: Histories | None = None,
 ) -> Prepared:
     """Build a checked mechanism (inputs/case/schema.py), close its joints, look at it.
 
     `signals` are those that will be asked for; None: all. `allow_python`: functions of the user
-    may run.
+    may run. `adjust` may write into the arrays of the model before its joints are closed.
+    `histories` of other runs as in `sensors`.
 
     Raises
     ------
@@ -123,16 +126,13 @@ def prepare(
     solver = mechanism.solver
     treatment = treatment_of(solver)
     built = build(mechanism, used_packages(mechanism, packages))
+    if adjust is not None:
+        adjust(built.model)
     names = built.joint_names, built.body_names
     spin = given_spin(solver)
     y0 = starting_state(built.model, built.start, solver.start, *names, spin)
     found = redundancy(built.model, y0, built.joint_names)
     built = replace(built, model=treated(built.model, treatment)._replace(redundant=found.count))
-    wanted = {
-        name: signal
-        for name, signal in mechanism.signals.items()
-        if signals is None or name in signals
-    }
     spins = SpinMonitor(built.model, built.body_names, stop=solver.on_invalid == "stop")
     passage = SingularityMonitor(
         built.model,
@@ -152,7 +152,9 @@ def prepare(
         built=built,
         treatment=treatment,
         y0=y0,
-        measured=sensors(built, wanted, mechanism.materials),
+        measured=sensors(
+            built, mechanism.signals, mechanism.materials, wanted=signals, histories=histories
+        ),
         spin=spins,
         passage=passage,
         buckling=_buckling(mechanism, built, spins),

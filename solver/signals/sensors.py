@@ -1,6 +1,6 @@
 """Sensors of a mechanism, created before the run so that errors are reported early."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -8,10 +8,12 @@ import numpy as np
 
 from ..dynamics.joints.table import COORDINATES
 from ..dynamics.model import Model
+from ..inputs.case.combining import KINDS, parts
 from ..math.arrays import Array
 from ..mechanism import BuiltMechanism
 from ..package import ModalPackage
 from ..strength.fatigue import StressLife, Turning, fatigue_summary, rainflow_cycles
+from .combined import Histories, combined
 from .fatigue import stress_life
 from .joints import joint_coordinate, reaction
 from .points import POINT_UNITS, point_values
@@ -49,22 +51,47 @@ class Sensor:
 
 
 def sensors(
-    built: BuiltMechanism, signals: Mapping[str, "Signal"], materials: "Materials | None" = None
+    built: BuiltMechanism,
+    signals: Mapping[str, "Signal"],
+    materials: "Materials | None" = None,
+    *,
+    wanted: Container[str] | None = None,
+    histories: Histories | None = None,
 ) -> dict[str, Sensor]:
     """Return the sensors of the signals of a case (inputs/case/signals.py).
 
+    Parameters
+    ----------
     materials : those of the case, for S-N lines; None: no fatigue
+    wanted : names of the signals to return; None: all
+    histories : of the other runs that combined signals read; None: without such signals
 
     Raises
     ------
     InputError
         A package without resultants or stresses, an unknown ply, a missing Python package.
     """
+    measured: dict[str, tuple[str, Values, Look | None]] = {}
+
+    def measuring(name: str) -> tuple[str, Values, Look | None]:
+        if name not in measured:
+            signal = signals[name]
+            if signal.kind == "difference" or signal.kind == "norm":
+                unit, values, look = combined(name, signal, measuring, histories or {})
+            else:
+                unit, values, look = _measuring(built, name, signal)
+            if signal.divide_by is not None:
+                unit, values = "-", _divided(values, signal.divide_by)
+            measured[name] = unit, values, look
+        return measured[name]
+
     found = {}
     for name, signal in signals.items():
-        unit, values, look = _measuring(built, name, signal)
-        if signal.divide_by is not None:
-            unit, values = "-", _divided(values, signal.divide_by)
+        if (wanted is not None and name not in wanted) or (
+            histories is None and _elsewhere(name, signals)
+        ):
+            continue
+        unit, values, look = measuring(name)
         life = None
         if signal.kind == "ply_stress":
             life = stress_life(materials or {}, built.packages[signal.body], signal)
@@ -73,14 +100,26 @@ def sensors(
     return found
 
 
+def _elsewhere(name: str, signals: Mapping[str, Any]) -> bool:
+    """Tell whether a signal needs the histories of another run."""
+    signal = signals[name]
+    if signal.kind not in KINDS:
+        return False
+    return signal.run is not None or any(_elsewhere(part, signals) for part in parts(signal))
+
+
 def recorded(
-    sensors: Mapping[str, Sensor], model: Model, blocks: Callable[[], Iterable[tuple[Array, Array]]]
+    sensors: Mapping[str, Sensor],
+    model: Model,
+    blocks: Callable[[], Iterable[tuple[Array, Array]]],
+    memory: dict[Any, Any] | None = None,
 ) -> Iterator[tuple[Array, Array, dict[str, Array]]]:
     """Yield times (k,), states (k, n) and values of the sensors (k,), block by block.
 
     blocks : gives times and states; called again for sensors that look at all of them before
+    memory : what sensors keep of blocks that were shown in an earlier call
     """
-    memory: dict[Any, Any] = {}
+    memory = {} if memory is None else memory
     looking = [sensor.look for sensor in sensors.values() if sensor.look is not None]
     if looking:
         for t, y in blocks():
@@ -101,6 +140,8 @@ def fatigue_entry(sensor: Sensor, turning: Turning) -> dict[str, Any]:
 def _measuring(
     built: BuiltMechanism, name: str, signal: "Signal"
 ) -> tuple[str, Values, Look | None]:
+    assert signal.kind != "difference"
+    assert signal.kind != "norm"
     key = f"signals.{name}"
     if signal.kind == "joint":
         values = joint_coordinate(built.joints[signal.joint], signal.coordinate)

@@ -20,6 +20,7 @@ from ..package.body.laminate_data import CellResultants, LaminateData
 from ..package.body.schema import ModalPackage
 from ..package.section.recovery_data import strengths
 from ..package.section.schema import Ply
+from ..package.shell.cells import cell_table, centres
 from ..package.shell.schema import LEVELS
 from . import criteria_of
 from .found import BodyStrength, Failure, ranked
@@ -223,8 +224,8 @@ def _blocks(cells: CellResultants, q: Array) -> tuple[Array, IntArray]:
 
 def cell_centres(package: ModalPackage, cells: CellResultants) -> Array:
     """Middle of each cell, (e, 3) [m]."""
-    corners = package.connectivity[package.offsets[cells.cell][:, None] + np.arange(3)]
-    return np.asarray(package.nodes_B[corners].mean(axis=1))
+    table = cell_table(package.connectivity, package.offsets, cells.cell)
+    return centres(package.nodes_B, table)
 
 
 def _strips(x: Array) -> tuple[IntArray, Array]:

@@ -17,7 +17,8 @@ from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.generic import integrate
 from plymotion.solver.integrators.generic.pace import INTERVALS, SLOW
-from plymotion.solver.run.execution import output_times, read_run
+from plymotion.solver.run.execution import read_run
+from plymotion.solver.run.integration import output_times
 from plymotion.solver.run.preparation import prepare
 
 ROOT = Path(__file__).parents[2]

@@ -15,8 +15,7 @@ from case_samples import HEAD, SOLVER, rigid
 from sweep_samples import FORCE, MASS, ball, ball_plan, checked
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands.sweep import command, engine
-from plymotion.solver.commands.sweep.engine import compute_by_workers
+from plymotion.solver.commands.sweep import portion, work
 from plymotion.solver.commands.sweep.file import read_sweep
 from plymotion.solver.commands.sweep.member import Packages, compute
 from plymotion.solver.results.codes.motion import SPIN
@@ -46,11 +45,11 @@ def computed(monkeypatch):
     """Numbers of the members that are computed, in order."""
     numbers: list[int] = []
 
-    def watched(plan, packages, portion, keys):
-        numbers.extend(portion)
-        return compute(plan, packages, portion, keys)
+    def watched(plan, packages, places, keys):
+        numbers.extend(plan.members[k].number for k in places)
+        return compute(plan, packages, places, keys)
 
-    monkeypatch.setattr(engine, "compute", watched)
+    monkeypatch.setattr(portion, "compute", watched)
     return numbers
 
 
@@ -198,14 +197,14 @@ def test_an_interruption_keeps_what_is_complete(tmp_path, monkeypatch, capsys):
     file = ball(tmp_path, f"{FORCE} = {{ from = 1, to = 8, count = 8 }}")
     calls = []
 
-    def interrupted(plan, packages, portion, keys):
-        calls.append(portion)
+    def interrupted(plan, packages, places, keys):
+        calls.append(places)
         if len(calls) == 3:
             raise KeyboardInterrupt
-        return compute(plan, packages, portion, keys)
+        return compute(plan, packages, places, keys)
 
     with monkeypatch.context() as patch:
-        patch.setattr(engine, "compute", interrupted)
+        patch.setattr(portion, "compute", interrupted)
         assert sweep(file) == 130
     assert not (file.with_suffix("") / "sweep.csv").exists()
     done = len(calls[0]) + len(calls[1])
@@ -226,11 +225,11 @@ def test_an_interruption_between_members_keeps_those_before(tmp_path, monkeypatc
 
     prepare = member.prepare
 
-    def interrupted(mechanism, packages, signals):
+    def interrupted(*arguments, **options):
         if len(calls) == 1:
             raise KeyboardInterrupt
         calls.append(1)
-        return prepare(mechanism, packages, signals)
+        return prepare(*arguments, **options)
 
     calls = []
     monkeypatch.setattr(member, "prepare", interrupted)
@@ -284,39 +283,6 @@ def test_the_half_may_be_named(capsys):
         assert capsys.readouterr().out.startswith("usage: plymotion sweep")
 
 
-def test_workers_give_the_same(tmp_path):
-    file = ball(tmp_path, f"{FORCE} = [1.0, 2.0, 1e300]", 'histories = ["x"]')
-    assert sweep(file) == 3
-    alone = result(file)
-    assert sweep(file, "--fresh", "--jobs", "2") == 3
-    together = result(file)
-    np.testing.assert_array_equal(together.history("x"), alone.history("x"))
-    np.testing.assert_array_equal(together.signal("v", "max"), alone.signal("v", "max"))
-    assert [r.message for r in together.rows] == [r.message for r in alone.rows]
-
-
-@pytest.mark.provokes("worker-lost")
-def test_a_worker_that_dies_takes_one_member_with_it(tmp_path, monkeypatch):
-    plan = ball_plan(tmp_path, f"{FORCE} = [1.0, 2.0, 3.0, 4.0]")
-    give = engine._Worker.give
-
-    def deadly(worker, portion, keys):
-        give(worker, portion, keys)
-        if 1 in portion:
-            os.kill(worker.process.pid, signal.SIGKILL)
-
-    monkeypatch.setattr(engine._Worker, "give", deadly)
-    rows = {}
-    assert compute_by_workers(plan, range(4), plan.keys(), 1, rows.__setitem__)
-    assert {k: row.status for k, row in rows.items()} == {
-        0: "finished",
-        1: "failed",
-        2: "finished",
-        3: "finished",
-    }
-    assert rows[1].code == "worker-lost"
-
-
 @pytest.mark.provokes("defect")
 def test_a_defect_is_told_and_the_others_go_on(tmp_path, monkeypatch):
     """An error that no input explains: its words in the row, the traceback for us."""
@@ -324,10 +290,10 @@ def test_a_defect_is_told_and_the_others_go_on(tmp_path, monkeypatch):
 
     prepare = member.prepare
 
-    def broken(mechanism, packages, signals):
-        if mechanism.bodies["ball"].mass == 2:
+    def broken(*arguments, **options):
+        if arguments[0].bodies["ball"].mass == 2:
             raise ZeroDivisionError("a defect")
-        return prepare(mechanism, packages, signals)
+        return prepare(*arguments, **options)
 
     monkeypatch.setattr(member, "prepare", broken)
     plan = ball_plan(tmp_path, f"{MASS} = [1, 2, 3]")
@@ -447,15 +413,15 @@ def test_points_of_a_drawn_design(tmp_path):
 
 def test_saving_on_the_way(tmp_path, monkeypatch):
     """After a crash of the machine, the last saved file exists."""
-    monkeypatch.setattr(command, "SAVE_S", 0.0)
+    monkeypatch.setattr(work, "SAVE_S", 0.0)
     seen = []
-    save = command.write_sweep
+    save = work.write_sweep
 
     def watched(path, found):
         save(path, found)
         seen.append(read_sweep(path).count("finished"))
 
-    monkeypatch.setattr(command, "write_sweep", watched)
+    monkeypatch.setattr(work, "write_sweep", watched)
     file = ball(tmp_path, f"{FORCE} = [1.0, 2.0, 3.0]")
     assert sweep(file) == 0
     assert seen == [1, 2, 3, 3]

@@ -22,6 +22,7 @@ LIMITS = {
     "cst-in-plane-bending": ("preprocess/shell/guards.py", "ACROSS"),
     "dst-thick": ("preprocess/shell/plates/dst.py", "SHEAR_RATIO_LIMIT"),
     "laminate-unsymmetric": ("preprocess/laminate/report.py", "COUPLED"),
+    "buckling-after-large-rotation": ("preprocess/shell/prestress.py", "LARGE"),
     "laminate-unbalanced": ("preprocess/laminate/report.py", "COUPLED"),
     "laminate-soft-core": ("preprocess/laminate/report.py", "SOFT"),
     "unmerged-nodes": ("preprocess/section/mesh_checks.py", "COINCIDENT"),

@@ -1,7 +1,9 @@
 """What each half may import: checked in a fresh interpreter and by import-linter."""
 
 import ast
+import importlib
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -14,6 +16,7 @@ from case_samples import case_runs
 from plymotion.solver.inputs.case.record import seal
 from plymotion.solver.inputs.case.resolved import resolved
 
+ROOT = Path(__file__).parents[2]
 FE_MODULES = {"dolfinx", "petsc4py", "slepc4py", "mpi4py", "gmsh", "basix", "ufl", "ffcx"}
 
 IMPORT_ALL = """
@@ -99,34 +102,37 @@ def lint(folder: Path) -> subprocess.CompletedProcess[str]:
     )
 
 
-@pytest.mark.parametrize(
-    ("path", "statement", "contract"),
-    [
-        ("solver/planted.py", "import dolfinx", "solver"),
-        ("solver/planted.py", "from ..preprocess import beam", "solver"),
-        ("solver/planted.py", "def f():\n    import gmsh", "solver"),
-        ("preprocess/planted.py", "from ..solver import joints", "preprocess"),
-        ("preprocess/planted.py", "import pydantic", "preprocess-light"),
-        ("preprocess/planted.py", "from petsc4py import PETSc", "fenicsx"),
-        ("solver/dynamics/bodies/planted.py", "from .. import joints", "dynamics"),
-        ("solver/math/planted.py", "from .. import package", "layers"),
-        ("solver/integrators/generic/planted.py", "from ... import dynamics", "integrators"),
-        ("solver/package/planted.py", "import scipy", "package"),
-    ],
-)
-def test_import_linter_sees_through_the_links(
-    repository: Path, tmp_path: Path, path: str, statement: str, contract: str
-) -> None:
+PLANTED = [  # folder, forbidden import, contract that it breaks
+    ("solver", "import dolfinx", "solver"),
+    ("solver", "from ..preprocess import beam", "solver"),
+    ("solver", "def f():\n    import gmsh", "solver"),
+    ("preprocess", "from ..solver import dynamics", "preprocess"),
+    ("preprocess", "import pydantic", "preprocess-light"),
+    ("preprocess", "from petsc4py import PETSc", "fenicsx"),
+    ("solver/dynamics/bodies", "from .. import joints", "dynamics"),
+    ("solver/math", "from .. import package", "layers"),
+    ("solver/integrators/generic", "from ... import dynamics", "integrators"),
+    ("solver/package", "import scipy", "package"),
+    ("solver/report", "from plymotion.api import case", "python"),
+]
+
+
+def test_import_linter_sees_through_the_links(repository: Path, tmp_path: Path) -> None:
     copy_of_the_code(repository, tmp_path)
     before = lint(tmp_path)
     assert before.returncode == 0, before.stdout + before.stderr
-    planted = tmp_path / path
-    planted.write_text(f'"""An import that is not allowed."""\n\n{statement}\n')
+    for number, (folder, statement, _) in enumerate(PLANTED):
+        text = f'"""An import that is not allowed."""\n\n{statement}\n'
+        (tmp_path / folder / f"planted_{number}.py").write_text(text)
     after = lint(tmp_path)
     assert after.returncode == 1, after.stdout + after.stderr
-    # Long names are wrapped in the output: compare words.
-    verdicts = " ".join(after.stdout.split())
-    assert f"{names(repository)[contract]} BROKEN" in verdicts, after.stdout
+    # Long names are wrapped in the output: compare words. The chains of each contract follow.
+    verdicts, _, chains = " ".join(after.stdout.split()).partition("Broken contracts")
+    for number, (_, statement, contract) in enumerate(PLANTED):
+        name = names(repository)[contract]
+        assert f"{name} BROKEN" in verdicts, after.stdout
+        part = re.split("-{20,}", chains.partition(name)[2])[1]
+        assert f"planted_{number} " in part, f"{statement}: {part}"
 
 
 def names(repository: Path) -> dict[str, str]:
@@ -136,8 +142,7 @@ def names(repository: Path) -> dict[str, str]:
 
 
 def test_each_contract_is_shown_to_bite(repository: Path) -> None:
-    (mark,) = test_import_linter_sees_through_the_links.pytestmark
-    assert {contract for _, _, contract in mark.args[1]} == set(names(repository))
+    assert {contract for _, _, contract in PLANTED} == set(names(repository))
 
 
 RUN_AND_LIST = """
@@ -175,3 +180,15 @@ def test_exchange_with_other_codes_needs_no_fe_code(repository: Path) -> None:
     }
     assert {"numpy", "scipy", "h5py"} <= loaded
     assert not loaded & (FE_MODULES | {"pydantic", "numba", "matplotlib", "meshio", "pyvista"})
+
+
+@pytest.mark.parametrize("file", sorted((ROOT / "benchmarks").glob("*.py")), ids=lambda f: f.stem)
+def test_benchmarks_import_what_exists(file: Path) -> None:
+    """Names that scripts of benchmarks/ take from the solver: these scripts run seldom."""
+    tree = ast.parse(file.read_text(encoding="utf-8"))
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("plymotion.solver"):
+            module = importlib.import_module(node.module or "")
+            for alias in node.names:
+                if not hasattr(module, alias.name):
+                    importlib.import_module(f"{node.module}.{alias.name}")

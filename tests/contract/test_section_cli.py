@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -327,3 +328,22 @@ def test_lost_worker_takes_only_its_section_with_it(folder: Path, mark: str) -> 
     status = [row["status"] for row in json.loads(output).values()]
     assert (status.count("built"), status.count("failed")) == (MANY - 1, 1)
     assert "the preprocessor ended unexpectedly: killed by signal 9" in errors
+
+
+def test_many_plies_show_what_is_done(folder: Path) -> None:
+    """1000 plies take half a minute: a line within two seconds of work, without a terminal."""
+    angles = ", ".join(["15"] * 1000)
+    text = BAR.replace("[15]", f"[{angles}]").replace("0.015", "0.125")
+    (folder / "many.toml").write_text(text)
+    with subprocess.Popen(
+        command("many.toml", "--no-figures", "--json"),
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=folder,
+    ) as process:
+        line = process.stderr.readline()
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60)
+    assert re.fullmatch(r"(starting|many: .*), 2 s\n", line)
+    assert process.returncode == 130

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 import scipy.sparse as sp
-from brick_model import CORNERS, Brick
+from brick_model import CORNERS, Brick, brick
 from exchange_samples import DENSITY, SIZE, TOTAL, bar, request
 
 from plymotion.preprocess.exchange import from_matrices
@@ -125,8 +125,6 @@ def test_mean_axis_has_the_free_frequencies(body: Brick) -> None:
 
 def test_equal_frequencies_are_all_found() -> None:
     """A square bar has each bending frequency twice."""
-    from brick_model import brick
-
     body = brick((0.5, 0.02, 0.02), (10, 2, 2))
     package = from_matrices(
         body.M,
@@ -141,12 +139,27 @@ def test_equal_frequencies_are_all_found() -> None:
 
 
 def test_units_change_no_digit_that_matters(body: Brick, package: ModalPackage) -> None:
-    """The same body in mm, t, s: N and MPa."""
+    """The same body in mm, t, s: N and MPa. Slender bending keeps nine digits of double numbers."""
+    other = in_millimetres(body)
+    np.testing.assert_allclose(other.frequencies, package.frequencies, rtol=1e-9)
+    for name in ("T00_B", "S0_B"):
+        mine, theirs = (getattr(p.invariants, name) for p in (package, other))
+        np.testing.assert_allclose(theirs, mine, atol=1e-12 * np.abs(mine).max())
+
+
+def test_units_of_a_compact_body_change_nothing() -> None:
+    body = brick((SIZE[0], 0.2, 0.2), (6, 2, 2))
+    package = from_matrices(body.M, body.K, body.nodes, body.dofs, **request())
+    np.testing.assert_allclose(in_millimetres(body).frequencies, package.frequencies, rtol=1e-12)
+
+
+def in_millimetres(body: Brick) -> ModalPackage:
+    """Its package from matrices in N/mm and t."""
     boxes = {
         name: {**table, "box": (1e3 * np.array(table["box"])).tolist()}
         for name, table in request()["interfaces"].items()
     }
-    other = from_matrices(
+    return from_matrices(
         body.M / 1e3,
         body.K / 1e3,  # N/m to N/mm
         body.nodes * 1e3,
@@ -154,10 +167,6 @@ def test_units_change_no_digit_that_matters(body: Brick, package: ModalPackage) 
         units={"length": "mm", "mass": "t", "time": "s"},
         **request(interfaces=boxes),
     )
-    np.testing.assert_allclose(other.frequencies, package.frequencies, rtol=1e-9)
-    for name in ("T00_B", "S0_B"):
-        mine, theirs = (getattr(p.invariants, name) for p in (package, other))
-        np.testing.assert_allclose(theirs, mine, atol=1e-12 * np.abs(mine).max())
 
 
 def test_area_weights_of_an_average_interface(body: Brick) -> None:

@@ -111,7 +111,7 @@ def test_slivers() -> None:
     mesh = mesh_from([[0, 0, 0], [1, 0, 0], [0.5, 0.01, 0], [0.5, 1, 0]], [[0, 1, 2], [2, 1, 3]])
     problem = metal(mesh)
     assert codes(problem) == ["sliver"]
-    assert "1 of 2 triangles" in problem.warnings[0]["message"]
+    assert "1 of 2 cells" in problem.warnings[0]["message"]
     assert codes(ShellProblem(plate(4, 0.01))) == []
 
 

@@ -162,7 +162,7 @@ def test_reference_directions() -> None:
         "regions": {"all": {"material": "cfrp", "thickness": 0.01, **about}},
     }
     problem = ShellProblem(spec)
-    e1 = problem.regions[0].triangles.A_GE[:, :, 0]
+    e1 = problem.regions[0].geometry.A_GE[:, :, 0]
     middle = problem.mesh.points_G[problem.mesh.cells].mean(axis=1)
     around = np.cross([1.0, 0.0, 0.0], middle)
     around /= np.linalg.norm(around, axis=1)[:, None]

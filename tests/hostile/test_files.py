@@ -10,7 +10,7 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
-from hostile_profile import tries
+from hostile_profile import count, tries
 from package_samples import cantilever
 from result_samples import swinging_rod
 from section_samples import rectangle
@@ -91,6 +91,7 @@ def test_flips_and_truncations_are_never_silent(kind, tmp_path, monkeypatch):
     """Read equal, or refused with the name of the file."""
     monkeypatch.setenv("PLYMOTION_CACHE", str(tmp_path / "cache"))
     known, path = kind
+    name = next(name for name, known_as in FORMATS.items() if known_as is known)
     raw, sound = path.read_bytes(), known.read(path)
     generator = np.random.default_rng(7)
     damaged = tmp_path / "damaged.vtkhdf"
@@ -100,13 +101,17 @@ def test_flips_and_truncations_are_never_silent(kind, tmp_path, monkeypatch):
         changed[generator.integers(len(raw))] ^= 1 << int(generator.integers(8))
         damaged.write_bytes(changed)
         found, message = _outcome(known, damaged)
-        assert "damaged.vtkhdf: " in message or _equal(found, sound)
+        right = "damaged.vtkhdf: " in message or _equal(found, sound)
+        end = "refused" if message else "done"
+        count(f"reading a {name} file: one bit changed", end if right else "silent change")
+        assert right
         refused += bool(message)
     assert refused
     for _ in range(tries(10, 50)):
         damaged.write_bytes(raw[: generator.integers(len(raw))])
         with pytest.raises(REFUSED, match=r"damaged\.vtkhdf: "):
             known.read(damaged)
+        count(f"reading a {name} file: truncated", "refused")
 
 
 def _numbers(kind: tuple[Format, Path], folder: Path) -> tuple[Path, str]:

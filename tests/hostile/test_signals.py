@@ -5,10 +5,10 @@ import os
 import signal
 import subprocess
 import sys
-import time
 
 import pytest
 from case_samples import HEAD, SOLVER, rigid
+from dask_cluster import until
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.commands.sweep.file import read_sweep
@@ -29,6 +29,7 @@ vary = { end = { keys = ["solver.t_end"], values = [0.1, 0.2, 1e5] } }
 TOLD = """
 import sys, time
 import plymotion.solver.run.execution as r
+from plymotion.solver.commands.sweep import work
 from plymotion.solver.monitors.together import Monitors
 from plymotion.solver.__main__ import main
 watch, write = Monitors.__call__, r.write_result
@@ -43,6 +44,7 @@ def writing(path, result):
         time.sleep(1.0)
     write(path, result)
 Monitors.__call__, r.write_result = told, writing
+work.SAVE_S = 0.0  # each row at once
 sys.exit(main([word for word in sys.argv[1:] if word != "--slow-disk"]))
 """
 
@@ -115,6 +117,10 @@ def test_a_signal_while_results_are_written_does_not_lose_them(tmp_path):
     assert not (build / "two").exists()
 
 
+def _finished(file):
+    return read_sweep(file).count("finished") if file.exists() else 0
+
+
 @pytest.mark.parametrize("number", SIGNALS)
 @pytest.mark.parametrize("jobs", ["1", "2"])
 def test_a_sweep_keeps_its_members(tmp_path, number, jobs):
@@ -122,8 +128,8 @@ def test_a_sweep_keeps_its_members(tmp_path, number, jobs):
     process = _started("sweep", build / "sweeps/s.json", "--jobs", jobs)
     if jobs == "1":
         _, errors = _ended(process, number)
-    else:
-        time.sleep(8.0)  # its processes say nothing
+    else:  # its processes say nothing
+        until(lambda: _finished(build / "sweeps/s/sweep.h5") == 2)
         _, errors = _ended(process, number, ())
     assert "s: interrupted; 2 of 3 members are in" in errors
     rows = read_sweep(build / "sweeps/s/sweep.h5").rows

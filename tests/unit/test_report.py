@@ -1,9 +1,13 @@
 """The report: its figures show the results of the runs, and the page is self-contained."""
 
+import base64
 import dataclasses
+import gzip
+import hashlib
 import json
 import re
 import shutil
+from collections.abc import Callable
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -15,6 +19,7 @@ from result_samples import swinging_rod
 from plymotion.solver.errors import InputError
 from plymotion.solver.report import make_report, summary_table
 from plymotion.solver.report.comparison import crossings, draw_comparison, spread
+from plymotion.solver.report.embed.histories import chosen_rows
 from plymotion.solver.report.motion import plane, segments, travelling_point
 from plymotion.solver.report.story import Comparison, Story, comparisons, read_story
 from plymotion.solver.report.style import house_style
@@ -145,12 +150,73 @@ def test_page_is_well_formed_and_needs_nothing_from_outside(case_dir: Path) -> N
     text = (case_dir / "report.html").read_text()
     page = Page(text)
     assert page.open == []
-    images = [link for link in page.links if link.startswith("data:image/png;base64,")]
-    assert len(images) == 1 + 2 * len(RUNS)
-    anchors = [link for link in page.links if link not in images]
-    assert anchors == ["#warnings-broken"]
+    assert set(page.links) == {"#doubts", "#warnings-broken"}
     assert "id='warnings-broken'" in text
-    assert not re.search(r"https?://|@import|<script", text)
+    assert "id='doubts'" in text
+    assert not re.search(r"@import|url\(|<script[^>]* src", text)
+
+
+def test_policy_allows_the_own_script_and_style_only(case_dir: Path) -> None:
+    text = (case_dir / "report.html").read_text()
+    policy = re.search(r'Content-Security-Policy" content="([^"]*)"', text)
+    assert policy is not None
+    rules = dict(rule.strip().split(" ", 1) for rule in policy[1].split(";"))
+    assert rules["default-src"] == "'none'"
+    (code,) = re.findall(r"<script>(.*?)</script>", text, re.DOTALL)
+    (style,) = re.findall(r"<style>(.*?)</style>", text, re.DOTALL)
+    for rule, content in (("script-src", code), ("style-src", style)):
+        digest = base64.b64encode(hashlib.sha256(content.encode()).digest()).decode()
+        assert rules[rule] == f"'sha256-{digest}'"
+    assert not re.search(
+        r"\son[a-z]+=|\sstyle=", re.sub(r"<(script|style).*?</\1>", "", text, flags=re.DOTALL)
+    )
+
+
+def arrays_of(text: str) -> tuple[dict[str, Any], Callable[[int], np.ndarray]]:
+    """Index of a page, and a function that returns its arrays as the page unpacks them."""
+    index = json.loads(re.search(r"id='index'>(.*?)</script>", text, re.DOTALL)[1])  # type: ignore[index]
+    packed = re.search(r"id='arrays'>(.*?)</script>", text, re.DOTALL)[1]  # type: ignore[index]
+    data = np.frombuffer(gzip.decompress(base64.b64decode(packed)), dtype=np.uint8)
+
+    def array(number: int) -> np.ndarray:
+        entry = index["arrays"][number]
+        dtype = np.dtype(f"<{entry['type']}")
+        count = int(np.prod(entry["shape"]))
+        raw = data[entry["at"] : entry["at"] + count * dtype.itemsize]
+        shuffled = raw.reshape(dtype.itemsize, count)
+        return np.ascontiguousarray(shuffled.T).view(dtype).reshape(entry["shape"])
+
+    return index, array
+
+
+def test_page_has_every_history_of_every_run(case_dir: Path) -> None:
+    index, array = arrays_of((case_dir / "report.html").read_text())
+    assert [run["name"] for run in index["runs"]] == list(RUNS)
+    for run in index["runs"]:
+        result = RUNS[run["name"]][0]
+        np.testing.assert_array_equal(array(run["t"]), result.t)
+        for shown, signal in zip(run["signals"], result.signals, strict=True):
+            assert (shown["name"], shown["unit"]) == (signal.name, signal.unit)
+            np.testing.assert_allclose(array(shown["values"]), signal.values, rtol=1e-7)
+        np.testing.assert_allclose(
+            array(run["energies"][0]["values"]), result.energies["kinetic"], rtol=1e-7
+        )
+
+
+def test_long_histories_keep_every_extreme() -> None:
+    rng = np.random.default_rng(5)
+    series = [rng.normal(size=100_000), np.cos(np.linspace(0, 900, 100_000))]
+    series[1][777] = np.nan
+    rows = chosen_rows(series, 100_000, 4000)
+    assert len(rows) <= 4100
+    assert (rows[0], rows[-1]) == (0, 99_999)
+    for values in series:
+        for part in np.array_split(np.arange(100_000), 100):
+            inside = rows[(rows >= part[0]) & (rows <= part[-1])]
+            # An interval of `chosen_rows` may reach across the border of a part.
+            assert np.nanmax(values[inside]) >= np.nanmax(values[part[100:-100]])
+            assert np.nanmin(values[inside]) <= np.nanmin(values[part[100:-100]])
+    np.testing.assert_array_equal(chosen_rows(series, 100, 100), np.arange(100))
 
 
 def test_page_tells_outcome_numbers_and_warnings_in_full(case_dir: Path) -> None:

@@ -132,9 +132,9 @@ def test_strengths_scale_ratios_and_warn_below_one(
 
 def test_report_has_table_and_figure(case_dir: Path) -> None:
     text = (case_dir / "report.html").read_text()
-    assert "<h2>Strength</h2>" in text
+    assert ">Strength</h2>" in text
     ratio = json.loads((case_dir / RUN / "summary.json").read_text())["strength"]["hand"]["ratio"]
-    assert f"<td>{ratio:.4g}</td>" in text
+    assert f"<td data-v='{ratio!r}'>{ratio:.4g}</td>" in text
     assert "<h3>Weakest plies of each body</h3>" in text
     figure = case_dir / RUN / "strength.png"
     with house_style():
@@ -168,5 +168,5 @@ def test_figure_shows_the_line_of_failure_where_it_is_near(case_dir: Path) -> No
 def test_nothing_is_said_where_nothing_has_strengths(spec: RunSpec, tmp_path: Path) -> None:
     assert run(spec, None, tmp_path / RUN)["strength"] == {}
     make_report(tmp_path, [RUN], {})
-    assert "<h2>Strength</h2>" not in (tmp_path / "report.html").read_text()
+    assert ">Strength</h2>" not in (tmp_path / "report.html").read_text()
     assert not (tmp_path / RUN / "strength.png").exists()

@@ -147,7 +147,9 @@ def test_command_shows_a_file_again(
     write_shell("plate.vtkhdf", plate())
     assert main(["shell", "plate.vtkhdf"]) == 0
     text = capsys.readouterr().out
-    figures = {f"plate-{name}.png" for name in ("bending", "nothing", "mode-1", "mode-2")}
+    parts = ("bending", "nothing", "mode-1", "mode-2", "bending-buckling")
+    figures = {f"plate-{name}.png" for name in parts}
+    assert "Load factors    bending: 2.5, 7; load reversed -3" in text
     assert {file.name for file in tmp_path.glob("*.png")} == figures
     assert all(name in text for name in (*figures, "plate.vtkhdf (unchanged)"))
     before = {file: file.stat().st_mtime_ns for file in tmp_path.glob("*.png")}

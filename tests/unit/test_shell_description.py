@@ -198,7 +198,7 @@ def test_distributed_loads_on_links(plate: Path) -> None:
     change(plate, 'at = "tip"\nforce', 'at = "hub"\nforce')
     assert load_shell(plate)["links"] == {"hub": {"at": "tip", "kind": "average"}}
     change(plate, "force = [0, 0, 10.0]", "force_per_length = [0, 0, 10.0]")
-    assert 'loads.bending.tip.at = "hub": a link takes `force` or `moment`' in messages(plate)[0]
+    assert 'loads.bending.tip.at = "hub": a link takes `force`, `moment` or' in messages(plate)[0]
 
 
 def test_groups_of_a_mesh_file(plate: Path) -> None:

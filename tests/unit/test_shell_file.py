@@ -44,7 +44,7 @@ def test_round_trip(file: Path) -> None:
 
 
 def test_without_load_cases_or_modes(tmp_path: Path) -> None:
-    shell = dataclasses.replace(plate(), modes=None)
+    shell = dataclasses.replace(plate(), modes=None, buckling=None)
     write_shell(tmp_path / "a.vtkhdf", shell)
     assert read_shell(tmp_path / "a.vtkhdf").modes is None
     cases = dataclasses.replace(
@@ -55,7 +55,7 @@ def test_without_load_cases_or_modes(tmp_path: Path) -> None:
         },
     )
     probes = dataclasses.replace(shell.probes, values=shell.probes.values[:0])
-    write_shell(tmp_path / "b.vtkhdf", dataclasses.replace(plate(), cases=cases, probes=probes))
+    write_shell(tmp_path / "b.vtkhdf", dataclasses.replace(shell, cases=cases, probes=probes))
     assert read_shell(tmp_path / "b.vtkhdf").cases.names == ()
 
 

@@ -17,7 +17,8 @@ from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.generic import Steps, integrate
 from plymotion.solver.monitors.observation import new_observation, note, observe
 from plymotion.solver.monitors.singularity import SingularityMonitor
-from plymotion.solver.run.execution import output_times, read_run
+from plymotion.solver.run.execution import read_run
+from plymotion.solver.run.integration import output_times
 from plymotion.solver.run.preparation import prepare
 
 MISFIT = 1e-7  # m: the branches turn into each other where the exact mechanism passes

@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ....solver.math.arrays import Array
+from ..quadrilaterals import Quadrilaterals
 from ..sides import bulge_slopes, edge_fields
 from ..triangles import END, START, Triangles
 
@@ -87,8 +88,8 @@ def edge_shear(t: Triangles, side: Array) -> Array:
     return np.asarray((fields.reshape(-1, 6, 3) @ side).reshape(-1, 3, 2, 9))
 
 
-def shear_ratio(t: Triangles, D: Array, Ds: Array) -> Array:
-    """Ratio of shear flexibility to bending flexibility of each side: phi (c, 3).
+def shear_ratio(t: Triangles | Quadrilaterals, D: Array, Ds: Array) -> Array:
+    """Ratio of shear flexibility to bending flexibility of each side: phi (c, 3|4).
 
     phi_k = 12 D_ss / (Ds_ss L_k^2) with D_ss = q' D q, q = (C^2, S^2, 2 C S) the moment about
     the side's normal for a unit curvature along the side, and Ds_ss = t' Ds t. Isotropic:

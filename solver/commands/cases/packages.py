@@ -2,21 +2,28 @@
 
 import hashlib
 import json
-import subprocess
-from collections.abc import Sequence
+import sys
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import plymotion
 
-from ...errors import InputError
+from ...errors import InputError, few
+from ...inputs.case.run_table import package_entries
 from ...inputs.case.specs import dump
 from ...package.common.file_digests import files_sha256
 from ...package.common.temporary import write_text
-from ..fenicsx_side.interpreter import find_interpreter
-from ..fenicsx_side.launch import environment, importable
+from ..executors.executor import Executor
+from ..executors.local import Local
+from ..fenicsx_side.launch import Line
+from ..fenicsx_side.workers import make_all, start_of
 
 STAMP = "packages.record"  # of each package: what it was built from, and the file that was left
+
+
+class BodiesFailed(InputError):
+    """Some bodies could not be built; the others were."""
 
 
 def specs_of(out: Path, runs: Sequence[str]) -> list[Path]:
@@ -24,21 +31,33 @@ def specs_of(out: Path, runs: Sequence[str]) -> list[Path]:
     found: dict[Path, None] = {}
     for run in runs:
         table = json.loads((out / "runs" / f"{run}.json").read_text(encoding="utf-8"))
-        for entry in (*table["packages"].values(), *table.get("check_packages", {}).values()):
+        for entry in package_entries(table):
             if "inputs_sha256" in entry:
                 found[out / "bodies" / f"{Path(entry['file']).stem}.json"] = None
     return list(found)
 
 
-def build_packages(specs: Sequence[Path], folder: Path, *, quiet: bool = False) -> list[str]:
+def build_packages(
+    specs: Sequence[Path],
+    folder: Path,
+    *,
+    executor: Callable[[], Executor] = lambda: Local(1, threads=True),
+    quiet: bool = False,
+) -> list[str]:
     """Build the packages of body specifications into a folder; return the names of those built.
 
     Without FEniCSx nothing is needed as long as all packages are up to date.
 
+    Parameters
+    ----------
+    executor : where they are built; asked for if there is anything to do
+
     Raises
     ------
     InputError
-        No Python with FEniCSx, or a body that cannot be built.
+        No Python with FEniCSx.
+    BodiesFailed
+        A body cannot be built. The others are built.
     """
     before, now = _read(folder / STAMP), {spec.stem: _inputs(spec) for spec in specs}
     wanted = [
@@ -48,25 +67,40 @@ def build_packages(specs: Sequence[Path], folder: Path, *, quiet: bool = False) 
     ]
     if not wanted:
         return []
-    python = find_interpreter()
     folder.mkdir(parents=True, exist_ok=True)
-    command = [python, "-P", "-m", "plymotion.preprocess", "body", *map(str, wanted)]
-    with importable() as home:
-        done = subprocess.run(
-            [*command, "--out-dir", str(folder)],
-            env=environment(home),
-            stdout=subprocess.DEVNULL if quiet else 2,  # as standard error
-        )
-    for spec in wanted:
+    failed: list[Path] = []
+
+    def done(spec: Path, line: Line) -> None:
+        _show(spec, line, quiet=quiet)
         file = folder / f"{spec.stem}.vtkhdf"
-        if file.is_file() and done.returncode == 0:
-            before[spec.stem] = [now[spec.stem], _left(file)]
-    write_text(folder / STAMP, dump(before))
-    if done.returncode < 0 or done.returncode == 130:
-        raise KeyboardInterrupt
-    if done.returncode != 0:
-        raise InputError(f"{folder}: packages could not be built, see the messages above")
+        if line["status"] == "failed" or not file.is_file():
+            failed.append(spec)
+            return
+        before[spec.stem] = [now[spec.stem], _left(file)]
+
+    start = start_of("body", ["--out-dir", str(folder.resolve())], place := executor())
+    try:
+        make_all([wanted], start, executor=place, done=done, progress=lambda _: None)
+    finally:
+        write_text(folder / STAMP, dump(before))
+    if failed:
+        names = few([spec.stem for spec in failed])
+        raise BodiesFailed(f"{folder}: not built, see the messages above: {names}")
     return [spec.stem for spec in wanted]
+
+
+def _show(spec: Path, line: Line, *, quiet: bool) -> None:
+    """Print what became of a package on standard error."""
+    for warning in line["warnings"]:
+        print(f"warning: {spec.stem}: {warning['code']}: {warning['message']}", file=sys.stderr)
+    if line["status"] != "failed":
+        if not quiet:
+            print(f"{spec.stem}: {line['text'] or line['status']}", file=sys.stderr)
+        return
+    if line["defect"]:
+        print(line["defect"], end="", file=sys.stderr)
+        print("this is an error of the preprocessor, not of the input:", file=sys.stderr)
+    print(f"error: {spec}: {line['error']}", file=sys.stderr)
 
 
 def _read(file: Path) -> dict[str, Any]:

@@ -1,8 +1,7 @@
-"""Have results files made: check descriptions, hand their specifications to workers, wait."""
+"""Have results files made: check descriptions, hand out their specifications, wait."""
 
 import json
 from collections.abc import Callable, Sequence
-from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,8 +9,9 @@ from typing import Any
 from ...errors import InputError
 from ...package.common.shares import by_mesh, mesh_key
 from ...package.common.temporary import temporary_sibling
-from ..fenicsx_side.interpreter import find_interpreter
-from ..fenicsx_side.workers import outcomes
+from ..executors.executor import Executor
+from ..fenicsx_side.launch import Line
+from ..fenicsx_side.workers import make_all, start_of
 from .entries import Entry
 
 SpecOf = Callable[[Entry], dict[str, Any]]  # checks a description; raises InputError
@@ -62,15 +62,16 @@ def make_files(
     command: str,
     options: Sequence[str],
     *,
-    jobs: int,
+    executor: Callable[[], Executor],
     done: Callable[[Made], None],
     progress: Callable[[str], None],
 ) -> None:
-    """Make the results files on `jobs` workers.
+    """Make the results files.
 
     Parameters
     ----------
     command, options : of the preprocessor
+    executor : where; asked for if there is anything to do
     done : told of each file as it comes
     progress : told what a worker begins
 
@@ -80,12 +81,13 @@ def make_files(
     """
     if not requests:
         return
-    by_spec = {str(request.spec): request.entry for request in requests}
+    by_spec = {request.spec: request.entry for request in requests}
+
+    def made(spec: Path, line: Line) -> None:
+        entry = by_spec[spec]
+        error = f"{entry.where}: {line['error']}" if line["error"] else ""
+        done(Made(entry, spec.with_suffix(".vtkhdf"), line["status"], error, line["defect"]))
+
     groups = by_mesh((request.spec, request.mesh) for request in requests)
-    python = find_interpreter()
-    lines = outcomes(groups, python, command, options, jobs=jobs, progress=progress)
-    with closing(lines) as found:
-        for line in found:
-            entry = by_spec[line["spec"]]
-            error = f"{entry.where}: {line['error']}" if line["error"] else ""
-            done(Made(entry, Path(line["file"]), line["status"], error, line["defect"]))
+    start = start_of(command, options, place := executor())
+    make_all(groups, start, executor=place, done=made, progress=progress)

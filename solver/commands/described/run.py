@@ -8,7 +8,9 @@ from collections.abc import Callable, Sequence
 from tqdm import tqdm
 
 from ...interrupts import INTERRUPTED
+from ..executors.choice import executor_of
 from .entries import Entry
+from .heartbeat import Heartbeat
 from .make import Made, Request, SpecOf, make_files, write_specs
 
 Shown = Callable[[list[Made], list[Request]], int]
@@ -22,7 +24,6 @@ def run_described(
     *,
     spec_of: SpecOf,
     show: Shown,
-    jobs: int = 1,
     list_each: bool = False,
 ) -> int:
     """Make what is described and show it; returns the exit code.
@@ -31,10 +32,9 @@ def run_described(
     ----------
     command, words : of the preprocessor: its command, `section` or `shell`, and options
     entries : results files among them are only shown
-    options : out, check, json, quiet
+    options : out, check, json, quiet, and those of the executor
     spec_of : checks a description and returns its specification
     show : what to do with the results, in the order of the entries; returns the exit code
-    jobs : how many are made at a time
     list_each : a line for each on standard error where there is no progress bar
     """
     made: dict[str, Made] = {}
@@ -46,7 +46,12 @@ def run_described(
         if not options.check:
             with _Bar(command, made, len(entries), options.quiet, list_each) as bar:
                 make_files(
-                    requests, command, words, jobs=jobs, done=bar.done, progress=bar.progress
+                    requests,
+                    command,
+                    words,
+                    executor=lambda: executor_of(options, threads=True),
+                    done=bar.done,
+                    progress=bar.progress,
                 )
         code = show([made[entry.name] for entry in entries if entry.name in made], requests)
     except KeyboardInterrupt:
@@ -81,11 +86,14 @@ class _Bar:
             disable=True if quiet else None,  # None: where there is no terminal
         )
         self.list_each = list_each and self.bar.disable and not quiet
+        self.heartbeat = Heartbeat() if self.bar.disable and not quiet else None
 
     def __enter__(self) -> "_Bar":
         return self
 
     def __exit__(self, *_: object) -> None:
+        if self.heartbeat:
+            self.heartbeat.end()
         self.bar.close()
 
     def done(self, one: Made) -> None:
@@ -96,6 +104,8 @@ class _Bar:
             print(line, file=sys.stderr)
 
     def progress(self, doing: str) -> None:
+        if self.heartbeat:
+            self.heartbeat.doing = doing
         if not self.bar.disable:  # quick ones begin faster than a screen can be read
             due = time.time() - self.bar.last_print_t > self.bar.mininterval
             self.bar.set_postfix_str(doing, refresh=due)

@@ -11,6 +11,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
+from ...errors import InputError
 from ...interrupts import INTERRUPTED
 from ..fenicsx_side.launch import environment, importable
 from ..measured_modes import experimental_package, load_measurement, write_measured
@@ -40,6 +41,13 @@ def _from_modes(tables: Path, options: argparse.Namespace) -> int:
 
 def run_export(options: argparse.Namespace) -> int:
     """Run `plymotion export`; returns the exit code."""
+    if options.target == "fmu":
+        from .fmu.command import export_fmu
+
+        return export_fmu(options)
+    for name in ("run", "inputs", "coarse", "packages"):
+        if getattr(options, name):
+            raise InputError(f"--{name}: expected with --to fmu only")
     words = ["export", str(options.file), "--to", options.target]
     return exchange([*words, *(["--out", str(options.out)] if options.out else [])])
 

@@ -7,7 +7,6 @@ import shutil
 import signal
 import subprocess
 import tempfile
-import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -18,7 +17,6 @@ import plymotion
 Line = dict[str, Any]  # {"progress": text}, or an outcome as in preprocess/batch.py
 # Variables of this process's MPI job, if any; a worker must not join it.
 LAUNCHER = ("OMPI_", "PMI_", "PMIX_", "MPI_LOCAL")
-CLEANUP_TIMEOUT = 2.0  # time for an interrupted process to clean up [s]
 
 
 @contextmanager
@@ -54,26 +52,18 @@ def environment(folder: Path) -> dict[str, str]:
     return variables
 
 
-class Worker:
+class Preprocessor:
     """A preprocessor process that makes one file after the other.
 
     Parameters
     ----------
     python : the interpreter
     folder : folder that contains `plymotion`
-    command : of the preprocessor that reads names from standard input: section, shell
+    command : of the preprocessor that reads names from standard input: body, section, shell
     options : of the command
-    on_line : called with (worker, line) from a separate thread; line None: the process has ended
     """
 
-    def __init__(
-        self,
-        python: str,
-        folder: Path,
-        command: str,
-        options: Sequence[str],
-        on_line: "Callable[[Worker, Line | None], None]",
-    ) -> None:
+    def __init__(self, python: str, folder: Path, command: str, options: Sequence[str]) -> None:
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115  as long as the process
         # -P: modules of the current folder must not shadow installed ones. A new session:
         # Ctrl-C reaches only this process, which then ends the other.
@@ -87,36 +77,40 @@ class Worker:
             encoding="utf-8",
             start_new_session=True,
         )
-        self._on_line = on_line
-        self._thread = threading.Thread(target=self._read_lines, daemon=True)
-        self._thread.start()
 
-    def request(self, spec: Path) -> None:
-        """Request one file."""
+    def make(self, spec: Path, progress: Callable[[str], None]) -> Line | None:
+        """Make one file and return the outcome; None if the process has ended before.
+
+        Parameters
+        ----------
+        progress : told the steps
+        """
         assert self._process.stdin is not None
-        with contextlib.suppress(BrokenPipeError):  # it has ended: the thread reports this
+        assert self._process.stdout is not None
+        with contextlib.suppress(BrokenPipeError):  # it has ended, and says no more
             self._process.stdin.write(f"{spec}\n")
             self._process.stdin.flush()
-
-    def close(self) -> None:
-        """Close standard input: no more work, the process ends."""
-        assert self._process.stdin is not None
-        with contextlib.suppress(BrokenPipeError):
-            self._process.stdin.close()
+        for text in self._process.stdout:
+            line: Line = json.loads(text)
+            if "progress" not in line:
+                return line
+            progress(line["progress"])
+        return None
 
     def interrupt(self) -> None:
         """Interrupt the process; it removes its unfinished file."""
         self._signal(signal.SIGINT)
 
     def end(self, timeout: float) -> None:
-        """Wait for the process for `timeout` [s], then kill it."""
+        """Hand out no more work, wait for the process for `timeout` [s], then kill it."""
+        assert self._process.stdin is not None
+        with contextlib.suppress(BrokenPipeError):
+            self._process.stdin.close()
         try:
             self._process.wait(timeout)
         except subprocess.TimeoutExpired:
             self._signal(signal.SIGKILL)
             self._process.wait()
-        self._thread.join()
-        self._errors.close()
 
     def _signal(self, number: int) -> None:
         with contextlib.suppress(ProcessLookupError):  # it has ended in the meantime
@@ -134,9 +128,3 @@ class Worker:
         text = text.replace("error: ", "")
         how = f"killed by signal {-code}" if code < 0 else f"ended with code {code}"
         return "\n".join([how, *text.splitlines()[-5:]])
-
-    def _read_lines(self) -> None:
-        assert self._process.stdout is not None
-        for text in self._process.stdout:
-            self._on_line(self, json.loads(text))
-        self._on_line(self, None)

@@ -1,16 +1,18 @@
-"""Several workers process the specifications of a batch, each mesh on one worker if possible."""
+"""Specifications of a batch, handed out to an executor: each mesh to one worker if possible."""
 
-import queue
 from collections import deque
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 from ...errors import InputError
-from .launch import CLEANUP_TIMEOUT, Line, Worker, importable
+from ..executors.executor import Executor, Task, distribute
+from ..executors.local import Local
+from .interpreter import find_interpreter
+from .launch import Line
+from .task import Start, crashed, make, preprocessors
 
-START_FAILED = 2  # exit code of a preprocessor that cannot start
 MOST_CRASHES = 3  # number of crashes without a result in between after which the batch is aborted
-END_TIMEOUT = 10.0  # time for an idle worker to end [s]
 
 
 class Work:
@@ -18,115 +20,80 @@ class Work:
 
     def __init__(self, groups: Sequence[Sequence[Path]]) -> None:
         self._free = deque(deque(group) for group in groups if group)
-        self._taken: dict[Worker, deque[Path]] = {}
+        self._taken: dict[int, deque[Path]] = {}
 
-    def next(self, worker: Worker) -> Path | None:
-        """The next file for a worker: of its own group, of a new group, or of half of another
-        worker's."""
-        if not self._taken.get(worker):
+    def next(self, lane: int) -> Path | None:
+        """The next file for a lane: of its own group, of a new group, or of half of another's."""
+        if not self._taken.get(lane):
             if self._free:
-                self._taken[worker] = self._free.popleft()
+                self._taken[lane] = self._free.popleft()
             else:
                 largest = max(self._taken.values(), key=len, default=deque[Path]())
                 half = deque[Path]()
                 for _ in range((len(largest) + 1) // 2):
                     half.appendleft(largest.pop())
-                self._taken[worker] = half
-        own = self._taken[worker]
+                self._taken[lane] = half
+        own = self._taken[lane]
         return own.popleft() if own else None
 
-    def release(self, worker: Worker) -> None:
-        """Return the remaining files of a lost worker to the others."""
-        left = self._taken.pop(worker, None)
-        if left:
-            self._free.appendleft(left)
+
+class _Specifications:
+    """The source of an executor (executors/executor.py)."""
+
+    def __init__(self, work: Work, start: Start, done: Callable[[Path, Line], None]) -> None:
+        self._work, self._start, self._done = work, start, done
+        self._crashes = 0
+
+    def next(self, lane: int, width: int) -> Task | None:
+        """Return the next specification for a lane."""
+        spec = self._work.next(lane)
+        return None if spec is None else Task(make, (self._start, spec.resolve()), spec)
+
+    def took(self, task: Task, result: Any) -> None:
+        """Report an outcome. Raises InputError: the preprocessor crashes all the time."""
+        self._crashes = self._crashes + 1 if "crashed" in result else 0
+        if self._crashes == MOST_CRASHES:
+            raise InputError(f"the preprocessor does not run: {result['crashed']}")
+        self._done(task.content, result)
+
+    def lost(self, task: Task) -> None:
+        """Report a file whose worker died."""
+        self._done(task.content, crashed("its worker died"))
 
 
-def outcomes(
+def start_of(command: str, options: Sequence[str], executor: Executor) -> Start:
+    """Return how an executor starts the preprocessor; workers elsewhere find their own Python.
+
+    Raises
+    ------
+    InputError
+        No Python with FEniCSx on this machine, which is to compute.
+    """
+    python = find_interpreter() if isinstance(executor, Local) else ""
+    return Start(python, command, tuple(options))
+
+
+def make_all(
     groups: Sequence[Sequence[Path]],
-    python: str,
-    command: str,
-    options: Sequence[str],
+    start: Start,
     *,
-    jobs: int = 1,
+    executor: Executor,
+    done: Callable[[Path, Line], None],
     progress: Callable[[str], None],
-) -> Generator[Line, None, None]:
-    """Make the file of every specification; yield each outcome when it arrives.
+) -> None:
+    """Make the file of every specification.
 
     If a worker crashes, only its current file is lost.
 
     Parameters
     ----------
     groups : specification files, those of equal mesh together
-    python : interpreter with FEniCSx
-    command, options : of the preprocessor
-    jobs : number of workers
-    progress : called with the step that a worker begins
+    done : called with each specification and its outcome
+    progress : called with the step that a worker of this machine begins
 
     Raises
     ------
     InputError : the preprocessor does not start.
     """
-    work = Work(groups)
-    received: queue.SimpleQueue[tuple[Worker, Line | None]] = queue.SimpleQueue()
-    at: dict[Worker, Path] = {}
-    workers: list[Worker] = []
-    crashes = 0
-    timeout = 0.0
-
-    def assign(worker: Worker) -> None:
-        spec = work.next(worker)
-        if spec is None:
-            worker.close()
-        else:
-            at[worker] = spec
-            worker.request(spec)
-
-    with importable() as folder:
-
-        def start() -> None:
-            worker = Worker(python, folder, command, options, lambda *line: received.put(line))
-            workers.append(worker)
-            assign(worker)
-
-        try:
-            for _ in range(min(jobs, sum(map(len, groups)))):
-                start()
-            while at:
-                worker, line = received.get()
-                if line is None:
-                    if worker not in at:
-                        continue  # ended on request
-                    spec, reason = at.pop(worker), worker.end_reason()
-                    crashes += 1
-                    if worker.exit_code() == START_FAILED or crashes == MOST_CRASHES:
-                        raise InputError(f"{python}: the preprocessor does not run: {reason}")
-                    work.release(worker)
-                    yield _crashed(spec, reason)
-                    start()
-                elif "progress" in line:
-                    progress(f"{at[worker].stem}: {line['progress']}")
-                else:
-                    crashes = 0
-                    del at[worker]
-                    yield line
-                    assign(worker)
-            timeout = END_TIMEOUT
-        finally:
-            if not timeout:  # interrupted, or an error: stop all workers
-                for worker in workers:
-                    worker.interrupt()
-            for worker in workers:
-                worker.end(timeout or CLEANUP_TIMEOUT)
-
-
-def _crashed(spec: Path, reason: str) -> Line:
-    return {
-        "spec": str(spec),
-        "file": str(spec.with_suffix(".vtkhdf")),
-        "status": "failed",
-        "seconds": 0.0,
-        "warnings": [],
-        "error": f"the preprocessor ended unexpectedly: {reason}",
-        "defect": "",
-    }
+    with preprocessors(progress):
+        distribute(executor, _Specifications(Work(groups), start, done))

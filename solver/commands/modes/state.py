@@ -15,7 +15,7 @@ from ...mechanism.equilibrium import resting_state
 from ...mechanism.initial import Start, consistent_state
 from ...mechanism.relative_equilibrium import Steady, relative_equilibrium
 from ...mechanism.start import starting_state
-from ...run.execution import integrated
+from ...run.integration import integrated
 from ...run.outcome import RunSpec
 from ...run.preparation import prepare
 from .place import At

@@ -1,6 +1,7 @@
 """The command `plymotion run`: one run or several, in one process or more."""
 
 import argparse
+import json
 import multiprocessing
 import sys
 import time
@@ -14,11 +15,10 @@ from typing import Any
 from ...errors import InputError, PackageError, few
 from ...fidelity.execution import run_any
 from ...fidelity.words import fidelity_line
+from ...inputs.case.extreme import ERRORS, out_of_range
 from ...interrupts import INTERRUPTED, asked, handle, passed_to_children
-from ...package.common.disk_file import has_right_seal
-from ...results import ResultError, read_summary
 from ...run.execution import INCOMPLETE
-from ...run.inputs_digest import inputs_sha256
+from ...run.inputs_digest import up_to_date
 from ...run.timing import timing_text
 from ..defect import DEFECT, report
 
@@ -103,7 +103,7 @@ def run_files(
     tasks = []
     for file in files:
         folder = out or (out_dir or file.parent.parent) / file.stem
-        if update and _up_to_date(file, folder):
+        if update and up_to_date(file, folder):
             print(f"{file.stem}: up to date")
             continue
         tasks.append(_Task(file, folder, not quiet, timing, allow_doubtful, import_s, allow_python))
@@ -115,17 +115,6 @@ def run_files(
         outcome.tell()
         codes.append(outcome.code)
     return next((code for code in (INTERRUPTED, DEFECT, INPUT, INCOMPLETE) if code in codes), 0)
-
-
-def _up_to_date(file: Path, out: Path) -> bool:
-    """Tell whether a result is there that was not interrupted and has the same inputs."""
-    try:
-        summary = read_summary(out / "summary.json")
-    except ResultError:
-        return False
-    there = has_right_seal(out / "result.vtkhdf") and summary.get("status") != "interrupted"
-    known = summary.get("inputs_sha256")
-    return there and bool(known) and known == inputs_sha256(file)
 
 
 def _outcome(task: _Task) -> Outcome:
@@ -146,8 +135,14 @@ def _outcome(task: _Task) -> Outcome:
     except KeyboardInterrupt:
         return Outcome(INTERRUPTED, errors=[f"{task.file}: interrupted, nothing written"])
     except Exception as error:
+        if isinstance(error, ERRORS) and (message := _out_of_range(task.file)):
+            return Outcome(INPUT, errors=[message])
         return Outcome(DEFECT, errors=[f"{task.file}: {report(error)}"])
     return Outcome(_code(summary), _lines(summary, task.timing))
+
+
+def _out_of_range(file: Path) -> str:
+    return out_of_range(str(file), json.loads(file.read_text(encoding="utf-8"))["mechanism"])
 
 
 def _code(summary: dict[str, Any]) -> int:

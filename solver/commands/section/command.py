@@ -54,9 +54,8 @@ def run_section(options: argparse.Namespace) -> int:
         entries,
         options,
         words,
-        spec_of=lambda entry: _spec(entry, options.out),
+        spec_of=lambda entry: described_spec(entry, options.out),
         show=show,
-        jobs=options.jobs,
         list_each=bool(options.batch),
     )
 
@@ -77,7 +76,8 @@ def _entries(options: argparse.Namespace) -> list[Entry]:
     return share(read_list(options.batch), options.shard or (1, 1))
 
 
-def _spec(entry: Entry, folder: Path) -> dict[str, Any]:
+def described_spec(entry: Entry, folder: Path) -> dict[str, Any]:
+    """Return the specification of a description with its changes; see `load_section`."""
     if is_of_another_code(entry.file) and not entry.changes:
         return spec_of_another_code(entry.file, folder)
     table = read_toml(entry.file, "section description")

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import did_you_mean
-from ..arguments import whole_number
 from ..described.options import add_command, add_out, add_shared
+from ..executors.choice import add_executor
 from .conventions import CODES
 from .writers.choice import TARGETS
 
@@ -70,9 +70,7 @@ def add_section_command(commands: Any, run: Callable[[argparse.Namespace], int])
     )
     how = parser.add_argument_group("how and where")
     add_out(how, FOLDER)
-    how.add_argument(
-        "--jobs", type=whole_number, default=1, metavar="N", help="sections at a time (default 1)"
-    )
+    add_executor(how, "sections")
     add_shared(how, "quiet")
     shown = parser.add_argument_group("what to show")
     add_shared(shown, "json")

@@ -5,6 +5,8 @@ import re
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ...errors import InputError
 from ...inputs.shell.expand import load_shell
 from ...package.common.materials import MaterialError
@@ -49,9 +51,20 @@ def run_shell(options: argparse.Namespace) -> int:
         entries_of(options.files),
         options,
         ["--force"] if options.force else [],
-        spec_of=lambda entry: load_shell(entry.file),
+        spec_of=lambda entry: _with_buckling(load_shell(entry.file), entry.file, options.buckling),
         show=show,
     )
+
+
+def _with_buckling(spec: dict[str, Any], file: Path, count: int | None) -> dict[str, Any]:
+    """The specification with a request for load factors, if there is one on the command line."""
+    if count is None:
+        return spec
+    if count < 1:
+        raise InputError(f"--buckling {count}: expected a number above 0")
+    if not spec["loads"]:
+        raise InputError(f"{file}: --buckling needs a load case, [loads.CASE.NAME]")
+    return {**spec, "buckling": {"in_plane": True, **spec.get("buckling", {}), "count": count}}
 
 
 def figures_of(shell: ShellFile, file: Path) -> list[Path]:
@@ -71,6 +84,12 @@ def figures_of(shell: ShellFile, file: Path) -> list[Path]:
                 shapes.append((shell.modes.shapes_G[row], ""))
                 number = row - shell.modes.n_zero + 1
                 titles.append(f"{shell.name}: mode {number}, {hertz[row]:.5g} Hz")
+        if shell.buckling is not None:
+            for row in _drawn_buckling(shell):
+                shapes.append((shell.buckling.shapes_G[row], ""))
+                case = shell.cases.names[shell.buckling.case[row]]
+                factor = shell.buckling.factors[row]
+                titles.append(f"{shell.name}: buckling under {case}, factor {factor:.5g}")
         pictures = [
             Picture(title, name, shape[:, :3], unit)
             for title, name, (shape, unit) in zip(titles, names, shapes, strict=True)
@@ -88,7 +107,18 @@ def _drawn_modes(shell: ShellFile) -> range:
     return range(first, min(first + MOST_MODES, len(shell.modes.frequencies)))
 
 
+def _drawn_buckling(shell: ShellFile) -> list[int]:
+    """Row of the first load factor of each load case."""
+    if shell.buckling is None:
+        return []
+    return [int(row) for row in np.unique(shell.buckling.case, return_index=True)[1]]
+
+
 def _figure_names(shell: ShellFile) -> list[str]:
     modes = [f"mode-{number + 1}" for number in range(len(_drawn_modes(shell)))]
-    parts = (f"{shell.name}-{name}" for name in (*shell.cases.names, *modes))
+    buckled = []
+    if shell.buckling is not None:
+        cases = [shell.cases.names[case] for case in shell.buckling.case]
+        buckled = [f"{cases[row]}-buckling" for row in _drawn_buckling(shell)]
+    parts = (f"{shell.name}-{name}" for name in (*shell.cases.names, *modes, *buckled))
     return [re.sub(r"[^\w.+-]+", "-", part).strip("-.") for part in parts]

@@ -1,6 +1,6 @@
 """Figures of a shell: the deflected surface over the edges of the undeformed one, in two views.
 
-Triangles are sorted by depth and drawn as flat polygons, without a 3-D plot. This is fast for a
+Cells are sorted by depth and drawn as flat polygons, without a 3-D plot. This is fast for a
 mesh of a hundred thousand cells, too.
 """
 
@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 
 from ...math.arrays import Array, IntArray
+from ...package.shell.cells import NONE, area_vectors, sides
+from ...package.shell.cells import centres as mean_of_corners
 from ...report.style import GREY, INK, Canvas, house_style
 
 WIDTH = 8.0  # inches, of two views
@@ -41,7 +43,7 @@ def draw_shapes(
     Parameters
     ----------
     points : (n, 3) nodes [m]
-    cells : (c, 3) triangles
+    cells : (c, 3) triangles, or (c, 4) with quadrilaterals
 
     Raises InputError without matplotlib.
     """
@@ -56,13 +58,13 @@ def draw_shapes(
 
 def feature_edges(points: Array, cells: IntArray) -> IntArray:
     """Edges where the surface ends, branches or has a fold, (e, 2) nodes."""
-    a, b, c = np.moveaxis(points[cells], 1, 0)
-    normal = np.cross(b - a, c - a)
+    normal = area_vectors(points, cells)
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    sides = np.sort(cells[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    edges, which, count = np.unique(sides, axis=0, return_inverse=True, return_counts=True)
+    ends, owner = sides(cells)
+    edges, which, count = np.unique(
+        np.sort(ends, axis=1), axis=0, return_inverse=True, return_counts=True
+    )
     which = which.ravel()
-    owner = np.repeat(np.arange(len(cells)), 3)
     order = np.argsort(which, kind="stable")
     first = np.concatenate([[0], np.cumsum(count)[:-1]])
     shared = count == 2
@@ -106,7 +108,7 @@ def _draw(points: Array, cells: IntArray, edges: IntArray, picture: Picture, pat
     unit_size, unit = next((p for p in _PREFIXES if largest >= p[0]), _PREFIXES[-1])
     if not picture.unit:
         unit_size, unit = largest or 1.0, "of the largest"
-    shades = size[cells].mean(axis=1) / unit_size
+    shades = mean_of_corners(size[:, None], cells)[:, 0] / unit_size
     for axes, (name, _), view, window in zip(panels, VIEWS, views, windows, strict=True):
         surface = _view(axes, points, moved, cells, edges, shades, view, window)
         if axes is panels[0] and len(cells) <= MANY_CELLS:  # lines would cover flatter views
@@ -151,10 +153,12 @@ def _view(
     from matplotlib.collections import LineCollection, PolyCollection
 
     before, after = points @ view.T, moved @ view.T
-    order = np.argsort(after[cells, 2].mean(axis=1), kind="stable")  # the farthest first
+    depth = mean_of_corners(after, cells)[:, 2]
+    order = np.argsort(depth, kind="stable")  # the farthest first
     lines = LineCollection(list(before[edges, :2]), colors=GREY, linewidths=0.7)
     axes.add_collection(lines, autolim=False)
-    surface = PolyCollection(list(after[cells[order], :2]), array=shades[order], cmap="viridis")
+    corners = [after[cell[cell != NONE], :2] for cell in cells[order]]
+    surface = PolyCollection(corners, array=shades[order], cmap="viridis")
     surface.set(edgecolors="face", linewidths=0.2)
     axes.add_collection(surface, autolim=False)
     outline = LineCollection(list(after[edges, :2]), colors=INK, linewidths=0.5, alpha=0.6)

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ..described.options import add_command, add_out, add_shared
+from ..executors.choice import add_executor
 
 FOLDER = Path("build") / "shells"
 
@@ -37,4 +38,13 @@ def add_shell_command(commands: Any, run: Callable[[argparse.Namespace], int]) -
     add_shared(parser, "check", "json")
     what = "draw deflected shapes and modes (default: without --json)"
     add_shared(parser, "figures", help=what)
+    parser.add_argument(
+        "--buckling",
+        type=int,
+        nargs="?",
+        const=4,
+        metavar="COUNT",
+        help="load factors of linear buckling of every load case (default 4 of each)",
+    )
     add_shared(parser, "force", "quiet")
+    add_executor(parser, "shells")

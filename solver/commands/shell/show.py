@@ -4,7 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from ...math.arrays import Array
+from ...math.arrays import Array, IntArray
+from ...package.shell.cells import centres, corner_counts
 from ...package.shell.schema import SHELL_RESULTANTS, ShellFile, ShellLaminate
 from .findings import CaseFindings, case_findings, stacking
 from .ply_extremes import PlyExtreme
@@ -24,7 +25,7 @@ def shell_text(shell: ShellFile) -> str:
         lines += ["", *laminate_lines(laminate)]
     for case in case_findings(shell):
         lines += ["", *_case(shell, case)]
-    lines += ["", *_modes(shell), *_effort(shell)]
+    lines += ["", *_modes(shell), *_buckling(shell), *_effort(shell)]
     lines += [f"warning [{w['code']}] {w['message']}" for w in shell.warnings]
     return "\n".join(lines)
 
@@ -91,10 +92,17 @@ def _mesh(shell: ShellFile) -> list[str]:
     mass = np.array([laminate.mass[0] for laminate in shell.laminates])
     of_cell = mass[mesh.laminate[mesh.region]]
     return [
-        f"{'Mesh':16}{len(mesh.nodes_G)} nodes, {len(mesh.cells)} triangles in "
+        f"{'Mesh':16}{len(mesh.nodes_G)} nodes, {_cells(mesh.cells)} in "
         f"{_short(', '.join(mesh.regions), 50)}",
         f"{'Area, mass':16}{mesh.area.sum():.6g} m2, {of_cell @ mesh.area:.6g} kg",
     ]
+
+
+def _cells(cells: IntArray) -> str:
+    """Number of cells of each kind."""
+    count = corner_counts(cells)
+    kinds = ((count == 3).sum(), "triangles"), ((count == 4).sum(), "quadrilaterals")
+    return " and ".join(f"{number} {kind}" for number, kind in kinds if number)
 
 
 def _case(shell: ShellFile, case: CaseFindings) -> list[str]:
@@ -128,7 +136,7 @@ def _case(shell: ShellFile, case: CaseFindings) -> list[str]:
     weakest = case.weakest
     if weakest is not None and np.isfinite(weakest[2].ratio):
         of, ply, reserve = weakest
-        x, y, z = shell.mesh.nodes_G[shell.mesh.cells[reserve.cell]].mean(axis=0)
+        x, y, z = centres(shell.mesh.nodes_G, shell.mesh.cells[[reserve.cell]])[0]
         lines.append(
             f"{'Least strength':16}ratio R = {reserve.ratio:.4g} by {reserve.criterion} "
             f"({reserve.mode}), {of.laminate} ply {ply.ply + 1}, {reserve.level},"
@@ -180,6 +188,21 @@ def _modes(shell: ShellFile) -> list[str]:
         label = "Frequencies" if first == 0 else ""
         some = "".join(f"{value:12.6g}" for value in elastic[first : first + 6])
         lines.append(f"{label:16}{some.lstrip() if first == 0 else some[2:]} Hz")
+    return lines
+
+
+def _buckling(shell: ShellFile) -> list[str]:
+    found, lines = shell.buckling, []
+    if found is None:
+        return []
+    for row, name in enumerate(shell.cases.names):
+        factors = found.factors[found.case == row]
+        back = f"; load reversed {found.reversed[row]:.6g}" if found.reversed[row] else ""
+        if len(factors) or back:
+            listed = ", ".join(f"{factor:.6g}" for factor in factors) or "none"
+            lines.append(f"{'Load factors':16}{name}: {listed}{back}")
+        elif row not in found.case:
+            lines.append(f"{'Load factors':16}{name}: none, no buckling under this load")
     return lines
 
 

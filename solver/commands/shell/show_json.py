@@ -3,6 +3,7 @@
 import math
 from typing import Any
 
+from ...package.shell.cells import centres
 from ...package.shell.schema import SHELL_STRESSES, ShellFile, ShellLaminate
 from .findings import CaseFindings, case_findings, stacking
 from .ply_extremes import PlyExtreme
@@ -32,6 +33,15 @@ def shell_json(shell: ShellFile) -> dict[str, Any]:
     if modes is not None:
         table["frequencies_hz"] = modes.frequencies_hz[modes.n_zero :].tolist()
         table["zero_modes"] = modes.n_zero
+    if shell.buckling is not None:
+        case = shell.buckling.case
+        table["load_factors"] = {
+            name: {
+                "factors": shell.buckling.factors[case == row].tolist(),
+                "reversed": float(shell.buckling.reversed[row]) or None,
+            }
+            for row, name in enumerate(shell.cases.names)
+        }
     return table
 
 
@@ -105,7 +115,7 @@ def _ply(shell: ShellFile, ply: PlyExtreme) -> dict[str, Any]:
                 "ratio": _finite(reserve.ratio),
                 "mode": reserve.mode,
                 "level": reserve.level,
-                "at": shell.mesh.nodes_G[shell.mesh.cells[reserve.cell]].mean(axis=0).tolist(),
+                "at": centres(shell.mesh.nodes_G, shell.mesh.cells[[reserve.cell]])[0].tolist(),
             }
             for reserve in ply.reserves
         },

@@ -14,13 +14,14 @@ from ...math.arrays import Array
 from ...package.common.container import get_text, new_file, open_file, set_text
 from ...package.common.identity import check_file_checksum, version_of, write_file_checksum
 from ...results import ResultError
-from ...run.execution import output_times
-from .member import CHECKS, COST, DAMAGE, MEASURES, Row
+from ...results.summary import MEASURES
+from ...run.integration import output_times
+from .member import CHECKS, COST, DAMAGE, Row
 from .plan import Plan
 from .row_digest import row_sha256
 
 FORMAT = "plymotion sweep"
-FORMAT_VERSION = (1, 1)
+FORMAT_VERSION = (1, 2)
 TEXTS = ("key", "status", "message", "code", "warnings")
 
 
@@ -42,7 +43,7 @@ class SweepResult:
     rows: tuple[Row, ...]  # (k)
 
     def signal(self, name: str, measure: str) -> Array:
-        """Return the "final", "min", "t_min", "max", "t_max" or "damage" of a signal, (k,)."""
+        """Return the one of MEASURES or "damage" of a signal, (k,)."""
         return np.array([_number(r.signals.get(name, {}).get(measure)) for r in self.rows])
 
     def measures(self, name: str) -> tuple[str, ...]:
@@ -172,8 +173,9 @@ def _read(path: Path, *, whole: bool) -> tuple[SweepResult, list[str]]:
                 f"{path}: written by a newer Plymotion: format {major}.{minor}, "
                 f"this reader knows {FORMAT_VERSION[0]}.x"
             )
-        if minor == 0:  # without checksums
-            raise ResultError(f"{path}: format {major}.{minor}: expected {major}.1 or later")
+        least = 1 if whole else FORMAT_VERSION[1]  # 1.0 has no checksums; rows have what they had
+        if minor < least:
+            raise ResultError(f"{path}: format {major}.{minor}: expected {major}.{least} or later")
         if whole:
             check_file_checksum(path, file, ResultError)
         return _load(file), _words(file["members/sha256"])
@@ -188,10 +190,7 @@ def _load(file: h5py.File) -> SweepResult:
         group: {name: file[f"{group}/{name}"][()] for name in names}
         for group, names in (("checks", CHECKS), ("cost", COST))
     }
-    measured = {
-        n: {m: g[m][()] for m in (*MEASURES, DAMAGE) if m in g or m != DAMAGE}
-        for n, g in signals.items()
-    }
+    measured = {n: {m: g[m][()] for m in (*MEASURES, DAMAGE) if m in g} for n, g in signals.items()}
     units = {n: get_text(g, "unit") for n, g in signals.items()}
     series = {n: d[()] for n, d in histories.items() if n != "t"}
     rows = []

@@ -11,19 +11,22 @@ import numpy as np
 from ...checks.finished import FinishedRun, Look
 from ...checks.judge import judge
 from ...errors import InputError, PackageError
+from ...inputs.case.combining import with_parts
+from ...inputs.case.extreme import ERRORS, out_of_range
 from ...math.arrays import Array
 from ...package import ModalPackage
 from ...results import Signal, signal_summary
 from ...results.codes.members import DEFECT, INPUT, PACKAGE
-from ...run.execution import integrated, output_times
+from ...run.integration import integrated, output_times
+from ...run.other_runs import histories_of
+from ...run.outcome import RunSpec
 from ...run.preparation import prepare
 from ...signals import Recording, Sensor, fatigue_entry
 from ...strength.fatigue import Turning
-from .plan import Plan
+from .plan import Plan, Variant
 
 PENDING, FINISHED, STOPPED, FAILED = "pending", "finished", "stopped", "failed"
 INTERRUPTED = "interrupted"
-MEASURES = ("final", "min", "t_min", "max", "t_max")
 DAMAGE = "damage"  # Miner's sum, of stresses with an S-N line
 CHECKS = (
     "constraint_position_max",
@@ -66,10 +69,10 @@ class Packages:
         self.plan = plan
         self._known: dict[int, ModalPackage | PackageError] = {}
 
-    def of(self, number: int) -> dict[str, ModalPackage]:
-        """Return the packages of one member by body. Raises PackageError."""
+    def of(self, variant: Variant) -> dict[str, ModalPackage]:
+        """Return the packages of a member, or of another run of it. Raises PackageError."""
         found = {}
-        for body, k in self.plan.members[number].packages.items():
+        for body, k in variant.packages.items():
             if k not in self._known:
                 try:
                     self._known[k] = self.plan.package(k)
@@ -100,6 +103,10 @@ def compute(
         except KeyboardInterrupt:
             break
         except Exception as error:
+            if isinstance(error, ERRORS) and (
+                message := out_of_range(plan.name, plan.mechanism_of(number).model_dump())
+            ):
+                error = InputError(message)
             rows[k] = _failed(rows[k], error)
         if not rows[k].done:
             break
@@ -114,7 +121,15 @@ def _computed(plan: Plan, packages: Packages, number: int, row: Row) -> Row:
     begin = time.perf_counter()
     mechanism = plan.mechanism_of(number)
     kept = {*plan.signals, *plan.histories}
-    prepared = prepare(mechanism, packages.of(number), kept)
+    member = plan.members[number]
+    others = {
+        run: RunSpec(plan.case, run, plan.other_mechanism(number, run), packages.of(variant))
+        for run, variant in member.other_runs.items()
+    }
+    read = with_parts(kept, mechanism.signals)
+    prepared = prepare(
+        mechanism, packages.of(member.own), kept, histories=histories_of(read, others)
+    )
     finished = integrated(prepared, look=LOOK)
     if finished.solution.status == INTERRUPTED:
         return row

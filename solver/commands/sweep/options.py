@@ -5,7 +5,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..arguments import add_doubtful, whole_number
+from ..arguments import add_doubtful
+from ..executors.choice import add_executor
 
 EPILOG = """\
 Leaves DIR/sweep.h5 (docs/sweeps.md), the table DIR/sweep.csv and a figure per signal. Members that
@@ -17,6 +18,14 @@ failed, their words are in the table and the others are complete; 130 interrupte
 is kept.
 """
 
+MERGE_EPILOG = """\
+Writes DIR/sweep.h5, the table and the figures from DIR/sweep-k-of-N.h5, the files of
+`plymotion sweep --shard k/N`, and from an earlier DIR/sweep.h5. The files of the shards stay.
+
+exit code: 0 all members finished; 2 something is wrong with the input; 3 members are missing, or
+some stopped or failed.
+"""
+
 
 def add_sweep_command(commands: Any, run: Callable[[argparse.Namespace], int]) -> None:
     """Add `sweep` to the subcommands of an argument parser; `run` is what it does."""
@@ -26,19 +35,46 @@ def add_sweep_command(commands: Any, run: Callable[[argparse.Namespace], int]) -
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("sweep", type=Path, help="build/<case>/sweeps/<name>.json, from check")
+    _add_place(parser)
     add_doubtful(parser)
     parser.add_argument(
-        "--out", type=Path, metavar="DIR", help="folder (default build/<case>/sweeps/<name>)"
+        "--shard",
+        type=_shard,
+        metavar="k/N",
+        help="only the k-th of N shares of the members, into DIR/sweep-k-of-N.h5, see `merge`",
     )
-    parser.add_argument(
-        "--jobs", type=whole_number, default=1, metavar="N", help="processes (default 1)"
-    )
+    add_executor(parser, "members")
     again = parser.add_mutually_exclusive_group()
     again.add_argument("--fresh", action="store_true", help="compute all members anew")
     again.add_argument(
         "--restart", action="store_true", help="compute what is not there (the default)"
     )
+    _add_shown(parser)
+    parser.add_argument("--quiet", action="store_true", help="no progress bar")
+    parser.set_defaults(command=run)
+
+
+def add_merge_command(commands: Any, run: Callable[[argparse.Namespace], int]) -> None:
+    """Add `merge` to the subcommands of an argument parser; `run` is what it does."""
+    parser = commands.add_parser(
+        "merge",
+        help="merge the shards of a sweep into one file",
+        epilog=MERGE_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    _add_place(parser)
+    _add_shown(parser)
+    parser.set_defaults(command=run)
+
+
+def _add_place(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("sweep", type=Path, help="build/<case>/sweeps/<name>.json, from check")
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", help="folder (default build/<case>/sweeps/<name>)"
+    )
+
+
+def _add_shown(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--csv", action="store_true", help="print the table")
     parser.add_argument(
         "--figures",
@@ -46,5 +82,9 @@ def add_sweep_command(commands: Any, run: Callable[[argparse.Namespace], int]) -
         default=True,
         help="draw a figure for each signal",
     )
-    parser.add_argument("--quiet", action="store_true", help="no progress bar")
-    parser.set_defaults(command=run)
+
+
+def _shard(text: str) -> tuple[int, int]:
+    from ...package.common.shares import shard
+
+    return shard(text)

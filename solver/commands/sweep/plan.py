@@ -2,7 +2,8 @@
 
 import hashlib
 import json
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from ...package import ModalPackage
 from ...package.common.plain_data import data_sha256
 from ...run.execution import package_of
 
-ROWS = 1  # version of what is computed of a member: raised when its numbers change their meaning
+ROWS = 2  # version of what is computed of a member: raised when its numbers change their meaning
 
 
 @dataclass(frozen=True)
@@ -30,12 +31,21 @@ class Parameter:
 
 
 @dataclass(frozen=True)
+class Variant:
+    """A run with changes."""
+
+    changes: dict[str, Any]  # dotted keys of the mechanism
+    packages: dict[str, int]  # body -> number in the list of packages
+
+
+@dataclass(frozen=True)
 class Member:
     """One point of the design."""
 
     values: tuple[float, ...]
-    changes: dict[str, Any]  # dotted keys of the mechanism
-    packages: dict[str, int]  # body -> number in the list of packages
+    own: Variant
+    other_runs: dict[str, Variant]  # that combined signals read
+    number: int  # in the sweep
 
 
 @dataclass(frozen=True)
@@ -53,16 +63,31 @@ class Plan:
     histories: tuple[str, ...]
     table: dict[str, Any]  # mechanism that all members change, as in the file
     mechanism: Mechanism  # the same
+    other_runs: dict[str, dict[str, Any]]  # mechanisms of other runs, likewise
     packages: tuple[dict[str, str], ...]  # file, inputs_sha256
     members: tuple[Member, ...]
     allow_doubtful: bool = False  # as in `read_package`
 
+    def part(self, members: Sequence[Member]) -> "Plan":
+        """Return the same sweep with some of its members."""
+        return replace(self, members=tuple(members))
+
     def mechanism_of(self, number: int) -> Mechanism:
         """Return the mechanism of one member. Raises InputError."""
-        return in_segments(resolved(self._table_of(number), f"{self.file}: member {number}"))
+        where = f"{self.file}: member {self.members[number].number}"
+        return in_segments(resolved(self._table_of(number), where))
+
+    def other_mechanism(self, number: int, run: str) -> Mechanism:
+        """Return the mechanism of another run of one member. Raises InputError."""
+        where = f"{self.file}: member {self.members[number].number}, run {run}"
+        return in_segments(resolved(self._others_of(number)[run], where))
 
     def _table_of(self, number: int) -> dict[str, Any]:
-        return put(self.table, self.members[number].changes)
+        return put(self.table, self.members[number].own.changes)
+
+    def _others_of(self, number: int) -> dict[str, dict[str, Any]]:
+        others = self.members[number].other_runs
+        return {run: put(self.other_runs[run], variant.changes) for run, variant in others.items()}
 
     def package_file(self, number: int) -> Path:
         """Return where a package lies."""
@@ -90,8 +115,12 @@ class Plan:
         contents = [_content(self.package_file(k)) for k in range(len(self.packages))]
         found = []
         for number, member in enumerate(self.members):
-            own = {body: contents[k] for body, k in member.packages.items()}
-            found.append(data_sha256([*common, self._table_of(number), own]))
+            used = [
+                {body: contents[k] for body, k in variant.packages.items()}
+                for variant in (member.own, *member.other_runs.values())
+            ]
+            tables = [self._table_of(number), self._others_of(number)]
+            found.append(data_sha256([*common, *tables, used]))
         return found
 
 
@@ -122,8 +151,15 @@ def read_plan(file: Path, *, allow_doubtful: bool = False) -> Plan:
             table=table["mechanism"],
             mechanism=resolved(table["mechanism"], str(file)),
             packages=tuple(table["packages"]),
+            other_runs=table["other_runs"],
             members=tuple(
-                Member(tuple(m["values"]), m["changes"], m["packages"]) for m in table["members"]
+                Member(
+                    tuple(m["values"]),
+                    _variant(m),
+                    {run: _variant(other) for run, other in m["other_runs"].items()},
+                    number,
+                )
+                for number, m in enumerate(table["members"])
             ),
             allow_doubtful=allow_doubtful,
         )
@@ -138,6 +174,10 @@ def read_plan(file: Path, *, allow_doubtful: bool = False) -> Plan:
             f"run `make {plan.case}-sweep-{plan.name}`"
         )
     return plan
+
+
+def _variant(table: dict[str, Any]) -> Variant:
+    return Variant(table["changes"], table["packages"])
 
 
 def _content(file: Path) -> str:

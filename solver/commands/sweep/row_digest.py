@@ -5,7 +5,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from .member import CHECKS, COST, MEASURES, Row
+from ...results.summary import MEASURES
+from .member import CHECKS, COST, Row
 
 TEXTS = ("key", "status", "message", "code")
 

@@ -60,6 +60,8 @@ class BodySpecs:
             used = [(s.section, s.material) for s in body.stations]
             for section, material in [(body.section, body.material), *used]:
                 parts.append(mechanism.sections[section])
+                if getattr(parts[-1], "description", None) is not None:
+                    parts += mechanism.materials.values()  # which it may use
                 if material is not None:
                     parts.append(mechanism.materials[material])
         own = body.model_dump_json(exclude=STATE)

@@ -9,8 +9,10 @@ from ...integrators.choice import treatment_of
 from ..common.material import check_materials
 from .body_specs import BodySpec, BodySpecs
 from .check_bodies import Body, check_bodies
+from .check_combined import check_combined
 from .check_expressions import check_drive, check_force
 from .check_places import check_place
+from .combined import DifferenceSignal, NormSignal
 from .coupled import check_couplings
 from .forces import CoordinateTable, LoadTable
 from .laws import RotationDrive
@@ -38,6 +40,7 @@ def cross_check(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodyS
         found += check_place(f"masses.{name}.at", mass.at, mechanism, ground=False)
     for name, signal in mechanism.signals.items():
         found += _signal(f"signals.{name}", signal, mechanism)
+    found += check_combined(mechanism)
     spin = mechanism.solver.spin
     if spin is not None and spin.speed != 0.0 and mechanism.solver.start != "equilibrium":
         found.append(
@@ -161,6 +164,8 @@ def _signal(
                     f'{key}.coordinate = "{signal.coordinate}": joint {signal.joint} is '
                     f"{kind}; expected {' or '.join(free) or 'another joint'}"
                 ]
+        return []
+    if isinstance(signal, DifferenceSignal | NormSignal):
         return []
     if signal.body not in mechanism.bodies:
         return [

@@ -1,5 +1,6 @@
 """Read a case file: merge variants, check every run, resolve names."""
 
+from collections.abc import Iterator, Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -9,11 +10,15 @@ from pydantic import ValidationError
 
 from ...errors import InputError, nearest
 from ..common import lines, read_toml
+from ..common.messages import bare_lines
 from .body_specs import BodySpec, BodySpecs
+from .check_combined import check_elsewhere
+from .findings import Findings
 from .laws import FOLDER
 from .parts import in_parts
 from .schema import CaseFile, Mechanism
 from .sweep_members import CheckedSweep, check_sweep
+from .variants import merge
 
 # Names that the folder of a case has for other things than the results of a run, or of a sweep.
 RESERVED = {
@@ -60,7 +65,17 @@ def load_case(file: Path, *, coarse: bool = False) -> Case:
     InputError
         One line per error: file, key, value, expectation.
     """
-    table = read_toml(file, "case file")
+    return checked_case(read_toml(file, "case file"), file, coarse=coarse)
+
+
+def checked_case(table: dict[str, Any], file: Path, *, coarse: bool = False) -> Case:
+    """Check the content of a case file; see `load_case`.
+
+    Parameters
+    ----------
+    file : its name goes into messages; paths in the case are relative to its folder
+    """
+    whole, table = table, deepcopy(table)
     top_keys = set(CaseFile.model_fields)
     over = table.get("coarse")
     if coarse and isinstance(over, dict) and isinstance(over.get("sweeps"), dict):
@@ -74,17 +89,15 @@ def load_case(file: Path, *, coarse: bool = False) -> Case:
         if key not in Mechanism.model_fields:
             known = [*CaseFile.model_fields, *Mechanism.model_fields]
             raise InputError(f"{file}: {key}: unknown key{nearest(key, known)}")
-    problems: list[str] = []
+    findings = Findings(file, {name: run.variants for name, run in top.runs.items()})
     quick = {k: v for k, v in top.coarse.items() if k != "sweeps"} if coarse else {}
 
     def merged_with(key: str, variants: list[str]) -> dict[str, Any]:
         merged = deepcopy(base)
         for variant in variants:
             if variant not in top.variants:
-                problems.append(
-                    f'{file}: {key}.variants = "{variant}": '
-                    f"no such variant{nearest(variant, top.variants)}"
-                )
+                hint = nearest(variant, top.variants)
+                findings.add([f'{file}: {key}.variants = "{variant}": no such variant{hint}'])
                 continue
             merge(merged, top.variants[variant])
         merge(merged, quick)
@@ -94,69 +107,70 @@ def load_case(file: Path, *, coarse: bool = False) -> Case:
     runs: dict[str, Mechanism] = {}
     bodies: dict[str, dict[str, BodySpec]] = {}
     if top.coarse and not coarse:
-        problems += _of_coarse(file)
-    problems += [
+        findings.add(_of_coarse(whole, file))
+    findings.add(
         f"{file}: {table}.{name}: expected another name, build/CASE has {RESERVED[table][name]}"
         for table, names in (("runs", top.runs), ("sweeps", top.sweeps))
         for name in RESERVED[table].keys() & names.keys()
-    ]
+    )
     for name, run in top.runs.items():
         merged = merged_with(f"runs.{name}", run.variants)
         try:
             mechanism = Mechanism.model_validate(merged, context={FOLDER: file.parent})
         except ValidationError as error:
-            problems += lines(error, Mechanism, str(file))
+            findings.of_run(name, bare_lines(error, Mechanism))
             continue
         runs[name], bodies[name], found = in_parts(mechanism, specs)
-        problems += [f"{file}: {problem}" for problem in found]
-    for name, figure in top.figures.items():
-        for run_name in figure.runs:
-            if run_name not in top.runs:
-                problems.append(
-                    f'{file}: figures.{name}.runs = "{run_name}": '
-                    f"no such run{nearest(run_name, top.runs)}"
-                )
-        for mechanism in runs.values():
-            if figure.signal not in mechanism.signals:
-                problems.append(
-                    f'{file}: figures.{name}.signal = "{figure.signal}": '
-                    f"no such signal{nearest(figure.signal, mechanism.signals)}"
-                )
+        findings.of_run(name, found)
+    if not findings:  # otherwise a run that is wrong would be missing
+        for name, mechanism in runs.items():
+            findings.of_run(name, check_elsewhere(mechanism, runs))
+    findings.add(f"{file}: {line}" for line in _figures(top, runs))
     sweeps: dict[str, CheckedSweep] = {}
     for name, sweep in top.sweeps.items():
         key = f"sweeps.{name}"
         if sweep.run not in top.runs:
             hint = nearest(sweep.run, top.runs)
-            problems.append(f'{file}: {key}.run = "{sweep.run}": no such run{hint}')
+            findings.add([f'{file}: {key}.run = "{sweep.run}": no such run{hint}'])
         elif sweep.run in runs:
-            merged = merged_with(key, [*top.runs[sweep.run].variants, *sweep.variants])
-            merged.pop("fidelity", None)  # members have the modes that the case gives
-            checked = check_sweep(f"{file}: {key}", sweep, merged, specs)
+
+            def merged_of(
+                run: str, key: str = key, variants: list[str] = sweep.variants
+            ) -> dict[str, Any]:
+                merged = merged_with(key, [*top.runs[run].variants, *variants])
+                merged.pop("fidelity", None)  # members have the modes that the case gives
+                return merged
+
+            checked = check_sweep(f"{file}: {key}", sweep, merged_of(sweep.run), specs, merged_of)
             if isinstance(checked, list):
-                problems += checked
+                findings.of_sweep(key, checked)
             else:
                 sweeps[name] = checked
-    if problems:
-        told = dict.fromkeys(problems)
+    if findings:
+        told = findings.lines()
         twice = {f"{line}{IN_COARSE}" for line in told}
         raise InputError("\n".join(line for line in told if line not in twice))
     name = file.resolve().parent.name if file.name == "case.toml" else file.stem
     return Case(name, file, top, runs, bodies, sweeps)
 
 
-def _of_coarse(file: Path) -> list[str]:
+def _of_coarse(table: dict[str, Any], file: Path) -> list[str]:
     """Return what is wrong with a case in its coarse version, beyond the whole case."""
     try:
-        load_case(file, coarse=True)
+        checked_case(table, file, coarse=True)
     except InputError as error:
         return [f"{line}{IN_COARSE}" for line in str(error).splitlines()]
     return []
 
 
-def merge(base: dict[str, Any], over: dict[str, Any]) -> None:
-    """Merge tables of `over` into `base` in place; values and lists are replaced."""
-    for key, value in over.items():
-        if isinstance(value, dict) and isinstance(base.get(key), dict):
-            merge(base[key], value)
-        else:
-            base[key] = deepcopy(value)
+def _figures(top: CaseFile, runs: Mapping[str, Mechanism]) -> Iterator[str]:
+    """Yield what figures name and the case does not have."""
+    for name, figure in top.figures.items():
+        for run in figure.runs:
+            if run not in top.runs:
+                hint = nearest(run, top.runs)
+                yield f'figures.{name}.runs = "{run}": no such run{hint}'
+        for mechanism in runs.values():
+            if figure.signal not in mechanism.signals:
+                hint = nearest(figure.signal, mechanism.signals)
+                yield f'figures.{name}.signal = "{figure.signal}": no such signal{hint}'

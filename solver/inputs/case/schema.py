@@ -21,14 +21,32 @@ from .signals import Signal
 from .solver import Solver
 from .sweeps import Sweep
 
+CHANGES = "other values at dotted keys of the description, in quotes: " + (
+    '{ "laminates.wall.angles_deg.1" = 30 }'
+)
+
 
 class DescribedSection(Table):
-    """`[sections.NAME]` with `file`: a section with lay-ups, or with its own mesh.
+    """`[sections.NAME]` with `file` or `description`: a section with lay-ups, or its own mesh.
 
-    Its keys: docs/section-description.md.
+    Keys of a description: docs/section-description.md.
     """
 
-    file: FilePath = Field(description="path of a section description, relative to the case file")
+    file: FilePath | None = Field(
+        default=None, description="path of a section description, relative to the case file"
+    )
+    description: dict[str, Any] | None = Field(
+        default=None,
+        description="instead: the description itself, without format and title; it may use the "
+        "materials of the case",
+    )
+    changes: dict[str, Any] = Field(default={}, description=CHANGES)
+
+    @model_validator(mode="after")
+    def _one_of_two(self) -> "DescribedSection":
+        if (self.file is None) == (self.description is None):
+            raise ValueError("expected either `file` or `description`")
+        return self
 
 
 if TYPE_CHECKING:
@@ -270,6 +288,7 @@ class ShellBody(Reducible, Deformed):
     parameters: dict[str, bool | float | str | list[float]] = Field(
         default={}, description="of the mesh's script, over those of the description"
     )
+    changes: dict[str, Any] = Field(default={}, description=CHANGES)
     mass_form: MassForm = Field(
         default="consistent", description="inertia from consistent mass, or lumped (the paper)"
     )
@@ -280,6 +299,11 @@ class ShellBody(Reducible, Deformed):
     )
     interfaces: dict[Name, ShellInterface] = Field(
         min_length=1, description="named places; some carry the reference condition"
+    )
+    second_order: bool = Field(
+        default=False,
+        description="second-order displacements of the modes, which geometric stiffening needs "
+        "(docs/stiffening.md)",
     )
 
 
@@ -384,6 +408,9 @@ class Figure(Table):
     title: str = Field(description="title of the picture")
     signal: Name = Field(description="name of a signal")
     runs: list[Name] = Field(min_length=1, description="names of runs")
+    spectrum: bool = Field(
+        default=False, description="amplitudes over frequency, with a Hann window, not over time"
+    )
 
 
 class CaseFile(Table):

@@ -4,13 +4,13 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError, under
-from ..common import read_toml
 from ..common.material import plain
 from ..section.description import Region
 from ..section.expand import section_spec as described_section
 from ..section.expand import source_files
 from ..section.shapes.library import walls
 from ..section.shapes.mesh import ALL, shape_mesh
+from .descriptions import INLINE, section_table
 from .schema import BeamBody, DescribedSection, Mechanism
 
 
@@ -32,7 +32,7 @@ def section_spec(
     key = f"sections.{body.section}"
     table = mechanism.sections[body.section]
     if isinstance(table, DescribedSection):
-        return _described(key, body.section, folder / table.file)
+        return _described(key, body.section, table, mechanism, folder)
     assert body.material is not None
     ply = {"material": body.material, "angle_deg": body.ply_angle_deg or 0.0}
     region = Region(material=body.material)
@@ -56,7 +56,7 @@ def check_section(key: str, body: BeamBody, mechanism: Mechanism) -> list[str]:
     if isinstance(table, DescribedSection):
         return [
             f"{key}.{name} = {value}: expected no such key, section {body.section} has its own "
-            f"materials and angles ({table.file})"
+            f"materials and angles ({table.file or INLINE})"
             for name, value in given.items()
             if value is not None
         ]
@@ -71,11 +71,17 @@ def check_section(key: str, body: BeamBody, mechanism: Mechanism) -> list[str]:
     return []
 
 
-def _described(key: str, name: str, file: Path) -> tuple[dict[str, Any], list[Path]]:
+def _described(
+    key: str, name: str, section: DescribedSection, mechanism: Mechanism, folder: Path
+) -> tuple[dict[str, Any], list[Path]]:
+    file = folder / INLINE
     try:
-        table = read_toml(file, "section description")
+        table, file = section_table(name, section, mechanism, folder)
         spec = described_section(table, file)
     except InputError as error:
-        raise under(f"{key}.file", error) from error
+        if section.file is not None:
+            raise under(f"{key}.file", error) from error
+        bare = (line.removeprefix(f"{file}: ") for line in str(error).splitlines())
+        raise InputError("\n".join(f"{key}.{INLINE}.{line}" for line in bare)) from error
     del spec["title"]  # another title is no other body
-    return {**spec, "name": name}, source_files(table, file)
+    return {**spec, "name": name}, source_files(table, file)[section.file is None :]

@@ -6,10 +6,10 @@ from typing import Any
 
 from ...errors import InputError, few, under
 from ...package.body.specification import ShellSpecification
-from ..common import read_toml
 from ..common.gmsh_file import physical_groups
 from ..common.table import plain_table
 from ..shell.expand import shell_spec
+from .descriptions import shell_table
 from .modes import ModeChoice, SpinningChoice, check_modes
 from .schema import ShellBody
 
@@ -49,6 +49,8 @@ def shell_body_spec(
         "damping_ratio": body.damping_ratio,
         "interfaces": {k: plain_table(v) for k, v in body.interfaces.items()},
     }
+    if body.second_order:
+        spec["second_order"] = True
     return spec, [folder / body.shell, mesh]
 
 
@@ -78,8 +80,7 @@ def _check_motion(key: str, body: ShellBody) -> list[str]:
 
 
 def _shell(body: ShellBody, folder: Path) -> Any:
-    file = folder / body.shell
-    table = read_toml(file, "shell description")
+    table, file = shell_table(body, folder)
     table = {key: value for key, value in table.items() if key not in LEFT_OUT}
     if body.parameters and isinstance(table.get("mesh"), dict):
         parameters = {**table["mesh"].get("parameters", {}), **body.parameters}

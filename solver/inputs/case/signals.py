@@ -7,6 +7,7 @@ from pydantic import Field, model_validator
 from ...dynamics.joints.table import COORDINATES
 from ...strength import CRITERIA
 from ..common.table import Name, Pair, Table, Vector, unit
+from .combined import DifferenceSignal, Measured, NormSignal
 
 Component = Literal["x", "y", "z", "magnitude"]
 COORDINATE_NAMES = tuple(sorted(COORDINATES))
@@ -16,13 +17,6 @@ if TYPE_CHECKING:
 else:
     JointCoordinate = Literal[COORDINATE_NAMES]
     CriterionName = Literal[tuple(CRITERIA)]
-
-
-class _Measured(Table):
-    divide_by: float | None = Field(
-        default=None, gt=0, description="makes the signal dimensionless (in its unit)"
-    )
-    description: str = Field(default="", description="words for figures and tables")
 
 
 class SegmentFrame(Table):
@@ -43,7 +37,7 @@ class SegmentFrame(Table):
     )
 
 
-class PointSignal(_Measured):
+class PointSignal(Measured):
     """`[signals.NAME]` of a place: how it moves."""
 
     kind: Literal[
@@ -85,7 +79,7 @@ class PointSignal(_Measured):
         return self
 
 
-class JointSignal(_Measured):
+class JointSignal(Measured):
     """`[signals.NAME]` with kind = "joint": the coordinate of a joint."""
 
     kind: Literal["joint"]
@@ -96,7 +90,7 @@ class JointSignal(_Measured):
     )
 
 
-class ReactionSignal(_Measured):
+class ReactionSignal(Measured):
     """`[signals.NAME]` with kind = "reaction": force or moment of a joint and its drives on a
     body."""
 
@@ -112,7 +106,7 @@ class ReactionSignal(_Measured):
     )
 
 
-class ResultantSignal(_Measured):
+class ResultantSignal(Measured):
     """`[signals.NAME]` with kind = "resultant": force or moment in a beam's section.
 
     On the face whose normal is the body's +x, in section axes; linear between the stations of the
@@ -127,7 +121,7 @@ class ResultantSignal(_Measured):
     )
 
 
-class PlyStressSignal(_Measured):
+class PlyStressSignal(Measured):
     """`[signals.NAME]` with kind = "ply_stress": stress in the axes of a ply."""
 
     kind: Literal["ply_stress"]
@@ -148,7 +142,7 @@ class PlyStressSignal(_Measured):
     )
 
 
-class StrengthSignal(_Measured):
+class StrengthSignal(Measured):
     """`[signals.NAME]` with kind = "strength_ratio" or "exposure": how near plies are to failure.
 
     At each instant, the lowest strength ratio (highest exposure) of all points that the other keys
@@ -192,8 +186,17 @@ SIGNAL_TABLES: tuple[type[Table], ...] = (
     ResultantSignal,
     PlyStressSignal,
     StrengthSignal,
+    DifferenceSignal,
+    NormSignal,
 )
 Signal = Annotated[
-    PointSignal | JointSignal | ReactionSignal | ResultantSignal | PlyStressSignal | StrengthSignal,
+    PointSignal
+    | JointSignal
+    | ReactionSignal
+    | ResultantSignal
+    | PlyStressSignal
+    | StrengthSignal
+    | DifferenceSignal
+    | NormSignal,
     Field(discriminator="kind"),
 ]

@@ -19,14 +19,15 @@ from pathlib import Path
 from typing import Any
 
 from .body_specs import BodySpec
+from .combining import needed
 from .load import Case
 from .output_folder import OutputFolder
 from .record import seal
 from .rich import model_and_check
 from .rules import rules
 from .schema import Mechanism, PackageBody
-from .sweep_members import CheckedSweep
-from .sweep_table import sweep_content
+from .sweep_members import CheckedSweep, Members
+from .sweep_table import Packages, sweep_content
 
 
 def write_case(case: Case, out: Path, packages: Path | None = None) -> None:
@@ -49,12 +50,23 @@ def write_case(case: Case, out: Path, packages: Path | None = None) -> None:
         table = files.packages(mechanism, model, "bodies", run)
         of_check = files.packages(mechanism, check, "bodies", f"{run}.check") if check else {}
         run_packages += [out / t["file"] for t in (*table.values(), *of_check.values())]
+        others = {}
+        for name in needed(mechanism.signals):
+            other, specs = case.runs[name], model_and_check(case.bodies[name])[0]
+            of_other = files.packages(other, specs, "bodies", name)
+            others[name] = {
+                "packages": of_other,
+                "checked": seal(other),
+                "mechanism": other.model_dump(),
+            }
+            run_packages += [out / t["file"] for t in of_other.values()]
         content = {
             "case": case.name,
             "run": run,
             "title": case.top.runs[run].title or run,
             "packages": table,
             **({"check_packages": of_check} if of_check else {}),
+            **({"other_runs": others} if others else {}),
             "checked": seal(mechanism),
             "mechanism": mechanism.model_dump(),
         }
@@ -131,13 +143,19 @@ def _sweep(
     case: Case, name: str, sweep: CheckedSweep, files: _BodyFiles
 ) -> tuple[dict[str, Any], list[str]]:
     """Return the content of sweeps/<name>.json, and the specifications of its bodies."""
-    tables = [
-        files.packages(member, bodies, "sweeps/bodies")
-        for member, bodies in zip(sweep.members, sweep.bodies, strict=True)
-    ]
-    content = sweep_content(case.name, name, sweep, tables)
+
+    def packages(members: Members) -> list[Packages]:
+        pairs = zip(members.mechanisms, members.bodies, strict=True)
+        return [files.packages(member, bodies, "sweeps/bodies") for member, bodies in pairs]
+
+    tables = packages(sweep.own)
+    others = {run: packages(members) for run, members in sweep.others.items()}
+    content = sweep_content(case.name, name, sweep, tables, others)
     digests = dict.fromkeys(
-        t["inputs_sha256"] for table in tables for t in table.values() if "inputs_sha256" in t
+        entry["inputs_sha256"]
+        for table in (*tables, *(table for each in others.values() for table in each))
+        for entry in table.values()
+        if "inputs_sha256" in entry
     )
     return content, files.spec_files(digests)
 

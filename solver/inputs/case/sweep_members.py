@@ -1,5 +1,7 @@
 """The members of a sweep: every point of its design as a checked mechanism."""
 
+import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,14 +10,27 @@ from pydantic import ValidationError
 from ...errors import nearest
 from ...math.arrays import Array
 from ..common import lines
+from ..common.messages import bare_lines
 from .body_specs import BodySpec, BodySpecs
 from .check import cross_check
+from .combining import needed, with_parts
 from .laws import FOLDER
 from .parts import in_parts
 from .schema import Mechanism
-from .sweeps import Misplaced, Parameter, Sweep, changed, parameters_of
+from .sharing import sharing
+from .sweep_keys import Misplaced, Parameter, changed, changes_of, parameters_of, unit_at
+from .sweeps import Sweep
 
-TOLD = 10  # limit of errors per sweep: hundreds of members may share one
+NUMBER = re.compile(r"-?\d+(\.\d*)?(e[-+]?\d+)?")
+
+
+@dataclass(frozen=True)
+class Members:
+    """A run with the changes of each member of a sweep."""
+
+    base: Mechanism
+    mechanisms: list[Mechanism]  # (k)
+    bodies: list[dict[str, BodySpec]]  # (k) specifications of their flexible bodies by name
 
 
 @dataclass(frozen=True)
@@ -23,15 +38,33 @@ class CheckedSweep:
     """A sweep with checked members."""
 
     table: Sweep
-    base: Mechanism
     parameters: list[Parameter]
     points: Array  # (k, p)
-    members: list[Mechanism]  # (k)
-    bodies: list[dict[str, BodySpec]]  # (k) specifications of their flexible bodies by name
+    own: Members
+    others: dict[str, Members]  # other runs that combined signals read
+
+    @property
+    def base(self) -> Mechanism:
+        """The run that is varied."""
+        return self.own.base
+
+    @property
+    def members(self) -> list[Mechanism]:
+        """Mechanisms of the members, (k)."""
+        return self.own.mechanisms
+
+    @property
+    def bodies(self) -> list[dict[str, BodySpec]]:
+        """Specifications of their flexible bodies, (k)."""
+        return self.own.bodies
 
 
 def check_sweep(
-    where: str, sweep: Sweep, merged: dict[str, Any], specs: BodySpecs
+    where: str,
+    sweep: Sweep,
+    merged: dict[str, Any],
+    specs: BodySpecs,
+    merged_of: Callable[[str], dict[str, Any]],
 ) -> CheckedSweep | list[str]:
     """Return the members of a sweep, or one line per finding.
 
@@ -40,10 +73,10 @@ def check_sweep(
     where : file and key of the sweep
     merged : mechanism as the user wrote it, variants applied
     specs : of the case
+    merged_of : the same of another run by its name, with the variants of the sweep
     """
-    context = {FOLDER: specs.folder}
     try:
-        base = Mechanism.model_validate(merged, context=context)
+        base = Mechanism.model_validate(merged, context={FOLDER: specs.folder})
     except ValidationError as error:
         return lines(error, Mechanism, where)
     found = [f"{where}: {line}" for line in cross_check(base, specs)[1]]
@@ -53,7 +86,7 @@ def check_sweep(
                 hint = nearest(name, base.signals)
                 found.append(f'{where}.{key} = "{name}": no such signal{hint}')
     try:
-        parameters = parameters_of(sweep, base)
+        parameters = parameters_of(sweep, base, specs.folder)
     except Misplaced as error:
         return [*found, f"{where}.vary: {error}"]
     times = {"solver.t_end", "solver.output_step"}
@@ -65,25 +98,91 @@ def check_sweep(
             )
     if found:
         return found
-    points = sweep.points()
-    defaults = base.model_dump()
-    members, bodies, problems = [], list[dict[str, BodySpec]](), dict[str, None]()
-    for values in points:
-        changes = {
-            key: float(value)
-            for parameter, value in zip(parameters, values, strict=True)
-            for key in parameter.keys
-        }
+    points, problems = sweep.points(), _MemberProblems(where)
+    maker = _Maker(sweep, parameters, points, specs)
+    own = maker.members(base, merged, problems)
+    others = {}
+    kept = with_parts({*sweep.signals, *sweep.histories} or set(base.signals), base.signals)
+    for run in needed(kept):
+        table = merged_of(run)
         try:
-            member = Mechanism.model_validate(changed(merged, defaults, changes), context=context)
-        except ValidationError as error:
-            problems |= dict.fromkeys(lines(error, Mechanism, where))
-            continue
-        divided, own, wrong = in_parts(member, specs)
-        problems |= dict.fromkeys(f"{where}: {line}" for line in wrong)
-        members.append(divided)
-        bodies.append(own)
-    if problems:
-        more = [f"{where}: ... and {len(problems) - TOLD} more"] if len(problems) > TOLD else []
-        return [*list(problems)[:TOLD], *more]
-    return CheckedSweep(sweep, base, parameters, points, members, bodies)
+            other = Mechanism.model_validate(table, context={FOLDER: specs.folder})
+        except ValidationError:
+            return []  # said of the run
+        others[run] = maker.members(other, table, problems, partly=True)
+    if problems.found:
+        return problems.lines()
+    return CheckedSweep(sweep, parameters, points, own, others)
+
+
+@dataclass(frozen=True)
+class _Maker:
+    """Makes the members of runs."""
+
+    sweep: Sweep
+    parameters: list[Parameter]
+    points: Array
+    specs: BodySpecs
+
+    def members(
+        self,
+        base: Mechanism,
+        merged: dict[str, Any],
+        problems: "_MemberProblems",
+        *,
+        partly: bool = False,
+    ) -> Members:
+        """Return the members of a run; `partly`: without changes of keys that it does not have."""
+        defaults, context = base.model_dump(), {FOLDER: self.specs.folder}
+        mechanisms, bodies = [], list[dict[str, BodySpec]]()
+        for k, point in enumerate(self.points):
+            values = dict(zip(self.sweep.vary, map(float, point), strict=True))
+            try:
+                changes = changes_of(self.sweep, self.parameters, values, base.parameters)
+                if partly:
+                    changes = {key: v for key, v in changes.items() if self._has(base, key)}
+                table = changed(merged, defaults, changes)
+                member = Mechanism.model_validate(table, context=context)
+            except Misplaced as error:
+                problems.add(k, values, [str(error)])
+                continue
+            except ValidationError as error:
+                problems.add(k, values, bare_lines(error, Mechanism))
+                continue
+            divided, own, wrong = in_parts(member, self.specs)
+            problems.add(k, values, wrong)
+            mechanisms.append(sharing(divided, base))
+            bodies.append(own)
+        return Members(base, mechanisms, bodies)
+
+    def _has(self, mechanism: Mechanism, key: str) -> bool:
+        try:
+            unit_at(mechanism, key, self.specs.folder)
+        except Misplaced:
+            return False
+        return True
+
+
+class _MemberProblems:
+    """Findings of the members of a sweep: those that differ in a value only are one."""
+
+    def __init__(self, where: str) -> None:
+        self.where = where
+        self.found: dict[str, list[str]] = {}  # finding without numbers: as it is, by member
+
+    def add(self, number: int, values: dict[str, float], lines: list[str]) -> None:
+        """Add the findings of a member."""
+        member = ", ".join(f"{name} = {value:.6g}" for name, value in values.items())
+        for line in lines:
+            told = f"{line} (member {number}: {member})"
+            key = re.split(" = |: ", line, maxsplit=1)[0]
+            same = key + NUMBER.sub("", line.removeprefix(key))
+            self.found.setdefault(same, []).append(told)
+
+    def lines(self) -> list[str]:
+        """Return one line per finding, with the first member that has it."""
+        return [
+            f"{self.where}: {told[0].removesuffix(')')}"
+            + (f"; and {len(told) - 1} more members)" if len(told) > 1 else ")")
+            for told in self.found.values()
+        ]

@@ -1,15 +1,14 @@
-"""`[sweeps.NAME]` of a case file: many variants of one run with different numbers."""
+"""`[sweeps.NAME]` of a case file: many variants of one run with different numbers.
+
+sweep_keys.py finds the keys in the mechanism, sweep_members.py makes the members.
+"""
 
 import itertools
-from collections.abc import Iterator
-from copy import copy
-from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, Field, model_validator
+from pydantic import Field, model_validator
 
-from ...errors import nearest
 from ...math.arrays import Array
 from ..common.table import Name, Table
 
@@ -22,13 +21,19 @@ class Variation(Table):
 
     The parameter's name is the dotted key of the mechanism that it changes, in quotes, such as
     `"bodies.arm.ply_angle_deg"`, numbers counting the places of lists from 0; or any name, with
-    `keys`. A list instead of the table gives its `values`.
+    `keys`, or used by the expressions of `set`. After a colon, a key goes into the description of
+    a section or shell: `"sections.tube:laminates.wall.angles_deg.1"`. A list instead of the table
+    gives its `values`.
     """
 
     keys: list[str] | None = Field(
         default=None,
         min_length=1,
-        description="dotted keys that all get the value; absent: the parameter's name",
+        description="dotted keys that all get the value; absent: the parameter's name, unless "
+        "`set` uses it",
+    )
+    unit: str | None = Field(
+        default=None, description="for figures and tables; absent: that of its keys"
     )
     values: list[float] | None = Field(default=None, min_length=1, description="its values")
     low: float | None = Field(default=None, alias="from", description="instead of values: first")
@@ -99,6 +104,12 @@ class Sweep(Table):
     )
     histories: list[Name] = Field(default=[], description="signals to keep at every output time")
     vary: dict[str, Variation] = Field(min_length=1, description="parameters by key or name")
+    expressions: dict[str, str] = Field(
+        default={},
+        alias="set",
+        description='dotted keys and what they get: expressions of parameters, such as "-angle" or '
+        '"2*t", which also read `[parameters]` of the case',
+    )
 
     @model_validator(mode="after")
     def _fitting(self) -> "Sweep":
@@ -136,102 +147,3 @@ class Sweep(Table):
             slices = [random.permutation(self.count) for _ in variations]
             shares = (np.array(slices).T + shares) / self.count
         return np.array([[v.drawn(u) for v, u in zip(variations, r, strict=True)] for r in shares])
-
-
-class Misplaced(Exception):
-    """A dotted key that is not the key of a number; the message names its last existing part."""
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """What a sweep varies, found in the mechanism."""
-
-    name: str
-    keys: list[str]
-    unit: str
-
-
-def parameters_of(sweep: Sweep, mechanism: BaseModel) -> list[Parameter]:
-    """Return the parameters with their units. Raises Misplaced."""
-    found, owner = [], dict[str, str]()
-    for name, variation in sweep.vary.items():
-        keys = variation.keys or [name]
-        units = [unit_at(mechanism, key) for key in keys]
-        for key in keys:
-            if key in owner:
-                raise Misplaced(f"{key}: varied twice, by {owner[key]} and {name}")
-            owner[key] = name
-        found.append(Parameter(name, keys, units[0] if len(set(units)) == 1 else ""))
-    return found
-
-
-def unit_at(mechanism: BaseModel, key: str) -> str:
-    """Return the unit of the number at a dotted key, "" for none.
-
-    Raises
-    ------
-    Misplaced
-        A part of the key does not exist, or its value is not a number.
-    """
-    here: Any = mechanism
-    unit, way = "", list[str]()
-    for part in key.split("."):
-        known: list[str]
-        if isinstance(here, BaseModel):
-            known = list(type(here).model_fields)
-        elif isinstance(here, dict):
-            known = list(here)
-        elif isinstance(here, list):
-            known = [str(i) for i in range(len(here))]
-        elif here is None:
-            raise Misplaced(f"{key}: {'.'.join(way)} is absent in this run")
-        else:
-            raise Misplaced(f"{key}: {'.'.join(way)} has no keys")
-        way.append(part)
-        if part not in known:
-            raise Misplaced(f"{key}: unknown key {'.'.join(way)}{nearest(part, known)}")
-        if isinstance(here, BaseModel):
-            extra = type(here).model_fields[part].json_schema_extra
-            unit = str(extra.get("unit", "")) if isinstance(extra, dict) else ""
-            here = getattr(here, part)
-        else:
-            if isinstance(here, list) and "," in unit:  # those of its entries, as text
-                unit = ""
-            here = here[int(part)] if isinstance(here, list) else here[part]
-    if here is not None and (isinstance(here, bool) or not isinstance(here, int | float)):
-        what = {str: "text", bool: "true or false", list: "a list"}.get(type(here), "a table")
-        raise Misplaced(f"{key}: expected the key of a number, this is {what}")
-    return unit
-
-
-def changed(table: dict[str, Any], defaults: Any, changes: dict[str, float]) -> dict[str, Any]:
-    """Return a copy of a mechanism's table, as the user wrote it, with numbers at dotted keys.
-
-    `defaults` is the complete mechanism, for lists that the user omitted.
-    """
-    found = dict(table)
-    for key, value in changes.items():
-        *way, last = key.split(".")
-        here: Any = found
-        there: Any = defaults
-        for part in way:
-            there = there[int(part)] if isinstance(there, list) else there[part]
-            place: Any = int(part) if isinstance(here, list) else part
-            if isinstance(here, dict):
-                here.setdefault(part, there if isinstance(there, list) else {})
-            here[place] = copy(here[place])  # what does not change is shared with `table`
-            here = here[place]
-        here[int(last) if isinstance(here, list) else last] = value
-    return found
-
-
-def differences(base: Any, other: Any, way: tuple[str, ...] = ()) -> Iterator[tuple[str, Any]]:
-    """Yield dotted keys and values at which plain data differ from `base`."""
-    if isinstance(base, dict) and isinstance(other, dict) and base.keys() == other.keys():
-        for key in base:
-            yield from differences(base[key], other[key], (*way, key))
-    elif isinstance(base, list) and isinstance(other, list) and len(base) == len(other):
-        for i, (one, two) in enumerate(zip(base, other, strict=True)):
-            yield from differences(one, two, (*way, str(i)))
-    elif base != other:
-        yield ".".join(way), other

@@ -1,6 +1,8 @@
 """Material tables: the keys, their units and bounds."""
 
+import json
 from collections.abc import Mapping
+from functools import lru_cache
 from itertools import pairwise
 from typing import Annotated, Any, Literal
 
@@ -173,13 +175,18 @@ def plain(material: IsotropicMaterial | OrthotropicMaterial) -> dict[str, Any]:
 
 def check_materials(materials: Mapping[str, IsotropicMaterial | OrthotropicMaterial]) -> list[str]:
     """Return errors of physically impossible materials, one line per material."""
-    found = []
-    for name, material in materials.items():
-        table = plain(material)
-        try:
-            material_from_dict(table, f"materials.{name}")
-            if "strength" in table:
-                read_strength(table["strength"], material.kind, f"materials.{name}.strength")
-        except MaterialError as error:
-            found.append(str(error))
-    return found
+    tables = {name: json.dumps(plain(material)) for name, material in materials.items()}
+    return [error for name, table in tables.items() if (error := _error_of(name, table))]
+
+
+@lru_cache(maxsize=256)
+def _error_of(name: str, text: str) -> str:
+    """Return what is wrong with a material, as JSON; members of a sweep share their materials."""
+    table = json.loads(text)
+    try:
+        material_from_dict(table, f"materials.{name}")
+        if "strength" in table:
+            read_strength(table["strength"], table["kind"], f"materials.{name}.strength")
+    except MaterialError as error:
+        return str(error)
+    return ""

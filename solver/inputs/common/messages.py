@@ -13,33 +13,38 @@ _WORDS |= {"model_attributes_type": "expected a table", "list_type": "expected a
 
 def lines(error: ValidationError, model: type[BaseModel], where: str) -> list[str]:
     """Return one message per finding of `error`, sorted; `where` names file and run."""
-    return sorted({_line(item, model, where) for item in error.errors()})
+    return [f"{where}: {line}" for line in bare_lines(error, model)]
 
 
-def _line(item: Any, model: type[BaseModel], where: str) -> str:
+def bare_lines(error: ValidationError, model: type[BaseModel]) -> list[str]:
+    """Return the same without a file: messages that begin with the key."""
+    return sorted({_line(item, model) for item in error.errors()})
+
+
+def _line(item: Any, model: type[BaseModel]) -> str:
     path, kind = follow(model, item["loc"])
     key = printable(".".join(str(part) for part in path))
     if item["type"] == "extra_forbidden":
         _, table = follow(model, item["loc"][:-1])
-        return f"{where}: {key}: unknown key{nearest(str(path[-1]), _keys(table))}"
+        return f"{key}: unknown key{nearest(str(path[-1]), _keys(table))}"
     if item["type"] == "missing":
-        return f"{where}: {key}: missing; expected a value"
+        return f"{key}: missing; expected a value"
     if item["type"] in ("union_tag_not_found", "union_tag_invalid"):
         discriminator = str(item["ctx"]["discriminator"]).strip("'()")
-        members = _members(kind)
-        tags = sorted(t for t, m in members.items() if discriminator in m.model_fields)
+        choices = members(kind)
+        tags = sorted(t for t, m in choices.items() if discriminator in m.model_fields)
         expected = "expected one of " + ", ".join(f'"{tag}"' for tag in tags)
-        expected += "".join(f", or the key {tag}" for tag in members if tag not in tags)
+        expected += "".join(f", or the key {tag}" for tag in choices if tag not in tags)
         if item["type"] == "union_tag_not_found":
-            return f"{where}: {key}.{discriminator}: missing; {expected}"
+            return f"{key}.{discriminator}: missing; {expected}"
         value = item["ctx"]["tag"]
         hint = nearest(value, tags)
         hint = hint if hint.startswith("; did") else ""
-        return f'{where}: {key}.{discriminator} = "{value}": {expected}{hint}'
+        return f'{key}.{discriminator} = "{value}": {expected}{hint}'
     text = _WORDS.get(item["type"], item["msg"]).removeprefix("Value error, ")
     text = text[0].lower() + text[1:]
     hint = did_you_mean(str(item["input"]), get_args(kind)) if _one_of_words(kind) else ""
-    return f"{where}: {key} = {_short(item.get('input'))}: {text.replace('input', 'value')}{hint}"
+    return f"{key} = {_short(item.get('input'))}: {text.replace('input', 'value')}{hint}"
 
 
 def _one_of_words(kind: Any) -> bool:
@@ -65,45 +70,45 @@ def follow(model: Any, location: tuple[Any, ...]) -> tuple[list[Any], Any]:
     pydantic inserts the names of union members between the keys; they are removed.
     """
     path: list[Any] = []
-    kind = _bare(model)
+    kind = without_annotations(model)
     for part in location:
-        members = _members(kind)
-        if members:  # the name of a union's member, no key
-            kind = _bare(members.get(part))
+        named = members(kind)
+        if named:  # the name of a union's member, no key
+            kind = without_annotations(named.get(part))
             continue
         path.append(part)
         origin, arguments = get_origin(kind), get_args(kind)
         if isinstance(kind, type) and issubclass(kind, BaseModel):
             field = kind.model_fields.get(str(part))
-            kind = _bare(field.annotation) if field is not None else None
+            kind = without_annotations(field.annotation) if field is not None else None
         elif origin is dict:
-            kind = _bare(arguments[1])
+            kind = without_annotations(arguments[1])
         elif origin is list:
-            kind = _bare(arguments[0])
+            kind = without_annotations(arguments[0])
         else:
             kind = None
     return path, kind
 
 
-def _bare(kind: Any) -> Any:
+def without_annotations(kind: Any) -> Any:
     """Return a type without annotations and without "or None"."""
     if get_origin(kind) is Annotated:
-        return _bare(get_args(kind)[0])
+        return without_annotations(get_args(kind)[0])
     if get_origin(kind) in (Union, UnionType):
         rest = [a for a in get_args(kind) if a is not type(None)]
         if len(rest) == 1:
-            return _bare(rest[0])
+            return without_annotations(rest[0])
     return kind
 
 
-def _members(kind: Any) -> dict[Any, Any]:
+def members(kind: Any) -> dict[Any, Any]:
     """Return the members of a union by the names that pydantic gives them; empty for no union."""
     if get_origin(kind) not in (Union, UnionType):
         return {}
     found: dict[Any, Any] = {}
     for member in get_args(kind):
         names = [a.tag for a in getattr(member, "__metadata__", ()) if isinstance(a, Tag)]
-        bare = _bare(member)
+        bare = without_annotations(member)
         if not names and isinstance(bare, type) and issubclass(bare, BaseModel):
             tags = [f.annotation for n, f in bare.model_fields.items() if n in ("kind", "shape")]
             names = [name for tag in tags if get_origin(tag) is Literal for name in get_args(tag)]

@@ -28,12 +28,12 @@ def changed(table: dict[str, Any], changes: Mapping[str, Any], file: Path) -> di
         for i, part in enumerate(path):
             if _at(place, part) not in _known(place):
                 raise InputError(
-                    f"{file}: {'.'.join(path[: i + 1])}: no such table, needed for the sweep of "
+                    f"{file}: {'.'.join(path[: i + 1])}: no such table, needed for the change of "
                     f'"{key}"{nearest(part, map(str, _known(place)))}'
                 )
             place = place[_at(place, part)]
         if not isinstance(place, dict) and _at(place, last) not in _known(place):
-            raise InputError(f'{file}: {".".join(path)}: has no {last}, the sweep of "{key}"')
+            raise InputError(f'{file}: {".".join(path)}: has no {last}, the change of "{key}"')
         place[_at(place, last)] = value
     return table
 

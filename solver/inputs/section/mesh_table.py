@@ -91,7 +91,7 @@ def shape(table: Any) -> Any:
     """Return the name of the model that a table belongs to."""
     if not isinstance(table, dict):
         return getattr(table, "shape", FILE)
-    return table.get("shape", FILE if "file" in table else None)
+    return table.get("shape", FILE if {"file", "description"} & table.keys() else None)
 
 
 def shape_or(file_table: type[Table]) -> Any:

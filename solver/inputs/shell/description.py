@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, ValidationError, model_validator
 
-from ...errors import InputError
+from ...errors import InputError, nearest
 from ...package.shell import elements
-from ...package.shell.elements import DRILLINGS, MEMBRANES, PLATES, in_words
+from ...package.shell.elements import DRILLINGS, MEMBRANES, PLATES, QUADS, in_words
 from ..common import lines, read_toml
 from ..common.lay_up import Angle, LayUp, LayUpPly
 from ..common.material import Material
 from ..common.table import Name, Pair, Table, Vector, unit
-from .loading import Frequencies, Link, Load, Probe, Support
+from .loading import Buckling, Frequencies, Link, Load, Probe, Support
 
 Factor = Annotated[float, Field(gt=0)]
 Row = Annotated[list[float], Field(min_length=6, max_length=6)]
@@ -24,7 +24,7 @@ Offset = Literal["mid", "top", "bottom"] | float
 
 
 class Mesh(Table):
-    """`[mesh]`: a surface mesh of three-node triangles."""
+    """`[mesh]`: a surface mesh of three-node triangles and four-node quadrilaterals."""
 
     file: str = Field(
         description="path, relative to this file: gmsh's .msh, a .geo script, or a .py with "
@@ -40,6 +40,11 @@ class Mesh(Table):
         gt=0,
         description="length in m of the file's unit; 1e-3 for mm; absent: 1",
         json_schema_extra=unit("m"),
+    )
+    element: Literal["triangle", "quadrilateral"] | None = Field(
+        default=None,
+        description="quadrilateral: pairs of triangles become quadrilaterals, as far as their "
+        "angles allow; triangle: a mesh with others is an error; absent: the cells of the mesh",
     )
 
 
@@ -167,14 +172,20 @@ if TYPE_CHECKING:
     Plate = str
     Membrane = str
     Drilling = str
+    Quad = str
 else:
     Plate = Literal[tuple(PLATES)]
     Membrane = Literal[tuple(MEMBRANES)]
     Drilling = Literal[("auto", "none", *DRILLINGS)]
+    Quad = Literal[tuple(QUADS)]
 
 
 class Elements(Table):
-    """`[elements]`: type of the triangles; the defaults are the most accurate."""
+    """`[elements]`: type of the elements; the defaults are the most accurate.
+
+    `plate` and `membrane` are those of triangles, `quadrilateral` is the plate of quadrilaterals.
+    Their membrane is hybrid, with sides that fit the membrane of the triangles.
+    """
 
     plate: Plate = Field(
         default=elements.PLATE, description=f"bending and transverse shear: {in_words(PLATES)}"
@@ -193,6 +204,11 @@ class Elements(Table):
     )
     drilling_factor: float = Field(
         default=elements.DRILLING_FACTOR, gt=0, description="of the drilling stiffness"
+    )
+    quadrilateral: Quad | None = Field(
+        default=None,
+        description=f"bending and transverse shear of quadrilaterals: {in_words(QUADS)}; absent: "
+        f"{elements.QUAD}",
     )
     mass_form: Literal["consistent", "lumped"] = Field(
         default="consistent", description="mass matrix"
@@ -268,6 +284,9 @@ class ShellDescription(Table):
     frequencies: Frequencies | None = Field(
         default=None, description="natural frequencies; absent: none"
     )
+    buckling: Buckling | None = Field(
+        default=None, description="load factors of buckling; absent: none"
+    )
 
     @model_validator(mode="after")
     def _something_to_do(self) -> Self:
@@ -276,6 +295,18 @@ class ShellDescription(Table):
         empty = [name for name, case in self.loads.items() if not case]
         if empty:
             raise ValueError(f"loads.{empty[0]}: expected at least one load, [loads.{empty[0]}.X]")
+        stress = self.frequencies.prestress if self.frequencies else None
+        for key, name in (
+            *(("buckling.cases", name) for name in (self.buckling and self.buckling.cases) or ()),
+            ("buckling.constant", self.buckling.constant if self.buckling else None),
+            ("frequencies.prestress", stress),
+        ):
+            if name is not None and name not in self.loads:
+                raise ValueError(
+                    f'{key} = "{name}": no load case [loads.{name}.X]{nearest(name, self.loads)}'
+                )
+        if self.buckling and not self.loads:
+            raise ValueError("buckling without loads: expected at least one [loads.CASE.NAME]")
         if self.loads and not self.supports:
             raise ValueError("loads without supports: expected at least one table [supports.NAME]")
         return self

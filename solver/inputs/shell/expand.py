@@ -9,7 +9,8 @@
      "elements": {...}, "stiffeners": {...}, "links": {...},
      "supports": {"root": {"at": "root", "fixed": ["ux", "uy", "uz", "rx", "ry", "rz"]}},
      "loads": {"pull": {"tip": {"at": "tip", "force": [1.0, 0.0, 0.0]}}},
-     "probes": {...}, "frequencies": {"count": 6, "free": false}}
+     "probes": {...}, "frequencies": {"count": 6, "free": false},
+     "buckling": {"count": 4, "in_plane": true}}
 
 Plain JSON, SI and degrees; paths are relative to the working directory, plies one by one from
 bottom to top. Materials and laminates that no region uses are omitted.
@@ -80,18 +81,24 @@ def shell_spec(table: dict[str, Any], file: Path) -> dict[str, Any]:
         "materials": {n: plain(m) for n, m in description.materials.items() if n in used},
         "laminates": laminates,
         "regions": regions,
-        "elements": description.elements.model_dump(),
+        "elements": description.elements.model_dump(exclude_none=True),
         **({"stiffeners": stiffeners} if stiffeners else {}),
         "links": _plain(description.links),
         "supports": {
-            name: {"at": support.at, "fixed": support.freedoms}
+            name: {
+                "at": support.at,
+                "fixed": support.freedoms,
+                **({"only": support.only} if support.only else {}),
+            }
             for name, support in description.supports.items()
         },
         "loads": {case: _plain(loads) for case, loads in description.loads.items()},
         "probes": _plain(description.probes),
     }
     if description.frequencies is not None:
-        spec["frequencies"] = description.frequencies.model_dump()
+        spec["frequencies"] = description.frequencies.model_dump(exclude_none=True)
+    if description.buckling is not None:
+        spec["buckling"] = description.buckling.model_dump(exclude_none=True)
     return spec
 
 
@@ -134,6 +141,8 @@ def _mesh(table: Mesh, folder: Path) -> dict[str, Any]:
         mesh["parameters"] = table.parameters
     if table.scale is not None:
         mesh["scale"] = table.scale
+    if table.element is not None:
+        mesh["element"] = table.element
     return mesh
 
 
@@ -261,8 +270,8 @@ def _places(description: ShellDescription) -> list[tuple[str, str]]:
 def _loads_on_links(description: ShellDescription) -> list[str]:
     """Errors for distributed loads on a reference point: it has no length and no area."""
     return [
-        f'loads.{case}.{name}.at = "{load.at}": a link takes `force` or `moment` only'
+        f'loads.{case}.{name}.at = "{load.at}": a link takes `force`, `moment` or `motion` only'
         for case, loads in description.loads.items()
         for name, load in loads.items()
-        if load.at in description.links and load.force is None and load.moment is None
+        if load.at in description.links and not (load.force or load.moment or load.motion)
     ]

@@ -53,6 +53,11 @@ class Support(Table):
         description="displacements and rotations along and about x, y, z; symmetry-x: the plane "
         "normal to x is a plane of symmetry"
     )
+    only: Literal["loads", "modes"] | None = Field(
+        default=None,
+        description="loads: in load cases only, such as the prestress of buckling; modes: in "
+        "natural modes and buckling only; absent: in all",
+    )
 
     @property
     def freedoms(self) -> list[str]:
@@ -104,13 +109,20 @@ class Load(Table):
         json_schema_extra=unit("m/s2"),
     )
 
+    motion: Annotated[dict[Freedom, float], Field(min_length=1)] | None = Field(
+        default=None,
+        description="displacement of components that a support holds, instead of 0: "
+        "motion = { uz = 1e-3 }",
+        json_schema_extra=unit("m, rad"),
+    )
+
     @model_validator(mode="after")
     def _one_load(self) -> Self:
         given = self.model_dump(exclude_none=True, exclude={"at", "sine"})
         if len(given) != 1:
             raise ValueError(
                 "expected one of `force`, `moment`, `force_per_length`, `force_per_area`, "
-                f"`pressure`, `gravity`, found {', '.join(given) or 'none'}"
+                f"`pressure`, `gravity`, `motion`, found {', '.join(given) or 'none'}"
             )
         if "gravity" in given and self.at is not None:
             raise ValueError("expected no `at` with `gravity`: it acts on the whole shell")
@@ -149,4 +161,24 @@ class Frequencies(Table):
     count: int = Field(default=6, ge=1, le=1000, description="number of modes, from the lowest")
     free: bool = Field(
         default=False, description="true: without the supports; six frequencies are then 0"
+    )
+    prestress: str | None = Field(
+        default=None, description="name of a load case: the modes of the shell under its stresses"
+    )
+
+
+class Buckling(Table):
+    """`[buckling]`: load factors of linear buckling, also with `--buckling`."""
+
+    count: int = Field(default=4, ge=1, le=100, description="of factors of each load case")
+    cases: list[str] | None = Field(
+        default=None, description="load cases that are multiplied; absent: all but `constant`"
+    )
+    constant: str | None = Field(
+        default=None, description="load case whose stresses are there and are not multiplied"
+    )
+    in_plane: bool = Field(
+        default=True,
+        description="false: without the work of the prestress on rotations about the normal, as "
+        "in tables of plates",
     )

@@ -15,7 +15,7 @@ from .description import (
     ShellDescription,
     Stiffener,
 )
-from .loading import Frequencies, Link, Load, Probe, Support
+from .loading import Buckling, Frequencies, Link, Load, Probe, Support
 
 HEAD = (
     """\
@@ -73,12 +73,14 @@ count = 4
 
 ## Meshes
 
-Meshes consist of three-node triangles in space, from gmsh: a `.msh` of any version, a `.geo`
-script, or a Python file. A Python file has a function `build(gmsh, parameters)`, which fills the
-current model. If it does not generate the mesh, Plymotion does. Every surface belongs to exactly
-one physical surface, which gives the region its name. Supports, loads and probes refer to physical
-points and curves. Surfaces that meet must have common nodes there (`BooleanFragments`, or common
-points and curves). Any number of surfaces may meet at a node, for example at a stiffener.
+Meshes consist of three-node triangles and four-node quadrilaterals in space, also mixed, from
+gmsh: a `.msh` of any version, a `.geo` script, or a Python file. A Python file has a function
+`build(gmsh, parameters)`, which fills the current model. If it does not generate the mesh,
+Plymotion does. Quadrilaterals come from gmsh (`Recombine Surface`), or from pairs of the mesh's
+triangles with `element = "quadrilateral"`. Every surface belongs to exactly one physical surface,
+which gives the region its name. Supports, loads and probes refer to physical points, curves and
+surfaces. Surfaces that meet must have common nodes there (`BooleanFragments`, or common points
+and curves). Any number of surfaces may meet at a node, for example at a stiffener.
 """
 )
 
@@ -86,7 +88,7 @@ points and curves). Any number of surfaces may meet at a node, for example at a 
 def shell_page() -> str:
     """Return docs/shell-description.md."""
     shell = (ShellDescription, Mesh, Laminate, Ply, Region, AxisAbout, Elements, Stiffener)
-    loading = (Link, Support, Load, Probe, Frequencies)
+    loading = (Link, Support, Load, Probe, Frequencies, Buckling)
     page = "\n".join([HEAD, *chapters((*shell, *loading, *MATERIAL_TABLES))])
     return page.rstrip("\n") + "\n"
 

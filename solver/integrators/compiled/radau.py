@@ -23,6 +23,7 @@ from .stages import (
     error_residual,
     finite,
     interpolate,
+    largest_component,
     norm,
     place,
     predict,
@@ -44,6 +45,7 @@ from .step_control import (
     OFF,
     PAUSED,
     RATE,
+    ROUGH,
     TAKEN,
     TIME,
     TOO_ROUGH,
@@ -59,8 +61,12 @@ from .step_control import (
 from .tableau import MU, NU, C
 
 MAX_ITERATIONS = 10
+DIVERGES = 10.0  # the second correction over the first
 # Of a step whose iteration failed: the largest that follows, and its growth with each step.
 CAUTION, RELAX = 0.8, 2.0
+# Of a step that was too rough: at h w = 1 the error of a vibration swings with its phase, and a
+# step that grows after a small one is refused.
+RELAX_ROUGH = 1.1
 SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 8.0
 # Corrections, over what Newton's iteration may leave: the first, and later ones that do not shrink.
 NEGLIGIBLE, ROUNDING = 1e-3, 0.1
@@ -149,7 +155,10 @@ def advance(
             if iteration > 1:
                 rate = size / size_last
                 to_go = most - iteration
-                if not fixed and (rate >= 1.0 or rate**to_go / (1.0 - rate) * size > tolerance):
+                # The first correction of a good prediction may be smaller than the second, which
+                # answers the change of multipliers: two are not enough to see a divergence.
+                judged = not fixed and (iteration > 2 or rate > DIVERGES)
+                if judged and (rate >= 1.0 or rate**to_go / (1.0 - rate) * size > tolerance):
                     break
             if rate < 1.0 and rate / (1.0 - rate) * size < tolerance:
                 iterations, counts[TROUBLE] = iteration, NONE
@@ -218,10 +227,17 @@ def advance(
             if counts[TROUBLE] == NEWTON:
                 factor = 0.5
                 clock[LIMIT] = h
+                workspace.blamed[largest_component(stage, workspace.weight)] += (
+                    1  # of the last correction
+                )
             elif counts[TROUBLE] == OFF:
                 factor = 0.25
             else:
                 factor = max(MIN_FACTOR, min(1.0, factor))
+                if counts[TROUBLE] == TOO_ROUGH:
+                    clock[ROUGH] = h
+                    rough = workspace.cutoff.error if w_c > 0.0 else real.delta
+                    workspace.blamed[largest_component(rough, workspace.weight)] += 1
             code = refuse(options, clock, counts, h, factor)
             if code != GOES_ON:
                 return code, filled
@@ -241,8 +257,10 @@ def advance(
             stored = parts[0] + parts[1] + parts[2]
         if clock[TAKEN] > 0.0:  # Gustafsson: errors that grow ask for more care
             factor *= min(1.0, h / clock[TAKEN] * (clock[ERROR_LAST] / error) ** 0.25)
-        clock[NEXT] = min(h * max(MIN_FACTOR, min(MAX_FACTOR, factor)), CAUTION * clock[LIMIT])
+        limit = CAUTION * min(clock[LIMIT], clock[ROUGH])
+        clock[NEXT] = min(h * max(MIN_FACTOR, min(MAX_FACTOR, factor)), limit)
         clock[LIMIT] *= RELAX
+        clock[ROUGH] *= RELAX_ROUGH
         clock[ERROR_LAST] = error
         count_step(clock, counts, h, t_new)
         keep_end(ends, taken, t_new, workspace.y)

@@ -176,6 +176,17 @@ def norm(options: Options, a: Array, weight: Array) -> float:
 
 
 @inlined
+def largest_component(a: Array, weight: Array) -> int:
+    """Component of the largest of a (n,) in its weight."""
+    most, at = -1.0, 0
+    for i in range(a.shape[0]):
+        size = abs(a[i] * weight[i])
+        if size > most:
+            most, at = size, i
+    return at
+
+
+@inlined
 def finite(a: Array) -> bool:
     """Tell whether no number is inf or nan."""
     s = 0.0

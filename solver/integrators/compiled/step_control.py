@@ -8,9 +8,10 @@ from ...math.compiled import inlined, structure
 # What a call comes back with; and, of an attempt refused, that a shorter one follows.
 ARRIVED, PAUSED, TOO_SMALL, NOT_FINITE, REFUSED, GOES_ON = 0, 1, 2, 3, 4, 5
 # Entries of `clock`: time, next step, last step; its error and Newton's rate of convergence; step
-# of the last iteration that failed; frequency above which errors do not count [rad/s], 0: none.
+# of the last iteration that failed; frequency above which errors do not count [rad/s], 0: none;
+# last step that was too rough.
 TIME, NEXT, TAKEN = 0, 1, 2
-ERROR_LAST, RATE, LIMIT, CUTOFF = 3, 4, 5, 6
+ERROR_LAST, RATE, LIMIT, CUTOFF, ROUGH = 3, 4, 5, 6, 7
 # Entries of `counts`.
 STEPS, REJECTED, EVALUATIONS, FACTORISATIONS, BAD, TROUBLE = 0, 1, 2, 3, 4, 5
 JACOBIANS = 6

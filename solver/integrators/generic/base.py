@@ -16,7 +16,7 @@ from ...math.arrays import Array
 from ...math.keys import Number
 from . import advice
 from .norm import ErrorNorm
-from .pace import Pace, Stall
+from .pace import Pace, Refusals, Stall
 
 Derivative = Callable[[float, Array], Array]
 Jacobian = Callable[[float, Array], Array]
@@ -320,6 +320,12 @@ class Integrator(ABC):
     def damped_energy(self) -> float:
         """Energy that the method has taken out of vibrations, as far as it counts it [J]."""
         return 0.0
+
+    def refusals(self) -> Refusals:
+        """Attempts that were refused so far."""
+        c = self.counters
+        step = (self.t - self.t0) / c.steps if c.steps else 0.0
+        return Refusals(c.steps + c.rejected, c.rejected, step)
 
     def final_hints(self) -> tuple[str, ...]:
         """`hints`, and what a look back on a finished run adds (some evaluations of f)."""

@@ -10,7 +10,7 @@ import numpy as np
 from ...math.arrays import Array
 from .base import Counters, Integrator
 from .output import Output
-from .pace import Pace, Stall
+from .pace import Pace, Refusals, Stall
 from .steps import EachStep, Noted, Steps, StopRequest, Watch
 
 
@@ -30,6 +30,7 @@ class Solution:
     counters: Counters = field(default_factory=Counters)
     hints: tuple[str, ...] = ()
     stalls: tuple[Stall, ...] = ()
+    refusals: Refusals | None = None
     damped_energy: float = 0.0  # taken out of vibrations, as far as the integrator counts it [J]
 
 
@@ -216,6 +217,7 @@ class _Drive:
             counters=integrator.counters,
             hints=tuple(integrator.hints) if interrupted else integrator.final_hints(),
             stalls=tuple(integrator.stalls),
+            refusals=integrator.refusals(),
             damped_energy=integrator.damped_energy,
         )
 

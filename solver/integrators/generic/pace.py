@@ -1,4 +1,4 @@
-"""Whether a run has come to a stall: steps tiny beside what is asked of it."""
+"""How a run goes on: steps tiny beside what is asked of it (a stall), and attempts refused."""
 
 from dataclasses import dataclass
 
@@ -20,6 +20,23 @@ class Stall:
     rate: float  # of that motion [rad/s]; 0: unknown
     cutoff: float = 0.0  # above which vibrations are damped from then on [rad/s]; 0: none
     remedy: str = ""  # what a user can do
+
+
+@dataclass(frozen=True)
+class Refusals:
+    """Attempts of a run that were refused, and why, as far as the integrator knows."""
+
+    attempts: int
+    refused: int
+    step: float  # accepted, on average [s]
+    newton: int = 0  # by an iteration that did not converge
+    rough: int = 0  # by the estimate of the error
+    component: int = -1  # of the state, which was most often the reason
+
+    @property
+    def share(self) -> float:
+        """Of the attempts, 0 to 1."""
+        return self.refused / self.attempts if self.attempts else 0.0
 
 
 class Pace:

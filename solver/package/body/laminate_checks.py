@@ -8,6 +8,7 @@ from ...math.arrays import Array
 from ..common.array_checks import finite, positive_definite, rotations, rows_of, symmetric
 from ..common.remark import Remark, Reporter
 from ..section.recovery_checks import check_plies
+from ..shell.cells import area_vectors, cell_table
 from .laminate_data import CellResultants, LaminateData
 from .schema import ModalPackage
 
@@ -84,11 +85,12 @@ def _turn(angle_deg: float) -> Array:
 def _cells(package: ModalPackage, found: CellResultants) -> Iterator[Remark]:
     where = "/modal_package/cell_resultants"
     offsets = package.offsets
-    if np.any(np.diff(offsets)[found.cell] != 3):
-        yield Remark("warning", f"{where}/cell", "some of these cells are not triangles")
+    if not np.isin(np.diff(offsets)[found.cell], (3, 4)).all():
+        text = "some of these cells are neither triangles nor quadrilaterals"
+        yield Remark("warning", f"{where}/cell", text)
         return
-    corners = package.nodes_B[package.connectivity[offsets[found.cell][:, None] + np.arange(3)]]
-    vector = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    cells = cell_table(package.connectivity, offsets, found.cell)
+    vector = area_vectors(package.nodes_B, cells)
     area = np.linalg.norm(vector, axis=1)
     e3 = found.A_BE[:, :, 2]
     off = np.linalg.norm(np.cross(vector, e3), axis=1) > NORMAL * area

@@ -178,6 +178,7 @@ class ShellSpecification(_Provenance):
     modes: list[ShellEigenmodes | Attachment | StaticAxial | StaticInertia]
     damping_ratio: float
     interfaces: dict[str, ShellInterfaceTable]
+    second_order: NotRequired[bool]
 
 
 class ImportedSpecification(_Provenance):

@@ -9,7 +9,15 @@ from ..body.specification import LINK_KINDS
 from ..common.array_checks import finite, mesh_cells, one_of, rotations, rows_of, symmetric
 from ..common.dataset import check_datasets, defined_sizes, misshaped, missing_or_mistyped
 from ..common.remark import Remark
-from .layout import SHELL_GROUP, SHELL_LAYOUT, SHELL_SIZED_BY, TRIANGLE, shell_sizes, shell_values
+from .layout import (
+    QUAD,
+    SHELL_GROUP,
+    SHELL_LAYOUT,
+    SHELL_SIZED_BY,
+    TRIANGLE,
+    shell_sizes,
+    shell_values,
+)
 from .schema import SHELL_MOTIONS, SHELL_RESULTANTS, ShellFile
 
 
@@ -22,8 +30,8 @@ def shell_layout_findings(group: h5py.Group) -> list[Remark]:
         text = f"expected frequencies, shapes_G, resultants_E and n_zero, found {', '.join(modes)}"
         findings.append(Remark("error", f"{group.name}/modes", text))
     types = group.get("mesh/cell_types")
-    if not findings and not np.all(types[()] == TRIANGLE):
-        text = f"expected triangles only, type {TRIANGLE}"
+    if not findings and not np.isin(types[()], (TRIANGLE, QUAD)).all():
+        text = f"expected triangles and quadrilaterals, types {TRIANGLE} and {QUAD}"
         findings.append(Remark("error", f"{group.name}/mesh/cell_types", text))
     return findings
 
@@ -66,5 +74,9 @@ def shell_content_findings(shell: ShellFile) -> list[Remark]:
             error("plies/laminate", f"laminate {laminate.name!r} has no plies")
     known = (*SHELL_MOTIONS, *SHELL_RESULTANTS)
     one_of("probes/quantities", shell.probes.quantities, known, error)
+    if shell.buckling is not None:
+        rows_of("buckling/case", shell.buckling.case, len(shell.cases.names), error)
+        if np.any(shell.buckling.factors <= 0.0):
+            error("buckling/factors", "expected numbers above 0")
     one_of("links/kinds", shell.links.kinds, LINK_KINDS, error)
     return bad

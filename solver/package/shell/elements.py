@@ -16,13 +16,17 @@ MEMBRANES = {
     "allman": "carry the rotation about the normal",
     "cst": "(the paper's) is too stiff in in-plane bending",
 }
+QUADS = {
+    "dkmq": "converges for laminates of any thickness",
+    "mitc4": "is the simplest",
+}
 DRILLINGS = {
     "fictitious": "the paper's fictitious one",
     "tie": "a tie to the rotation of the membrane",
 }
 
 # Defaults of a description.
-PLATE, MEMBRANE, DRILLING = "dkmt", "opt", "auto"
+PLATE, MEMBRANE, DRILLING, QUAD = "dkmt", "opt", "auto", "dkmq"
 BETA0, DRILLING_FACTOR = 0.5, 1e-2
 
 

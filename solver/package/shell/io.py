@@ -13,8 +13,10 @@ from ..common.object_file import new_object_file, read_object_file
 from ..common.remark import raise_first
 from ..common.reported import warnings_from
 from ..common.vtk_view import create_grid, describe, part_view
+from .cells import cell_table
 from .checks import check_shell_shapes, shell_content_findings, shell_layout_findings
 from .layout import (
+    BUCKLING,
     CASES,
     SHELL_FILE,
     SHELL_GROUP,
@@ -24,6 +26,7 @@ from .layout import (
     shell_values,
 )
 from .schema import (
+    ShellBuckling,
     ShellCases,
     ShellFile,
     ShellLaminate,
@@ -78,7 +81,7 @@ def _load(file: h5py.File) -> ShellFile:
     return ShellFile(
         name=get_text(file, SHELL_FILE.title),
         mesh=ShellMeshData(
-            cells=data["mesh/connectivity"].reshape(-1, 3),
+            cells=cell_table(data["mesh/connectivity"], data["mesh/offsets"]),
             **{name: data[f"mesh/{name}"] for name in names},
         ),
         laminates=_laminates(data, where),
@@ -90,6 +93,9 @@ def _load(file: h5py.File) -> ShellFile:
         ),
         probes=ShellProbes(data["probes/names"], data["probes/quantities"], data["probes/values"]),
         modes=modes,
+        buckling=ShellBuckling(**{name: data[f"buckling/{name}"] for name in BUCKLING})
+        if "buckling/factors" in data
+        else None,
         warnings=warnings_from(data),
         provenance=json_table(f"{where}: provenance", get_text(file, "provenance", "{}")),
     )
@@ -140,6 +146,10 @@ def _write_view(file: h5py.File, group: h5py.Group, shell: ShellFile) -> None:
         shown += [
             (f"mode_{row + 1:03d}", "shape", "modes/shapes_G", "modes", row) for row in range(count)
         ]
+    for row, case in enumerate([] if shell.buckling is None else shell.buckling.case):
+        name = f"{shell.cases.names[case].replace('/', '-')}_buckling_{row + 1:03d}"
+        shape = group["buckling/shapes_G"]
+        describe(part_view(points, name, shape, np.s_[row, :, :3], (n, 3)), "m", "G")
     for name, word, path, of, row in shown:
         moved = part_view(points, f"{name}_{word}", group[path], np.s_[row, :, :3], (n, 3))
         describe(moved, "m", "G")

@@ -1,7 +1,8 @@
 """Layout of a shell results file: one table for writer, reader and manual.
 
 Sizes: `n` nodes, `c` cells, `i` connectivity entries, `r` regions, `b` laminates, `k` plies of
-all laminates, `l` load cases, `s` supports, `e` links, `o` probes, `m` modes, `w` warnings.
+all laminates, `l` load cases, `s` supports, `e` links, `o` probes, `m` modes, `b2` load factors,
+`w` warnings.
 """
 
 from typing import Any
@@ -11,19 +12,20 @@ import numpy as np
 from ..common.dataset import DatasetSpec, F, I, T, declared_sizes, spec
 from ..common.identity import FileFormat, json_text
 from ..common.reported import WARNINGS_LAYOUT, WARNINGS_SIZED_BY, warning_values
+from .cells import NONE, corner_counts
 from .schema import SHELL_FORMAT, SHELL_FORMAT_VERSION, ShellFile
 
 SHELL_GROUP = "shell"
 SHELL_FILE = FileFormat(SHELL_FORMAT, SHELL_FORMAT_VERSION, SHELL_GROUP, "name")
 SHELL_VIEW = f"{SHELL_GROUP}/mesh", "nodes_G"  # what ParaView shows: group and nodes
-TRIANGLE = 5  # VTK's number of the cell
+TRIANGLE, QUAD = 5, 9  # VTK's numbers of the cells
 
 SHELL_LAYOUT: tuple[DatasetSpec, ...] = (
     spec("mesh/nodes_G", "n, 3", F, "m", "G", "rest positions of the nodes"),
     spec("mesh/node_ids", "n", I, "-", "-", "numbers of the nodes in the mesh file, unique"),
     spec("mesh/connectivity", "i", I, "-", "-", "nodes of all cells, as 0-based rows of nodes_G"),
     spec("mesh/offsets", "c+1", I, "-", "-", "cell j owns connectivity[offsets[j]:offsets[j+1]]"),
-    spec("mesh/cell_types", "c", "uint8", "-", "-", "VTK cell types, all triangles"),
+    spec("mesh/cell_types", "c", "uint8", "-", "-", "VTK cell types, triangles and quadrilaterals"),
     spec("mesh/region", "c", I, "-", "-", "region of each cell, as row of regions"),
     spec("mesh/regions", "r", T, "-", "-", "names of the regions, unique"),
     spec("mesh/laminate", "r", I, "-", "-", "laminate of each region, as row of laminates"),
@@ -68,6 +70,10 @@ SHELL_LAYOUT: tuple[DatasetSpec, ...] = (
     spec("modes/shapes_G", "m, n, 6", F, "m, rad", "G", "unit modal mass", optional=True),
     spec("modes/resultants_E", "m, c, 8", F, "N/m, N", "E", "as of cases", optional=True),
     spec("modes/n_zero", "", I, "-", "-", "modes without strain energy, the first", optional=True),
+    spec("buckling/case", "b2", I, "-", "-", "load case of each factor, as row", optional=True),
+    spec("buckling/factors", "b2", F, "-", "-", "load factors of buckling", optional=True),
+    spec("buckling/shapes_G", "b2, n, 6", F, "m, rad", "G", "largest motion 1 m", optional=True),
+    spec("buckling/reversed", "l", F, "-", "-", "factor of the reversed load", optional=True),
     *WARNINGS_LAYOUT,
 )
 
@@ -84,8 +90,10 @@ SHELL_SIZED_BY = {
     "l": "cases/names",
     "o": "probes/names",
     "m": "modes/frequencies",
+    "b2": "buckling/factors",
     **WARNINGS_SIZED_BY,
 }
+BUCKLING = ("case", "factors", "shapes_G", "reversed")
 CASES = ("names", "displacements_G", "resultants_E", "link_motions_G", "loads_G", "reactions_G")
 
 
@@ -96,11 +104,11 @@ def shell_values(shell: ShellFile, where: str = "shell") -> dict[str, Any]:
     """
     mesh, laminates = shell.mesh, shell.laminates
     plies = [(row, ply) for row, laminate in enumerate(laminates) for ply in laminate.plies]
-    n_cell = len(mesh.cells)
+    count = corner_counts(mesh.cells)
     values: dict[str, Any] = {
-        "mesh/connectivity": mesh.cells.ravel(),
-        "mesh/offsets": np.arange(0, 3 * n_cell + 1, 3),
-        "mesh/cell_types": np.full(n_cell, TRIANGLE, dtype=np.uint8),
+        "mesh/connectivity": mesh.cells[mesh.cells != NONE],
+        "mesh/offsets": np.concatenate([[0], np.cumsum(count)]),
+        "mesh/cell_types": np.where(count == 3, TRIANGLE, QUAD).astype(np.uint8),
         "laminates/names": [laminate.name for laminate in laminates],
         "laminates/reports": [
             json_text(f"{where}: laminates/reports", laminate.report) for laminate in laminates
@@ -129,6 +137,9 @@ def shell_values(shell: ShellFile, where: str = "shell") -> dict[str, Any]:
     if shell.modes is not None:
         for name in ("frequencies", "shapes_G", "resultants_E", "n_zero"):
             values[f"modes/{name}"] = getattr(shell.modes, name)
+    if shell.buckling is not None:
+        for name in BUCKLING:
+            values[f"buckling/{name}"] = getattr(shell.buckling, name)
     return values
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from ...math.arrays import Array, IntArray
 
 SHELL_FORMAT = "plymotion shell"
-SHELL_FORMAT_VERSION = (1, 0)
+SHELL_FORMAT_VERSION = (1, 1)
 
 SHELL_RESULTANTS = ("N11", "N22", "N12", "M11", "M22", "M12", "T1", "T2")
 SHELL_MOTIONS = ("ux", "uy", "uz", "rx", "ry", "rz")
@@ -28,7 +28,7 @@ class ShellMeshData:
 
     nodes_G: Array  # (n, 3)                                [m]
     node_ids: IntArray  # (n,) number in the mesh file
-    cells: IntArray  # (c, 3) rows of nodes_G
+    cells: IntArray  # (c, 3) rows of nodes_G, or (c, 4) with quadrilaterals: see cells.py
     region: IntArray  # (c,) row of regions
     regions: tuple[str, ...]
     laminate: IntArray  # (r,) row of the file's laminates, of each region
@@ -112,6 +112,16 @@ class ShellModes:
 
 
 @dataclass(frozen=True)
+class ShellBuckling:
+    """Load factors of linear buckling, `b` of all load cases."""
+
+    case: IntArray  # (b,) row of the load cases
+    factors: Array  # (b,) above 0, ascending in each case  [-]
+    shapes_G: Array  # (b, n, 6), largest displacement 1     [m, rad]
+    reversed: Array  # (l,) smallest factor below 0 of each case; 0: none, or not asked for [-]
+
+
+@dataclass(frozen=True)
 class ShellFile:
     """The content of a shell results file."""
 
@@ -124,5 +134,6 @@ class ShellFile:
     cases: ShellCases
     probes: ShellProbes
     modes: ShellModes | None = None
+    buckling: ShellBuckling | None = None
     warnings: tuple[dict[str, str], ...] = ()  # {"code", "message"}
     provenance: dict[str, Any] = field(default_factory=dict)  # spec, dofs, seconds, versions, ...

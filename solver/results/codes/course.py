@@ -82,6 +82,17 @@ STALLED = Code(
     "element",
 )
 
+REFUSED = Code(
+    "steps-refused",
+    "note",
+    "many attempts at a step were refused: each cost as much as a step. The finding gives the "
+    "reasons, and the body and mode that caused most of them",
+    "share of refused attempts above {limit:g}, in runs of at least 100 attempts",
+    "`max_step` of the average step; if a vibration of no interest is the reason, "
+    "`cutoff_frequency` or damping",
+    limit=0.2,
+)
+
 # Singular positions on the way.
 SINGULAR = Code(
     "singular-position",
@@ -118,6 +129,7 @@ CODES = (
     FEEDBACK,
     VIBRATION_DAMPED,
     STALLED,
+    REFUSED,
     SINGULAR,
     BRANCH,
     SINGULAR_PASSED,

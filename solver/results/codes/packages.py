@@ -122,6 +122,13 @@ SHELL_CODES = (
         "use the default elements",
     ),
     _code(
+        "buckling-after-large-rotation",
+        "the shell has turned far before it buckles: linear buckling assumes that it has not",
+        "rotation at the first load factor above {limit:g} rad",
+        "use the factor as an upper bound",
+        0.1,
+    ),
+    _code(
         "few-digits",
         "the equations are ill-conditioned, as those of a very thin shell or open section",
         "residual or difference of work and energy (shell), work on rigid motions (section) above "

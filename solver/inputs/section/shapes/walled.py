@@ -9,6 +9,7 @@ from .spacing import along, faces, rows, united
 
 ROWS = 5  # least number of rows of a wall with corners
 ROWS_WEB = 6  # the same of a web, which has corners on both faces
+THINNEST = 1e-9  # wall over its length: longer lines of growing elements have no end
 
 
 def wall(key: str, meaning: str) -> Parameter:
@@ -67,8 +68,20 @@ def fits(thickness: dict[str, float], keys: tuple[str, ...], space: float, what:
 def half_lines(
     lengths: dict[str, float], thickness: dict[str, float], density: float
 ) -> dict[str, Any]:
-    """Elements of lines between a corner and a middle: elements_*, growth_*, graded_*, even_*."""
-    thinnest = min(thickness.values())
+    """Elements of lines between a corner and a middle: elements_*, growth_*, graded_*, even_*.
+
+    Raises
+    ------
+    InputError
+        A wall that is too thin for any mesh.
+    """
+    wall = min(thickness, key=lambda key: thickness[key])
+    thinnest, longest = thickness[wall], max(lengths.values())
+    if thinnest < THINNEST * longest:
+        raise InputError(
+            f"{wall} = {thinnest:g}: expected at least {THINNEST:g} of the length of the walls, "
+            f"{longest:g} [m]"
+        )
     return {
         f"{name}_{key}": value
         for key, length in lengths.items()

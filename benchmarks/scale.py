@@ -1,0 +1,162 @@
+"""Sweeps by executor: members per second, and what sweeps of many members cost (docs/scale.md).
+
+PYTHONPATH=.:tests:benchmarks .venv/bin/python benchmarks/scale.py pairs | workers | large [N]
+
+pairs: 512 double pendulums of 1 s, by two local processes and by two dask workers in turn.
+workers: the same by one and two of each. large: check, sweep, restart and file of N members.
+"""
+
+import argparse
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import h5py
+import numpy as np
+from dask_cluster import Cluster
+from processes import Cost, cost
+
+TEXT = """
+[variants.measured.solver]
+t_end = {t_end}
+output_step = 0.001
+rtol = 1e-5
+[coarse.sweeps.s]
+count = 2
+[sweeps.s]
+run = "isotropic"
+variants = ["measured"]
+design = "latin-hypercube"
+count = {count}
+signals = ["tip_x", "hand_mid"]
+[sweeps.s.vary]
+"masses.M2.mass" = {{ from = 1.0, to = 4.0 }}
+"joints.shoulder.drive.speed" = {{ from = 5.0, to = 20.0 }}
+"""
+PLYMOTION = ("-m", "plymotion")
+PACKAGES = Path("tests/packages/double-pendulum")
+TIME = ("cost/solve_s", "members/sha256")  # what differs between two computations
+
+
+def _checked(folder: Path, count: int, t_end: float) -> tuple[Path, Cost]:
+    """Check the case of a sweep; its sweep file, and what the check took."""
+    text = Path("cases/double-pendulum/case.toml").read_text(encoding="utf-8")
+    text = text[: text.index("[variants.fifth.solver]")] + TEXT.format(count=count, t_end=t_end)
+    case, out = folder / "case.toml", folder / "build"
+    case.write_text(text, encoding="utf-8")
+    used = cost([*PLYMOTION, "check", str(case), "--out", str(out), "--packages", str(PACKAGES)])
+    return out / "sweeps/s.json", used
+
+
+def _sweep(file: Path, out: Path, *words: str) -> Cost:
+    more = ("--quiet", "--no-figures", "--out", str(out))
+    return cost([*PLYMOTION, "sweep", str(file), *more, *words], allowed=(0, 3))
+
+
+def _cpu_s(process: "subprocess.Popen[bytes]") -> float:
+    fields = Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
+    return sum(map(int, fields[11:13])) / os.sysconf("SC_CLK_TCK")
+
+
+def _data(file: Path) -> dict[str, bytes]:
+    with h5py.File(file) as h5:
+        found: dict[str, bytes] = {}
+
+        def note(name: str, item: object) -> None:
+            if isinstance(item, h5py.Dataset) and name not in TIME:
+                found[name] = item[()].tobytes()
+
+        h5.visititems(note)
+    return found
+
+
+def _by_dask(cluster: Cluster, workers: list["subprocess.Popen[bytes]"], *where: Path) -> Cost:
+    before = sum(map(_cpu_s, workers))
+    used = _sweep(*where, "--fresh", "--scheduler", str(cluster.file))
+    return Cost(used.cpu_s + sum(map(_cpu_s, workers)) - before, used.wall_s, used.peak_mb)
+
+
+def pairs(folder: Path, count: int, repeats: int) -> None:
+    """Two local processes and two dask workers in turn."""
+    file, _ = _checked(folder, count, 1.0)
+    (folder / "cluster").mkdir()
+    cluster = Cluster(folder / "cluster")
+    try:
+        workers = [cluster.worker(), cluster.worker()]
+        _by_dask(cluster, workers, file, folder / "warm")
+        ratios = []
+        for _ in range(repeats):
+            local = _sweep(file, folder / "local", "--fresh", "--jobs", "2")
+            dask = _by_dask(cluster, workers, file, folder / "dask")
+            ratios.append((dask.wall_s / local.wall_s, dask.cpu_s / local.cpu_s))
+            print(
+                f"local {local.wall_s:.1f} s wall, {local.cpu_s:.1f} s CPU, {local.peak_mb:.0f} MB"
+            )
+            print(f"dask  {dask.wall_s:.1f} s wall, {dask.cpu_s:.1f} s CPU, {dask.peak_mb:.0f} MB")
+        walls, cpus = zip(*ratios, strict=True)
+        print(
+            f"dask / local: wall {statistics.median(walls):.2f}, CPU {statistics.median(cpus):.2f}"
+        )
+        same = _data(folder / "local/sweep.h5") == _data(folder / "dask/sweep.h5")
+        print(f"equal to the last bit: {same}")
+    finally:
+        cluster.close()
+
+
+def by_workers(folder: Path, count: int) -> None:
+    """Members per second and per CPU second, by one and two workers."""
+    file, _ = _checked(folder, count, 1.0)
+    for jobs in ("1", "2"):
+        used = _sweep(file, folder / "out", "--fresh", "--jobs", jobs)
+        print(f"local {jobs}: {count / used.wall_s:.1f} /s, {count / used.cpu_s:.1f} /CPU s")
+    (folder / "cluster").mkdir()
+    cluster = Cluster(folder / "cluster")
+    try:
+        workers: list[subprocess.Popen[bytes]] = []
+        for number in (1, 2):
+            workers.append(cluster.worker())
+            _by_dask(cluster, workers, file, folder / "out")
+            used = _by_dask(cluster, workers, file, folder / "out")
+            print(f"dask {number}: {count / used.wall_s:.1f} /s, {count / used.cpu_s:.1f} /CPU s")
+    finally:
+        cluster.close()
+
+
+def large(folder: Path, count: int) -> None:
+    """Check, sweep of short motions, file and restart of many members."""
+    file, used = _checked(folder, count, 0.01)
+    print(f"check    {used.cpu_s:.1f} s CPU, {used.peak_mb:.0f} MB, {_mb(file):.2f} MB")
+    out = folder / "out"
+    used = _sweep(file, out)
+    print(f"sweep    {used.cpu_s:.1f} s CPU, {used.peak_mb:.0f} MB, {_mb(out / 'sweep.h5'):.2f} MB")
+    used = _sweep(file, out)
+    print(f"restart  {used.cpu_s:.1f} s CPU, {used.peak_mb:.0f} MB")
+
+
+def _mb(file: Path) -> float:
+    return file.stat().st_size / 1e6
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("what", choices=("pairs", "workers", "large"))
+    parser.add_argument("count", type=int, nargs="?", help="members")
+    parser.add_argument("--repeats", type=int, default=3)
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        begin = time.perf_counter()
+        if options.what == "pairs":
+            pairs(Path(folder), options.count or 512, options.repeats)
+        elif options.what == "workers":
+            by_workers(Path(folder), options.count or 512)
+        else:
+            large(Path(folder), options.count or 10_000)
+        print(f"{np.round(time.perf_counter() - begin)} s", file=sys.stderr)
+
+
+if __name__ == "__main__":
+    main()

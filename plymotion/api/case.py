@@ -1,0 +1,198 @@
+"""A case in Python: from a file, or built table by table."""
+
+import re
+from copy import deepcopy
+from pathlib import Path
+from typing import Any
+
+from ..solver.errors import InputError
+from ..solver.inputs.case.load import Case as CheckedCase
+from ..solver.inputs.case.load import checked_case
+from ..solver.inputs.case.sweep_keys import split_key
+from ..solver.inputs.common import read_toml
+from .html import table
+from .plain import plain
+
+Tables = dict[str, Any]
+COUNTED = ("bodies", "joints", "forces", "signals", "runs", "sweeps")
+
+
+class _Group:
+    """A table of the case file, as a dict that may be changed."""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = name
+
+    def __get__(self, case: "Case | None", owner: type) -> Any:
+        return self if case is None else case.table.setdefault(self.name, {})
+
+    def __set__(self, case: "Case", value: Tables) -> None:
+        case.table[self.name] = value
+
+
+class Case:
+    """A mechanism with its runs and sweeps: what a case file has, in Python.
+
+    Every table of the case file is an attribute of the same name; docs/case-reference.md lists
+    their keys. Arrays and tuples may stand for lists. `check`, `run` and `sweep` check the case.
+
+    Parameters
+    ----------
+    name : of the folder of its results
+    title : one line
+    keys : more keys and tables of the case file: gravity=[0, 0, -9.81], solver={...}
+
+    Attributes
+    ----------
+    name : text
+    folder : path where relative paths of the case start
+    table : the content of the case file
+
+    Examples
+    --------
+    A ball that falls for one second:
+
+    >>> import plymotion as pm
+    >>> case = pm.Case("ball", gravity=[0, 0, -9.81], solver={"t_end": 1.0, "output_step": 0.1})
+    >>> case.bodies["ball"] = {
+    ...     "kind": "rigid", "mass": 2.0, "inertia": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+    ...     "interfaces": {"centre": {"position": (0, 0, 0)}},
+    ... }
+    >>> case.signals["z"] = {"kind": "position", "at": "ball.centre", "component": "z"}
+    >>> case
+    <Case ball: 1 body, 1 signal, 1 run>
+    >>> round(pm.run(case).signals["z"].final, 6)
+    -4.905
+    """
+
+    materials = _Group()
+    sections = _Group()
+    bodies = _Group()
+    ground = _Group()
+    joints = _Group()
+    couplings = _Group()
+    forces = _Group()
+    parameters = _Group()
+    masses = _Group()
+    signals = _Group()
+    solver = _Group()
+    variants = _Group()
+    runs = _Group()
+    figures = _Group()
+    sweeps = _Group()
+
+    def __init__(self, name: str, *, title: str = "", **keys: Any) -> None:
+        if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]*", name):
+            raise InputError(f"Case({name!r}): expected a name of letters, digits and _ . -")
+        self.name, self.folder = name, Path()
+        self.table: Tables = {"format": 1, "title": title or name, "runs": {"base": {}}, **keys}
+        self._file: Path | None = None
+
+    @classmethod
+    def _from_file(cls, file: Path) -> "Case":
+        found = cls.__new__(cls)
+        found.table = read_toml(file, "case file")
+        found.name = file.resolve().parent.name if file.name == "case.toml" else file.stem
+        found.folder, found._file = file.parent, file
+        return found
+
+    def check(self, *, coarse: bool = False) -> CheckedCase:
+        """Check the whole case as `plymotion check` does; return its checked form.
+
+        Raises
+        ------
+        InputError
+            One line per mistake: key, value, expectation.
+
+        >>> import plymotion as pm
+        >>> case = pm.load("pendulum.toml")
+        >>> case.bodies["rod"]["mass"] = -1
+        >>> case.check()
+        Traceback (most recent call last):
+        plymotion.solver.errors.InputError: pendulum.toml: bodies.rod.mass = -1: value should be \
+greater than 0
+        """
+        file = self.folder / self.name if self._file is None else self._file
+        return checked_case(plain(self.table), file, coarse=coarse)
+
+    def changed(self, changes: Tables) -> "Case":
+        """Return a copy with other values at dotted keys; positions of lists count from 0.
+
+        >>> import plymotion as pm
+        >>> longer = pm.load("pendulum.toml").changed({"solver.t_end": 2.0, "gravity.2": -1.62})
+        >>> longer.solver["t_end"], longer.table["gravity"]
+        (2.0, [0.0, 0.0, -1.62])
+        """
+        found = deepcopy(self)
+        for key, value in changes.items():
+            here: Any = found.table
+            *way, last = split_key(key)
+            try:
+                for part in way:
+                    here = here[int(part)] if isinstance(here, list) else here.setdefault(part, {})
+                here[int(last) if isinstance(here, list) else last] = value
+            except (AttributeError, IndexError, TypeError, ValueError):
+                raise InputError(f"{key}: the case has no such key") from None
+        return found
+
+    def __repr__(self) -> str:
+        counts = {group: len(self.table.get(group, {})) for group in COUNTED}
+        words = [f"{n} {_singular(group) if n == 1 else group}" for group, n in counts.items() if n]
+        return f"<Case {self.name}: {', '.join(words)}>"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            [group, name, _words(entry)]
+            for group in COUNTED
+            for name, entry in self.table.get(group, {}).items()
+        ]
+        title = f"{self.name}: {self.table.get('title', '')}"
+        return table(["", "name", ""], rows, title)
+
+
+def load(file: str | Path, *, coarse: bool = False) -> Case:
+    """Read and check a case file.
+
+    Parameters
+    ----------
+    file : a case file, or a folder with case.toml
+    coarse : check its `[coarse]` variant only
+
+    Raises
+    ------
+    InputError
+        One line per mistake: file, key, value, expectation.
+
+    Examples
+    --------
+    >>> import plymotion as pm
+    >>> case = pm.load("pendulum.toml")
+    >>> case
+    <Case pendulum: 1 body, 1 joint, 3 signals, 1 run>
+    >>> case.bodies["rod"]["mass"]
+    2.0
+    """
+    path = Path(file)
+    case = Case._from_file(path / "case.toml" if path.is_dir() else path)
+    case.check(coarse=coarse)
+    return case
+
+
+def as_case(case: "Case | str | Path") -> Case:
+    """Return a case, or read it from its file."""
+    return case if isinstance(case, Case) else load(case)
+
+
+def _singular(group: str) -> str:
+    return "body" if group == "bodies" else group.removesuffix("s")
+
+
+def _words(entry: Any) -> str:
+    """Return the kind of a table, or what else tells most of it."""
+    if not isinstance(entry, dict):
+        return ""
+    for key in ("kind", "title", "variants", "run"):
+        if entry.get(key):
+            value = entry[key]
+            return ", ".join(value) if isinstance(value, list) else str(value)
+    return ""

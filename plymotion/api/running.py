@@ -1,0 +1,79 @@
+"""`plymotion.run`: a run of a case, computed as the command `plymotion CASE.toml` does."""
+
+from pathlib import Path
+
+from ..solver.commands.cases.packages import build_packages, specs_of
+from ..solver.errors import InputError, few, nearest
+from ..solver.fidelity.execution import run_any
+from ..solver.inputs.case.specs import write_case
+from ..solver.run.inputs_digest import up_to_date
+from .case import Case, as_case
+from .result import Result
+
+
+def run(
+    case: Case | str | Path,
+    run: str | None = None,
+    *,
+    out: str | Path | None = None,
+    packages: str | Path | None = None,
+    coarse: bool = False,
+    force: bool = False,
+    progress: bool = False,
+    allow_python: bool = False,
+) -> Result:
+    """Compute a run of a case, or read it if it is up to date; the numbers are those of
+    `plymotion CASE.toml`.
+
+    Packages of flexible bodies are built where they are missing or out of date, which needs
+    FEniCSx.
+
+    Parameters
+    ----------
+    case : a case, or its file
+    run : name of the run; absent: the only one
+    out : folder of the case; absent: build/NAME, as of the command
+    packages : folder of ready packages: FEniCSx is not needed
+    coarse : with the `[coarse]` variant, in build/NAME-coarse
+    force : compute a run that is up to date
+    progress : show progress on standard error
+    allow_python : run the Python functions that the case names as controllers
+
+    Raises
+    ------
+    InputError
+        A mistake in the case, one line each; a body that cannot be built.
+    PackageError
+        A package that cannot be read.
+
+    Examples
+    --------
+    >>> import plymotion as pm
+    >>> result = pm.run("pendulum.toml", "base")
+    >>> result.signals["tip_z"].min < -0.98
+    True
+    >>> pm.run("pendulum.toml", "bse")
+    Traceback (most recent call last):
+    plymotion.solver.errors.InputError: pendulum has no run 'bse'; did you mean 'base'?
+    """
+    case = as_case(case)
+    checked = case.check(coarse=coarse)
+    if run is None:
+        if len(checked.runs) > 1:
+            raise InputError(f"{case.name}: expected the name of a run: {few(checked.runs)}")
+        (run,) = checked.runs
+    if run not in checked.runs:
+        raise InputError(f"{case.name} has no run {run!r}{nearest(run, checked.runs)}")
+    folder = folder_of(case, out, coarse=coarse)
+    write_case(checked, folder, None if packages is None else Path(packages))
+    if packages is None and (specs := specs_of(folder, [run])):
+        build_packages(specs, folder / "bodies", quiet=not progress)
+    file, target = folder / "runs" / f"{run}.json", folder / run
+    if force or not up_to_date(file, target):
+        run_any(file, target, progress=progress, allow_python=allow_python)
+    return Result(target)
+
+
+def folder_of(case: Case, out: str | Path | None, *, coarse: bool = False) -> Path:
+    """Return the folder of the results of a case."""
+    return Path(out) if out is not None else Path("build") / (case.name + "-coarse" * coarse)

@@ -1,0 +1,212 @@
+"""A cross-section in Python: stiffness, mass, centres."""
+
+from collections.abc import Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from ..solver.commands.described.entries import Entry
+from ..solver.commands.described.make import Made, make_files, write_specs
+from ..solver.commands.executors.local import Local
+from ..solver.commands.section.command import described_spec
+from ..solver.commands.section.results import SectionResults, read_results
+from ..solver.errors import InputError
+from ..solver.inputs.section.expand import BUILD
+from ..solver.math.arrays import Array
+from ..solver.package.common.plain_data import data_sha256
+from ..solver.package.section.io import read_section
+from ..solver.package.section.schema import RESULTANTS, SectionFile
+from .frames import pandas
+from .html import table
+from .plain import plain
+from .section_picture import picture
+
+
+class Section:
+    """An analysed cross-section.
+
+    Axes x1 along the beam, (x2, x3) in the section (docs/conventions.md). Order of rows and
+    columns: F1, F2, F3, M1, M2, M3.
+
+    Attributes
+    ----------
+    file : path of the section file
+
+    Examples
+    --------
+    >>> import plymotion as pm
+    >>> section = pm.Section.from_file("bar.vtkhdf")
+    >>> section
+    <Section bar: EA 8.4e+07 N, GJ 4424 N m2, EI 2800 and 2.52e+04 N m2, 3.24 kg/m>
+    >>> section.K.shape, section.M.shape
+    ((6, 6), (6, 6))
+    """
+
+    def __init__(self, file: str | Path) -> None:
+        self.file = Path(file)
+        self._results: SectionResults = read_results(self.file)
+
+    @classmethod
+    def from_file(
+        cls,
+        file: str | Path,
+        changes: Mapping[str, Any] | None = None,
+        *,
+        out: str | Path = BUILD,
+        force: bool = False,
+    ) -> "Section":
+        """Return the section of a description (TOML), analysed unless that is up to date, or of a
+        section file (.vtkhdf).
+
+        The analysis needs FEniCSx; a section file does not.
+
+        Parameters
+        ----------
+        changes : other values at dotted keys of the description:
+            {"laminates.wall.angles_deg.1": 30.0}
+        out : folder of section files
+        force : analyse what is up to date
+
+        Raises
+        ------
+        InputError
+            A mistake in the description, one line each; an analysis that fails.
+        PackageError
+            Not a section file.
+
+        >>> import plymotion as pm
+        >>> f'{pm.Section.from_file("bar.vtkhdf").K[0, 0]:.4g}'
+        '8.4e+07'
+        """
+        path = Path(file)
+        if path.suffix == ".vtkhdf":
+            return cls(path)
+        own = plain(changes or {})
+        name = f"{path.stem}-{data_sha256(own)[:8]}" if own else path.stem
+        entry = Entry(name, path, own)
+        folder = Path(out)
+        requests, failed = write_specs([entry], folder, lambda one: described_spec(one, folder))
+        made: list[Made] = list(failed)
+        make_files(
+            requests,
+            "section",
+            ["--force"] if force else [],
+            executor=lambda: Local(1, threads=True),
+            done=made.append,
+            progress=lambda text: None,
+        )
+        if made[0].status == "failed":
+            raise InputError(made[0].error)
+        return cls(made[0].file)
+
+    @property
+    def name(self) -> str:
+        """Name of the section.
+
+        >>> import plymotion as pm
+        >>> pm.Section.from_file("bar.vtkhdf").name
+        'bar'
+        """
+        return self._results.name
+
+    @property
+    def K(self) -> Array:
+        """Stiffness (6, 6) [N, N m, N m2].
+
+        >>> import plymotion as pm
+        >>> bool(abs(pm.Section.from_file("bar.vtkhdf").K[0, 3]) < 1e-9)
+        True
+        """
+        return self._results.K
+
+    @property
+    def M(self) -> Array:
+        """Mass per length (6, 6) [kg/m, kg, kg m].
+
+        >>> import plymotion as pm
+        >>> f'{pm.Section.from_file("bar.vtkhdf").M[0, 0]:.4g}'
+        '3.24'
+        """
+        return self._results.M
+
+    @property
+    def shear_centre(self) -> Array:
+        """Shear centre (2,) x2, x3 [m].
+
+        >>> import plymotion as pm
+        >>> pm.Section.from_file("bar.vtkhdf").shear_centre.shape
+        (2,)
+        """
+        return self._results.shear_centre
+
+    @property
+    def tension_centre(self) -> Array:
+        """Tension centre (2,) x2, x3 [m].
+
+        >>> import plymotion as pm
+        >>> pm.Section.from_file("bar.vtkhdf").tension_centre.shape
+        (2,)
+        """
+        return self._results.tension_centre
+
+    @property
+    def mass_centre(self) -> Array:
+        """Mass centre (2,) x2, x3 [m].
+
+        >>> import plymotion as pm
+        >>> pm.Section.from_file("bar.vtkhdf").mass_centre.shape
+        (2,)
+        """
+        return self._results.mass_centre
+
+    @property
+    def error(self) -> float | None:
+        """Largest estimated error of K, in units of sqrt(Kii Kjj) [-]; None: not estimated.
+
+        >>> import plymotion as pm
+        >>> pm.Section.from_file("bar.vtkhdf").error < 1e-2
+        True
+        """
+        return self._results.worst_error
+
+    @property
+    def warnings(self) -> list[dict[str, str]]:
+        """Warnings with `code` and `message` (docs/warnings.md).
+
+        >>> import plymotion as pm
+        >>> [warning["code"] for warning in pm.Section.from_file("bar.vtkhdf").warnings]
+        ['sharp-corner']
+        """
+        return list(self._results.warnings)
+
+    @cached_property
+    def data(self) -> SectionFile:
+        """The whole section file: mesh, warping, recovery of stresses.
+
+        >>> import plymotion as pm
+        >>> pm.Section.from_file("bar.vtkhdf").data.mesh.nodes.shape[1]
+        2
+        """
+        return read_section(self.file)
+
+    def to_pandas(self) -> Any:
+        """Return K as a DataFrame. Raises ImportError without pandas.
+
+        >>> import plymotion as pm
+        >>> K = pm.Section.from_file("bar.vtkhdf").to_pandas()
+        >>> round(float(K.loc["F1", "F1"]), -3)
+        84000000.0
+        """
+        pd = pandas()
+        return pd.DataFrame(self.K, index=RESULTANTS, columns=RESULTANTS)
+
+    def __repr__(self) -> str:
+        K, mass = self.K, self.M[0, 0]
+        return (
+            f"<Section {self.name}: EA {K[0, 0]:.4g} N, GJ {K[3, 3]:.4g} N m2, "
+            f"EI {K[4, 4]:.4g} and {K[5, 5]:.4g} N m2, {mass:.4g} kg/m>"
+        )
+
+    def _repr_html_(self) -> str:
+        rows = [[name, *map(float, row)] for name, row in zip(RESULTANTS, self.K, strict=True)]
+        return table(["K", *RESULTANTS], rows, repr(self).strip("<>")) + picture(self.data.mesh)

@@ -1,0 +1,246 @@
+"""A signal of a run in Python: values over time, measures, arithmetic."""
+
+from typing import Any
+
+import numpy as np
+
+from ..solver.errors import InputError
+from ..solver.math.arrays import Array
+from ..solver.results.measures import SquareIntegral
+from ..solver.results.measures import spectrum as amplitude_spectrum
+from .frames import pandas
+from .html import curve, table
+
+
+class Signal:
+    """A quantity over the time of a run.
+
+    Attributes
+    ----------
+    name, unit, description : text
+    t, values : (k,) time [s] and values
+
+    Examples
+    --------
+    >>> import plymotion as pm
+    >>> angle = pm.run("pendulum.toml").signals["angle"]
+    >>> angle
+    <Signal angle [rad]: 101 values, 0 to 3.14>
+    >>> round(angle.max, 2), round(angle.t_of_max, 2)
+    (3.14, 0.97)
+    >>> round((2.0 * angle).peak_to_peak / angle.peak_to_peak, 12)
+    2.0
+    """
+
+    def __init__(self, name: str, unit: str, description: str, t: Array, values: Array) -> None:
+        self.name, self.unit, self.description = name, unit, description
+        self.t, self.values = np.asarray(t, dtype=float), np.asarray(values, dtype=float)
+
+    @property
+    def final(self) -> float:
+        """Last value.
+
+        >>> import plymotion as pm
+        >>> round(pm.run("pendulum.toml").signals["angle"].final, 3)
+        3.135
+        """
+        return float(self.values[-1])
+
+    @property
+    def min(self) -> float:
+        """Smallest value, NaN left out.
+
+        >>> import plymotion as pm
+        >>> round(pm.run("pendulum.toml").signals["tip_z"].min, 2)
+        -1.0
+        """
+        return float(np.nanmin(self.values))
+
+    @property
+    def max(self) -> float:
+        """Largest value, NaN left out.
+
+        >>> import plymotion as pm
+        >>> round(pm.run("pendulum.toml").signals["angle"].max, 3)
+        3.142
+        """
+        return float(np.nanmax(self.values))
+
+    @property
+    def t_of_min(self) -> float:
+        """Time of the smallest value [s].
+
+        >>> import plymotion as pm
+        >>> round(pm.run("pendulum.toml").signals["tip_z"].t_of_min, 2)
+        0.48
+        """
+        return float(self.t[np.nanargmin(self.values)])
+
+    @property
+    def t_of_max(self) -> float:
+        """Time of the largest value [s].
+
+        >>> import plymotion as pm
+        >>> round(pm.run("pendulum.toml").signals["angle"].t_of_max, 2)
+        0.97
+        """
+        return float(self.t[np.nanargmax(self.values)])
+
+    @property
+    def rms(self) -> float:
+        """Root mean square over time (trapezoidal rule).
+
+        >>> import plymotion as pm
+        >>> round(pm.run("pendulum.toml").signals["angle"].rms, 3)
+        1.982
+        """
+        integral = SquareIntegral()
+        integral.take(self.t, self.values)
+        found = integral.rms()
+        return np.nan if found is None else found
+
+    @property
+    def peak_to_peak(self) -> float:
+        """Largest minus smallest value.
+
+        >>> import plymotion as pm
+        >>> round(pm.run("pendulum.toml").signals["angle"].peak_to_peak, 3)
+        3.142
+        """
+        return self.max - self.min
+
+    def spectrum(self, window: str = "hann") -> tuple[Array, Array]:
+        """Return frequencies [Hz] and amplitudes, (m,), see docs/python.md.
+
+        >>> import plymotion as pm
+        >>> f, amplitude = pm.run("pendulum.toml").signals["angle"].spectrum()
+        >>> round(float(f[1]), 3), len(f) == len(amplitude)
+        (0.99, True)
+        """
+        return amplitude_spectrum(self.t, self.values, window)
+
+    def at(self, t: float | Array) -> Any:
+        """Return values at other times, linear between output times; NaN outside.
+
+        >>> import plymotion as pm
+        >>> angle = pm.run("pendulum.toml").signals["angle"]
+        >>> bool(angle.at(0.005) == 0.5 * (angle.values[0] + angle.values[1]))
+        True
+        """
+        return np.interp(t, self.t, self.values, left=np.nan, right=np.nan)
+
+    def plot(self, axes: Any = None, **style: Any) -> Any:
+        """Draw the signal over time with matplotlib; return the axes.
+
+        Parameters
+        ----------
+        axes : to draw into; None: the current ones of pyplot
+        style : of `axes.plot`
+
+        >>> import plymotion as pm
+        >>> axes = pm.run("pendulum.toml").signals["angle"].plot()
+        >>> axes.get_xlabel(), axes.get_ylabel()
+        ('time [s]', 'angle [rad]')
+        """
+        axes = pyplot().gca() if axes is None else axes
+        axes.plot(self.t, self.values, **{"label": self.name, **style})
+        axes.set(xlabel="time [s]", ylabel=f"{self.description or self.name} [{self.unit}]")
+        return axes
+
+    def to_pandas(self) -> Any:
+        """Return a Series over time. Raises ImportError without pandas.
+
+        >>> import plymotion as pm
+        >>> series = pm.run("pendulum.toml").signals["angle"].to_pandas()
+        >>> series.index.name, series.name
+        ('t', 'angle')
+        """
+        pd = pandas()
+        return pd.Series(self.values, index=pd.Index(self.t, name="t"), name=self.name)
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> Array:
+        return np.array(self.values, dtype=dtype)
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def __add__(self, other: Any) -> "Signal":
+        return self._combined("+", other, same_unit=True)
+
+    def __sub__(self, other: Any) -> "Signal":
+        return self._combined("-", other, same_unit=True)
+
+    def __mul__(self, factor: float) -> "Signal":
+        return Signal(f"{factor:g} {self.name}", self.unit, "", self.t, self.values * factor)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, divisor: float) -> "Signal":
+        return self * (1.0 / divisor)
+
+    def __neg__(self) -> "Signal":
+        return Signal(f"-{self.name}", self.unit, "", self.t, -self.values)
+
+    def __abs__(self) -> "Signal":
+        return Signal(f"|{self.name}|", self.unit, "", self.t, np.abs(self.values))
+
+    def _combined(self, sign: str, other: Any, *, same_unit: bool) -> "Signal":
+        if isinstance(other, Signal):
+            if same_unit and other.unit != self.unit:
+                raise InputError(
+                    f"{self.name} {sign} {other.name}: expected the same unit, found "
+                    f"{self.unit} and {other.unit}"
+                )
+            name, values = other.name, other.at(self.t)
+        else:
+            name, values = f"{other:g}", float(other)
+        total = self.values + values if sign == "+" else self.values - values
+        return Signal(f"{self.name} {sign} {name}", self.unit, "", self.t, total)
+
+    def __repr__(self) -> str:
+        span = f"{self.min:.3g} to {self.max:.3g}" if np.isfinite(self.values).any() else "none"
+        return f"<Signal {self.name} [{self.unit}]: {len(self)} values, {span}>"
+
+    def _repr_html_(self) -> str:
+        return signals_table([self])
+
+
+def norm(*signals: Signal) -> Signal:
+    """Return the square root of the sum of squares of signals of one run, at every time.
+
+    Examples
+    --------
+    >>> import plymotion as pm
+    >>> signals = pm.run("pendulum.toml").signals
+    >>> distance = pm.norm(signals["tip_x"], signals["tip_z"])
+    >>> round(distance.min, 9), round(distance.max, 9)   # the length of the rod
+    (1.0, 1.0)
+    """
+    first = signals[0]
+    values = np.sqrt(sum(np.square(s.at(first.t)) for s in signals))
+    for signal in signals:
+        first._combined("+", signal, same_unit=True)  # refuses other units
+    name = f"norm({', '.join(signal.name for signal in signals)})"
+    return Signal(name, first.unit, "", first.t, values)
+
+
+def signals_table(signals: list[Signal], caption: str = "") -> str:
+    """Return signals as an HTML table with their curves."""
+    rows = [
+        [s.name, s.unit, s.final, s.min, s.max, s.rms, curve(s.t, s.values)]
+        if np.isfinite(s.values).any()
+        else [s.name, s.unit, None, None, None, None, ""]
+        for s in signals
+    ]
+    return table(["signal", "unit", "final", "min", "max", "rms", "over time"], rows, caption)
+
+
+def pyplot() -> Any:
+    """Return matplotlib's pyplot. Raises ImportError with words on how to install it."""
+    try:
+        from matplotlib import pyplot as found
+    except ImportError as error:
+        raise ImportError(
+            "plot() needs matplotlib, which is not installed; expected pip install plymotion[plot]"
+        ) from error
+    return found

@@ -1,0 +1,103 @@
+"""Stiffness of a shell under the stresses of its load cases; load factors of buckling."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from ...solver.errors import did_you_mean
+from ...solver.math.arrays import Array
+from .buckling import LoadFactors, load_factors
+from .errors import ShellError
+from .guards import check_supported
+from .problem import ShellProblem
+
+LARGE = 0.1  # rad, rotation at the first load factor above which linear buckling is doubtful
+
+
+class Stressed:
+    """A shell with the displacements of its load cases.
+
+    Parameters
+    ----------
+    names : of the load cases
+    u : (n_dof, l) their displacements
+    """
+
+    def __init__(self, problem: ShellProblem, names: Sequence[str], u: Array) -> None:
+        self.problem, self.names, self.u = problem, tuple(names), u
+
+    def geometric(self, case: str, where: str, in_plane: bool = True) -> sp.csr_matrix:
+        """Geometric stiffness of a load case. Raises ShellError for an unknown one."""
+        return self.problem.geometric_stiffness(self.u[:, self._row(case, where)], in_plane)
+
+    def stiffness(self, case: str | None, where: str, in_plane: bool = True) -> sp.csr_matrix:
+        """Stiffness under a load case; without one that of the unloaded shell."""
+        if case is None:
+            return self.problem.K
+        K, Kg = self.problem.K, self.geometric(case, where, in_plane)
+        # one pattern for all matrices, as `Freedom` expects; a sum would drop zeros
+        return sp.csr_matrix((K.data + Kg.data, K.indices, K.indptr), shape=K.shape)
+
+    def rotation(self, case: str) -> float:
+        """Largest rotation in a load case [rad]."""
+        turned = self.u[:, self.names.index(case)].reshape(-1, 6)[:, 3:]
+        return float(np.linalg.norm(turned, axis=1).max(initial=0.0))
+
+    def _row(self, case: str, where: str) -> int:
+        if case not in self.names:
+            raise ShellError(
+                f"{where} = {case!r}: no load case of that name; expected one of "
+                + (", ".join(self.names) or "those of tables loads.CASE")
+                + did_you_mean(case, self.names)
+            )
+        return self.names.index(case)
+
+
+def buckling(
+    stressed: Stressed, table: Mapping[str, Any], where: str, warnings: list[dict[str, str]]
+) -> dict[str, LoadFactors]:
+    """Load factors of load cases by name.
+
+    Parameters
+    ----------
+    table : {"count": 4, "cases": [..], "constant": case, "in_plane": true}, all optional: number
+        of factors; load cases that are multiplied, all of them by default except the constant
+        one; a load case whose stress is constant; work on rotations about the normal
+    where : key of the table, for messages
+    warnings : appended to
+
+    Raises
+    ------
+    ShellError : no load case, an unknown one, free rigid motions.
+    """
+    problem = stressed.problem
+    count, in_plane = table.get("count", 4), table.get("in_plane", True)
+    if isinstance(count, bool) or not isinstance(count, int) or count < 1:
+        raise ShellError(f"{where}.count = {count!r}: expected a whole number above 0")
+    constant = table.get("constant")
+    cases = table.get("cases")
+    if cases is None:
+        cases = [name for name in stressed.names if name != constant]
+    if not cases:
+        raise ShellError(f"{where}: expected load cases, tables loads.CASE.NAME")
+    freedom = problem.modes_freedom
+    check_supported(freedom, *problem.free_motions(freedom))
+    K = stressed.stiffness(constant, f"{where}.constant", in_plane)
+    found = {}
+    for name in cases:
+        Kg = stressed.geometric(name, f"{where}.cases", in_plane)
+        found[name] = load_factors(
+            K, Kg, freedom, count, f"{where}, load case {name}", problem.team
+        )
+        first = found[name].values[:1]
+        turned = stressed.rotation(name) * float(first[0]) if len(first) else 0.0
+        if turned > LARGE:
+            text = (
+                f"load case {name}: at the load factor {first[0]:.4g} the shell has turned by "
+                f"{np.degrees(turned):.3g} deg, more than {np.degrees(LARGE):.3g}: linear buckling "
+                "assumes small displacements up to buckling; the real load may be far below"
+            )
+            warnings.append({"code": "buckling-after-large-rotation", "message": text})
+    return found

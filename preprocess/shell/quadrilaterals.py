@@ -1,0 +1,148 @@
+"""Geometry of quadrilaterals in the axes of their laminate; warped ones by their mean plane.
+
+Corners run around the cell. Sides run 1-2, 2-3, 3-4, 4-1, always from corner START[k] to corner
+END[k]. e3 is normal to both diagonals, so the corners lie alternately above and below the plane
+through the middles of the sides. (xi, eta) are -1 or 1 at the corners. As for triangles, the
+formulas do not depend on the direction of the corners about e3.
+"""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from ...solver.math.arrays import Array, IntArray
+from .triangles import FLAT, NORMAL, BoolArray, projected_axes, refuse
+
+START, END = (0, 1, 2, 3), (1, 2, 3, 0)
+CORNERS = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+GAUSS = CORNERS / np.sqrt(3.0)  # 2 x 2 points, weight 1 each
+
+
+def shape(points: Array) -> Array:
+    """Bilinear functions N at points (q, 2) of (xi, eta), (q, 4)."""
+    return np.asarray(0.25 * (1.0 + points[:, None] * CORNERS).prod(axis=2))
+
+
+def slopes(points: Array) -> Array:
+    """Derivatives of N by xi and eta, (q, 4, 2)."""
+    factors = 1.0 + points[:, None] * CORNERS
+    return 0.25 * CORNERS * factors[:, :, ::-1]
+
+
+AT_GAUSS = shape(GAUSS)
+
+
+@dataclass(frozen=True)
+class Quadrilaterals:
+    """Some quadrilaterals, c of them, projected on their mean planes.
+
+    Attributes
+    ----------
+    xy_E : (c, 4, 2) corners from the centroid of the area [m]
+    height : (c, 4) of the corners above the mean plane, along e3 [m]
+    A_GE : (c, 3, 3) rotation, v_G = A_GE v_E
+    area : (c,) [m2]
+    length : (c, 4) of the sides [m]
+    tangent : (c, 4, 2) unit vectors along the sides, in E
+    weight : (c, 4) area of each point of `GAUSS` [m2]
+    grad : (c, 4 points, 4, 2) gradients of N at these points, in E [1/m]
+    inverse : (c, 4 points, 2, 2) derivatives of (xi, eta) by (x, y): [i, a] of xi_a by x_i
+    side_factor : (c, 4) factor of the ratio of shear to bending of each side (sides.py)
+    """
+
+    xy_E: Array
+    height: Array
+    A_GE: Array
+    area: Array
+    length: Array
+    tangent: Array
+    weight: Array
+    grad: Array
+    inverse: Array
+    side_factor: Array
+
+    def __len__(self) -> int:
+        return len(self.area)
+
+    def __getitem__(self, some: slice) -> "Quadrilaterals":
+        """Some of the quadrilaterals."""
+        return Quadrilaterals(*(getattr(self, field.name)[some] for field in fields(self)))
+
+    @property
+    def interpolation(self) -> Array:
+        """Functions of the corners at the integration points, (4, 4)."""
+        return AT_GAUSS
+
+
+def quadrilaterals(
+    points_G: Array,
+    cells: IntArray,
+    direction_G: Array,
+    flip: Array | bool = False,
+    side_factor: Array | float = 1.0,
+) -> Quadrilaterals:
+    """Geometry of quadrilaterals given by their corners; arguments as of `triangles`.
+
+    Raises
+    ------
+    ShellError
+        for a cell without area, with an angle of 180 degrees or more, crossed sides, or with the
+        reference direction as its normal
+    """
+    cells = np.asarray(cells)
+    corners = np.asarray(points_G, dtype=float)[cells]
+    diagonals = corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]
+    normal = np.cross(*diagonals)
+    twice_area = np.linalg.norm(normal, axis=1)
+    longest = np.max([np.linalg.norm(d, axis=1) for d in diagonals], axis=0, initial=0.0)
+    refuse(~(twice_area > FLAT * longest**2), "has no area", cells)
+    e3 = normal / twice_area[:, None]
+    e3 = np.where(np.asarray(flip)[..., None], -e3, e3)
+    A_GE, along = projected_axes(e3, direction_G)
+    refuse(~along, NORMAL, cells)
+    local = (corners - corners.mean(axis=1, keepdims=True)) @ A_GE
+    xy = local[:, :, :2]
+    turned = np.where(np.asarray(flip), -1.0, 1.0)  # sense of the corners about e3
+    inverse, grad, size = _mapping(xy, turned)
+    convex: BoolArray = np.asarray((size > 0.0).all(axis=1))
+    refuse(~convex, "has an angle of 180 degrees or more", cells)
+    area = size.sum(axis=1)
+    xy = xy - ((size @ AT_GAUSS)[:, None] @ xy) / area[:, None, None]
+    edge = xy[:, END] - xy[:, START]
+    length = np.linalg.norm(edge, axis=2)
+    return Quadrilaterals(
+        xy_E=xy,
+        height=np.ascontiguousarray(local[:, :, 2]),
+        A_GE=A_GE,
+        area=area,
+        length=length,
+        tangent=edge / length[..., None],
+        weight=size,
+        grad=grad,
+        inverse=inverse,
+        side_factor=np.broadcast_to(np.asarray(side_factor, dtype=float), length.shape),
+    )
+
+
+def _mapping(xy: Array, turned: Array) -> tuple[Array, Array, Array]:
+    """Inverse Jacobian and gradients of N at the points, and determinants, of which those at the
+    points give the weights; not positive anywhere, if it is so at a corner."""
+    D = slopes(GAUSS)
+    J = np.swapaxes(D, 1, 2)[None] @ xy[:, None]  # (c, q, 2, 2): [a, i] of x_i by xi_a
+    det = _determinant(J)
+    at_corners = _determinant(np.swapaxes(slopes(CORNERS), 1, 2)[None] @ xy[:, None])
+    convex: BoolArray = np.asarray((at_corners * np.reshape(turned, (-1, 1)) > 0.0).all(axis=1))
+    adjugate = np.stack(
+        [
+            np.stack([J[..., 1, 1], -J[..., 0, 1]], axis=-1),
+            np.stack([-J[..., 1, 0], J[..., 0, 0]], axis=-1),
+        ],
+        axis=-2,
+    )
+    inverse = adjugate / np.where(det == 0.0, 1.0, det)[..., None, None]  # [i, a]
+    grad = D[None] @ np.swapaxes(inverse, 2, 3)
+    return inverse, grad, np.where(convex[:, None], np.abs(det), 0.0)
+
+
+def _determinant(J: Array) -> Array:
+    return np.asarray(J[..., 0, 0] * J[..., 1, 1] - J[..., 0, 1] * J[..., 1, 0])

@@ -1,0 +1,128 @@
+"""Second-order displacements of the modes of a shell, from its geometric stiffness.
+
+With Kg(v) the geometric stiffness of the resultants of displacements v, the second-order strains of
+two modes X_i, X_j do the work X_i' Kg(v) X_j = g_ij . v on the stresses of v. The second-order
+displacement h_ij cancels them as far as the shell can,
+
+    K h_ij = -g_ij     in the reference condition of the modes.
+
+For any load f then f . h_ij = -X_i' Kg(K^-1 f) X_j (docs/stiffening.md). The nodes of a rigid
+interface turn with it: to second order they also move by
+(a_i x (a_j x d) + a_j x (a_i x d))/2 with the rotations a of the interface and the arms d. The
+strains that h cannot cancel, where edges are held in the plane or the shell bends in two
+directions, would add an energy of fourth order, which is neglected.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ...solver.math.arrays import Array, IntArray
+from ..modes import Condition
+from .assembly import DOFS
+from .choice import Choice
+from .freedom import Freedom
+from .geometric import gradients
+from .problem import ShellProblem
+from .regions import Region
+from .resultants import element_resultants
+from .rotation import own_displacements
+from .stiffeners import Stiffener
+
+AT_A_TIME = 512  # cells
+
+
+def second_order_fields(problem: ShellProblem, condition: Condition, u: Array) -> Array:
+    """Second-order motion of all degrees of freedom, (n_dof, m, m) [m, rad].
+
+    Parameters
+    ----------
+    condition : reference condition of the modes, in the independent degrees of freedom
+    u : (n_dof, m) motion of all degrees of freedom in the modes
+    """
+    m = u.shape[1]
+    first, second = np.triu_indices(m)
+    g = np.zeros((problem.freedom.n_dof, len(first)))
+    for region in problem.regions:
+        _add_region(g, region, problem.choice, u, first, second)
+    for stiffener in problem.stiffeners:
+        _add_stiffener(g, stiffener, u, first, second)
+    turned = _turned_interfaces(problem.freedom, u, first, second)
+    loads = -problem.freedom.gathered(g + problem.K @ turned)
+    columns = condition.static(loads, np.zeros_like(loads)).columns
+    h = problem.freedom.expanded(columns) + turned
+    out = np.empty((len(h), m, m))
+    out[:, first, second] = h
+    out[:, second, first] = h
+    return out
+
+
+def work_on_second_order_strains(problem: ShellProblem, v: Array, u: Array) -> Array:
+    """X_i' Kg(v) X_j of displacements v (n_dof,) and modes u (n_dof, m), (m, m)."""
+    return np.asarray(u.T @ (problem.geometric_stiffness(v) @ u))
+
+
+def _add_region(
+    g: Array, region: Region, choice: Choice, u: Array, first: IntArray, second: IntArray
+) -> None:
+    """Add R' c_ij of its cells: N = R v, and c_ij the second-order strains over the area."""
+    rows = u.reshape(-1, DOFS, u.shape[1])
+    for some in _slices(len(region.cells)):
+        part, nodes = region.geometry[some], region.nodes[some]
+        size = DOFS * nodes.shape[1]
+        unit = np.broadcast_to(np.eye(size), (len(nodes), size, size))
+        R = element_resultants(part, region.stiffness, choice, unit)[:, :3]
+        u_m, u_b = own_displacements(part.A_GE, rows[nodes].reshape(len(nodes), size, -1))
+        grad, weight = gradients(part)
+        slope = np.einsum("cqka,ckm->cqam", grad, u_b[:, 0::3])
+        turn = 0.5 * (
+            np.einsum("cqk,ckm->cqm", grad[..., 0], u_m[:, 1::3])
+            - np.einsum("cqk,ckm->cqm", grad[..., 1], u_m[:, 0::3])
+        )
+        one, other = slope[..., first], slope[..., second]
+        products = turn[..., first] * turn[..., second]
+        c = np.stack(
+            [
+                one[:, :, 0] * other[:, :, 0] + products,
+                one[:, :, 1] * other[:, :, 1] + products,
+                one[:, :, 0] * other[:, :, 1] + one[:, :, 1] * other[:, :, 0],
+            ],
+            axis=2,
+        )
+        strains = (weight[..., None, None] * c).sum(axis=1)  # (c, 3, pairs)
+        forces = np.swapaxes(R, 1, 2) @ strains
+        dofs = (DOFS * nodes[:, :, None] + np.arange(DOFS)).ravel()
+        np.add.at(g, dofs, forces.reshape(-1, len(first)))
+
+
+def _add_stiffener(
+    g: Array, stiffener: Stiffener, u: Array, first: IntArray, second: IntArray
+) -> None:
+    dofs = (DOFS * stiffener.ends[:, :, None] + np.arange(DOFS)).reshape(-1, 2 * DOFS)
+    own = u[dofs]  # (l, 12, m)
+    force, rotation = stiffener.axial_force(), stiffener.chord_rotation() @ own
+    products = np.einsum(
+        "lap,lap->lp", rotation[..., first], rotation[..., second]
+    ) * stiffener.length[:, None]  # fmt: skip
+    np.add.at(g, dofs.ravel(), (force[:, :, None] * products[:, None]).reshape(-1, len(first)))
+
+
+def _turned_interfaces(freedom: Freedom, u: Array, first: IntArray, second: IntArray) -> Array:
+    """Second-order motion of the nodes of rigid interfaces with respect to them, (n_dof, pairs)."""
+    out = np.zeros((len(u) // DOFS, DOFS, len(first)))
+    rows = u.reshape(-1, DOFS, u.shape[1])
+    n_node = freedom.mesh.n_node
+    for number, link in enumerate(freedom.links):
+        if link.kind != "rigid":
+            continue
+        turn = rows[n_node + number, 3:]
+        one, other = turn[:, first].T, turn[:, second].T  # (pairs, 3)
+        arms = freedom.mesh.points_G[link.group.nodes] - link.point_G
+        d = arms[:, None]
+        moved = 0.5 * (np.cross(one, np.cross(other, d)) + np.cross(other, np.cross(one, d)))
+        out[link.group.nodes, :3] = np.swapaxes(moved, 1, 2)
+    return out.reshape(len(u), -1)
+
+
+def _slices(count: int) -> Iterator[slice]:
+    return (slice(begin, begin + AT_A_TIME) for begin in range(0, count, AT_A_TIME))

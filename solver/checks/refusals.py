@@ -1,0 +1,36 @@
+"""Runs in which many attempts at a step were refused: why, by which motion, and what helps."""
+
+from collections.abc import Iterator
+
+from ..results.codes.course import REFUSED
+from ..results.finding import Finding
+from .finished import FinishedRun
+from .stalls import named_motion
+
+WORTH_A_WORD = 100  # attempts: a shorter run costs nothing
+
+
+def refusal_findings(run: FinishedRun) -> Iterator[Finding]:
+    """Yield one finding for a run whose share of refused attempts is above the limit."""
+    found = run.solution.refusals
+    if found is None or found.attempts < WORTH_A_WORD or found.share <= REFUSED.limit:
+        return
+    reasons = []
+    if found.rough:
+        reasons.append(f"{found.rough} by the estimate of the error")
+    if found.newton:
+        reasons.append(f"{found.newton} by a Newton iteration that did not converge")
+    why = f" ({', '.join(reasons)})" if reasons else ""
+    body, motion = named_motion(run.built, found.component)
+    cause = f"; most often because of {motion}" if found.component >= 0 else ""
+    helps = f"max_step = {found.step:.2g}, the average step"
+    if body and found.rough >= found.newton:
+        helps += (
+            "; or, if this motion is a vibration of no interest, cutoff_frequency or damping of "
+            "the body"
+        )
+    text = (
+        f"{found.share:.0%} of {found.attempts} attempts at a step were refused{why}{cause}. "
+        f"What helps: {helps}"
+    )
+    yield REFUSED.finding(text, body=body, value=found.share)

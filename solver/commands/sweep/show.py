@@ -1,0 +1,40 @@
+"""What became of the members of a sweep, on the screen."""
+
+import os
+from pathlib import Path
+
+from .file import SweepResult
+from .member import FAILED, FINISHED, PENDING, STOPPED
+
+TOLD = 10  # members that did not finish
+
+
+def tell(result: SweepResult, kept: int, seconds: float, file: Path, table: str) -> None:
+    """Print what became of the members.
+
+    Parameters
+    ----------
+    kept : how many were not computed; the others took `seconds`
+    table : more words about files
+    """
+    total = len(result.rows)
+    counts = [
+        f"{result.count(s)} {s}" for s in (FINISHED, STOPPED, FAILED, PENDING) if result.count(s)
+    ]
+    shown = os.path.relpath(file)
+    print(f"{result.name}: {total} members, {', '.join(counts)}; {shown}{table}")
+    print(f"  {total - kept} computed in {seconds:.1f} s, {kept} kept from before")
+    others = [(k, row) for k, row in enumerate(result.rows) if row.status != FINISHED]
+    for k, row in others[:TOLD]:
+        values = zip(result.parameter_names, result.values[k], strict=True)
+        where = ", ".join(f"{name} = {value:g}" for name, value in values)
+        code = f" [{row.code}]" if row.code else ""
+        print(f"  {row.status}{code} {where}: {row.message}")
+    if len(others) > TOLD:
+        print(f"  ... and {len(others) - TOLD} more")
+    doubts: dict[str, int] = {}
+    for row in result.rows:
+        for code in row.warnings:
+            doubts[code] = doubts.get(code, 0) + 1
+    for code, count in sorted(doubts.items()):
+        print(f"  warning [{code}] in {count} of {total} members")

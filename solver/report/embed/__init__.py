@@ -1,0 +1,1 @@
+"""What report.html carries inside: arrays, scripts and styles."""

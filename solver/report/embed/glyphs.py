@@ -1,0 +1,39 @@
+"""Shapes for joints: what turns is a disc about its axis, what slides a bar along it."""
+
+import numpy as np
+
+from ...math.arrays import Array, IntArray
+
+WIDTH = 0.012  # of a glyph, over the size of the scene
+_TURNING = ("revolute", "cylindrical", "screw", "universal")
+_SLIDING = ("prismatic", "point_on_line", "planar")
+
+
+def glyph(kind: str, width: float) -> tuple[Array, IntArray]:
+    """Return points (p, 3), in the axes of the joint with z its axis, and triangles (f, 3)."""
+    if kind == "ground":
+        return _prism(4, 0.8 * width, 0.8 * width)
+    if kind in _TURNING:
+        return _prism(12, 0.9 * width, 1.3 * width)
+    if kind in _SLIDING:
+        return _prism(4, 0.5 * width, 2.0 * width)
+    return _ball(width)
+
+
+def _prism(sides: int, radius: float, half: float) -> tuple[Array, IntArray]:
+    angle = 2.0 * np.pi * (np.arange(sides) + 0.5) / sides
+    ring = np.column_stack([np.cos(angle), np.sin(angle)]) * radius
+    points = np.concatenate([np.column_stack([ring, np.full(sides, z)]) for z in (-half, half)])
+    k = np.arange(sides)
+    there = (k + 1) % sides
+    side = [
+        np.column_stack(each) for each in ((k, there, there + sides), (k, there + sides, k + sides))
+    ]
+    fan = np.column_stack([np.zeros(sides - 2, dtype=int), k[1:-1], k[2:]])
+    return points, np.concatenate([*side, fan[:, ::-1], fan + sides])
+
+
+def _ball(radius: float) -> tuple[Array, IntArray]:
+    points = radius * np.concatenate([np.eye(3), -np.eye(3)])
+    faces = [(0, 1, 2), (1, 3, 2), (3, 4, 2), (4, 0, 2), (1, 0, 5), (3, 1, 5), (4, 3, 5), (0, 4, 5)]
+    return points, np.array(faces)

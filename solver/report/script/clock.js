@@ -1,0 +1,34 @@
+// The time that all parts of the page show, and playing it.
+
+const clock = {
+  t: 0, // [s]
+  end: 0,
+  playing: false,
+  speed: 1, // seconds of the run in a second
+  listeners: [],
+
+  onChange(tell) {
+    this.listeners.push(tell);
+  },
+  set(t) {
+    this.t = Math.min(Math.max(t, 0), this.end);
+    for (const tell of this.listeners) tell(this.t);
+  },
+  toggle() {
+    this.playing = !this.playing;
+    if (this.playing) {
+      if (this.t >= this.end) this.t = 0;
+      let before = performance.now();
+      const step = (now) => {
+        if (!this.playing) return;
+        const t = this.t + ((now - before) / 1000) * this.speed;
+        before = now;
+        if (t >= this.end) this.playing = false;
+        this.set(t);
+        if (this.playing) requestAnimationFrame(step);
+      };
+      requestAnimationFrame(step);
+    }
+    this.set(this.t);
+  },
+};

@@ -1,0 +1,86 @@
+// The plots of the page: figures of the case with all their runs, then balances of one run.
+
+const TIME = 'time [s]';
+
+function addPlot(list, title, lines, yLabel, options = {}) {
+  const place = element('div', { class: 'chart', role: 'img', 'aria-label': `${title}: plot over time` });
+  const below = element('div', { class: 'chart' });
+  const tools = element('div', { class: 'tools' });
+  list.append(element('figure', {}, element('figcaption', {}, element('h3', {}, title), tools), place, below));
+  const plot = drawChart(place, lines, { height: 260, xLabel: TIME, yLabel, timed: true, ...options });
+  const file = `${page.case}-${title}`.replace(/[^A-Za-z0-9]+/g, '-').toLowerCase();
+  tools.append(
+    button('all', `${title}: show all times`, () => resetZoom()),
+    button('spectrum', `${title}: spectrum of the part in view`, (event) => toggleSpectrum(event.currentTarget, plot, below, lines, yLabel)),
+    button('CSV', `${title}: download as CSV`, () => download(`${file}.csv`, csvOf(plot, lines, yLabel), 'text/csv')),
+  );
+  return plot;
+}
+
+function resetZoom() {
+  for (const plot of charts) plot.setScale('x', { min: plot.data[0][0], max: plot.data[0][plot.data[0].length - 1] });
+}
+
+function csvOf(plot, lines, yLabel) {
+  const columns = lines.map((line, i) => ({ head: `${line.label}: ${yLabel}`, values: plot.table[i + 1] }));
+  return csv([{ head: TIME, values: plot.table[0] }, ...columns]);
+}
+
+function toggleSpectrum(press, plot, below, lines, yLabel) {
+  if (below.plot) {
+    removeChart(below.plot);
+    below.plot = null;
+    press.setAttribute('aria-pressed', 'false');
+    return;
+  }
+  const { min, max } = plot.scales.x;
+  const found = lines.map((line) => ({ label: line.label, ...spectrum(line.x, line.y, min, max) })).filter((line) => line.frequency.length);
+  if (!found.length) return;
+  const shown = found.map((line) => ({ label: line.label, x: line.frequency, y: line.amplitude }));
+  below.plot = drawChart(below, shown, { height: 220, xLabel: 'frequency [Hz]', yLabel: `amplitude of ${yLabel}`, log: true });
+  zoomToPeaks(below.plot, shown);
+  press.setAttribute('aria-pressed', 'true');
+}
+
+// Frequencies up to the last with a thousandth of the largest amplitude, and six decades.
+function zoomToPeaks(plot, lines) {
+  let last = 0, highest = 0;
+  for (const { y } of lines) for (const v of y) highest = Math.max(highest, v);
+  for (const { x, y } of lines) y.forEach((v, i) => { if (v > 1e-3 * highest) last = Math.max(last, x[i]); });
+  plot.batch(() => {
+    plot.setScale('x', { min: 0, max: Math.max(2 * last, lines[0].x[8]) });
+    const top = Math.log10(highest);
+    plot.setScale('y', { min: top - 6, max: top + 0.3 });
+  });
+}
+
+// A long description would not fit beside the axis.
+const unitOf = (series) => `${series.text.length < 30 ? series.text : series.name} [${series.unit}]`;
+
+function lineOf(run, series, label) {
+  return { label, x: array(run.t), y: array(series.values), stopped: run.stopped };
+}
+
+function setUpPlots() {
+  const list = document.getElementById('plot-list');
+  for (const figure of page.figures) {
+    const runs = figure.runs.map(runOf);
+    const series = runs.map((run) => run.signals.find((signal) => signal.name === figure.signal));
+    addPlot(list, figure.title, runs.map((run, i) => lineOf(run, series[i], run.title)), unitOf(series[0]));
+  }
+  const balances = element('div', { class: 'balances' });
+  const choice = element('select', { id: 'balance-run', onchange: () => showBalances(balances, page.runs[choice.selectedIndex]) });
+  choice.append(...page.runs.map((run) => element('option', {}, run.title)));
+  list.append(element('p', { class: 'choice' }, element('label', { for: 'balance-run' }, 'Verification of '), choice), balances);
+  showBalances(balances, page.runs[0]);
+  fitCharts();
+}
+
+function showBalances(place, run) {
+  for (const plot of charts.filter((each) => place.contains(each.root))) removeChart(plot);
+  place.replaceChildren();
+  addPlot(place, 'Energies', run.energies.map((series) => lineOf(run, series, series.text)), 'energy [J]');
+  const used = (group, words) => group.map((series) => lineOf(run, series, words(series))).filter((line) => line.y.some((v) => v));
+  const errors = [...used(run.balance, () => 'energy balance [-]'), ...used(run.violations, (series) => `constraint, ${series.text} [${series.unit}]`)];
+  if (errors.length) addPlot(place, 'Errors', errors, 'error', { log: true });
+}

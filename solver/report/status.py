@@ -1,0 +1,112 @@
+"""The top of report.html: what became of each run, and every doubt about it."""
+
+from html import escape
+from typing import Any
+
+from .elements import Cell, Row, figures, name_of, section, table
+from .story import Story
+
+VERDICTS = {
+    "good": "completed",
+    "doubt": "completed, with doubts",
+    "bad": "not usable as it is",
+}
+_RANK = {"good": 0, "doubt": 1, "bad": 2}
+
+
+def verdict(story: Story) -> str:
+    """Return what a run is worth: a key of VERDICTS.
+
+    "bad": it stopped early or has a finding of level error; "doubt": it has warnings.
+    """
+    levels = {found.get("level", "warning") for found in _findings(story)}
+    if story.stopped or "error" in levels:
+        return "bad"
+    return "doubt" if "warning" in levels else "good"
+
+
+def banner(stories: list[Story]) -> str:
+    """Return one line on all runs, in the colour of the worst."""
+    done = sum(not story.stopped for story in stories)
+    worst = max((verdict(story) for story in stories), key=_RANK.__getitem__)
+    count = sum(len(_doubts(story)) for story in stories)
+    words = [f"{done} of {len(stories)} runs completed"]
+    if count:
+        words.append(f"<a href='#doubts'>{'1 warning' if count == 1 else f'{count} warnings'}</a>")
+    else:
+        words.append("no warnings")
+    return f"<p class='verdict {worst}'>{', '.join(words)}.</p>"
+
+
+def outcomes(stories: list[Story]) -> str:
+    """Return the table of the runs."""
+    head = ["run", "outcome", "constraint violation [m]", "energy drift [-]", "modes"]
+    head += ["integrator", "steps", "rejected", "evaluations", "solve [s]", "preprocess [s]"]
+    rows: list[Row] = []
+    for story in stories:
+        checks: dict[str, Any] = story.summary.get("checks", {})
+        cost: dict[str, Any] = story.summary.get("cost", {})
+        modes = ", ".join(f"{escape(b)} {n}" for b, n in checks.get("modes_used", {}).items())
+        rows.append(
+            [
+                name_of(story),
+                _outcome(story),
+                figures(checks.get("constraint_position_max"), 2),
+                figures(checks.get("energy_drift_relative"), 2),
+                modes or "-",
+                escape(str(cost.get("integrator", "-"))),
+                *(_count(cost.get(key)) for key in ("steps", "rejected", "evaluations")),
+                figures(cost.get("solve_s")),
+                figures(cost.get("preprocess_s")),
+            ]
+        )
+    return section("runs", "Runs", table("Outcome and cost of the runs", head, rows))
+
+
+def doubts(stories: list[Story]) -> str:
+    """Return all warnings and notes, by run."""
+    items = []
+    for story in stories:
+        found = _findings(story)
+        if not found:
+            continue
+        lines = "".join(_line(each) for each in found)
+        anchor = f"warnings-{escape(story.name)}"
+        items.append(f"<h3 id='{anchor}'>{escape(story.title)}</h3><ul>{lines}</ul>")
+    return section("doubts", "Warnings", "".join(items) or "<p>None.</p>")
+
+
+def _line(found: dict[str, Any]) -> str:
+    level = str(found.get("level", "warning"))
+    jump = ""
+    if found.get("t") is not None:
+        jump = (
+            f" <button type='button' class='small' data-time='{float(found['t'])!r}'>show</button>"
+        )
+    return (
+        f"<li class='{escape(level)}'><code>{escape(found['code'])}</code> "
+        f"{escape(found['message'])}{jump}</li>"
+    )
+
+
+def _findings(story: Story) -> list[dict[str, Any]]:
+    return list(story.summary.get("warnings", []))
+
+
+def _doubts(story: Story) -> list[dict[str, Any]]:
+    return [found for found in _findings(story) if found.get("level", "warning") != "note"]
+
+
+def _count(value: int | None) -> Cell:
+    return Cell("-" if value is None else str(value), value)
+
+
+def _outcome(story: Story) -> Cell:
+    t_end = float(story.summary.get("t_end") or story.result.t[-1])
+    kind, count = verdict(story), len(_doubts(story))
+    words = f"stopped at {t_end:.4g} s" if story.stopped else f"completed, {t_end:.4g} s"
+    badge = f"<span class='badge {kind}'>{words}</span>"
+    if count:
+        said = "1 warning" if count == 1 else f"{count} warnings"
+        badge += f"<br><a href='#warnings-{escape(story.name)}'>{said}</a>"
+    return Cell(badge, float(_RANK[kind]))

@@ -1,0 +1,202 @@
+"""Outline of a cross-section from the integration points of its recovery data.
+
+A package has no mesh of its sections, but the integration points of every cell, which determine its
+corners: four points of a quadrilateral by the bilinear map through them, those of a triangle by its
+area. Edges that one cell has are the outline.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..math.arrays import Array, IntArray
+from ..package.section.schema import SectionRecovery
+
+SAME = 0.1  # corners closer than this part of the shortest edge are one
+STRAIGHT = 2e-3  # points closer to the line of their neighbours, over the size, are left out
+LONG = 72  # points of a loop at most
+
+
+@dataclass(frozen=True)
+class Outline:
+    """Closed loops of a section, and triangles of its face."""
+
+    points: Array  # (p, 2) x2, x3                              [m]
+    loops: tuple[IntArray, ...]  # rows of points, in order; the first is not repeated
+    face: IntArray  # (f, 3) rows of points
+
+
+def section_outline(recovery: SectionRecovery) -> Outline | None:
+    """Return the outline of a section; None if its points do not give closed loops."""
+    cells = _cells(recovery)
+    if any(len(cell) < 3 for cell in cells):
+        return None
+    points, rows = _joined(cells)
+    loops = _loops(rows)
+    if not loops:
+        return None
+    size = float(np.ptp(points, axis=0).max())
+    short = [_simplified(points, loop, STRAIGHT * size) for loop in loops]
+    if any(len(loop) < 3 for loop in short):
+        return None
+    used, number = np.unique(np.concatenate(short), return_inverse=True)
+    ends = np.cumsum([len(loop) for loop in short])[:-1]
+    loops = [np.asarray(part) for part in np.split(number, ends)]
+    if len(loops) == 1:
+        return Outline(points[used], tuple(loops), _clipped(points[used], loops[0]))
+    fans = [(row[0], row[k], row[k + 1]) for row in rows for k in range(1, len(row) - 1)]
+    places = np.concatenate([points[used], points])
+    return Outline(places, tuple(loops), np.array(fans) + len(used))
+
+
+def _cells(recovery: SectionRecovery) -> list[Array]:
+    """Corners of every cell, counterclockwise."""
+    order = np.argsort(recovery.cell, kind="stable")
+    _, counts = np.unique(recovery.cell, return_counts=True)
+    points, weights = recovery.points[order], recovery.weights[order]
+    if (counts == 4).all():
+        return list(_of_four(points.reshape(-1, 4, 2)))
+    ends = np.cumsum(counts)[:-1]
+    return [
+        _scaled(some, weight)
+        for some, weight in zip(np.split(points, ends), np.split(weights, ends), strict=True)
+    ]
+
+
+def _of_four(points: Array) -> Array:
+    """Corners (c, 4, 2) of quadrilaterals from their 2x2 integration points (c, 4, 2)."""
+    off = points - points.mean(axis=1, keepdims=True)
+    turn = np.argsort(np.arctan2(off[..., 1], off[..., 0]), axis=1)
+    p = np.take_along_axis(points, turn[..., None], axis=1)
+    a, b = 0.5 * (1.0 + np.sqrt(3.0)), 0.5 * (1.0 - np.sqrt(3.0))
+    near = np.roll(p, 1, axis=1) + np.roll(p, -1, axis=1)
+    return np.asarray(a * a * p + a * b * near + b * b * np.roll(p, 2, axis=1))
+
+
+def _scaled(points: Array, weights: Array) -> Array:
+    """Corners of a cell: the hull of its points, enlarged to the area of the cell."""
+    hull = _hull(points)
+    if len(hull) < 3:
+        return hull
+    x, y = hull.T
+    inside = 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
+    middle = weights @ points / weights.sum()
+    return np.asarray(middle + np.sqrt(weights.sum() / inside) * (hull - middle))
+
+
+def _hull(points: Array) -> Array:
+    """Corners of the convex hull, counterclockwise."""
+    order = points[np.lexsort((points[:, 1], points[:, 0]))]
+    size = float(np.ptp(points, axis=0).max()) ** 2
+    halves = []
+    for some in (order, order[::-1]):
+        half: list[Array] = []
+        for p in some:
+            while len(half) > 1 and _turn(half[-2], half[-1], p) <= 1e-9 * size:
+                half.pop()
+            half.append(p)
+        halves += half[:-1]
+    return np.array(halves)
+
+
+def _turn(a: Array, b: Array, c: Array) -> float:
+    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+
+
+def _joined(cells: list[Array]) -> tuple[Array, list[IntArray]]:
+    """Return common corners (p, 2) and the rows of each cell."""
+    every = np.concatenate(cells)
+    shortest = min(float(np.linalg.norm(c - np.roll(c, 1, axis=0), axis=1).min()) for c in cells)
+    grid = np.round(every / (SAME * shortest)).astype(np.int64)
+    known: dict[tuple[int, int], int] = {}
+    rows: list[int] = []
+    points: list[Array] = []
+    for place, (i, j) in zip(every, grid.tolist(), strict=True):
+        near = ((i + a, j + b) for a in (0, -1, 1) for b in (0, -1, 1))
+        row = next((known[key] for key in near if key in known), None)
+        if row is None:
+            row = known[i, j] = len(points)
+            points.append(place)
+        rows.append(row)
+    ends = np.cumsum([len(cell) for cell in cells])[:-1]
+    return np.array(points), np.split(np.array(rows), ends)
+
+
+def _loops(rows: list[IntArray]) -> list[IntArray]:
+    """Return closed loops of the edges that one cell has, or nothing if they do not close."""
+    edges = {(int(a), int(b)) for row in rows for a, b in zip(row, np.roll(row, -1), strict=True)}
+    after: dict[int, list[int]] = {}
+    for a, b in sorted(edges):
+        if (b, a) not in edges and a != b:
+            after.setdefault(a, []).append(b)
+    loops = []
+    while after:
+        start = min(after)
+        loop, here = [start], start
+        while True:
+            following = after.get(here)
+            if not following:
+                return []
+            there = following.pop()
+            if not following:
+                del after[here]
+            if there == start:
+                break
+            loop.append(there)
+            here = there
+        loops.append(np.array(loop))
+    return loops
+
+
+def _simplified(points: Array, loop: IntArray, tolerance: float) -> IntArray:
+    """Leave out points on straight parts, and more until the loop has LONG at most."""
+    while True:
+        kept = loop[_needed(points[loop], tolerance)]
+        if len(kept) <= LONG:
+            return kept
+        tolerance *= 1.5
+
+
+def _needed(p: Array, tolerance: float) -> Array:
+    """Rows of a closed line (n, 2) that keep it within a tolerance (Douglas and Peucker)."""
+    start = int(np.argmax(np.linalg.norm(p - p.mean(axis=0), axis=1)))
+    order = np.roll(np.arange(len(p)), -start)
+    line = np.concatenate([p[order], p[order[:1]]])
+    middle = int(np.argmax(np.linalg.norm(line - line[0], axis=1)))
+    keep = {0, middle}
+    spans = [(0, middle), (middle, len(line) - 1)]
+    while spans:
+        a, b = spans.pop()
+        if b - a < 2:
+            continue
+        along = line[b] - line[a]
+        off = line[a + 1 : b] - line[a]
+        distance = np.abs(off[:, 0] * along[1] - off[:, 1] * along[0]) / np.linalg.norm(along)
+        if distance.max() > tolerance:
+            k = a + 1 + int(np.argmax(distance))
+            keep.add(k)
+            spans += [(a, k), (k, b)]
+    return np.sort(order[np.array(sorted(keep))])
+
+
+def _clipped(points: Array, loop: IntArray) -> IntArray:
+    """Triangles (f, 3) of a counterclockwise polygon without holes, ear by ear."""
+    left, found = [int(k) for k in loop], []
+    while len(left) > 3:
+        for k in range(len(left)):
+            a, b, c = left[k - 1], left[k], left[(k + 1) % len(left)]
+            if _turn(points[a], points[b], points[c]) <= 0:
+                continue
+            others = [points[o] for o in left if o not in (a, b, c)]
+            if not any(_inside(points[a], points[b], points[c], p) for p in others):
+                break
+        else:
+            break  # a line that crosses itself: the fan that is left
+        found.append((a, b, c))
+        left.pop(k)
+    found += [(left[0], left[k], left[k + 1]) for k in range(1, len(left) - 1)]
+    return np.array(found)
+
+
+def _inside(a: Array, b: Array, c: Array, p: Array) -> bool:
+    return _turn(a, b, p) >= 0 and _turn(b, c, p) >= 0 and _turn(c, a, p) >= 0

@@ -1,0 +1,193 @@
+"""Surfaces of bodies for pictures: extruded beams, faces of meshes, spokes of rigid bodies."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from ..math.arrays import Array, IntArray
+from .outline import Outline
+from .view import Surface
+
+LINES = (3, 4, 21)  # VTK cell types: line, polyline, quadratic edge
+# Faces, by corners, of VTK cell types; higher orders start with the same corners.
+_TETRA = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3))
+_HEXA = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
+_WEDGE = ((0, 1, 2), (3, 5, 4), (0, 3, 4, 1), (1, 4, 5, 2), (2, 5, 3, 0))
+_PYRAMID = ((0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4))
+_THREE, _FOUR = ((0, 1, 2),), ((0, 1, 2, 3),)
+FACES = {5: _THREE, 22: _THREE, 9: _FOUR, 23: _FOUR, 28: _FOUR, 10: _TETRA, 24: _TETRA}
+FACES |= {12: _HEXA, 25: _HEXA, 29: _HEXA, 13: _WEDGE, 26: _WEDGE, 14: _PYRAMID, 27: _PYRAMID}
+SOLID = (10, 24, 12, 25, 29, 13, 26, 14, 27)
+
+
+class Parts:
+    """A surface that grows by quadrilaterals, triangles and points."""
+
+    def __init__(self) -> None:
+        self._node: list[IntArray] = []
+        self._offset: list[Array] = []
+        self._triangles: list[IntArray] = []
+        self._edges: list[IntArray] = []
+        self._site: list[IntArray] = []
+        self._count = 0
+
+    def points(self, node: IntArray, offset_B: Array) -> int:
+        """Add points; return the row of the first."""
+        self._node.append(np.asarray(node))
+        self._offset.append(np.asarray(offset_B, dtype=float).reshape(-1, 3))
+        first, self._count = self._count, self._count + len(node)
+        return first
+
+    def triangles(self, corners: IntArray, edges: IntArray, site: IntArray) -> None:
+        """Add triangles (f, 3) of points, their drawn edges (f,) and sites (f, 3)."""
+        self._triangles.append(corners)
+        self._edges.append(edges)
+        self._site.append(site)
+
+    def quads(self, corners: IntArray, site: IntArray, *, sides: int = 0b1111) -> None:
+        """Add quadrilaterals (f, 4) with sites (f, 4); bits of `sides`: drawn edges 01 12 23 30."""
+        count = len(corners)
+        one = (sides & 1) | (sides & 2)
+        two = ((sides >> 2) & 1) << 1 | ((sides >> 3) & 1) << 2
+        for pick, drawn in (((0, 1, 2), one), ((0, 2, 3), two)):
+            self.triangles(corners[:, pick], np.full(count, drawn), site[:, pick])
+
+    def surface(self) -> Surface:
+        """Return what was added."""
+
+        def joined(parts: list[IntArray], *shape: int) -> IntArray:
+            return np.concatenate([np.zeros((0, *shape), dtype=np.int64), *parts])
+
+        offset = np.concatenate([np.zeros((0, 3)), *self._offset])
+        triangles, site = joined(self._triangles, 3), joined(self._site, 3)
+        return Surface(joined(self._node), offset, triangles, joined(self._edges), site)
+
+
+def extruded(
+    nodes_B: Array, outlines: Sequence[Outline], axes_B: Array, ends: IntArray, starts: IntArray
+) -> Surface:
+    """Extrude outlines along the nodes of a beam.
+
+    Parameters
+    ----------
+    nodes_B : (n, 3), in order along the beam
+    outlines : one for all elements, or n - 1
+    axes_B : (n, 3, 3) section axes of each node in body axes
+    ends, starts : (n,) sites of each node as end of an element and as start of one
+    """
+    parts, n = Parts(), len(nodes_B)
+    for e in range(n - 1):
+        outline = outlines[min(e, len(outlines) - 1)]
+        sides = (e, starts[e]), (e + 1, ends[e + 1])
+        flat = np.column_stack([np.zeros(len(outline.points)), outline.points])
+        one, two = (parts.points(np.full(len(flat), k), flat @ axes_B[k].T) for k, _ in sides)
+        for loop in outline.loops:
+            there = np.roll(loop, -1)
+            corners = np.column_stack([one + loop, two + loop, two + there, one + there])
+            site = np.tile([sides[0][1], sides[1][1], sides[1][1], sides[0][1]], (len(loop), 1))
+            parts.quads(corners, site, sides=0b0001 if len(loop) <= 12 else 0)
+        caps = []
+        if e == 0:
+            caps.append((one, (0, 2, 1), sides[0][1]))
+        if e == n - 2:
+            caps.append((two, (0, 1, 2), sides[1][1]))
+        for first, turn, own in caps:
+            face = first + outline.face[:, turn]
+            parts.triangles(face, np.zeros(len(face), dtype=np.int64), np.full(face.shape, own))
+    return parts.surface()
+
+
+def faces(
+    connectivity: IntArray, offsets: IntArray, cell_types: IntArray, site: IntArray
+) -> Surface:
+    """Return the cells of surfaces and the outer faces of solids; `site` (c,) of each cell."""
+    found: dict[int, list[tuple[IntArray, IntArray]]] = {3: [], 4: []}
+    for kind in np.unique(cell_types).tolist():
+        own = np.flatnonzero(cell_types == kind)
+        shapes = FACES.get(int(kind), ())
+        sides = [
+            (connectivity[offsets[own][:, None] + np.array(shape)], site[own]) for shape in shapes
+        ]
+        for count in (3, 4):
+            some = [side for side in sides if side[0].shape[1] == count]
+            if some:
+                corners = np.concatenate([c for c, _ in some])
+                sites = np.concatenate([s for _, s in some])
+                if kind in SOLID:
+                    _, first, number = np.unique(
+                        np.sort(corners, axis=1), axis=0, return_index=True, return_counts=True
+                    )
+                    outer = first[number == 1]
+                    corners, sites = corners[outer], sites[outer]
+                found[count].append((corners, sites))
+    parts = Parts()
+    used = [corners for some in found.values() for corners, _ in some]
+    nodes = np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *(c.ravel() for c in used)]))
+    parts.points(nodes, np.zeros((len(nodes), 3)))
+    for corners, sites in found[3]:
+        rows = np.searchsorted(nodes, corners)
+        parts.triangles(rows, np.full(len(rows), 7), np.repeat(sites[:, None], 3, axis=1))
+    for corners, sites in found[4]:
+        parts.quads(np.searchsorted(nodes, corners), np.repeat(sites[:, None], 4, axis=1))
+    return parts.surface()
+
+
+def square(width: float) -> Outline:
+    """Return a square section."""
+    h = 0.5 * width
+    corners = np.array([[-h, -h], [h, -h], [h, h], [-h, h]])
+    return Outline(corners, (np.arange(4),), np.array([(0, 1, 2), (0, 2, 3)]))
+
+
+def spokes(nodes_B: Array, width: float) -> Surface:
+    """Return square bars from the first node to each of the others; a cube if there is no other."""
+    parts = Parts()
+    far = [k for k in range(1, len(nodes_B)) if np.linalg.norm(nodes_B[k] - nodes_B[0]) > 1e-9]
+    if not far:
+        pair = np.array([[-0.5 * width, 0, 0], [0.5 * width, 0, 0]])
+        _bar(parts, (0, 0), pair, np.eye(3), width)
+    for k in far:
+        axes = frames_along(nodes_B[[0, k]], None)[0]
+        _bar(parts, (0, k), np.zeros((2, 3)), axes, width)
+    return parts.surface()
+
+
+def _bar(parts: Parts, nodes: tuple[int, int], shift: Array, axes_B: Array, width: float) -> None:
+    outline = square(width)
+    flat = np.column_stack([np.zeros(4), outline.points]) @ axes_B.T
+    one, two = (
+        parts.points(np.full(4, node), flat + move) for node, move in zip(nodes, shift, strict=True)
+    )
+    loop, none = outline.loops[0], np.full((4, 4), -1)
+    there = np.roll(loop, -1)
+    parts.quads(np.column_stack([one + loop, two + loop, two + there, one + there]), none)
+    for face in (one + loop[::-1], two + loop):
+        parts.quads(face[None], none[:1])
+
+
+def frames_along(nodes_B: Array, first_B: Array | None) -> Array:
+    """Axes (n, 3, 3) at the nodes of a line, e1 along it, turned as little as possible.
+
+    first_B : (3, 3) axes at the first node; None: any with e1 along the line
+    """
+    steps = np.diff(nodes_B, axis=0)
+    steps /= np.linalg.norm(steps, axis=1)[:, None]
+    tangents = np.concatenate([steps[:1], steps[:-1] + steps[1:], steps[-1:]])
+    tangents /= np.linalg.norm(tangents, axis=1)[:, None]
+    if first_B is None:
+        side = np.eye(3)[int(np.argmin(np.abs(tangents[0])))]
+        e2 = np.cross(tangents[0], side)
+        e2 /= np.linalg.norm(e2)
+        first_B = np.column_stack([tangents[0], e2, np.cross(tangents[0], e2)])
+    found = [first_B]
+    for a, b in pairwise(tangents):
+        found.append(_smallest_turn(a, b) @ found[-1])
+    return np.array(found)
+
+
+def _smallest_turn(a: Array, b: Array) -> Array:
+    """Rotation matrix that turns the unit vector a to b; they are not opposite."""
+    v = np.cross(a, b)
+    V = np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
+    return np.asarray(np.eye(3) + V + V @ V / (1.0 + float(a @ b)))

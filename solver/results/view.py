@@ -1,0 +1,82 @@
+"""What moves in pictures of a run: surfaces, modes and resultants of bodies, and their joints.
+
+A point of a surface belongs to a node and has an offset from it. With the modal coordinates q it is
+at
+
+    r + A (x + o + U q + (Theta q) x o)                     global,
+
+where x is the rest position of the node, o the offset, U and Theta the translation and rotation of
+the node per unit mode, r and A position and rotation of the body. Pictures are therefore made from
+modal coordinates alone; no field is stored for each time.
+"""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from ..math.arrays import Array, IntArray
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Triangles of a body; `p` counts points, `f` triangles."""
+
+    node: IntArray  # (p,) row of the body's nodes
+    offset_B: Array  # (p, 3) from the node                     [m]
+    triangles: IntArray  # (f, 3) rows of points
+    edges: IntArray  # (f,) sum of 1, 2, 4: edges 0-1, 1-2, 2-0 are drawn
+    site: IntArray  # (f, 3) row of the sites at each corner, -1: none
+
+
+@dataclass(frozen=True)
+class Sites:
+    """Stations of a beam (j = 6 resultants) or cells of a shell (j = 8); `s` of them.
+
+    F = resultants_E[s] @ q; the strain energy for unit length or area is 1/2 F' C F with C =
+    compliance[kind[s]]. `c` counts sections or laminates. The stress of a point in the axes of its
+    ply is stress_M[i] @ F; there are only points that govern at a site and time of this run.
+    """
+
+    place_B: Array  # (s, 3) rest position                      [m]
+    resultants_E: Array  # (s, j, m) per unit mode               [N, N m; N/m, N]
+    kind: IntArray  # (s,) row of compliance
+    compliance: Array  # (c, j, j)                               [1/N, ...]
+    stress_M: Array  # (i, 6, j) per unit resultant             [Pa per unit]
+    point_kind: IntArray  # (i,) row of compliance to which the point belongs
+    point_ply: IntArray  # (i,) row of plies
+    plies: tuple[dict[str, Any], ...] = ()  # region, index, material, angle_deg, strength
+
+
+@dataclass(frozen=True)
+class BodyView:
+    """How a body moves and what is known of it; `m` modes, `n` nodes as in BodyGeometry."""
+
+    first_position: int  # column of RunResult.q: r (3), Euler parameters (4), then q (m)
+    shapes_B: Array  # (m, n, 6) translation, rotation           [m, rad]
+    stiffness: Array  # (m, m) modal stiffness                   [N m]
+    frequencies: Array  # (m,)                                   [rad/s]
+    labels: tuple[str, ...]  # (m,) names of the modes
+    mass: float  # [kg]
+    centre_B: Array  # (3,) mass centre                          [m]
+    surface: Surface
+    sites: Sites | None = None
+    provenance: dict[str, Any] = field(default_factory=dict)  # of the package
+
+
+@dataclass(frozen=True)
+class Side:
+    """One side of a joint or force element: a marker on a body, or on the ground (-1)."""
+
+    body: int
+    position_B: Array  # (3,) rest position, of the ground global [m]
+    A_BM: Array  # (3, 3) axes of the joint in body axes
+    phi_B: Array  # (3, m) translation per unit mode             [m]
+    psi_B: Array  # (3, m) rotation per unit mode                [rad]
+
+
+@dataclass(frozen=True)
+class Link:
+    """A joint of the case, or a force element between two places."""
+
+    name: str
+    kind: str
+    sides: tuple[Side, Side]

@@ -1,0 +1,224 @@
+"""What pictures of a run need: surface, modes and resultants of every body, and the joints."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ..math.arrays import Array, IntArray
+from ..math.rows import LongRows
+from ..mechanism import BuiltMechanism
+from ..package import ModalPackage
+from ..package.section.recovery_data import strengths
+from ..results import BodyGeometry
+from ..results.outline import Outline, section_outline
+from ..results.surfaces import LINES, extruded, faces, frames_along, spokes, square
+from ..results.view import BodyView, Link, Side, Sites, Surface
+from ..strength.beam_bodies import unit_stress_M
+from ..strength.governing import Points, governing_points
+from ..strength.shell_bodies import cell_centres
+
+GLYPH = 0.012  # width of a bar without a known section, over the length of the body
+TIMES = 40  # that the governing points of a section are chosen from
+
+
+def with_views(
+    bodies: tuple[BodyGeometry, ...], built: BuiltMechanism, y: Array | LongRows
+) -> tuple[BodyGeometry, ...]:
+    """Return the drawn bodies with what they need to be shown in motion.
+
+    y : (k, n_pos + n_vel) states at the output times
+    """
+    model = built.model
+    times = np.unique(np.linspace(0, len(y) - 1, TIMES).round().astype(int))
+    states = np.asarray(y[times])
+    found = []
+    for i, body in enumerate(bodies):
+        package, first = built.packages.get(body.name), int(model.pos_start[i])
+        mass = float(model.mass[i])
+        if package is None:
+            size = float(np.linalg.norm(np.ptp(body.nodes_B, axis=0))) or 0.1
+            view = BodyView(
+                first_position=first,
+                shapes_B=np.zeros((0, len(body.nodes_B), 6)),
+                stiffness=np.zeros((0, 0)),
+                frequencies=np.zeros(0),
+                labels=(),
+                mass=mass,
+                centre_B=model.S0[i] / mass if mass else np.zeros(3),
+                surface=spokes(body.nodes_B, 2.0 * GLYPH * size),
+            )
+        else:
+            q = states[:, first + 7 : first + 7 + package.n_mode]
+            view = _flexible(package, first, q)
+        found.append(replace(body, view=view))
+    return tuple(found)
+
+
+def links(built: BuiltMechanism) -> tuple[Link, ...]:
+    """Return the joints of the case with the markers on both sides."""
+    found = []
+    for name, joint in built.joints.items():
+        if joint.rows:
+            one, two = built.model.joint_marker[joint.rows[0]].tolist()
+            found.append(Link(name, joint.kind, (_side(built, one), _side(built, two))))
+    return tuple(found)
+
+
+def _side(built: BuiltMechanism, marker: int) -> Side:
+    model = built.model
+    body = int(model.marker_body[marker])
+    m = int(model.n_mode[body]) if body >= 0 else 0
+    start = int(model.marker_start[marker])
+    phi, psi = (
+        flat[start : start + 3 * m].reshape(3, m) for flat in (model.marker_phi, model.marker_psi)
+    )
+    return Side(body, model.marker_x[marker], model.marker_A[marker], phi, psi)
+
+
+def _flexible(package: ModalPackage, first: int, q: Array) -> BodyView:
+    sites = _stations(package, q) or _cells(package, q)
+    known = {key: package.provenance[key] for key in PROVENANCE if key in package.provenance}
+    return BodyView(
+        first_position=first,
+        shapes_B=package.shapes_B,
+        stiffness=package.stiffness,
+        frequencies=package.frequencies,
+        labels=package.mode_labels or package.mode_kinds,
+        mass=package.invariants.mass,
+        centre_B=package.invariants.S0_B / package.invariants.mass,
+        surface=_surface(package),
+        sites=sites,
+        provenance=known,
+    )
+
+
+PROVENANCE = ("inputs_sha256", "versions", "command", "source")
+
+
+def _surface(package: ModalPackage) -> Surface:
+    nodes, n = package.nodes_B, len(package.nodes_B)
+    if not np.isin(package.cell_types, LINES).all():
+        site = np.full(len(package.cell_types), -1)
+        if package.cell_resultants is not None:
+            site[package.cell_resultants.cell] = np.arange(len(package.cell_resultants.cell))
+        return faces(package.connectivity, package.offsets, package.cell_types, site)
+    line = np.column_stack([np.arange(n - 1), np.arange(1, n)]).ravel()
+    if not np.array_equal(package.connectivity, line):
+        return spokes(nodes, GLYPH * float(np.linalg.norm(np.ptp(nodes, axis=0))))
+    outlines, first_B = _outlines(package)
+    ends, starts = _stations_of_nodes(package)
+    return extruded(nodes, outlines, frames_along(nodes, first_B), ends, starts)
+
+
+def _outlines(package: ModalPackage) -> tuple[list[Outline], Array | None]:
+    """Return the outline of each element, or one for all, and the axes at the first node."""
+    recovery, n = package.recovery, len(package.nodes_B)
+    found = [section_outline(s.recovery) for s in package.sections if s.recovery is not None]
+    known = [outline for outline in found if outline is not None]
+    if recovery is None or not known or len(known) < len(package.sections):
+        width = GLYPH * float(np.linalg.norm(np.diff(package.nodes_B, axis=0), axis=1).sum())
+        return [square(width)], None
+    if len(known) == 1:
+        return known, recovery.A_BE
+    _, starts = _stations_of_nodes(package)
+    return [known[int(recovery.section[starts[e]])] for e in range(n - 1)], recovery.A_BE
+
+
+def _along(package: ModalPackage) -> Array:
+    steps = np.linalg.norm(np.diff(package.nodes_B, axis=0), axis=1)
+    return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def _stations_of_nodes(package: ModalPackage) -> tuple[IntArray, IntArray]:
+    """Stations of each node (n,) as end of an element and as start of one; -1 without any."""
+    n = len(package.nodes_B)
+    if package.recovery is None:
+        return np.full(n, -1), np.full(n, -1)
+    along, x = _along(package), package.recovery.station_x - package.recovery.station_x[0]
+    near = 1e-6 * (along[-1] or 1.0)
+    last = len(x) - 1
+    ends = np.minimum(np.searchsorted(x, along - near), last)
+    starts = np.clip(np.searchsorted(x, along + near) - 1, 0, last)
+    return ends, starts
+
+
+def _stations(package: ModalPackage, q: Array) -> Sites | None:
+    recovery = package.recovery
+    if recovery is None or not package.n_mode:
+        return None
+    along, x = _along(package), recovery.station_x - recovery.station_x[0]
+    place = np.column_stack([np.interp(x, along, package.nodes_B[:, a]) for a in range(3)])
+    parts = []
+    for section in package.sections:
+        r = section.recovery
+        if r is None:
+            parts.append(Points(np.zeros((0, 6, 6)), np.zeros(0, dtype=np.int64), {}))
+            continue
+        known = strengths(r)
+        of_ply = {k: known[p.material] for k, p in enumerate(r.plies) if p.material in known}
+        parts.append(Points(unit_stress_M(r), r.ply, of_ply))
+    told = [[vars(p) for p in s.recovery.plies] if s.recovery else [] for s in package.sections]
+    compliance = np.array([np.linalg.inv(s.K) for s in package.sections])
+    return _sites(place, recovery.resultants_E, recovery.section, compliance, parts, told, q)
+
+
+def _cells(package: ModalPackage, q: Array) -> Sites | None:
+    cells = package.cell_resultants
+    if cells is None or not package.n_mode or not len(cells.cell):
+        return None
+    parts, told, compliance = [], [], []
+    for laminate in package.laminates:
+        known = strengths(laminate)
+        levels = laminate.stress_M.shape[1]
+        of_ply = {k: known[p.material] for k, p in enumerate(laminate.plies) if p.material in known}
+        ply = np.repeat(np.arange(len(laminate.plies)), levels)
+        parts.append(Points(laminate.stress_M.reshape(-1, 6, 8), ply, of_ply))
+        told.append(
+            [
+                {"region": laminate.name, "index": k, "material": p.material}
+                | {"angle_deg": p.angle_deg}
+                for k, p in enumerate(laminate.plies)
+            ]
+        )
+        C = np.zeros((8, 8))
+        C[:6, :6], C[6:, 6:] = np.linalg.inv(laminate.ABD), np.linalg.inv(laminate.Ds)
+        compliance.append(C)
+    place = cell_centres(package, cells)
+    R, kind = cells.resultants_E, cells.laminate
+    return _sites(place, R, kind, np.array(compliance), parts, told, q)
+
+
+def _sites(
+    place_B: Array,
+    resultants_E: Array,
+    kind: IntArray,
+    compliance: Array,
+    parts: list[Points],
+    told: list[list[dict[str, Any]]],
+    q: Array,
+) -> Sites:
+    """Put sites together with the points that govern at the times of q (t, m)."""
+    stress, point_kind, point_ply = [], [], []
+    plies: list[dict[str, Any]] = []
+    for k, points in enumerate(parts):
+        own = resultants_E[kind == k]
+        F = np.einsum("sjm,tm->tsj", own, q, optimize=True).reshape(-1, own.shape[1])
+        rows = governing_points(points, F) if points.strengths else np.zeros(0, dtype=np.int64)
+        stress.append(points.stress_M[rows])
+        point_kind.append(np.full(len(rows), k))
+        point_ply.append(points.ply[rows] + len(plies))
+        plies += [
+            {**ply, "strength": vars(points.strengths[j]) if j in points.strengths else None}
+            for j, ply in enumerate(told[k])
+        ]
+    return Sites(
+        place_B=place_B,
+        resultants_E=resultants_E,
+        kind=kind,
+        compliance=compliance,
+        stress_M=np.concatenate(stress),
+        point_kind=np.concatenate(point_kind),
+        point_ply=np.concatenate(point_ply),
+        plies=tuple(plies),
+    )

@@ -1,0 +1,63 @@
+"""Integration of a prepared mechanism over its output times."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from ..checks.finished import FinishedRun, Look
+from ..integrators.choice import make_integrator
+from ..integrators.generic import Watch, integrate
+from ..integrators.generic.pace import Stall
+from ..math.arrays import Array
+from .preparation import Prepared
+
+
+def output_times(t_end: float, step: float) -> Array:
+    """Return 0, step, 2 step, ..., t_end, (k,) [s]; the last interval may be shorter."""
+    count = int(np.floor(t_end / step * (1 + 1e-12)))
+    times = np.linspace(0.0, count * step, count + 1)
+    if t_end - times[-1] > 1e-9 * t_end:
+        times = np.append(times, t_end)
+    times[-1] = t_end
+    return times
+
+
+def integrated(
+    prepared: Prepared,
+    watch: Watch | None = None,
+    look: Look | None = None,
+    on_stall: Callable[[Stall], None] | None = None,
+    folder: Path | None = None,
+) -> FinishedRun:
+    """Integrate a prepared mechanism from its start to `t_end`: a single run, or one of a sweep.
+
+    Numerical trouble and Ctrl-C while it steps are no exceptions but the status of the solution.
+
+    Parameters
+    ----------
+    watch : sees the steps in place of the monitors, which it must call itself
+    look : at how many output times the checks look
+    on_stall : told at once of a run that has come to a stall
+    folder : for states that are too many for memory; None: that of temporary files
+    """
+    solver = prepared.mechanism.solver
+    solution, order = prepared.refused, 0
+    if solution is None:
+        integrator = make_integrator(
+            prepared.model,
+            prepared.y0,
+            solver,
+            prepared.treatment,
+            functions=prepared.functions,
+        )
+        times = output_times(solver.t_end, solver.output_step)
+        solution = integrate(
+            integrator,
+            times,
+            watch=watch or prepared.watch,
+            on_stall=on_stall,
+            folder=folder,
+        )
+        order = integrator.order
+    return prepared.finished(prepared.explained(solution), order, look or Look())

@@ -1,0 +1,247 @@
+"""report.html in a real headless Chromium: what it draws, computes, and does when used."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from chromium import NO_3D, SOFTWARE, Browser
+
+from plymotion.solver.__main__ import main
+from plymotion.solver.math.rotations import rotation_matrix
+from plymotion.solver.results import RunResult, read_result
+
+pytest.importorskip("matplotlib")
+
+RUNS = ("layup-1", "layup-2")
+
+
+@pytest.fixture(scope="module")
+def case_dir(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The shipped double pendulum, 0.1 s of two of its runs, with their report."""
+    folder = tmp_path_factory.mktemp("case")
+    text = (repository / "cases/double-pendulum/case.toml").read_text()
+    assert "t_end = 1.0" in text
+    (folder / "case.toml").write_text(text.replace("t_end = 1.0", "t_end = 0.1"))
+    packages = repository / "tests/packages/double-pendulum"
+    runs = [word for run in RUNS for word in ("--run", run)]
+    command = [str(folder / "case.toml"), *runs, "--packages", str(packages), "--quiet"]
+    assert main([*command, "--out", str(folder / "build"), "--jobs", "1"]) == 0
+    return folder / "build"
+
+
+@pytest.fixture(scope="module")
+def browser(case_dir: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    with Browser(tmp_path_factory.mktemp("browser") / "profile", *SOFTWARE) as opened:
+        opened.open(case_dir / "report.html")
+        yield opened
+
+
+def positions(result: RunResult, number: int, row: int, scale: float) -> np.ndarray:
+    """Corners (c, 3) of the triangles of a body at an output time, in double precision."""
+    body = result.bodies[number]
+    view = body.view
+    assert view is not None
+    first, m = view.first_position, len(view.shapes_B)
+    r, p = result.q[row, first : first + 3], result.q[row, first + 3 : first + 7]
+    moved = np.einsum("m,mna->na", result.q[row, first + 7 : first + 7 + m], view.shapes_B)
+    node, offset = view.surface.node, view.surface.offset_B
+    swing = np.cross(moved[node, 3:], offset)
+    b = body.nodes_B[node] + offset + scale * (moved[node, :3] + swing)
+    return np.asarray(
+        (r + b @ rotation_matrix(p / np.linalg.norm(p)).T)[view.surface.triangles.ravel()]
+    )
+
+
+CAPTURE = """(() => {
+  const { view, page, clock, bodyState, shownNow } = plymotion;
+  const { scene } = page.runs.find((run) => run.name === %(run)s);
+  const body = scene.bodies[%(body)d], state = bodyState(scene, body, %(t)r, -1);
+  const shown = { ...shownNow(scene), scale: %(scale)g, field: %(field)d };
+  const found = view.renderer.capture(body, state, shown);
+  return [Array.from(found.positions), found.sites && Array.from(found.sites), scene.origin];
+})()"""
+
+
+FLAT = """(() => {
+  const { page, array, bodyState, pointsAt } = plymotion;
+  const { scene } = page.runs[0], body = scene.bodies[0];
+  const points = pointsAt(body, bodyState(scene, body, %(t)r, -1), %(scale)g);
+  const corner = (k) => [0, 1, 2].map((a) => points[3 * k + a] + scene.origin[a]);
+  return [...array(body.triangles)].flatMap(corner);
+})()"""
+
+
+def captured(
+    browser: Browser, run: str, body: int, t: float, scale: float, field: int = 0
+) -> tuple[np.ndarray, np.ndarray]:
+    """What the GPU computes: corners (c, 3) in global axes, and the sites (s, 4)."""
+    words = {"run": json.dumps(run), "body": body, "t": t, "scale": scale, "field": field}
+    corners, sites, origin = browser.run(CAPTURE % words)
+    return np.reshape(corners, (-1, 3)) + origin, np.reshape(sites or [], (-1, 4))
+
+
+def test_it_draws_with_webgl(browser: Browser) -> None:
+    assert browser.run("document.documentElement.dataset.ready") == "yes"
+    assert browser.run("document.documentElement.dataset.renderer") == "webgl2"
+
+
+@pytest.mark.parametrize("run", RUNS)
+@pytest.mark.parametrize("scale", [1.0, 20.0])
+def test_positions_on_the_gpu_agree_with_numpy(
+    browser: Browser, case_dir: Path, run: str, scale: float
+) -> None:
+    result = read_result(case_dir / run / "result.vtkhdf")
+    for row in (0, len(result.t) // 2, len(result.t) - 1):
+        for number, body in enumerate(result.bodies):
+            assert body.view is not None
+            corners, _ = captured(browser, run, number, float(result.t[row]), scale)
+            expected = positions(result, number, row, scale)
+            # Joints come after the surface.
+            np.testing.assert_allclose(corners[: len(expected)], expected, rtol=0, atol=1e-6)
+            if row and scale > 1.0 and number == 0:
+                # The comparison would notice a wrong sign of the deformation, or of a rotation.
+                flipped = positions(result, number, row, -scale)
+                assert np.abs(corners[: len(expected)] - flipped).max() > 1e-4
+
+
+def test_strain_energy_on_the_gpu_agrees_with_numpy(browser: Browser, case_dir: Path) -> None:
+    result = read_result(case_dir / "layup-2/result.vtkhdf")
+    row = len(result.t) - 1
+    view = result.bodies[0].view
+    assert view is not None
+    assert view.sites is not None
+    q = result.q[row, view.first_position + 7 :][: len(view.shapes_B)]
+    F = view.sites.resultants_E @ q
+    expected = 0.5 * np.einsum("si,ij,sj->s", F, view.sites.compliance[0], F)
+    _, sites = captured(browser, "layup-2", 0, float(result.t[row]), 1.0, 2)
+    np.testing.assert_allclose(sites[:, 0], expected, rtol=0, atol=1e-5 * expected.max())
+    # The densities add up to the energy of the modes: the trapezium rule along the beam.
+    x = view.sites.place_B[:, 0]
+    total = np.sum(0.5 * (expected[1:] + expected[:-1]) * np.diff(x))
+    assert total == pytest.approx(0.5 * q @ view.stiffness @ q, rel=0.02)
+
+
+def test_slider_keys_and_buttons_change_time_and_picture(browser: Browser, tmp_path: Path) -> None:
+    end = browser.run("plymotion.clock.end")
+    browser.run("plymotion.clock.set(0)")
+    before = browser.run("document.getElementById('canvas').toDataURL()")
+    browser.choose("slider", "0.5", "input")
+    assert browser.run("plymotion.clock.t") == pytest.approx(0.5 * end, abs=end / 50)
+    assert "0.05 s" in browser.run("document.getElementById('caption').textContent")
+    browser.wait(f"document.getElementById('canvas').toDataURL() !== {json.dumps(before)}")
+    browser.run("document.activeElement.blur()")
+    browser.key("End")
+    assert browser.run("plymotion.clock.t") == end
+    browser.key("ArrowLeft")
+    assert browser.run("plymotion.clock.t") < end
+    browser.key("Home")
+    assert browser.run("plymotion.clock.t") == 0.0
+    browser.choose("speed", "0.001")
+    browser.click("#play")
+    assert browser.run("plymotion.clock.playing") is True
+    browser.wait("document.getElementById('play').textContent === 'pause'")
+    browser.click("#play")
+    assert browser.run("plymotion.clock.playing") is False
+    browser.choose("scale", "20")
+    assert "deformation 20 times" in browser.run("document.getElementById('caption').textContent")
+    assert browser.errors() == []
+
+
+def test_tables_sort(browser: Browser) -> None:
+    rows = "[...document.querySelectorAll('#runs tbody tr')]"
+    names = f"{rows}.map((row) => row.cells[0].innerText)"
+    steps = f"{rows}.map((row) => Number(row.cells[6].innerText))"
+    before = browser.run(names)
+    browser.click("#runs th:nth-child(7) button")
+    assert browser.run(steps) == sorted(browser.run(steps))
+    browser.click("#runs th:nth-child(7) button")
+    assert browser.run(steps) == sorted(browser.run(steps), reverse=True)
+    assert sorted(browser.run(names)) == sorted(before)
+    assert (
+        browser.run("document.querySelector('#runs th:nth-child(7)').getAttribute('aria-sort')")
+        == "descending"
+    )
+
+
+def test_csv_has_the_signals_of_the_runs(browser: Browser, case_dir: Path, tmp_path: Path) -> None:
+    browser.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(tmp_path))
+    browser.click("#plot-list figure button:nth-child(3)")
+    for _ in range(200):
+        files = list(tmp_path.glob("*.csv"))
+        if files:
+            break
+        browser.run("new Promise((done) => setTimeout(done, 50))")
+    (file,) = files
+    lines = file.read_text().splitlines()
+    assert lines[0].split(",")[0] == "time [s]"
+    rows = np.array([[float(word) for word in line.split(",")] for line in lines[1:]])
+    for column, run in enumerate(RUNS, 1):
+        result = read_result(case_dir / run / "result.vtkhdf")
+        (signal,) = [s for s in result.signals if s.name == "arm_mid"]
+        np.testing.assert_allclose(rows[:, 0], result.t, rtol=1e-6)
+        np.testing.assert_allclose(rows[:, column], signal.values, rtol=1e-6, atol=1e-12)
+
+
+def test_spectrum_meets_frequency_and_amplitude_of_a_vibration(browser: Browser) -> None:
+    found = browser.run("""(() => {
+      const w = 2 * Math.PI, t = Float64Array.from({ length: 2001 }, (_, i) => i / 1000);
+      const y = t.map((s) => 5 + 0.25 * Math.sin(w * 43.7 * s) + 0.01 * Math.sin(w * 120 * s));
+      const { frequency, amplitude } = plymotion.spectrum(t, y, 0, 2);
+      return [Array.from(frequency), Array.from(amplitude)];
+    })()""")
+    frequency, amplitude = np.array(found)
+    top = int(np.argmax(amplitude))
+    assert frequency[top] == pytest.approx(43.7, abs=0.1)
+    assert amplitude[top] == pytest.approx(0.25, rel=0.01)
+    near = np.abs(frequency - 120.0) < 2.0
+    assert amplitude[near].max() == pytest.approx(0.01, rel=0.02)
+    browser.click("#plot-list figure button:nth-child(2)")
+    browser.wait("document.querySelector('#plot-list figure .chart:last-child canvas') !== null")
+    assert browser.errors() == []
+
+
+def test_nothing_else_is_asked_for_and_nothing_complains(browser: Browser, case_dir: Path) -> None:
+    assert browser.requests() == [(case_dir / "report.html").resolve().as_uri()]
+    assert browser.errors() == []
+
+
+def test_page_prints_with_stills_of_the_motion(browser: Browser, tmp_path: Path) -> None:
+    browser.run("window.dispatchEvent(new Event('beforeprint'))")
+    shades = browser.shades("#stills canvas")
+    assert len(shades) == 4
+    assert min(shades) > 8, "an empty picture"
+    browser.run("window.dispatchEvent(new Event('afterprint'))")
+    paper = browser.pdf(tmp_path / "report.pdf").read_bytes()
+    assert paper.startswith(b"%PDF")
+    assert len(paper) > 50_000
+    assert browser.errors() == []
+
+
+def test_page_is_usable_without_3d(case_dir: Path, tmp_path: Path) -> None:
+    with Browser(tmp_path / "profile", *NO_3D) as plain:
+        plain.open(case_dir / "report.html")
+        assert plain.run("document.documentElement.dataset.renderer") == "canvas2d"
+        assert plain.run("document.querySelector('#colour option[value=energy]').disabled") is True
+        plain.wait("document.getElementById('canvas').width > 300")
+        assert plain.shades("#canvas")[0] > 8, "an empty picture"
+        result = read_result(case_dir / "layup-1/result.vtkhdf")
+        row = len(result.t) // 2
+        found = plain.run(FLAT % {"t": float(result.t[row]), "scale": 5.0})
+        expected = positions(result, 0, row, 5.0)
+        np.testing.assert_allclose(
+            np.reshape(found, (-1, 3))[: len(expected)], expected, rtol=0, atol=1e-6
+        )
+        assert plain.errors() == []
+
+
+def test_wrong_script_is_refused_by_the_policy(case_dir: Path, tmp_path: Path) -> None:
+    """The policy is in force: a script of somebody else in the page does not run."""
+    text = (case_dir / "report.html").read_text()
+    page = tmp_path / "report.html"
+    page.write_text(text.replace("</body>", "<script>document.title = 'changed'</script></body>"))
+    with Browser(tmp_path / "profile", *SOFTWARE) as other:
+        other.open(page)
+        assert other.run("document.title") != "changed"
+        assert any("Content Security Policy" in error for error in other.errors())

@@ -1,0 +1,220 @@
+"""Changed inputs and extreme numbers: an end in time and in words, with exit code 0, 2 or 3.
+
+`make attack` tries more and writes the counts to docs/security.md (hostile_profile.py).
+"""
+
+import copy
+import shutil
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hostile_profile import LIMIT_S, Hang, count, limited, tries
+from hypothesis import HealthCheck, Phase, given, seed, settings
+from hypothesis import strategies as st
+
+from plymotion.solver.__main__ import main
+
+ROOT = Path(__file__).resolve().parents[2]
+SHIPPED = {
+    "check": sorted(ROOT.glob("cases/*/case.toml")),
+    "section": sorted(ROOT.glob("cases/sections/*.toml")),
+    "shell": sorted(ROOT.glob("cases/shells/*.toml")),
+}
+TRIES = {"check": (12, 900), "section": (12, 450), "shell": (12, 450)}
+EXTREMES = [0, -1, 1e308, -1e308, 5e-324, 10**30, -(2**63), True, False]
+TEXTS = [
+    "", " ", "$(shell touch P)", "`touch P`", "a#b", "a:b", "a%b", "two words", "a\nb", "a\x00b",
+    "\u00e9", "../../../../etc/passwd", "/dev/zero", "/", "x" * 5000, "$\\foo{$", "1.0", "nan",
+]  # fmt: skip
+VALUES = st.sampled_from(EXTREMES) | st.sampled_from(TEXTS)
+VALUES |= st.sampled_from([[], {}, [[]], [1.0], {"a": 1}, [1.0] * 1000])
+ASKED_S = 2.0  # CPU time of a run after which it gets Ctrl-C: 1e12 steps are no hang
+SETTINGS: dict[str, Any] = {
+    "deadline": None,
+    "database": None,
+    "phases": [Phase.generate],
+    "suppress_health_check": list(HealthCheck),
+}
+
+
+def _places(table: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
+    items = table.items() if isinstance(table, dict) else enumerate(table)
+    found = []
+    for key, value in items:
+        found.append((*path, key))
+        if isinstance(value, dict | list):
+            found += _places(value, (*path, key))
+    return found
+
+
+def _toml(value: Any) -> str:
+    """One value as TOML, tables inline."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{_text(k)} = {_toml(v)}" for k, v in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_toml, value)) + "]"
+    return _text(value) if isinstance(value, str) else repr(value)
+
+
+def _text(word: str) -> str:
+    safe = (c if c.isprintable() and c not in '"\\' else f"\\u{ord(c):04x}" for c in word)
+    return '"' + "".join(safe) + '"'
+
+
+def _mutated(data: st.DataObject, table: dict[str, Any]) -> str:
+    """Change one place: delete, rename, another value. Return what was done."""
+    *way, last = data.draw(st.sampled_from(_places(table)))
+    here: Any = table
+    for key in way:
+        here = here[key]
+    kind = str(data.draw(st.sampled_from(["delete", "rename", "value", "number"])))
+    if kind == "rename" and isinstance(here, dict):
+        here[data.draw(st.sampled_from(TEXTS[1:]))] = here.pop(last)
+    elif kind == "delete":
+        del here[last]
+    elif kind == "number" and isinstance(here[last], float):
+        here[last] *= data.draw(st.sampled_from([1e-3, 0.5, 0.9, 1.1, 2.0, 1e3, 1e9, 1e150]))
+    else:
+        kind = "value"
+        here[last] = data.draw(VALUES)
+    return kind
+
+
+def _ended(words: list[str], capfd: pytest.CaptureFixture[str]) -> tuple[str, str]:
+    """Run a command; return how it ended, and its words."""
+    capfd.readouterr()
+    try:
+        with limited(ASKED_S if words[0] == "run" else LIMIT_S):
+            code: Any = main(words)
+    except SystemExit as error:
+        code = error.code or 0
+    except Hang:
+        return "hang", ""
+    told = capfd.readouterr()
+    shown = told.out + told.err
+    if "Traceback" in shown or code == 70:
+        return "traceback", shown
+    ends = {0: "done", 2: "refused", 3: "refused", 130: "done" if words[0] == "run" else "other"}
+    return ends.get(code, "other"), f"{code}: {shown}"
+
+
+def _told(failures: list[tuple[str, ...]]) -> None:
+    """Fail with all that was found: one long attack finds more than one defect."""
+    for failure in failures:
+        print("\n".join(["", "-" * 80, *failure]))
+    assert not failures, f"{len(failures)} tries ended badly"
+
+
+def _content(folder: Path) -> dict[Path, bytes]:
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.mark.parametrize("command", SHIPPED)
+def test_changed_files(command, tmp_path, capfd, monkeypatch):
+    """Errors name the file; what was written before stays as it was."""
+    monkeypatch.chdir(tmp_path)
+    # Beside the originals: relative paths in them lead to the same files.
+    shutil.copytree(ROOT / "cases", tmp_path / "cases")
+    (tmp_path / "meshes").symlink_to(ROOT / "meshes")
+    sources = {file: tomllib.loads(file.read_text("utf-8")) for file in SHIPPED[command]}
+    out = tmp_path / "out"
+    more = ["--check"] if command != "check" else []
+
+    @seed(1)
+    @settings(max_examples=tries(*TRIES[command]), **SETTINGS)
+    @given(data=st.data())
+    def attack(data):
+        source = data.draw(st.sampled_from(list(sources)))
+        table = copy.deepcopy(sources[source])
+        kind = _mutated(data, table)
+        text = "\n".join(f"{_text(k)} = {_toml(v)}" for k, v in table.items())
+        file = tmp_path / source.relative_to(ROOT).with_name("attacked.toml")
+        file.write_text(text, encoding="utf-8")
+        before = _content(out)
+        end, shown = _ended([command, str(file), *more, "--out", str(out)], capfd)
+        if end == "refused" and command == "check" and _content(out) != before:
+            end = "file lost"
+        if list(tmp_path.rglob("P")):
+            end = "command run"
+        count(f"{command}: a changed description, {kind}", end)
+        if end not in ("done", "refused") or (end == "refused" and file.name not in shown):
+            failures.append((source.name, end, text[:3000], shown))
+
+    failures: list[tuple[str, ...]] = []
+    attack()
+    _told(failures)
+
+
+PENDULUM = """
+format = 1
+title = "extremes"
+gravity = [0.0, {gravity}, 0.0]
+[bodies.rod]
+kind = "rigid"
+mass = {mass}
+inertia = [[{inertia}, 0.0, 0.0], [0.0, {inertia}, 0.0], [0.0, 0.0, {inertia}]]
+centre = [{length}, 0.0, 0.0]
+interfaces = {{ end = {{ position = [0.0, 0.0, 0.0] }} }}
+[ground.O]
+position = [0.0, 0.0, 0.0]
+[joints.hinge]
+kind = "revolute"
+between = ["ground.O", "rod.end"]
+axis = [0.0, 0.0, 1.0]
+[solver]
+t_end = {t_end}
+output_step = {step}
+[runs.base]
+"""
+
+
+def test_extreme_pendulums(tmp_path, capfd):
+    """Log-uniform numbers from 5e-324 to 1e308: an end by itself, or at Ctrl-C."""
+    exponents = st.floats(-323.0, 308.0)
+    common = st.floats(-3.0, 3.0)
+
+    @seed(2)
+    @settings(max_examples=tries(12, 500), **SETTINGS)
+    @given(data=st.data())
+    def attack(data):
+        names = ("mass", "inertia", "length", "gravity")
+        odd = data.draw(st.sets(st.sampled_from(names), min_size=1, max_size=2))
+        values = {
+            name: max(10.0 ** data.draw(exponents if name in odd else common), 5e-324)
+            for name in names
+        }
+        t_end = 1e-3 if "gravity" not in odd else 1e-6
+        text = PENDULUM.format(**values, t_end=t_end, step=t_end / 4)
+        (tmp_path / "case.toml").write_text(text)
+        words = ["check", str(tmp_path / "case.toml"), "--out", str(tmp_path / "out")]
+        end, shown = _ended(words, capfd)
+        if end == "done":
+            run = ["run", str(tmp_path / "out/runs/base.json"), "--quiet"]
+            end, shown = _ended(run, capfd)
+        count("run: a pendulum of extreme numbers", end)
+        if end not in ("done", "refused"):
+            failures.append((str(values), end, shown))
+
+    failures: list[tuple[str, ...]] = []
+    attack()
+    _told(failures)
+
+
+def test_an_overflow_names_the_number(tmp_path, capfd):
+    values = {"mass": 1.0, "inertia": 1.0, "length": 1e152, "gravity": 1.0}
+    sweep = '[sweeps.s]\nrun = "base"\nvary = { "bodies.rod.mass" = [1.0] }\n'
+    text = PENDULUM.format(**values, t_end=1e-3, step=1e-3) + sweep
+    (tmp_path / "case.toml").write_text(text)
+    out = tmp_path / "out"
+    assert main(["check", str(tmp_path / "case.toml"), "--out", str(out)]) == 0
+    assert main(["run", str(out / "runs/base.json"), "--quiet"]) == 2
+    told = f"{out / 'runs/base.json'}: bodies.rod.centre.0 = 1e+152: expected numbers whose"
+    assert told in capfd.readouterr().err
+    assert main(["sweep", str(out / "sweeps/s.json"), "--quiet", "--no-figures"]) == 3
+    assert (
+        "failed [input] bodies.rod.mass = 1: s: bodies.rod.centre.0 = 1e" in capfd.readouterr().out
+    )

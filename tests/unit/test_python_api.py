@@ -1,0 +1,185 @@
+"""`import plymotion` in Python: what it loads, cases, runs and results by name."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from case_samples import HEAD, SOLVER, rigid
+
+import plymotion as pm
+from plymotion.solver.__main__ import main as command
+from plymotion.solver.commands.cases.report import report_case
+
+SWING = (
+    HEAD
+    + "gravity = [0.0, 0.0, -9.81]\n"
+    + rigid("rod", 2.0, 0.1, {"root": (0, 0, 0), "tip": (1, 0, 0)}, centre=[0.5, 0.0, 0.0])
+    + """
+[ground.hinge]
+position = [0.0, 0.0, 0.0]
+[joints.hinge]
+kind = "revolute"
+between = ["ground.hinge", "rod.root"]
+axis = [0.0, 1.0, 0.0]
+[signals.tip_z]
+kind = "position"
+at = "rod.tip"
+component = "z"
+[signals.speed]
+kind = "velocity"
+at = "rod.tip"
+component = "magnitude"
+"""
+    + SOLVER.format(t_end=0.5, step=0.01, more="")
+    + "[runs.moon]\nvariants = ['moon']\n[variants.moon]\ngravity = [0.0, 0.0, -1.62]\n"
+)
+
+
+@pytest.fixture
+def swing(tmp_path, monkeypatch):
+    """The file of a rigid pendulum in the current folder."""
+    monkeypatch.chdir(tmp_path)
+    Path("swing.toml").write_text(SWING)
+    return "swing.toml"
+
+
+def test_import_loads_no_library(repository):
+    code = (
+        "import sys; before = set(sys.modules); import plymotion; print(*set(sys.modules) - before)"
+    )
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=repository, check=True)
+    loaded = {name.split(".")[0] for name in done.stdout.split()}
+    assert not loaded & {"numpy", "h5py", "pydantic", "scipy", "numba", "tqdm", "matplotlib"}
+    assert not [name for name in done.stdout.split() if name.startswith("plymotion.")]
+
+
+def test_all_names_are_there_and_others_are_not():
+    assert set(pm.__all__) <= set(dir(pm))
+    for name in pm.__all__:
+        assert getattr(pm, name) is not None
+    with pytest.raises(AttributeError, match="no attribute 'simulate'"):
+        pm.simulate  # noqa: B018
+
+
+def test_stub_has_every_public_name(repository):
+    stub = (repository / "plymotion/__init__.pyi").read_text("utf-8")
+    for name in pm.__all__:
+        assert f"import {name} as {name}\n" in stub or name == "__version__", name
+
+
+def test_numbers_are_those_of_the_command(swing, tmp_path):
+    result = pm.run(swing, "moon", out="by-python")
+    assert command([swing, "--out", "by-command", "--no-report", "--quiet"]) == 0
+    other = pm.Result.from_folder("by-command/moon")
+    assert np.array_equal(result.data.q, other.data.q)
+    assert np.array_equal(result.signals["tip_z"].values, other.signals["tip_z"].values)
+    assert result.summary["inputs_sha256"] == other.summary["inputs_sha256"]
+    # what the command has computed is not computed again, and the other way round
+    before = (other.folder / "result.vtkhdf").stat().st_mtime_ns
+    again = pm.run(swing, "moon", out="by-command")
+    assert (again.folder / "result.vtkhdf").stat().st_mtime_ns == before
+    pm.run(swing, "moon", out="by-command", force=True)
+    assert (again.folder / "result.vtkhdf").stat().st_mtime_ns > before
+
+
+def test_a_case_built_in_python_is_that_of_the_file(swing):
+    case = pm.Case("swing", gravity=np.array([0.0, 0.0, -9.81]))
+    case.bodies["rod"] = {
+        "kind": "rigid",
+        "mass": np.float64(2.0),
+        "inertia": 0.1 * np.eye(3),
+        "centre": (0.5, 0, 0),
+        "interfaces": {"root": {"position": [0, 0, 0]}, "tip": {"position": [1, 0, 0]}},
+    }
+    case.ground["hinge"] = {"position": np.zeros(3)}
+    between = ["ground.hinge", "rod.root"]
+    case.joints["hinge"] = {"kind": "revolute", "between": between, "axis": [0, 1, 0]}
+    case.signals["tip_z"] = {"kind": "position", "at": "rod.tip", "component": "z"}
+    case.solver = pm.load(swing).solver
+    found = pm.run(case, out="built")
+    assert np.array_equal(found.signals["tip_z"].values, pm.run(swing, "base").signals["tip_z"])
+
+
+def test_changed_leaves_the_case_alone(swing):
+    case = pm.load(swing)
+    other = case.changed({"bodies.rod.mass": 3.0, "joints.hinge.axis.0": 0.0, "solver.t_end": 0.1})
+    assert case.bodies["rod"]["mass"] == 2.0
+    assert other.bodies["rod"]["mass"] == 3.0
+    assert pm.run(other, "base", out="other").t[-1] == 0.1
+    with pytest.raises(pm.InputError, match=r"gravity\.7: the case has no such key"):
+        case.changed({"gravity.7": 1.0})
+
+
+def test_wrong_names_and_wrong_cases_say_so(swing):
+    with pytest.raises(pm.InputError, match="expected the name of a run: base, moon"):
+        pm.run(swing)
+    with pytest.raises(pm.InputError, match="no run 'mon'; did you mean 'moon'"):
+        pm.run(swing, "mon")
+    with pytest.raises(KeyError, match="no 'tipz' among the signals; did you mean 'tip_z'"):
+        pm.run(swing, "base").signals["tipz"]
+    with pytest.raises(pm.InputError, match="letters, digits"):
+        pm.Case("../above")
+    case = pm.load(swing)
+    case.bodies["rod"]["mas"] = 1.0
+    with pytest.raises(pm.InputError, match=r"swing\.toml: bodies\.rod\.mas: unknown key"):
+        pm.run(case, "base")
+
+
+def test_arithmetic_of_signals(swing):
+    base, moon = pm.run(swing, "base"), pm.run(swing, "moon")
+    error = base.signals["tip_z"] - moon.signals["tip_z"]
+    z, z_moon = base.signals["tip_z"].values, moon.signals["tip_z"].values
+    assert np.array_equal(error.values, z - z_moon)
+    assert error.unit == "m"
+    assert error.final == z[-1] - z_moon[-1]
+    assert (abs(error) + 1.0).min == 1.0
+    assert (error / 2.0).peak_to_peak == pytest.approx(0.5 * np.ptp(z - z_moon))
+    assert np.array_equal((-error).values, z_moon - z)
+    length = pm.norm(base.signals["tip_z"], base.signals["tip_z"])
+    assert length.values == pytest.approx(np.sqrt(2.0) * np.abs(z))
+    with pytest.raises(pm.InputError, match="expected the same unit, found m and m/s"):
+        base.signals["tip_z"] - base.signals["speed"]
+
+
+def test_difference_ends_with_the_shorter_run(swing):
+    case = pm.load(swing)
+    short = pm.run(case.changed({"solver.t_end": 0.2}), "base", out="short")
+    error = pm.run(case, "base").signals["tip_z"] - short.signals["tip_z"]
+    assert np.isfinite(error.values[:21]).all()
+    assert np.isnan(error.values[21:]).all()
+    assert error.max == pytest.approx(0.0, abs=1e-9)
+
+
+def test_notebooks_get_tables_and_pictures(swing):
+    result = pm.run(swing, "base")
+    for thing in (pm.load(swing), result, result.signals, result.signals["speed"]):
+        page = thing._repr_html_()
+        assert page.startswith("<table>")
+        assert page.count("<table>") == page.count("</table>")
+    assert result._repr_html_().count("<svg") == 2
+    low = json.loads((result.folder / "summary.json").read_text())["signals"]["tip_z"]["min"]
+    assert f"{low:.6g}" in result._repr_html_()
+
+
+def test_without_pandas_the_message_says_how_to_get_it(swing, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(ImportError, match=r"pip install plymotion\[pandas\]"):
+        pm.run(swing, "base").to_pandas()
+
+
+def test_a_figure_of_the_case_may_be_a_spectrum(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    figure = '[figures.hum]\ntitle = "Hum"\nsignal = "tip_z"\nruns = ["base"]\nspectrum = true\n'
+    Path("swing.toml").write_text(SWING + figure)
+    assert command(["swing.toml", "--run", "base", "--quiet"]) == 0
+    assert Path("build/swing/hum.png").stat().st_size > 1000
+    short = figure.replace("hum", "short") + "[variants.brief.solver]\noutput_step = 0.5\n"
+    runs = '[runs.brief]\nvariants = ["brief"]\n'
+    Path("swing.toml").write_text(SWING + short.replace('"base"', '"brief"') + runs)
+    pm.run("swing.toml", "brief")
+    with pytest.raises(pm.InputError, match=r"figures\.short: run brief: .*four output times"):
+        report_case(Path("build/swing"), ["brief"])

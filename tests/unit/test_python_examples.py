@@ -1,0 +1,83 @@
+"""Every public name has examples, and they do what they say; so do those of docs/python.md."""
+
+import contextlib
+import doctest
+import importlib.util
+import inspect
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from section_samples import rectangle
+
+import plymotion
+from plymotion.solver.package.section.io import write_section
+
+PAGE = Path("docs/python.md").resolve()
+HAS_PANDAS = importlib.util.find_spec("pandas") is not None
+
+
+def _blocks(language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+
+
+def _examples() -> dict[str, object]:
+    """Public names and the public members that their classes define, by name."""
+    found: dict[str, object] = {}
+    for name in plymotion.__all__:
+        thing = getattr(plymotion, name)
+        if not getattr(thing, "__module__", "").startswith("plymotion.api"):
+            continue  # the version, and errors
+        found[name] = thing
+        if inspect.isclass(thing):
+            for member, value in vars(thing).items():
+                has_doc = isinstance(value, property | classmethod) or callable(value)
+                if not member.startswith("_") and (has_doc or hasattr(value, "attrname")):
+                    found[f"{name}.{member}"] = value
+    return found
+
+
+EXAMPLES = _examples()
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A current folder with the files that the examples name."""
+    pytest.importorskip("matplotlib").use("Agg")
+    from matplotlib import pyplot
+
+    found = tmp_path_factory.mktemp("examples")
+    (found / "pendulum.toml").write_text(_blocks("toml")[0], encoding="utf-8")
+    section = replace(rectangle(), provenance={"dofs": 351, "seconds": 0.25})
+    write_section(found / "bar.vtkhdf", section)
+    with contextlib.chdir(found):
+        yield found
+    pyplot.close("all")
+
+
+def _run(text: str, name: str) -> None:
+    test = doctest.DocTestParser().get_doctest(text, {}, name, None, 0)
+    assert test.examples
+    told: list[str] = []
+    flags = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
+    doctest.DocTestRunner(verbose=False, optionflags=flags).run(test, out=told.append)
+    assert not told, "\n".join(told)
+
+
+def test_all_names_are_known():
+    assert {"load", "run", "sweep", "Section.from_file", "Result.energies"} <= EXAMPLES.keys()
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_example(name, folder):
+    text = inspect.getdoc(EXAMPLES[name]) or ""
+    assert ">>>" in text, f"{name}: expected an example in its docstring"
+    if "to_pandas" in text and not HAS_PANDAS:
+        pytest.skip("pandas is not installed")
+    _run(text, name)
+
+
+@pytest.mark.parametrize("number", range(len(_blocks("python"))))
+def test_block_of_the_page(number, folder):
+    exec(compile(_blocks("python")[number], f"{PAGE.name}, block {number}", "exec"), {})

@@ -1,0 +1,62 @@
+"""Attempts at a step of radau that are refused: few, and explained where they are many."""
+
+import numpy as np
+import pytest
+from case_samples import case_runs
+
+from plymotion.solver.checks.stalls import named_motion
+from plymotion.solver.integrators.choice import make_integrator
+from plymotion.solver.integrators.generic import integrate
+from plymotion.solver.run.execution import execute, read_run
+from plymotion.solver.run.preparation import prepare
+
+
+@pytest.fixture(scope="module")
+def runs(repository, tmp_path_factory):
+    """Run files of two cases, by name of the case."""
+    names = ("double-pendulum", "exchange")
+    return {n: case_runs(repository, n, tmp_path_factory.mktemp(n)) for n in names}
+
+
+def test_a_small_first_correction_is_no_divergence(runs):
+    """Double pendulum at rtol 1e-6: the iteration failed in every second attempt once the modes
+    were predicted better than the multipliers (34 % of 138,000 attempts in 60 s).
+    """
+    spec = read_run(runs["double-pendulum"] / "isotropic.json").changed(
+        {"solver.t_end": 3.0, "solver.rtol": 1e-6, "solver.integrator": "radau"}
+    )
+    ready = prepare(spec.mechanism, spec.packages)
+    made = make_integrator(ready.model, ready.y0, spec.mechanism.solver, ready.treatment)
+    found = integrate(made, np.linspace(0.0, 3.0, 3001)).refusals
+    assert found.attempts > 5000
+    assert found.newton < 0.01 * found.attempts
+    assert found.rough < 0.2 * found.attempts
+    assert found.refused == found.newton + found.rough
+    assert named_motion(ready.built, found.component)[0] == "hand"
+
+
+@pytest.mark.provokes("steps-refused")
+@pytest.mark.parametrize(
+    ("case", "run", "t_end", "reason"),
+    [
+        ("double-pendulum", "isotropic-soft-following", 0.3, "Newton"),
+        ("exchange", "beam", 0.4, "work of drives"),
+    ],
+)
+def test_many_refusals_are_explained(runs, case, run, t_end, reason):
+    """With reasons, body and mode; the remedy that the finding gives works, at the same cost."""
+    keys = {"t_end": t_end, "rtol": 1e-3, "integrator": "radau", "constraints": "projection"}
+    spec = read_run(runs[case] / f"{run}.json").changed({f"solver.{k}": v for k, v in keys.items()})
+    _, summary = execute(spec, progress=False)
+    cost = summary["cost"]
+    (finding,) = [w for w in summary["warnings"] if w["code"] == "steps-refused"]
+    assert finding["level"] == "note"
+    assert finding["value"] == cost["rejected"] / (cost["rejected"] + cost["steps"]) > 0.2
+    assert reason in finding["message"]
+    if reason == "Newton":
+        assert finding["body"] in spec.packages
+        assert f"of {finding['body']}" in finding["message"]
+    step = float(finding["message"].split("max_step = ")[1].split(",")[0])
+    _, helped = execute(spec.changed({"solver.max_step": step}), progress=False)
+    assert "steps-refused" not in {w["code"] for w in helped["warnings"]}
+    assert helped["cost"]["evaluations"] < 1.1 * cost["evaluations"]
