@@ -114,6 +114,9 @@ def parser() -> CommandParser:
 
     report = commands.add_parser("report", help="figures, report.html and the table of a case")
     report.add_argument("folder", type=Path, help="build/<case>")
+    report.add_argument(
+        "--glb", action="store_true", help="also RUN/motion.glb, for Blender and slides"
+    )
     report.set_defaults(command=_report)
 
     info = commands.add_parser("info", help="show the content of a modal package")
@@ -223,7 +226,7 @@ def _compile(options: argparse.Namespace) -> int:
 def _report(options: argparse.Namespace) -> int:
     from .commands.cases.report import report_case
 
-    print(report_case(options.folder))
+    print(report_case(options.folder, glb=options.glb))
     return 0
 
 

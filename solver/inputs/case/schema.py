@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field, model_validator
 
-from ...package.body.specification import LinkKind, MassForm, Theory
+from ...package.body.specification import MassForm, ShellLinkKind, Theory
 from ..common.material import Material
 from ..common.table import FilePath, Name, Pair, Table, Vector, Word, unit
 from ..section.mesh_table import ShapeMesh, shape_or
@@ -262,10 +262,11 @@ class ShellInterface(Table):
     """`[bodies.NAME.interfaces.NAME]` of a shell: a physical group of its mesh."""
 
     at: str = Field(description="physical point, curve or surface of the mesh")
-    link: LinkKind = Field(
+    link: ShellLinkKind = Field(
         default="rigid",
         description="rigid: the group moves as a rigid body; average: the interface follows "
-        "the mean motion of the group, and its loads are distributed over the group",
+        "the mean motion of the group, and its loads are distributed over the group; section: its "
+        "loads are the stresses in the walls of a thin-walled section, for an open end: a curve",
     )
     position: Vector | None = Field(
         default=None,
