@@ -37,7 +37,7 @@ class Hang(BaseException):
 
 @contextmanager
 def limited(asked: float = LIMIT_S) -> Iterator[None]:
-    """Raise Hang in a block that takes more CPU time than LIMIT_S; `asked` [s]: Ctrl-C before."""
+    """Raise Hang in a block that takes more CPU time than LIMIT_S; `asked` [s]: TERM before."""
     if sys.platform == "win32":
         yield
         return
@@ -47,7 +47,7 @@ def limited(asked: float = LIMIT_S) -> Iterator[None]:
         if not left:
             raise Hang(f"more than {LIMIT_S} s")
         signal.setitimer(signal.ITIMER_PROF, LIMIT_S - left.pop())
-        os.kill(os.getpid(), signal.SIGINT)
+        os.kill(os.getpid(), signal.SIGTERM)  # INT is ignored in the background
 
     before = signal.signal(signal.SIGPROF, hang)
     signal.setitimer(signal.ITIMER_PROF, asked)

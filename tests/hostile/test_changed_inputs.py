@@ -30,7 +30,7 @@ TEXTS = [
 ]  # fmt: skip
 VALUES = st.sampled_from(EXTREMES) | st.sampled_from(TEXTS)
 VALUES |= st.sampled_from([[], {}, [[]], [1.0], {"a": 1}, [1.0] * 1000])
-ASKED_S = 2.0  # CPU time of a run after which it gets Ctrl-C: 1e12 steps are no hang
+ASKED_S = 1.0  # CPU time of a run after which it gets TERM: 1e12 steps are no hang
 SETTINGS: dict[str, Any] = {
     "deadline": None,
     "database": None,
@@ -98,7 +98,7 @@ def _ended(words: list[str], capfd: pytest.CaptureFixture[str]) -> tuple[str, st
     shown = told.out + told.err
     if "Traceback" in shown or code == 70:
         return "traceback", shown
-    ends = {0: "done", 2: "refused", 3: "refused", 130: "done" if words[0] == "run" else "other"}
+    ends = {0: "done", 2: "refused", 3: "refused", 143: "done" if words[0] == "run" else "other"}
     return ends.get(code, "other"), f"{code}: {shown}"
 
 
@@ -173,12 +173,12 @@ output_step = {step}
 
 
 def test_extreme_pendulums(tmp_path, capfd):
-    """Log-uniform numbers from 5e-324 to 1e308: an end by itself, or at Ctrl-C."""
+    """Log-uniform numbers from 5e-324 to 1e308: an end by itself, or at TERM."""
     exponents = st.floats(-323.0, 308.0)
     common = st.floats(-3.0, 3.0)
 
     @seed(2)
-    @settings(max_examples=tries(12, 500), **SETTINGS)
+    @settings(max_examples=tries(12, 200), **SETTINGS)
     @given(data=st.data())
     def attack(data):
         names = ("mass", "inertia", "length", "gravity")

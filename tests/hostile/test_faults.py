@@ -101,7 +101,6 @@ def _names(folder: Path) -> list[str]:
 
 
 def _try(project: Path, folder: Path, command: str, kind: str, place: int) -> None:
-    shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(project, folder)
     case = folder / "case.toml"
     case.write_text(case.read_text().replace("t_end = 1.0", "t_end = 0.9"))
@@ -140,7 +139,8 @@ def test_at_every_temporary_file(project, tmp_path, command):
     if LONG == 1:
         tries = [("after SIGTERM", 1) if command == "run" else ("before SIGKILL", renamed)]
     for kind, place in tries:
-        _try(project, folder, command, kind, place)
+        # A folder for each: a process looks for hidden files once in each folder.
+        _try(project, tmp_path / f"{kind}-{place}", command, kind, place)
 
 
 def test_while_code_is_compiled(project, tmp_path):

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError
+from .executor import LOOK_S
 
 QUEUED = 2  # tasks for each thread of a worker: the next one lies there when one is done
-LOOK_S = 1.0  # least time between two looks at the workers
 CONNECT_S = 10.0  # a scheduler that does not answer is not there
 
 

@@ -1,13 +1,16 @@
 """What all executors have in common, and the loop that keeps one of them busy."""
 
 from collections.abc import Callable
-from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
+from concurrent.futures import CancelledError, Future
 from dataclasses import dataclass
+from functools import partial
+from queue import Empty, SimpleQueue
 from typing import Any, Protocol
 
 from ...errors import InputError
 from ...interrupts import asked
 
+LOOK_S = 1.0  # time after which new workers get tasks even if none is done
 FRUITLESS = 3  # lost tasks without a result in between, after which nothing more is tried
 
 
@@ -68,31 +71,42 @@ def distribute(executor: Executor, source: Source) -> None:
 
 
 def _run(executor: Executor, source: Source) -> None:
+    """Keep all lanes busy. The effort for each task does not depend on the number of lanes."""
     under_way: dict[int, tuple[Future[Any], Task]] = {}
-    deaths = 0
+    done: SimpleQueue[int] = SimpleQueue()  # lanes
+    waiting: list[int] = []  # lanes without a task
+    lanes = deaths = 0
     while True:
         if asked():  # while results were saved
             raise KeyboardInterrupt
         width = executor.width()
-        for lane in range(width):
-            if lane not in under_way and (task := source.next(lane, width)):
-                under_way[lane] = executor.submit(lane, task.function, *task.arguments), task
+        waiting += range(lanes, width)
+        lanes = max(lanes, width)
+        while waiting and len(under_way) < width and (task := source.next(waiting[-1], width)):
+            lane = waiting.pop()
+            under_way[lane] = executor.submit(lane, task.function, *task.arguments), task
+            under_way[lane][0].add_done_callback(partial(_note, done, lane))
         if not under_way:
             return
-        wait([future for future, _ in under_way.values()], return_when=FIRST_COMPLETED)
-        for lane in [n for n, (future, _) in under_way.items() if future.done()]:
-            future, task = under_way.pop(lane)
-            try:
-                result = future.result()
-            except CancelledError:
-                raise InputError(
-                    f"{executor.name}: the connection to the workers is lost"
-                ) from None
-            except executor.lost:
-                deaths += 1
-                if deaths == FRUITLESS:
-                    raise InputError(f"{executor.name}: {FRUITLESS} workers died") from None
-                source.lost(task)
-            else:
-                deaths = 0
-                source.took(task, result)
+        try:
+            lane = done.get(timeout=LOOK_S)
+        except Empty:
+            continue
+        future, task = under_way.pop(lane)
+        waiting.append(lane)
+        try:
+            result = future.result()
+        except CancelledError:
+            raise InputError(f"{executor.name}: lost the connection to the workers") from None
+        except executor.lost:
+            deaths += 1
+            if deaths == FRUITLESS:
+                raise InputError(f"{executor.name}: {FRUITLESS} workers died") from None
+            source.lost(task)
+        else:
+            deaths = 0
+            source.took(task, result)
+
+
+def _note(done: "SimpleQueue[int]", lane: int, _: "Future[Any]") -> None:
+    done.put(lane)
