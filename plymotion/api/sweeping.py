@@ -51,7 +51,7 @@ class SweepSignal:
     >>> found.signals["tip_z"]
     <SweepSignal tip_z [m]: 2 members, -1 to 0>
     >>> found.signals["tip_z"].min.round(2)
-    array([-1.  , -0.65])
+    array([-1.  , -0.91])
     """
 
     def __init__(self, result: SweepResult, name: str) -> None:
@@ -65,7 +65,14 @@ class SweepSignal:
 
     @property
     def history(self) -> Array:
-        """Values over time (k, n_t), of a signal among the histories of the sweep."""
+        """Values over time (k, n_t), of a signal among the histories of the sweep.
+
+        >>> import plymotion as pm
+        >>> vary, histories = {"gravity.2": [-9.81, -1.62]}, ["angle"]
+        >>> found = pm.sweep("pendulum.toml", "h", run="base", vary=vary, histories=histories)
+        >>> found.signals["angle"].history.shape
+        (2, 101)
+        """
         return self._result.history(self.name)
 
     def __repr__(self) -> str:
@@ -145,7 +152,7 @@ class Sweep:
         >>> import plymotion as pm
         >>> found = pm.sweep("pendulum.toml", vary={"gravity.2": [-9.81, -1.62]}, run="base")
         >>> found.to_pandas()["tip_z min"].round(2).tolist()
-        [-1.0, -0.65]
+        [-1.0, -0.91]
         """
         pd = pandas()
         columns: dict[str, Any] = dict(self.parameters)

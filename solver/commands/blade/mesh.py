@@ -13,7 +13,8 @@ from .wall import THINNEST, Band, breaks, joined, material_of, rows_of, thicknes
 
 COLUMNS = 160  # along the contour, without those at ends of layers
 ROOM = 0.9  # share of the room between the two sides that walls may fill
-MITRE = np.radians(50.0)  # angle of the trailing edge from which the walls meet in a mitre
+MITRE = np.radians(165.0)  # angle of the trailing edge from which the walls meet in a mitre
+LEAST = 0.2  # of the length of a cell outside, its length inside
 CLOSE = 0.15  # columns nearer than this share of the spacing are one
 
 
@@ -86,15 +87,15 @@ def station_mesh(
     rows = [joined(row) for row in rows_of(bands)]
     mitred = edge_angle(points) >= MITRE
     total = sum(float(thickness(row, np.array([0.0]), perimeter)[0]) for row in rows)
-    low, high = (0.0, 1.0) if mitred else _cut(points, s / perimeter, max(2.2 * total, 1e-3))
+    low, high = (0.0, 1.0) if mitred else _cut(points, s / perimeter, max(0.7 * total, 1e-3))
     arcs = _columns(rows, webs, perimeter, low, high)
     outer = _smooth(points, s / perimeter, arcs)
     normals = _normals(outer, mitred)
     t = np.array([thickness(row, arcs, perimeter) for row in rows])
     for web in webs:
         _level(t, arcs, web, perimeter)
-    limit = _gradual(_room(outer, normals), outer)
     full = t.sum(axis=0)
+    limit = _uncrossed(_gradual(_room(outer, normals), outer), full, outer, normals)
     share = np.where(full > limit, limit / np.where(full > 0.0, full, 1.0), 1.0)
     spacing = np.gradient(arcs) * perimeter
     mesh.removed = float(((1.0 - share) * full * spacing).sum() / (full * spacing).sum())
@@ -110,16 +111,28 @@ def station_mesh(
 
 
 def _cut(points: Array, arcs: Array, gap: float) -> tuple[float, float]:
-    """Arcs at which both sides are `gap` apart, near the trailing edge."""
+    """Arcs at which both sides are `gap` apart, near the trailing edge and not on its face."""
     n = len(points)
     width = np.linalg.norm(points[: n // 2] - points[: n - n // 2 - 1 : -1][: n // 2], axis=1)
-    k = int(np.argmax(width >= gap)) if (width >= gap).any() else n // 4
+    wide = width >= gap
+    wide[: _blunt(points)] = False
+    k = int(np.argmax(wide)) if wide.any() else n // 4
     if k == 0:
         return 0.0, 1.0
     f = (gap - width[k - 1]) / max(width[k] - width[k - 1], 1e-30)
+    f = 1.0 if width[k - 1] >= gap else f  # the end of the face
     one = arcs[k - 1] + f * (arcs[k] - arcs[k - 1])
     two = arcs[n - k] + f * (arcs[n - 1 - k] - arcs[n - k])
     return float(one), float(two)
+
+
+def _blunt(points: Array) -> int:
+    """Number of points at either end whose contour is the face of the trailing edge: across x2."""
+    most = len(points) // 20
+    one, two = np.diff(points[: most + 1], axis=0), np.diff(points[: -most - 2 : -1], axis=0)
+    steep = [np.abs(d[:, 1]) > np.abs(d[:, 0]) for d in (one, two)]
+    across = np.flatnonzero(steep[0] | steep[1])
+    return int(across[-1]) + 1 if across.size else 0
 
 
 def _columns(
@@ -127,12 +140,13 @@ def _columns(
 ) -> Array:
     """Arcs of the columns: ends of layers and feet of webs exactly, others between them."""
     spacing = 1.0 / COLUMNS
-    feet = [arc for web in webs for arc in _feet(web, perimeter)]
-    wanted = [low, high, *feet]
+    feet = [np.array(_feet(web, perimeter)).reshape(2, -1) for web in webs]
+    wanted = [low, high, *(float(arc) for both in feet for arc in both.ravel())]
+    apart = CLOSE * min(spacing, 0.01 / perimeter)
     for arc in sorted(arc for row in rows for arc in breaks(row, perimeter)):
-        inside = low + 1e-9 < arc < high - 1e-9
-        nearest = min(abs(arc - other) for other in wanted)
-        if inside and nearest > CLOSE * min(spacing, 0.01 / perimeter):
+        under = any(foot.min() < arc < foot.max() for both in feet for foot in both)
+        near = min(abs(arc - other) for other in wanted) <= apart
+        if low < arc < high and not under and not near:
             wanted.append(arc)
     fixed = sorted(wanted)
     found = [fixed[0]]
@@ -203,6 +217,22 @@ def _gradual(limit: Array, outer: Array) -> Array:
         found[k + 1] = min(found[k + 1], found[k] + steps[k])
     for k in range(len(steps) - 1, -1, -1):
         found[k] = min(found[k], found[k + 1] + steps[k])
+    return found
+
+
+def _uncrossed(limit: Array, full: Array, outer: Array, normals: Array) -> Array:
+    """A limit with which neighbouring columns do not cross: the inner face keeps its direction."""
+    steps = np.diff(outer, axis=0)
+    found = limit.copy()
+    for _ in range(60):
+        inner = outer + np.minimum(full, found)[:, None] * normals
+        along = (np.diff(inner, axis=0) * steps).sum(axis=1)
+        crossed = np.flatnonzero(along < LEAST * (steps * steps).sum(axis=1))
+        if not crossed.size:
+            break
+        at = np.unique(np.concatenate([crossed, crossed + 1]))
+        found[at] = 0.8 * np.minimum(full, found)[at]
+        found = _gradual(found, outer)
     return found
 
 

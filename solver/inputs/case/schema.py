@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field, model_validator
 
-from ...package.body.specification import LinkKind, MassForm, Theory
+from ...package.body.specification import MassForm, ShellLinkKind, Theory
 from ..common.material import Material
 from ..common.table import FilePath, Name, Pair, Table, Vector, Word, unit
 from ..section.mesh_table import ShapeMesh, shape_or
@@ -173,6 +173,12 @@ class BeamStation(Table):
     )
 
 
+_DAMPING = (
+    "of every mode of the body by itself; a mode of the mechanism at a lower frequency f, because "
+    "the body carries masses, has about damping_ratio * f / f_body (docs/modes.md)"
+)
+
+
 class BeamBody(Reducible, Deformed):
     """`[bodies.NAME]` with kind = "beam": from the origin along body x, or along `line`."""
 
@@ -245,7 +251,7 @@ class BeamBody(Reducible, Deformed):
         "static shapes of their ends",
     )
     damping_ratio: float = Field(
-        default=0.0, ge=0, lt=1, description="of every mode", json_schema_extra=unit("-")
+        default=0.0, ge=0, lt=1, description=_DAMPING, json_schema_extra=unit("-")
     )
     interfaces: dict[Name, BeamInterface] = Field(
         min_length=1, description="named places; some carry the reference condition"
@@ -256,10 +262,11 @@ class ShellInterface(Table):
     """`[bodies.NAME.interfaces.NAME]` of a shell: a physical group of its mesh."""
 
     at: str = Field(description="physical point, curve or surface of the mesh")
-    link: LinkKind = Field(
+    link: ShellLinkKind = Field(
         default="rigid",
         description="rigid: the group moves as a rigid body; average: the interface follows "
-        "the mean motion of the group, and its loads are distributed over the group",
+        "the mean motion of the group, and its loads are distributed over the group; section: its "
+        "loads are the stresses in the walls of a thin-walled section, for an open end: a curve",
     )
     position: Vector | None = Field(
         default=None,
@@ -295,7 +302,7 @@ class ShellBody(Reducible, Deformed):
     reference: Reference = Field(default=Reference(), description="reference condition")
     modes: list[Modes] = Field(min_length=1, description="which modes the solver gets")
     damping_ratio: float = Field(
-        default=0.0, ge=0, lt=1, description="of every mode", json_schema_extra=unit("-")
+        default=0.0, ge=0, lt=1, description=_DAMPING, json_schema_extra=unit("-")
     )
     interfaces: dict[Name, ShellInterface] = Field(
         min_length=1, description="named places; some carry the reference condition"
