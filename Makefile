@@ -298,13 +298,19 @@ build/numba-$(LOWEST_NUMBA)/installed: | $(LIGHT)
 	@touch $@
 
 EXCHANGE := build/exchange-programs
+# Chromium and axe-core for the tests of report.html; without them these tests are skipped.
+BROWSER := build/browser/installed
+$(BROWSER): tools/browser.sh
+	@tools/browser.sh $(@D)
+	@touch $@
+
 .PHONY: test
 test: $(LIGHT) ## All of it: check, test-numba, test-fe, and every case in its coarse version
 	+@$(PY) tools/phases.py "$(MAKE)" test-setup:1000 check:2 test-fe:2 test-cases test-numba
 
 # Nothing runs beside it (more cores than there are): phases must not install at the same time.
 .PHONY: test-setup
-test-setup: $(EXCHANGE)/installed $(LIGHT) $(FENICSX) $(COMPILED) build/numba-$(LOWEST_NUMBA)/installed
+test-setup: $(EXCHANGE)/installed $(BROWSER) $(LIGHT) $(FENICSX) $(COMPILED) build/numba-$(LOWEST_NUMBA)/installed
 
 .PHONY: check
 check: lint types imports test-light ## Lint, types, import directions and the tests without FEniCSx

@@ -1,5 +1,6 @@
 """Mechanisms of the solver's benchmarks as run files, with the point whose error is measured."""
 
+import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,8 +12,9 @@ from solver_methods import Method
 
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.load import merge
+from plymotion.solver.inputs.case.output_folder import write_if_changed
 from plymotion.solver.inputs.case.resolved import resolved
-from plymotion.solver.inputs.case.specs import dump, write_if_changed
+from plymotion.solver.inputs.case.specs import dump
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.package import Interface, ModalPackage, read_package
 from plymotion.solver.results import RunResult
@@ -92,9 +94,14 @@ def node(package: ModalPackage, name: str) -> int:
     return int(np.argmin(away))
 
 
+def plain(table: Mapping[str, Any]) -> Any:
+    """Return a table as a file holds it: lists for tuples."""
+    return json.loads(json.dumps(table))
+
+
 def write_run(name: str, table: Mapping[str, Any], packages: Mapping[str, Path]) -> Path:
     """Write a run file as `plymotion check` does, for packages that exist."""
-    mechanism = resolved(table, name)
+    mechanism = resolved(plain(table), name)
     file = RUNS / name / "runs" / f"{name}.json"
     entries = {
         body: {"file": os.path.relpath(path, file.parent.parent)} for body, path in packages.items()
@@ -179,12 +186,12 @@ def chain(n: int, t_end: float = 1.0, file: Path = EIGHT / "hand.vtkhdf") -> Pro
         "ground": {"hinge": {"position": [0.0, 0.0, 0.0]}},
         "joints": joints,
         "signals": {"tip_y": {"kind": "position", "at": f"{end}.tip", "component": "y"}},
-        "solver": {"t_end": t_end, "output_step": SEEN},
+        "solver": {"t_end": t_end, "output_step": min(SEEN, t_end)},
     }
     name = f"chain-{n}"
     files = dict.fromkeys(bodies, file)
     written = write_run(name, table, files)
     title = f"chain of {n} links, {package.n_mode} modes each, {t_end:g} s"
     # one package object for all links: read_run would read the same file n times
-    spec = RunSpec(name, name, resolved(table, name), dict.fromkeys(bodies, package))
+    spec = RunSpec(name, name, resolved(plain(table), name), dict.fromkeys(bodies, package))
     return Problem(name, title, written, spec, files, (end, "tip"))

@@ -25,9 +25,11 @@ _PUBLIC = {
     "Result": "api.result",
     "Section": "api.section",
     "Signal": "api.signal",
+    "Sweep": "api.sweeping",
     "load": "api.case",
     "norm": "api.signal",
     "run": "api.running",
+    "sweep": "api.sweeping",
 }
 __all__ = sorted([*_PUBLIC, "__version__"])
 

@@ -17,6 +17,7 @@ from pathlib import Path
 from plymotion import __version__
 
 from .commands.arguments import add_no_scripts
+from .commands.blade.options import add_blade_command
 from .commands.chart.options import add_chart_command
 from .commands.exchange.options import add_exchange_commands
 from .commands.modes.options import add_modes_command
@@ -108,6 +109,9 @@ def _parser() -> argparse.ArgumentParser:
 
     report = commands.add_parser("report", help="figures, report.html and the table of a case")
     report.add_argument("folder", type=Path, help="build/<case>")
+    report.add_argument(
+        "--glb", action="store_true", help="also RUN/motion.glb, for Blender and slides"
+    )
     report.set_defaults(command=_report)
 
     info = commands.add_parser("info", help="show the content of a modal package")
@@ -128,6 +132,7 @@ def _parser() -> argparse.ArgumentParser:
     add_modes_command(commands, _modes)
     add_exchange_commands(commands, _import, _export)
     add_section_command(commands, _section)
+    add_blade_command(commands, _blade)
     add_shell_command(commands, _shell)
     add_packages_command(commands, _packages)
     add_sweep_command(commands, _sweep)
@@ -197,7 +202,7 @@ def _compile(options: argparse.Namespace) -> int:
 def _report(options: argparse.Namespace) -> int:
     from .commands.cases.report import report_case
 
-    print(report_case(options.folder))
+    print(report_case(options.folder, glb=options.glb))
     return 0
 
 
@@ -255,6 +260,12 @@ def _export(options: argparse.Namespace) -> int:
     from .commands.exchange.command import run_export
 
     return run_export(options)
+
+
+def _blade(options: argparse.Namespace) -> int:
+    from .commands.blade.command import run_blade
+
+    return run_blade(options)
 
 
 def _section(options: argparse.Namespace) -> int:

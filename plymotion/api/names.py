@@ -23,6 +23,13 @@ class ByName(Mapping[str, T], Generic[T]):
     ----------
     what : word for messages: "signals"
     items : in order
+
+    Examples
+    --------
+    >>> import plymotion as pm
+    >>> signals = pm.run("pendulum.toml").signals
+    >>> list(signals), "tip_x" in signals
+    (['angle', 'tip_x', 'tip_z'], True)
     """
 
     def __init__(self, what: str, items: Mapping[str, T]) -> None:

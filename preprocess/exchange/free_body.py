@@ -1,13 +1,16 @@
 """A free body as another code describes it: nodes, cells, stiffness and mass."""
 
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy.sparse as sp
 
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.body.invariants import rigid_motions
+
+if TYPE_CHECKING:
+    from .layups import Layups
 
 DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
 
@@ -65,6 +68,7 @@ class FreeBody:
     dof_direction : (N,) 0 to 2 translation, 3 to 5 rotation, along and about the global axes
     groups : rows of nodes by name of a set in the source
     notes : facts about the source, for the provenance
+    layups : laminates of cells, for ply stresses
     """
 
     where: str
@@ -77,6 +81,7 @@ class FreeBody:
     dof_direction: IntArray
     groups: dict[str, IntArray] = field(default_factory=dict)
     notes: dict[str, Any] = field(default_factory=dict)
+    layups: "Layups | None" = None
 
     def rigid_motions(self) -> Array:
         """Rigid motions in the dofs, (N, 6): along and about the axes through the origin."""
@@ -92,7 +97,9 @@ class FreeBody:
             return self  # no copies of large matrices
         arm = sp.diags(np.where(self.dof_direction < 3, 1.0, length))
         K, M = (sp.csr_matrix(arm @ A @ arm) for A in (self.K, self.M))
-        return replace(self, nodes=self.nodes * length, K=K * (mass / time**2), M=M * mass)
+        layups = self.layups and self.layups.in_units(length, mass, time)
+        nodes = self.nodes * length
+        return replace(self, nodes=nodes, K=K * (mass / time**2), M=M * mass, layups=layups)
 
     def labels(self, dof: int) -> str:
         """Node and direction of a dof, for messages."""

@@ -15,6 +15,7 @@ from ..modes import HeldDofs, MeanAxis, ModeError, Modes, StaticLoad, completed
 from .direct import Direct
 from .free_body import DIRECTIONS, FreeBody
 from .inertia import Inertia, inertia
+from .layups import recovered
 from .links import Constrained, Link, constrained, links
 from .refusals import check_free_body
 from .spec import Reduction
@@ -188,6 +189,7 @@ def _package(
         for link, label, motion in zip(every, labels, motions, strict=True)
     )
     m = U.shape[1]
+    plies = body.layups and recovered(body.layups, body.nodes, body.cells, shapes, body.where)
     ratio = float(table.get("damping_ratio", 0.0))
     frequencies = np.sqrt(modes.values)
     return ModalPackage(
@@ -209,6 +211,8 @@ def _package(
         interfaces=interfaces,
         reference_condition=table["reference"]["kind"],
         mode_labels=modes.labels,
+        laminates=plies.laminates if plies else (),
+        cell_resultants=plies.cells if plies else None,
         provenance=provenance(table, body.notes, n, sums.form, modes.warnings),
     )
 

@@ -51,7 +51,7 @@ def vibrations(
         ends = [end for _, end in clusters(values)[:-1] if end >= count]
         if ends:
             middle = 0.5 * float(values[ends[0] - 1] + values[ends[0]])
-            if condition.count_below(middle) == ends[0]:
+            if _count_below(condition, middle) == ends[0]:
                 break
         spare *= 2
     else:
@@ -65,6 +65,14 @@ def vibrations(
     X = X * _signs(X)
     labels = tuple(f"vibration {i + 1}" for i in range(count))
     return Eigenmodes(values, X, labels, shares_of(participation(X)))
+
+
+def _count_below(condition: Condition, value: float) -> int:
+    """Sturm count; -1 where a front is singular, by chance of the value."""
+    try:
+        return condition.count_below(value)
+    except ArithmeticError:
+        return -1
 
 
 def _check_stiffness(

@@ -28,10 +28,10 @@ def plain_from_model(where: str, gdim: int = 2) -> PlainMesh:
     Raises
     ------
     MeshError : solid cells, cells of a degree above 2, surfaces in no or in two physical groups,
-        groups without cells; if gdim is 2, cells of several kinds or nodes outside the plane
-        z = 0. In space, triangles and quadrilaterals of degree 1 may be mixed: see `SURFACE`.
+        groups without cells; if gdim is 2, nodes outside the plane z = 0. Triangles and
+        quadrilaterals of degree 1 may be mixed: see `SURFACE`.
     """
-    _check_kinds(where, mixed=gdim == 3)
+    _check_kinds(where)
     tags, every = _nodes()
     groups = _surface_groups(where)
     _check_membership(groups, where)
@@ -46,7 +46,7 @@ def plain_from_model(where: str, gdim: int = 2) -> PlainMesh:
         rows.append(np.full(sum(map(len, found)), row))
     cells = np.concatenate(parts)
     if len(kinds) > 1:
-        return _mixed_mesh(tags, every, cells, np.concatenate(rows), tuple(groups), gdim)
+        return _mixed_mesh(tags, every, cells, np.concatenate(rows), tuple(groups), gdim, where)
     cells = np.searchsorted(tags, cells)
     used = np.unique(cells)
     points, cells = used_nodes(every, cells)
@@ -76,6 +76,7 @@ def _mixed_mesh(
     region: IntArray,
     regions: tuple[str, ...],
     gdim: int,
+    where: str,
 ) -> PlainMesh:
     """Triangles and quadrilaterals by node numbers, (c, 4)."""
     used = np.searchsorted(tags, np.unique(cells[cells >= 0]))
@@ -84,10 +85,11 @@ def _mixed_mesh(
     rows = np.where(cells < 0, -1, row[np.searchsorted(tags, np.maximum(cells, tags[0]))])
     shape, degree, _ = SURFACE
     curves, named = _curves(tags, every, gdim), _named_nodes(tags, used)
-    return PlainMesh(every[used], rows, shape, degree, region, regions, curves, named)
+    points = _in_plane(every[used], where) if gdim == 2 else every[used]
+    return PlainMesh(points, rows, shape, degree, region, regions, curves, named)
 
 
-def _check_kinds(where: str, mixed: bool = False) -> None:
+def _check_kinds(where: str) -> None:
     if len(gmsh.model.mesh.getElementTypes(3)):
         raise MeshError(f"{where}: has solid (3-D) cells, expected a mesh of surfaces only")
     kinds = [int(kind) for kind in gmsh.model.mesh.getElementTypes(2)]
@@ -100,7 +102,7 @@ def _check_kinds(where: str, mixed: bool = False) -> None:
                 f"{where}: has cells of kind {name!r}, expected triangles or quadrilaterals of "
                 "degree 1 or 2 (gmsh: Mesh.ElementOrder = 2;)"
             )
-    if mixed and set(kinds) == {2, 3}:
+    if set(kinds) == {2, 3}:
         return
     if len({CELLS[kind][0] for kind in kinds}) > 1:
         count = {CELLS[kind][0]: 0 for kind in kinds}
@@ -108,8 +110,8 @@ def _check_kinds(where: str, mixed: bool = False) -> None:
             count[CELLS[kind][0]] += len(gmsh.model.mesh.getElementsByType(kind)[0])
         raise MeshError(
             f"{where}: mixes {count['triangle']} triangles and {count['quadrilateral']} "
-            "quadrilaterals, expected cells of one kind. In gmsh, remove every `Recombine` for "
-            "triangles only, or set Mesh.SubdivisionAlgorithm = 1; to split all into quadrilaterals"
+            "quadrilaterals: only those of degree 1 may be mixed. In gmsh, remove every "
+            "`Recombine` for triangles only, or set Mesh.SubdivisionAlgorithm = 1;"
         )
     if len(kinds) > 1:
         raise MeshError(f"{where}: mixes cells of degree 1 and 2, or with 8 and 9 nodes")

@@ -107,11 +107,14 @@ class CellMesh:
 
 
 def cells_of_plain(plain: PlainMesh) -> CellMesh:
-    """The mesh of one kind of cells that gmsh or a file gave."""
+    """The mesh that gmsh or a file gave, of one kind of cells or with corners only."""
     c, k = plain.cells.shape
     nodes = np.full((c, MOST_NODES), ABSENT)
     nodes[:, :k] = plain.cells
-    kind = np.full(c, KINDS.index(plain.cell))
+    if plain.cell in KINDS:
+        kind = np.full(c, KINDS.index(plain.cell))
+    else:
+        kind = (plain.cells[:, 3] != ABSENT).astype(np.int64)
     return CellMesh(plain.points, nodes, kind, plain.region, plain.regions)
 
 

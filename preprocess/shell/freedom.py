@@ -13,7 +13,7 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from ...solver.math.arrays import Array, IntArray
-from ...solver.package.body.specification import LINK_KINDS
+from ...solver.package.body.specification import SHELL_LINK_KINDS
 from ...solver.package.shell.cells import sides
 from .assembly import DOFS
 from .errors import ShellError
@@ -53,6 +53,7 @@ class Freedom:
         self._number = np.full(self.n_dof, -1)
         self._number[self.free] = np.arange(len(self.free))
         self._kept: tuple[IntArray, IntArray, IntArray] | None = None
+        self._pattern: tuple[IntArray, IntArray] = np.zeros(0, int), np.zeros(0, int)
 
     @property
     def n_free(self) -> int:
@@ -76,7 +77,8 @@ class Freedom:
 
     def _own(self, A: sp.csr_matrix) -> sp.csr_matrix:
         """Rows and columns of A that are free."""
-        if self._kept is None:
+        if self._kept is None or not _same(self._pattern, A):
+            self._pattern = A.indptr, A.indices
             row = np.repeat(np.arange(self.n_dof), np.diff(A.indptr))
             keep = np.flatnonzero((self._number[row] >= 0) & (self._number[A.indices] >= 0))
             count = np.bincount(self._number[row[keep]], minlength=self.n_free)
@@ -175,6 +177,14 @@ class Freedom:
         )
 
 
+def _same(pattern: tuple[IntArray, IntArray], A: sp.csr_matrix) -> bool:
+    """Whether a matrix has its entries at these places."""
+    return all(
+        kept is own or np.array_equal(kept, own)
+        for kept, own in zip(pattern, (A.indptr, A.indices), strict=True)
+    )
+
+
 def _plain_basis(rows: Array) -> Array:
     """Basis of the same space in echelon form: each row has a 1 in a column of its own."""
     rows = rows.copy()
@@ -219,7 +229,7 @@ def _followed(
         T = sp.csr_matrix(sp.diags(keep) + sp.csr_matrix(entries, shape=(n_dof, n_dof)))
         dependent.append(last)
     # rigid links first: an average may be taken over nodes that one of them carries
-    for kind in LINK_KINDS:
+    for kind in SHELL_LINK_KINDS:
         rows, columns, values = [], [], []
         for number, link in enumerate(links):
             if link.kind != kind:
@@ -233,7 +243,7 @@ def _followed(
                 column = np.broadcast_to(reference, block.shape)
                 dependent.append(nodes.ravel())
             else:
-                block = averaged(arms, link.group.weights)  # (6, k, 6)
+                block = averaged(arms, link.group.weights) if link.rows is None else link.rows
                 row = np.broadcast_to(reference[:, None, None], block.shape)
                 column = np.broadcast_to(nodes, block.shape)
                 dependent.append(reference)

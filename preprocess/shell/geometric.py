@@ -44,6 +44,31 @@ def element_geometric(t: Triangles | Quadrilaterals, N: Array, in_plane: bool = 
     return to_G(t.A_GE, K.reshape(-1, 6 * k, 6 * k))
 
 
+def element_pressure(t: Triangles | Quadrilaterals, p: Array) -> Array:
+    """Stiffness of a pressure that stays normal to its elements, in G, (c, 6 k, 6 k) [N/m].
+
+    The area vector of a displaced element is e3 + (u,x + v,y) e3 - w,x e1 - w,y e2 per area; minus
+    the derivatives of the nodal forces by the displacements, their symmetric part. On a closed
+    surface, and where the edges are held, the sum over all elements is symmetric by itself.
+
+    Parameters
+    ----------
+    p : (c, q) pressure along e3 at the integration points [N/m2]
+    """
+    N, grad = t.interpolation, t.grad
+    if isinstance(t, Triangles):
+        grad = np.broadcast_to(grad[:, None], (len(grad), 3, 3, 2))
+    k = N.shape[1]
+    weighted = (p * t.weight)[:, :, None] * N  # (c, q, k)
+    slopes = np.einsum("cqi,cqja->caij", weighted, grad)  # int p N_i N_j,a
+    K = np.zeros((len(p), k, 6, k, 6))
+    for a in range(2):
+        both = 0.5 * (np.swapaxes(slopes[:, a], 1, 2) - slopes[:, a])
+        K[:, :, 2, :, a] = both
+        K[:, :, a, :, 2] = np.swapaxes(both, 1, 2)
+    return to_G(t.A_GE, K.reshape(-1, 6 * k, 6 * k))
+
+
 def gradients(t: Triangles | Quadrilaterals) -> tuple[Array, Array]:
     """Gradients of the corners' functions (c, q, k, 2) [1/m], and areas (c, q) [m2]."""
     if isinstance(t, Triangles):

@@ -35,6 +35,7 @@ def places(mesh: ShellMesh, links: Sequence[Link], shown: Sequence[int] = ()) ->
         link
         for number, link in enumerate(links)
         if np.linalg.norm(link.point_G - link.group.centre_G) > SAME_PLACE * mesh.size
+        or link.kind == "section"  # it is not the mean of its nodes
         or (number in shown and len(link.group.nodes) > 1)
     ]
     nodes = [mesh.points_G[mesh.file_nodes], *(link.point_G[None] for link in apart)]

@@ -19,7 +19,7 @@ import numpy as np
 
 from ...solver.errors import did_you_mean
 from ...solver.math.arrays import Array
-from ...solver.package.body.specification import LINK_KINDS
+from ...solver.package.body.specification import SHELL_LINK_KINDS
 from .axes import vector
 from .errors import ShellError
 from .groups import Group, group
@@ -33,9 +33,10 @@ class Link:
     """A reference point and its group of nodes."""
 
     name: str
-    kind: str  # one of LINK_KINDS
+    kind: str  # one of SHELL_LINK_KINDS
     group: Group
     point_G: Array  # (3,)                                  [m]
+    rows: Array | None = None  # (6, k, 6) of a section link: motion from those of the nodes
 
 
 def read_links(table: Mapping[str, Any], mesh: ShellMesh, where: str) -> list[Link]:
@@ -49,10 +50,10 @@ def read_links(table: Mapping[str, Any], mesh: ShellMesh, where: str) -> list[Li
     for name, entry in table.items():
         place = f"{where}.{name}"
         kind = entry.get("kind")
-        if kind not in LINK_KINDS:
+        if kind not in SHELL_LINK_KINDS:
             raise ShellError(
-                f"{place}.kind = {kind!r}: expected one of {', '.join(LINK_KINDS)}"
-                + did_you_mean(str(kind), LINK_KINDS)
+                f"{place}.kind = {kind!r}: expected one of {', '.join(SHELL_LINK_KINDS)}"
+                + did_you_mean(str(kind), SHELL_LINK_KINDS)
             )
         of = group(mesh, str(entry.get("at")), f"{place}.at")
         point = entry.get("point")

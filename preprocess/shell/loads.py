@@ -64,6 +64,17 @@ class Loads:
             self._add(forces, entry, f"{where}.{name}")
         return forces.ravel()
 
+    def pressures(self, table: Mapping[str, Any], where: str) -> Array:
+        """Pressure of a load case at the integration points of all cells, (c, 3|4) [N/m2]."""
+        out = np.zeros(self.mesh.cells.shape)
+        for name, entry in table.items():
+            if entry.get("pressure") is None:
+                continue
+            for region in self._chosen("pressure", entry.get("at"), f"{where}.{name}"):
+                intensity = self._intensity(entry, region, f"{where}.{name}")
+                out[region.cells, : intensity.shape[1]] += float(entry["pressure"]) * intensity
+        return out
+
     def given(self, table: Mapping[str, Any], where: str) -> Array:
         """Prescribed displacements of fixed degrees of freedom, (n_dof,) [m, rad].
 
@@ -161,15 +172,7 @@ class Loads:
         return np.asarray((self._mass() @ motion.ravel()).reshape(motion.shape))
 
     def _on_cells(self, key: str, entry: Mapping[str, Any], where: str) -> Array:
-        at = entry.get("at")
-        chosen = [region for region in self.regions if at in (None, region.name)]
-        if not chosen:
-            known = self.mesh.regions
-            raise ShellError(
-                f"{where}.at = {at!r}: {key} needs a physical surface; the mesh has "
-                + ", ".join(known)
-                + did_you_mean(str(at), known)
-            )
+        chosen = self._chosen(key, entry.get("at"), where)
         out = np.zeros((self.mesh.n_node, 3))
         for region in chosen:
             cells, t = region.nodes, region.geometry
@@ -184,6 +187,18 @@ class Loads:
             corner = (t.weight * intensity) @ t.interpolation
             np.add.at(out, cells, corner[:, :, None] * direction[:, None, :])
         return out
+
+    def _chosen(self, key: str, at: Any, where: str) -> list[Region]:
+        """Regions of a physical surface, or all of them."""
+        chosen = [region for region in self.regions if at in (None, region.name)]
+        if not chosen:
+            known = self.mesh.regions
+            raise ShellError(
+                f"{where}.at = {at!r}: {key} needs a physical surface; the mesh has "
+                + ", ".join(known)
+                + did_you_mean(str(at), known)
+            )
+        return chosen
 
     def _intensity(self, entry: Mapping[str, Any], region: Region, where: str) -> Array:
         corners = self.mesh.points_G[region.nodes]

@@ -22,7 +22,7 @@ from ...solver.math.arrays import Array, IntArray
 from ...solver.package.common.plain_data import canonical
 from ...solver.package.shell import cells as tables
 from .. import fenicsx
-from ..fenicsx import PlainMesh
+from ..fenicsx import NamedNodes, PlainMesh
 from ..python_script import load_script
 from .errors import ShellError
 from .pairing import paired
@@ -130,6 +130,13 @@ def mesh_of(plain: PlainMesh, where: str = "mesh") -> ShellMesh:
             f"{where}: has {plain.cell}s of degree {plain.degree}, expected three-node triangles "
             "or four-node quadrilaterals. In gmsh, set Mesh.ElementOrder = 1"
         )
+    wrong = np.flatnonzero(~np.isfinite(plain.points).all(axis=1))
+    if wrong.size:
+        tag = wrong[0] + 1 if plain.named is None else plain.named.tags[wrong[0]]
+        raise ShellError(
+            f"{where}: node {tag} at {plain.points[wrong[0]].tolist()}: expected three finite "
+            f"coordinates; {wrong.size} nodes have none"
+        )
     if plain.cell != "triangle":
         return _in_file_order(plain, where)
     labelled = fenicsx.labelled_mesh(plain)
@@ -194,7 +201,34 @@ def _rows(file_nodes: IntArray, rows: IntArray, name: str, where: str) -> IntArr
     return file_nodes[rows]
 
 
+def _from_arrays(path: Path) -> PlainMesh:
+    """The mesh of another program, as solver/inputs/shell/foreign.py wrote it."""
+    with np.load(path, allow_pickle=False) as file:
+        data = dict(file)
+    named = {
+        kind: {
+            name.removeprefix(f"{kind}:"): rows.astype(np.int64)
+            for name, rows in data.items()
+            if name.startswith(f"{kind}:")
+        }
+        for kind in ("curve", "point")
+    }
+    tags = np.arange(1, len(data["points"]) + 1)
+    return PlainMesh(
+        data["points"],
+        data["cells"],
+        "triangle" if data["cells"].shape[1] == 3 else "mixed",
+        1,
+        data["region"],
+        tuple(map(str, data["regions"])),
+        {},
+        NamedNodes(tags, named["curve"], named["point"]),
+    )
+
+
 def _read(path: Path, parameters: Mapping[str, Any]) -> PlainMesh:
+    if path.suffix == ".npz":
+        return _from_arrays(path)
     if path.suffix == ".geo":
         return fenicsx.run_script(path, parameters, gdim=3)
     if path.suffix != ".py":

@@ -29,8 +29,18 @@ class Stressed:
         self.problem, self.names, self.u = problem, tuple(names), u
 
     def geometric(self, case: str, where: str, in_plane: bool = True) -> sp.csr_matrix:
-        """Geometric stiffness of a load case. Raises ShellError for an unknown one."""
-        return self.problem.geometric_stiffness(self.u[:, self._row(case, where)], in_plane)
+        """Geometric stiffness of a load case, with that of its pressures, which follow the surface.
+
+        Raises ShellError for an unknown case.
+        """
+        problem, row = self.problem, self._row(case, where)
+        Kg = problem.geometric_stiffness(self.u[:, row], in_plane)
+        loads = problem.spec["loads"][case]
+        p = problem.loads.pressures(loads, f"{problem.where}.loads.{case}")
+        if not p.any():
+            return Kg
+        Kp = problem.pressure_stiffness(p)
+        return sp.csr_matrix((Kg.data + Kp.data, Kg.indices, Kg.indptr), shape=Kg.shape)
 
     def stiffness(self, case: str | None, where: str, in_plane: bool = True) -> sp.csr_matrix:
         """Stiffness under a load case; without one that of the unloaded shell."""

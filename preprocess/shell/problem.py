@@ -1,6 +1,7 @@
 """A shell as a finite-element model: mesh, lay-ups, stiffness, mass and supports."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -13,15 +14,16 @@ from .assembly import NO_LINES, NO_MATRICES, Assembly
 from .errors import ShellError
 from .flat_nodes import flat_nodes
 from .freedom import Freedom
-from .geometric import element_geometric
+from .geometric import element_geometric, element_pressure
 from .guards import drilling_motions, model_warnings
-from .links import read_links
+from .links import Link, read_links
 from .loads import Loads
 from .mass import element_mass
 from .membranes import MEMBRANES
 from .mesh import ShellMesh, shell_mesh
 from .regions import Region, read_regions
 from .resultants import element_resultants
+from .section_link import section_rows
 from .spec import check_spec, elements
 from .stiffeners import read_stiffeners
 from .stiffness import element_stiffness
@@ -57,7 +59,10 @@ class ShellProblem:
         self.choice, self.mass_form = elements(spec.get("elements", {}), f"{where}.elements")
         self.mesh = mesh or shell_mesh(spec["mesh"], f"{where}.mesh")
         self.regions = read_regions(spec, self.mesh, where)
-        self.links = read_links(spec.get("links", {}), self.mesh, f"{where}.links")
+        self.links = [
+            self._with_rows(link)
+            for link in read_links(spec.get("links", {}), self.mesh, f"{where}.links")
+        ]
         self.supports = read_supports(
             spec.get("supports", {}), self.mesh, self.links, f"{where}.supports"
         )
@@ -82,6 +87,13 @@ class ShellProblem:
         if all(support.only is None for support in self.supports):
             return self.freedom
         return self._freedom("modes")
+
+    def _with_rows(self, link: Link) -> Link:
+        if link.kind != "section":
+            return link
+        place = f"{self.where}.links.{link.name}.at"
+        rows = section_rows(self.mesh, self.regions, link.group, link.point_G, place)
+        return replace(link, rows=rows)
 
     def _freedom(self, purpose: str) -> Freedom:
         held = [support for support in self.supports if support.only in (None, purpose)]
@@ -115,6 +127,15 @@ class ShellProblem:
                 region.geometry[some], N[region.cells[some]], in_plane
             ),
             [stiffener.geometric(u) for stiffener in self.stiffeners],
+        )
+
+    def pressure_stiffness(self, p: Array) -> sp.csr_matrix:
+        """Stiffness (n_dof, n_dof) [N/m] of pressures that follow the surface, see `pressures`."""
+        return self._assembled(
+            lambda region, some: element_pressure(
+                region.geometry[some], p[region.cells[some], : region.nodes.shape[1]]
+            ),
+            [np.zeros((len(s.ends), 12, 12)) for s in self.stiffeners],
         )
 
     @cached_property

@@ -15,12 +15,13 @@ from ...solver.math.arrays import IntArray
 from ...solver.package.shell.cells import corner_counts
 from ..laminate import LaminateSpec, LaminateStiffness, laminate_from_dict, laminate_stiffness
 from ..materials import Orthotropic, material_from_dict
+from .axes import KEYS as AXES
 from .axes import cell_directions
 from .errors import ShellError
 from .mesh import ShellMesh
 from .quadrilaterals import Quadrilaterals, quadrilaterals
 from .side_factors import side_factors
-from .triangles import Triangles, triangles
+from .triangles import NORMAL, Triangles, triangles
 
 ALL = "all"
 Geometry = Triangles | Quadrilaterals
@@ -98,7 +99,9 @@ def read_regions(spec: Mapping[str, Any], mesh: ShellMesh, where: str) -> list[R
                 else:
                     geometry = quadrilaterals(mesh.points_G, nodes, direction, flip, factors[cells])
             except ShellError as error:
-                raise ShellError(f"{place}: {error}") from error
+                axes = [name for name in AXES if given[key].get(name) is not None]
+                at = f"{place}.{axes[0]}" if axes and NORMAL in str(error) else place
+                raise ShellError(f"{at}: {error}") from error
             found.append(Region(name, cells, nodes, geometry, laminate_name, laminate, stiffness))
     return found
 

@@ -7,6 +7,7 @@ behind a light one, which two rows hold almost as one. Only the first leaves for
 from ..math.arrays import Array
 from ..math.compiled import lean
 from .elimination import factorise
+from .joints.table import DRIVES, KINDS
 from .model import Model
 from .order import Order
 from .workspace import Factors
@@ -16,6 +17,35 @@ from .workspace import Factors
 REGULAR = 1e-7
 CLEARLY = 1e3  # of the geometry alone: rows that are independent have such a multiple of it
 ABSENT = 1e100  # softness of a row that holds nothing
+_DRIVES = frozenset(KINDS[name] for name in DRIVES)
+
+
+def is_tree(model: Model) -> bool:
+    """Tell whether joints close no loop, so that no constraint row ever depends on others.
+
+    Every joint leads to a body that no other one holds, and a drive takes a freedom that its joint
+    leaves. Pivots are no measure then: that of the last joint of a chain falls with the third power
+    of the number of links, whose inertia it moves.
+    """
+    if model.quantities.coupling_start.shape[0] > 1:
+        return False
+    root, pairs = list(range(model.n_body + 1)), set()
+
+    def group(body: int) -> int:
+        while root[body] != body:
+            root[body] = root[root[body]]
+            body = root[body]
+        return body
+
+    for kind, ends in zip(model.joint_kind, model.joint_marker.tolist(), strict=True):
+        if kind in _DRIVES and tuple(ends) in pairs:
+            continue
+        one, two = (group(int(model.marker_body[k]) % (model.n_body + 1)) for k in ends)
+        if one == two:
+            return False
+        root[one] = two
+        pairs.add(tuple(ends))
+    return True
 
 
 @lean

@@ -14,7 +14,7 @@ from ..math.rotations import rotation_into
 from ..math.triple import cross3, minus3
 from .bodies.marker import move_marker
 from .bodies.motion import N_MOTION, place, stand
-from .dependence import REGULAR
+from .dependence import REGULAR, is_tree
 from .energy import energies_into, momenta_into
 from .forces.table import FIRST_LOAD
 from .model import Model, state_size
@@ -56,7 +56,7 @@ def along_solution(
     if by_blocks(model):
         _derivatives(model, work, t, y, rates, multipliers, regular)
     # Rows that nearly depend on each other: elimination loses digits that pivoting keeps.
-    doubtful = regular < regular_above
+    doubtful = (regular < regular_above) & (not is_tree(model))
     if model.penalty > 0.0 and model.beta > 0.0:
         doubtful[:] = True
     spare = np.zeros(state_size(model))

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..dynamics.auxiliary import Called, Instants, sampled
 from ..dynamics.constraints.treatment import Treatment
+from ..dynamics.dependence import is_tree
 from ..dynamics.model import Model
 from ..dynamics.system import by_blocks, derivative_into
 from ..dynamics.workspace import new_work, spare_work
@@ -80,6 +81,8 @@ class StepLoop(Integrator):
         if not by_blocks(model):
             # Rows that depend on each other: of effect on Newton's matrix, not on the motion.
             model = model._replace(penalty=Treatment.penalty)
+        if is_tree(model):
+            model = model._replace(penalty=0.0)  # nothing to soften
         self._model = self.for_loop(model)
         super().__init__(right_hand_side(model), t0, y0, t_end, **options)
         self._options = Options(
@@ -254,6 +257,19 @@ class StepLoop(Integrator):
     def _closes(self) -> bool:
         return False
 
+    def _closed_inside(self, polynomial: Dense, s: float) -> Dense:
+        """Return values of a step brought onto the constraints, in the metric of s [1/s]."""
+        model, c = self._model, self._workspace
+
+        def inside(t: Any) -> Array:
+            times = np.asarray(t, dtype=float)
+            values = polynomial(times.ravel())
+            for time, row in zip(times.ravel(), values, strict=True):
+                close(model, c.work, c.frozen, c.real, s, time, row, c.apart)
+            return values.reshape((*times.shape, self.n))
+
+        return inside
+
     def for_loop(self, model: Model) -> Model:
         """Return the model that the loop is called with."""
         return model
@@ -388,19 +404,9 @@ class Radau(ClosingLoop):
         return advance(self._model, self._options, self._workspace, most, times, rows, filled, ends)
 
     def _dense(self) -> Dense:
-        model, workspace, h = self._model, self._workspace, self.h
-        work, frozen, real = workspace.work, workspace.frozen, workspace.real
+        workspace, h = self._workspace, self.h
         polynomial = Powers(self.t_old, h, workspace.y_old.copy(), workspace.Q.copy())
-
-        def inside(t: Any) -> Array:
-            times = np.asarray(t, dtype=float)
-            values = polynomial(times.ravel())
-            if self._closed:
-                for time, row in zip(times.ravel(), values, strict=True):
-                    close(model, work, frozen, real, MU / h, time, row, workspace.apart)
-            return values.reshape((*times.shape, self.n))
-
-        return inside
+        return self._closed_inside(polynomial, MU / h) if self._closed else polynomial
 
 
 class GeneralizedAlpha(StepLoop):
@@ -489,6 +495,7 @@ class GeneralizedAlpha(StepLoop):
         )
 
     def _dense(self) -> Dense:
-        c = self._workspace
+        c, h = self._workspace, self.h
         ends = (c.y_old.copy(), c.rate_old.copy(), c.y.copy(), c.rate.copy())
-        return Hermite(self.t_old, self.h, *ends)
+        cubic, s = Hermite(self.t_old, h, *ends), self._scheme.to_a**0.5 / h
+        return self._closed_inside(cubic, s) if self._model.n_constraint > 0 else cubic

@@ -1,5 +1,6 @@
 """Build the model of a mechanism, with its names and its start."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -22,6 +23,9 @@ if TYPE_CHECKING:
     from ..inputs.case.schema import Mechanism
 
 
+MODERATE = 100.0  # mass point over its body: far from round-off
+
+
 @dataclass(frozen=True)
 class BuiltMechanism:
     """A model with the names of its bodies, joints and places."""
@@ -35,15 +39,21 @@ class BuiltMechanism:
     joints: dict[str, BuiltJoint]  # joints of the case
     signal_marker: dict[str, int]  # signal of a place -> marker index
     state_names: list[str]  # auxiliary states, without those that count turns
+    light: Callable[[], Model]  # the same with mass points of moderate mass (`heaviest` of `build`)
     callers: tuple[str, ...] = ()  # forces whose values come from functions of the user
 
 
 def build(
-    mechanism: "Mechanism", packages: dict[str, ModalPackage], *, stiffening: bool = False
+    mechanism: "Mechanism",
+    packages: dict[str, ModalPackage],
+    *,
+    stiffening: bool = False,
+    heaviest: float = np.inf,
 ) -> BuiltMechanism:
     """Build the model of a checked mechanism (inputs/case/schema.py).
 
-    `stiffening` gives every body its second-order terms whatever the mechanism says.
+    `stiffening` gives every body its second-order terms whatever the mechanism says; `heaviest` is
+    the largest ratio of a mass point to its body, heavier ones are taken as so heavy.
 
     Raises
     ------
@@ -61,6 +71,12 @@ def build(
         (places.marker(f"masses.{name}.at", mass.at, np.eye(3)), mass.mass)
         for name, mass in mechanism.masses.items()
     ]
+    if heaviest < np.inf:
+        own = [bodies[places.markers[k].body].invariants.mass for k, _ in masses]
+        masses = [
+            (k, min(m, heaviest * body) if body > 0.0 else m)
+            for (k, m), body in zip(masses, own, strict=True)
+        ]
     signal_marker = {
         name: places.marker(f"signals.{name}.at", at, np.eye(3))
         for name, signal in mechanism.signals.items()
@@ -96,6 +112,7 @@ def build(
         joints=built_joints,
         signal_marker=signal_marker,
         state_names=[state.name for state in reader.found.states],
+        light=lambda: build(mechanism, packages, stiffening=stiffening, heaviest=MODERATE).model,
         callers=tuple(s.owner for s in reader.found.states if s.inputs is not None),
     )
 

@@ -14,13 +14,16 @@ def modal_values(
 ) -> list[tuple[int, float]]:
     """Return the modes and their values of bodies.NAME.KEY (`modal_coordinates`, `modal_rates`).
 
-    Modes have their labels, or their kinds if there is one of a kind, or numbers from 1.
+    Modes have their labels, or their kinds if there is one of a kind, or numbers from 1. A body
+    that the run takes as rigid has none.
 
     Raises
     ------
     InputError
         No such mode; the same mode twice.
     """
+    if getattr(body, "rigid", False):
+        return []
     labels = list(package.mode_labels or package.mode_kinds)
     known = {label: k for k, label in enumerate(labels) if labels.count(label) == 1}
     known |= {str(k + 1): k for k in range(package.n_mode)}

@@ -27,6 +27,11 @@ def require_permission(mechanism: "Mechanism") -> None:
         )
 
 
+def calling_forces(mechanism: "Mechanism") -> list[str]:
+    """Return the names of the forces that call functions of the user."""
+    return list(_codes(mechanism))
+
+
 def python_functions(mechanism: "Mechanism") -> dict[str, Called]:
     """Return the functions of the user by force, each with a memory of its own; runs their files.
 

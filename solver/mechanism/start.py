@@ -1,5 +1,6 @@
 """The state in which a run starts: as given, at rest in equilibrium, or in steady spin."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -24,10 +25,12 @@ def starting_state(
     joint_names: list[str],
     body_names: list[str],
     spin: Spin | None = None,
+    light: Callable[[], Model] | None = None,
 ) -> Array:
     """Return the initial state y (n,) of a run; `kind` is solver.start of a case.
 
-    With a spin, equilibrium is that of the mechanism turning at it.
+    With a spin, equilibrium is that of the mechanism turning at it. `light` is as in
+    `require_inertia`.
 
     Raises
     ------
@@ -49,7 +52,7 @@ def starting_state(
         else:
             found = equilibrium(model, closed, body_names)
             y = consistent_state(model, found, joint_names)
-    require_inertia(model, y, body_names)
+    require_inertia(model, y, body_names, light=light)
     return y
 
 

@@ -2,6 +2,7 @@
 
 from .build import make_report
 from .case_table import case_table
+from .glb import write_glb
 from .table import summary_table
 
-__all__ = ["case_table", "make_report", "summary_table"]
+__all__ = ["case_table", "make_report", "summary_table", "write_glb"]

@@ -50,8 +50,23 @@ def draw_all(folder: Path, drawings: Sequence[Drawing]) -> None:
         else:
             for drawing in stale:
                 _draw(drawing)
-    with temporary_sibling(folder / KEYS) as temporary:
-        temporary.write_text(json.dumps(now, indent=1) + "\n", encoding="utf-8")
+    _write_keys(folder / KEYS, now)
+
+
+def is_up_to_date(folder: Path, page: str, key: str) -> bool:
+    """Tell whether a page and all figures were made from data of this digest, and are there."""
+    known = _keys(folder / KEYS)
+    return known.get(page) == key and all((folder / name).is_file() for name in known)
+
+
+def remember(folder: Path, page: str, key: str) -> None:
+    """Keep the digest of a page that was made after its figures."""
+    _write_keys(folder / KEYS, _keys(folder / KEYS) | {page: key})
+
+
+def _write_keys(file: Path, keys: dict[str, str]) -> None:
+    with temporary_sibling(file) as temporary:
+        temporary.write_text(json.dumps(keys, indent=1) + "\n", encoding="utf-8")
 
 
 def _draw(drawing: Drawing) -> None:
@@ -77,11 +92,13 @@ def _key(drawing: Drawing) -> str:
     found = hashlib.sha256(drawing.content.encode())
     found.update(drawing.draw.__name__.encode())
     found.update(importlib.metadata.version("matplotlib").encode())
-    found.update(_sources())
+    found.update(sources())
     return found.hexdigest()
 
 
 @cache
-def _sources() -> bytes:
-    """Digest of the files of this package, which draw the figures."""
-    return files_sha256({file.name: file for file in Path(__file__).parent.glob("*.py")}).encode()
+def sources(pattern: str = "*.py") -> bytes:
+    """Digest of files of this package: by default those that draw the figures."""
+    room = Path(__file__).parent
+    found = [file for file in room.glob(pattern) if file.is_file() and file.suffix != ".pyc"]
+    return files_sha256({str(file.relative_to(room)): file for file in found}).encode()

@@ -5,31 +5,54 @@ from typing import Any
 
 from .elements import Row, name_of, section, table
 from .embed.blob import Blob, json_for_script
-from .embed.histories import NUMBERS, histories
+from .embed.frames import NUMBERS
+from .embed.histories import NUMBERS as HISTORIES
+from .embed.histories import histories
 from .embed.inline import policy, script, style
 from .embed.scene import scene
+from .inputs import inputs_section
+from .modes import masses_section, modes_section
 from .reading import READING
 from .status import banner, doubts, outcomes
 from .story import Comparison, Story
 from .strength import fatigue_section, strength_section, worst
 from .table import signal_numbers
-from .view import VIEW
+from .view import view
+
+LIMIT = 2_900_000  # bytes of a page that can be mailed
 
 
 def page(title: str, stories: list[Story], comparisons: list[Comparison]) -> str:
-    """Return the page as HTML; the data of all plots are embedded."""
+    """Return the page as HTML; the data of all plots and of the animation are embedded.
+
+    Longer histories keep their extremes only; runs that do not fit into LIMIT have no animation.
+    """
+    moving = len(stories)
+    while True:
+        text = _page(title, stories, comparisons, moving)
+        if len(text) < LIMIT or not moving:
+            return text
+        moving //= 2
+
+
+def _page(title: str, stories: list[Story], comparisons: list[Comparison], moving: int) -> str:
+    """Return the page with the animation of the first `moving` runs."""
     blob = Blob()
-    index = _index(blob, title, stories, comparisons)
+    index = _index(blob, title, stories, comparisons, moving)
+    left_out = [story.title for story in stories[moving:]]
     parts = [
         _header(title, stories),
         "<main>",
         outcomes(stories),
         doubts(stories),
-        VIEW if any(run["scene"] for run in index["runs"]) else "",
+        view(left_out) if any(run["scene"] for run in index["runs"]) else "",
         section("plots", "Plots", "<div id='plot-list'></div>"),
         strength_section(stories),
         fatigue_section(stories),
         _signals(stories),
+        modes_section(stories),
+        masses_section(stories),
+        inputs_section(stories),
         READING,
         "</main>",
     ]
@@ -56,19 +79,19 @@ def _header(title: str, stories: list[Story]) -> str:
 
 
 def _index(
-    blob: Blob, title: str, stories: list[Story], comparisons: list[Comparison]
+    blob: Blob, title: str, stories: list[Story], comparisons: list[Comparison], moving: int
 ) -> dict[str, Any]:
-    share = NUMBERS // len(stories)
+    share = HISTORIES // len(stories)
     runs = [
         {
             "name": story.name,
             "title": story.title,
             "stopped": story.stopped,
             **histories(blob, story.result, share),
-            "scene": scene(blob, story),
+            "scene": scene(blob, story, NUMBERS // len(stories)) if k < moving else None,
             "worst": worst(story),
         }
-        for story in stories
+        for k, story in enumerate(stories)
     ]
     return {
         "title": title,

@@ -2,7 +2,8 @@
 
 READING = """<section id='reading' class='reading'><h2>How to read this page</h2><dl>
 <dt>Completed</dt><dd>The run reached its end time. A stopped run is shown up to its stop.
-Its final values are those at the stop.</dd>
+Its final values are those at the stop. A run is invalid from the
+time at which a finding of level error says so.</dd>
 <dt>Constraint violation</dt><dd>The largest distance, over the run, between points that a joint
 connects.</dd>
 <dt>Energy drift</dt><dd>Kinetic, strain and potential energy minus the work of drives and dampers

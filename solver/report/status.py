@@ -3,32 +3,17 @@
 from html import escape
 from typing import Any
 
+from ..results.verdict import invalid_words, verdict
 from .elements import Cell, Row, figures, name_of, section, table
 from .story import Story
 
-VERDICTS = {
-    "good": "completed",
-    "doubt": "completed, with doubts",
-    "bad": "not usable as it is",
-}
 _RANK = {"good": 0, "doubt": 1, "bad": 2}
-
-
-def verdict(story: Story) -> str:
-    """Return what a run is worth: a key of VERDICTS.
-
-    "bad": it stopped early or has a finding of level error; "doubt": it has warnings.
-    """
-    levels = {found.get("level", "warning") for found in _findings(story)}
-    if story.stopped or "error" in levels:
-        return "bad"
-    return "doubt" if "warning" in levels else "good"
 
 
 def banner(stories: list[Story]) -> str:
     """Return one line on all runs, in the colour of the worst."""
     done = sum(not story.stopped for story in stories)
-    worst = max((verdict(story) for story in stories), key=_RANK.__getitem__)
+    worst = max((verdict(story.summary) for story in stories), key=lambda found: _RANK[found])
     count = sum(len(_doubts(story)) for story in stories)
     words = [f"{done} of {len(stories)} runs completed"]
     if count:
@@ -103,8 +88,9 @@ def _count(value: int | None) -> Cell:
 
 def _outcome(story: Story) -> Cell:
     t_end = float(story.summary.get("t_end") or story.result.t[-1])
-    kind, count = verdict(story), len(_doubts(story))
+    kind, count = verdict(story.summary), len(_doubts(story))
     words = f"stopped at {t_end:.4g} s" if story.stopped else f"completed, {t_end:.4g} s"
+    words = invalid_words(story.summary) or words
     badge = f"<span class='badge {kind}'>{words}</span>"
     if count:
         said = "1 warning" if count == 1 else f"{count} warnings"

@@ -1,7 +1,8 @@
 """Data of a run for the report: summary, result and title."""
 
 import hashlib
-from dataclasses import dataclass
+import json
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,6 +19,8 @@ class Story:
     summary: dict[str, Any]
     result: RunResult
     content: str = ""  # digest of all that figures show
+    inputs: dict[str, Any] = field(default_factory=dict)  # mechanism of the run file
+    sha256: str = ""  # of result.vtkhdf
 
     @property
     def stopped(self) -> bool:
@@ -40,6 +43,7 @@ class Comparison(NamedTuple):
     title: str
     signal: str
     runs: tuple[str, ...]
+    spectrum: bool = False  # amplitudes over frequency, not values over time
 
 
 def read_story(case_dir: Path, run: str, title: str) -> Story:
@@ -53,8 +57,9 @@ def read_story(case_dir: Path, run: str, title: str) -> Story:
     file = case_dir / run / "result.vtkhdf"
     result = read_result(file)
     shown = repr((run, title, summary.get("completed"), summary.get("strength")))
-    content = hashlib.sha256(shown.encode() + file.read_bytes()).hexdigest()
-    return Story(run, title, summary, result, content)
+    sha256 = hashlib.sha256(file.read_bytes()).hexdigest()
+    content = hashlib.sha256((shown + sha256).encode()).hexdigest()
+    return Story(run, title, summary, result, content, read_inputs(case_dir, run), sha256)
 
 
 def comparisons(case: dict[str, Any], stories: list[Story]) -> list[Comparison]:
@@ -71,5 +76,16 @@ def comparisons(case: dict[str, Any], stories: list[Story]) -> list[Comparison]:
     for name, figure in wanted.items():
         runs = tuple(run for run in figure["runs"] if run in there)
         if runs:
-            found.append(Comparison(name, figure.get("title") or name, figure["signal"], runs))
+            title, spectrum = figure.get("title") or name, bool(figure.get("spectrum"))
+            found.append(Comparison(name, title, figure["signal"], runs, spectrum))
     return found
+
+
+def read_inputs(case_dir: Path, run: str) -> dict[str, Any]:
+    """Return the mechanism of a run as `check` wrote it; empty if its file is not there."""
+    try:
+        table = json.loads((case_dir / "runs" / f"{run}.json").read_text(encoding="utf-8"))
+        found = table["mechanism"]
+    except (OSError, ValueError, KeyError, TypeError):
+        return {}
+    return found if isinstance(found, dict) else {}

@@ -1,5 +1,7 @@
 """The section of report.html with the mechanism in motion; script/viewer.js fills it."""
 
+from html import escape
+
 from .elements import section
 
 _COLOURS = """<label>colour <select id='colour'>
@@ -12,9 +14,7 @@ _SPEEDS = "".join(
     for speed in (0.001, 0.01, 0.1, 0.25, 0.5, 1, 2, 5)
 )
 
-VIEW = section(
-    "view",
-    "Motion",
+_VIEW = (
     "<div class='tools'>"
     "<label>run <select id='view-run'></select></label>"
     "<label>over it <select id='view-over'><option value=''>none</option></select></label>"
@@ -30,5 +30,12 @@ VIEW = section(
     "<div class='tools timeline'><button type='button' id='play'>play</button>"
     "<input type='range' id='slider' min='0' max='1' step='any' value='0' aria-label='time'>"
     "<output id='clock'>0 s</output>"
-    f"<label>speed <select id='speed'>{_SPEEDS}</select></label></div>",
+    f"<label>speed <select id='speed'>{_SPEEDS}</select></label></div>"
 )
+
+
+def view(left_out: list[str]) -> str:
+    """Return the section; `left_out` are titles of runs without animation, for lack of space."""
+    names = escape(", ".join(left_out))
+    note = f"<p class='note'>Without animation, to keep the page small: {names}.</p>"
+    return section("view", "Motion", _VIEW, note if left_out else "")

@@ -13,6 +13,7 @@ from ..math.arrays import Array, IntArray
 from ..package.section.schema import SectionRecovery
 
 SAME = 0.1  # corners closer than this part of the shortest edge are one
+SMALL = 1e-6  # shortest edge of a cell, over the size of the section
 STRAIGHT = 2e-3  # points closer to the line of their neighbours, over the size, are left out
 LONG = 72  # points of a loop at most
 
@@ -31,11 +32,14 @@ def section_outline(recovery: SectionRecovery) -> Outline | None:
     cells = _cells(recovery)
     if any(len(cell) < 3 for cell in cells):
         return None
-    points, rows = _joined(cells)
+    shortest = min(float(np.linalg.norm(c - np.roll(c, 1, axis=0), axis=1).min()) for c in cells)
+    size = float(np.ptp(recovery.points, axis=0).max())
+    if not shortest > SMALL * size:
+        return None
+    points, rows = _joined(cells, SAME * shortest)
     loops = _loops(rows)
     if not loops:
         return None
-    size = float(np.ptp(points, axis=0).max())
     short = [_simplified(points, loop, STRAIGHT * size) for loop in loops]
     if any(len(loop) < 3 for loop in short):
         return None
@@ -103,17 +107,16 @@ def _turn(a: Array, b: Array, c: Array) -> float:
     return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
 
 
-def _joined(cells: list[Array]) -> tuple[Array, list[IntArray]]:
-    """Return common corners (p, 2) and the rows of each cell."""
+def _joined(cells: list[Array], near: float) -> tuple[Array, list[IntArray]]:
+    """Return common corners (p, 2), those nearer than `near`, and the rows of each cell."""
     every = np.concatenate(cells)
-    shortest = min(float(np.linalg.norm(c - np.roll(c, 1, axis=0), axis=1).min()) for c in cells)
-    grid = np.round(every / (SAME * shortest)).astype(np.int64)
+    grid = np.round(every / near).astype(np.int64)
     known: dict[tuple[int, int], int] = {}
     rows: list[int] = []
     points: list[Array] = []
     for place, (i, j) in zip(every, grid.tolist(), strict=True):
-        near = ((i + a, j + b) for a in (0, -1, 1) for b in (0, -1, 1))
-        row = next((known[key] for key in near if key in known), None)
+        around = ((i + a, j + b) for a in (0, -1, 1) for b in (0, -1, 1))
+        row = next((known[key] for key in around if key in known), None)
         if row is None:
             row = known[i, j] = len(points)
             points.append(place)

@@ -1,5 +1,6 @@
 """Read the result of a run."""
 
+import json
 from pathlib import Path
 
 import h5py
@@ -95,6 +96,7 @@ def _load(path: Path, file: h5py.File) -> RunResult:
         violations=series("violations"),
         node_deflection=array("node_deflection") if "node_deflection" in group else None,
         links=tuple(read_link(path, item) for item in members("joints")),
+        provenance=json.loads(get_text(file, "provenance") or "{}"),
     )
 
 

@@ -1,6 +1,7 @@
 """The result of a run in memory: k output times, all arrays in SI units."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -88,6 +89,7 @@ class RunResult:
     violations: dict[str, Array] = field(default_factory=dict)
     node_deflection: Array | None = None  # (k, n) magnitude of the elastic displacement [m]
     links: tuple[Link, ...] = ()  # joints, for pictures
+    provenance: dict[str, Any] = field(default_factory=dict)  # versions, command, digest of inputs
 
     @property
     def energy_balance(self) -> Array:

@@ -21,6 +21,9 @@ FACES |= {12: _HEXA, 25: _HEXA, 29: _HEXA, 13: _WEDGE, 26: _WEDGE, 14: _PYRAMID,
 SOLID = (10, 24, 12, 25, 29, 13, 26, 14, 27)
 
 
+FLAT = 12  # sides of a section whose edges along the beam are drawn
+
+
 class Parts:
     """A surface that grows by quadrilaterals, triangles and points."""
 
@@ -79,22 +82,27 @@ def extruded(
     parts, n = Parts(), len(nodes_B)
     for e in range(n - 1):
         outline = outlines[min(e, len(outlines) - 1)]
-        sides = (e, starts[e]), (e + 1, ends[e + 1])
         flat = np.column_stack([np.zeros(len(outline.points)), outline.points])
-        one, two = (parts.points(np.full(len(flat), k), flat @ axes_B[k].T) for k, _ in sides)
+        one, two = flat @ axes_B[e].T, flat @ axes_B[e + 1].T
         for loop in outline.loops:
-            there = np.roll(loop, -1)
-            corners = np.column_stack([one + loop, two + loop, two + there, one + there])
-            site = np.tile([sides[0][1], sides[1][1], sides[1][1], sides[0][1]], (len(loop), 1))
-            parts.quads(corners, site, sides=0b0001 if len(loop) <= 12 else 0)
-        caps = []
-        if e == 0:
-            caps.append((one, (0, 2, 1), sides[0][1]))
-        if e == n - 2:
-            caps.append((two, (0, 1, 2), sides[1][1]))
-        for first, turn, own in caps:
-            face = first + outline.face[:, turn]
-            parts.triangles(face, np.zeros(len(face), dtype=np.int64), np.full(face.shape, own))
+            count = len(loop)
+            first = parts.points(
+                np.repeat([e, e + 1], count), np.concatenate([one[loop], two[loop]])
+            )
+            k = first + np.arange(count)
+            there = np.roll(k, -1)
+            corners = np.column_stack([k, k + count, there + count, there])
+            site = np.tile([starts[e], ends[e + 1], ends[e + 1], starts[e]], (count, 1))
+            parts.quads(corners, site, sides=0b0001 if count <= FLAT else 0)
+    for node, outline, turn, own in (
+        (0, outlines[0], (0, 2, 1), starts[0]),
+        (n - 1, outlines[-1], (0, 1, 2), ends[n - 1]),
+    ):
+        used, rows = np.unique(outline.face, return_inverse=True)
+        flat = np.column_stack([np.zeros(len(used)), outline.points[used]])
+        first = parts.points(np.full(len(used), node), flat @ axes_B[node].T)
+        face = first + rows.reshape(-1, 3)[:, turn]
+        parts.triangles(face, np.zeros(len(face), dtype=np.int64), np.full(face.shape, own))
     return parts.surface()
 
 

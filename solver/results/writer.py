@@ -1,5 +1,6 @@
 """Write a result: one VTKHDF file with an animation for ParaView and all result arrays."""
 
+import json
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from ..math.rows import LongRows, spans
 from ..package.common.container import new_file, set_text
 from ..package.common.identity import write_file_checksum
 from .schema import FORMAT, FORMAT_VERSION, BodyGeometry, ResultError, RunResult, check_result
+from .summary import plain
 from .view_file import write_link, write_view
 
 LARGE = 1_000_000  # size in bytes above which an array is compressed
@@ -41,6 +43,7 @@ def write_result(path: str | Path, result: RunResult, *, max_frames: int = 200) 
         set_text(file, "case", result.case)
         set_text(file, "run", result.run)
         set_text(file, "units", "SI")
+        set_text(file, "provenance", json.dumps(plain(result.provenance)))
         _write_results(file.create_group("results"), result)
         chosen = frames(len(result.t), max_frames)
         deflection = None if result.node_deflection is None else result.node_deflection[chosen]
@@ -142,6 +145,9 @@ def write_animation(
     for name, count in counts.items():
         view[f"NumberOf{name}"] = np.array([count], dtype=np.int64)
     view["CellData/body_id"] = np.repeat(np.arange(len(cells)), cells).astype(np.int64)
+    # As attributes: VTK 9.7 ends with a fault on texts in the field data of a file with time steps.
+    set_text(view["CellData/body_id"], "names", json.dumps([body.name for body in bodies]))
+    set_text(view["Points"], "unit", "m")
 
     moving = {"displacement": (points - points[0]).reshape(-1, 3)}
     if deflection is not None:
@@ -149,6 +155,7 @@ def write_animation(
     steps = view.create_group("Steps")
     steps.attrs["NSteps"] = np.int64(n_step)
     steps["Values"] = t
+    set_text(steps["Values"], "unit", "s")
     steps["NumberOfParts"] = np.ones(n_step, dtype=np.int64)
     still = np.zeros(n_step, dtype=np.int64)
     for name in ("PartOffsets", "PointOffsets", "CellDataOffsets/body_id"):
@@ -157,7 +164,7 @@ def write_animation(
         steps[name] = still[:, None]
     for name, values in moving.items():
         squeeze = {"compression": "gzip", "shuffle": True} if values.nbytes > LARGE else {}
-        view.create_dataset(f"PointData/{name}", data=values, **squeeze)
+        set_text(view.create_dataset(f"PointData/{name}", data=values, **squeeze), "unit", "m")
         steps[f"PointDataOffsets/{name}"] = np.arange(n_step, dtype=np.int64) * n
 
 

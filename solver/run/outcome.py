@@ -22,6 +22,7 @@ from ..signals import Sensor, fatigue_entry, recorded
 from ..strength.fatigue import Turning
 from ..strength.found import summary as strength_entry
 from .drawing import links, with_views
+from .provenance import provenance
 
 if TYPE_CHECKING:
     from ..inputs.case.schema import Mechanism
@@ -110,6 +111,7 @@ def collect(
         node_positions_G=points,
         violations={n: rows.all() for (group, n), rows in kept.items() if group == "violations"},
         links=links(finished.built),
+        provenance=provenance(spec.packages),
     )
     judgement = judge(finished)
     # Remarks on the cost of a run are findings too; `hints` repeats them beside the integrator's.
@@ -127,6 +129,7 @@ def collect(
             **judgement.numbers,
             "modes_used": {n: p.n_mode for n, p in finished.packages.items()},
         },
+        "provenance": result.provenance,
         "strength": {n: strength_entry(found) for n, found in judgement.strengths.items()},
         "fatigue": {name: fatigue_entry(sensors[name], turning[name]) for name in turning},
         "cost": {

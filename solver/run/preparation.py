@@ -130,7 +130,7 @@ def prepare(
         adjust(built.model)
     names = built.joint_names, built.body_names
     spin = given_spin(solver)
-    y0 = starting_state(built.model, built.start, solver.start, *names, spin)
+    y0 = starting_state(built.model, built.start, solver.start, *names, spin, built.light)
     found = redundancy(built.model, y0, built.joint_names)
     built = replace(built, model=treated(built.model, treatment)._replace(redundant=found.count))
     spins = SpinMonitor(built.model, built.body_names, stop=solver.on_invalid == "stop")

@@ -15,6 +15,7 @@ from plymotion.solver.results import RunResult, read_result
 pytest.importorskip("matplotlib")
 
 RUNS = ("layup-1", "layup-2")
+LONG_TITLE = "lay-up 2, all plies 30 deg, a title that is too long for <small> & narrow screens"
 
 
 @pytest.fixture(scope="module")
@@ -23,7 +24,10 @@ def case_dir(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Path
     folder = tmp_path_factory.mktemp("case")
     text = (repository / "cases/double-pendulum/case.toml").read_text()
     assert "t_end = 1.0" in text
-    (folder / "case.toml").write_text(text.replace("t_end = 1.0", "t_end = 0.1"))
+    text = text.replace("t_end = 1.0", "t_end = 0.1")
+    assert LONG_TITLE not in text
+    text = text.replace("lay-up 2, all plies 30 deg", LONG_TITLE)
+    (folder / "case.toml").write_text(text)
     packages = repository / "tests/packages/double-pendulum"
     runs = [word for run in RUNS for word in ("--run", run)]
     command = [str(folder / "case.toml"), *runs, "--packages", str(packages), "--quiet"]
@@ -234,6 +238,40 @@ def test_page_is_usable_without_3d(case_dir: Path, tmp_path: Path) -> None:
             np.reshape(found, (-1, 3))[: len(expected)], expected, rtol=0, atol=1e-6
         )
         assert plain.errors() == []
+
+
+@pytest.mark.parametrize("dark", [False, True])
+def test_no_serious_findings_on_accessibility(
+    repository: Path, case_dir: Path, tmp_path: Path, *, dark: bool
+) -> None:
+    axe = repository / "build/browser/axe.min.js"
+    if not axe.is_file():
+        pytest.skip("no axe-core: tools/browser.sh build/browser installs it")
+    with Browser(tmp_path / "profile", *SOFTWARE, dark=dark) as other:
+        other.open(case_dir / "report.html")
+        other.run(axe.read_text() + "; 0")
+        found = other.run(
+            "axe.run(document).then(({ violations, passes }) => [passes.length,"
+            "violations.map((v) => [v.impact, v.id, v.nodes.map((n) => n.html)])])"
+        )
+    passed, violations = found
+    assert passed > 20
+    assert [each for each in violations if each[0] in ("serious", "critical")] == []
+
+
+def test_nothing_is_cut_off_on_a_narrow_screen(browser: Browser) -> None:
+    browser.size(375, 800)
+    browser.wait("document.documentElement.clientWidth === 375")
+    try:
+        assert browser.run("document.documentElement.scrollWidth") <= 375
+        browser.wait("document.getElementById('canvas').getBoundingClientRect().width < 375")
+        inside = "[...document.querySelectorAll('#view select, #view button, #view input')]"
+        assert (
+            browser.run(f"Math.max(...{inside}.map((e) => e.getBoundingClientRect().right))") <= 375
+        )
+        browser.wait("plymotion.chartWidths().every((width) => width < 375)")
+    finally:
+        browser.size(1280, 900)
 
 
 def test_wrong_script_is_refused_by_the_policy(case_dir: Path, tmp_path: Path) -> None:

@@ -225,11 +225,11 @@ def test_an_interruption_between_members_keeps_those_before(tmp_path, monkeypatc
 
     prepare = member.prepare
 
-    def interrupted(mechanism, packages, signals):
+    def interrupted(*arguments, **options):
         if len(calls) == 1:
             raise KeyboardInterrupt
         calls.append(1)
-        return prepare(mechanism, packages, signals)
+        return prepare(*arguments, **options)
 
     calls = []
     monkeypatch.setattr(member, "prepare", interrupted)
@@ -290,10 +290,10 @@ def test_a_defect_is_told_and_the_others_go_on(tmp_path, monkeypatch):
 
     prepare = member.prepare
 
-    def broken(mechanism, packages, signals):
-        if mechanism.bodies["ball"].mass == 2:
+    def broken(*arguments, **options):
+        if arguments[0].bodies["ball"].mass == 2:
             raise ZeroDivisionError("a defect")
-        return prepare(mechanism, packages, signals)
+        return prepare(*arguments, **options)
 
     monkeypatch.setattr(member, "prepare", broken)
     plan = ball_plan(tmp_path, f"{MASS} = [1, 2, 3]")

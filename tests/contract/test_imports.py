@@ -1,6 +1,7 @@
 """What each half may import: checked in a fresh interpreter and by import-linter."""
 
 import ast
+import importlib
 import json
 import re
 import shutil
@@ -15,6 +16,7 @@ from case_samples import case_runs
 from plymotion.solver.inputs.case.record import seal
 from plymotion.solver.inputs.case.resolved import resolved
 
+ROOT = Path(__file__).parents[2]
 FE_MODULES = {"dolfinx", "petsc4py", "slepc4py", "mpi4py", "gmsh", "basix", "ufl", "ffcx"}
 
 IMPORT_ALL = """
@@ -178,3 +180,15 @@ def test_exchange_with_other_codes_needs_no_fe_code(repository: Path) -> None:
     }
     assert {"numpy", "scipy", "h5py"} <= loaded
     assert not loaded & (FE_MODULES | {"pydantic", "numba", "matplotlib", "meshio", "pyvista"})
+
+
+@pytest.mark.parametrize("file", sorted((ROOT / "benchmarks").glob("*.py")), ids=lambda f: f.stem)
+def test_benchmarks_import_what_exists(file: Path) -> None:
+    """Names that scripts of benchmarks/ take from the solver: these scripts run seldom."""
+    tree = ast.parse(file.read_text(encoding="utf-8"))
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("plymotion.solver"):
+            module = importlib.import_module(node.module or "")
+            for alias in node.names:
+                if not hasattr(module, alias.name):
+                    importlib.import_module(f"{node.module}.{alias.name}")

@@ -325,8 +325,10 @@ def test_group_without_a_name_is_called_by_its_number(mesh: Mesher) -> None:
 def test_mixed_cells(mesh: Mesher) -> None:
     text = squares((0, 0), (1, 0)).replace("Recombine Surface {2};", "")
     text += "Coherence;\n" + groups(left="1", right="2")
-    with pytest.raises(SectionError, match=r"mixes 8 triangles and 4 quadrilaterals.*Recombine"):
-        mesh(text)
+    cells = mesh(text).cells
+    assert np.bincount(cells.kind).tolist() == [8, 4]
+    with pytest.raises(SectionError, match=r"mixes 8 triangles and 4 quadrilaterals.*degree 1"):
+        mesh("Mesh.ElementOrder = 2;\n" + text)
 
 
 def test_cubic_cells(mesh: Mesher) -> None:

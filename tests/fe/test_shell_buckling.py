@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from shell_benchmarks import lamina
+from shell_benchmarks import cantilever, lamina
 from shell_model import SCRIPTS, isotropic, laminate
 from shell_specs import plate
 
@@ -121,6 +121,25 @@ def test_laminated_squares(
     assert first_factor(spec) / h**3 == pytest.approx(N, rel=0.015)
 
 
+CALCULIX = {  # S8R of CalculiX 2.20, 24 x 8 elements, *BUCKLE: benchmarks/shell_buckling.py
+    "[0,0,90]s": (8.31343, 74.816),
+    "[15,15,0]s": (5.08964, 44.9584),
+    "[45,45,0]s": (1.52696, 13.834),
+    "[45]3[-45]3": (1.41681, 12.8892),
+}
+
+
+@pytest.mark.parametrize("layup", CALCULIX)
+def test_cantilever_plates_against_calculix(layup: str) -> None:
+    model, _ = cantilever((24, 8), layup)
+    model.loads = {"N": {"tip": {"at": "right", "force": [-1.0, 0.0, 0.0]}}}
+    model.frequencies = {}
+    found = analyse({**model.spec(cells=QUADS), "buckling": {"count": 2}}).buckling
+    assert found is not None
+    assert found.factors / CALCULIX[layup] == pytest.approx(np.ones(2), rel=6e-3)
+    assert found.factors[0] == pytest.approx(CALCULIX[layup][0], rel=1.5e-3)
+
+
 def column(n: tuple[int, int], direction: str, cells: dict[str, str]) -> float:
     """Load factor of a cantilever strip under 1 N, over Euler's."""
     L, b, h = 1.0, 0.05, 0.02
@@ -165,6 +184,30 @@ def test_axially_compressed_cylinder(cells: dict[str, str]) -> None:
     }
     classical = E * h / (R * np.sqrt(3.0 * (1.0 - nu**2)))
     assert first_factor(spec) / (classical * h) == pytest.approx(1.0, abs=0.06)
+
+
+@pytest.mark.parametrize("cells", KINDS, ids=NAMES)
+def test_ring_under_a_pressure_that_follows(cells: dict[str, str]) -> None:
+    """A long tube: p = 3 D/R^3 (Levy 1884); 4 D/R^3 if the pressure kept its direction."""
+    R, h = 1.0, 0.02
+    stack, materials = isotropic(70e9, 0.3, h)
+    size = {"radius": R, "length": 0.2, "second_deg": 90.0, "n_length": 2, "n_around": 40}
+    spec = {
+        "mesh": {"file": str(SCRIPTS / "cylinder.py"), "parameters": size, **cells},
+        "materials": materials,
+        "laminates": {"wall": stack},
+        "regions": {"all": {"laminate": "wall", "axis": [1.0, 0.0, 0.0]}},
+        "supports": {
+            "near": {"at": "near", "fixed": "symmetry-x"},
+            "far": {"at": "far", "fixed": "symmetry-x"},
+            "first": {"at": "first", "fixed": "symmetry-y"},
+            "second": {"at": "second", "fixed": "symmetry-z"},
+        },
+        "loads": {"p": {"all": {"pressure": -1.0}}},
+        "buckling": {"count": 1},
+    }
+    D = 70e9 * h**3 / (12.0 * 0.91)
+    assert first_factor(spec) == pytest.approx(3.0 * D / R**3, rel=0.01)
 
 
 def test_rigid_rotations_of_a_stressed_shell_have_the_exact_second_order_work() -> None:

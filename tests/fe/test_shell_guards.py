@@ -205,3 +205,11 @@ def test_command_line(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None
     assert main(["shell", str(good)]) == 0
     assert capfd.readouterr().out == "[1/1] good: unchanged\n"
     assert main(["shell", str(good), str(bad), "--out", "x.vtkhdf"]) == 2
+
+
+def test_messages_name_node_and_key() -> None:
+    with pytest.raises(ShellError, match=r"node 3 at \[0.0, nan, 0.0\]: expected three finite"):
+        mesh_from([[0, 0, 0], [1, 0, 0], [0, np.nan, 0]], [[0, 1, 2]])
+    across = {"all": {"material": "metal", "thickness": 0.01, "axis": [0.0, 0.0, 1.0]}}
+    with pytest.raises(ShellError, match=r"regions.all.axis: .*normal to its reference direction"):
+        ShellProblem(plate(2, 0.01, regions=across))

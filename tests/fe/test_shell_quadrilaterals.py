@@ -6,15 +6,19 @@ from typing import Any
 
 import numpy as np
 import pytest
+from body_specs import shell_body
 from shell_benchmarks import expected, numbers
-from shell_specs import box, plate
+from shell_specs import CFRP, box, plate
 
+from plymotion.preprocess.body import build_body
 from plymotion.preprocess.shell.analysis import analyse
 from plymotion.preprocess.shell.errors import ShellError
 from plymotion.preprocess.shell.problem import ShellProblem
 from plymotion.preprocess.shell.stations import mass_stations
+from plymotion.solver.package import validate, write_package
 from plymotion.solver.package.shell.cells import corner_counts
 from plymotion.solver.package.shell.io import read_shell, write_shell
+from plymotion.solver.strength.shell_bodies import cell_centres, shell_strength
 
 Record = Callable[[str, Any], None]
 QUADS = {"element": "quadrilateral"}
@@ -196,3 +200,54 @@ def test_stations_have_the_mass_of_the_matrix(form: str) -> None:
     found = np.einsum("s,sia,sib->ab", s.m, s.phi_B, s.phi_B)
     found += np.einsum("sia,sij,sjb->ab", s.psi_B, s.J_B, s.psi_B)
     assert np.abs(found - exact).max() < 1e-12 * np.abs(exact).max()
+
+
+def test_body_of_quadrilaterals(tmp_path: Path) -> None:
+    """A package with its stresses: no findings, and the exposure of its plies at the root."""
+    shell = plate((12, 4), 1.0, 0.4, 0.1)
+    limits = {"Xt": 2e9, "Xc": 1.5e9, "Yt": 5e7, "Yc": 2e8, "S12": 8e7}
+    shell["materials"] = {"cfrp": {**CFRP, "strength": limits}}
+    plies = [{"material": "cfrp", "angle_deg": a, "thickness": 1e-3} for a in (0.0, 90.0, 0.0)]
+    shell["laminates"] = {"skin": {"plies": plies}}
+    shell["regions"] = {"all": {"laminate": "skin", "axis": [1.0, 0.0, 0.0]}}
+    shell["mesh"] |= QUADS
+    parts = ("mesh", "materials", "laminates", "regions")
+    package = build_body(
+        shell_body(
+            body="wing",
+            shell={key: shell[key] for key in parts},
+            modes=[{"kind": "lowest", "count": 3}],
+            interfaces={"root": {"at": "left"}, "tip": {"at": "right", "link": "average"}},
+        )
+    )
+    write_package(tmp_path / "wing.vtkhdf", package)
+    assert [f for f in validate(tmp_path / "wing.vtkhdf") if f.level != "note"] == []
+    assert set(package.cell_types) == {9}
+    found = shell_strength(package, np.zeros(1), np.array([[1e-3, 0.0, 0.0]]))
+    assert found is not None
+    bending = np.abs(package.cell_resultants.resultants_E[:, 3, 0])
+    assert bending.argmax() in np.flatnonzero(
+        np.abs(cell_centres(package, package.cell_resultants)[:, 0]) < 0.05
+    )
+    (weakest, *_) = found.plies
+    assert weakest.point[0] < 0.05
+
+
+def test_arrays_of_another_program(tmp_path: Path) -> None:
+    """Two squares, one of them of triangles, as the light half writes them."""
+    arrays = {
+        "points": np.array([[x, y, 0.0] for x in (0.0, 1.0, 2.0) for y in (0.0, 1.0)]),
+        "cells": np.array([[0, 2, 3, 1], [2, 4, 5, -1], [2, 5, 3, -1]]),
+        "region": np.array([0, 1, 1]),
+        "regions": np.array(["skin", "flap"]),
+        "curve:root": np.array([[0, 1]]),
+        "curve:tip": np.array([[4, 5]]),
+    }
+    file = tmp_path / "wing.npz"
+    np.savez(file, **arrays)
+    held = {"root": {"at": "root", "fixed": "all"}}
+    loads = {"pull": {"tip": {"at": "tip", "force": [1.0, 0.0, 0.0]}}}
+    found = analyse(plate(1, 0.1, mesh={"file": str(file)}, supports=held, loads=loads))
+    assert found.mesh.regions == ("skin", "flap")
+    assert corner_counts(found.mesh.cells).tolist() == [4, 3, 3]
+    assert found.cases.reactions_G[0, 0, 0] == pytest.approx(-1.0, rel=1e-9)

@@ -10,10 +10,14 @@ from shell_specs import CFRP, METAL, box, plate
 from plymotion.preprocess.body import build_body
 from plymotion.preprocess.shell.body import shell_model, shell_modes
 from plymotion.preprocess.shell.body_spec import read_shell_body
+from plymotion.preprocess.shell.freedom import Freedom
+from plymotion.preprocess.shell.frequencies import natural_modes
+from plymotion.preprocess.shell.problem import ShellProblem
 from plymotion.preprocess.shell.second_order import (
     second_order_fields,
     work_on_second_order_strains,
 )
+from plymotion.preprocess.shell.supports import read_supports
 from plymotion.solver.package import read_package, write_package
 from plymotion.solver.package.body.second_order import modal_mass_at
 
@@ -169,3 +173,50 @@ def test_package_keeps_the_second_order(tmp_path: Any) -> None:
     assert again.second_order is not None
     assert np.array_equal(again.second_order.Z1_B, package.second_order.Z1_B)
     assert build_body(strip((8, 2), second_order=False)).second_order is None
+
+
+@pytest.mark.parametrize(("count", "ratio", "bound"), [(4, 5.0, 2e-3), (12, 10.0, 1e-3)])
+def test_spinning_square_plate(count: int, ratio: float, bound: float) -> None:
+    """Modes at rest with second-order data against the plate under its centrifugal stresses.
+
+    The plate is clamped at x = 0 and spins about z through the middle of that edge; `ratio` is the
+    spin over sqrt(D/(m a^4)). f1 rises to 1.85 and 3.2 times its value at rest.
+    """
+    shell = plate((16, 16), 0.01)
+    shell["mesh"] |= QUADS
+    spec = body(shell, ("left", "right"), modes=[{"kind": "bending-xz", "count": count}])
+    spec["interfaces"]["tip"]["link"] = "average"
+    model = shell_model(read_shell_body(spec))
+    package = build_body(spec)
+    problem, condition = model.problem, model.condition
+    D = METAL["E"] * 0.01**3 / (12.0 * (1.0 - METAL["nu"] ** 2))
+    spin = ratio * np.sqrt(D / (METAL["rho"] * 0.01))
+    outwards = np.zeros((problem.freedom.n_dof, 1))
+    places = problem_places(problem) - [0.0, 0.5, 0.0]
+    outwards[0::6, 0], outwards[1::6, 0] = places.T[:2]
+    load = spin**2 * problem.freedom.gathered(problem.M @ outwards)
+    u = problem.freedom.expanded(condition.static(load, np.zeros_like(load)).columns)
+    stressed = (problem.K + problem.geometric_stiffness(u[:, 0])).tocsr()
+    exact = natural_modes(
+        stressed, problem.M, held(problem), 2, np.zeros((problem.freedom.n_dof, 0))
+    ).values[0]
+    second = package.second_order
+    assert second is not None
+    stiffening = -(second.Z1_B[0, 0] + second.Z1_B[1, 1] - 0.5 * second.Z0_B[1])
+    found = np.linalg.eigvalsh(package.stiffness + spin**2 * stiffening)[0]
+    assert np.sqrt(found / exact) == pytest.approx(1.0, abs=bound)
+    assert found > 1.5 * package.stiffness[0, 0]
+
+
+def problem_places(problem: ShellProblem) -> np.ndarray:
+    """Positions of all nodes and reference points, (n, 3)."""
+    ends = [link.point_G[None] for link in problem.links]
+    return np.concatenate([problem.mesh.points_G, *ends])
+
+
+def held(problem: ShellProblem) -> Freedom:
+    """The degrees of freedom with the clamped edge fixed."""
+    support = read_supports(
+        {"root": {"at": "root", "fixed": "all"}}, problem.mesh, problem.links, "supports"
+    )
+    return Freedom(problem.mesh, problem.links, support)

@@ -1,6 +1,7 @@
 """`import plymotion` in Python: what it loads, cases, runs and results by name."""
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +12,7 @@ from case_samples import HEAD, SOLVER, rigid
 
 import plymotion as pm
 from plymotion.solver.__main__ import main as command
+from plymotion.solver.commands.cases.report import report_case
 
 SWING = (
     HEAD
@@ -168,3 +170,56 @@ def test_without_pandas_the_message_says_how_to_get_it(swing, monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(ImportError, match=r"pip install plymotion\[pandas\]"):
         pm.run(swing, "base").to_pandas()
+
+
+def test_a_figure_of_the_case_may_be_a_spectrum(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    figure = '[figures.hum]\ntitle = "Hum"\nsignal = "tip_z"\nruns = ["base"]\nspectrum = true\n'
+    Path("swing.toml").write_text(SWING + figure)
+    assert command(["swing.toml", "--run", "base", "--quiet"]) == 0
+    assert Path("build/swing/hum.png").stat().st_size > 1000
+    short = figure.replace("hum", "short") + "[variants.brief.solver]\noutput_step = 0.5\n"
+    runs = '[runs.brief]\nvariants = ["brief"]\n'
+    Path("swing.toml").write_text(SWING + short.replace('"base"', '"brief"') + runs)
+    pm.run("swing.toml", "brief")
+    with pytest.raises(pm.InputError, match=r"figures\.short: run brief: .*four output times"):
+        report_case(Path("build/swing"), ["brief"])
+
+
+def test_a_sweep_is_that_of_the_command_and_is_continued(swing):
+    text = "[sweeps.mass]\nrun = 'base'\nvary.'gravity.2' = [-9.81, -1.62]\n"
+    Path(swing).write_text(SWING + text)
+    found = pm.sweep(swing, "mass", out="a")
+    moon = pm.run(swing, "moon", out="a").signals["tip_z"]
+    assert found.signals["tip_z"].min[1] == pytest.approx(moon.min, rel=1e-12)
+    assert found.signals["tip_z"].rms[1] == pytest.approx(moon.rms, rel=1e-12)
+    assert command(["sweep", "a/sweeps/mass.json", "--quiet", "--no-figures"]) == 0
+    again = pm.Sweep.from_folder("a/sweeps/mass")
+    assert again.data.rows == found.data.rows  # with the times that they took
+    assert Path("a/sweeps/mass/sweep.csv").is_file()
+
+
+def test_a_sweep_by_processes_needs_no_guard_in_the_script(swing, tmp_path, repository):
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import plymotion as pm\n"
+        f"found = pm.sweep({swing!r}, run='base', vary={{'bodies.rod.mass': [1, 2, 3]}}, jobs=2)\n"
+        "print(found.status)\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(repository)}
+    done = subprocess.run(
+        [sys.executable, str(script)], capture_output=True, text=True, env=environment
+    )
+    assert done.returncode == 0, done.stderr
+    assert "['finished', 'finished', 'finished']" in done.stdout
+
+
+def test_wrong_sweeps_say_so(swing):
+    with pytest.raises(pm.InputError, match="no sweep 'mas'"):
+        pm.sweep(swing, "mas")
+    with pytest.raises(pm.InputError, match="run=, the name of a run: base, moon"):
+        pm.sweep(swing, vary={"bodies.rod.mass": [1.0]})
+    with pytest.raises(pm.InputError, match=r"sweeps\.python\.vary: .* did you mean 'mass'"):
+        pm.sweep(swing, run="base", vary={"bodies.rod.mas": [1.0]})
+    with pytest.raises(pm.InputError, match=r"member 1: bodies.rod.mass = -1\)"):
+        pm.sweep(swing, run="base", vary={"bodies.rod.mass": [1.0, -1.0]})

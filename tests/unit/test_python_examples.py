@@ -12,6 +12,8 @@ import pytest
 from section_samples import rectangle
 
 import plymotion
+from plymotion.api.names import ByName
+from plymotion.api.sweeping import SweepSignal
 from plymotion.solver.package.section.io import write_section
 
 PAGE = Path("docs/python.md").resolve()
@@ -25,8 +27,9 @@ def _blocks(language: str) -> list[str]:
 def _examples() -> dict[str, object]:
     """Public names and the public members that their classes define, by name."""
     found: dict[str, object] = {}
-    for name in plymotion.__all__:
-        thing = getattr(plymotion, name)
+    # the names, and what is met on the way
+    things = {name: getattr(plymotion, name) for name in plymotion.__all__}
+    for name, thing in {**things, "SweepSignal": SweepSignal, "ByName": ByName}.items():
         if not getattr(thing, "__module__", "").startswith("plymotion.api"):
             continue  # the version, and errors
         found[name] = thing
@@ -66,7 +69,7 @@ def _run(text: str, name: str) -> None:
 
 
 def test_all_names_are_known():
-    assert {"load", "run", "Section.from_file", "Result.energies"} <= EXAMPLES.keys()
+    assert {"load", "run", "sweep", "Section.from_file", "Result.energies"} <= EXAMPLES.keys()
 
 
 @pytest.mark.parametrize("name", EXAMPLES)

@@ -236,6 +236,40 @@ def test_report_again_gives_the_same_bytes(case_dir: Path) -> None:
     assert before == {file: file.read_bytes() for file in files}
 
 
+def test_page_is_made_again_only_if_something_changed(case_dir: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "case"
+    shutil.copytree(case_dir, folder)
+    page = folder / "report.html"
+    before = page.stat().st_mtime_ns
+    make_report(folder, list(RUNS), CASE)
+    assert page.stat().st_mtime_ns == before
+    summary = json.loads((folder / "long/summary.json").read_text())
+    write_summary(folder / "long/summary.json", summary | {"t_end": 1.75})
+    make_report(folder, list(RUNS), CASE)
+    assert "completed, 1.75 s" in page.read_text()
+    (folder / "angles.png").unlink()
+    make_report(folder, list(RUNS), CASE)
+    assert (folder / "angles.png").is_file()
+
+
+def test_long_runs_keep_the_page_small(tmp_path: Path) -> None:
+    """A hundred thousand output times, and noise that no compression makes smaller."""
+    result = swinging_rod("long", k=100_000)
+    rng = np.random.default_rng(1)
+    noise = Signal("noise", "m", "", rng.normal(size=100_000))
+    result = dataclasses.replace(result, signals=(*result.signals, noise))
+    (tmp_path / "long").mkdir()
+    write_result(tmp_path / "long/result.vtkhdf", result)
+    write_summary(tmp_path / "long/summary.json", summary_of(result))
+    text = make_report(tmp_path, ["long"], {}).read_text()
+    assert len(text) < 3_000_000
+    index, array = arrays_of(text)
+    (run,) = index["runs"]
+    shown = array(run["signals"][-1]["values"])
+    assert 1000 < len(shown) < 100_000
+    assert shown.max() == np.float32(noise.values.max())
+
+
 def test_report_without_a_case_draws_every_signal(case_dir: Path, tmp_path: Path) -> None:
     stories = [read_story(case_dir, run, run) for run in RUNS]
     wanted = comparisons({}, stories)

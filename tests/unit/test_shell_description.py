@@ -174,7 +174,7 @@ def test_a_script_is_known_by_all_that_it_reads(plate: Path) -> None:
         ("force = [0, 0, 10.0]", "force = [0, 0, 10.0]\nsine = [1, 1, 0]", "expected `sine` with"),
         ("nu12 = 0.42", "nu12 = 4.2", "materials.cfrp.nu12 = 4.2: expected nu12^2 <"),
         ('"plate.geo"', '"plane.geo"', 'mesh.file = "plane.geo": there is no file'),
-        ('"plate.geo"', '"plate.inp"', "expected a gmsh mesh .msh, a script .geo, or a .py"),
+        ('"plate.geo"', '"plate.inp"', "there is no file"),
         ("count = 4", "count = 0", "frequencies.count = 0"),
     ],
 )

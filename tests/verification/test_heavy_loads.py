@@ -4,7 +4,7 @@ import shutil
 
 import numpy as np
 import pytest
-from case_samples import HEAD, rigid
+from case_samples import HEAD, case_runs, rigid
 from mechanism_samples import GRAVITY, GROUND, Rods
 from scipy.integrate import solve_ivp
 
@@ -131,3 +131,25 @@ def test_a_heavy_mass_on_a_flexible_arm_vibrates(ratio, repository, tmp_path):
     (y,) = (s.values for s in result.signals if s.name == "y")
     expected = speed / w * np.sin(w * result.t)
     np.testing.assert_allclose(y, expected, atol=2e-3 / w * speed, rtol=0)
+
+
+@pytest.mark.parametrize(("mass", "integrator"), [(1e6, "radau"), (1e6, "rk8"), (1e9, "rk8")])
+def test_a_mass_point_on_a_flexible_body_falls_freely(mass, integrator, repository, tmp_path):
+    """The hand of the double pendulum (0.73 kg) cannot hold it: 9.81 t^2 / 2, links at rest."""
+    runs = case_runs(repository, "double-pendulum", tmp_path)
+    spec = read_run(runs / "isotropic.json").changed(
+        {
+            "masses.M2.mass": mass,
+            "joints.shoulder.drive": None,
+            "bodies.arm.angular_velocity": [0.0, 0.0, 0.0],
+            "solver.t_end": 0.2,
+            "solver.output_step": 0.01,
+            "solver.integrator": integrator,
+            "solver.rtol": 1e-4,
+            "solver.on_invalid": "warn",
+        }
+    )
+    result, summary = execute(spec, progress=False)
+    assert summary["completed"]
+    tip = next(s.values for s in result.signals if s.name == "tip_y")
+    np.testing.assert_allclose(tip, -0.5 * G * result.t**2, atol=2e-5)

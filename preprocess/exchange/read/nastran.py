@@ -7,9 +7,11 @@ from ....solver.errors import InputError
 from ....solver.math.arrays import IntArray
 from ..free_body import DIRECTIONS, FreeBody
 from ..from_matrices import free_body
+from ..layups import Layups
 from .bulk_data import read_bulk_data
 from .files import Files
 from .op4 import read_op4
+from .pcomp import read_layups
 
 NAMES = {"stiffness": ("KGG", "KAA"), "mass": ("MGG", "MAA")}
 NOTHING = 1e-12  # diagonal of a dof without stiffness and mass, relative to the largest
@@ -42,8 +44,12 @@ def read(files: Files) -> FreeBody:
         if np.count_nonzero(dropped % 6 == k)
     }
     notes = {**files.notes(), "degrees of freedom without stiffness and mass": counts}
+    layups: Layups | str | None = read_layups(files.path("bulk"), ids, nodes, cells)
+    if isinstance(layups, str):
+        notes["ply stresses"] = f"none: {layups}"
+        layups = None
     K, M = (A[kept][:, kept] for A in (K, M))
-    return free_body(files.where, K, M, nodes, ids, dofs[kept], cells, notes=notes)
+    return free_body(files.where, K, M, nodes, ids, dofs[kept], cells, notes=notes, layups=layups)
 
 
 def _used(A: sp.csr_matrix) -> IntArray:

@@ -5,22 +5,23 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ...errors import InputError
-from ...results import read_summary
+from ...results import read_result, read_summary
 
 
-def report_case(folder: Path, runs: Sequence[str] | None = None) -> str:
+def report_case(folder: Path, runs: Sequence[str] | None = None, *, glb: bool = False) -> str:
     """Write figures and report.html of a folder that `check` wrote; return a table of its runs.
 
     Parameters
     ----------
     runs : names of finished runs; None: all that have a summary
+    glb : write motion.glb of each run too
 
     Raises
     ------
     InputError
         Not the folder of a case; no finished run; no matplotlib.
     """
-    from ...report import case_table, make_report, summary_table  # imports matplotlib
+    from ...report import case_table, make_report, summary_table, write_glb  # imports matplotlib
 
     try:
         case = case_table(json.loads((folder / "case.json").read_text(encoding="utf-8")))
@@ -34,4 +35,8 @@ def report_case(folder: Path, runs: Sequence[str] | None = None) -> str:
         raise InputError(f"{folder}: no finished run; expected <run>/summary.json")
     page = make_report(folder, list(runs), case)
     summaries = [read_summary(folder / run / "summary.json") for run in runs]
-    return f"{summary_table(summaries)}\nReport: {page}"
+    text = f"{summary_table(summaries)}\nReport: {page}"
+    for run in runs if glb else ():
+        made = write_glb(folder / run / "motion.glb", read_result(folder / run / "result.vtkhdf"))
+        text += f"\nAnimation: {made}"
+    return text

@@ -60,7 +60,7 @@ class States:
         built, solver = self.built, self.spec.mechanism.solver
         names = built.joint_names, built.body_names
         given = given_spin(solver)
-        y = starting_state(built.model, built.start, solver.start, *names, given)
+        y = starting_state(built.model, built.start, solver.start, *names, given, built.light)
         return self._moving(0.0, y, "start")
 
     def start(self) -> Start:

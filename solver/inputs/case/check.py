@@ -9,9 +9,10 @@ from ...integrators.choice import treatment_of
 from ..common.material import check_materials
 from .body_specs import BodySpec, BodySpecs
 from .check_bodies import Body, check_bodies
+from .check_combined import check_combined
 from .check_expressions import check_drive, check_force
 from .check_places import check_place
-from .combined import DifferenceSignal, NormSignal, check_combined
+from .combined import DifferenceSignal, NormSignal
 from .coupled import check_couplings
 from .forces import CoordinateTable, LoadTable
 from .laws import RotationDrive

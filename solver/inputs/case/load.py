@@ -12,7 +12,7 @@ from ...errors import InputError, nearest
 from ..common import lines, read_toml
 from ..common.messages import bare_lines
 from .body_specs import BodySpec, BodySpecs
-from .combined import check_elsewhere
+from .check_combined import check_elsewhere
 from .findings import Findings
 from .laws import FOLDER
 from .parts import in_parts

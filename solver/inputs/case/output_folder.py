@@ -67,7 +67,7 @@ class OutputFolder:
         own = [*wanted, *made]
         self._record([*before, *own])
         for name, text in self._texts.items():
-            _write_if_changed(self.path / name, text)
+            write_if_changed(self.path / name, text)
         for name, target in self._links.items():
             _link(self.path / name, target)
         for name in before - set(own):
@@ -91,7 +91,7 @@ class OutputFolder:
 
     def _record(self, names: list[str]) -> None:
         table = {"written_by": WRITER, "files": sorted(set(names))}
-        _write_if_changed(self.path / MANIFEST, json.dumps(table, indent=1) + "\n")
+        write_if_changed(self.path / MANIFEST, json.dumps(table, indent=1) + "\n")
 
 
 def _is_own(name: str) -> bool:
@@ -106,7 +106,7 @@ def _link(file: Path, target: Path) -> None:
         temporary.symlink_to(target)
 
 
-def _write_if_changed(file: Path, text: str) -> None:
+def write_if_changed(file: Path, text: str) -> None:
     """Write a file unless it already holds `text`."""
     raw = text.encode("utf-8")
     if not (file.is_file() and file.read_bytes() == raw):

@@ -11,7 +11,8 @@ class Reducible(Table):
 
     rigid: bool = Field(
         default=False,
-        description="the run takes the body as rigid, with the mass and inertia of its package",
+        description="the run takes the body as rigid, with the mass and inertia of its package; "
+        "deflections, resultants and stresses are then 0",
     )
     reduced: list[Modes] | None = Field(
         default=None,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field, model_validator
 
-from ...package.body.specification import LinkKind, MassForm, Theory
+from ...package.body.specification import MassForm, ShellLinkKind, Theory
 from ..common.material import Material
 from ..common.table import FilePath, Name, Pair, Table, Vector, Word, unit
 from ..section.mesh_table import ShapeMesh, shape_or
@@ -256,10 +256,11 @@ class ShellInterface(Table):
     """`[bodies.NAME.interfaces.NAME]` of a shell: a physical group of its mesh."""
 
     at: str = Field(description="physical point, curve or surface of the mesh")
-    link: LinkKind = Field(
+    link: ShellLinkKind = Field(
         default="rigid",
         description="rigid: the group moves as a rigid body; average: the interface follows "
-        "the mean motion of the group, and its loads are distributed over the group",
+        "the mean motion of the group, and its loads are distributed over the group; section: its "
+        "loads are the stresses in the walls of a thin-walled section, for an open end: a curve",
     )
     position: Vector | None = Field(
         default=None,
@@ -408,6 +409,9 @@ class Figure(Table):
     title: str = Field(description="title of the picture")
     signal: Name = Field(description="name of a signal")
     runs: list[Name] = Field(min_length=1, description="names of runs")
+    spectrum: bool = Field(
+        default=False, description="amplitudes over frequency, with a Hann window, not over time"
+    )
 
 
 class CaseFile(Table):

@@ -21,7 +21,7 @@ from .sharing import sharing
 from .sweep_keys import Misplaced, Parameter, changed, changes_of, parameters_of, unit_at
 from .sweeps import Sweep
 
-VALUE = re.compile(r" = .*?(?=: )")  # of a key in a message
+NUMBER = re.compile(r"-?\d+(\.\d*)?(e[-+]?\d+)?")
 
 
 @dataclass(frozen=True)
@@ -168,14 +168,16 @@ class _MemberProblems:
 
     def __init__(self, where: str) -> None:
         self.where = where
-        self.found: dict[str, list[str]] = {}  # finding without value: as it is, by member
+        self.found: dict[str, list[str]] = {}  # finding without numbers: as it is, by member
 
     def add(self, number: int, values: dict[str, float], lines: list[str]) -> None:
         """Add the findings of a member."""
         member = ", ".join(f"{name} = {value:.6g}" for name, value in values.items())
         for line in lines:
             told = f"{line} (member {number}: {member})"
-            self.found.setdefault(VALUE.sub("", line), []).append(told)
+            key = re.split(" = |: ", line, maxsplit=1)[0]
+            same = key + NUMBER.sub("", line.removeprefix(key))
+            self.found.setdefault(same, []).append(told)
 
     def lines(self) -> list[str]:
         """Return one line per finding, with the first member that has it."""

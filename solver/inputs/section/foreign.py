@@ -54,7 +54,7 @@ def read_foreign(file: Path, where: str, region_data: str | None = None) -> Fore
     InputError
         No mesh, no plane mesh, cells of several types, several candidates for regions.
     """
-    mesh = _read(file, where)
+    mesh = read_mesh(file, where)
     plane = [i for i, block in enumerate(mesh.cells) if block.type in _PLANE]
     solid = sorted({b.type for b in mesh.cells if b.dim == 3})
     if not plane or solid:
@@ -87,7 +87,8 @@ def read_foreign(file: Path, where: str, region_data: str | None = None) -> Fore
     )
 
 
-def _read(file: Path, where: str) -> Any:
+def read_mesh(file: Path, where: str) -> Any:
+    """Read a file by meshio. Raises InputError if it cannot."""
     import meshio  # imported here: takes 0.1 s and only this command needs it
 
     said = io.StringIO()  # meshio prints the reason and exits the interpreter

@@ -27,8 +27,8 @@ class Mesh(Table):
     """`[mesh]`: a surface mesh of three-node triangles and four-node quadrilaterals."""
 
     file: str = Field(
-        description="path, relative to this file: gmsh's .msh, a .geo script, or a .py with "
-        "build(gmsh, parameters)"
+        description="path, relative to this file: gmsh's .msh, a .geo script, a .py with "
+        "build(gmsh, parameters), or any mesh that meshio reads (.inp, .med, .vtu, ...)"
     )
     parameters: dict[str, bool | float | str | list[float]] | None = Field(
         default=None,

@@ -28,6 +28,7 @@ from ..common.material import check_materials, plain
 from ..scripts import refuse_script
 from ..section.expand import load_section
 from .description import Mesh, Region, ShellDescription, checked
+from .foreign import shell_arrays
 
 ALL = "all"
 SUFFIXES = (".msh", ".geo", ".py")
@@ -124,13 +125,13 @@ def _stiffeners(description: ShellDescription, folder: Path) -> dict[str, Any]:
 def _mesh(table: Mesh, folder: Path) -> dict[str, Any]:
     file = folder / table.file
     refuse_script(file, f'mesh.file = "{table.file}"')
-    if file.suffix not in SUFFIXES:
-        raise InputError(
-            f'mesh.file = "{table.file}": expected a gmsh mesh .msh, a script .geo, or a .py with '
-            "build(gmsh, parameters)"
-        )
     if not file.is_file():
         raise InputError(f'mesh.file = "{table.file}": there is no file {file}')
+    if file.suffix not in SUFFIXES:
+        if table.parameters is not None:
+            raise InputError(f"mesh.parameters: expected with a script only, not with {table.file}")
+        arrays, content = shell_arrays(file, f'mesh.file = "{table.file}"')
+        return _options({"file": os.path.relpath(arrays), "sha256": content}, table)
     if file.suffix == ".msh":
         if table.parameters is not None:
             raise InputError(f"mesh.parameters: expected with a script only, not with {table.file}")
@@ -139,6 +140,11 @@ def _mesh(table: Mesh, folder: Path) -> dict[str, Any]:
     mesh: dict[str, Any] = {"file": os.path.relpath(file), "sha256": content_sha256(file)}
     if table.parameters is not None:
         mesh["parameters"] = table.parameters
+    return _options(mesh, table)
+
+
+def _options(mesh: dict[str, Any], table: Mesh) -> dict[str, Any]:
+    """Add the keys that all meshes have, if they are given."""
     if table.scale is not None:
         mesh["scale"] = table.scale
     if table.element is not None:

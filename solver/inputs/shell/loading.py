@@ -4,7 +4,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from ...package.body.specification import LinkKind
+from ...package.body.specification import ShellLinkKind
 from ..common.table import Table, Vector, unit
 
 Freedom = Literal["ux", "uy", "uz", "rx", "ry", "rz"]
@@ -31,9 +31,10 @@ class Link(Table):
     """`[links.NAME]`: a reference point of six degrees of freedom for a group of nodes."""
 
     at: str = Field(description="physical point, curve or surface")
-    kind: LinkKind = Field(
+    kind: ShellLinkKind = Field(
         description="rigid: group and point move as a rigid body; average: the point follows "
-        "the mean motion of the group, and its loads are distributed over the group"
+        "the mean motion of the group, and its loads are distributed over the group; section: its "
+        "loads are the stresses in the walls of a thin-walled section, for an open end: a curve"
     )
     point: Vector | None = Field(
         default=None,

@@ -77,10 +77,12 @@ Meshes consist of three-node triangles and four-node quadrilaterals in space, al
 gmsh: a `.msh` of any version, a `.geo` script, or a Python file. A Python file has a function
 `build(gmsh, parameters)`, which fills the current model. If it does not generate the mesh,
 Plymotion does. Quadrilaterals come from gmsh (`Recombine Surface`), or from pairs of the mesh's
-triangles with `element = "quadrilateral"`. Every surface belongs to exactly one physical surface,
-which gives the region its name. Supports, loads and probes refer to physical points, curves and
-surfaces. Surfaces that meet must have common nodes there (`BooleanFragments`, or common points
-and curves). Any number of surfaces may meet at a node, for example at a stiffener.
+triangles with `element = "quadrilateral"`. meshio reads meshes of other programs (.inp, .med,
+.vtu, ...): their sets of cells are regions, sets of lines curves, sets of nodes points. Every
+surface belongs to exactly one physical surface, which gives the region its name. Supports, loads
+and probes refer to physical points, curves and surfaces. Surfaces that meet must have common
+nodes there (`BooleanFragments`, or common points and curves). Any number of surfaces may meet at
+a node, for example at a stiffener.
 """
 )
 

@@ -31,6 +31,7 @@ from ..generic.alpha_scheme import (
     Scheme,
 )
 from .alpha_workspace import POWER, POWER_LAST, AlphaWorkspace
+from .closing import close
 from .elements import element_residual
 from .pencil import factorise_pencil, freeze
 from .residual import inertia_residual
@@ -218,6 +219,9 @@ def advance_alpha(
             if times[filled] == t_new:
                 for i in range(workspace.y.shape[0]):
                     rows[filled, i] = workspace.y[i]
+            elif n_c > 0:  # the cubic leaves the constraints as h^4, with index3 as h^3
+                s = scheme.to_a**0.5 / h
+                close(model, work, frozen, real, s, times[filled], rows[filled], workspace.apart)
             filled += 1
     return ARRIVED, filled
 

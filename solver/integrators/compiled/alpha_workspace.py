@@ -47,6 +47,7 @@ class AlphaWorkspace(NamedTuple):
     no_load: Array  # (n_c,)
     clock: Array  # (5,)
     counts: IntArray  # (N_COUNT,) see step_control.py
+    apart: IntArray  # (N_COUNT,) of what is no part of a step: joints closed at output times
 
 
 def new_alpha_workspace(
@@ -79,6 +80,7 @@ def new_alpha_workspace(
         np.zeros((model.n_body, model.plan.widest)),
         np.zeros(n_c),
         np.zeros(5),
+        np.zeros(N_COUNT, dtype=np.int64),
         np.zeros(N_COUNT, dtype=np.int64),
     )
     workspace.clock[TIME], workspace.clock[NEXT] = t, first_step

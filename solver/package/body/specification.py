@@ -47,9 +47,11 @@ ShellModeKind = Literal["lowest", "bending-xy", "bending-xz", "axial"]
 SpinningKind = Literal["spinning-xy", "spinning-xz"]
 Direction = Literal["x", "y", "z", "rx", "ry", "rz"]  # along and about the body axes
 LinkKind = Literal["rigid", "average"]
+ShellLinkKind = Literal["rigid", "average", "section"]
 
 DIRECTIONS: tuple[Direction, ...] = get_args(Direction)
 LINK_KINDS: tuple[LinkKind, ...] = get_args(LinkKind)
+SHELL_LINK_KINDS: tuple[ShellLinkKind, ...] = get_args(ShellLinkKind)
 
 
 class ReferenceTable(TypedDict):
@@ -127,7 +129,7 @@ class ShellInterfaceTable(TypedDict):
     """A physical group of a shell's mesh."""
 
     at: str
-    link: LinkKind
+    link: ShellLinkKind
     position: NotRequired[list[float]]
     rotation_deg: list[float]
 

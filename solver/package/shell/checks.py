@@ -5,7 +5,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from ..body.specification import LINK_KINDS
+from ..body.specification import SHELL_LINK_KINDS
 from ..common.array_checks import finite, mesh_cells, one_of, rotations, rows_of, symmetric
 from ..common.dataset import check_datasets, defined_sizes, misshaped, missing_or_mistyped
 from ..common.remark import Remark
@@ -78,5 +78,5 @@ def shell_content_findings(shell: ShellFile) -> list[Remark]:
         rows_of("buckling/case", shell.buckling.case, len(shell.cases.names), error)
         if np.any(shell.buckling.factors <= 0.0):
             error("buckling/factors", "expected numbers above 0")
-    one_of("links/kinds", shell.links.kinds, LINK_KINDS, error)
+    one_of("links/kinds", shell.links.kinds, SHELL_LINK_KINDS, error)
     return bad

@@ -9,7 +9,7 @@ from ...results import RunResult
 from ..balance import UNITS, WORDS
 from .blob import Blob
 
-NUMBERS = 1_000_000  # of all histories of a page; longer ones keep the extremes of intervals
+NUMBERS = 350_000  # of all histories of a page; longer ones keep the extremes of intervals
 FEWEST = 500  # rows of a run at least
 
 

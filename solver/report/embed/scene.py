@@ -4,25 +4,29 @@ from typing import Any
 
 import numpy as np
 
-from ...math.arrays import Array
+from ...math.arrays import Array, IntArray
 from ...results import BodyGeometry, RunResult
 from ...results.view import BodyView, Link, Sites
 from ..story import Story
 from .blob import Blob
-from .frames import frame_rows, largest_displacement, largest_energy
+from .frames import frame_rows, largest_displacement, largest_energy, one_sign
 from .glyphs import WIDTH, glyph
 
 TRIANGLES = 60_000  # of a body; of more, every n-th is shown
 STRENGTHS = ("Xt", "Xc", "Yt", "Yc", "Zt", "Zc", "S23", "S13", "S12", "F12_star")
 
 
-def scene(blob: Blob, story: Story) -> dict[str, Any] | None:
-    """Add the bodies and joints of a run; None if the result is older than views."""
+def scene(blob: Blob, story: Story, share: int) -> dict[str, Any] | None:
+    """Add the bodies and joints of a run; None if the result is older than views.
+
+    share : numbers that its animation may take
+    """
     result = story.result
     if not result.bodies or any(body.view is None for body in result.bodies):
         return None
     t = np.asarray(result.t)
-    rows = frame_rows(t, _peaks(story))
+    width = sum(7 + len(body.view.shapes_B) for body in result.bodies if body.view is not None)
+    rows = frame_rows(t, _peaks(story), width, share)
     points = np.asarray(result.node_positions_G[rows])
     usable = points.reshape(-1, 3)[np.isfinite(points).all(axis=2).ravel()]
     low, high = usable.min(axis=0), usable.max(axis=0)
@@ -60,7 +64,7 @@ def _body(
     number: int,
     body: BodyGeometry,
     view: BodyView,
-    rows: Array,
+    rows: IntArray,
     origin: Array,
     links: list[Link],
     size: float,
@@ -69,15 +73,13 @@ def _body(
     q = np.asarray(result.q[:, first + 7 : first + 7 + m])
     motion = np.array(result.q[rows, first : first + 7])
     motion[:, :3] -= origin
-    # One sign of the Euler parameters, so that they can be interpolated.
-    flips = np.cumprod(np.where((motion[1:, 3:] * motion[:-1, 3:]).sum(axis=1) < 0, -1.0, 1.0))
-    motion[1:, 3:] *= flips[:, None]
+    motion[:, 3:] = one_sign(motion[:, 3:])
     surface, nodes, shapes = view.surface, [body.nodes_B], [np.moveaxis(view.shapes_B, 0, 1)]
     count = len(body.nodes_B)
     node, offset = [surface.node], [surface.offset_B]
     every = max(1, -(-len(surface.triangles) // TRIANGLES))
     triangles, edges = [surface.triangles[::every]], [surface.edges[::every]]
-    site, kind = [surface.site[::every]], [np.zeros(len(triangles[0]))]
+    site, kind = [surface.site[::every]], [np.zeros(len(triangles[0]), dtype=np.int64)]
     for link in links:
         for side in link.sides:
             if side.body != number:
@@ -88,9 +90,9 @@ def _body(
             offset.append(points @ side.A_BM.T)
             nodes.append(side.position_B[None])
             shapes.append(np.concatenate([side.phi_B, side.psi_B]).T[None])
-            edges.append(np.zeros(len(faces)))
+            edges.append(np.zeros(len(faces), dtype=np.int64))
             site.append(np.full(faces.shape, -1))
-            kind.append(np.ones(len(faces)))
+            kind.append(np.ones(len(faces), dtype=np.int64))
             count += 1
     q_rows = q[rows]
     return {

@@ -3,12 +3,24 @@
 const CRITERIA = ['max-stress', 'Tsai-Hill', 'Tsai-Wu', 'Hashin', 'von Mises'];
 const FIELDS = {
   body: { number: 0 },
-  displacement: { number: 1, label: 'elastic displacement [m]', largest: (body) => body.displacement },
-  energy: { number: 2, label: 'strain energy for unit length [J/m], of shells for unit area [J/m²]', largest: (body) => body.energy },
-  exposure: { number: 3, label: 'exposure 1/R of the worst ply [-], failure at 1', largest: () => 1 },
+  displacement: { number: 1, label: 'elastic displacement', units: ['m'], largest: (body) => body.displacement },
+  energy: { number: 2, label: 'strain energy', units: ['J/m', 'J/m² (shells)'], largest: (body) => body.energy },
+  exposure: { number: 3, label: 'exposure 1/R of the worst ply, failure at 1', units: ['-'], largest: () => 1 },
 };
 
-const fieldRange = (name, scene) => (name === 'body' ? 1 : Math.max(...scene.bodies.map(FIELDS[name].largest)) || 1);
+// Energies of beams are for unit length, those of shells for unit area: each has its own range.
+const ofArea = (name, body) => (name === 'energy' && body.sites && body.sites.area ? 1 : 0);
+
+function fieldRanges(name, scene) {
+  if (name === 'body') return [1, 1];
+  return [0, 1].map((area) => Math.max(0, ...scene.bodies.filter((body) => ofArea(name, body) === area).map(FIELDS[name].largest)));
+}
+
+function fieldLegend({ name, ranges }) {
+  const known = ranges.map((top, i) => [top, FIELDS[name].units[i]]).filter(([top, unit]) => top && unit);
+  const ends = known.map(([top, unit]) => `${digits(top, 3)} ${unit}`).join(', ');
+  return [element('span', {}, '0'), element('i', {}), element('span', {}, ends || '0'), element('span', {}, FIELDS[name].label)];
+}
 
 const hasStrength = (scene) => scene.bodies.some((body) => body.sites && body.sites.starts.at(-1) > 0);
 

@@ -6,14 +6,17 @@ function drawOverlay(canvas, scene, states, camera, shown, mark) {
   pen.clearRect(0, 0, width, height);
   pen.lineWidth = 1.5 * ratio;
   pen.strokeStyle = shade('--bad');
-  for (const ends of jointLines(scene, states, shown.scale)) {
+  // What a joint keeps together, the scale of the deformation parts; what slides is apart anyway.
+  const joined = jointLines(scene, states, 1);
+  jointLines(scene, states, shown.scale).forEach((ends, k) => {
+    const apart = Math.hypot(...joined[k][0].map((v, a) => v - joined[k][1][a]));
     const [a, b] = ends.map((p) => projected(matrix, p, width, height));
-    if (Math.hypot(a[0] - b[0], a[1] - b[1]) < 2 * ratio) continue;
+    if (apart > 0.002 * scene.size || Math.hypot(a[0] - b[0], a[1] - b[1]) < 2 * ratio) return;
     pen.beginPath();
     pen.moveTo(a[0], a[1]);
     pen.lineTo(b[0], b[1]);
     pen.stroke();
-  }
+  });
   if (mark) {
     const at = pointAt(scene.bodies[mark.body], states[mark.body], mark.node, [0, 0, 0], shown.scale);
     const [x, y] = projected(matrix, at, width, height);

@@ -20,5 +20,16 @@ function setUpTheme() {
   });
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', tell);
   document.getElementById('print').addEventListener('click', () => window.print());
+  // Paper is light; plots and pictures take their colours before it is printed.
+  let chosen = null;
+  addEventListener('beforeprint', () => {
+    chosen = document.documentElement.dataset.theme;
+    document.documentElement.dataset.theme = 'light';
+  });
+  addEventListener('afterprint', () => {
+    if (chosen) document.documentElement.dataset.theme = chosen;
+    else delete document.documentElement.dataset.theme;
+    tell();
+  });
   tell();
 }

@@ -18,7 +18,7 @@ function shownNow(scene) {
   return {
     name,
     field: FIELDS[name].number,
-    range: fieldRange(name, scene),
+    ranges: fieldRanges(name, scene),
     scale: Number(field('scale').value),
     edges: field('edges').checked,
     ratio: view.renderer.canvas.width / Math.max(view.renderer.canvas.clientWidth, 1) || 1,
@@ -48,14 +48,11 @@ function tellView() {
   const run = runShown(), shown = shownNow(run.scene), over = runOver();
   const t = Math.min(clock.t, array(run.scene.t).at(-1));
   const scale = shown.scale === 1 ? 'true to scale' : `deformation ${shown.scale} times`;
-  field('caption').textContent = [`${run.title}`, `t = ${digits(t, 4)} s`, scale, over ? `grey: ${over.title}` : '', view.mark ? view.mark.text : '']
+  field('caption').textContent = [`${run.title}`, `t = ${digits(t, 4)} s`, scale, over ? `grey: ${over.title}` : '', soloShown() ? `only ${field('solo').selectedOptions[0].textContent}` : '', view.mark ? view.mark.text : '']
     .filter(Boolean).join(' · ');
   const legend = field('legend');
   legend.hidden = shown.name === 'body';
-  if (!legend.hidden) {
-    const top = digits(shown.range, 3);
-    legend.replaceChildren(element('span', {}, '0'), element('i', {}), element('span', {}, top), element('span', {}, FIELDS[shown.name].label));
-  }
+  if (!legend.hidden) legend.replaceChildren(...fieldLegend(shown));
 }
 
 function tellTime() {
@@ -76,8 +73,8 @@ function fitCanvas() {
 
 // Go to a place at a time: a ply, a finding.
 function showPlace({ run, time, body, node, text }) {
-  const chosen = run ? runOf(run) : runShown();
-  if (chosen.scene) {
+  const chosen = run ? runOf(run) : view.renderer ? runShown() : page.runs[0];
+  if (view.renderer && chosen.scene) {
     field('view-run').value = chosen.name;
     changeRun();
     const index = chosen.scene.bodies.findIndex((each) => each.name === body);
@@ -86,7 +83,7 @@ function showPlace({ run, time, body, node, text }) {
   }
   clock.playing = false;
   clock.set(Number(time));
-  tellTime();
+  if (view.renderer) tellTime();
   if (view.renderer) field('stage').scrollIntoView({ block: 'nearest' });
 }
 
@@ -161,6 +158,16 @@ function nearestTime(t) {
 }
 
 function setUpPlaces() {
+  for (const press of document.querySelectorAll('button[data-solo]')) {
+    press.disabled = !view.renderer || !runOf(press.dataset.run).scene;
+    press.addEventListener('click', () => {
+      field('view-run').value = press.dataset.run;
+      changeRun();
+      field('solo').value = press.dataset.solo;
+      tellView();
+      field('stage').scrollIntoView({ block: 'nearest' });
+    });
+  }
   for (const press of document.querySelectorAll('button[data-time]')) {
     press.addEventListener('click', () => showPlace(press.dataset));
   }

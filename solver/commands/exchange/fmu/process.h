@@ -46,7 +46,12 @@ typedef struct {
 } fmi2CallbackFunctions;
 #endif
 
+#ifdef __APPLE__
+#include <crt_externs.h>
+#define environ (*_NSGetEnviron())
+#else
 extern char **environ;
+#endif
 
 enum { START = 1, STEP = 2 };                 /* requests */
 enum { DRIVE_ORDER, FORCE_ORDER, N_PARAMETER };

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ....errors import InputError
+from ....mechanism.python_functions import calling_forces
 from ....package.common.temporary import temporary_sibling
 from ....run.coupled import Stepper
 from ....run.execution import read_run
@@ -44,6 +45,11 @@ def write_fmu(run_file: Path, out: Path, inputs: Sequence[str] | None = None) ->
         resources = folder / "resources"
         run = write_contents(run_file, resources)
         spec = read_run(run)
+        for name in calling_forces(spec.mechanism):
+            raise InputError(
+                f"forces.{name}.code: an FMU does not run Python files of the user; expected a "
+                "controller or an expression"
+            )
         stepper = Stepper(spec, inputs)
         write_inputs([given.name for given in stepper.inputs], resources)
         title = f"{spec.case}, {spec.run}"

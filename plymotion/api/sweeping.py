@@ -1,0 +1,316 @@
+"""`plymotion.sweep`: the members of a sweep, computed as the command `plymotion sweep` does."""
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from copy import deepcopy
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import plymotion
+
+from ..solver.commands.cases.packages import build_packages
+from ..solver.commands.executors.local import Here
+from ..solver.commands.sweep.command import INCOMPLETE
+from ..solver.commands.sweep.file import SweepResult, read_sweep, result_of, sweep_csv
+from ..solver.commands.sweep.member import FINISHED
+from ..solver.commands.sweep.plan import read_plan
+from ..solver.commands.sweep.work import Work
+from ..solver.errors import InputError, few, nearest
+from ..solver.inputs.case.specs import write_case
+from ..solver.interrupts import INTERRUPTED
+from ..solver.math.arrays import Array
+from ..solver.package.common.temporary import write_text
+from .case import Case, as_case
+from .frames import pandas
+from .html import table
+from .names import ByName
+from .plain import plain
+from .running import folder_of
+from .signal import pyplot
+
+FILE = "sweep.h5"
+
+
+class SweepSignal:
+    """A signal of all k members of a sweep.
+
+    Attributes
+    ----------
+    name, unit, description : text
+    final, min, max, t_min, t_max, rms, peak_to_peak : (k,), NaN of a member that failed
+
+    Examples
+    --------
+    >>> import plymotion as pm
+    >>> found = pm.sweep("pendulum.toml", vary={"gravity.2": [-9.81, -1.62]}, run="base")
+    >>> found.signals["tip_z"]
+    <SweepSignal tip_z [m]: 2 members, -1 to 0>
+    >>> found.signals["tip_z"].min.round(2)
+    array([-1.  , -0.91])
+    """
+
+    def __init__(self, result: SweepResult, name: str) -> None:
+        self._result, self.name = result, name
+        self.unit, self.description = result.signal_units[name], result.signal_words[name]
+        for measure in result.measures(name):
+            setattr(self, measure, result.signal(name, measure))
+
+    min: Array
+    max: Array
+
+    @property
+    def history(self) -> Array:
+        """Values over time (k, n_t), of a signal among the histories of the sweep.
+
+        >>> import plymotion as pm
+        >>> vary, histories = {"gravity.2": [-9.81, -1.62]}, ["angle"]
+        >>> found = pm.sweep("pendulum.toml", "h", run="base", vary=vary, histories=histories)
+        >>> found.signals["angle"].history.shape
+        (2, 101)
+        """
+        return self._result.history(self.name)
+
+    def __repr__(self) -> str:
+        known = np.isfinite(self.min)
+        span = f"{self.min[known].min():.3g} to {self.max[known].max():.3g}" if known.any() else "-"
+        return f"<SweepSignal {self.name} [{self.unit}]: {len(known)} members, {span}>"
+
+
+class Sweep:
+    """What a sweep has left in its folder.
+
+    Attributes
+    ----------
+    folder : path of the folder with sweep.h5
+    data : content of sweep.h5 (docs/sweeps.md)
+
+    Examples
+    --------
+    >>> import plymotion as pm
+    >>> found = pm.sweep("pendulum.toml", vary={"gravity.2": [-9.81, -1.62]}, run="base")
+    >>> found
+    <Sweep pendulum/python: 2 members, 2 finished, over gravity.2>
+    """
+
+    def __init__(self, folder: str | Path) -> None:
+        self.folder = Path(folder)
+        self.data: SweepResult = read_sweep(self.folder / FILE)
+
+    @classmethod
+    def from_folder(cls, folder: str | Path) -> "Sweep":
+        """Return the sweep in a folder. Raises InputError.
+
+        >>> import plymotion as pm
+        >>> found = pm.sweep("pendulum.toml", vary={"gravity.2": [-9.81, -1.62]}, run="base")
+        >>> len(pm.Sweep.from_folder(found.folder).status)
+        2
+        """
+        return cls(folder)
+
+    @property
+    def parameters(self) -> ByName[Array]:
+        """Values of the parameters (k,) by name.
+
+        >>> import plymotion as pm
+        >>> found = pm.sweep("pendulum.toml", vary={"gravity.2": [-9.81, -1.62]}, run="base")
+        >>> found.parameters["gravity.2"]
+        array([-9.81, -1.62])
+        """
+        columns = zip(self.data.parameter_names, self.data.values.T, strict=True)
+        return ByName("parameters", dict(columns))
+
+    @property
+    def signals(self) -> ByName[SweepSignal]:
+        """Signals by name, each with its measures of all members.
+
+        >>> import plymotion as pm
+        >>> found = pm.sweep("pendulum.toml", vary={"gravity.2": [-9.81, -1.62]}, run="base")
+        >>> found.signals["tip_x"].final.round(3)
+        array([-1.   ,  0.405])
+        """
+        found = {name: SweepSignal(self.data, name) for name in self.data.signal_units}
+        return ByName("signals", found)
+
+    @property
+    def status(self) -> list[str]:
+        """How each member ended: finished, stopped, failed.
+
+        >>> import plymotion as pm
+        >>> pm.sweep("pendulum.toml", vary={"gravity.2": [-9.81, -1.62]}, run="base").status
+        ['finished', 'finished']
+        """
+        return [row.status for row in self.data.rows]
+
+    def to_pandas(self) -> Any:
+        """Return a DataFrame: a row for each member. Raises ImportError without pandas.
+
+        >>> import plymotion as pm
+        >>> found = pm.sweep("pendulum.toml", vary={"gravity.2": [-9.81, -1.62]}, run="base")
+        >>> found.to_pandas()["tip_z min"].round(2).tolist()
+        [-1.0, -0.91]
+        """
+        pd = pandas()
+        columns: dict[str, Any] = dict(self.parameters)
+        columns["status"] = self.status
+        for name in self.data.signal_units:
+            for measure in self.data.measures(name):
+                columns[f"{name} {measure}"] = self.data.signal(name, measure)
+        return pd.DataFrame(columns)
+
+    def plot(self, signal: str, measure: str = "max", axes: Any = None, **style: Any) -> Any:
+        """Draw a measure of a signal over the first parameter with matplotlib; return the axes.
+
+        >>> import plymotion as pm
+        >>> found = pm.sweep("pendulum.toml", vary={"gravity.2": [-9.81, -1.62]}, run="base")
+        >>> found.plot("tip_z", "min").get_xlabel()
+        'gravity.2 [m/s2]'
+        """
+        axes = pyplot().gca() if axes is None else axes
+        name, unit = self.data.parameter_names[0], self.data.parameter_units[0]
+        x, found = self.parameters[name], self.signals[signal]
+        order = np.argsort(x, kind="stable")
+        axes.plot(x[order], getattr(found, measure)[order], **{"marker": "o", **style})
+        label = f"{found.description or signal}, {measure} [{found.unit}]"
+        axes.set(xlabel=f"{name} [{unit}]" if unit else name, ylabel=label)
+        return axes
+
+    def __repr__(self) -> str:
+        data, done = self.data, self.status.count(FINISHED)
+        return (
+            f"<Sweep {data.case}/{data.name}: {len(data.rows)} members, {done} finished, "
+            f"over {', '.join(data.parameter_names)}>"
+        )
+
+    def _repr_html_(self) -> str:
+        signals = list(self.signals.values())
+        head = ["member", *self.data.parameter_names, "status", *(f"{s.name} max" for s in signals)]
+        rows = [
+            [k, *map(float, self.data.values[k]), status, *(float(s.max[k]) for s in signals)]
+            for k, status in enumerate(self.status)
+        ]
+        return table(head, rows, repr(self).strip("<>"))
+
+
+def sweep(
+    case: Case | str | Path,
+    name: str | None = None,
+    *,
+    run: str | None = None,
+    vary: Mapping[str, Any] | None = None,
+    expressions: Mapping[str, str] | None = None,
+    signals: Sequence[str] = (),
+    histories: Sequence[str] = (),
+    out: str | Path | None = None,
+    packages: str | Path | None = None,
+    coarse: bool = False,
+    fresh: bool = False,
+    jobs: int = 1,
+    progress: bool = False,
+) -> Sweep:
+    """Compute the members of a sweep of a case, or those that are missing; docs/sweeps.md.
+
+    Parameters
+    ----------
+    case : a case, or its file
+    name : of a sweep of the case; with `vary`, of the new one, absent: "python"
+    run, vary, expressions, signals, histories : instead of a sweep of the case: the run, its
+        parameters with their values, `set` of the sweep, what is kept
+    out, packages, coarse : as for `run`
+    fresh : compute all members anew
+    jobs : processes
+    progress : show progress on standard error
+
+    Raises
+    ------
+    InputError
+        A mistake in the case or the sweep; a body that cannot be built.
+    KeyboardInterrupt
+        Ctrl-C; finished members are kept.
+
+    Examples
+    --------
+    >>> import plymotion as pm
+    >>> case = pm.load("pendulum.toml")
+    >>> found = pm.sweep(case, run="base", vary={"bodies.rod.centre.0": [0.25, 0.5]})
+    >>> bool(found.signals["tip_z"].final[0] != found.signals["tip_z"].final[1])
+    True
+    """
+    case = as_case(case)
+    if vary is not None:
+        name = name or "python"
+        case = deepcopy(case)
+        own = {"run": run or _only(case), "vary": _listed(vary), "set": expressions or {}}
+        case.sweeps[name] = {**own, "signals": list(signals), "histories": list(histories)}
+    checked = case.check(coarse=coarse)
+    if name not in checked.sweeps:
+        hint = nearest(str(name), checked.sweeps)
+        raise InputError(f"{case.name} has no sweep {name!r}{hint}")
+    folder = folder_of(case, out, coarse=coarse)
+    write_case(checked, folder, None if packages is None else Path(packages))
+    file = folder / "sweeps" / f"{name}.json"
+    if packages is None:
+        _build(folder, file, quiet=not progress)
+    target = file.with_suffix("")
+    target.mkdir(parents=True, exist_ok=True)
+    if jobs == 1:
+        plan = read_plan(file)
+        work = Work(plan, target / FILE, [] if fresh else [target / FILE], show=progress)
+        if not work.compute(Here):
+            raise KeyboardInterrupt
+        write_text(target / "sweep.csv", sweep_csv(result_of(plan, work.rows)))
+    else:
+        _by_command(file, jobs, fresh=fresh, progress=progress)
+    return Sweep(target)
+
+
+def _by_command(file: Path, jobs: int, *, fresh: bool, progress: bool) -> None:
+    """Compute a sweep by the command, whose processes do not import the script of the user."""
+    words = [
+        "--jobs",
+        str(jobs),
+        "--no-figures",
+        *["--fresh"] * fresh,
+        *["--quiet"] * (not progress),
+    ]
+    command = [sys.executable, "-m", "plymotion", "sweep", str(file), *words]
+    home = str(Path(plymotion.__file__).resolve().parent.parent)
+    paths = os.pathsep.join(filter(None, [home, os.environ.get("PYTHONPATH")]))
+    done = subprocess.run(
+        command, env={**os.environ, "PYTHONPATH": paths}, stdout=subprocess.DEVNULL
+    )
+    if done.returncode == INTERRUPTED:
+        raise KeyboardInterrupt
+    if done.returncode not in (0, INCOMPLETE):
+        raise InputError(f"{file}: the sweep was not computed, see the messages above")
+
+
+def _build(folder: Path, file: Path, *, quiet: bool) -> None:
+    """Build the packages of a sweep, each distinct body once."""
+    specs: dict[Path, list[Path]] = {}
+    for entry in json.loads(file.read_text(encoding="utf-8"))["packages"]:
+        if "inputs_sha256" in entry:
+            package = folder / entry["file"]
+            specs.setdefault(package.parent, []).append(package.with_suffix(".json"))
+    for into, wanted in specs.items():
+        build_packages(wanted, into, quiet=quiet)
+
+
+def _only(case: Case) -> str:
+    """Return the only run of a case. Raises InputError."""
+    if len(case.runs) != 1:
+        raise InputError(f"{case.name}: expected run=, the name of a run: {few(case.runs)}")
+    (name,) = case.runs
+    return str(name)
+
+
+def _listed(vary: Mapping[str, Any]) -> dict[str, Any]:
+    """Return parameters as a case file has them."""
+    return {
+        name: values if isinstance(values, Mapping) else plain(list(values))
+        for name, values in vary.items()
+    }

@@ -1,0 +1,1 @@
+"""`plymotion blade`: cross-sections of a rotor blade from a windIO file."""

@@ -1,0 +1,330 @@
+"""Mesh of a station: quadrilaterals in columns and rows, webs between inner nodes of the shell."""
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...math.arrays import Array
+from .contour import arcs as arcs_of
+from .contour import edge_angle
+from .wall import THINNEST, Band, breaks, joined, material_of, rows_of, thickness
+
+COLUMNS = 160  # along the contour, without those at ends of layers
+ROOM = 0.9  # share of the room between the two sides that walls may fill
+MITRE = np.radians(165.0)  # angle of the trailing edge from which the walls meet in a mitre
+LEAST = 0.2  # of the length of a cell outside, its length inside
+CLOSE = 0.15  # columns nearer than this share of the spacing are one
+
+
+@dataclass(frozen=True)
+class WebLayers:
+    """A web at a station: where its middle meets the shell, and its layers from the nose on."""
+
+    name: str
+    start: float  # [-] arc on the suction side
+    end: float
+    layers: tuple[Band, ...]
+
+
+@dataclass
+class StationMesh:
+    """Nodes and cells of a station.
+
+    Attributes
+    ----------
+    nodes : [x2, x3] [m]
+    cells : node numbers of triangles and quadrilaterals, counter-clockwise
+    regions : name of the region of each cell
+    outer : edges of the outer surface of the shell
+    directions : layer direction of regions that are not of the shell
+    removed : share of the area of layers for which the contour has no room
+    """
+
+    nodes: list[tuple[float, float]] = field(default_factory=list)
+    cells: list[tuple[int, ...]] = field(default_factory=list)
+    regions: list[str] = field(default_factory=list)
+    outer: list[tuple[int, int]] = field(default_factory=list)
+    bands: dict[str, Band] = field(default_factory=dict)
+    directions: dict[str, tuple[float, float]] = field(default_factory=dict)
+    removed: float = 0.0
+
+    def node(self, point: Array) -> int:
+        """Add a node; its number."""
+        self.nodes.append((float(point[0]), float(point[1])))
+        return len(self.nodes) - 1
+
+    def cell(self, corners: Sequence[int], region: str, band: Band) -> None:
+        """Add a cell of three or four different corners, in any sense of rotation."""
+        found = list(dict.fromkeys(corners))
+        if len(found) < 3:
+            return
+        x = np.array([self.nodes[k] for k in found])
+        y = np.roll(x, -1, axis=0)
+        if float((x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]).sum()) < 0.0:
+            found.reverse()
+        self.cells.append(tuple(found))
+        self.regions.append(region)
+        self.bands[region] = band
+
+
+def station_mesh(
+    points: Array, bands: list[Band], webs: list[WebLayers], edge: Band
+) -> StationMesh:
+    """Mesh the shell of a contour and its webs.
+
+    Parameters
+    ----------
+    points : (n, 2) contour from the trailing edge over suction side and leading edge back [m]
+    bands : layers of the shell, from outside inwards
+    webs : in any order; they must not cross
+    edge : material that closes a trailing edge too sharp for a mitre; its thickness is a length
+    """
+    mesh = StationMesh()
+    s = arcs_of(points)
+    perimeter = float(s[-1])
+    rows = [joined(row) for row in rows_of(bands)]
+    mitred = edge_angle(points) >= MITRE
+    total = sum(float(thickness(row, np.array([0.0]), perimeter)[0]) for row in rows)
+    low, high = (0.0, 1.0) if mitred else _cut(points, s / perimeter, max(0.7 * total, 1e-3))
+    arcs = _columns(rows, webs, perimeter, low, high)
+    outer = _smooth(points, s / perimeter, arcs)
+    normals = _normals(outer, mitred)
+    t = np.array([thickness(row, arcs, perimeter) for row in rows])
+    for web in webs:
+        _level(t, arcs, web, perimeter)
+    full = t.sum(axis=0)
+    limit = _uncrossed(_gradual(_room(outer, normals), outer), full, outer, normals)
+    share = np.where(full > limit, limit / np.where(full > 0.0, full, 1.0), 1.0)
+    spacing = np.gradient(arcs) * perimeter
+    mesh.removed = float(((1.0 - share) * full * spacing).sum() / (full * spacing).sum())
+    t = np.where(t * share < THINNEST, 0.0, t * share)
+    depth = np.vstack([np.zeros(len(arcs)), np.cumsum(t, axis=0)])
+    numbers = _grid(mesh, outer, normals, depth, mitred)
+    _shell(mesh, rows, arcs, numbers, t, perimeter)
+    for web in webs:
+        _web(mesh, web, arcs, numbers[-1], perimeter)
+    if not mitred:
+        _trailing_edge(mesh, numbers, edge)
+    return mesh
+
+
+def _cut(points: Array, arcs: Array, gap: float) -> tuple[float, float]:
+    """Arcs at which both sides are `gap` apart, near the trailing edge and not on its face."""
+    n = len(points)
+    width = np.linalg.norm(points[: n // 2] - points[: n - n // 2 - 1 : -1][: n // 2], axis=1)
+    wide = width >= gap
+    wide[: _blunt(points)] = False
+    k = int(np.argmax(wide)) if wide.any() else n // 4
+    if k == 0:
+        return 0.0, 1.0
+    f = (gap - width[k - 1]) / max(width[k] - width[k - 1], 1e-30)
+    f = 1.0 if width[k - 1] >= gap else f  # the end of the face
+    one = arcs[k - 1] + f * (arcs[k] - arcs[k - 1])
+    two = arcs[n - k] + f * (arcs[n - 1 - k] - arcs[n - k])
+    return float(one), float(two)
+
+
+def _blunt(points: Array) -> int:
+    """Number of points at either end whose contour is the face of the trailing edge: across x2."""
+    most = len(points) // 20
+    one, two = np.diff(points[: most + 1], axis=0), np.diff(points[: -most - 2 : -1], axis=0)
+    steep = [np.abs(d[:, 1]) > np.abs(d[:, 0]) for d in (one, two)]
+    across = np.flatnonzero(steep[0] | steep[1])
+    return int(across[-1]) + 1 if across.size else 0
+
+
+def _columns(
+    rows: list[list[Band]], webs: list[WebLayers], perimeter: float, low: float, high: float
+) -> Array:
+    """Arcs of the columns: ends of layers and feet of webs exactly, others between them."""
+    spacing = 1.0 / COLUMNS
+    feet = [np.array(_feet(web, perimeter)).reshape(2, -1) for web in webs]
+    wanted = [low, high, *(float(arc) for both in feet for arc in both.ravel())]
+    apart = CLOSE * min(spacing, 0.01 / perimeter)
+    for arc in sorted(arc for row in rows for arc in breaks(row, perimeter)):
+        under = any(foot.min() < arc < foot.max() for both in feet for foot in both)
+        near = min(abs(arc - other) for other in wanted) <= apart
+        if low < arc < high and not under and not near:
+            wanted.append(arc)
+    fixed = sorted(wanted)
+    found = [fixed[0]]
+    for one, two in itertools.pairwise(fixed):
+        count = max(1, round((two - one) / spacing))
+        found += [one + (two - one) * k / count for k in range(1, count + 1)]
+    return np.array(found)
+
+
+def _feet(web: WebLayers, perimeter: float) -> list[float]:
+    """Arcs of the boundaries of a web's layers: on the suction side, then on the pressure side."""
+    widths = np.array([layer.thickness for layer in web.layers]) / perimeter
+    steps = np.concatenate([[0.0], np.cumsum(widths)]) - 0.5 * widths.sum()
+    # From the leading edge to the trailing edge: arcs fall on the suction side.
+    return [*(web.start - steps).tolist(), *(web.end + steps).tolist()]
+
+
+def _smooth(points: Array, at: Array, arcs: Array) -> Array:
+    from scipy.interpolate import PchipInterpolator
+
+    at, first = np.unique(at, return_index=True)
+    return np.asarray(PchipInterpolator(at, points[first])(arcs))
+
+
+def _normals(outer: Array, mitred: bool) -> Array:
+    """Inward normals (n, 2); of a mitre so long that the walls keep their thickness."""
+    steps = np.diff(outer, axis=0)
+    steps /= np.linalg.norm(steps, axis=1)[:, None]
+    # The contour runs from the trailing edge over the suction side: inside is to the left of it if
+    # it is counter-clockwise.
+    x, y = outer, np.roll(outer, -1, axis=0)
+    sense = np.sign(float((x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]).sum()))
+    side = sense * np.column_stack([-steps[:, 1], steps[:, 0]])
+    before = np.vstack([side[-1] if mitred else side[0], side])
+    after = np.vstack([side, side[0] if mitred else side[-1]])
+    both = before + after
+    return np.asarray(both / np.maximum(0.5 * (both * both).sum(axis=1), 0.2)[:, None])
+
+
+def _room(outer: Array, normals: Array) -> Array:
+    """How thick the wall may be at each column, so that the two sides do not meet [m]."""
+    direction = normals / np.linalg.norm(normals, axis=1)[:, None]
+    found = np.full(len(outer), np.inf)
+    for k in range(len(outer)):
+        d = outer - outer[k]
+        ahead = d @ direction[k]
+        size = (d * d).sum(axis=1)
+        # The largest circle that touches the contour here and holds no other point of it.
+        usable = ahead > 1e-9
+        radius = size[usable] / (2.0 * ahead[usable])
+        found[k] = ROOM * float(radius.min(initial=np.inf))
+    return found
+
+
+def _level(t: Array, arcs: Array, web: WebLayers, perimeter: float) -> None:
+    """Give the wall one thickness under each foot of a web, the mean of what it has there."""
+    feet = np.array(_feet(web, perimeter)).reshape(2, -1)
+    for foot in feet:
+        at = np.flatnonzero((arcs > foot.min() - 1e-9) & (arcs < foot.max() + 1e-9))
+        t[:, at] = t[:, at].mean(axis=1)[:, None]
+
+
+def _gradual(limit: Array, outer: Array) -> Array:
+    """A limit that changes no faster along the contour than by its length."""
+    steps = np.linalg.norm(np.diff(outer, axis=0), axis=1)
+    found = limit.copy()
+    for k in range(len(steps)):
+        found[k + 1] = min(found[k + 1], found[k] + steps[k])
+    for k in range(len(steps) - 1, -1, -1):
+        found[k] = min(found[k], found[k + 1] + steps[k])
+    return found
+
+
+def _uncrossed(limit: Array, full: Array, outer: Array, normals: Array) -> Array:
+    """A limit with which neighbouring columns do not cross: the inner face keeps its direction."""
+    steps = np.diff(outer, axis=0)
+    found = limit.copy()
+    for _ in range(60):
+        inner = outer + np.minimum(full, found)[:, None] * normals
+        along = (np.diff(inner, axis=0) * steps).sum(axis=1)
+        crossed = np.flatnonzero(along < LEAST * (steps * steps).sum(axis=1))
+        if not crossed.size:
+            break
+        at = np.unique(np.concatenate([crossed, crossed + 1]))
+        found[at] = 0.8 * np.minimum(full, found)[at]
+        found = _gradual(found, outer)
+    return found
+
+
+def _grid(
+    mesh: StationMesh, outer: Array, normals: Array, depth: Array, mitred: bool
+) -> list[list[int]]:
+    """Node numbers, row by row: of the outer surface first; rows of no thickness share nodes."""
+    n = len(outer)
+    last = n - 1 if mitred else n
+    numbers: list[list[int]] = []
+    for row, level in enumerate(depth):
+        line: list[int] = []
+        for k in range(last):
+            if row and level[k] - depth[row - 1][k] <= 0.0:
+                line.append(numbers[-1][k])
+            else:
+                line.append(mesh.node(outer[k] + level[k] * normals[k]))
+        if mitred:
+            line.append(line[0])
+        numbers.append(line)
+    mesh.outer = [(a, b) for a, b in zip(numbers[0][:-1], numbers[0][1:], strict=True)]
+    return numbers
+
+
+def _shell(
+    mesh: StationMesh,
+    rows: list[list[Band]],
+    arcs: Array,
+    numbers: list[list[int]],
+    t: Array,
+    perimeter: float,
+) -> None:
+    middle = 0.5 * (arcs[:-1] + arcs[1:])
+    for k, row in enumerate(rows):
+        for j, arc in enumerate(middle):
+            if max(t[k, j], t[k, j + 1]) <= 0.0:
+                continue
+            band = material_of(row, float(arc), perimeter)
+            above, below = numbers[k], numbers[k + 1]
+            corners = (above[j], above[j + 1], below[j + 1], below[j])
+            mesh.cell(corners, f"{band.name}", band)
+
+
+def _web(
+    mesh: StationMesh, web: WebLayers, arcs: Array, inner: list[int], perimeter: float
+) -> None:
+    """A strip between the two feet; its cells are about as long as the columns are apart."""
+    feet = np.array(_feet(web, perimeter))
+    half = len(feet) // 2
+    columns = [int(np.abs(arcs - foot).argmin()) for foot in feet]
+    one = [inner[k] for k in _every(columns[:half])]
+    two = [inner[k] for k in _every(columns[half:])]
+    if len(one) != len(two):
+        raise ValueError("columns between the feet of a web differ in number")
+    start, end = (np.array([mesh.nodes[k] for k in line]) for line in (one, two))
+    height = float(np.linalg.norm(end - start, axis=1).min())
+    count = max(4, round(height / (perimeter / COLUMNS)))
+    grid = [one]
+    for k in range(1, count):
+        f = k / count
+        grid.append([mesh.node(p) for p in (1.0 - f) * start + f * end])
+    grid.append(two)
+    run = end.mean(axis=0) - start.mean(axis=0)
+    for i, band in enumerate(web.layers):
+        first, last = columns[i], columns[i + 1]
+        for j in range(abs(last - first)):
+            a = abs(first - columns[0]) + j
+            for lower, upper in itertools.pairwise(grid):
+                corners = (lower[a], lower[a + 1], upper[a + 1], upper[a])
+                mesh.cell(corners, band.name, band)
+        mesh.directions[band.name] = (float(run[0]), float(run[1]))
+
+
+def _every(columns: list[int]) -> list[int]:
+    step = 1 if columns[-1] > columns[0] else -1
+    return list(range(columns[0], columns[-1] + step, step))
+
+
+def _trailing_edge(mesh: StationMesh, numbers: list[list[int]], edge: Band) -> None:
+    """A plate that closes the cut trailing edge, behind the ends of both walls."""
+    down = [line[0] for line in numbers]
+    up = [line[-1] for line in reversed(numbers)]
+    one, two = (np.array(mesh.nodes[k]) for k in (down[-1], up[0]))
+    steps = max(2, len(numbers) - 1)
+    between = [mesh.node(one + (two - one) * k / steps) for k in range(1, steps)]
+    face = list(dict.fromkeys([*down, *between, *up]))
+    across = np.array(mesh.nodes[face[-1]]) - np.array(mesh.nodes[face[0]])
+    aft = np.array([across[1], -across[0]]) / np.linalg.norm(across)
+    centre = np.array(mesh.nodes).mean(axis=0)
+    if aft @ (np.array(mesh.nodes[face[0]]) - centre) < 0.0:
+        aft = -aft
+    behind = [mesh.node(np.array(mesh.nodes[k]) + edge.thickness * aft) for k in face]
+    for k in range(len(face) - 1):
+        mesh.cell((face[k], face[k + 1], behind[k + 1], behind[k]), edge.name, edge)
+    mesh.directions[edge.name] = (float(-across[0]), float(-across[1]))

@@ -1,0 +1,123 @@
+"""One station of a blade: its mesh and its section description."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+from ...errors import InputError, nearest
+from ...package.common.temporary import write_text
+from .contour import contour
+from .mesh import StationMesh, WebLayers, station_mesh
+from .wall import Band
+from .windio import Blade, Layer
+
+THIN = 1e-4  # [m] layers below are not there: files write them where a layer ends
+EDGE = "trailing-edge"  # region of the plate that closes a sharp trailing edge
+PLATE = 0.004  # its thickness over the chord
+GLUES = ("adhesive", "resin")  # materials of the plate, the first one that the file has
+
+
+def write_station(blade: Blade, r: float, name: str, folder: Path) -> StationMesh:
+    """Write folder/name.msh and folder/name.toml of the station at r of 0 to 1.
+
+    Raises
+    ------
+    InputError : the station has no layers, or an unknown material.
+    """
+    bands = [_band(layer, r) for layer in blade.layers if not layer.web and _is_there(layer, r)]
+    if not bands:
+        raise InputError(f"{blade.file}: no layer of the shell at r = {r:g}")
+    webs = [
+        WebLayers(
+            web.name,
+            web.start.at(r),
+            web.end.at(r),
+            tuple(_band(n, r) for n in blade.layers if n.web == web.name and _is_there(n, r)),
+        )
+        for web in blade.webs
+    ]
+    glue = next((g for g in GLUES if g in blade.materials), bands[0].material)
+    edge = Band(EDGE, glue, 0.0, PLATE * blade.chord.at(r), 0.0, 1.0)
+    mesh = station_mesh(contour(blade, r), bands, [web for web in webs if web.layers], edge)
+    for band in mesh.bands.values():
+        if band.material not in blade.materials:
+            hint = nearest(band.material, blade.materials)
+            raise InputError(
+                f"{blade.file}: layer {band.name}: no material {band.material!r}{hint}"
+            )
+    folder.mkdir(parents=True, exist_ok=True)
+    write_text(folder / f"{name}.msh", _msh(mesh))
+    write_text(folder / f"{name}.toml", _description(blade, r, name, mesh))
+    return mesh
+
+
+def _is_there(layer: Layer, r: float) -> bool:
+    span = layer.end.at(r) - layer.start.at(r)
+    return layer.thickness.at(r) > THIN and (bool(layer.web) or span > 1e-3)
+
+
+def _band(layer: Layer, r: float) -> Band:
+    start, end = max(layer.start.at(r), 0.0), min(layer.end.at(r), 1.0)
+    name = re.sub(r"[^A-Za-z0-9_-]", "-", layer.name)
+    return Band(name, layer.material, layer.angle.at(r), layer.thickness.at(r), start, end)
+
+
+def _msh(mesh: StationMesh) -> str:
+    """The mesh in gmsh's format 2.2."""
+    names = list(mesh.bands)
+    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", str(len(names) + 1)]
+    lines.append('1 1 "outer"')
+    lines += [f'2 {number + 2} "{name}"' for number, name in enumerate(names)]
+    lines += ["$EndPhysicalNames", "$Nodes", str(len(mesh.nodes))]
+    lines += [f"{k + 1} {x!r} {y!r} 0" for k, (x, y) in enumerate(mesh.nodes)]
+    lines += ["$EndNodes", "$Elements", str(len(mesh.outer) + len(mesh.cells))]
+    number = 0
+    for edge in mesh.outer:
+        number += 1
+        lines.append(f"{number} 1 2 1 1 " + " ".join(str(k + 1) for k in edge))
+    for cell, region in zip(mesh.cells, mesh.regions, strict=True):
+        number += 1
+        kind, tag = (2 if len(cell) == 3 else 3), names.index(region) + 2
+        lines.append(f"{number} {kind} 2 {tag} {tag} " + " ".join(str(k + 1) for k in cell))
+    return "\n".join([*lines, "$EndElements", ""])
+
+
+def _description(blade: Blade, r: float, name: str, mesh: StationMesh) -> str:
+    used = sorted({band.material for band in mesh.bands.values()})
+    lines = [
+        f"# Station r = {r:g} of {blade.file.name}, written by `plymotion blade`.",
+        "# x2 to the leading edge, x3 to the suction side, origin on the reference axis.",
+        "",
+        "format = 1",
+        f'title = "{blade.file.stem}, r = {r:g}"',
+        "",
+        "[mesh]",
+        f'file = "{name}.msh"',
+    ]
+    for material in used:
+        lines += ["", f"[materials.{_key(material)}]", *_pairs(blade.materials[material])]
+        if "strength" in blade.materials[material]:
+            lines += ["", f"[materials.{_key(material)}.strength]"]
+            lines += _pairs(blade.materials[material]["strength"])
+    for region, band in mesh.bands.items():
+        lines += ["", f"[regions.{_key(region)}]", f'material = "{band.material}"']
+        if blade.materials[band.material]["kind"] == "orthotropic":
+            lines.append(f"angle_deg = {band.angle_deg!r}")
+            if region in mesh.directions:
+                x, y = mesh.directions[region]
+                lines.append(f"direction = {{ vector = [{x!r}, {y!r}] }}")
+            else:
+                lines.append('direction = { curve = "outer" }')
+    return "\n".join([*lines, ""])
+
+
+def _key(name: str) -> str:
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else f'"{name}"'
+
+
+def _pairs(table: dict[str, Any]) -> list[str]:
+    return [
+        f'{key} = "{value}"' if isinstance(value, str) else f"{key} = {value!r}"
+        for key, value in table.items()
+        if not isinstance(value, dict)
+    ]

@@ -1,0 +1,82 @@
+"""The sections of report.html on the modes of the bodies and their masses."""
+
+from html import escape
+
+import numpy as np
+
+from ..math.arrays import Array
+from ..results.view import BodyView
+from .elements import Cell, Row, figures, name_of, section, table
+from .story import Story
+
+
+def modes_section(stories: list[Story]) -> str:
+    """Return frequency and share of the strain energy of every mode, or nothing without modes."""
+    head = ["run", "body", "mode", "frequency [Hz]", "share of strain energy [%]"]
+    head += ["largest coordinate [-]", "view"]
+    rows: list[Row] = []
+    for story in stories:
+        for i, body in enumerate(story.result.bodies):
+            if body.view is None or not len(body.view.shapes_B):
+                continue
+            q = modal_coordinates(story, body.view)
+            shares, largest = energy_shares(body.view, q), np.abs(q).max(axis=0)
+            for k, label in enumerate(body.view.labels):
+                rows.append(
+                    [
+                        name_of(story),
+                        escape(body.name),
+                        Cell(f"{k + 1}: {escape(label)}", k),
+                        figures(float(body.view.frequencies[k]) / (2.0 * np.pi), 5),
+                        figures(100.0 * float(shares[k]), 3),
+                        figures(float(largest[k]), 3),
+                        f"<button type='button' class='small' data-run='{escape(story.name)}' "
+                        f"data-solo='{i},{k}' aria-label='show mode {k + 1} of "
+                        f"{escape(body.name)} alone'>alone</button>",
+                    ]
+                )
+    if not rows:
+        return ""
+    return section("modes", "Modes", table("Modes of the bodies", head, rows))
+
+
+def modal_coordinates(story: Story, view: BodyView) -> Array:
+    """Modal coordinates of a body at all output times, (k, m)."""
+    first = view.first_position + 7
+    return np.asarray(story.result.q[:, first : first + len(view.shapes_B)])
+
+
+def energy_shares(view: BodyView, q: Array) -> Array:
+    """Share (m,) of each mode of the strain energy, mean over all output times [-].
+
+    The energy 1/2 q' K q is assigned to the modes as 1/2 q_i (K q)_i; they add up to 1.
+    """
+    each = np.einsum("ki,ki->i", q, q @ view.stiffness)
+    total = float(each.sum())
+    return np.asarray(each / total if total else np.zeros(len(each)))
+
+
+def masses_section(stories: list[Story]) -> str:
+    """Return masses and mass centres of the bodies, or nothing if the results have none."""
+    head = ["run", "body", "mass [kg]", "centre x [m]", "centre y [m]", "centre z [m]"]
+    head += ["modes", "package inputs"]
+    rows: list[Row] = []
+    for story in stories:
+        for body in story.result.bodies:
+            view = body.view
+            if view is None:
+                continue
+            digest = str(view.provenance.get("inputs_sha256", ""))[:12]
+            rows.append(
+                [
+                    name_of(story),
+                    escape(body.name),
+                    figures(view.mass, 5),
+                    *(figures(float(x), 4) for x in view.centre_B),
+                    Cell(str(len(view.shapes_B)), len(view.shapes_B)),
+                    f"<code>{escape(digest)}</code>" if digest else "-",
+                ]
+            )
+    if not rows:
+        return ""
+    return section("masses", "Masses", table("Masses, centres in body axes", head, rows))

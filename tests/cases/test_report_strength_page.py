@@ -1,0 +1,201 @@
+"""Strength in report.html: the exposure of the worst ply, computed on the GPU, against NumPy."""
+
+import dataclasses
+import json
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from chromium import SOFTWARE, Browser
+from result_samples import swinging_rod
+
+from plymotion.solver.__main__ import main
+from plymotion.solver.package import read_package
+from plymotion.solver.package.common.strengths import PlyStrength, YieldStrength
+from plymotion.solver.package.section.recovery_data import strengths
+from plymotion.solver.report import make_report
+from plymotion.solver.results import RunResult, read_result, write_result, write_summary
+from plymotion.solver.results.view import BodyView, Sites, Surface
+from plymotion.solver.strength import criteria_of
+from plymotion.solver.strength.beam_bodies import resultants, unit_stress_M
+
+pytest.importorskip("matplotlib")
+
+RUN = "layup-2-four-modes"
+PLY = PlyStrength(
+    Xt=19.5, Xc=14.8, Yt=0.48, Yc=2.0, Zt=0.45, Zc=1.9, S12=0.79, S13=0.7, S23=0.3, F12_star=-0.4
+)
+METAL = YieldStrength(2.4)
+TIMES = 400
+NAMES = ["max-stress", "tsai-hill", "tsai-wu", "hashin", "von-mises"]  # in the order of the page
+
+
+@pytest.fixture(scope="module")
+def case_dir(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The shipped laminated box beam with strengths, a short run with its report."""
+    folder = tmp_path_factory.mktemp("case")
+    text = (repository / "cases/actuated-beam/case.toml").read_text()
+    assert "t_end = 6.0" in text
+    text = text.replace("t_end = 6.0", "t_end = 0.3").replace("../sections", "sections")
+    (folder / "case.toml").write_text(text)
+    shutil.copytree(repository / "cases/sections", folder / "sections")
+    packages = repository / "tests/packages/actuated-beam"
+    command = [str(folder / "case.toml"), "--run", RUN, "--packages", str(packages), "--quiet"]
+    assert main([*command, "--out", str(folder / "build"), "--jobs", "1"]) == 0
+    return folder / "build"
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    with Browser(tmp_path_factory.mktemp("browser") / "profile", *SOFTWARE) as opened:
+        yield opened
+
+
+def exposures(browser: Browser, body: int, times: list[float]) -> np.ndarray:
+    """Sites (t, s, 4) of a body of the first run: energy, exposure, ply, criterion."""
+    found = browser.run(f"""(() => {{
+      const {{ view, page, bodyState, shownNow }} = plymotion, {{ scene }} = page.runs[0];
+      const body = scene.bodies[{body}], shown = {{ ...shownNow(scene), field: 3 }};
+      return {json.dumps(times)}.map((t) =>
+        Array.from(view.renderer.capture(body, bodyState(scene, body, t, -1), shown).sites));
+    }})()""")
+    return np.reshape(found, (len(times), -1, 4))
+
+
+def test_worst_ply_of_a_real_beam(browser: Browser, case_dir: Path, repository: Path) -> None:
+    """Every point of the section and every criterion in NumPy; the page has governing points."""
+    result = read_result(case_dir / RUN / "result.vtkhdf")
+    number = next(i for i, body in enumerate(result.bodies) if body.name == "beam")
+    view = result.bodies[number].view
+    assert view is not None
+    package = read_package(repository / f"tests/packages/actuated-beam/beam.{RUN}.vtkhdf")
+    (section,) = package.sections
+    assert section.recovery is not None
+    assert view.sites is not None
+    assert len(view.sites.stress_M) < len(section.recovery.points) / 10
+    browser.open(case_dir / "report.html")
+    assert browser.run("document.documentElement.dataset.renderer") == "webgl2"
+    rows = list(range(20, len(result.t), 13))
+    shown = exposures(browser, number, [float(result.t[row]) for row in rows])
+    first = view.first_position + 7
+    F = resultants(package, result.q[rows, first : first + len(view.shapes_B)])
+    stress_M = unit_stress_M(section.recovery)
+    (strength,) = strengths(section.recovery).values()
+    for k in range(len(rows)):
+        stress = np.einsum("pij,sj->spi", stress_M, F[:, :, k])
+        every = np.max([c.assess(stress, strength).exposure for c in criteria_of(strength)], axis=0)
+        expected = every.max(axis=1)
+        assert expected.max() > 0.01
+        # Never above the exact value; the points were chosen from a sample of the times.
+        assert np.all(shown[k, :, 1] <= expected * (1 + 1e-5))
+        np.testing.assert_allclose(shown[k, :, 1], expected, rtol=5e-3, atol=1e-3 * expected.max())
+
+
+def test_button_shows_the_worst_ply_at_its_time(browser: Browser, case_dir: Path) -> None:
+    browser.open(case_dir / "report.html")
+    summary = json.loads((case_dir / RUN / "summary.json").read_text())
+    entry = summary["strength"]["beam"]
+    browser.click("#worst")
+    assert browser.run("plymotion.clock.t") == pytest.approx(entry["time"])
+    caption = browser.run("document.getElementById('caption').textContent")
+    assert f"R = {entry['ratio']:.4g}" in caption
+    assert browser.run("document.getElementById('colour').value") == "exposure"
+    result = read_result(case_dir / RUN / "result.vtkhdf")
+    number = next(i for i, body in enumerate(result.bodies) if body.name == "beam")
+    shown = exposures(browser, number, [entry["time"]])[0]
+    assert shown[:, 1].max() == pytest.approx(1.0 / entry["ratio"], rel=1e-3)
+    x = np.array(entry["along_beam"]["x"])
+    assert x[int(np.argmax(shown[:, 1]))] == pytest.approx(entry["x"])
+    mark = browser.run("[plymotion.view.mark.body, plymotion.view.mark.node]")
+    assert result.bodies[mark[0]].nodes_B[mark[1], 0] == pytest.approx(entry["x"], abs=1e-6)
+    browser.run("plymotion.clock.set(0)")
+    browser.click("#strength tbody tr:first-child button")
+    assert browser.run("plymotion.clock.t") == pytest.approx(entry["time"])
+    assert browser.errors() == []
+
+
+def stressed(strength: PlyStrength | YieldStrength, stress: np.ndarray) -> RunResult:
+    """A run whose only site has, at each time, the stress (t, 6) that its six modes are."""
+    rod = swinging_rod(k=TIMES)
+    one = np.zeros((1, 6, 6))
+    one[0] = np.eye(6)
+    none = np.zeros(0, dtype=np.int64)
+    sites = Sites(
+        place_B=np.zeros((1, 3)),
+        resultants_E=one,
+        kind=np.zeros(1, dtype=np.int64),
+        compliance=one,
+        stress_M=one,
+        point_kind=np.zeros(1, dtype=np.int64),
+        point_ply=np.zeros(1, dtype=np.int64),
+        plies=({"region": "a", "index": 0, "strength": vars(strength)},),
+    )
+    triangle = Surface(
+        np.arange(3),
+        np.zeros((3, 3)),
+        np.array([[0, 1, 2]]),
+        np.array([7]),
+        np.zeros((1, 3), dtype=np.int64),
+    )
+    bodies = []
+    for body in rod.bodies:
+        n, held = len(body.nodes_B), body.name == "rod"
+        bodies.append(
+            dataclasses.replace(
+                body,
+                view=BodyView(
+                    first_position=0,
+                    shapes_B=np.zeros((6 if held else 0, n, 6)),
+                    stiffness=np.eye(6 if held else 0),
+                    frequencies=np.ones(6 if held else 0),
+                    labels=tuple("abcdef") if held else (),
+                    mass=1.0,
+                    centre_B=np.zeros(3),
+                    surface=triangle
+                    if held
+                    else Surface(
+                        none,
+                        np.zeros((0, 3)),
+                        np.zeros((0, 3), dtype=np.int64),
+                        none,
+                        np.zeros((0, 3), dtype=np.int64),
+                    ),
+                    sites=sites if held else None,
+                ),
+            )
+        )
+    return dataclasses.replace(rod, q=np.hstack([rod.q, stress]), bodies=tuple(bodies))
+
+
+@pytest.mark.parametrize("strength", [PLY, METAL], ids=["ply", "metal"])
+def test_every_criterion(
+    browser: Browser, strength: PlyStrength | YieldStrength, tmp_path: Path
+) -> None:
+    """Random stresses in which each criterion governs somewhere."""
+    rng = np.random.default_rng(3)
+    sizes = [10.0, 1.0, 1.0, 0.5, 0.5, 0.5] * rng.choice([0.0, 1.0], size=(TIMES, 6))
+    stress = rng.normal(size=(TIMES, 6)) * sizes
+    stress[0] = 0.0
+    result = stressed(strength, stress)
+    (tmp_path / "rod").mkdir()
+    write_result(tmp_path / "rod/result.vtkhdf", result)
+    summary: dict[str, Any] = {"run": "rod", "completed": True, "t_end": float(result.t[-1])}
+    write_summary(tmp_path / "rod/summary.json", summary)
+    browser.open(make_report(tmp_path, ["rod"], {}))
+    shown = exposures(browser, 0, result.t.tolist())[:, 0]
+    criteria = criteria_of(strength)
+    every = np.array([c.assess(stress, strength).exposure for c in criteria])
+    np.testing.assert_allclose(shown[:, 1], every.max(axis=0), rtol=2e-5, atol=1e-6)
+    governing = {NAMES.index(criteria[k].name) for k in np.argmax(every, axis=0)[1:]}
+    expected = {4} if strength is METAL else {0, 1, 2, 3}
+    assert governing == expected, "the stresses do not reach every criterion"
+    clear = (
+        np.sort(every, axis=0)[-2] < 0.999 * every.max(axis=0)
+        if len(every) > 1
+        else shown[:, 1] > 0
+    )
+    numbers = np.array([NAMES.index(c.name) for c in criteria])[np.argmax(every, axis=0)]
+    np.testing.assert_array_equal(shown[clear, 3], numbers[clear])

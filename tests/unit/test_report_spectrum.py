@@ -1,0 +1,40 @@
+"""Figures with `spectrum = true`: amplitudes over frequency in place of values over time."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from result_samples import swinging_rod
+
+from plymotion.solver.errors import InputError
+from plymotion.solver.report.spectrum import draw_spectrum
+from plymotion.solver.report.story import Comparison, Story
+from plymotion.solver.report.style import Canvas, house_style
+from plymotion.solver.results import Signal
+
+
+def _story(values):
+    result = swinging_rod()
+    signal = Signal("hum", "m", "humming", values(result.t))
+    return Story("rod", "Rod", {"completed": True}, dataclasses.replace(result, signals=(signal,)))
+
+
+def test_curve_has_the_amplitude_at_the_frequency(tmp_path, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(Canvas, "save", lambda canvas, path: drawn.append(canvas) or path)
+    story = _story(lambda t: 3.0 + 0.25 * np.sin(2 * np.pi * 7 * t * (len(t) - 1) / len(t) / t[-1]))
+    with house_style():
+        draw_spectrum(tmp_path / "f.png", Comparison("f", "F", "hum", ("rod",), True), [story])
+    (axes,) = drawn[0].figure.axes
+    (line,) = axes.lines
+    amplitude = line.get_ydata()
+    assert np.argmax(amplitude) == 6  # without the mean
+    assert amplitude[6] == pytest.approx(0.25, rel=1e-9)
+    assert axes.get_xlabel() == "frequency [Hz]"
+    assert axes.get_ylabel() == "amplitude: humming [m]"
+
+
+def test_a_signal_without_values_is_named(tmp_path):
+    wanted = Comparison("f", "F", "hum", ("rod",), True)
+    with house_style(), pytest.raises(InputError, match=r"figures\.f: run rod: .*finite"):
+        draw_spectrum(tmp_path / "f.png", wanted, [_story(lambda t: np.full(len(t), np.inf))])
