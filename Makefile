@@ -1,9 +1,5 @@
-# Plymotion: targets are files, so files that are up to date are not made again.
-# The steps of a case:
-#   case.toml -> case.mk, bodies/*.json, runs/*.json     check       light environment
-#   bodies/*.json -> bodies/*.vtkhdf                     preprocess  FEniCSx
-#   runs/*.json + packages -> <run>/summary.json, ran    run         light environment
-#   summaries -> report.html, figures                    report      light environment
+# Plymotion: what is up to date is not made again. A case is made by one command, `plymotion
+# case.toml`, which keeps its own account (docs/adr/0030).
 
 MAKEFLAGS += --no-builtin-rules
 # All cores, unless the user says otherwise; a sub-make shares them.
@@ -32,7 +28,6 @@ rooms = $(filter $(addprefix solver/,$(addsuffix %,$(1))),$(SOLVER_SOURCES))
 PACKAGE_SOURCES := $(call rooms,errors math package)
 HOT_SOURCES := $(call rooms,math dynamics integrators)
 RUN_SOURCES := $(filter-out $(call rooms,__main__ commands report),$(SOLVER_SOURCES))
-REPORT_SOURCES := $(call rooms,report results)
 SECTION_SOURCES := $(call rooms,commands/section commands/described commands/fenicsx_side inputs strength)
 SHELL_SOURCES := $(call rooms,commands/shell commands/described commands/fenicsx_side inputs strength)
 
@@ -87,9 +82,10 @@ $(COMPILED): $(HOT_SOURCES) $(LIGHT)
 ##@ Cases
 
 # make <case>                  everything from the case file to the report
-# make <case> PACKAGES=shipped the packages of the repository: no FEniCSx needed
-# make <case> COARSE=1         a small version, in build/<case>-coarse
-# make <case> NO_SCRIPTS=1     mesh scripts of the case are refused (docs/security.md)
+# make <case>-sweep-<name>     the members of [sweeps.<name>]: build/<case>/sweeps/<name>/
+# make ... PACKAGES=shipped    the packages of the repository: no FEniCSx needed
+# make ... COARSE=1            a small version, in build/<case>-coarse
+# make ... NO_SCRIPTS=1        mesh scripts of the case are refused (docs/security.md)
 FOUND := $(patsubst cases/%/case.toml,%,$(filter cases/%/case.toml,$(call plain,cases/*/case.toml)))
 # Names that are taken: targets of this file, and files in build/.
 TAKEN := $(shell sed -n 's/^\.PHONY: //p' Makefile) FORCE Makefile distclean fenicsx.env compiled \
@@ -105,124 +101,23 @@ ifneq ($(filter-out shipped,$(PACKAGES)),)
 $(error PACKAGES=$(PACKAGES): expected PACKAGES=shipped, or nothing)
 endif
 
-out = build/$(1)$(if $(COARSE),-coarse)
-asked = $(or $(filter $(1) $(1)-sweep-% $(call out,$(1))/%,$(MAKECMDGOALS)), \
-    $(filter cases sweeps,$(MAKECMDGOALS)))
-ASKED := $(foreach case,$(CASES),$(if $(call asked,$(case)),$(case)))
-OPTIONS := $(strip PACKAGES=$(PACKAGES) COARSE=$(COARSE) NO_SCRIPTS=$(NO_SCRIPTS))
-
-.PHONY: cases $(CASES)
-cases: $(CASES) ## Run all cases (make <case>: one case)
-
-# The list of a case's bodies and runs is made first; then make reads it and restarts.
-include $(foreach case,$(ASKED),$(call out,$(case))/case.mk)
-
-# Files that are not there, and files without content in some folders: what a fault may leave.
-lost = $(filter-out $(wildcard $(1)),$(1))
-empty_in = $(shell find $(1) -maxdepth 1 -size 0 \( -false $(patsubst %,-o -name '%',$(2)) \) \
-    2>/dev/null)
-
-define CASE_RULES
-$(1): $(2)/report.html
-	@echo "$(1): $(2)/report.html"
-
-# Other options than last time require a new case.mk.
-ifneq ($$(strip $$(file <$(2)/case.options)),$$(OPTIONS))
-$(2)/case.mk: FORCE
-endif
-ifneq ($$(call lost,$(2)/manifest.json)$$(call empty_in,$(2),manifest.json),)
-$(2)/case.mk: FORCE
-endif
-CHECK_$(1) := $$(PY) -m plymotion.solver check cases/$(1)/case.toml --out $(2) \
-    $$(if $$(PACKAGES),--packages tests/packages/$(1)) $$(if $$(COARSE),--coarse) \
-    $$(if $$(NO_SCRIPTS),--no-scripts)
-
-$(2)/case.mk: cases/$(1)/case.toml $$(SOLVER_SOURCES) $$(LIGHT)
-	$$(CHECK_$(1))
-	@echo "$$(OPTIONS)" > $(2)/case.options
-	@touch $$@
-
-# Written by `check` as well, and only when their content changes.
-$(2)/bodies/%.json: | $(2)/case.mk
-	@[ -e $$@ ] || $$(CHECK_$(1))
-$(2)/runs/%.json: | $(2)/case.mk
-	@[ -e $$@ ] || $$(CHECK_$(1))
-
-# One process for all bodies shares imports, meshes and compiled forms. It
-# skips packages that are up to date by content. Because of the empty recipe
-# below, make checks the time of each package instead of assuming that it is new.
-PACKAGES_$(1) := $$(patsubst %.json,%.vtkhdf,$$($(1)_SPECS))
-ifneq ($$(PACKAGES_$(1)),)
-ifneq ($$(call lost,$$(PACKAGES_$(1)))$$(call empty_in,$(2)/bodies,*.vtkhdf),)
-$(2)/bodies/built: FORCE
-endif
-$(2)/bodies/built: $$($(1)_SPECS) $$(PREPROCESS_SOURCES) $$(PACKAGE_SOURCES) $$(FENICSX)
-	$$(FE_PYTHON) -m plymotion.preprocess body $$($(1)_SPECS) --out-dir $(2)/bodies
-	@touch $$@
-$$(PACKAGES_$(1)): $(2)/bodies/built ;
-endif
-
-# One command for all runs saves the time to start; it leaves out those that are up to date by
-# content. Exit code 3: a run stopped early; its results up to that time are kept and reported.
-SUMMARIES_$(1) := $$(patsubst %,$(2)/%/summary.json,$$($(1)_RUNS))
-RESULTS_$(1) := $$(SUMMARIES_$(1)) $$(patsubst %,$(2)/%/result.vtkhdf,$$($(1)_RUNS))
-ifneq ($$(call lost,$$(RESULTS_$(1)))$$(call empty_in,$(2)/*,summary.json result.vtkhdf),)
-$(2)/ran: FORCE
-endif
-$(2)/ran: $$(RUN_SOURCES) $$(LIGHT) | $$(COMPILED)
-	$$(PY) -m plymotion.solver run --update --jobs $$(JOBS) \
-	    $$(patsubst %,$(2)/runs/%.json,$$($(1)_RUNS)) || [ $$$$? -eq 3 ]
-	@touch $$@
-$$(SUMMARIES_$(1)): $(2)/ran ;
-
-$(2)/report.html: $(2)/case.mk $$(SUMMARIES_$(1)) $$(REPORT_SOURCES)
-	$$(PY) -m plymotion.solver report $(2)
-endef
-$(foreach case,$(ASKED),$(eval $(call CASE_RULES,$(case),$(call out,$(case)))))
-
-##@ Sweeps
-
-# make <case>-sweep-<name>   the members of [sweeps.<name>]: build/<case>/sweeps/<name>/
-#                            PACKAGES=shipped and COARSE=1 as for cases
+JOBS ?= $(shell nproc)
 SWEEPS := $(strip $(foreach case,$(CASES),$(addprefix $(case)-sweep-, \
     $(shell sed -n 's/^\[sweeps\.\([A-Za-z0-9_-]*\)\].*/\1/p' cases/$(case)/case.toml))))
 
-.PHONY: sweeps $(SWEEPS)
+.PHONY: cases $(CASES) sweeps $(SWEEPS)
+cases: $(CASES) ## Run all cases (make <case>: one case)
 sweeps: $(SWEEPS) ## Run all sweeps of all cases (make <case>-sweep-<name>: one sweep)
 
-# $(1) case, $(2) its folder, $(3) sweep
-define SWEEP_RULES
-$(1)-sweep-$(3): $(2)/sweeps/$(3)/sweep.csv
-	@echo "$(1)-sweep-$(3): $(2)/sweeps/$(3)/sweep.h5"
-
-$(2)/sweeps/$(3).json: | $(2)/case.mk
-	@[ -e $$@ ] || $$(CHECK_$(1))
-
-# Distinct bodies of all members, including those of runs. Exit code 3: a body cannot be built; its
-# members fail and the others are computed.
-BUILT_$(1)_$(3) := $$(patsubst %.json,%.vtkhdf,$$($(1)_$(3)_SPECS))
-ifneq ($$(BUILT_$(1)_$(3)),)
-ifneq ($$(filter-out $$(wildcard $$(BUILT_$(1)_$(3))),$$(BUILT_$(1)_$(3))),)
-$(2)/sweeps/$(3).built: FORCE
-endif
-$(2)/sweeps/$(3).built: $$($(1)_$(3)_SPECS) $$(PREPROCESS_SOURCES) $$(PACKAGE_SOURCES) $$(FENICSX)
-	$$(PY) -m plymotion.solver packages $(2)/sweeps/$(3).json --jobs $$(JOBS) || [ $$$$? -eq 3 ]
-	@touch $$@
-$(2)/sweeps/$(3)/sweep.csv: $(2)/sweeps/$(3).built
-endif
-
-# Exit code 3: members stopped or failed; the table gives the reasons, the others are complete.
-$(2)/sweeps/$(3)/sweep.csv: $(2)/sweeps/$(3).json $$(RUN_SOURCES) $$(LIGHT) | $$(COMPILED)
-	$$(PY) -m plymotion.solver sweep $(2)/sweeps/$(3).json --out $(2)/sweeps/$(3) --jobs $$(JOBS) \
-	    || [ $$$$? -eq 3 ]
-# The table is written last; the results are beside it.
-ifneq ($$(call lost,$(2)/sweeps/$(3)/sweep.h5)$$(call empty_in,$(2)/sweeps/$(3),sweep.*),)
-$(2)/sweeps/$(3)/sweep.csv: FORCE
-endif
-endef
-JOBS ?= $(shell nproc)
-$(foreach case,$(ASKED),$(foreach sweep,$($(case)_SWEEPS), \
-    $(eval $(call SWEEP_RULES,$(case),$(call out,$(case)),$(sweep)))))
+# Of a target, the case and what its command is told. Exit code 3: a run stopped early, or members
+# of a sweep failed; their results up to there are kept and reported.
+case_of = $(firstword $(subst -sweep-, ,$(1)))
+words_of = $(if $(filter $(SWEEPS),$(1)),--sweep $(patsubst $(call case_of,$(1))-sweep-%,%,$(1)))
+$(CASES) $(SWEEPS): $(LIGHT) $(if $(PACKAGES),,$(FENICSX)) | $(COMPILED)
+	@$(PY) -m plymotion cases/$(call case_of,$@)/case.toml $(call words_of,$@) --jobs $(JOBS) \
+	    --out build/$(call case_of,$@)$(if $(COARSE),-coarse --coarse) \
+	    $(if $(PACKAGES),--packages tests/packages/$(call case_of,$@)) \
+	    $(if $(NO_SCRIPTS),--no-scripts) || [ $$? -eq 3 ]
 
 ##@ Cross-sections
 
@@ -312,6 +207,13 @@ test: $(LIGHT) ## All of it: check, test-numba, test-fe, and every case in its c
 .PHONY: test-setup
 test-setup: $(EXCHANGE)/installed $(BROWSER) $(LIGHT) $(FENICSX) $(COMPILED) build/numba-$(LOWEST_NUMBA)/installed
 
+# Nothing is compiled: that takes longer than this run.
+.PHONY: smoke
+smoke: $(LIGHT) ## A quick look: shipped packages, one run with its report, compared with closed forms
+	PLYMOTION_COMPILED=0 $(PY) -m plymotion cases/slider-crank/case.toml --coarse --run steel \
+	    --packages tests/packages/slider-crank --out build/smoke --force
+	@$(PY) tools/smoke.py build/smoke/steel/summary.json
+
 .PHONY: check
 check: lint types imports test-light ## Lint, types, import directions and the tests without FEniCSx
 
@@ -384,8 +286,9 @@ test-fe: $(LIGHT) ## FE tests on the distribution's DOLFINx and on the wheel, wi
 .PHONY: test-cases
 test-cases: ## All cases in their coarse version, all cross-sections and all shells
 	$(if $(CASES),$(MAKE) COARSE=1 $(CASES) $(SWEEPS) sections shells,@echo "there is no case in cases/"; exit 1)
-	@# A second time, make must have nothing to do.
-	! $(MAKE) COARSE=1 $(CASES) $(SWEEPS) sections shells | grep 'plymotion\.[a-z]* '
+	@# A second time there must be nothing to do.
+	! $(MAKE) --no-print-directory COARSE=1 $(CASES) $(SWEEPS) sections shells | \
+	    grep -v -e ': up to date$$' -e '^sections: ' -e '^shells: '
 
 .PHONY: ship
 ship: ## Copy the packages of all cases that are built to tests/packages, for use without FEniCSx

@@ -16,11 +16,12 @@ from pathlib import Path
 
 from plymotion import __version__
 
-from .commands.arguments import add_no_scripts
+from .commands.arguments import CommandParser, add_no_scripts
 from .commands.blade.options import add_blade_command
 from .commands.chart.options import add_chart_command
 from .commands.exchange.options import add_exchange_commands
 from .commands.modes.options import add_modes_command
+from .commands.new.options import add_new_command
 from .commands.packages.options import add_packages_command
 from .commands.plan.options import add_plan_command
 from .commands.run.options import add_run_command
@@ -28,6 +29,7 @@ from .commands.section.options import add_section_command
 from .commands.shell.options import add_shell_command
 from .commands.sweep.options import add_merge_command, add_sweep_command
 from .errors import InputError, PackageError
+from .inputs.case.file import CASE_FILE
 from .inputs.scripts import scripts
 from .interrupts import INTERRUPTED, exit_code, heard, starting
 
@@ -36,8 +38,9 @@ def main(arguments: list[str] | None = None) -> int:
     """Run one command; return the exit code.
 
     0 done; 2 wrong input, or errors found by `validate`; 3 a run, or members of a sweep,
-    ended early and their results up to that time are kept; 70 a defect of the program;
-    130, 143, 129 ended by Ctrl-C, TERM or HUP, results are kept.
+    ended early and their results up to that time are kept, or the findings of a run call its
+    results invalid; 70 a defect of the program; 130, 143, 129 ended by Ctrl-C, TERM or HUP, results
+    are kept.
     """
     if arguments is None:
         # Looking for garbage among all modules at the end of the process takes 0.03 s.
@@ -46,9 +49,9 @@ def main(arguments: list[str] | None = None) -> int:
     # "plymotion solver sweep" is "plymotion sweep", as is "python -m plymotion.solver sweep".
     if words[:1] == ["solver"]:
         words = words[1:]
-    if words and words[0].endswith(".toml"):
+    if words and (words[0].endswith(".toml") or os.path.isfile(f"{words[0]}/{CASE_FILE}")):
         words = ["run", *words]  # "plymotion case.toml" is "plymotion run case.toml"
-    options = _parser().parse_args(words)
+    options = parser().parsed(words)
     with heard():
         return exit_code(_guarded(options))
 
@@ -78,8 +81,9 @@ def _guarded(options: argparse.Namespace) -> int:
         return DEFECT
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+def parser() -> CommandParser:
+    """Return the parser of all commands."""
+    parser = CommandParser(
         prog="plymotion",
         usage="plymotion CASE.toml | plymotion COMMAND ...",
         description="Flexible multibody dynamics with laminated members. "
@@ -99,6 +103,7 @@ def _parser() -> argparse.ArgumentParser:
     check.add_argument("--reference", action="store_true", help="print docs/case-reference.md")
     check.set_defaults(command=_check)
 
+    add_new_command(commands, _new)
     add_run_command(commands, _run)
     add_plan_command(commands, _plan)
     add_chart_command(commands, _chart)
@@ -129,6 +134,12 @@ def _parser() -> argparse.ArgumentParser:
     experimental.add_argument("--out", type=Path, required=True, help="PACKAGE.vtkhdf")
     experimental.set_defaults(command=_experimental)
 
+    completion = commands.add_parser(
+        "completion", help="print the completion of commands and options for a shell"
+    )
+    completion.add_argument("shell", choices=["bash", "zsh"], help="see docs/runs.md")
+    completion.set_defaults(command=_completion)
+
     add_modes_command(commands, _modes)
     add_exchange_commands(commands, _import, _export)
     add_section_command(commands, _section)
@@ -155,6 +166,19 @@ def _check(options: argparse.Namespace) -> int:
         print(f"{options.case}: {len(case.runs)} runs, no errors")
     else:
         write_case(case, options.out, options.packages)
+    return 0
+
+
+def _new(options: argparse.Namespace) -> int:
+    from .commands.new.command import run_new
+
+    return run_new(options)
+
+
+def _completion(options: argparse.Namespace) -> int:
+    from .commands.completion import completion
+
+    print(completion(parser(), options.shell))
     return 0
 
 

@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from ..solver.commands.cases.packages import build_packages, specs_of
+from ..solver.commands.run.one import run_one
 from ..solver.errors import InputError, few, nearest
-from ..solver.fidelity.execution import run_any
 from ..solver.inputs.case.specs import write_case
 from ..solver.run.inputs_digest import up_to_date
 from .case import Case, as_case
@@ -70,7 +70,7 @@ def run(
         build_packages(specs, folder / "bodies", quiet=not progress)
     file, target = folder / "runs" / f"{run}.json", folder / run
     if force or not up_to_date(file, target):
-        run_any(file, target, progress=progress, allow_python=allow_python)
+        run_one(file, target, progress=progress, allow_python=allow_python)
     return Result(target)
 
 

@@ -2,20 +2,31 @@
 
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
-from ...solver.math.arrays import Array
+import numpy as np
+
 from ...solver.package.section.schema import SectionFile
 from .. import fenicsx
+from .adaptive import indicators, worst_cells
 from .errors import SectionError
 from .estimate import error_estimate, scaled
-from .guards import ALLOWED, check_degree, condition_warnings, solvability_warnings
+from .guards import (
+    ALLOWED,
+    REVERSAL,
+    check_degree,
+    condition_warnings,
+    reversal_warnings,
+    solvability_warnings,
+)
 from .helical import CentralSolutions
 from .inertia import mass_centre, mass_matrix
 from .layers import Layup, layup
 from .mesh_data import mesh_data, nodal_displacements
 from .problem import SectionProblem, section_problem
 from .recovery import section_recovery, unit_strains, unit_warping
+from .refine import refined
 from .shape_along import curvature_of, curvature_warnings, taper_error
 from .space import SectionSpace
 from .spec import check_spec
@@ -23,6 +34,8 @@ from .timoshenko import SectionStiffness, shear_centre, tension_centre
 from .twist import TwistedStrains
 
 DEGREE = 2  # of the warping field
+OF_MESH = "mesh"  # degree: the functions of the nodes that each cell has
+MOST_STEPS = 25  # of refinement
 MOST_DOFS = 400_000  # limit of refinement: a larger problem takes minutes and gigabytes
 
 Progress = Callable[[str], None]
@@ -62,13 +75,11 @@ def analyse(
     where = where or f"section {spec.get('name', '')}".strip()
     check_spec(spec, where)
     begin = progress or (lambda _line: None)
-    degree = int(spec["mesh"].get("degree", DEGREE))
     allow = tuple(spec.get("allow", ()))
     steps: list[dict[str, float | None]] = []
-    refine = 0
+    problem = section_problem(spec["mesh"], where, _degree(spec), 0, team)
     while True:
-        begin(f"mesh, refined {refine} times" if refine else "mesh")
-        problem = section_problem(spec["mesh"], where, degree, refine, team)
+        begin(f"mesh, refined {len(steps)} times" if steps else "mesh")
         lay = layup(spec, problem.mesh, problem.space, where)
         warnings = [
             *problem.mesh.warnings,
@@ -82,7 +93,17 @@ def analyse(
         error = None
         if estimate or accuracy is not None:
             begin("error estimate")
-            error = _estimate(spec, where, problem, refine, result.K)
+            richer = _richer(problem, spec, where, first=not steps)
+            lay_richer = layup(spec, richer.mesh, richer.space, where)
+            better = _solve(richer, lay_richer, where, spec)
+            error = error_estimate(result.K, better.K, problem.space.degree)
+        reversal = 0.0
+        if error is not None and lay.reversing.any():
+            # refinement moves the place of the reversal only slowly
+            other = np.abs(_solve(problem, lay.reversed_there(), where, spec).K - result.K)
+            error, reversal = error + other, float(scaled(other, result.K).max())
+            limit = REVERSAL if accuracy is None else accuracy
+            warnings += reversal_warnings(lay, problem.mesh.cells, reversal, limit)
         neglected, found = taper_error(spec, problem.mesh.cells.points, result.K)
         warnings += found
         if error is not None and neglected is not None:
@@ -92,20 +113,24 @@ def analyse(
         lap = time.perf_counter() - start
         worst = None if error is None else float(scaled(error, result.K).max())
         steps.append(
-            {"refine": refine, "dofs": problem.space.n_dof, "error": worst, "seconds": lap}
+            {"refine": len(steps), "dofs": problem.space.n_dof, "error": worst, "seconds": lap}
         )
-        if accuracy is None or worst is None or worst <= accuracy:
+        if accuracy is None or worst is None or worst <= accuracy or reversal > accuracy:
             break
-        if 4 * problem.space.n_dof > MOST_DOFS:
+        eta = indicators(problem, result, richer, better, lay_richer.stiffness)
+        cells = refined(problem.mesh.cells, worst_cells(eta))
+        cost = problem.space.n_dof * cells.n_cell / problem.mesh.cells.n_cell
+        if cost > MOST_DOFS or len(steps) > MOST_STEPS:
             warnings.append(
                 {
                     "code": "accuracy-not-met",
                     "message": f"estimated error {worst:.1e} with {problem.space.n_dof} dofs, "
-                    f"{accuracy:.1e} requested; the next refinement would have four times as many",
+                    f"{accuracy:.1e} requested; the next refinement would have {cost:.0f}",
                 }
             )
             break
-        refine += 1
+        degree = problem.space.degree
+        problem = SectionProblem(replace(problem.mesh, cells=cells), degree, team)
     begin("recovery")
     density = lay.density
     if isinstance(result, CentralSolutions):
@@ -113,7 +138,7 @@ def analyse(
     M = mass_matrix(problem.space, density)
     points, lay_points = result.space, lay
     if recovery_degree is not None:
-        points = SectionSpace(problem.mesh.cells, degree, recovery_degree)
+        points = SectionSpace(problem.mesh.cells, problem.degree, recovery_degree)
         if result.space.over is not None:
             points = points.expressed(result.space.over)
         lay_points = layup(spec, problem.mesh, points, where)
@@ -136,7 +161,7 @@ def analyse(
         provenance={
             "spec": dict(spec),
             "dofs": problem.space.n_dof,
-            "degree": degree,
+            "degree": problem.space.degree,
             "refinements": steps,
             "round_off": None
             if result.round_off is None
@@ -162,10 +187,17 @@ def _solve(
         raise SectionError(f"{where}: {error}") from error
 
 
-def _estimate(
-    spec: Mapping[str, Any], where: str, problem: SectionProblem, refine: int, K: Array
-) -> Array:
+def _degree(spec: Mapping[str, Any]) -> int | None:
+    """Degree of the warping; None: the functions of the nodes of the mesh."""
+    degree = spec["mesh"].get("degree", DEGREE)
+    return None if degree == OF_MESH else int(degree)
+
+
+def _richer(
+    problem: SectionProblem, spec: Mapping[str, Any], where: str, *, first: bool
+) -> SectionProblem:
+    """The problem with one degree more; that of a mesh without refinement is kept for others."""
     degree = problem.space.degree + 1
-    richer = section_problem(spec["mesh"], where, degree, refine, problem.team)
-    lay = layup(spec, richer.mesh, richer.space, where)
-    return error_estimate(K, _solve(richer, lay, where, spec).K, problem.space.degree)
+    if first:
+        return section_problem(spec["mesh"], where, degree, 0, problem.team)
+    return SectionProblem(problem.mesh, degree, problem.team)

@@ -30,6 +30,8 @@ class CellMesh:
     kind : (c,) row of KINDS
     region : (c,) row of regions
     hanging : (h, 3) ends of an edge of a cell, and the corner of smaller cells in its middle
+    layer_angle : (c, 1) or, at all 6 or 9 nodes, (c, 9) angle from x2 to the layer direction [deg],
+        if the mesh has it
     """
 
     points: Array
@@ -38,6 +40,7 @@ class CellMesh:
     region: IntArray
     regions: tuple[str, ...]
     hanging: IntArray = field(default_factory=lambda: np.zeros((0, 3), dtype=np.int64))
+    layer_angle: Array | None = None
 
     @property
     def n_cell(self) -> int:

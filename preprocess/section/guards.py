@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..materials import Orthotropic
+from .cells import CellMesh
 from .errors import SectionError
 from .helical import CentralSolutions
 from .layers import Layup
@@ -16,6 +17,7 @@ from .warping import SOLVABILITY
 # elements of degree 2 lose digits (0.4999).
 LOCKING = 9.0
 INCOMPRESSIBLE = 5000.0
+REVERSAL = 1e-3  # relative change of K by the sense of layer directions that is worth a warning
 ALLOWED = ("nearly-incompressible", "ill-conditioned")  # what `allow` may list
 
 
@@ -86,5 +88,23 @@ def condition_warnings(result: SectionStiffness | CentralSolutions) -> list[dict
             "code": "ill-conditioned",
             "message": "the equations of the warping are nearly singular; the estimate contains "
             "their round-off as far as a second solution shows it",
+        }
+    ]
+
+
+def reversal_warnings(
+    lay: Layup, mesh: CellMesh, change: float, limit: float
+) -> list[dict[str, str]]:
+    """Warning about Cartesian layer directions that change their sense inside cells."""
+    if change <= limit:
+        return []
+    cells = np.flatnonzero(lay.reversing)
+    place = mesh.middles[cells[0]]
+    return [
+        {
+            "code": "direction-reverses",
+            "message": f'with convention = "cartesian" the layer direction reverses inside '
+            f"{len(cells)} cells, one at ({place[0]:.4g}, {place[1]:.4g}): where exactly changes K "
+            f"by {change:.1e}; put a mesh line there, or use contour angles",
         }
     ]

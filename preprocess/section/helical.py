@@ -6,6 +6,7 @@ whose strain energy per length is the compliance S = K^-1. Without initial curva
 method of timoshenko.py.
 """
 
+import inspect
 from dataclasses import dataclass
 from typing import Any
 
@@ -177,6 +178,6 @@ def _solution(equations: Equations, W: Array, S_e: Array, growth: float) -> Cent
 
 def _solved(operator: LinearOperator, right: Array, tolerance: float) -> Array:
     """GMRES; its result is corrected by the residual afterwards, so that it may stop early."""
-    key = "rtol" if "rtol" in gmres.__code__.co_varnames else "tol"
+    key = "rtol" if "rtol" in inspect.signature(gmres).parameters else "tol"
     x, _ = gmres(operator, right, restart=STEPS, maxiter=1, atol=0.0, **{key: tolerance})
     return np.asarray(x)

@@ -6,7 +6,7 @@ depth below the outer surface determines the ply.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -36,6 +36,8 @@ class Layup:
     y2 : (c, q, 2) layer direction, towards which ply angles are measured [-]
     plies, materials : the plies and the material of each one
     uniform : True if each cell has one ply and one layer direction
+    reversing : (c,) cells inside which a Cartesian layer direction would change its sense; it is
+        the one of most of their area
     warnings : {"code", "message"}
     """
 
@@ -44,6 +46,7 @@ class Layup:
     plies: tuple[Ply, ...]
     materials: tuple[Orthotropic, ...]
     uniform: bool
+    reversing: NDArray[np.bool_]
     warnings: tuple[dict[str, str], ...]
 
     @cached_property
@@ -57,6 +60,11 @@ class Layup:
         A[..., 1:, 0], A[..., 1:, 1] = sin * y2, cos * y2
         A[..., 1, 2], A[..., 2, 2] = -y2[..., 1], y2[..., 0]
         return A
+
+    def reversed_there(self) -> "Layup":
+        """The plies with the other sense of the layer direction in the cells `reversing`."""
+        sign = np.where(self.reversing, -1.0, 1.0)[:, None, None]
+        return replace(self, y2=sign * self.y2)
 
     @property
     def stiffness_M(self) -> Array:
@@ -111,7 +119,12 @@ def layup(spec: Mapping[str, Any], mesh: SectionMesh, space: SectionSpace, where
         place = f"{where}.regions.{name}"
         cells = np.flatnonzero(mesh.cells.region == names.index(name))
         turns = _Direction(region.get("direction"), mesh, place)
-        direction, depth = turns.at(space.points[cells])
+        if turns.kind == "cells":
+            angle = np.radians(space.layer_angles()[cells])
+            direction = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+            depth = np.zeros(angle.shape)
+        else:
+            direction, depth = turns.at(space.points[cells])
         nodes = mesh.cells.region_points(cells)
         index = _ply_index(region["plies"], depth, turns, nodes, place)
         ply[cells] = len(plies) + index
@@ -128,8 +141,14 @@ def layup(spec: Mapping[str, Any], mesh: SectionMesh, space: SectionSpace, where
                 )
             plies.append(Ply(name, i, material, float(entry.get("angle_deg", 0.0))))
             materials.append(table[material])
+    reversing = np.zeros(space.n_cell, dtype=bool)
     if convention == "cartesian":
         flip = (y2[..., 0] < -1e-9) | ((np.abs(y2[..., 0]) <= 1e-9) & (y2[..., 1] < 0.0))
+        share = np.sum(space.weights * flip, axis=1) / np.sum(space.weights, axis=1)
+        angles = np.array([p.angle_deg % 90.0 for p in plies])
+        inside = (share > 1e-9) & (share < 1.0 - 1e-9)
+        reversing = inside & np.any(angles[ply] != 0.0, axis=1)
+        flip = np.where(reversing[:, None], share[:, None] > 0.5, flip)
         y2 = np.where(flip[..., None], -y2, y2)
     warnings = []
     if mixed:
@@ -142,7 +161,7 @@ def layup(spec: Mapping[str, Any], mesh: SectionMesh, space: SectionSpace, where
             }
         )
     uniform = not turning and not mixed
-    return Layup(ply, y2, tuple(plies), tuple(materials), uniform, tuple(warnings))
+    return Layup(ply, y2, tuple(plies), tuple(materials), uniform, reversing, tuple(warnings))
 
 
 def _same_names(regions: Mapping[str, Any], names: Sequence[str], where: str) -> None:
@@ -167,7 +186,12 @@ class _Direction:
     def __init__(self, table: Mapping[str, Any] | None, mesh: SectionMesh, where: str) -> None:
         self.given = table is not None
         self.kind, self.value = next(iter((table or {"vector": [1.0, 0.0]}).items()))
-        self.turning = self.kind != "vector"
+        self.turning = self.kind in ("curve", "circle")
+        if self.kind == "cells":
+            if mesh.cells.layer_angle is None:
+                raise SectionError(f"{where}.direction.cells: the mesh has no angles of its cells")
+            self.turning = mesh.cells.layer_angle.shape[1] > 1
+            return
         if self.kind == "curve":
             if self.value not in mesh.curves:
                 raise SectionError(
@@ -181,8 +205,8 @@ class _Direction:
             self._y2 = vector / np.linalg.norm(vector)
         elif self.kind != "circle":
             raise SectionError(
-                f"{where}.direction: expected vector, circle or curve, found {self.kind!r}"
-                + did_you_mean(self.kind, ("vector", "circle", "curve"))
+                f"{where}.direction: expected vector, circle, curve or cells, found {self.kind!r}"
+                + did_you_mean(self.kind, ("vector", "circle", "curve", "cells"))
             )
 
     def at(self, x: Array) -> tuple[Array, Array]:

@@ -19,14 +19,16 @@ from ...solver.package.common.plain_data import canonical
 from .. import fenicsx
 from ..fenicsx import PlainMesh
 from ..python_script import load_script
-from .cells import CellMesh, cells_of_plain
+from .cells import FULL, CellMesh, cells_of_plain, filling, patterns
 from .errors import SectionError
 from .mesh_checks import checked, folds
+from .refine import refined
 
 __all__ = ["SectionError", "SectionMesh", "script_path", "section_mesh"]
 
 KEPT = 8  # meshes that a process keeps
 SOURCES = ("script", "file", "arrays")
+MIXED = "mixed"  # cell_type of arrays with cells (c, 9), kind (c,) and layer_angle
 ARRAY_CELLS = {
     "triangle": ("triangle", 1),
     "triangle6": ("triangle", 2),
@@ -88,8 +90,13 @@ def section_mesh(spec_mesh: Mapping[str, Any], where: str, *, refine: int = 0) -
 def _made(table: str, file: str, content: str, refine: int) -> SectionMesh:
     spec, path = json.loads(table), Path(file)
     del content  # part of the cache key: a changed file gives another entry
-    plain = _read(spec, path, refine)
     scale = float(spec.get("scale", 1.0))
+    if "arrays" in spec and (mixed := _mixed_arrays(path)) is not None:
+        for _ in range(refine):
+            mixed = refined(mixed, np.ones(mixed.n_cell, dtype=bool))
+        mixed, warnings = checked(replace(mixed, points=scale * mixed.points), str(path))
+        return SectionMesh(mixed, {}, tuple(warnings))
+    plain = _read(spec, path, refine)
     if scale != 1.0:
         curves = {name: scale * lines for name, lines in plain.curves.items()}
         plain = replace(plain, points=scale * plain.points, curves=curves)
@@ -151,6 +158,37 @@ def _script(path: Path, parameters: Mapping[str, Any], refine: int) -> PlainMesh
     if refine and folds(cells_of_plain(plain)):
         return _split(fenicsx.run_script(path, parameters), refine)
     return plain
+
+
+def _mixed_arrays(path: Path) -> CellMesh | None:
+    """Cells of several kinds with a layer angle each; None for a file of another form."""
+    with np.load(path, allow_pickle=False) as file:
+        if str(file["cell_type"]) != MIXED:
+            return None
+        data = {name: file[name] for name in file.files}
+    nodes = data["cells"].astype(np.int64)
+    angles = data["layer_angle"].astype(float)
+    mesh = CellMesh(
+        data["points"].astype(float),
+        nodes,
+        data["kind"].astype(np.int64),
+        data["region"].astype(np.int64),
+        tuple(str(region) for region in data["region_names"]),
+        layer_angle=angles,
+    )
+    if angles.shape[1] > 1:  # as for positions, at the nodes that a cell does not have
+        mesh = replace(mesh, layer_angle=_filled_angles(mesh, angles))
+    return mesh
+
+
+def _filled_angles(mesh: CellMesh, angles: Array) -> Array:
+    out = angles.copy()
+    for kind, rows in mesh.of_kinds:
+        nodes = mesh.nodes[rows, : FULL[kind]]
+        for pattern, members in patterns(nodes):
+            full = filling(kind, pattern)
+            out[rows[members], : FULL[kind]] = angles[rows[members]][:, pattern] @ full.T
+    return out
 
 
 def _arrays(path: Path) -> PlainMesh:

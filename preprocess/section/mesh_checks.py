@@ -109,11 +109,15 @@ def _counter_clockwise(mesh: CellMesh, where: str) -> CellMesh:
     clockwise = low < -rounding
     if not clockwise.any():
         return mesh
-    nodes = mesh.nodes.copy()
+    nodes, angles = mesh.nodes.copy(), mesh.layer_angle
+    nodal = angles is not None and angles.shape[1] > 1
+    angles = angles.copy() if angles is not None and nodal else angles
     for kind, rows in mesh.of_kinds:
         some = rows[clockwise[rows]]
         nodes[some] = nodes[some][:, TURNED[kind]]
-    return replace(mesh, nodes=nodes)
+        if nodal and angles is not None:
+            angles[some] = angles[some][:, TURNED[kind]]
+    return replace(mesh, nodes=nodes, layer_angle=angles)
 
 
 def _neighbours(mesh: CellMesh, where: str) -> sp.csr_matrix:

@@ -7,7 +7,7 @@ import scipy.sparse as sp
 
 from ...solver.math.arrays import Array
 from .. import fenicsx
-from .cells import FULL, KINDS, CellMesh, IntArray, filling, full_basis, patterns
+from .cells import CORNERS, FULL, KINDS, CellMesh, IntArray, filling, full_basis, patterns
 from .numbering import Numbering
 
 
@@ -21,6 +21,11 @@ class Part:
     nodes: IntArray  # (c, k) nodes of the functions
     degree: int | None  # of Lagrange functions, None: those of `filling`
     filling: Array | None  # (6 or 9, k)
+
+    @property
+    def is_linear(self) -> bool:
+        """True if the functions are those of corners only."""
+        return self.nodes.shape[1] == CORNERS[self.kind]
 
     def functions(self, points: Array) -> tuple[Array, Array]:
         """Values (q, k) and slopes (q, k, 2) at points of the reference cell."""

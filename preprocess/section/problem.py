@@ -38,7 +38,7 @@ class SectionProblem:
         self.mesh = mesh
         self.space = SectionSpace(mesh.cells, degree)
         self.team = team
-        self._degree = degree
+        self.degree = degree
         self._is_thin = False  # known after the first solution
         self._growth = 0.0  # of the last solution
         self._kept: dict[int, tuple[SectionOperators, WarpingSolver]] = {}
@@ -85,7 +85,7 @@ class SectionProblem:
             [-1.0, 1.0], self.mesh.cells.points.shape
         )
         cells = replace(self.mesh.cells, points=self.mesh.cells.points * noise)
-        other = SectionProblem(replace(self.mesh, cells=cells), self._degree, self.team)
+        other = SectionProblem(replace(self.mesh, cells=cells), self.degree, self.team)
         other._is_thin = self._is_thin
         again = other._solve(C, k, doubtful)
         return replace(
@@ -136,7 +136,7 @@ class SectionProblem:
 def section_problem(
     mesh_spec: Mapping[str, Any],
     where: str,
-    degree: int,
+    degree: int | None,
     refine: int = 0,
     team: fenicsx.Team = fenicsx.ALONE,
 ) -> SectionProblem:
@@ -145,7 +145,7 @@ def section_problem(
     Raises SectionError if the degree of the field is below that of the geometry.
     """
     mesh = section_mesh(mesh_spec, where, refine=refine)
-    if degree < mesh.cells.degree:
+    if degree is not None and degree < mesh.cells.degree:
         raise SectionError(
             f"{where}.mesh.degree = {degree}: expected at least {mesh.cells.degree}, the degree of "
             "the mesh: a lower field cannot follow its curved edges"
@@ -154,5 +154,5 @@ def section_problem(
 
 
 @lru_cache(maxsize=KEPT)
-def _kept(mesh: SectionMesh, degree: int, team: fenicsx.Team) -> SectionProblem:
+def _kept(mesh: SectionMesh, degree: int | None, team: fenicsx.Team) -> SectionProblem:
     return SectionProblem(mesh, degree, team)

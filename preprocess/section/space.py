@@ -58,26 +58,33 @@ class SectionSpace:
     ) -> None:
         self.mesh = mesh
         self.degree = mesh.degree if degree is None else degree
-        curved = mesh.degree > 1 and is_curved(mesh)
+        # curved cells need two degrees more than straight ones; with the functions of the nodes,
+        # every cell has the usual rule of its kind: 3 x 3 points with middle nodes, 2 x 2 without
+        curved = degree is not None and mesh.degree > 1 and is_curved(mesh)
         self.quadrature_degree = quadrature_degree or 2 * self.degree + (2 if curved else 0)
         P = None
         if degree is None:
             parts, n_node = own_parts(mesh)
         else:
             parts, n_node, P = lagrange_parts(mesh, degree)
-        rules = {
-            kind: fenicsx.quadrature(KINDS[kind], self.quadrature_degree)
-            for kind, _ in mesh.of_kinds
-        }
-        c, q = mesh.n_cell, max(len(weights) for _, weights in rules.values())
+        self._parts = parts
+        self._rules = [
+            fenicsx.quadrature(
+                KINDS[part.kind],
+                2
+                if degree is None and quadrature_degree is None and part.is_linear
+                else self.quadrature_degree,
+            )
+            for part in parts
+        ]
+        c, q = mesh.n_cell, max(len(weights) for _, weights in self._rules)
         k = max(part.nodes.shape[1] for part in parts)
         self.dofs = np.empty((c, k), dtype=np.int32)
         self.points, self.weights = np.empty((c, q, 2)), np.zeros((c, q))
         self.values: Array = np.zeros((q, k) if len(parts) == 1 else (c, q, k))
         self.gradients = np.zeros((c, q, 2, k))
         places = np.empty((n_node, 2))
-        for part in parts:
-            reference, weights = rules[part.kind]
+        for part, (reference, weights) in zip(parts, self._rules, strict=True):
             rows, (p, n) = part.rows, (len(weights), part.nodes.shape[1])
             geometry, slopes = full_basis(part.kind, reference)
             x = geometry @ part.shape
@@ -98,7 +105,6 @@ class SectionSpace:
             self.gradients[rows, :p, :, :n] = gradients
             places[part.nodes] = part.places()
         self.x2, self.x3 = places.T.copy()
-        self._parts = parts
         self.unknowns: Unknowns | None = None
         self.over: Unknowns | None = None  # the last change of `expressed`
         self._finish()
@@ -169,6 +175,18 @@ class SectionSpace:
         if self.unknowns is not None:
             out = self.unknowns.of_nodes(out)
         return out.reshape(self.n_dof, len(fields))
+
+    def layer_angles(self) -> Array:
+        """Angle of the layer direction of the mesh at the points, (c, q) [deg]."""
+        angles = self.mesh.layer_angle
+        assert angles is not None
+        out = np.zeros(self.weights.shape)
+        out[:] = angles[:, :1]
+        if angles.shape[1] > 1:
+            for part, (reference, _) in zip(self._parts, self._rules, strict=True):
+                values = full_basis(part.kind, reference)[0]
+                out[part.rows, : len(values)] = angles[part.rows, : values.shape[1]] @ values.T
+        return out
 
     def at_points(self, W: Array) -> Array:
         """Values of displacement columns (n_dof, m) at the points, (c, q, 3, m)."""

@@ -15,6 +15,7 @@ from . import (
     packages,
     refusals,
     stalls,
+    start,
     stiffening,
     strength,
 )
@@ -26,6 +27,7 @@ Check = Callable[[FinishedRun], Iterable[Finding]]
 CHECKS: tuple[Check, ...] = (
     completion.completion_findings,
     stalls.stall_findings,
+    start.start_findings,
     refusals.refusal_findings,
     constraints.constraint_findings,
     energy.energy_findings,

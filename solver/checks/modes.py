@@ -1,35 +1,124 @@
-"""Whether the vibration modes of each body are enough."""
+"""Whether the vibration modes of each body are enough, family by family."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
+from ..math.arrays import Array
+from ..package import ModalPackage
 from ..results.codes.motion import FEW_MODES
 from ..results.finding import Finding
 from .finished import FinishedRun
 
 VIBRATION = ("fixed_normal", "experimental")  # kinds of modes, of package.schema.MODE_KINDS
+# Directions of the loads that deform a beam as the vibrations of a family do.
+DIRECTIONS = {
+    "bending-xy": ("y", "rz"),
+    "bending-xz": ("z", "ry"),
+    "torsion": ("rx",),
+    "axial": ("x",),
+}
+# Strain energy of the second mode over that of the first, of a uniform cantilever under a load at
+# its end: (omega_1 / omega_2)^2. One mode alone does not show how fast its series converges.
+SECOND = {"bending-xy": 0.0255, "bending-xz": 0.0255, "torsion": 1.0 / 9.0, "axial": 1.0 / 9.0}
+
+
+@dataclass(frozen=True)
+class _Family:
+    """Vibrations of one kind, in the order of their frequencies."""
+
+    name: str
+    rows: list[int]
+
+    def words(self) -> str:
+        """Return what its highest mode is called in a message."""
+        kind = f"{self.name} " if self.name else ""
+        if len(self.rows) == 1:
+            return f"a second {kind}vibration mode would carry about"
+        return f"the highest of {len(self.rows)} {kind}vibration modes carries"
 
 
 def mode_findings(run: FinishedRun) -> Iterator[Finding]:
-    """Yield bodies whose highest vibration mode carries much of the strain energy."""
+    """Yield bodies with a series of vibration modes that ends too early.
+
+    The highest mode of each family is looked at: its strain energy at the instant at which the
+    family has most, and its largest kinetic energy, both over the largest strain energy of the
+    body. What a load strains slowly is complete with the static shapes of that load. So if there
+    are such shapes at all loaded places, only the kinetic energy counts.
+    """
     for i, name in enumerate(run.built.body_names):
         if run.model.n_mode[i] < 2:
             continue
         package = run.packages[name]
-        # A static shape carries what it carries: only a series of vibration modes can be too short.
-        vibration = [k for k, kind in enumerate(package.mode_kinds) if kind in VIBRATION]
-        peak = highest = 0.0
-        for _, q in run.modes(i):
-            energy = 0.5 * np.diag(package.stiffness) * q**2
-            peak = max(peak, float(energy.sum(axis=1).max()))
-            if vibration:
-                highest = max(highest, float(energy[:, vibration[-1]].max()))
-        share = highest / peak if peak > 0 else 0.0
-        if share > FEW_MODES.limit:
-            text = (
-                f"{name}: the highest of {len(vibration)} vibration modes carries {share:.1%} "
-                f"of the peak strain energy (expected below {FEW_MODES.limit:.0%}): take more "
-                "modes, or static ones where forces act"
-            )
-            yield FEW_MODES.finding(text, body=name, value=share)
+        peak, found = 0.0, {family.name: (family, 0.0, 0.0, 0.0) for family in _families(package)}
+        stiffness, mass = np.diag(package.stiffness), np.diag(package.mass)
+        for q, rate in _modal_states(run, i):
+            strain, moving = 0.5 * stiffness * q**2, 0.5 * mass * rate**2
+            peak = max(peak, float(strain.sum(axis=1).max()))
+            for key, (family, most, slow, fast) in found.items():
+                energy = strain[:, family.rows].sum(axis=1)
+                at, last = int(np.argmax(energy)), family.rows[-1]
+                if energy[at] > most:
+                    most, slow = float(energy[at]), float(strain[at, last])
+                found[key] = family, most, slow, max(fast, float(moving[:, last].max()))
+        for family, _, slow, fast in found.values():
+            bare = _without_static_shapes(run, name, package, family)
+            part = SECOND.get(family.name, 0.0) if len(family.rows) == 1 else 1.0
+            share = part * max(slow if bare else 0.0, fast) / peak if peak > 0.0 else 0.0
+            if share > FEW_MODES.limit:
+                advice = "take more modes"
+                if bare:
+                    advice += f', or modes of kind "attachment" at {", ".join(bare)}'
+                text = (
+                    f"{name}: {family.words()} {share:.1%} of the peak strain energy "
+                    f"(expected below {FEW_MODES.limit:.0%}): {advice}"
+                )
+                yield FEW_MODES.finding(text, body=name, value=share)
+
+
+def _families(package: ModalPackage) -> list[_Family]:
+    """Group the vibrations by their labels without the number; one group without labels."""
+    rows: dict[str, list[int]] = {}
+    for k, kind in enumerate(package.mode_kinds):
+        if kind in VIBRATION:
+            label = package.mode_labels[k] if package.mode_labels else ""
+            rows.setdefault(label.rpartition(" ")[0], []).append(k)
+    return [_Family(name, members) for name, members in rows.items()]
+
+
+def _modal_states(run: FinishedRun, body: int) -> Iterator[tuple[Array, Array]]:
+    """Yield modal coordinates and rates of a body, (k, m) each, block by block."""
+    model, m = run.model, int(run.model.n_mode[body])
+    a, b = int(model.pos_start[body]) + 7, model.n_pos + int(model.vel_start[body]) + 6
+    for _, y in run.blocks():
+        yield y[:, a : a + m], y[:, b : b + m]
+
+
+def _without_static_shapes(
+    run: FinishedRun, name: str, package: ModalPackage, family: _Family
+) -> list[str]:
+    """Return the loaded places that a family moves and that have no static shapes of it."""
+    covered = set()
+    for label, kind in zip(package.mode_labels, package.mode_kinds, strict=False):
+        if kind not in VIBRATION:
+            _, place, direction = (*label.split(" "), "", "")[:3]
+            if direction in DIRECTIONS.get(family.name, (direction,)):
+                covered.add(place)
+    moved = {
+        one.name
+        for one in package.interfaces
+        if one.phi_B[:, family.rows].any() or one.psi_B[:, family.rows].any()
+    }
+    return [p for p in _loaded(run, name) if p in moved and p not in covered]
+
+
+def _loaded(run: FinishedRun, name: str) -> list[str]:
+    """Return the places of a body where joints, forces and masses act."""
+    mechanism = run.mechanism
+    ends = [end for joint in mechanism.joints.values() for end in joint.between]
+    ends += [mass.at for mass in mechanism.masses.values()]
+    for force in mechanism.forces.values():
+        ends += getattr(force, "between", None) or [getattr(force, "at", None) or ""]
+    places = [end.partition(".")[2] for end in ends if end.partition(".")[0] == name]
+    return list(dict.fromkeys(places))

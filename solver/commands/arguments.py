@@ -1,6 +1,41 @@
 """What the arguments of several subcommands share."""
 
 import argparse
+from collections.abc import Sequence
+from typing import NoReturn
+
+from ..errors import did_you_mean
+
+
+class CommandParser(argparse.ArgumentParser):
+    """A parser that proposes the nearest command or option for one that does not exist."""
+
+    def parsed(self, words: Sequence[str]) -> argparse.Namespace:
+        """Parse the words of a command line; what no command knows is an error."""
+        options, rest = self.parse_known_args(words)
+        if rest:
+            chosen = next((self._commands()[w] for w in words if w in self._commands()), self)
+            known = chosen._option_string_actions
+            unknown = next((word for word in rest if word.startswith("-")), rest[0])
+            hint = did_you_mean(unknown, known) if unknown.startswith("-") else ""
+            chosen.error(f"{unknown}: unknown argument{hint}")
+        return options
+
+    def error(self, message: str) -> NoReturn:
+        """Print usage and message; exit with code 2."""
+        what, found, word = message.partition("invalid choice: ")
+        if found and "COMMAND" in what:
+            word = word.split("'")[1]
+            known = sorted(self._commands())
+            message = f"{word}: no such command{did_you_mean(word, known)}"
+            self.exit(2, f"error: {message}\nCommands: {', '.join(known)}\n")
+        super().error(message)
+
+    def _commands(self) -> dict[str, "CommandParser"]:
+        for action in self._actions:
+            if isinstance(action, argparse._SubParsersAction):
+                return dict(action.choices)
+        return {}
 
 
 def whole_number(text: str, least: int = 1) -> int:

@@ -7,8 +7,8 @@ from typing import Any
 
 from ..package import ModalPackage
 from ..package.body.selection import vibrations
-from ..results import write_result, write_summary
-from ..run.execution import package_of, read_run, run_file
+from ..results import RunResult
+from ..run.execution import package_of, read_run
 from ..run.inputs_digest import inputs_sha256
 from ..run.outcome import RunSpec
 from ..run.timing import Stopwatch
@@ -17,21 +17,34 @@ from .procedure import Answer, checked, flexible_names, plan_of
 from .words import entry, remarks
 
 
-def read_planned(file: Path) -> tuple[RunSpec, dict[str, ModalPackage]]:
+def read_planned(
+    file: Path, spec: RunSpec | None = None, *, allow_doubtful: bool = False
+) -> tuple[RunSpec, dict[str, ModalPackage]]:
     """Read a run file with `[fidelity]`, its packages of the model and those of the check.
+
+    Parameters
+    ----------
+    spec : the run, if it has been read
+    allow_doubtful : as in `read_package`
 
     Raises
     ------
     InputError, PackageError
         See `read_run`.
     """
-    spec = read_run(file)
+    spec = spec or read_run(file, allow_doubtful=allow_doubtful)
     table = json.loads(file.read_text(encoding="utf-8"))
     check = dict(spec.packages)  # bodies from files have one package
     for body, of_check in table.get("check_packages", {}).items():
         whose = f"the check of bodies.{body} of case {spec.case}, run {spec.run}"
         path = file.parent.parent / of_check["file"]
-        check[body] = package_of(path, of_check.get("inputs_sha256"), whose, f"make {spec.case}")
+        check[body] = package_of(
+            path,
+            of_check.get("inputs_sha256"),
+            whose,
+            f"make {spec.case}",
+            allow_doubtful=allow_doubtful,
+        )
     return spec, check
 
 
@@ -45,7 +58,15 @@ def labels(package: ModalPackage) -> tuple[str, ...]:
     return tuple(package.mode_labels[i] for i in vibrations(package).tolist())
 
 
-def answered(file: Path, *, again: bool = False, check: bool = True) -> Answer:
+def answered(
+    file: Path,
+    *,
+    again: bool = False,
+    check: bool = True,
+    spec: RunSpec | None = None,
+    digest: str | None = None,
+    allow_doubtful: bool = False,
+) -> Answer:
     """Return the answer of a run with `[fidelity]`, and write its plan.
 
     A plan file of the same inputs is used as it is, whether it was edited or not.
@@ -54,10 +75,13 @@ def answered(file: Path, *, again: bool = False, check: bool = True) -> Answer:
     ----------
     again : make the plan anew in any case
     check : run model and check
+    spec, digest : what `read_run` and `inputs_sha256` return for the file, if known
+    allow_doubtful : as in `read_package`
     """
-    spec, packages = read_planned(file)
+    spec, packages = read_planned(file, spec, allow_doubtful=allow_doubtful)
     answer = plan_of(spec, packages)
-    digest, where = inputs_sha256(file), plan_file(file)
+    where = plan_file(file)
+    digest = inputs_sha256(file) if digest is None else digest
     known = {
         name: {"model": labels(spec.packages[name]), "check": labels(packages[name])}
         for name in flexible_names(spec)
@@ -76,44 +100,22 @@ def answered(file: Path, *, again: bool = False, check: bool = True) -> Answer:
     return answer
 
 
-def run_any(
-    file: Path,
-    out: Path,
-    *,
-    progress: bool = True,
-    import_s: float = 0.0,
-    allow_python: bool = False,
-    allow_doubtful: bool = False,
-) -> dict[str, Any]:
-    """Execute a run file, with `[fidelity]` or without; see `run_file`."""
-    if not _asks(file):
-        return run_file(
-            file,
-            out,
-            progress=progress,
-            import_s=import_s,
-            allow_python=allow_python,
-            allow_doubtful=allow_doubtful,
-        )
-    clock, digest = Stopwatch(), inputs_sha256(file)
-    answer = answered(file)
-    delivered = answer.delivered
-    assert delivered is not None
+def delivered(
+    file: Path, spec: RunSpec, digest: str, *, allow_doubtful: bool = False
+) -> tuple[RunResult, dict[str, Any]]:
+    """Return result and summary of a run file with `[fidelity]`; see `run_file`.
+
+    Parameters
+    ----------
+    spec, digest : what `read_run` and `inputs_sha256` return for the file
+    """
+    clock = Stopwatch()
+    answer = answered(file, spec=spec, digest=digest, allow_doubtful=allow_doubtful)
+    trial = answer.delivered
+    assert trial is not None
     clock.lap("integrate")
-    result, summary = delivered.outcome()
+    result, summary = trial.outcome()
     clock.lap("recover")
-    out.mkdir(parents=True, exist_ok=True)
-    write_result(out / "result.vtkhdf", result)
-    clock.lap("write")
-    summary["cost"]["seconds"] = {**clock.seconds, "import": import_s}
+    summary["cost"]["seconds"] = clock.seconds
     summary["fidelity"] = entry(answer)
-    summary["inputs_sha256"] = digest
-    write_summary(out / "summary.json", summary)
-    return summary
-
-
-def _asks(file: Path) -> bool:
-    try:
-        return json.loads(file.read_text(encoding="utf-8"))["mechanism"]["fidelity"] is not None
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
-        return False  # the ordinary route says what is wrong
+    return result, summary

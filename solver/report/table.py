@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from typing import Any
 
+from ..results.verdict import verdict
+
 
 def summary_table(summaries: list[dict[str, Any]]) -> str:
     """Return two aligned tables: outcome of the runs, and values of their signals."""
@@ -48,7 +50,7 @@ def warning_codes(summary: dict[str, Any]) -> list[str]:
 def _outcome(summary: dict[str, Any]) -> list[str]:
     checks, cost = summary.get("checks", {}), summary.get("cost", {})
     return [
-        "yes" if summary.get("completed") else "NO",
+        ("invalid" if verdict(summary) == "bad" else "yes") if summary.get("completed") else "NO",
         number(summary.get("t_end"), 4),
         number(checks.get("constraint_position_max"), 2),
         number(checks.get("energy_drift_relative"), 2),

@@ -3,6 +3,7 @@
 import json
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
     from ..inputs.case.schema import Mechanism
 
 FIRST_LINE_S = 2.0  # wall time after which a run without a terminal tells where it is
-INCOMPLETE = 3  # exit code of a run that ended early with a result
 
 
 def read_run(file: Path, *, allow_doubtful: bool = False) -> RunSpec:
@@ -263,6 +263,10 @@ def _collected(
     return result, summary
 
 
+# Result and summary of a run file with `[fidelity]`, from the run and the digest of its inputs.
+Planned = Callable[[RunSpec, str], tuple[RunResult, dict[str, Any]]]
+
+
 def run_file(
     file: Path,
     out: Path,
@@ -271,11 +275,16 @@ def run_file(
     import_s: float = 0.0,
     allow_python: bool = False,
     allow_doubtful: bool = False,
+    planned: Planned | None = None,
 ) -> dict[str, Any]:
     """Execute a run file and write result.vtkhdf and summary.json into `out`.
 
-    `import_s` is the CPU time that the program had taken before, for the summary. `allow_python`:
-    functions of the user may run.
+    Parameters
+    ----------
+    import_s : CPU time that the program had taken before, for the summary [s]
+    allow_python : functions of the user may run
+    allow_doubtful : as in `read_package`
+    planned : executes a run with `[fidelity]`; None: its model is that of the case
     """
     clock, digest = Stopwatch(), inputs_sha256(file)
     spec = read_run(file, allow_doubtful=allow_doubtful)
@@ -283,19 +292,33 @@ def run_file(
     disk = nearest_folder(out)
     if note := disk_note(spec, disk):
         print(f"{spec.run}: {note}", file=sys.stderr, flush=True)
+    if planned is not None and spec.mechanism.fidelity is not None:
+        return _written(out, *planned(spec, digest), digest, clock, import_s)
     solving = Stopwatch()
     solved = _solved(spec, solving, progress, disk, allow_python=allow_python)
     with held():  # what is computed is kept
-        result, summary = _collected(spec, *solved, solving, disk)
-        clock.skip()
-        out.mkdir(parents=True, exist_ok=True)
-        write_result(out / "result.vtkhdf", result)
-        clock.lap("write")
-        seconds = summary["cost"]["seconds"]
-        seconds["import"] = import_s
-        seconds["load"] += clock.seconds["load"]
-        seconds["write"] = clock.seconds["write"]
-        summary["inputs_sha256"] = digest
-        # Last, because make takes it as the sign of a finished run.
-        write_summary(out / "summary.json", summary)
+        found = _collected(spec, *solved, solving, disk)
+        return _written(out, *found, digest, clock, import_s)
+
+
+def _written(
+    out: Path,
+    result: RunResult,
+    summary: dict[str, Any],
+    digest: str,
+    clock: Stopwatch,
+    import_s: float,
+) -> dict[str, Any]:
+    """Write result and summary of a run; return the summary."""
+    clock.skip()
+    out.mkdir(parents=True, exist_ok=True)
+    write_result(out / "result.vtkhdf", result)
+    clock.lap("write")
+    seconds = summary["cost"]["seconds"]
+    seconds["import"] = import_s
+    seconds["load"] += clock.seconds["load"]
+    seconds["write"] = clock.seconds["write"]
+    summary["inputs_sha256"] = digest
+    # Last: the sign of a finished run.
+    write_summary(out / "summary.json", summary)
     return summary

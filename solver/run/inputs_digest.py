@@ -3,6 +3,7 @@
 import hashlib
 import json
 from pathlib import Path
+from typing import Any
 
 from ..inputs.case.run_table import package_entries
 from ..inputs.case.sources import solver_sha256
@@ -23,12 +24,12 @@ def inputs_sha256(file: Path) -> str:
     return digest.hexdigest()
 
 
-def up_to_date(file: Path, out: Path) -> bool:
-    """Tell whether a result is there that was not interrupted and has the inputs of a run file."""
+def up_to_date(file: Path, out: Path) -> dict[str, Any] | None:
+    """Return the summary of a result that was not interrupted and has the inputs of a run file."""
     try:
         summary = read_summary(out / "summary.json")
     except ResultError:
-        return False
+        return None
     there = has_right_seal(out / "result.vtkhdf") and summary.get("status") != "interrupted"
     known = summary.get("inputs_sha256")
-    return there and bool(known) and known == inputs_sha256(file)
+    return summary if there and known and known == inputs_sha256(file) else None

@@ -154,7 +154,7 @@ def test_a_linear_column_is_told_of_its_buckling_load_at_the_instant(tmp_path, c
     assert {"buckling-load", "stiffening-matters"} == set(found.codes)
     assert found.summary["completed"]
     entry = found.finding("buckling-load")
-    assert entry["level"] == "warning"
+    assert entry["level"] == "error"
     assert entry["t"] == pytest.approx(reaches(EULER, 1.3 * EULER), abs=1e-3)
     execute(read_run(tmp_path / "build/runs/base.json"), progress=True)
     assert "buckles" in capsys.readouterr().err
@@ -196,6 +196,57 @@ def test_two_vibration_modes_for_a_force_at_the_tip(tmp_path):
     assert 0.02 < found.finding("modes-too-few")["value"] < 0.05
     four = judged(tmp_path, load, {"column": column(4, tip=False).package}, **RADAU)
     assert "modes-too-few" not in four.codes
+
+
+def test_static_shapes_where_the_force_acts_complete_two_vibration_modes(tmp_path):
+    """The advice of the warning clears it; one that vibrates is not cleared by static shapes."""
+    load = pushed([0, 1.0, 0], 0.2 * BEND)
+    slow = judged(tmp_path, load, {"column": column(2).package}, **RADAU)
+    assert "modes-too-few" not in slow.codes
+    blow = "times = [0.0, 5e-4, 1e-3, 1.0], values = [0.0, 1.0, 0.0, 0.0]"
+    law = f'law = {{ table = {{ {blow}, interpolation = "linear" }} }}'
+    struck = load[: load.index("law = ")] + law + load.split(" } }")[-1]
+    fast = judged(tmp_path, struck, {"column": column(2).package}, t_end=0.1, **RADAU)
+    assert "bending-xy vibration modes carries" in fast.finding("modes-too-few")["message"]
+    assert fast.finding("modes-too-few")["message"].endswith("take more modes")
+
+
+def test_families_are_judged_one_by_one(tmp_path):
+    """Two bending modes in one plane are too few; one in the other plane, not loaded, is enough."""
+    modes = [{"kind": "bending-xy", "count": 2}, {"kind": "bending-xz", "count": 1}]
+    both = reduced(CLAMPED, modes, K=K, mass=MASS, length=LENGTH, elements=4).package
+    found = judged(tmp_path, pushed([0, 1.0, 0], 0.2 * BEND), {"column": both}, **RADAU)
+    message = found.finding("modes-too-few")["message"]
+    assert "the highest of 2 bending-xy vibration modes" in message
+    assert 'modes of kind "attachment" at tip' in message
+
+
+WEIGHT = "gravity = [0.0, -9.81, 0.0]\n" + pushed([0, 1.0, 0], 1e-6)
+SHOULDER = WEIGHT.replace('"fixed"', '"revolute"\ndrive = { polynomial = [0.0, 0.0, 100.0] }')
+
+
+@pytest.mark.provokes("loads-begin-suddenly")
+def test_weight_that_begins_suddenly(tmp_path):
+    """A quarter: the largest deflection is twice the static one. In equilibrium it is none."""
+    bodies = {"column": column().package}
+    entry = judged(tmp_path, WEIGHT, bodies, **RADAU).finding("loads-begin-suddenly")
+    assert entry["value"] == pytest.approx(0.25, rel=0.02)
+    assert 'set solver.start = "equilibrium"' in entry["message"]
+    still = judged(tmp_path, WEIGHT, bodies, start="equilibrium", **RADAU)
+    assert "loads-begin-suddenly" not in still.codes
+
+
+def test_a_drive_that_begins_with_an_acceleration(tmp_path):
+    bodies = {"column": column().package}
+    entry = judged(tmp_path, SHOULDER, bodies, t_end=0.1, start="equilibrium", **RADAU).finding(
+        "loads-begin-suddenly"
+    )
+    assert "joints.foot: its law begins with an acceleration" in entry["message"]
+    gentle = SHOULDER.replace(
+        "polynomial = [0.0, 0.0, 100.0]", "smooth_step = { value = 1.0, duration = 0.1 }"
+    )
+    found = judged(tmp_path, gentle, bodies, t_end=0.1, start="equilibrium", **RADAU)
+    assert "loads-begin-suddenly" not in found.codes
 
 
 @pytest.mark.provokes("mesh-coarse-for-modes")

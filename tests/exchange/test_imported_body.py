@@ -7,6 +7,8 @@ from exchange_samples import bar, write_matrices
 
 from plymotion.preprocess.__main__ import main as preprocess
 from plymotion.solver.__main__ import main
+from plymotion.solver.inputs.case import load_case
+from plymotion.solver.inputs.case.source_files import source_files
 from plymotion.solver.package import read_package
 from plymotion.solver.results import read_result
 
@@ -69,8 +71,7 @@ def test_a_change_of_a_matrix_builds_the_body_again(
 ) -> None:
     out = tmp_path / "build"
     assert main(["check", str(case), "--out", str(out)]) == 0
-    rules = (out / "case.mk").read_text()
-    names = {link.resolve().name for link in (out / "inputs").iterdir() if link.name in rules}
+    names = {file.name for file in source_files(load_case(case))}
     assert {"arm.toml", "K.mtx", "dofs.csv"} <= names
     (spec,) = (out / "bodies").glob("*.json")
     with (tmp_path / "nodes.csv").open("a") as stream:

@@ -219,7 +219,10 @@ def changed(**change: Any) -> dict[str, Any]:
             r"f\.regions\.top\.direction\.curve = 'outside': the mesh has no such physical curve",
         ),
         ({"regions__top__direction": None}, r"f\.regions\.top\.direction: missing"),
-        ({"regions__top__direction": {"vektor": [1, 0]}}, r"expected vector, circle or curve"),
+        (
+            {"regions__top__direction": {"vektor": [1, 0]}},
+            r"expected vector, circle, curve or cells",
+        ),
         ({"mesh__degree": 1}, r"f\.mesh\.degree = 1: expected at least 2"),
     ],
 )

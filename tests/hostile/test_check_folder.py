@@ -9,7 +9,7 @@ from plymotion.solver.__main__ import main
 
 CASE = HEAD + rigid("ball", 1.0, 0.1, {"c": (0, 0, 0)}) + SOLVER.format(t_end=1, step=1, more="")
 OTHER = "[runs.other]\n"
-OURS = ["case.json", "case.mk", "manifest.json", "runs"]
+OURS = ["case.json", "manifest.json", "runs"]
 
 
 def _check(folder, text=CASE):
@@ -35,7 +35,7 @@ def test_files_of_others_stay(tmp_path):
     assert not (tmp_path / "out/runs/other.json").exists()  # its own
 
 
-@pytest.mark.parametrize("name", ["case.json", "runs/base.json", "case.mk", "manifest.json"])
+@pytest.mark.parametrize("name", ["case.json", "runs/base.json", "manifest.json"])
 def test_no_file_of_others_is_replaced(tmp_path, capsys, name):
     file = tmp_path / "out" / name
     file.parent.mkdir(parents=True)
@@ -64,8 +64,7 @@ def test_manifest_from_elsewhere_deletes_nothing_outside(tmp_path):
     manifest = tmp_path / "out/manifest.json"
     manifest.write_text(json.dumps({"written_by": "plymotion check", "files": names}))
     (tmp_path / "out/case.json").unlink()
-    for file in ("case.mk", "runs/base.json"):
-        (tmp_path / "out" / file).unlink()
+    (tmp_path / "out/runs/base.json").unlink()
     assert _check(tmp_path) == 0
     assert all(file.read_text() == "mine" for file in kept)
 
@@ -102,7 +101,7 @@ def test_a_check_that_was_killed_is_completed(tmp_path, monkeypatch):
         assert sorted(p.name for p in (tmp_path / "out").iterdir()) == OURS
 
 
-@pytest.mark.parametrize("name", ["runs", "bodies", "sweeps", "inputs", "ran"])
+@pytest.mark.parametrize("name", ["runs", "bodies", "sweeps"])
 def test_reserved_names_of_runs(tmp_path, capsys, name):
     assert _check(tmp_path, CASE + f"[runs.{name}]\n") == 2
     told = capsys.readouterr().err

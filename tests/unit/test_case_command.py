@@ -1,7 +1,10 @@
 """`plymotion case.toml`: from a case file to its report, in any folder."""
 
 import json
+import os
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -52,7 +55,7 @@ def test_from_case_to_report(pendulum, capsys):
     before = Path("build/pendulum/short/result.vtkhdf").stat().st_mtime_ns
     assert _main("run", *words, "--quiet") == 0
     again = capsys.readouterr()
-    assert "short: up to date" in again.out
+    assert again.out == "build/pendulum/report.html: up to date\n"
     assert again.err == ""
     assert Path("build/pendulum/short/result.vtkhdf").stat().st_mtime_ns == before
     assert _main(*words, "--force", "--no-report") == 0
@@ -101,3 +104,55 @@ def test_packages_of_the_own_folder_are_kept(pendulum):
     before = sorted(path.name for path in bodies.iterdir())
     assert _main("check", pendulum.name, "--out", "build/pendulum", "--packages", str(bodies)) == 0
     assert sorted(path.name for path in bodies.iterdir()) == before
+
+
+def test_a_sweep_in_place_of_runs(pendulum, capsys):
+    pendulum.write_text(
+        pendulum.read_text(encoding="utf-8")
+        + '[sweeps.step]\nrun = "short"\nsignals = ["tip_x"]\n'
+        + 'vary = { "solver.output_step" = [0.01, 0.02] }\n',
+        encoding="utf-8",
+    )
+    words = (pendulum.name, "--sweep", "step", "--packages", "packages", "--quiet")
+    assert _main(*words) == 0
+    folder = Path("build/pendulum")
+    assert (folder / "sweeps/step/sweep.csv").is_file()
+    assert not (folder / "short").exists()
+    assert "step: 2 members, 2 finished" in capsys.readouterr().out
+    assert _main(*words) == 0
+    assert capsys.readouterr().out == "build/pendulum/sweeps/step: up to date\n"
+    assert _main(pendulum.name, "--sweep", "stp", "--packages", "packages") == 2
+    assert "--sweep stp: pendulum.toml has no such sweep; did you mean 'step'?" in (
+        capsys.readouterr().err
+    )
+
+
+def test_what_has_changed_is_done_again(pendulum, capsys):
+    """Inputs, results and options; each change leads to the stage that it concerns."""
+    words = (pendulum.name, "--run", "short", "--packages", "packages", "--quiet")
+    folder = Path("build/pendulum")
+    assert _main(*words) == 0
+    for file in (folder / "report.html", folder / "short/summary.json", folder / "case.json"):
+        file.unlink()
+        assert _main(*words) == 0
+        assert file.is_file()
+    capsys.readouterr()
+    text = pendulum.read_text(encoding="utf-8")
+    pendulum.write_text(text.replace("t_end = 0.05", "t_end = 0.04"), encoding="utf-8")
+    assert _main(*words) == 0
+    assert "short: done at t = 0.04 s" in capsys.readouterr().out
+    (Path("packages") / "arm.isotropic.vtkhdf").unlink()
+    assert _main(*words) == 2  # not "up to date"
+
+
+def test_two_commands_in_one_folder_take_turns(pendulum):
+    words = [sys.executable, "-m", "plymotion", pendulum.name, "--run", "short"]
+    words += ["--packages", "packages", "--no-report"]
+    here = os.environ | {"PYTHONPATH": str(CASE.parents[2]), "PLYMOTION_COMPILED": "0"}
+    pipe = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    both = [subprocess.Popen(words, env=here, **pipe) for _ in range(2)]
+    told = [process.communicate(timeout=100) for process in both]
+    assert [process.returncode for process in both] == [0, 0]
+    assert sorted("short: done" in out for out, _ in told) == [False, True]
+    assert sorted("build/pendulum: up to date" in out for out, _ in told) == [False, True]
+    assert sum("waiting for another command" in err for _, err in told) <= 1

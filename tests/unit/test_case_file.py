@@ -147,8 +147,8 @@ def test_errors_come_together(source, tmp_path):
     assert len(str(error.value).splitlines()) >= 2
 
 
-def test_case_of_the_readme_is_valid(repository, tmp_path):
-    text = (repository / "README.md").read_text()
+def test_case_of_the_first_steps_is_valid(repository, tmp_path):
+    text = (repository / "docs/first-steps.md").read_text()
     file = tmp_path / "case.toml"
     file.write_text(re.search(r"```toml\n(.*?)```", text, re.DOTALL)[1])
     assert list(load_case(file).runs) == ["base"]

@@ -8,6 +8,7 @@ import pytest
 from plymotion.solver.__main__ import main
 from plymotion.solver.dynamics.system import law_at
 from plymotion.solver.inputs.case import load_case
+from plymotion.solver.inputs.case.source_files import source_files
 from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.mechanism import build
 from plymotion.solver.run.execution import read_run
@@ -267,16 +268,14 @@ def test_direction_of_a_load_is_a_unit_vector(tmp_path):
 
 
 def test_table_from_a_file_is_part_of_the_run(tmp_path):
-    """The run holds the numbers; make knows the file."""
+    """The run holds the numbers; the case knows the file."""
     (tmp_path / "push.csv").write_text("t, F\n# newtons\n0, 0\n0.5, 4\n1.0, 1\n")
     source = SOURCE.replace(
         "times = [0.0, 0.5, 1.0], values = [0.0, 3.0, 1.0]", 'file = "push.csv"'
     )
     model = _built(tmp_path, source).model
     assert law_at(model, model.force_law[2], 0.5)[0] == pytest.approx(4.0)
-    (link,) = (tmp_path / "build/inputs").iterdir()
-    assert link.readlink() == tmp_path / "push.csv"
-    assert f"inputs/{link.name}" in (tmp_path / "build/case.mk").read_text()
+    assert source_files(load_case(tmp_path / "case.toml")) == [tmp_path / "push.csv"]
 
 
 def test_bad_line_of_a_file(tmp_path, capsys):

@@ -9,17 +9,18 @@ import pytest
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case
+from plymotion.solver.inputs.case.source_files import source_files
 from plymotion.solver.inputs.case.specs import write_case
 
 
 @pytest.fixture
 def case(repository, tmp_path: Path) -> Path:
-    """The case of the README, beside a copy of cases/sections."""
+    """The case of the first steps, beside a copy of cases/sections."""
     shutil.copytree(repository / "cases/sections", tmp_path / "sections")
     file = tmp_path / "arm" / "case.toml"
     file.parent.mkdir()
-    readme = (repository / "README.md").read_text()
-    file.write_text(re.search(r"```toml\n(.*?)```", readme, re.DOTALL)[1])
+    page = (repository / "docs/first-steps.md").read_text()
+    file.write_text(re.search(r"```toml\n(.*?)```", page, re.DOTALL)[1])
     return file
 
 
@@ -63,13 +64,9 @@ def test_a_described_section_is_the_specification_of_its_file(case, tmp_path):
     assert spec == expected
 
 
-def test_rules_follow_the_files_of_sections(case, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    write_case(load_case(described(case)), Path("out"))
-    rules = Path("out/case.mk").read_text()
-    (link,) = Path("out/inputs").iterdir()
-    assert link.readlink() == tmp_path / "sections/box-layup-2.toml"
-    assert f"out/case.mk: {link}\n{link}:\n" in rules
+def test_a_case_knows_the_files_of_its_sections(case, tmp_path):
+    files = source_files(load_case(described(case)))
+    assert [file.resolve() for file in files] == [tmp_path / "sections/box-layup-2.toml"]
 
 
 def test_where_a_mesh_lies_does_not_change_the_body(case, tmp_path, monkeypatch):

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from sweep_samples import BALL, FORCE, MASS, ball, ball_plan
 
+from plymotion.solver.commands.cases.packages import needed_specs
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
@@ -161,11 +162,15 @@ def test_a_body_is_specified_once_and_shared_with_runs(angles, tmp_path):
         "bodies/hand.layup-2.vtkhdf",
     }
     assert len(list((out / "sweeps/bodies").glob("hand.*.json"))) == 8
-    rules = (out / "case.mk").read_text()
-    assert "double-pendulum_SWEEPS := a\n" in rules
-    assert len(re.search(r"double-pendulum_a_SPECS := (.*)", rules)[1].split()) == 11
-    own = re.search(r"double-pendulum_SPECS := (.*)", rules)[1]
-    assert "sweeps" not in own  # a run waits for no body of a sweep
+    needed = needed_specs([out / "sweeps/a.json"])
+    assert all(spec.is_file() for specs in needed.values() for spec in specs)
+    assert {folder: len(specs) for folder, specs in needed.items()} == {
+        out / "bodies": 3,
+        out / "sweeps/bodies": 8,
+    }
+    # a run waits for no body of a sweep
+    runs = [out / "runs" / f"{run}.json" for run in load_case(angles).runs]
+    assert list(needed_specs(runs)) == [out / "bodies"]
 
 
 def test_more_values_leave_the_bodies_of_others_alone(angles, tmp_path):

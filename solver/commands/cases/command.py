@@ -2,81 +2,137 @@
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
-from ...errors import InputError, nearest
-from ...inputs.case import load_case
-from ...inputs.case.load import Case
-from ...inputs.case.specs import write_case
+from ...errors import InputError
+from ...inputs.case.file import case_file
 from ...math.cores import cores
-from ..run.command import INPUT, INTERRUPTED, run_files
-from .packages import build_packages, specs_of
-from .report import report_case
+from ..exit_codes import INCOMPLETE, INPUT, INTERRUPTED, worst
+from .chosen import build_folder, chosen_runs, chosen_sweeps
+from .finished import RECORD, finished_before, note_finished, request_of
+from .turn import turn
+
+# What the results depend on, of the options of a command.
+ASKED = ("run", "sweep", "coarse", "no_scripts", "no_report", "allow_python", "allow_doubtful")
+
+Say = Callable[[str], None]
 
 
 def run_case(options: argparse.Namespace) -> int:
-    """Take a case from its file to its report; return the exit code of the worst run.
+    """Take a case from its file to its report, or to its sweeps; return the worst exit code.
 
     What is up to date by content is not done again.
     """
-    file: Path = options.files[0]
+    file = case_file(options.files[0])
     if len(options.files) > 1:
         raise InputError(f"{file}: expected one case file, or run files only")
     for name, given in (("--out-dir", options.out_dir), ("--update", options.update)):
         if given:
             raise InputError(f"{name}: for run files; with a case file use --out and --force")
-    case = load_case(file / "case.toml" if file.is_dir() else file, coarse=options.coarse)
-    chosen = _chosen(case, options.run)
-    out: Path = options.out or Path("build") / (case.name + ("-coarse" if options.coarse else ""))
+    out: Path = options.out or build_folder(file, coarse=options.coarse)
+    words = {name: getattr(options, name) for name in ASKED}
+    request = request_of(file, {**words, "packages": str(options.packages or "")})
+    with turn(out, quiet=options.quiet):
+        before = None if options.force else finished_before(out, request)
+        if before is not None:
+            code, text = before
+            print(f"{text}: up to date")
+            return code
+        return _done(file, out, options, request)
+
+
+def _done(file: Path, out: Path, options: argparse.Namespace, request: str) -> int:
+    """Do all stages; return the exit code."""
+    # Here: these take 0.5 s to import, longer than a command with nothing to do.
+    from ...inputs.case.load import load_case
+    from ...inputs.case.source_files import source_files
+    from ...inputs.case.specs import write_case
+    from .packages import named_packages
+    from .sweeps import compute_sweeps
+
+    def say(text: str) -> None:
+        """Tell of a stage, so that a long one is not silent."""
+        if not options.quiet:
+            print(f"{out}: {text}", file=sys.stderr, flush=True)
+
+    case = load_case(file, coarse=options.coarse)
+    runs, sweeps = chosen_runs(case, options.run), chosen_sweeps(case, options.sweep)
+    if sweeps and not options.run:
+        runs = []
     write_case(case, out, options.packages)
-    say = _Stages(out, quiet=options.quiet)
-    specs = specs_of(out, chosen) if options.packages is None else []
-    if specs:
-        say.begin(f"bodies: {len(specs)}")
-        built = build_packages(specs, out / "bodies", quiet=options.quiet)
-        if not built:
-            say.note("up to date")
-    say.begin(f"runs: {len(chosen)}")
+    jobs = options.jobs or cores()
+    files = [out / "runs" / f"{run}.json" for run in runs]
+    files += [out / "sweeps" / f"{sweep}.json" for sweep in sweeps]
+    if options.packages is None:
+        _build(files, jobs, say, quiet=options.quiet, keep_going=not runs)
+    codes, text = [], ""
+    if runs:
+        code, text = _integrated(out, runs, options, jobs, say)
+        codes.append(code)
+    if sweeps and INTERRUPTED not in codes:
+        say(f"sweeps: {', '.join(sweeps)}")
+        codes.append(compute_sweeps(out, sweeps, options, jobs))
+        text = text or str(out / "sweeps" / sweeps[0])
+    code = worst(codes)
+    if code in (0, INCOMPLETE):
+        used = [out / entry["file"] for each in files for entry in named_packages(each)]
+        inputs = [file, *source_files(case), *used]
+        note_finished(out, request, code, text, inputs, _results(out, runs, sweeps))
+    return code
+
+
+def _build(files: Sequence[Path], jobs: int, say: Say, *, quiet: bool, keep_going: bool) -> None:
+    """Build the bodies of run and sweep files; `keep_going` without those that cannot be built."""
+    from ..executors.local import Local
+    from .packages import BodiesFailed, build_packages, needed_specs
+
+    for folder, specs in needed_specs(files).items():
+        say(f"bodies: {len(specs)}")
+        try:
+            if not build_packages(
+                specs, folder, executor=lambda: Local(jobs, threads=True), quiet=quiet
+            ):
+                say("bodies: up to date")
+        except BodiesFailed as error:
+            if not keep_going:
+                raise
+            print(f"error: {error}", file=sys.stderr)
+
+
+def _integrated(
+    out: Path, runs: Sequence[str], options: argparse.Namespace, jobs: int, say: Say
+) -> tuple[int, str]:
+    """Integrate runs and write their report; return the exit code and what was written."""
+    from ..run.command import run_files
+
+    say(f"runs: {len(runs)}")
     code = run_files(
-        [out / "runs" / f"{name}.json" for name in chosen],
+        [out / "runs" / f"{name}.json" for name in runs],
         update=not options.force,
-        jobs=options.jobs or cores(),
+        jobs=jobs,
         timing=options.timing,
         quiet=options.quiet,
         allow_python=options.allow_python,
         allow_doubtful=options.allow_doubtful,
     )
     if code == INTERRUPTED or options.no_report:
-        return code
-    finished = [name for name in chosen if (out / name / "summary.json").is_file()]
-    if finished:
-        say.begin("report")
-        print(report_case(out, finished))
-    elif code == 0:
-        return INPUT
-    return code
+        return code, str(out)
+    finished = [name for name in runs if (out / name / "summary.json").is_file()]
+    if not finished:
+        return code or INPUT, str(out)
+    from .report import report_case
+
+    say("report")
+    print(report_case(out, finished))
+    return code, str(out / "report.html")
 
 
-def _chosen(case: Case, names: Sequence[str] | None) -> list[str]:
-    """Return the runs to do, in the order of the case."""
-    for name in names or ():
-        if name not in case.runs:
-            raise InputError(f"--run {name}: {case.file} has no such run{nearest(name, case.runs)}")
-    return [name for name in case.runs if not names or name in names]
-
-
-class _Stages:
-    """Words for each stage on standard error, so that a long one is not silent."""
-
-    def __init__(self, out: Path, *, quiet: bool) -> None:
-        self.out, self.quiet = out, quiet
-
-    def begin(self, what: str) -> None:
-        """Announce a stage."""
-        self.note(f"{self.out}: {what}")
-
-    def note(self, text: str) -> None:
-        """Add a line."""
-        if not self.quiet:
-            print(text, file=sys.stderr, flush=True)
+def _results(out: Path, runs: Sequence[str], sweeps: Sequence[str]) -> Iterator[Path]:
+    """Yield the files of a folder that a finished command has left or used."""
+    folders = [out, out / "runs", out / "bodies", out / "plans", *(out / name for name in runs)]
+    if sweeps:
+        folders += [out / "sweeps", out / "sweeps/bodies", *(out / "sweeps" / s for s in sweeps)]
+    for folder in folders:
+        if folder.is_dir():
+            yield from (file for file in folder.iterdir() if file.is_file() and file.name != RECORD)

@@ -4,6 +4,7 @@ import hashlib
 import json
 import sys
 from collections.abc import Callable, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,10 @@ import plymotion
 from ...errors import InputError, few
 from ...inputs.case.run_table import package_entries
 from ...inputs.case.specs import dump
+from ...math.cores import cores
 from ...package.common.file_digests import files_sha256
+from ...package.common.plain_data import canonical
+from ...package.common.shares import by_mesh
 from ...package.common.temporary import write_text
 from ..executors.executor import Executor
 from ..executors.local import Local
@@ -37,11 +41,43 @@ def specs_of(out: Path, runs: Sequence[str]) -> list[Path]:
     return list(found)
 
 
+def needed_specs(files: Sequence[Path]) -> dict[Path, list[Path]]:
+    """Return the specifications that run and sweep files need, each once, by folder.
+
+    Raises
+    ------
+    InputError
+        Not a run or sweep file.
+    """
+    found: dict[Path, dict[Path, None]] = {}
+    for file in files:
+        for entry in named_packages(file):
+            if "inputs_sha256" in entry:  # others are packages of the user
+                spec = file.parent.parent / Path(entry["file"]).with_suffix(".json")
+                found.setdefault(spec.parent, {})[spec] = None
+    return {folder: list(specs) for folder, specs in found.items()}
+
+
+def named_packages(file: Path) -> list[dict[str, Any]]:
+    """Return the entries of packages of a run or sweep file. Raises InputError."""
+    try:
+        table = json.loads(file.read_text(encoding="utf-8"))
+        packages = table["packages"]
+        entries = packages if isinstance(packages, list) else list(package_entries(table))
+        if not all(isinstance(entry["file"], str) for entry in entries):
+            raise ValueError("packages: expected the names of files")
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        raise InputError(
+            f"{file}: not a run or sweep file ({error}); expected one written by `plymotion check`"
+        ) from error
+    return entries
+
+
 def build_packages(
     specs: Sequence[Path],
     folder: Path,
     *,
-    executor: Callable[[], Executor] = lambda: Local(1, threads=True),
+    executor: Callable[[], Executor] = lambda: Local(cores(), threads=True),
     quiet: bool = False,
 ) -> list[str]:
     """Build the packages of body specifications into a folder; return the names of those built.
@@ -80,13 +116,20 @@ def build_packages(
 
     start = start_of("body", ["--out-dir", str(folder.resolve())], place := executor())
     try:
-        make_all([wanted], start, executor=place, done=done, progress=lambda _: None)
+        groups = by_mesh((spec, _mesh_of(spec)) for spec in wanted)
+        make_all(groups, start, executor=place, done=done, progress=lambda _: None)
     finally:
         write_text(folder / STAMP, dump(before))
     if failed:
         names = few([spec.stem for spec in failed])
         raise BodiesFailed(f"{folder}: not built, see the messages above: {names}")
     return [spec.stem for spec in wanted]
+
+
+def _mesh_of(spec: Path) -> str:
+    """Text that is equal for bodies of equal sections, which one process analyses once."""
+    table = json.loads(spec.read_text(encoding="utf-8"))
+    return canonical([table.get(key) for key in ("section", "sections", "mesh", "shell")])
 
 
 def _show(spec: Path, line: Line, *, quiet: bool) -> None:
@@ -125,6 +168,7 @@ def _left(file: Path) -> list[int]:
     return [found.st_size, found.st_mtime_ns]
 
 
+@cache
 def _sources() -> bytes:
     """Digest of the preprocessor, and of the parts of the solver that it imports."""
     home = Path(plymotion.__file__).resolve().parent

@@ -3,12 +3,13 @@
 import tempfile
 from pathlib import Path
 
-from ...errors import InputError, PackageError, nearest
+from ...errors import InputError, PackageError
 from ...inputs.case import load_case
-from ...inputs.case.load import Case
+from ...inputs.case.file import case_file
 from ...inputs.case.specs import write_case
 from ...run.execution import read_run
 from ...run.outcome import RunSpec
+from ..cases.chosen import build_folder, chosen_run
 from ..cases.packages import build_packages, specs_of
 
 
@@ -33,26 +34,17 @@ def read_spec(
         if run is not None and run != spec.run:
             raise InputError(f"--run {run}: {file} is run {spec.run}; expected a case file")
         return spec, file.parent.parent
-    if file.is_dir():
-        file = file / "case.toml"
+    file = case_file(file)
     case = load_case(file, coarse=coarse)
-    name = _run_of(case, run)
-    build = Path("build") / (case.name + ("-coarse" if coarse else ""))
-    folder = packages or build / "bodies"
+    name = chosen_run(case, run)
+    build = build_folder(file, coarse=coarse)
     with tempfile.TemporaryDirectory(prefix="plymotion-") as temporary:
         out = Path(temporary)
-        write_case(case, out, folder)
+        write_case(case, out, packages or build / "bodies")
         if packages is None:
-            build_packages(specs_of(out, [name]), folder, quiet=quiet)
+            specs = specs_of(out, [name])
+            build_packages(specs, build / "bodies", quiet=quiet)
         try:
             return read_run(out / "runs" / f"{name}.json"), build
         except PackageError as error:
             raise PackageError(f"{error}; `make {case.name}` builds the packages") from None
-
-
-def _run_of(case: Case, run: str | None) -> str:
-    if run is None:
-        return next(iter(case.runs))
-    if run not in case.runs:
-        raise InputError(f"--run {run}: {case.file} has no such run{nearest(run, case.runs)}")
-    return run

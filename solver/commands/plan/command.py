@@ -4,13 +4,15 @@ import argparse
 import json
 from pathlib import Path
 
-from ...errors import InputError, nearest
+from ...errors import InputError
 from ...fidelity.execution import answered
 from ...fidelity.words import answer_text, entry
 from ...inputs.case import load_case
+from ...inputs.case.file import case_file
 from ...inputs.case.specs import write_case
-from ...run.execution import INCOMPLETE
+from ..cases.chosen import build_folder, chosen_run
 from ..cases.packages import build_packages, specs_of
+from ..exit_codes import INCOMPLETE
 
 
 def run_file_of(options: argparse.Namespace) -> Path:
@@ -22,16 +24,15 @@ def run_file_of(options: argparse.Namespace) -> Path:
         The case is wrong, has no such run, or its run has no [fidelity]; a package cannot be
         built.
     """
-    case = load_case(options.case)
-    run = options.run or next(iter(case.runs))
-    if run not in case.runs:
-        raise InputError(f'{options.case}: runs: no run "{run}"{nearest(run, case.runs)}')
+    file = case_file(options.case)
+    case = load_case(file)
+    run = chosen_run(case, options.run)
     if case.runs[run].fidelity is None:
         raise InputError(
-            f"{options.case}: run {run} has no [fidelity]: expected a table with accuracy and "
+            f"{file}: run {run} has no [fidelity]: expected a table with accuracy and "
             "signals (docs/fidelity.md)"
         )
-    folder: Path = options.folder or Path("build") / case.name
+    folder: Path = options.folder or build_folder(file)
     write_case(case, folder, options.packages)
     if options.packages is None:
         build_packages(specs_of(folder, [run]), folder / "bodies")

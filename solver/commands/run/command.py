@@ -13,16 +13,16 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError, PackageError, few
-from ...fidelity.execution import run_any
-from ...fidelity.words import fidelity_line
 from ...inputs.case.extreme import ERRORS, out_of_range
 from ...interrupts import INTERRUPTED, asked, handle, passed_to_children
-from ...run.execution import INCOMPLETE
+from ...results.verdict import invalid_words
 from ...run.inputs_digest import up_to_date
 from ...run.timing import timing_text
 from ..defect import DEFECT, report
+from ..exit_codes import INCOMPLETE, INPUT, worst
+from .one import run_one
 
-INPUT = 2
+DONE = "done"
 
 
 @dataclass
@@ -55,7 +55,7 @@ class _Task:
 def run_runs(options: argparse.Namespace) -> int:
     """Integrate the runs of run files; return the exit code of the worst."""
     files: list[Path] = options.files
-    for name in ("run", "packages", "coarse", "force", "no_report"):
+    for name in ("run", "sweep", "packages", "coarse", "force", "no_report"):
         if getattr(options, name):
             raise InputError(f"--{name.replace('_', '-')}: expected with a case file only")
     if options.out is not None and len(files) > 1:
@@ -100,27 +100,28 @@ def run_files(
     doubled = {file.stem for file in files if sum(f.stem == file.stem for f in files) > 1}
     if doubled:
         raise InputError(f"run files of the same name: {few(sorted(doubled))}")
-    tasks = []
+    tasks, codes = [], []
     for file in files:
         folder = out or (out_dir or file.parent.parent) / file.stem
-        if update and up_to_date(file, folder):
+        known = up_to_date(file, folder) if update else None
+        if known is not None:
             print(f"{file.stem}: up to date")
+            codes.append(_code(known))
             continue
         tasks.append(_Task(file, folder, not quiet, timing, allow_doubtful, import_s, allow_python))
         import_s = 0.0
     jobs = min(jobs, len(tasks))
     outcomes = _by_workers(tasks, jobs) if jobs > 1 else _here(tasks)
-    codes = []
     for outcome in outcomes:
         outcome.tell()
         codes.append(outcome.code)
-    return next((code for code in (INTERRUPTED, DEFECT, INPUT, INCOMPLETE) if code in codes), 0)
+    return worst(codes)
 
 
 def _outcome(task: _Task) -> Outcome:
     """Do one run."""
     try:
-        summary = run_any(
+        summary = run_one(
             task.file,
             task.out,
             progress=task.progress,
@@ -149,17 +150,27 @@ def _code(summary: dict[str, Any]) -> int:
     if summary["status"] == "interrupted":
         return INTERRUPTED
     refused = summary.get("fidelity", {}).get("verdict") == "not met"
-    return 0 if summary["completed"] and not refused else INCOMPLETE
+    return INCOMPLETE if refused or _ending(summary) != DONE else 0
+
+
+def _ending(summary: dict[str, Any]) -> str:
+    """Return how a run ended, in a word or two."""
+    if not summary["completed"]:
+        return str(summary["status"])
+    return invalid_words(summary) or DONE
 
 
 def _lines(summary: dict[str, Any], timing: bool) -> list[str]:
     cost = summary["cost"]
-    outcome = "done" if summary["completed"] else summary["status"]
+    ending = _ending(summary)
+    words = ending if ending == DONE or not summary["completed"] else f"{ending}, ended"
     text = [
-        f"{summary['run']}: {outcome} at t = {summary['t_end']:.4g} s, "
+        f"{summary['run']}: {words} at t = {summary['t_end']:.4g} s, "
         f"{cost['steps']} steps, {cost['solve_s']:.2f} s"
     ]
     if "fidelity" in summary:
+        from ...fidelity.words import fidelity_line
+
         text.append(f"  {fidelity_line(summary['fidelity'])}")
     text += [f"  warning [{w['code']}] {w['message']}" for w in summary["warnings"]]
     return [*text, f"  {timing_text(cost['seconds'])}"] if timing else text

@@ -17,7 +17,8 @@ start.
 A run that fails does not stop the others. Each leaves result.vtkhdf and summary.json.
 
 exit code: 0 all runs finished; 2 something is wrong with an input; 3 a run ended early, its results
-up to that time are kept; 130, 143, 129 ended by Ctrl-C, TERM or HUP, results are kept.
+up to that time are kept, or its own findings call its results invalid; 130, 143, 129 ended by
+Ctrl-C, TERM or HUP, results are kept.
 """
 
 
@@ -59,6 +60,12 @@ def add_run_command(commands: Any, run: Callable[[argparse.Namespace], int]) -> 
     case = parser.add_argument_group("with a case file")
     case.add_argument(
         "--run", action="append", metavar="NAME", help="only this run; may be given several times"
+    )
+    case.add_argument(
+        "--sweep",
+        action="append",
+        metavar="NAME",
+        help="the members of this sweep, in place of the runs; may be given several times",
     )
     case.add_argument("--coarse", action="store_true", help="apply the [coarse] variant")
     case.add_argument(

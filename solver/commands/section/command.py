@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import sys
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,6 +12,7 @@ from ...errors import InputError
 from ...inputs.common import read_toml
 from ...inputs.section.changes import changed
 from ...inputs.section.expand import section_spec
+from ...inputs.section.other_codes import is_of_another_code, spec_of_another_code
 from ...package.common.materials import MaterialError
 from ...package.common.shares import share
 from ...package.section.io import read_section
@@ -24,6 +26,7 @@ from .results import read_results
 from .show import section_json, section_text
 from .show_loads import load_text
 from .summary import Row, summary_json, summary_text, write_summary
+from .writers.choice import write_for
 
 
 def run_section(options: argparse.Namespace) -> int:
@@ -32,14 +35,23 @@ def run_section(options: argparse.Namespace) -> int:
     def show(made: list[Made], requests: list[Request]) -> int:
         if options.batch and not options.check:
             return _summarise(made, options)
-        return _show(made, {request.entry.name: request.title for request in requests}, options)
+        code = _show(made, {request.entry.name: request.title for request in requests}, options)
+        if options.to and code == 0 and not options.check:
+            files = {one.entry.name: one.file for one in made}
+            order = [files[entry.name] for entry in entries]
+            for line in write_for(options.to, order, options.stations, options.out):
+                print(line, file=sys.stderr if options.json else sys.stdout)
+        return code
 
     words = [word for word in ("--no-estimate", "--force") if getattr(options, _name(word))]
     if options.accuracy is not None:
         words += ["--accuracy", repr(options.accuracy)]
+    if options.batch and options.to:
+        raise InputError("section: --to is for FILE, also for DIR/*/*.vtkhdf")
+    entries = _entries(options)
     return run_described(
         "section",
-        _entries(options),
+        entries,
         options,
         words,
         spec_of=lambda entry: described_spec(entry, options.out),
@@ -66,6 +78,8 @@ def _entries(options: argparse.Namespace) -> list[Entry]:
 
 def described_spec(entry: Entry, folder: Path) -> dict[str, Any]:
     """Return the specification of a description with its changes; see `load_section`."""
+    if is_of_another_code(entry.file) and not entry.changes:
+        return spec_of_another_code(entry.file, folder)
     table = read_toml(entry.file, "section description")
     if not entry.changes:
         return section_spec(table, entry.file, folder)

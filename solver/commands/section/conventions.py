@@ -12,16 +12,7 @@ import numpy as np
 
 from ...errors import InputError, did_you_mean
 from ...math.arrays import Array
-
-# Rows: axes of the code in ours (x1 along the beam, x2 and x3 in the section). Components of a
-# vector follow as v_code = A @ v.
-_AXES = {
-    "plymotion": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
-    "vabs": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
-    "becas": ((0, 1, 0), (0, 0, 1), (1, 0, 0)),
-    "anba4": ((0, 1, 0), (0, 0, 1), (1, 0, 0)),
-}
-CODES = (*_AXES, "beamdyn")
+from .codes import AXES, CODES
 
 # Blade axes of BeamDyn (x to the suction side, y to the trailing edge, z from root to tip) for
 # sections whose x3 points to the suction side. With x2 to the trailing edge, as in airfoil
@@ -130,11 +121,11 @@ def _direction(axes: Array) -> float:
 
 def _axes_of(code: str, blade_axes: Axes) -> Array:
     if code != "beamdyn":
-        if code not in _AXES:
+        if code not in AXES:
             raise InputError(
                 f"code = {code!r}: expected one of {', '.join(CODES)}" + did_you_mean(code, CODES)
             )
-        return np.array(_AXES[code], dtype=float)
+        return np.array(AXES[code], dtype=float)
     axes = np.asarray(blade_axes, dtype=float)
     good = axes.shape == (3, 3) and np.allclose(axes @ axes.T, np.eye(3), rtol=0, atol=1e-9)
     if not good or np.linalg.det(axes) < 0.0:

@@ -9,13 +9,15 @@ from typing import Any
 from ...errors import did_you_mean
 from ..described.options import add_command, add_out, add_shared
 from ..executors.choice import add_executor
-from .conventions import CODES
+from .codes import CODES
+from .writers.choice import TARGETS
 
 FOLDER = Path("build") / "sections"
 
 DESCRIPTION = """\
 Stiffness, mass, centres and stresses of beam cross-sections. FILE is a description (TOML,
-docs/section-description.md), or a section file (.vtkhdf) to show again. FEniCSx is searched in
+docs/section-description.md), an input file of VABS (.dat, .sg), a folder of BECAS input, or a
+section file (.vtkhdf) to show again. FEniCSx is searched in
 $FENICSX_PYTHON, the Python that `make fenicsx` found, python3 and /usr/bin/python3.
 """
 EPILOG = """\
@@ -54,6 +56,18 @@ def add_section_command(commands: Any, run: Callable[[argparse.Namespace], int])
     what.add_argument("--no-estimate", action="store_true", help="skip the error estimate (faster)")
     add_shared(what, "figures", help="draw figures (default: for FILE without --json)")
     add_shared(what, "force", "check")
+    what.add_argument(
+        "--to",
+        choices=TARGETS,
+        help="also write the input of another code: vabs and becas for each section, beamdyn and "
+        "hawc2 for the stations of a blade",
+    )
+    what.add_argument(
+        "--stations",
+        type=_positions,
+        metavar="R1,R2,...",
+        help="with --to beamdyn or hawc2: position of each FILE along the blade [m]",
+    )
     how = parser.add_argument_group("how and where")
     add_out(how, FOLDER)
     add_executor(how, "sections")
@@ -95,6 +109,13 @@ def _accuracy(text: str) -> float:
     if not 0.0 < value < 1.0:
         raise argparse.ArgumentTypeError(f"{text!r}: expected a number from 0 to 1, such as 1e-3")
     return value
+
+
+def _positions(text: str) -> list[float]:
+    values = [_number(part) for part in text.split(",")]
+    if not all(map(math.isfinite, values)):
+        raise argparse.ArgumentTypeError(f"{text!r}: expected numbers with commas [m]")
+    return values
 
 
 def _loads(text: str) -> list[float]:

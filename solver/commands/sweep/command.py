@@ -10,6 +10,7 @@ from ...interrupts import INTERRUPTED
 from ...package.common.shares import share
 from ...package.common.temporary import temporary_sibling
 from ..executors.choice import executor_of
+from ..exit_codes import INCOMPLETE
 from .figure import draw_sweep
 from .file import SweepResult, result_of, sweep_csv
 from .member import FAILED, PENDING, STOPPED
@@ -17,7 +18,6 @@ from .plan import read_plan
 from .show import tell
 from .work import Work
 
-INCOMPLETE = 3
 FILE, CSV = "sweep.h5", "sweep.csv"
 SHARDS = "sweep-*-of-*.h5"
 
@@ -90,7 +90,7 @@ def _folder(options: argparse.Namespace) -> Path:
 
 
 def _tabulated(folder: Path, result: SweepResult, options: argparse.Namespace) -> bool:
-    """Draw figures and write the table, last: make takes it as the sign of a complete sweep.
+    """Draw figures and write the table, last: it is the sign of a complete sweep.
 
     Return whether the table was printed.
     """

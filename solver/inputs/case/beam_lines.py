@@ -9,7 +9,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from ...math.arrays import Array
 from ...math.rotations import vector_to_matrix
@@ -105,6 +104,8 @@ def _arc(body: BeamBody, total: float, axis: Array, length: float, x2: Array) ->
 
 def _through_points(body: BeamBody, points: Array, x2: Array) -> Line:
     """A cubic spline by the lengths of the chords, measured along itself."""
+    from scipy.interpolate import CubicSpline  # 0.3 s: only for lines through points
+
     knots = chords(points)
     spline = CubicSpline(knots, points)
     parts = max(FINE // (len(knots) - 1), 20)

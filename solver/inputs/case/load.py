@@ -13,6 +13,7 @@ from ..common import lines, read_toml
 from ..common.messages import bare_lines
 from .body_specs import BodySpec, BodySpecs
 from .check_combined import check_elsewhere
+from .file import case_name
 from .findings import Findings
 from .laws import FOLDER
 from .parts import in_parts
@@ -24,10 +25,8 @@ from .variants import merge
 RESERVED = {
     "runs": {
         "bodies": "a folder of this name",
-        "inputs": "a folder of this name",
         "runs": "a folder of this name",
         "sweeps": "a folder of this name",
-        "ran": "a file of this name",
     },
     "sweeps": {"bodies": "a folder sweeps/bodies"},
 }
@@ -150,8 +149,7 @@ def checked_case(table: dict[str, Any], file: Path, *, coarse: bool = False) -> 
         told = findings.lines()
         twice = {f"{line}{IN_COARSE}" for line in told}
         raise InputError("\n".join(line for line in told if line not in twice))
-    name = file.resolve().parent.name if file.name == "case.toml" else file.stem
-    return Case(name, file, top, runs, bodies, sweeps)
+    return Case(case_name(file), file, top, runs, bodies, sweeps)
 
 
 def _of_coarse(table: dict[str, Any], file: Path) -> list[str]:

@@ -173,6 +173,12 @@ class BeamStation(Table):
     )
 
 
+_DAMPING = (
+    "of every mode of the body by itself; a mode of the mechanism at a lower frequency f, because "
+    "the body carries masses, has about damping_ratio * f / f_body (docs/modes.md)"
+)
+
+
 class BeamBody(Reducible, Deformed):
     """`[bodies.NAME]` with kind = "beam": from the origin along body x, or along `line`."""
 
@@ -245,7 +251,7 @@ class BeamBody(Reducible, Deformed):
         "static shapes of their ends",
     )
     damping_ratio: float = Field(
-        default=0.0, ge=0, lt=1, description="of every mode", json_schema_extra=unit("-")
+        default=0.0, ge=0, lt=1, description=_DAMPING, json_schema_extra=unit("-")
     )
     interfaces: dict[Name, BeamInterface] = Field(
         min_length=1, description="named places; some carry the reference condition"
@@ -296,7 +302,7 @@ class ShellBody(Reducible, Deformed):
     reference: Reference = Field(default=Reference(), description="reference condition")
     modes: list[Modes] = Field(min_length=1, description="which modes the solver gets")
     damping_ratio: float = Field(
-        default=0.0, ge=0, lt=1, description="of every mode", json_schema_extra=unit("-")
+        default=0.0, ge=0, lt=1, description=_DAMPING, json_schema_extra=unit("-")
     )
     interfaces: dict[Name, ShellInterface] = Field(
         min_length=1, description="named places; some carry the reference condition"

@@ -1,30 +1,26 @@
-"""Write what the other stages read: body specifications, runs, make rules.
+"""Write what the other stages read: body specifications, runs, sweeps.
 
     build/<case>/case.json              title, figures, runs
     build/<case>/bodies/<name>.json     one distinct body: what the preprocessor builds
     build/<case>/runs/<run>.json        one run: resolved mechanism and its packages
     build/<case>/sweeps/<name>.json     one sweep: its members, their bodies in sweeps/bodies
-    build/<case>/inputs/<digest>        links to the files that all this is made from
-    build/<case>/case.mk                what make must know
     build/<case>/manifest.json          which files of the folder `check` has written
 
-A file is rewritten only when its content changes, so that make rebuilds no
-package after an edit that does not concern it.
+A file is rewritten only when its content changes, so that no package is built again after an edit
+that does not concern it.
 """
 
 import json
 import os
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 from .body_specs import BodySpec
 from .combining import needed
 from .load import Case
-from .output_folder import OutputFolder
+from .output_folder import WRITER, OutputFolder
 from .record import seal
 from .rich import model_and_check
-from .rules import rules
 from .schema import Mechanism, PackageBody
 from .sweep_members import CheckedSweep, Members
 from .sweep_table import Packages, sweep_content
@@ -44,12 +40,10 @@ def write_case(case: Case, out: Path, packages: Path | None = None) -> None:
     """
     folder = OutputFolder(out)
     files = _BodyFiles(case, folder, packages)
-    run_packages: list[Path] = []
     for run, mechanism in case.runs.items():
         model, check = model_and_check(case.bodies[run])
         table = files.packages(mechanism, model, "bodies", run)
         of_check = files.packages(mechanism, check, "bodies", f"{run}.check") if check else {}
-        run_packages += [out / t["file"] for t in (*table.values(), *of_check.values())]
         others = {}
         for name in needed(mechanism.signals):
             other, specs = case.runs[name], model_and_check(case.bodies[name])[0]
@@ -59,7 +53,6 @@ def write_case(case: Case, out: Path, packages: Path | None = None) -> None:
                 "checked": seal(other),
                 "mechanism": other.model_dump(),
             }
-            run_packages += [out / t["file"] for t in of_other.values()]
         content = {
             "case": case.name,
             "run": run,
@@ -71,13 +64,11 @@ def write_case(case: Case, out: Path, packages: Path | None = None) -> None:
             "mechanism": mechanism.model_dump(),
         }
         folder.add(f"runs/{run}.json", dump(content))
-    body_specs = list(files.specs)
-    sweep_specs: dict[str, list[str]] = {}
     for name, sweep in case.sweeps.items():
-        content, sweep_specs[name] = _sweep(case, name, sweep, files)
-        folder.add(f"sweeps/{name}.json", dump(content), f"sweeps/{name}.built")
+        folder.add(f"sweeps/{name}.json", dump(_sweep(case, name, sweep, files)))
     first = next(iter(case.runs.values()))
     content = {
+        "written_by": WRITER,
         "case": case.name,
         "title": case.top.title,
         "runs": {n: r.title or n for n, r in case.top.runs.items()},
@@ -85,10 +76,7 @@ def write_case(case: Case, out: Path, packages: Path | None = None) -> None:
         "signals": {n: s.model_dump() for n, s in first.signals.items()},
     }
     folder.add("case.json", dump(content))
-    if packages is not None:
-        body_specs, sweep_specs = [], {}
-    text = rules(case, folder, body_specs, run_packages, sweep_specs)
-    folder.write(last=("case.mk", text))
+    folder.write()
 
 
 class _BodyFiles:
@@ -96,8 +84,7 @@ class _BodyFiles:
 
     def __init__(self, case: Case, folder: OutputFolder, packages: Path | None) -> None:
         self.case, self.folder, self.ready = case, folder, packages
-        self.specs: list[str] = []
-        self._known: dict[str, tuple[str, Path]] = {}  # hash -> specification, package
+        self._known: dict[str, Path] = {}  # hash of the inputs -> package
 
     def packages(
         self, mechanism: Mechanism, specs: dict[str, BodySpec], folder: str, run: str = ""
@@ -118,31 +105,20 @@ class _BodyFiles:
                 digest = specs[name].inputs_sha256
                 if digest not in self._known:
                     stem = f"{name}.{run or digest[:12]}"
-                    spec = f"{folder}/{stem}.json"
                     package = (self.ready or out / folder) / f"{stem}.vtkhdf"
                     # Packages of this folder are kept, whoever names it.
                     here = self.ready is None or self.ready.resolve() == (out / folder).resolve()
                     built = (f"{folder}/{stem}.vtkhdf",) if here else ()
                     text = dump({**specs[name].content, "inputs_sha256": digest})
-                    self.folder.add(spec, text, *built)
-                    self._known[digest] = spec, package
-                    self.specs.append(spec)
-                package = self._known[digest][1]
-                table[name] = {
-                    "file": os.path.relpath(package, out),
-                    "inputs_sha256": digest,
-                }
+                    self.folder.add(f"{folder}/{stem}.json", text, *built)
+                    self._known[digest] = package
+                file = self._known[digest]
+                table[name] = {"file": os.path.relpath(file, out), "inputs_sha256": digest}
         return table
 
-    def spec_files(self, digests: Iterable[str]) -> list[str]:
-        """Return the specifications of bodies, from `out`."""
-        return [self._known[digest][0] for digest in digests]
 
-
-def _sweep(
-    case: Case, name: str, sweep: CheckedSweep, files: _BodyFiles
-) -> tuple[dict[str, Any], list[str]]:
-    """Return the content of sweeps/<name>.json, and the specifications of its bodies."""
+def _sweep(case: Case, name: str, sweep: CheckedSweep, files: _BodyFiles) -> dict[str, Any]:
+    """Return the content of sweeps/<name>.json."""
 
     def packages(members: Members) -> list[Packages]:
         pairs = zip(members.mechanisms, members.bodies, strict=True)
@@ -150,14 +126,7 @@ def _sweep(
 
     tables = packages(sweep.own)
     others = {run: packages(members) for run, members in sweep.others.items()}
-    content = sweep_content(case.name, name, sweep, tables, others)
-    digests = dict.fromkeys(
-        entry["inputs_sha256"]
-        for table in (*tables, *(table for each in others.values() for table in each))
-        for entry in table.values()
-        if "inputs_sha256" in entry
-    )
-    return content, files.spec_files(digests)
+    return sweep_content(case.name, name, sweep, tables, others)
 
 
 def dump(data: Any) -> str:

@@ -21,6 +21,7 @@ from ..common.material import check_materials, plain
 from .description import Region, SectionDescription, checked
 from .mesh_file import file_mesh
 from .mesh_table import ShapeMesh
+from .other_codes import is_of_another_code, spec_of_another_code
 from .shapes.mesh import shape_mesh
 
 BUILD = Path("build/sections")  # default folder of arrays
@@ -39,6 +40,8 @@ def load_section(file: Path, folder: Path = BUILD) -> dict[str, Any]:
     InputError
         One line per error: file, key, value, expectation.
     """
+    if is_of_another_code(file):
+        return spec_of_another_code(file, folder)
     return section_spec(read_toml(file, "section description"), file, folder)
 
 

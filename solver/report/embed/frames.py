@@ -53,7 +53,7 @@ def largest_displacement(view: BodyView, q: Array) -> float:
     m = q.shape[1]
     if not m:  # taken as rigid
         return 0.0
-    U = view.shapes_B[:, :, :3].reshape(m, -1)
+    U = view.shapes_B[:, :, :3].reshape(m, 3 * view.shapes_B.shape[1])
     step = max(1, AT_ONCE // max(U.shape[1], 1))
     largest = 0.0
     for first in range(0, len(q), step):

@@ -36,6 +36,16 @@ SINGULAR_START = Code(
     "the rank of the constraint Jacobian is lower than in a position nearby",
     "start elsewhere, or give velocities that say in which direction it moves",
 )
+LOADED_START = Code(
+    "loads-begin-suddenly",
+    "warning",
+    "a body starts in another shape than weight, springs, drives and inertia at t = 0 call for: it "
+    "vibrates from the start, and reactions are up to twice those of a gentle start",
+    "strain energy of the difference of the shapes above {limit:g} of the largest of the run",
+    '`start = "equilibrium"`, with `spin` if it turns; drives that begin without acceleration '
+    "(`smooth_step`, `ramp`); none if a sudden release is meant",
+    limit=0.05,
+)
 LOCKED = Code(
     "mechanism-locked",
     "warning",
@@ -124,6 +134,7 @@ CODES = (
     RUN_INTERRUPTED,
     REDUNDANT,
     SINGULAR_START,
+    LOADED_START,
     LOCKED,
     CONSTRAINT_DRIFT,
     FEEDBACK,

@@ -51,10 +51,12 @@ ROTATION = Code(
 FEW_MODES = Code(
     "modes-too-few",
     "warning",
-    "the highest vibration mode of a body carries a visible share of its strain energy: the "
-    "series of modes is cut too early",
-    "share above {limit:g} of the peak strain energy",
-    "use more modes, or static modes where forces act",
+    "the highest vibration mode of a family (bending-xy, torsion, ...) carries a visible share of "
+    "the strain energy of its body: the series of modes is cut too early",
+    "share above {limit:g} of the peak strain energy of the body: strain energy at the instant at "
+    "which the family has most, or largest kinetic energy. With static modes (`attachment`) at all "
+    "loaded places only the kinetic energy counts. Of one mode alone, what a second one would have",
+    "use more modes of the family, or static modes where forces act",
     limit=0.02,
 )
 MATTERS = Code(
@@ -78,7 +80,7 @@ BUCKLING = Code(
 )
 BUCKLING_LOAD = Code(
     "buckling-load",
-    "warning",
+    "error",
     "the loads of a linear body exceed its buckling load; the body keeps its stiffness all the "
     "same, so that its motion is wrong from then on",
     "as `buckling-by-motion`, with the geometric stiffness that the body would have",

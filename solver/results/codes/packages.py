@@ -201,6 +201,14 @@ SECTION_CODES = (
         1e14,
     ),
     _code(
+        "direction-reverses",
+        "Cartesian layer directions change their sense inside cells of a round wall",
+        "relative change of the stiffness by the sense in these cells above {limit:g}, or above "
+        "`--accuracy`",
+        "put a mesh line there, or give contour angles",
+        1e-3,
+    ),
+    _code(
         "strongly-curved",
         "the section is large compared with the radius of its initial curvature",
         "shortest over reference fibre below {limit:g}",

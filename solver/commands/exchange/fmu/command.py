@@ -3,10 +3,10 @@
 import argparse
 from pathlib import Path
 
-from ....errors import InputError, nearest
+from ....errors import InputError
 from ....inputs.case import load_case
-from ....inputs.case.load import Case
 from ....inputs.case.specs import write_case
+from ...cases.chosen import build_folder, chosen_run
 from ...cases.packages import build_packages, specs_of
 from .write import write_fmu
 
@@ -17,8 +17,8 @@ def export_fmu(options: argparse.Namespace) -> int:
     if file.suffix != ".toml":
         raise InputError(f"{file}: expected a case file, CASE.toml, with --to fmu")
     case = load_case(file, coarse=options.coarse)
-    run = _run(case, options.run)
-    folder = Path("build") / (case.name + ("-coarse" if options.coarse else ""))
+    run = chosen_run(case, options.run, only=True)
+    folder = build_folder(file, coarse=options.coarse)
     write_case(case, folder, options.packages)
     if options.packages is None:
         build_packages(specs_of(folder, [run]), folder / "bodies")
@@ -28,14 +28,3 @@ def export_fmu(options: argparse.Namespace) -> int:
         print(f"signals.{name}: no output: it is known at the end of a run only")
     print(f"{out}: {len(stepper.inputs)} inputs, {len(stepper.outputs)} outputs")
     return 0
-
-
-def _run(case: Case, name: str | None) -> str:
-    """Return the run that is asked for, or the only one."""
-    if name is None and len(case.runs) == 1:
-        return next(iter(case.runs))
-    if name is None:
-        raise InputError(f"--run: expected one of {', '.join(case.runs)}")
-    if name not in case.runs:
-        raise InputError(f"--run {name}: {case.file} has no such run{nearest(name, case.runs)}")
-    return name

@@ -1,0 +1,74 @@
+"""Whether bodies start in a shape that the loads at t = 0 do not want."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..dynamics.held import held_deformations, is_moving
+from ..dynamics.instant import law_values
+from ..results.codes.course import LOADED_START
+from ..results.finding import Finding
+from .finished import FinishedRun
+
+
+def start_findings(run: FinishedRun) -> Iterator[Finding]:
+    """Yield the body whose loads at t = 0 strain it most suddenly, if that matters in the run.
+
+    A body that starts in another shape than its loads call for vibrates about that shape. The
+    energy of this difference is compared with the largest strain energy of the body.
+    """
+    if not run.model.n_mode.any():
+        return
+    y0 = run.solution.y[0]
+    worst, where = 0.0, -1
+    for i, change in enumerate(held_deformations(run.model, float(run.solution.t[0]), y0)):
+        if change.size:
+            stiffness = run.packages[run.built.body_names[i]].stiffness
+            peak = max(
+                float(np.einsum("ka,ab,kb->k", q, stiffness, q).max()) for _, q in run.modes(i)
+            )
+            share = float(change @ stiffness @ change) / peak if peak > 0.0 else 0.0
+            if share > worst:
+                worst, where = share, i
+    if worst > LOADED_START.limit:
+        name = run.built.body_names[where]
+        text = (
+            f"{name}: the loads at t = 0 call for another shape than that of the start: they act "
+            f"suddenly, and the vibration about that shape has {worst:.2g} of the largest strain "
+            f"energy of the run (expected below {LOADED_START.limit:g}). {_remedy(run)}"
+        )
+        yield LOADED_START.finding(text, body=name, t=0.0, value=worst)
+
+
+def _remedy(run: FinishedRun) -> str:
+    """Return which start the run has, which one may be meant, and how to get it."""
+    begins = ", ".join(_accelerating(run))
+    if begins:
+        gentle = (
+            f"{begins}: its law begins with an acceleration; smooth_step and ramp begin without"
+        )
+        if run.mechanism.solver.start == "equilibrium":
+            return f"The run starts in equilibrium at rest, but {gentle}"
+        return f'{gentle}. For weight and springs set solver.start = "equilibrium"'
+    if is_moving(run.model, run.solution.y[0]):
+        return (
+            "The run starts in motion, in the shape that the case gives (undeformed by default). "
+            'If a steady spin is meant, set solver.spin and solver.start = "equilibrium"; for '
+            "another shape give modal_coordinates"
+        )
+    return (
+        "The run starts in the shape that the case gives (undeformed by default), as if it were "
+        "released at t = 0. If a start at rest under these loads is meant, set "
+        'solver.start = "equilibrium"'
+    )
+
+
+def _accelerating(run: FinishedRun) -> list[str]:
+    """Return the driven joints whose law has an acceleration at t = 0, by their key."""
+    laws, model = law_values(run.model, float(run.solution.t[0])), run.model
+    names = [
+        name.partition(" ")[0]  # without "(drive)"
+        for name, law in zip(run.built.joint_names, model.joint_law.tolist(), strict=False)
+        if law >= 0 and abs(laws[law, 2]) > 0.0
+    ]
+    return [f"joints.{name}" for name in dict.fromkeys(names)]

@@ -1,0 +1,103 @@
+"""The record of a finished command: if its inputs and results are as they were, nothing is to do.
+
+Files are compared by size and time, as make does. A change of either only leads to the comparison
+by content that every stage does for itself.
+"""
+
+import hashlib
+import json
+import os
+import sys
+from collections.abc import Iterable, Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import plymotion
+
+RECORD = "finished.json"
+MOST = 32  # commands that are remembered for a folder
+
+
+def request_of(file: Path, words: dict[str, Any]) -> str:
+    """Return a name for what a command was asked to do."""
+    return json.dumps({"case": str(file.resolve()), **words}, sort_keys=True)
+
+
+def finished_before(out: Path, request: str) -> tuple[int, str] | None:
+    """Return exit code and last line of an earlier command if it need not be done again."""
+    try:
+        entry = _commands(out)[request]
+        if entry["program"] == _program() and _same(Path(), entry["inputs"]):
+            return (
+                (int(entry["code"]), str(entry["text"])) if _same(out, entry["results"]) else None
+            )
+    except (KeyError, TypeError, ValueError, AttributeError):
+        pass
+    return None
+
+
+def note_finished(
+    out: Path, request: str, code: int, text: str, inputs: Iterable[Path], results: Iterable[Path]
+) -> None:
+    """Remember a command.
+
+    Parameters
+    ----------
+    inputs : files that it depends on, besides the program
+    results : files in `out` that it has made or used
+    """
+    from ...package.common.temporary import write_text  # imports NumPy
+
+    commands = _commands(out)
+    commands.pop(request, None)
+    commands[request] = {
+        "code": code,
+        "text": text,
+        "program": _program(),
+        "inputs": {str(file.absolute()): _state(file) for file in inputs},
+        "results": {file.relative_to(out).as_posix(): _state(file) for file in results},
+    }
+    recent = dict(list(commands.items())[-MOST:])
+    write_text(out / RECORD, json.dumps({"commands": recent}) + "\n")
+
+
+def _commands(out: Path) -> dict[str, Any]:
+    try:
+        found = json.loads((out / RECORD).read_text(encoding="utf-8"))["commands"]
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def _same(folder: Path, states: dict[str, Any]) -> bool:
+    return all(_state(folder / name) == state for name, state in states.items())
+
+
+def _state(file: Path) -> list[int]:
+    """Size and time of a file; nothing of one that is not there."""
+    try:
+        found = os.stat(file)
+    except OSError:
+        return []
+    return [found.st_size, found.st_mtime_ns]
+
+
+@cache
+def _program() -> str:
+    """Digest of sizes and times of all sources, and of the Python that runs them."""
+    home = os.path.dirname(os.path.abspath(plymotion.__file__))
+    digest = hashlib.sha256(f"{sys.version} {sys.prefix} {home}".encode())
+    for part in ("solver", "preprocess", "meshes"):
+        for file, state in sorted(_files(os.path.join(home, part))):
+            digest.update(f"{file} {state}".encode())
+    return digest.hexdigest()
+
+
+def _files(folder: str) -> Iterator[tuple[str, list[int]]]:
+    for entry in os.scandir(folder):
+        if entry.is_dir() and entry.name != "__pycache__":
+            yield from _files(entry.path)
+        elif entry.is_file():
+            found = entry.stat()
+            yield entry.path, [found.st_size, found.st_mtime_ns]

@@ -1,0 +1,1 @@
+"""The command `plymotion new`: starter cases."""

@@ -1,0 +1,1 @@
+"""Input files of other codes from section files."""

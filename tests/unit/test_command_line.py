@@ -1,0 +1,92 @@
+"""The command line itself: entry points, nearest commands and options, completion."""
+
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import plymotion
+from plymotion.solver.__main__ import main, parser
+from plymotion.solver.commands.completion import completion
+
+
+@pytest.mark.parametrize("module", ["plymotion", "plymotion.solver"])
+def test_the_version(module: str) -> None:
+    run = subprocess.run(
+        [sys.executable, "-m", module, "--version"], capture_output=True, text=True
+    )
+    assert (run.returncode, run.stdout) == (0, f"plymotion {plymotion.__version__}\n")
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["sweeep"], "error: sweeep: no such command; did you mean 'sweep'?\nCommands: "),
+        (["zzz"], "error: zzz: no such command\nCommands: chart, check, "),
+        (["run", "a.json", "--quite"], "--quite: unknown argument; did you mean '--quiet'?"),
+        (["arm.toml", "--coase"], "--coase: unknown argument; did you mean '--coarse'?"),
+        (["report", "here", "there"], "there: unknown argument"),
+    ],
+)
+def test_the_nearest_word_is_proposed(
+    words: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(words)
+    assert ended.value.code == 2
+    assert message in capsys.readouterr().err
+
+
+def test_completion_without_shtab_says_what_is_missing(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "shtab", None)
+    assert main(["completion", "bash"]) == 2
+    assert "pip install plymotion[completion]" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh"])
+def test_completion_has_commands_and_options(shell: str) -> None:
+    pytest.importorskip("shtab")
+    script = completion(parser(), shell)
+    assert "--allow-python" in script
+    assert "--at" in script
+    assert all(name in script for name in ("sweep", "modes", "validate"))
+
+
+def test_bash_completes_commands_and_files(tmp_path: Path) -> None:
+    """What a press of the tab key proposes, in a real bash."""
+    pytest.importorskip("shtab")
+    (tmp_path / "script.bash").write_text(completion(parser(), "bash"))
+    (tmp_path / "arm.toml").touch()
+    lines = """
+    source ./script.bash
+    propose() {
+        COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); COMPREPLY=()
+        local function=$(complete -p plymotion | sed 's/.*-F \\([^ ]*\\).*/\\1/')
+        $function plymotion "${!#}" "${COMP_WORDS[$(($# - 2))]}"
+        echo "${COMPREPLY[@]}"
+    }
+    propose plymotion swe
+    propose plymotion run --coa
+    propose plymotion run ar
+    """
+    run = subprocess.run(["bash", "-c", lines], cwd=tmp_path, capture_output=True, text=True)
+    assert run.stdout.split("\n") == ["sweep", "--coarse", "arm.toml", ""], run.stderr
+
+
+def test_smoke_finds_another_motion(repository: Path, tools: Path) -> None:
+    """What `make smoke` compares: the run as it is, and with a slider elsewhere."""
+    import smoke
+
+    signals = {"crank_angle": {"final": 7.5}, "slider_x": {"final": 0.0}}
+    summary = {"completed": True, "t_end": 0.06, "warnings": [], "signals": signals}
+    summary["signals"]["slider_x"]["final"] = 0.15 * math.cos(7.5) + math.sqrt(
+        0.09 - (0.15 * math.sin(7.5)) ** 2
+    )
+    assert smoke.problems(summary) == []
+    summary["signals"]["slider_x"]["final"] += 1e-4
+    summary["warnings"] = [{"code": "energy-drift", "message": "-"}]
+    assert [found.split()[0] for found in smoke.problems(summary)] == ["energy-drift:", "slider_x"]

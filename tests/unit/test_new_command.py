@@ -1,0 +1,77 @@
+"""`plymotion new`: each starter case runs as it is; nothing is ever replaced."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from plymotion.solver.__main__ import main
+from plymotion.solver.commands.fenicsx_side.interpreter import find_interpreter
+from plymotion.solver.commands.new.command import HOME
+from plymotion.solver.commands.new.options import STARTERS
+from plymotion.solver.errors import InputError
+
+# Runs of each starter that must end without a warning.
+RUNS = {
+    "arm": ["base"],
+    "robot-arm": ["flexible", "rigid"],
+    "panel": ["base"],
+    "pendulum": ["stiff", "soft"],
+    "blade": ["base"],
+}
+
+
+@pytest.fixture(scope="module")
+def fenicsx() -> str:
+    """Skip where no Python with FEniCSx is found."""
+    try:
+        return find_interpreter()
+    except InputError as error:
+        pytest.skip(str(error).splitlines()[0])
+
+
+def test_every_starter_is_listed() -> None:
+    assert {folder.name for folder in HOME.iterdir()} == set(STARTERS) == set(RUNS)
+
+
+@pytest.mark.parametrize("name", STARTERS)
+def test_a_starter_has_no_errors(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["new", name]) == 0
+    assert f"Next: plymotion {name}/case.toml" in capsys.readouterr().out
+    assert main(["check", f"{name}/case.toml"]) == 0
+    assert f"{len(RUNS[name])} runs, no errors" in capsys.readouterr().out
+    text = Path(name, "case.toml").read_text("utf-8")
+    assert len(text.splitlines()) < 100
+    assert text.count("#") > 5  # it is commented
+
+
+@pytest.mark.parametrize("name", STARTERS)
+def test_a_starter_runs_as_it_is(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fenicsx: str
+) -> None:
+    monkeypatch.setenv("FENICSX_PYTHON", fenicsx)
+    monkeypatch.chdir(tmp_path)
+    assert main(["new", name, "mine"]) == 0
+    assert main(["mine/case.toml", "--quiet"]) == 0
+    assert Path("build/mine/report.html").is_file()
+    for run in RUNS[name]:
+        summary = json.loads(Path("build/mine", run, "summary.json").read_text("utf-8"))
+        assert summary["completed"]
+        assert [found["code"] for found in summary["warnings"]] == []
+        assert max(abs(s["max"]) for s in summary["signals"].values()) > 0.0
+
+
+def test_nothing_is_replaced(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = tmp_path / "mine"
+    assert main(["new", "arm", str(folder)]) == 0
+    before = (folder / "case.toml").read_text("utf-8")
+    for wrong in (["new", "blade", str(folder)], ["new", "blade", str(folder / "case.toml")]):
+        assert main(wrong) == 2
+        assert "expected a new" in capsys.readouterr().err
+    assert (folder / "case.toml").read_text("utf-8") == before
+    assert main(["new", "pendlum", str(tmp_path / "other")]) == 2
+    assert "no such starter; did you mean 'pendulum'?" in capsys.readouterr().err
+    assert not (tmp_path / "other").exists()
