@@ -100,7 +100,8 @@ def _names(folder: Path) -> list[str]:
     return sorted(str(file.relative_to(folder)) for file in folder.rglob("*"))
 
 
-def _try(project: Path, folder: Path, command: str, kind: str, place: int) -> None:
+def _changed(project: Path, folder: Path, command: str) -> list[str]:
+    """Copy and change the project; return a command that has to do its work again."""
     shutil.copytree(project, folder)
     case = folder / "case.toml"
     case.write_text(case.read_text().replace("t_end = 1.0", "t_end = 0.9"))
@@ -109,8 +110,13 @@ def _try(project: Path, folder: Path, command: str, kind: str, place: int) -> No
         if earlier == command:
             break
         assert main(commands[earlier]) == 0
+    return commands[command]
+
+
+def _try(project: Path, folder: Path, command: str, kind: str, place: int) -> None:
+    words = _changed(project, folder, command)
     expected = _names(folder)
-    done = _struck(kind, place, commands[command])
+    done = _struck(kind, place, words)
     number = 0 if "full" in kind else int(getattr(signal, kind.split()[1]))
     codes = {0: (2,), 9: (-9,)}.get(number, (128 + number, 0))
     end = "recovered"
@@ -120,7 +126,7 @@ def _try(project: Path, folder: Path, command: str, kind: str, place: int) -> No
         end = "other"
     elif left := _unreadable(folder):
         end, done.stderr = "file lost", "\n".join(left)
-    elif main(commands[command]) != 0 or _names(folder) != expected or _unreadable(folder):
+    elif main(words) != 0 or _names(folder) != expected or _unreadable(folder):
         end = "file lost"
     count(f"{command}: a fault, {kind} a temporary file is renamed", end)
     assert end == "recovered", f"{kind} {place}: exit {done.returncode}: {done.stderr}"
@@ -128,10 +134,7 @@ def _try(project: Path, folder: Path, command: str, kind: str, place: int) -> No
 
 @pytest.mark.parametrize("command", ["check", "run", "sweep"])
 def test_at_every_temporary_file(project, tmp_path, command):
-    folder = tmp_path / "copy"
-    shutil.copytree(project, folder)
-    fresh = ["--fresh"] if command == "sweep" else []
-    told = _struck("none", 0, [*_commands(folder)[command], *fresh])
+    told = _struck("none", 0, _changed(project, tmp_path / "copy", command))
     renamed = int(told.stdout.split()[-1])
     assert renamed >= {"check": 1, "run": 2, "sweep": 3}[command]
     places = range(1, renamed + 1)
