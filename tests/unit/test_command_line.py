@@ -24,7 +24,7 @@ def test_the_version(module: str) -> None:
     ("words", "message"),
     [
         (["sweeep"], "error: sweeep: no such command; did you mean 'sweep'?\nCommands: "),
-        (["zzz"], "error: zzz: no such command\nCommands: chart, check, "),
+        (["zzz"], "error: zzz: no such command\nCommands: "),
         (["run", "a.json", "--quite"], "--quite: unknown argument; did you mean '--quiet'?"),
         (["arm.toml", "--coase"], "--coase: unknown argument; did you mean '--coarse'?"),
         (["report", "here", "there"], "there: unknown argument"),
