@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from ..solver.commands.cases.packages import build_packages, specs_of
+from ..solver.commands.cases.packages import build_packages, needed_specs
 from ..solver.commands.run.one import run_one
 from ..solver.errors import InputError, few, nearest
 from ..solver.inputs.case.specs import write_case
@@ -66,9 +66,9 @@ def run(
         raise InputError(f"{case.name} has no run {run!r}{nearest(run, checked.runs)}")
     folder = folder_of(case, out, coarse=coarse)
     write_case(checked, folder, None if packages is None else Path(packages))
-    if packages is None and (specs := specs_of(folder, [run])):
-        build_packages(specs, folder / "bodies", quiet=not progress)
     file, target = folder / "runs" / f"{run}.json", folder / run
+    if packages is None:
+        build_needed(file, quiet=not progress)
     if force or not up_to_date(file, target):
         run_one(file, target, progress=progress, allow_python=allow_python)
     return Result(target)
@@ -77,3 +77,9 @@ def run(
 def folder_of(case: Case, out: str | Path | None, *, coarse: bool = False) -> Path:
     """Return the folder of the results of a case."""
     return Path(out) if out is not None else Path("build") / (case.name + "-coarse" * coarse)
+
+
+def build_needed(file: Path, *, quiet: bool) -> None:
+    """Build the packages that a run or sweep file needs and that are not up to date."""
+    for folder, specs in needed_specs([file]).items():
+        build_packages(specs, folder, quiet=quiet)

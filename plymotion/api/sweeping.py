@@ -1,6 +1,5 @@
 """`plymotion.sweep`: the members of a sweep, computed as the command `plymotion sweep` does."""
 
-import json
 import os
 import subprocess
 import sys
@@ -13,7 +12,6 @@ import numpy as np
 
 import plymotion
 
-from ..solver.commands.cases.packages import build_packages
 from ..solver.commands.executors.local import Here
 from ..solver.commands.sweep.command import INCOMPLETE
 from ..solver.commands.sweep.file import SweepResult, read_sweep, result_of, sweep_csv
@@ -30,7 +28,7 @@ from .frames import pandas
 from .html import table
 from .names import ByName
 from .plain import plain
-from .running import folder_of
+from .running import build_needed, folder_of
 from .signal import pyplot
 
 FILE = "sweep.h5"
@@ -254,7 +252,7 @@ def sweep(
     write_case(checked, folder, None if packages is None else Path(packages))
     file = folder / "sweeps" / f"{name}.json"
     if packages is None:
-        _build(folder, file, quiet=not progress)
+        build_needed(file, quiet=not progress)
     target = file.with_suffix("")
     target.mkdir(parents=True, exist_ok=True)
     if jobs == 1:
@@ -287,17 +285,6 @@ def _by_command(file: Path, jobs: int, *, fresh: bool, progress: bool) -> None:
         raise KeyboardInterrupt
     if done.returncode not in (0, INCOMPLETE):
         raise InputError(f"{file}: the sweep was not computed, see the messages above")
-
-
-def _build(folder: Path, file: Path, *, quiet: bool) -> None:
-    """Build the packages of a sweep, each distinct body once."""
-    specs: dict[Path, list[Path]] = {}
-    for entry in json.loads(file.read_text(encoding="utf-8"))["packages"]:
-        if "inputs_sha256" in entry:
-            package = folder / entry["file"]
-            specs.setdefault(package.parent, []).append(package.with_suffix(".json"))
-    for into, wanted in specs.items():
-        build_packages(wanted, into, quiet=quiet)
 
 
 def _only(case: Case) -> str:

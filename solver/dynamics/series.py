@@ -25,6 +25,7 @@ from .system import (
     evaluate,
     evaluate_rates,
     force_wrench,
+    law_at,
     n_coupling,
 )
 from .workspace import PHI, Work, spare_work
@@ -112,6 +113,14 @@ def marker_loads(model: Model, t: Array, y: Array, multipliers: Array) -> Array:
     return found
 
 
+def force_sizes(model: Model, force: int, t: Array, y: Array) -> Array:
+    """Return the size (k,) of a force element along a coordinate [N, N m]."""
+    t, y = _contiguous(t, y)
+    found = np.zeros(t.size)
+    _sizes(model, spare_work(model), force, t, y, found)
+    return found
+
+
 def marker_motions(model: Model, k: int, y: Array) -> tuple[Array, Array]:
     """Return the rows of motion.py (k, 24) and the Jacobians (k, 6, m + 6) of marker k."""
     y = np.ascontiguousarray(y)
@@ -139,6 +148,17 @@ def _derivatives(
         regular[k] = work.factors.regular[0]
         for i in range(model.n_constraint):
             multipliers[k, i] = work.multipliers[i]
+
+
+@lean
+def _sizes(model: Model, work: Work, force: int, t: Array, y: Array, found: Array) -> None:
+    law, expression = model.force_law[force], model.quantities.force[force]
+    for k in range(t.shape[0]):
+        evaluate(model, work, t[k], y[k])
+        if law >= 0:
+            found[k], _, _ = law_at(model, law, t[k])
+        elif expression >= 0:
+            found[k] = work.size[force, 0]
 
 
 @lean

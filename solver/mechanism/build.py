@@ -40,6 +40,7 @@ class BuiltMechanism:
     signal_marker: dict[str, int]  # signal of a place -> marker index
     state_names: list[str]  # auxiliary states, without those that count turns
     light: Callable[[], Model]  # the same with mass points of moderate mass (`heaviest` of `build`)
+    force_names: list[str]  # in the order of the force elements of the model
     callers: tuple[str, ...] = ()  # forces whose values come from functions of the user
 
 
@@ -113,6 +114,7 @@ def build(
         signal_marker=signal_marker,
         state_names=[state.name for state in reader.found.states],
         light=lambda: build(mechanism, packages, stiffening=stiffening, heaviest=MODERATE).model,
+        force_names=list(mechanism.forces),
         callers=tuple(s.owner for s in reader.found.states if s.inputs is not None),
     )
 

@@ -80,3 +80,4 @@ class Link:
     name: str
     kind: str
     sides: tuple[Side, Side]
+    free: tuple[str, ...] = ()  # of x, y, z, about x, about y, about z: what the joint leaves

@@ -57,6 +57,7 @@ def write_view(group: h5py.Group, view: BodyView) -> None:
 def write_link(group: h5py.Group, link: Link) -> None:
     """Write a joint as attributes of its group: m, rad; axes as in results/view.py."""
     set_text(group, "kind", link.kind)
+    set_text(group, "free", json.dumps(link.free))
     for number, side in enumerate(link.sides, 1):
         group.attrs[f"body_{number}"] = side.body
         for name in SIDE:
@@ -93,7 +94,8 @@ def read_link(path: Path, group: h5py.Group) -> Link:
             )
             for number in (1, 2)
         )
-        return Link(group.name.rsplit("/", 1)[1], get_text(group, "kind"), (one, two))
+        free = tuple(json.loads(get_text(group, "free") or "[]"))
+        return Link(group.name.rsplit("/", 1)[1], get_text(group, "kind"), (one, two), free)
 
 
 def _arrays(group: h5py.Group, names: tuple[str, ...]) -> dict[str, Any]:

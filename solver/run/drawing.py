@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from ..dynamics.joints.contract import FREEDOMS
+from ..dynamics.joints.table import JOINTS
 from ..math.arrays import Array, IntArray
 from ..math.rows import LongRows
 from ..mechanism import BuiltMechanism
@@ -61,7 +63,8 @@ def links(built: BuiltMechanism) -> tuple[Link, ...]:
     for name, joint in built.joints.items():
         if joint.rows:
             one, two = built.model.joint_marker[joint.rows[0]].tolist()
-            found.append(Link(name, joint.kind, (_side(built, one), _side(built, two))))
+            free = tuple(f for f in FREEDOMS if f not in JOINTS[joint.kind].removes)
+            found.append(Link(name, joint.kind, (_side(built, one), _side(built, two)), free))
     return tuple(found)
 
 

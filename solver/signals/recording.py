@@ -85,6 +85,11 @@ class Recording:
         places = [2 * row + side - 1 for row in rows]
         return np.asarray(self._loads[:, places].sum(axis=1))
 
+    @property
+    def multipliers(self) -> Array:
+        """Multipliers (k, n_c) of the constraints."""
+        return self._along[1]
+
     @cached_property
     def _along(self) -> tuple[Array, Array]:
         """Rates (k, n) and multipliers (k, n_c)."""

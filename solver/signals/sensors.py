@@ -15,6 +15,7 @@ from ..package import ModalPackage
 from ..strength.fatigue import StressLife, Turning, fatigue_summary, rainflow_cycles
 from .combined import Histories, combined
 from .fatigue import stress_life
+from .forces import force_values
 from .joints import joint_coordinate, reaction
 from .points import POINT_UNITS, point_values
 from .recording import Recording
@@ -150,6 +151,8 @@ def _measuring(
         vectors = reaction(built.joints[signal.joint], signal)
         unit = "N" if signal.quantity == "force" else "N m"
         return unit, _component(vectors, signal.component), None
+    if signal.kind == "force":
+        return *force_values(built, signal.of), None
     if signal.kind == "strength_ratio" or signal.kind == "exposure":
         return "-", strength_values(key, *_body(built, signal.body), signal), None
     if signal.kind == "ply_stress":

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from case_samples import HEAD, SOLVER, rigid
 
 from plymotion.solver.__main__ import main
 
@@ -145,14 +146,16 @@ def test_what_has_changed_is_done_again(pendulum, capsys):
     assert _main(*words) == 2  # not "up to date"
 
 
-def test_two_commands_in_one_folder_take_turns(pendulum):
-    words = [sys.executable, "-m", "plymotion", pendulum.name, "--run", "short"]
-    words += ["--packages", "packages", "--no-report"]
+def test_two_commands_in_one_folder_take_turns(tmp_path):
+    file = tmp_path / "ball.toml"
+    ball = rigid("ball", 1.0, 0.1, {"c": (0, 0, 0)})
+    file.write_text(HEAD + ball + SOLVER.format(t_end=0.02, step=0.01, more=""))
+    words = [sys.executable, "-m", "plymotion", file.name, "--no-report"]
     here = os.environ | {"PYTHONPATH": str(CASE.parents[2]), "PLYMOTION_COMPILED": "0"}
     pipe = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    both = [subprocess.Popen(words, env=here, **pipe) for _ in range(2)]
-    told = [process.communicate(timeout=100) for process in both]
+    both = [subprocess.Popen(words, env=here, cwd=tmp_path, **pipe) for _ in range(2)]
+    told = [process.communicate(timeout=300) for process in both]
     assert [process.returncode for process in both] == [0, 0]
-    assert sorted("short: done" in out for out, _ in told) == [False, True]
-    assert sorted("build/pendulum: up to date" in out for out, _ in told) == [False, True]
+    assert sorted("base: done" in out for out, _ in told) == [False, True]
+    assert sorted("build/ball: up to date" in out for out, _ in told) == [False, True]
     assert sum("waiting for another command" in err for _, err in told) <= 1

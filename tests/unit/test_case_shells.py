@@ -84,6 +84,14 @@ def test_specification_has_the_shell_and_nothing_that_holds_or_loads_it(case: Pa
     }
 
 
+def test_second_order_is_passed_on_where_it_is_asked_for(case: Path) -> None:
+    assert "second_order" not in _spec(case)
+    case.write_text(
+        CASE.replace('shell = "plate.toml"', 'shell = "plate.toml"\nsecond_order = true')
+    )
+    assert _spec(case)["second_order"] is True
+
+
 def test_hash_is_that_of_the_content(case: Path) -> None:
     before = _spec(case)
     digest = before.pop("inputs_sha256")

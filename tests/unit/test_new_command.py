@@ -60,7 +60,8 @@ def test_a_starter_runs_as_it_is(
     for run in RUNS[name]:
         summary = json.loads(Path("build/mine", run, "summary.json").read_text("utf-8"))
         assert summary["completed"]
-        assert [found["code"] for found in summary["warnings"]] == []
+        doubts = [f["code"] for f in summary["warnings"] if f["level"] != "note"]
+        assert doubts == []
         assert max(abs(s["max"]) for s in summary["signals"].values()) > 0.0
 
 

@@ -174,3 +174,20 @@ def test_bad_input(tmp_path, old, new, words):
     with pytest.raises(InputError) as caught:
         run(tmp_path, text.replace(old, new), 0.1, 0.1)
     assert words in str(caught.value)
+
+
+def sized(name, of):
+    return f'[signals.{name}]\nkind = "force"\nof = "{of}"\n'
+
+
+def test_signals_of_a_force_and_of_what_a_gear_transmits(tmp_path):
+    """The gear takes M - J1 angle'' off the first wheel; the motor's law is a growing torque."""
+    text = wheels("gear_pair", ratio=-2.5).replace('expression = "3"', 'expression = "3 * t"')
+    text += sized("motor", "motor") + sized("gear", "gear")
+    t, s, summary = run(tmp_path, text, 1.0, 0.1, RADAU)
+    np.testing.assert_allclose(s["motor"], 3.0 * t, atol=1e-12)
+    taken = -3.0 * t * (1.0 - 0.2 / (0.2 + 0.5 / 2.5**2))
+    np.testing.assert_allclose(s["gear"], taken, atol=1e-9)
+    assert summary["signals"]["gear"]["unit"] == "N m"
+    with pytest.raises(InputError, match=r'signals.bad.of = "gaer": no such force .*gear'):
+        run(tmp_path, text + sized("bad", "gaer"), 1.0, 0.1, RADAU)

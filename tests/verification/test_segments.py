@@ -11,6 +11,7 @@ from segment_samples import cantilever, run_of
 from stiffening_samples import rectangle
 
 from plymotion.preprocess.beam.section_mass import SectionMass
+from plymotion.solver.dynamics.bodies.marker import marker_motion
 from plymotion.solver.package import read_package
 from plymotion.solver.results.codes.motion import ROTATION
 from plymotion.solver.run.execution import execute
@@ -49,6 +50,27 @@ def test_cantilever_rolls_up_to_a_circle(segments: int) -> None:
     table = slowly_loaded(table, "torque", [0.0, 0.0, 1.0], 2.0 * np.pi, 100.0)
     found, _ = at_the_end(table, (K, mass))
     np.testing.assert_allclose(found, [-1.0, 0.0, 0.0, 2.0 * np.pi], atol=5e-6)
+
+
+@pytest.mark.parametrize("turns", [0.5, 1.0])
+def test_equilibrium_of_a_beam_bent_to_a_circle(turns: float) -> None:
+    """Half and whole circle under an end moment, found from the straight beam at once."""
+    K = np.diag([1e4, 1e4, 1e4, 50.0, 100.0, 1.0])
+    mass = SectionMass(1.0, np.zeros(3), np.diag([2e-4, 1e-4, 1e-4])).matrix()
+    angle, off = 2.0 * np.pi * turns, {}
+    expected = [np.sin(angle) / angle, (1.0 - np.cos(angle)) / angle, 0.0]
+    load = {"kind": "torque", "at": "beam.tip", "direction": [0.0, 0.0, 1.0]}
+    for segments in (4, 8):
+        table = cantilever(segments, 1.0)
+        table["solver"] |= {"t_end": 0.1, "output_step": 0.1, "start": "equilibrium"}
+        table |= {"forces": {"load": load | {"law": {"polynomial": [angle]}}}}
+        spec = run_of(table, (K, mass))
+        ready = prepare(spec.mechanism, spec.packages)
+        tip = marker_motion(ready.model, ready.built.signal_marker["tip_x"], ready.y0).x
+        off[segments] = np.linalg.norm(np.subtract(tip, expected))
+    assert off[8] < 1e-5
+    # the error of a segment is of fourth order in its angle; a whole circle closes with any number
+    assert off[8] < off[4] / 12.0 or off[4] < 1e-9
 
 
 @pytest.mark.parametrize("number", range(7))

@@ -9,3 +9,7 @@ AXES = {
     "anba4": ((0, 1, 0), (0, 0, 1), (1, 0, 0)),
 }
 CODES = (*AXES, "beamdyn")
+
+OF_MESHES = ("vabs", "becas")  # codes whose input is written for each section
+OF_BLADES = ("beamdyn", "hawc2")  # codes that get one file for the stations of a blade
+TARGETS = (*OF_MESHES, *OF_BLADES)

@@ -9,8 +9,7 @@ from typing import Any
 from ...errors import did_you_mean
 from ..described.options import add_command, add_out, add_shared
 from ..executors.choice import add_executor
-from .codes import CODES
-from .writers.choice import TARGETS
+from .codes import CODES, TARGETS
 
 FOLDER = Path("build") / "sections"
 

@@ -16,7 +16,15 @@ from ...package.section.checks import section_layout_findings
 from ...package.section.layout import SECTION_FILE, SECTION_FILE_LAYOUT, SECTION_GROUP
 
 _CENTRES = ("shear_centre", "tension_centre", "mass_centre")
-_READ = ("K", "M", "error_estimate", *_CENTRES, "warnings/codes", "warnings/messages")
+_READ = (
+    "K",
+    "M",
+    "error_estimate",
+    "initial_curvature",
+    *_CENTRES,
+    "warnings/codes",
+    "warnings/messages",
+)
 
 
 @dataclass(frozen=True)
@@ -34,6 +42,7 @@ class SectionResults:
     dofs: int
     seconds: float  # time of the analysis
     refinements: list[dict[str, float]]  # refine, dofs, error, seconds of each step
+    initial_curvature: Array | None = None  # (3,) k1, k2, k3; None: prismatic   [rad/m]
 
     @property
     def scaled_error(self) -> Array | None:
@@ -71,5 +80,6 @@ def read_results(file: Path) -> SectionResults:
             warnings=tuple({"code": code, "message": message} for code, message in warnings),
             dofs=int(provenance.get("dofs", 0)),
             seconds=float(provenance.get("seconds", 0.0)),
+            initial_curvature=data.get("initial_curvature"),
             refinements=list(provenance.get("refinements", [])),
         )

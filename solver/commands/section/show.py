@@ -53,6 +53,9 @@ def section_json(results: SectionResults, code: str = "plymotion") -> dict[str, 
         "shear_centre": results.shear_centre.tolist(),
         "tension_centre": results.tension_centre.tolist(),
         "mass_centre": results.mass_centre.tolist(),
+        "initial_curvature": None
+        if results.initial_curvature is None
+        else results.initial_curvature.tolist(),
         # a code's axes are a permutation and reversal of ours: magnitudes do not change
         "error_estimate": None if error is None else np.abs(convert(error, code)).tolist(),
         "dofs": results.dofs,
@@ -74,6 +77,7 @@ def section_text(results: SectionResults, title: str = "", code: str = "plymotio
         *matrix_lines(convert(results.K, code), order),
         "",
         *_places(results),
+        *_curvature(results),
         *_effort(results),
     ]
     lines += [f"warning [{w['code']}] {w['message']}" for w in results.warnings]
@@ -94,6 +98,13 @@ def matrix_lines(K: Array, order: Order) -> list[str]:
         numbers = "".join(f"{value:13.5e}" if value else f"{0:>13}" for value in row)
         lines.append(f"{f'{name} [{unit}]':9}{numbers}")
     return lines
+
+
+def _curvature(results: SectionResults) -> list[str]:
+    k = results.initial_curvature
+    if k is None:
+        return []
+    return [f"Initial         k1 = {k[0]:g}, k2 = {k[1]:g}, k3 = {k[2]:g} rad/m"]
 
 
 def _places(results: SectionResults) -> list[str]:

@@ -16,12 +16,13 @@ from .combined import DifferenceSignal, NormSignal
 from .coupled import check_couplings
 from .forces import CoordinateTable, LoadTable
 from .laws import RotationDrive
-from .of_time import drives
+from .of_time import drives, is_along
 from .outputs import output_findings
 from .rich import check_fidelity
 from .schema import BeamBody, Mechanism, RigidBody, ShellBody
 from .segments import check_names
 from .signals import (
+    ForceSignal,
     JointSignal,
     PointSignal,
     ReactionSignal,
@@ -167,6 +168,18 @@ def _signal(
         return []
     if isinstance(signal, DifferenceSignal | NormSignal):
         return []
+    if isinstance(signal, ForceSignal):
+        able = [name for name, force in mechanism.forces.items() if is_along(force)]
+        able += list(mechanism.couplings)
+        if signal.of in able:
+            return []
+        if signal.of in mechanism.forces:
+            kind = mechanism.forces[signal.of].kind
+            return [
+                f'{key}.of = "{signal.of}": a {kind} does not act along a coordinate; expected a '
+                "force that does, or a coupling"
+            ]
+        return [f'{key}.of = "{signal.of}": no such force or coupling{nearest(signal.of, able)}']
     if signal.body not in mechanism.bodies:
         return [
             f'{key}.body = "{signal.body}": no such body{nearest(signal.body, mechanism.bodies)}'

@@ -106,6 +106,19 @@ class ReactionSignal(Measured):
     )
 
 
+class ForceSignal(Measured):
+    """`[signals.NAME]` with kind = "force": size of a force along a coordinate, or of a coupling.
+
+    Positive where it pushes the coordinate to larger values; of a coupling the first coordinate.
+    """
+
+    kind: Literal["force"]
+    of: Name = Field(
+        description="name of a force along a coordinate (controller, friction, limit_stop, ...) "
+        "or of a coupling [N, of a rotation N m]"
+    )
+
+
 class ResultantSignal(Measured):
     """`[signals.NAME]` with kind = "resultant": force or moment in a beam's section.
 
@@ -183,6 +196,7 @@ SIGNAL_TABLES: tuple[type[Table], ...] = (
     SegmentFrame,
     JointSignal,
     ReactionSignal,
+    ForceSignal,
     ResultantSignal,
     PlyStressSignal,
     StrengthSignal,
@@ -193,6 +207,7 @@ Signal = Annotated[
     PointSignal
     | JointSignal
     | ReactionSignal
+    | ForceSignal
     | ResultantSignal
     | PlyStressSignal
     | StrengthSignal

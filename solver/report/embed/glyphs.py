@@ -5,19 +5,25 @@ import numpy as np
 from ...math.arrays import Array, IntArray
 
 WIDTH = 0.012  # of a glyph, over the size of the scene
-_TURNING = ("revolute", "cylindrical", "screw", "universal")
-_SLIDING = ("prismatic", "point_on_line", "planar")
+SHIFTS = ("x", "y", "z")
 
 
-def glyph(kind: str, width: float) -> tuple[Array, IntArray]:
-    """Return points (p, 3), in the axes of the joint with z its axis, and triangles (f, 3)."""
-    if kind == "ground":
-        return _prism(4, 0.8 * width, 0.8 * width)
-    if kind in _TURNING:
-        return _prism(12, 0.9 * width, 1.3 * width)
-    if kind in _SLIDING:
+def glyph(free: tuple[str, ...], width: float) -> tuple[Array, IntArray]:
+    """Return points (p, 3) of a joint, in its axes, and triangles (f, 3).
+
+    free : what the joint leaves of x, y, z, about x, about y, about z (results/view.py)
+    """
+    shifts = [each for each in free if each in SHIFTS]
+    if shifts and len(shifts) < len(SHIFTS):
         return _prism(4, 0.5 * width, 2.0 * width)
+    if free == ("about z",):
+        return _prism(12, 0.9 * width, 1.3 * width)
     return _ball(width)
+
+
+def foot(width: float) -> tuple[Array, IntArray]:
+    """Return points and triangles of a place on the ground, as above."""
+    return _prism(4, 0.8 * width, 0.8 * width)
 
 
 def _prism(sides: int, radius: float, half: float) -> tuple[Array, IntArray]:

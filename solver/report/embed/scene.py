@@ -10,7 +10,7 @@ from ...results.view import BodyView, Link, Sites
 from ..story import Story
 from .blob import Blob
 from .frames import frame_rows, largest_displacement, largest_energy, one_sign
-from .glyphs import WIDTH, glyph
+from .glyphs import WIDTH, foot, glyph
 
 TRIANGLES = 60_000  # of a body; of more, every n-th is shown
 STRENGTHS = ("Xt", "Xc", "Yt", "Yc", "Zt", "Zc", "S23", "S13", "S12", "F12_star")
@@ -42,8 +42,7 @@ def scene(blob: Blob, story: Story, share: int) -> dict[str, Any] | None:
         "origin": origin,
         "size": size,
         "extent": high - low,
-        "bodies": bodies,
-        "ground": _ground(blob, own, origin, size),
+        "bodies": bodies + _ground(blob, own, origin, size, len(rows)),
         "joints": _pairs(own, result.bodies),
     }
 
@@ -84,7 +83,7 @@ def _body(
         for side in link.sides:
             if side.body != number:
                 continue
-            points, faces = glyph(link.kind, WIDTH * size)
+            points, faces = glyph(link.free, WIDTH * size)
             triangles.append(faces + sum(len(part) for part in node))
             node.append(np.full(len(points), count))
             offset.append(points @ side.A_BM.T)
@@ -150,18 +149,38 @@ def _strength(ply: dict[str, Any]) -> list[float]:
     return [1.0, 1.0, *(found[name] for name in STRENGTHS)]
 
 
-def _ground(blob: Blob, links: list[Link], origin: Array, size: float) -> dict[str, Any]:
-    """The sides of joints on the ground: points and triangles that do not move."""
-    points, triangles, count = [np.zeros((0, 3))], [np.zeros((0, 3), dtype=np.int64)], 0
-    for link in links:
-        for side in link.sides:
-            if side.body < 0:
-                shape, faces = glyph("ground", WIDTH * size)
-                points.append(side.position_B - origin + shape @ side.A_BM.T)
-                triangles.append(faces + count)
-                count += len(shape)
-    joined = np.concatenate(points), np.concatenate(triangles)
-    return {"points": blob.add(joined[0]), "triangles": blob.add(joined[1], "<u4")}
+def _ground(
+    blob: Blob, links: list[Link], origin: Array, size: float, count: int
+) -> list[dict[str, Any]]:
+    """Return a body without motion at `count` times with the sides of joints on the ground."""
+    places = [side for link in links for side in link.sides if side.body < 0]
+    if not places:
+        return []
+    shape, faces = foot(WIDTH * size)
+    p, f = len(shape), len(faces)
+    still = np.tile(np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]), (count, 1))
+    triangles = np.concatenate([faces + p * k for k in range(len(places))])
+    return [
+        {
+            "name": "ground",
+            "modes": 0,
+            "labels": (),
+            "motion": blob.add(still),
+            "q": blob.add(np.zeros((count, 0))),
+            "nodes": blob.add(np.array([side.position_B - origin for side in places])),
+            "shapes": blob.add(np.zeros((len(places), 0, 6))),
+            "node": blob.add(np.repeat(np.arange(len(places)), p), "<u4"),
+            "offset": blob.add(np.concatenate([shape @ side.A_BM.T for side in places])),
+            "triangles": blob.add(triangles, "<u4"),
+            "edges": blob.add(np.zeros(f * len(places)), "|u1"),
+            "site": blob.add(np.zeros((f * len(places), 3)), "<u4"),
+            "kind": blob.add(np.ones(f * len(places)), "|u1"),
+            "left_out": 1,
+            "displacement": 0.0,
+            "energy": 0.0,
+            "sites": None,
+        }
+    ]
 
 
 def _pairs(links: list[Link], bodies: tuple[BodyGeometry, ...]) -> list[dict[str, Any]]:

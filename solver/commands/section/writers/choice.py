@@ -5,13 +5,10 @@ from pathlib import Path
 
 from ....errors import InputError
 from ....package.section.io import read_section
+from ..codes import OF_BLADES, OF_MESHES
 from ..results import read_results
 from .blades import write_beamdyn, write_hawc2
 from .meshes import turning_cells, write_becas, write_vabs
-
-OF_MESHES = ("vabs", "becas")  # one input for each section
-OF_BLADES = ("beamdyn", "hawc2")  # one file for the stations of a blade
-TARGETS = (*OF_MESHES, *OF_BLADES)
 
 
 def write_for(
