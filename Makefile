@@ -200,8 +200,8 @@ $(BROWSER): tools/browser.sh
 	@touch $@
 
 .PHONY: test
-test: $(LIGHT) ## All of it: check, test-numba, test-fe, and every case in its coarse version
-	+@$(PY) tools/phases.py "$(MAKE)" test-setup:1000 check:2 test-fe:2 test-cases test-numba
+test: $(LIGHT) ## All of it: check with all tests, test-numba, test-fe, and every case in its coarse version
+	+@$(PY) tools/phases.py "$(MAKE)" test-setup:1000 check-all:2 test-fe:2 test-cases test-numba
 
 # Nothing runs beside it (more cores than there are): phases must not install at the same time.
 .PHONY: test-setup
@@ -215,7 +215,11 @@ smoke: $(LIGHT) ## A quick look: shipped packages, one run with its report, comp
 	@$(PY) tools/smoke.py build/smoke/steel/summary.json
 
 .PHONY: check
-check: lint types imports test-light ## Lint, types, import directions and the tests without FEniCSx
+check: lint types imports test-quick ## Lint, types, import directions and the quick tests without FEniCSx
+
+# What `make test` runs of it: all tests without FEniCSx.
+.PHONY: check-all
+check-all: lint types imports test-light
 
 .PHONY: lint
 lint: $(LIGHT) ## Style: ruff
@@ -230,6 +234,10 @@ types: $(LIGHT) ## Types: mypy
 .PHONY: imports
 imports: $(LIGHT) ## Allowed directions between modules: import-linter
 	$(VENV)/bin/lint-imports
+
+.PHONY: test-quick
+test-quick: $(LIGHT) | $(COMPILED) ## The tests without FEniCSx but those that take long (tests/conftest.py)
+	$(PY) -m pytest tests --ignore tests/fe -m "not slow" -n 2 --dist worksteal -q --durations=10
 
 .PHONY: test-light
 test-light: $(LIGHT) | $(COMPILED) ## Tests without FEniCSx, on two cores

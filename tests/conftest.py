@@ -22,6 +22,31 @@ else:
     settings.load_profile("plymotion")
 
 
+# Half of the time of the tests without FEniCSx is spent in these files: they start programs,
+# compile, kill, or integrate for long. `make check` leaves them to `make test`.
+SLOW = {
+    "cases": {
+        *("compiled", "default_settings", "executors", "fidelity_command", "long_output"),
+        *("report_page", "report_strength_page", "sweep"),
+    },
+    "contract": {"packages_cli", "recipes", "section_cli", "shell_cli", "wheel"},
+    "hostile": {"changed_inputs", "faults", "make_commands", "make_recovers", "signals"},
+    "unit": {"blade", "case_command", "compiled_cache", "new_command", "report_strength"},
+    "verification": {
+        *("complex_steps", "constraints_redundant", "constraints_singular", "fidelity"),
+        *("segments", "shipped_body"),
+    },
+}
+
+
+def pytest_collection_modifyitems(items: "list[pytest.Item]") -> None:
+    """Mark the tests of slow files; -m "not slow" leaves them out."""
+    for item in items:
+        name = item.path.stem.removeprefix("test_")
+        if name in SLOW.get(item.path.parent.name, ()):
+            item.add_marker(pytest.mark.slow)
+
+
 @pytest.fixture(scope="session")
 def repository() -> Path:
     """The repository's root folder."""

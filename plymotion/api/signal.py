@@ -124,7 +124,7 @@ class Signal:
 
         >>> import plymotion as pm
         >>> angle = pm.run("pendulum.toml").signals["angle"]
-        >>> bool(angle.at(0.005) == 0.5 * (angle.values[0] + angle.values[1]))
+        >>> bool(abs(angle.at(0.005) - 0.5 * (angle.values[0] + angle.values[1])) < 1e-12)
         True
         """
         return np.interp(t, self.t, self.values, left=np.nan, right=np.nan)

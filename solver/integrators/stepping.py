@@ -258,13 +258,18 @@ class StepLoop(Integrator):
         return False
 
     def _closed_inside(self, polynomial: Dense, s: float) -> Dense:
-        """Return values of a step brought onto the constraints, in the metric of s [1/s]."""
-        model, c = self._model, self._workspace
+        """Return values of a step brought onto the constraints, in the metric of s [1/s].
+
+        Those of its two ends stay as the step left them.
+        """
+        model, c, ends = self._model, self._workspace, (self.t_old, self.t)
 
         def inside(t: Any) -> Array:
             times = np.asarray(t, dtype=float)
             values = polynomial(times.ravel())
             for time, row in zip(times.ravel(), values, strict=True):
+                if time in ends:
+                    continue
                 close(model, c.work, c.frozen, c.real, s, time, row, c.apart)
             return values.reshape((*times.shape, self.n))
 
