@@ -92,14 +92,15 @@ def station_mesh(
     outer = _smooth(points, s / perimeter, arcs)
     normals = _normals(outer, mitred)
     t = np.array([thickness(row, arcs, perimeter) for row in rows])
-    for web in webs:
-        _level(t, arcs, web, perimeter)
     full = t.sum(axis=0)
     limit = _uncrossed(_gradual(_room(outer, normals), outer), full, outer, normals)
     share = np.where(full > limit, limit / np.where(full > 0.0, full, 1.0), 1.0)
     spacing = np.gradient(arcs) * perimeter
     mesh.removed = float(((1.0 - share) * full * spacing).sum() / (full * spacing).sum())
-    t = np.where(t * share < THINNEST, 0.0, t * share)
+    t *= share
+    for web in webs:
+        _level(t, arcs, web, perimeter)
+    t[t < THINNEST] = 0.0
     depth = np.vstack([np.zeros(len(arcs)), np.cumsum(t, axis=0)])
     numbers = _grid(mesh, outer, normals, depth, mitred)
     _shell(mesh, rows, arcs, numbers, t, perimeter)
