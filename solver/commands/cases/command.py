@@ -37,7 +37,7 @@ def run_case(options: argparse.Namespace) -> int:
         before = None if options.force else finished_before(out, request)
         if before is not None:
             code, text = before
-            print(f"{text}: up to date")
+            print(f"{text}: up to date\n", end="")  # one write: make runs several cases at once
             return code
         return _done(file, out, options, request)
 
