@@ -8,6 +8,7 @@ from typing import Any
 from ..solver.package.body.schema import ModalPackage, SectionData
 from ..solver.package.common.plain_data import canonical
 from ..solver.package.common.table_form import SpecError
+from ..solver.package.common.toml_text import toml_text
 from ..solver.package.section.recovery_data import thinned
 from ..solver.package.section.schema import SectionFile
 from .beam.body import beam_model, beam_modes, beam_package, mode_warnings
@@ -103,27 +104,3 @@ def _section(text: str) -> SectionFile:
     return analyse(
         json.loads(text), where="section", estimate=False, recovery_degree=RECOVERY_DEGREE
     )
-
-
-def toml_text(table: dict[str, Any], path: str = "") -> str:
-    """Plain values, lists and tables as TOML text, for users of a package."""
-    lines = [f"{_key(k)} = {_value(v)}" for k, v in table.items() if not isinstance(v, dict)]
-    for key, value in table.items():
-        if isinstance(value, dict):
-            name = f"{path}{_key(key)}"
-            lines += [f"\n[{name}]", toml_text(value, f"{name}.").rstrip("\n")]
-    return "\n".join(lines).lstrip("\n") + "\n"
-
-
-def _key(key: str) -> str:
-    bare = key.isascii() and key.replace("_", "").replace("-", "").isalnum()
-    return key if bare else json.dumps(key)
-
-
-def _value(value: Any) -> str:
-    """A value on one line; a table within a list becomes an inline table."""
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{_key(k)} = {_value(v)}" for k, v in value.items()) + "}"
-    if isinstance(value, list):
-        return "[" + ", ".join(_value(v) for v in value) + "]"
-    return json.dumps(value)

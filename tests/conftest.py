@@ -60,3 +60,15 @@ def tools(repository: Path) -> Path:
     if str(folder) not in sys.path:
         sys.path.append(str(folder))
     return folder
+
+
+@pytest.fixture(scope="session")
+def fenicsx() -> str:
+    """The Python with FEniCSx that the commands of the light environment find; a skip without."""
+    from plymotion.solver.commands.fenicsx_side.interpreter import find_interpreter
+    from plymotion.solver.errors import InputError
+
+    try:
+        return find_interpreter()
+    except InputError as error:
+        pytest.skip(f"needs FEniCSx: {error}")

@@ -7,6 +7,8 @@ import numpy as np
 import scipy.io
 from brick_model import Brick, brick
 
+from plymotion.preprocess.exchange.__main__ import main
+
 SIZE, COUNT, DENSITY = (0.5, 0.04, 0.01), (20, 3, 2), 2700.0
 TOTAL = DENSITY * 0.5 * 0.04 * 0.01
 ROOT = [[-1e-6, -1.0, -1.0], [1e-6, 1.0, 1.0]]
@@ -92,3 +94,9 @@ def write_matrices(
         )
     )
     return file
+
+
+def exported(file: Path, target: str, out: Path) -> Path:
+    """Export a package in the format of another code; its file."""
+    assert main(["export", str(file), "--to", target, "-o", str(out)]) == 0
+    return out

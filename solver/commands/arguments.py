@@ -1,6 +1,7 @@
 """What the arguments of several subcommands share."""
 
 import argparse
+import math
 from collections.abc import Sequence
 from typing import NoReturn
 
@@ -43,6 +44,27 @@ def whole_number(text: str, least: int = 1) -> int:
     if not text.isdecimal() or int(text) < least:
         raise argparse.ArgumentTypeError(f"{text!r}: expected a whole number from {least}")
     return int(text)
+
+
+def shard(text: str) -> tuple[int, int]:
+    """Read k/N; argparse tells the user of anything else."""
+    from ..package.common.shares import shard as read  # here, so that --help needs no HDF5
+
+    return read(text)
+
+
+def number(text: str) -> float:
+    """Return the number of a text, nan if it is none."""
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
+
+
+def numbers(text: str) -> list[float]:
+    """Return numbers separated by commas; none at all if one is no finite number."""
+    found = [number(part) for part in text.split(",")]
+    return found if all(map(math.isfinite, found)) else []
 
 
 def add_doubtful(parser: argparse.ArgumentParser) -> None:

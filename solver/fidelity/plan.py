@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, nearest
-from ..package.common.temporary import temporary_sibling
+from ..package.common.temporary import write_text
 
 LEAST_RTOL, MOST_RTOL = 1e-6, 1e-3
 
@@ -89,9 +89,7 @@ def write_plan(file: Path, plan: Plan, remarks: list[str]) -> None:
             f"ringing = {str(body.ringing).lower()}",
             f'mesh = "{body.mesh}"',
         ]
-    file.parent.mkdir(parents=True, exist_ok=True)
-    with temporary_sibling(file) as temporary:
-        temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    write_text(file, "\n".join(lines) + "\n")
 
 
 BODY_KEYS: dict[str, type] = {

@@ -9,7 +9,7 @@ from typing import Any
 
 from ..errors import InputError
 from ..package.common.file_digests import files_sha256
-from ..package.common.temporary import temporary_sibling
+from ..package.common.temporary import write_text
 from .balance import draw_balance
 from .comparison import draw_comparison
 from .drawings import Drawing, draw_all, is_up_to_date, remember, sources
@@ -69,9 +69,7 @@ def make_report(case_dir: Path, runs: list[str], case: dict[str, Any] | None = N
     strengths = [_of_run(case_dir, story, "strength", draw_exposure) for story in strong]
     draw_all(case_dir, [*compared, *motions, *balances, *strengths])
     title = str(case.get("title") or stories[0].result.case)
-    with temporary_sibling(target) as temporary:
-        text = page(title, stories, shown)
-        temporary.write_text(text, encoding="utf-8")
+    write_text(target, page(title, stories, shown))
     remember(case_dir, PAGE, key)
     return target
 

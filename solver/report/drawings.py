@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from ..math.cores import cores
 from ..package.common.file_digests import files_sha256
-from ..package.common.temporary import temporary_sibling
+from ..package.common.temporary import write_text
 from .style import house_style
 
 KEYS = "figures.json"  # digest of what each figure was drawn from, by path
@@ -65,8 +65,7 @@ def remember(folder: Path, page: str, key: str) -> None:
 
 
 def _write_keys(file: Path, keys: dict[str, str]) -> None:
-    with temporary_sibling(file) as temporary:
-        temporary.write_text(json.dumps(keys, indent=1) + "\n", encoding="utf-8")
+    write_text(file, json.dumps(keys, indent=1) + "\n")
 
 
 def _draw(drawing: Drawing) -> None:

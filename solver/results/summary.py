@@ -9,7 +9,7 @@ import numpy as np
 
 from ..math.arrays import Array
 from ..math.rows import spans
-from ..package.common.temporary import temporary_sibling
+from ..package.common.temporary import write_text
 from .measures import SquareIntegral
 from .schema import ResultError, Signal
 
@@ -59,8 +59,7 @@ def write_summary(path: str | Path, summary: dict[str, Any]) -> None:
         raise ResultError(
             f"{path}: the summary contains a value that is not JSON: {error}"
         ) from None
-    with temporary_sibling(path) as temporary:
-        temporary.write_text(text + "\n", encoding="utf-8")
+    write_text(path, text + "\n")
 
 
 def read_summary(path: str | Path) -> dict[str, Any]:

@@ -10,8 +10,6 @@ from dask_cluster import Cluster
 from sweep_samples import checked
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands.fenicsx_side.interpreter import find_interpreter
-from plymotion.solver.errors import InputError
 from plymotion.solver.package import read_package
 from plymotion.solver.package.section.io import read_section
 
@@ -69,12 +67,7 @@ material = "steel"
 """
 
 
-@pytest.fixture(scope="module", autouse=True)
-def fenicsx() -> str:
-    try:
-        return find_interpreter()
-    except InputError as error:
-        pytest.skip(f"needs FEniCSx: {error}")
+pytestmark = pytest.mark.usefixtures("fenicsx")
 
 
 @pytest.fixture

@@ -63,12 +63,7 @@ MARK = "PLYMOTION_TEST"
 MANY = 16  # sections of a batch that is stopped after the fourth
 
 
-@pytest.fixture(scope="module", autouse=True)
-def fenicsx() -> str:
-    try:
-        return find_interpreter()
-    except InputError as error:
-        pytest.skip(f"needs FEniCSx: {error}")
+pytestmark = pytest.mark.usefixtures("fenicsx")
 
 
 @pytest.fixture

@@ -7,8 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from plymotion.solver.commands.fenicsx_side.interpreter import find_interpreter
-from plymotion.solver.errors import InputError
 from plymotion.solver.package.shell.io import read_shell
 
 STRIP = """
@@ -70,12 +68,7 @@ count = 2
 """
 
 
-@pytest.fixture(scope="module", autouse=True)
-def fenicsx() -> str:
-    try:
-        return find_interpreter()
-    except InputError as error:
-        pytest.skip(f"needs FEniCSx: {error}")
+pytestmark = pytest.mark.usefixtures("fenicsx")
 
 
 def shell(*words: str, folder: Path) -> subprocess.CompletedProcess[str]:

@@ -6,7 +6,7 @@ import h5py
 import meshio
 import numpy as np
 import pytest
-from exchange_samples import bar, request
+from exchange_samples import bar, exported, request
 
 from plymotion.preprocess.exchange import from_matrices
 from plymotion.preprocess.exchange.__main__ import main
@@ -30,11 +30,6 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def package(file: Path) -> ModalPackage:
     return read_package(file)
-
-
-def exported(file: Path, target: str, out: Path) -> Path:
-    assert main(["export", str(file), "--to", target, "-o", str(out)]) == 0
-    return out
 
 
 def test_med_keeps_every_digit(file: Path, package: ModalPackage, tmp_path: Path) -> None:

@@ -7,10 +7,9 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 import scipy.sparse as sp
-from exchange_samples import bar, request
+from exchange_samples import bar, exported, request
 
 from plymotion.preprocess.exchange import from_matrices
-from plymotion.preprocess.exchange.__main__ import main
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.package import ModalPackage, read_package, write_package
 
@@ -33,11 +32,6 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def package(file: Path) -> ModalPackage:
     return read_package(file)
-
-
-def exported(file: Path, target: str, out: Path) -> Path:
-    assert main(["export", str(file), "--to", target, "-o", str(out)]) == 0
-    return out
 
 
 def record_groups(file: Path) -> dict[int, list[list[str]]]:

@@ -12,9 +12,10 @@ import pytest
 from body_specs import beam_body
 from section_specs import rectangle_spec
 
-from plymotion.preprocess.body import build_body, toml_text
+from plymotion.preprocess.body import build_body
 from plymotion.solver.package import read_package, validate, write_package
 from plymotion.solver.package.body.invariants import inertia_at_rest
+from plymotion.solver.package.common.toml_text import toml_text
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 ALUMINIUM = {"kind": "isotropic", "E": 70e9, "nu": 0.3, "rho": 2700.0}

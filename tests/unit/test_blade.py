@@ -11,8 +11,6 @@ from plymotion.solver.__main__ import main
 from plymotion.solver.commands.blade.contour import arcs, contour
 from plymotion.solver.commands.blade.station import write_station
 from plymotion.solver.commands.blade.windio import read_blade
-from plymotion.solver.commands.fenicsx_side.interpreter import find_interpreter
-from plymotion.solver.errors import InputError
 
 PLACES = [0.0, 0.1, 0.2, 0.35, 0.5, 0.8, 1.0]
 
@@ -110,12 +108,8 @@ def test_what_is_wrong_is_named(tmp_path, capsys, change, words):
     assert str(file) in message
 
 
-def test_stiffness_and_mass_of_stations(tmp_path, capsys):
+def test_stiffness_and_mass_of_stations(fenicsx, tmp_path, capsys):
     """Axial stiffness and mass are sums over layers; a second call analyses nothing again."""
-    try:
-        find_interpreter()
-    except InputError as error:
-        pytest.skip(f"needs FEniCSx: {error}")
     file, out = write_blade(tmp_path), tmp_path / "out"
     words = ["blade", str(file), "--at", "0,0.5", "-o", str(out), "--quiet", "--no-estimate"]
     assert main(words) == 0

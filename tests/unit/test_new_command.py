@@ -6,10 +6,8 @@ from pathlib import Path
 import pytest
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands.fenicsx_side.interpreter import find_interpreter
 from plymotion.solver.commands.new.command import HOME
 from plymotion.solver.commands.new.options import STARTERS
-from plymotion.solver.errors import InputError
 
 # Runs of each starter that must end without a warning.
 RUNS = {
@@ -19,15 +17,6 @@ RUNS = {
     "pendulum": ["stiff", "soft"],
     "blade": ["base"],
 }
-
-
-@pytest.fixture(scope="module")
-def fenicsx() -> str:
-    """Skip where no Python with FEniCSx is found."""
-    try:
-        return find_interpreter()
-    except InputError as error:
-        pytest.skip(str(error).splitlines()[0])
 
 
 def test_every_starter_is_listed() -> None:

@@ -7,7 +7,6 @@ from ...math.arrays import Array
 from .windio import Blade
 
 POINTS = 400  # of a contour
-CLOSED = 2e-3  # gap of the trailing edge over the chord, below which it is closed
 
 
 def contour(blade: Blade, r: float) -> Array:
@@ -49,11 +48,6 @@ def arcs(points: Array) -> Array:
     """Arc length of each point from the first one (n,) [m]."""
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     return np.concatenate([[0.0], np.cumsum(steps)])
-
-
-def is_closed(points: Array, chord: float) -> bool:
-    """Whether the trailing edge has no face of its own."""
-    return bool(np.linalg.norm(points[0] - points[-1]) < CLOSED * chord)
 
 
 def edge_angle(points: Array) -> float:

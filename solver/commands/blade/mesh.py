@@ -5,8 +5,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator
 
-from ...math.arrays import Array
+from ...math.arrays import Array, IntArray
 from .contour import arcs as arcs_of
 from .contour import edge_angle
 from .wall import THINNEST, Band, breaks, joined, material_of, rows_of, thickness
@@ -36,7 +37,8 @@ class StationMesh:
     ----------
     nodes : [x2, x3] [m]
     cells : node numbers of triangles and quadrilaterals, counter-clockwise
-    regions : name of the region of each cell
+    regions : name of the layer of each cell
+    bands : the layers by name
     outer : edges of the outer surface of the shell
     directions : layer direction of regions that are not of the shell
     removed : share of the area of layers for which the contour has no room
@@ -55,8 +57,8 @@ class StationMesh:
         self.nodes.append((float(point[0]), float(point[1])))
         return len(self.nodes) - 1
 
-    def cell(self, corners: Sequence[int], region: str, band: Band) -> None:
-        """Add a cell of three or four different corners, in any sense of rotation."""
+    def cell(self, corners: Sequence[int], band: Band) -> None:
+        """Add a cell of three or four different corners, in any sense of rotation, of a layer."""
         found = list(dict.fromkeys(corners))
         if len(found) < 3:
             return
@@ -65,8 +67,8 @@ class StationMesh:
         if float((x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]).sum()) < 0.0:
             found.reverse()
         self.cells.append(tuple(found))
-        self.regions.append(region)
-        self.bands[region] = band
+        self.regions.append(band.name)
+        self.bands[band.name] = band
 
 
 def station_mesh(
@@ -103,7 +105,7 @@ def station_mesh(
     t[t < THINNEST] = 0.0
     depth = np.vstack([np.zeros(len(arcs)), np.cumsum(t, axis=0)])
     numbers = _grid(mesh, outer, normals, depth, mitred)
-    _shell(mesh, rows, arcs, numbers, t, perimeter)
+    _shell(mesh, rows, arcs, numbers, t)
     for web in webs:
         _web(mesh, web, arcs, numbers[-1], perimeter)
     if not mitred:
@@ -141,7 +143,7 @@ def _columns(
 ) -> Array:
     """Arcs of the columns: ends of layers and feet of webs exactly, others between them."""
     spacing = 1.0 / COLUMNS
-    feet = [np.array(_feet(web, perimeter)).reshape(2, -1) for web in webs]
+    feet = [_feet(web, perimeter) for web in webs]
     wanted = [low, high, *(float(arc) for both in feet for arc in both.ravel())]
     apart = CLOSE * min(spacing, 0.01 / perimeter)
     for arc in sorted(arc for row in rows for arc in breaks(row, perimeter)):
@@ -157,17 +159,15 @@ def _columns(
     return np.array(found)
 
 
-def _feet(web: WebLayers, perimeter: float) -> list[float]:
-    """Arcs of the boundaries of a web's layers: on the suction side, then on the pressure side."""
+def _feet(web: WebLayers, perimeter: float) -> Array:
+    """Arcs of the boundaries of a web's layers: on the suction and the pressure side (2, n)."""
     widths = np.array([layer.thickness for layer in web.layers]) / perimeter
     steps = np.concatenate([[0.0], np.cumsum(widths)]) - 0.5 * widths.sum()
     # From the leading edge to the trailing edge: arcs fall on the suction side.
-    return [*(web.start - steps).tolist(), *(web.end + steps).tolist()]
+    return np.array([web.start - steps, web.end + steps])
 
 
 def _smooth(points: Array, at: Array, arcs: Array) -> Array:
-    from scipy.interpolate import PchipInterpolator
-
     at, first = np.unique(at, return_index=True)
     return np.asarray(PchipInterpolator(at, points[first])(arcs))
 
@@ -204,8 +204,7 @@ def _room(outer: Array, normals: Array) -> Array:
 
 def _level(t: Array, arcs: Array, web: WebLayers, perimeter: float) -> None:
     """Give the wall one thickness under each foot of a web, the mean of what it has there."""
-    feet = np.array(_feet(web, perimeter)).reshape(2, -1)
-    for foot in feet:
+    for foot in _feet(web, perimeter):
         at = np.flatnonzero((arcs > foot.min() - 1e-9) & (arcs < foot.max() + 1e-9))
         t[:, at] = t[:, at].mean(axis=1)[:, None]
 
@@ -264,28 +263,24 @@ def _shell(
     arcs: Array,
     numbers: list[list[int]],
     t: Array,
-    perimeter: float,
 ) -> None:
     middle = 0.5 * (arcs[:-1] + arcs[1:])
     for k, row in enumerate(rows):
         for j, arc in enumerate(middle):
             if max(t[k, j], t[k, j + 1]) <= 0.0:
                 continue
-            band = material_of(row, float(arc), perimeter)
+            band = material_of(row, float(arc))
             above, below = numbers[k], numbers[k + 1]
             corners = (above[j], above[j + 1], below[j + 1], below[j])
-            mesh.cell(corners, f"{band.name}", band)
+            mesh.cell(corners, band)
 
 
 def _web(
     mesh: StationMesh, web: WebLayers, arcs: Array, inner: list[int], perimeter: float
 ) -> None:
     """A strip between the two feet; its cells are about as long as the columns are apart."""
-    feet = np.array(_feet(web, perimeter))
-    half = len(feet) // 2
-    columns = [int(np.abs(arcs - foot).argmin()) for foot in feet]
-    one = [inner[k] for k in _every(columns[:half])]
-    two = [inner[k] for k in _every(columns[half:])]
+    columns = np.abs(arcs - _feet(web, perimeter)[..., None]).argmin(axis=-1)
+    one, two = ([inner[k] for k in _every(side)] for side in columns)
     if len(one) != len(two):
         raise ValueError("columns between the feet of a web differ in number")
     start, end = (np.array([mesh.nodes[k] for k in line]) for line in (one, two))
@@ -297,19 +292,19 @@ def _web(
         grid.append([mesh.node(p) for p in (1.0 - f) * start + f * end])
     grid.append(two)
     run = end.mean(axis=0) - start.mean(axis=0)
-    for i, band in enumerate(web.layers):
-        first, last = columns[i], columns[i + 1]
-        for j in range(abs(last - first)):
-            a = abs(first - columns[0]) + j
+    ends = np.abs(columns[0] - columns[0, 0])
+    for band, first, last in zip(web.layers, ends[:-1], ends[1:], strict=True):
+        for a in range(first, last):
             for lower, upper in itertools.pairwise(grid):
                 corners = (lower[a], lower[a + 1], upper[a + 1], upper[a])
-                mesh.cell(corners, band.name, band)
+                mesh.cell(corners, band)
         mesh.directions[band.name] = (float(run[0]), float(run[1]))
 
 
-def _every(columns: list[int]) -> list[int]:
+def _every(columns: IntArray) -> range:
+    """All columns from the first to the last, which may lie before it."""
     step = 1 if columns[-1] > columns[0] else -1
-    return list(range(columns[0], columns[-1] + step, step))
+    return range(columns[0], columns[-1] + step, step)
 
 
 def _trailing_edge(mesh: StationMesh, numbers: list[list[int]], edge: Band) -> None:
@@ -327,5 +322,5 @@ def _trailing_edge(mesh: StationMesh, numbers: list[list[int]], edge: Band) -> N
         aft = -aft
     behind = [mesh.node(np.array(mesh.nodes[k]) + edge.thickness * aft) for k in face]
     for k in range(len(face) - 1):
-        mesh.cell((face[k], face[k + 1], behind[k + 1], behind[k]), edge.name, edge)
+        mesh.cell((face[k], face[k + 1], behind[k + 1], behind[k]), edge)
     mesh.directions[edge.name] = (float(-across[0]), float(-across[1]))

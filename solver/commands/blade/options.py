@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from ..arguments import whole_number
+from ..arguments import numbers, whole_number
 
 DESCRIPTION = """\
 Cross-sections of a rotor blade: stiffness and mass matrices of its stations from a windIO 2 file.
@@ -58,10 +58,7 @@ def add_blade_command(commands: Any, run: Callable[[argparse.Namespace], int]) -
 
 
 def _places(text: str) -> list[float]:
-    try:
-        found = [float(part) for part in text.split(",")]
-    except ValueError:
-        found = []
+    found = numbers(text)
     if not found or not all(0.0 <= r <= 1.0 for r in found) or found != sorted(set(found)):
         raise argparse.ArgumentTypeError(f"{text!r}: expected rising numbers from 0 to 1")
     return found

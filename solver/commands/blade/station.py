@@ -6,6 +6,7 @@ from typing import Any
 
 from ...errors import InputError, nearest
 from ...package.common.temporary import write_text
+from ...package.common.toml_text import toml_text
 from .contour import contour
 from .mesh import StationMesh, WebLayers, station_mesh
 from .wall import Band
@@ -83,41 +84,23 @@ def _msh(mesh: StationMesh) -> str:
 
 
 def _description(blade: Blade, r: float, name: str, mesh: StationMesh) -> str:
-    used = sorted({band.material for band in mesh.bands.values()})
-    lines = [
-        f"# Station r = {r:g} of {blade.file.name}, written by `plymotion blade`.",
-        "# x2 to the leading edge, x3 to the suction side, origin on the reference axis.",
-        "",
-        "format = 1",
-        f'title = "{blade.file.stem}, r = {r:g}"',
-        "",
-        "[mesh]",
-        f'file = "{name}.msh"',
-    ]
-    for material in used:
-        lines += ["", f"[materials.{_key(material)}]", *_pairs(blade.materials[material])]
-        if "strength" in blade.materials[material]:
-            lines += ["", f"[materials.{_key(material)}.strength]"]
-            lines += _pairs(blade.materials[material]["strength"])
+    regions: dict[str, dict[str, Any]] = {}
     for region, band in mesh.bands.items():
-        lines += ["", f"[regions.{_key(region)}]", f'material = "{band.material}"']
+        regions[region] = {"material": band.material}
         if blade.materials[band.material]["kind"] == "orthotropic":
-            lines.append(f"angle_deg = {band.angle_deg!r}")
-            if region in mesh.directions:
-                x, y = mesh.directions[region]
-                lines.append(f"direction = {{ vector = [{x!r}, {y!r}] }}")
-            else:
-                lines.append('direction = { curve = "outer" }')
-    return "\n".join([*lines, ""])
-
-
-def _key(name: str) -> str:
-    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else f'"{name}"'
-
-
-def _pairs(table: dict[str, Any]) -> list[str]:
-    return [
-        f'{key} = "{value}"' if isinstance(value, str) else f"{key} = {value!r}"
-        for key, value in table.items()
-        if not isinstance(value, dict)
-    ]
+            vector = mesh.directions.get(region)
+            direction = {"curve": "outer"} if vector is None else {"vector": list(vector)}
+            regions[region] |= {"angle_deg": band.angle_deg, "direction": direction}
+    used = sorted({band.material for band in mesh.bands.values()})
+    table = {
+        "format": 1,
+        "title": f"{blade.file.stem}, r = {r:g}",
+        "mesh": {"file": f"{name}.msh"},
+        "materials": {material: blade.materials[material] for material in used},
+        "regions": regions,
+    }
+    remarks = (
+        f"# Station r = {r:g}, written by `plymotion blade`.\n"
+        "# x2 to the leading edge, x3 to the suction side, origin on the reference axis.\n\n"
+    )
+    return remarks + toml_text(table)

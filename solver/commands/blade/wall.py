@@ -6,6 +6,7 @@ over a length of its thickness, half of it inside.
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -54,12 +55,16 @@ def joined(row: list[Band]) -> list[Band]:
     return found
 
 
+def _neighbours(row: list[Band]) -> list[tuple[Band, bool, bool]]:
+    """The bands of a row, and whether each one meets the band before and the band behind it."""
+    meets = [one.end == two.start for one, two in pairwise(row)]
+    return list(zip(row, [False, *meets], [*meets, False], strict=True))
+
+
 def breaks(row: list[Band], perimeter: float) -> list[float]:
     """Arcs at which the thickness of a row changes its slope, or its material changes."""
     found = []
-    for k, band in enumerate(row):
-        met = k > 0 and row[k - 1].end == band.start
-        meets = k + 1 < len(row) and row[k + 1].start == band.end
+    for band, met, meets in _neighbours(row):
         half = taper(band, perimeter)
         found += [band.start] if met else [band.start - half, band.start + half]
         found += [band.end] if meets else [band.end - half, band.end + half]
@@ -74,19 +79,14 @@ def taper(band: Band, perimeter: float) -> float:
 def thickness(row: list[Band], arcs: Array, perimeter: float) -> Array:
     """Thickness of a row at arcs (n,) [m]."""
     found = np.zeros(len(arcs))
-    for k, band in enumerate(row):
-        met = k > 0 and row[k - 1].end == band.start
-        meets = k + 1 < len(row) and row[k + 1].start == band.end
+    for band, met, meets in _neighbours(row):
         half = max(taper(band, perimeter), 1e-12)
-        left, right = (1.0 if met else half), (1.0 if meets else half)
         low, high = band.start, band.end
-        rise = 1.0 if met or low <= 0.0 else np.clip((arcs - low + left) / (2.0 * left), 0.0, 1.0)
+        rise = 1.0 if met or low <= 0.0 else np.clip((arcs - low + half) / (2.0 * half), 0.0, 1.0)
         fall = (
-            1.0
-            if meets or high >= 1.0
-            else np.clip((high + right - arcs) / (2.0 * right), 0.0, 1.0)
+            1.0 if meets or high >= 1.0 else np.clip((high + half - arcs) / (2.0 * half), 0.0, 1.0)
         )
-        inside = (arcs >= low - (0.0 if met else left)) & (arcs <= high + (0.0 if meets else right))
+        inside = (arcs >= low - (0.0 if met else half)) & (arcs <= high + (0.0 if meets else half))
         share = np.where(inside, rise * fall, 0.0)
         at_joint = (met & np.isclose(arcs, low, atol=1e-12)) | (
             meets & np.isclose(arcs, high, atol=1e-12)
@@ -95,6 +95,6 @@ def thickness(row: list[Band], arcs: Array, perimeter: float) -> Array:
     return found
 
 
-def material_of(row: list[Band], arc: float, perimeter: float) -> Band:
+def material_of(row: list[Band], arc: float) -> Band:
     """The band of a row at an arc, or the nearest one (within its taper)."""
     return min(row, key=lambda band: max(band.start - arc, arc - band.end, 0.0))

@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from ..arguments import whole_number
+from ..arguments import numbers, whole_number
 
 EPILOG = """\
 --at (default start):
@@ -99,10 +99,7 @@ def add_modes_command(commands: Any, run: Callable[[argparse.Namespace], int]) -
 
 
 def _vector(text: str) -> list[float]:
-    try:
-        found = [float(part) for part in text.split(",")]
-    except ValueError:
-        found = []
+    found = numbers(text)
     if len(found) != 3 or not any(found):
         raise argparse.ArgumentTypeError(f"{text!r}: expected three numbers X,Y,Z, not all zero")
     return found

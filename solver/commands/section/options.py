@@ -1,12 +1,12 @@
 """Arguments of the command `plymotion section`."""
 
 import argparse
-import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from ...errors import did_you_mean
+from ..arguments import number, numbers, shard
 from ..described.options import add_command, add_out, add_shared
 from ..executors.choice import add_executor
 from .codes import CODES, TARGETS
@@ -44,7 +44,7 @@ def add_section_command(commands: Any, run: Callable[[argparse.Namespace], int])
     what.add_argument("files", nargs="*", type=Path, metavar="FILE", help="section description")
     what.add_argument("--batch", metavar="LIST", help="analyse many sections, see below")
     what.add_argument(
-        "--shard", type=_shard, metavar="k/N", help="only the k-th of N shares of LIST"
+        "--shard", type=shard, metavar="k/N", help="only the k-th of N shares of LIST"
     )
     what.add_argument(
         "--accuracy",
@@ -89,12 +89,6 @@ def add_section_command(commands: Any, run: Callable[[argparse.Namespace], int])
     )
 
 
-def _shard(text: str) -> tuple[int, int]:
-    from ...package.common.shares import shard
-
-    return shard(text)
-
-
 def _code(text: str) -> str:
     code = {"anba": "anba4"}.get(text, text)
     if code not in CODES:
@@ -104,30 +98,23 @@ def _code(text: str) -> str:
 
 
 def _accuracy(text: str) -> float:
-    value = _number(text)
+    value = number(text)
     if not 0.0 < value < 1.0:
         raise argparse.ArgumentTypeError(f"{text!r}: expected a number from 0 to 1, such as 1e-3")
     return value
 
 
 def _positions(text: str) -> list[float]:
-    values = [_number(part) for part in text.split(",")]
-    if not all(map(math.isfinite, values)):
+    values = numbers(text)
+    if not values:
         raise argparse.ArgumentTypeError(f"{text!r}: expected numbers with commas [m]")
     return values
 
 
 def _loads(text: str) -> list[float]:
-    values = [_number(part) for part in text.split(",")]
-    if len(values) != 6 or not all(map(math.isfinite, values)):
+    values = numbers(text)
+    if len(values) != 6:
         raise argparse.ArgumentTypeError(
             f"{text!r}: expected six numbers with commas, F1,F2,F3,M1,M2,M3 [N, N m]"
         )
     return values
-
-
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        return math.nan

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ...package.common.temporary import temporary_sibling
+from ...package.common.temporary import write_text
 from .results import SectionResults
 from .show import section_json
 
@@ -33,8 +33,7 @@ def write_summary(folder: Path, stem: str, rows: Sequence[Row]) -> list[Path]:
     files = []
     for suffix, text in texts.items():
         files.append(folder / f"{stem}{suffix}")
-        with temporary_sibling(files[-1]) as temporary:
-            temporary.write_text(text, encoding="utf-8")
+        write_text(files[-1], text)
     return files
 
 

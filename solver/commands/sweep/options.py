@@ -5,7 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..arguments import add_doubtful
+from ..arguments import add_doubtful, shard
 from ..executors.choice import add_executor
 
 EPILOG = """\
@@ -39,7 +39,7 @@ def add_sweep_command(commands: Any, run: Callable[[argparse.Namespace], int]) -
     add_doubtful(parser)
     parser.add_argument(
         "--shard",
-        type=_shard,
+        type=shard,
         metavar="k/N",
         help="only the k-th of N shares of the members, into DIR/sweep-k-of-N.h5, see `merge`",
     )
@@ -82,9 +82,3 @@ def _add_shown(parser: argparse.ArgumentParser) -> None:
         default=True,
         help="draw a figure for each signal",
     )
-
-
-def _shard(text: str) -> tuple[int, int]:
-    from ...package.common.shares import shard
-
-    return shard(text)

@@ -1,0 +1,28 @@
+"""Tables as TOML text: descriptions that a program writes and a user reads."""
+
+import json
+from typing import Any
+
+
+def toml_text(table: dict[str, Any], path: str = "") -> str:
+    """Return plain values, lists and tables as TOML text."""
+    lines = [f"{_key(k)} = {_value(v)}" for k, v in table.items() if not isinstance(v, dict)]
+    for key, value in table.items():
+        if isinstance(value, dict):
+            name = f"{path}{_key(key)}"
+            lines += [f"\n[{name}]", toml_text(value, f"{name}.").rstrip("\n")]
+    return "\n".join(lines).lstrip("\n") + "\n"
+
+
+def _key(key: str) -> str:
+    bare = key.isascii() and key.replace("_", "").replace("-", "").isalnum()
+    return key if bare else json.dumps(key)
+
+
+def _value(value: Any) -> str:
+    """A value on one line; a table within a list becomes an inline table."""
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{_key(k)} = {_value(v)}" for k, v in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(_value(v) for v in value) + "]"
+    return json.dumps(value)
