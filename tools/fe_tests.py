@@ -141,7 +141,11 @@ def main(arguments: list[str]) -> int:
     for (tests, types), after in zip(chosen, before, strict=False):
         jobs += [job_of_type(tests, name, after) for name in types.types]
     results = run_all(
-        jobs, AT_ONCE, ended=lambda done: show(done, done.job in whole_runs), patience=5.0
+        jobs,
+        AT_ONCE,
+        ended=lambda done: show(done, done.job in whole_runs),
+        wrote=name_failure,
+        patience=5.0,
     )
     for done in results[: len(ran)]:
         verdict = "passed" if done.code == 0 else "FAILED"
@@ -166,6 +170,12 @@ def show(done: Done, always: bool) -> None:
     """Print the output of a run, if it failed or always."""
     if always or done.code:
         print(f"\n== FE tests on {done.job.title}\n{done.output}", end="", flush=True)
+
+
+def name_failure(job: Job, line: str) -> None:
+    """Print the line with which a test says that it failed (tests/conftest.py)."""
+    if line.startswith("FAILED tests/") and " - " not in line:
+        print(f"{line} on {job.title}", flush=True)
 
 
 def compare(ran: int, summary: list[str]) -> bool:

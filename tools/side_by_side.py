@@ -48,6 +48,16 @@ class _Running:
     process: subprocess.Popen[bytes]
     file: IO[bytes]
     start: float
+    told: int = 0  # bytes of the file that lines() has returned
+
+    def lines(self) -> list[str]:
+        """The lines that were completed since the last call."""
+        # The process writes at the position of this file: it must not be moved.
+        size = os.fstat(self.file.fileno()).st_size - self.told
+        new = os.pread(self.file.fileno(), size, self.told) if size else b""
+        complete = new[: new.rfind(b"\n") + 1]
+        self.told += len(complete)
+        return complete.decode("utf-8", "replace").splitlines()
 
     def done(self) -> Done:
         self.file.seek(0)
@@ -63,12 +73,14 @@ def run_all(
     *,
     started: Callable[[Job], object] = lambda job: None,
     ended: Callable[[Done], object] = lambda done: None,
+    wrote: Callable[[Job, str], object] | None = None,
     patience: float = 10.0,
 ) -> list[Done]:
     """Run jobs, the first ones first, as many at once as fit on the cores.
 
     Returns the results in the order of the jobs, each of which must come behind the one it waits
-    for. Ctrl-C, SIGTERM and SIGHUP end all jobs; `ended` is called with what they wrote so far,
+    for. `wrote` is called with each line of output as soon as it is complete, at the latest before
+    `ended`. Ctrl-C, SIGTERM and SIGHUP end all jobs; `ended` is called with what they wrote so far,
     then KeyboardInterrupt is raised. Those that go on for `patience` [s] after SIGINT are killed;
     a job that itself runs jobs must have less patience.
     """
@@ -92,7 +104,12 @@ def run_all(
                         ended(each)
                     else:
                         running.append(each)
-            for one in [one for one in running if one.process.poll() is not None]:
+            finished = [one for one in running if one.process.poll() is not None]
+            if wrote is not None:
+                for one in running:
+                    for line in one.lines():
+                        wrote(one.job, line)
+            for one in finished:
                 running.remove(one)
                 results[id(one.job)] = done = one.done()
                 ended(done)
