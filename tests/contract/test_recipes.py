@@ -108,15 +108,21 @@ def test_the_page_on_shells_has_a_line_for_each_element(repository):
         assert f"`{name}` (" in page, name
 
 
+@pytest.fixture(scope="module")
+def files_with(repository) -> dict[str, list[str]]:
+    """Name of an integrator -> files that have it as a constant, once for each time."""
+    found = {name: [] for name in INTEGRATORS}
+    for file in (repository / "solver").rglob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+            if isinstance(node, ast.Constant) and node.value in INTEGRATORS:
+                found[node.value].append(file.relative_to(repository).as_posix())
+    return found
+
+
 @pytest.mark.parametrize("name", INTEGRATORS)
-def test_one_source_file_names_an_integrator(repository, name):
+def test_one_source_file_names_an_integrator(files_with, name):
     """Besides the default of the case file; messages may recommend one in their text."""
-    found = [
-        file.relative_to(repository).as_posix()
-        for file in (repository / "solver").rglob("*.py")
-        for node in ast.walk(ast.parse(file.read_text("utf-8")))
-        if isinstance(node, ast.Constant) and node.value == name
-    ]
+    found = list(files_with[name])
     if name == Solver.model_fields["integrator"].default:
         found.remove("solver/inputs/case/solver.py")
     assert len(found) == 1, found
@@ -127,27 +133,26 @@ def test_the_page_on_integrators_names_each_one(repository):
     assert not [name for name in INTEGRATORS if f"`{name}`" not in page]
 
 
-@pytest.mark.parametrize("kind", sorted(set(JOINTS) - USED))
-def test_one_source_file_names_a_joint(repository, kind):
-    quoted = re.compile(rf"""["']{kind}["']""")
+@pytest.fixture(scope="module")
+def texts(repository) -> dict[str, str]:
+    """All sources."""
     sources = [*(repository / "solver").rglob("*.py"), *(repository / "preprocess").rglob("*.py")]
-    found = [
-        file.relative_to(repository).as_posix()
-        for file in sources
-        if quoted.search(file.read_text("utf-8"))
-    ]
+    return {file.relative_to(repository).as_posix(): file.read_text("utf-8") for file in sources}
+
+
+@pytest.mark.parametrize("kind", sorted(set(JOINTS) - USED))
+def test_one_source_file_names_a_joint(texts, kind):
+    quoted = re.compile(rf"""["']{kind}["']""")
+    found = [name for name, text in texts.items() if quoted.search(text)]
     assert found == [f"solver/dynamics/joints/{kind}.py"]
 
 
 @pytest.mark.parametrize("kind", sorted(set(FORCES) - {"force"}))
-def test_one_source_file_names_a_force_element(repository, kind):
+def test_one_source_file_names_a_force_element(texts, kind):
     """`force` is also a quantity of a signal."""
     quoted = re.compile(rf"""["']{kind}["']""")
-    found = [
-        file.relative_to(repository).as_posix()
-        for file in (repository / "solver").rglob("*.py")
-        if quoted.search(file.read_text("utf-8"))
-    ]
+    solver = (item for item in texts.items() if item[0].startswith("solver/"))
+    found = [name for name, text in solver if quoted.search(text)]
     assert len(found) == 1, found
     assert found[0].startswith("solver/dynamics/forces/")
 
