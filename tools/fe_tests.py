@@ -132,7 +132,7 @@ def main(arguments: list[str]) -> int:
             lines.append(f"{title}: SKIPPED, it has no pytest and none could be installed")
             continue
         ran.append(report)
-        jobs.append(Job(title, whole(report, arguments)))
+        jobs.append(Job(title, whole(report, arguments, len(ran) == 1)))
     chosen = [] if arguments else core_types(ran)
     # A core type uses the forms that the whole run with the same DOLFINx compiled: two processes
     # that compile one form wait for each other, and not for long. The light tests use none.
@@ -159,10 +159,16 @@ def main(arguments: list[str]) -> int:
     return int(failed)
 
 
-def whole(report: Report, arguments: list[str]) -> tuple[str, ...]:
-    """The command of all FE tests; two of them at once need caches of their own."""
+def whole(report: Report, arguments: list[str], first: bool) -> tuple[str, ...]:
+    """The command of the FE tests; two of them at once need caches of their own.
+
+    Tests with the mark `one_end` test no call of DOLFINx, PETSc or gmsh that others do not test:
+    only the first run has them.
+    """
     cache = f"cache_dir={ROOT / 'build' / 'pytest-cache'}-{report['dolfinx']}"
-    options = ("-q", "--durations=10", "-o", cache)
+    options = ["-q", "--durations=10", "-o", cache]
+    if not first:
+        options += ["-m", "not one_end"]
     return (report["python"], "-m", "pytest", *options, "tests/fe", *arguments)
 
 

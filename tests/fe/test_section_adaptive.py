@@ -123,6 +123,7 @@ def fine(tmp_path_factory: pytest.TempPathFactory) -> SectionFile:
     return analyse(two_cells(tmp_path_factory.mktemp("fine"), True), accuracy=1.5e-5)
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("recombined", [False, True])
 def test_two_cells_with_sharp_corners(recombined: bool, fine: SectionFile, tmp_path: Path) -> None:
     """1e-4 with at most 40,000 unknowns, in a mesh of triangles or of quadrilaterals."""

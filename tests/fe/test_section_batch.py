@@ -125,6 +125,7 @@ def lines(text: str) -> list[dict[str, Any]]:
     return [line for line in found if "progress" not in line]
 
 
+@pytest.mark.one_end
 def test_killed_batch_goes_on_where_it_was(tmp_path: Path) -> None:
     specs = {f"bar_{i:02d}": bar(4.0 * i) for i in range(20)}
     files = write(tmp_path, **specs)
@@ -150,6 +151,7 @@ def test_killed_batch_goes_on_where_it_was(tmp_path: Path) -> None:
     assert all(file.stat().st_mtime_ns == time for file, time in kept.items())
 
 
+@pytest.mark.one_end
 def test_answers_one_by_one(tmp_path: Path) -> None:
     good, bad = write(tmp_path, good=bar(0), bad={"mesh": {"script": "recktangle"}})
     with subprocess.Popen(
@@ -242,6 +244,7 @@ def test_batch_without_ranks_is_a_batch(tmp_path: Path, capfd: pytest.CaptureFix
     assert (code, stdout) == (0, "[1/2] a: 1125 dofs\n[2/2] b: 1125 dofs\n")
 
 
+@pytest.mark.one_end
 def test_interrupt_leaves_nothing_half_written(tmp_path: Path) -> None:
     files = write(tmp_path, **{f"bar_{i:02d}": bar(4.0 * i) for i in range(20)})
     with subprocess.Popen(

@@ -204,6 +204,7 @@ def disc(radius: float) -> SectionSpace:
     return SectionSpace(section_mesh(expand("ellipse", sizes), "disc").cells)
 
 
+@pytest.mark.one_end
 def test_twist_of_a_disc_is_nothing() -> None:
     space = disc(1.0)
     C = stiffness_of(space)
@@ -273,6 +274,7 @@ def test_curved_rectangle_is_golovins(ratio: float) -> None:
     assert stress[:, 0] == pytest.approx(sign * hoop, abs=2e-4 * np.abs(hoop).max())
 
 
+@pytest.mark.one_end
 def test_spring() -> None:
     """A coil of wire d, diameter D = c d: energy P^2 R^2 / (G J) (1 - 3 / (16 c^2) + O(c^-4))."""
     for c in (5.0, 10.0):
@@ -288,6 +290,7 @@ def test_spring() -> None:
         )
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize(
     ("sides", "k", "plies", "bricks"),
     [
@@ -304,6 +307,7 @@ def test_solid_bar(sides: Any, k: Any, plies: float | None, bricks: Any) -> None
     assert (np.abs(solid - S) / size_of(S)).max() < 2e-3
 
 
+@pytest.mark.one_end
 def test_error_falls_with_the_fourth_power() -> None:
     k = np.array([0.5, 0.3, -0.4])
     spaces = [space_of(1.0, 1.0, n, n, 2) for n in (3, 6)]
