@@ -2,11 +2,13 @@
 
     phases.py MAKE TARGET[:CORES] ...
 
-A target runs as soon as its cores are free (1 unless the argument says otherwise), the first ones
-first. What fails is named at once: a test, or a target of a make inside. The output of each is
-printed in one piece when it ends; of those that fail, at the end. The last lines are a table of the
-wall times and the slowest tests of each target, read from what `pytest --durations` printed. The
-exit code is 1 if a target fails, 130 after Ctrl-C.
+A target runs as soon as its cores are free, the first ones first. CORES is 1 unless the argument
+says otherwise; a target with 0 runs beside others, one with more than there are runs alone.
+
+What fails is named at once: a test, or a target of a make inside. The output of each is printed in
+one piece when it ends; of those that fail, at the end. The last lines are a table of the wall times
+and the slowest tests of each target, read from what `pytest --durations` printed. The exit code is
+1 if a target fails, 130 after Ctrl-C.
 """
 
 import os

@@ -20,7 +20,7 @@ class Job:
     ----------
     title : its name in messages
     command : program and arguments
-    cores : how many cores it uses; no more than there are in all count
+    cores : how many cores it uses; 0 if it runs beside others, more than there are if alone
     environment : variables that differ from those of this process
     after : another job of the same call, which must have ended before
     """
@@ -91,11 +91,9 @@ def run_all(
     old = {number: signal.signal(number, _interrupt) for number in _SIGNALS}
     try:
         while waiting or running:
-            free = cores - sum(min(one.job.cores, cores) for one in running)
             for job in list(waiting):
                 ready = job.after is None or id(job.after) in results
-                if ready and min(job.cores, cores) <= free:
-                    free -= min(job.cores, cores)
+                if ready and _fits(job, [one.job for one in running], cores):
                     waiting.remove(job)
                     started(job)
                     each = _start(job)
@@ -124,6 +122,13 @@ def run_all(
         for number, handler in old.items():
             signal.signal(number, handler)
     return [results[id(job)] for job in order]
+
+
+def _fits(job: Job, running: list[Job], cores: int) -> bool:
+    """True if there is room beside the jobs that run."""
+    if job.cores > cores or any(one.cores > cores for one in running):
+        return not running
+    return job.cores <= cores - sum(one.cores for one in running)
 
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)

@@ -51,6 +51,25 @@ def test_jobs_run_on_the_cores_that_there_are(side_by_side: ModuleType) -> None:
     assert max(most) == 3
 
 
+def test_a_job_of_no_core_runs_beside_others_but_not_beside_one_of_too_many(
+    side_by_side: ModuleType,
+) -> None:
+    beside: dict[int, list[int]] = {}
+    running: list[int] = []
+
+    def started(job: Any) -> None:
+        beside[job.cores] = list(running)
+        running.append(job.cores)
+
+    jobs = [job(side_by_side, "time.sleep(0.2)", cores) for cores in (9, 2, 0, 1)]
+    side_by_side.run_all(
+        jobs, 2, started=started, ended=lambda done: running.remove(done.job.cores)
+    )
+    assert beside[9] == beside[2] == []
+    assert beside[0] == [2]
+    assert 2 not in beside[1]
+
+
 def test_results_tell_code_and_output(side_by_side: ModuleType) -> None:
     jobs = [
         job(side_by_side, "print('out', flush=True); print('err', file=sys.stderr); sys.exit(3)"),

@@ -36,9 +36,14 @@ def copy(repository, tmp_path_factory) -> Path:
     return copy_with_recipes(repository, tmp_path_factory.mktemp("recipes"))
 
 
-def test_a_joint(copy, repository, tmp_path):
+@pytest.fixture(scope="module")
+def page(copy, repository) -> str:
+    """The reference page of case files with all examples."""
+    return run_python(copy, repository, "-m", "plymotion.solver", "check", "--reference")
+
+
+def test_a_joint(copy, page, repository, tmp_path):
     run_python(copy, repository, str(PROGRAMS / "joint.py"), str(tmp_path))
-    page = run_python(copy, repository, "-m", "plymotion.solver", "check", "--reference")
     assert '## `[joints.NAME]` with kind = "point_on_plane": the second place in a plane' in page
     tests = str(repository / "tests/verification/test_joints.py")
     printed = run_python(
@@ -56,9 +61,8 @@ def test_a_joint(copy, repository, tmp_path):
     assert re.search(r"\b[3-9] passed", printed), printed
 
 
-def test_a_force_element(copy, repository, tmp_path):
+def test_a_force_element(copy, page, repository, tmp_path):
     run_python(copy, repository, str(PROGRAMS / "force_element.py"), str(tmp_path))
-    page = run_python(copy, repository, "-m", "plymotion.solver", "check", "--reference")
     assert '## `[forces.NAME]` with kind = "cubic_spring": a force that grows' in page
     assert "| `strength` | number | N/m3 | >= 0 | required | k in k s^3 |" in page
 
@@ -80,9 +84,8 @@ def test_a_shell_element(copy, repository):
     assert "centroid is linear, with the shear strain of its centroid" in page
 
 
-def test_an_integrator(copy, repository, tmp_path):
+def test_an_integrator(copy, page, repository, tmp_path):
     run_python(copy, repository, str(PROGRAMS / "integrator.py"), str(tmp_path))
-    page = run_python(copy, repository, "-m", "plymotion.solver", "check", "--reference")
     assert "heun: explicit, of order 2" in page
     assert "| `corrections` | integer |  | >= 1, <= 9 | `1` | of heun in a step |" in page
     tests = str(repository / "tests/unit/test_integrators_contract.py")
