@@ -100,7 +100,8 @@ NO_STIFFENING_DATA = Code(
     "`geometric_stiffening` is set, but the package of a body has no second-order data: the body "
     "stays linear",
     "no group `second_order` in the package",
-    "build the package again; beams of up to 40 modes have the data",
+    "build the package again; beams of up to 40 modes have the data, and shells with "
+    "`second_order = true`",
 )
 PLY_FAILURE = Code(
     "ply-failure",
