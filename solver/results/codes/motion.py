@@ -81,8 +81,8 @@ BUCKLING = Code(
 BUCKLING_LOAD = Code(
     "buckling-load",
     "error",
-    "the loads of a linear body exceed its buckling load; the body keeps its stiffness all the "
-    "same, so that its motion is wrong from then on",
+    "the loads of a linear body exceed its buckling load; the body keeps its full stiffness, "
+    "so that its motion is wrong from then on",
     "as `buckling-by-motion`, with the geometric stiffness that the body would have",
     "set `geometric_stiffening = true`, split the body, stiffen it, or reduce the load",
 )
