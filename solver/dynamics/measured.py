@@ -1,6 +1,7 @@
 """Tables of what expressions read, and their conversion to arrays (quantities.py).
 
-In the trees of expressions a quantity is `value(m)` or `rate_of(m)` of coordinate m, or `state(j)`.
+In the trees of expressions a quantity is `value(m)` or `rate_of(m)` of coordinate m, `state(j)`, or
+`reaction(r)`.
 """
 
 from collections.abc import Hashable, Sequence
@@ -29,6 +30,11 @@ def rate_of(m: int) -> Quantity:
 def state(j: int) -> Quantity:
     """Name auxiliary state j."""
     return ("state", j)
+
+
+def reaction(r: int) -> Quantity:
+    """Name size r of a reaction."""
+    return ("reaction", r)
 
 
 def curve(k: int) -> Quantity:
@@ -87,12 +93,16 @@ class CouplingRow:
 
 @dataclass
 class Measured:
-    """Coordinates, states and curves of a model, as they are added."""
+    """Coordinates, states, curves and sizes of reactions of a model, as they are added.
+
+    Of a reaction: number of the joint, kind (quantities.py).
+    """
 
     coordinates: list[CoordinateTable] = field(default_factory=list)
     states: list[StateTable] = field(default_factory=list)
     curves: list[Law] = field(default_factory=list)
     couplings: list[CouplingRow] = field(default_factory=list)
+    reactions: list[tuple[int, int]] = field(default_factory=list)
 
     def coordinate(self, table: CoordinateTable) -> int:
         """Return the number of a coordinate; one that is there already is not added again."""
@@ -109,6 +119,12 @@ class Measured:
         """Add a curve; return its number."""
         self.curves.append(law)
         return len(self.curves) - 1
+
+    def reaction(self, joint: int, kind: int) -> int:
+        """Return the number of a size of a reaction; it is not added twice."""
+        if (joint, kind) not in self.reactions:
+            self.reactions.append((joint, kind))
+        return self.reactions.index((joint, kind))
 
     @property
     def markers(self) -> list[int]:
@@ -144,6 +160,7 @@ def quantities_of(
     turning = [m for m, c in enumerate(coordinates) if c.kind == ANGLE and value(m) in read]
     turn = np.full(n, -1, dtype=np.int64)
     turn[turning] = n_state + np.arange(len(turning))
+    behind_states = 2 * n + n_state + len(turning)
 
     coupled = [
         (k, j)
@@ -156,7 +173,8 @@ def quantities_of(
     def place(quantity: Hashable) -> int:
         assert isinstance(quantity, tuple)
         kind, k = quantity
-        return {"value": 2 * k, "rate": 2 * k + 1, "state": 2 * n + k, "curve": k}[kind]
+        first = {"value": 0, "rate": 1, "state": 2 * n, "curve": 0, "reaction": behind_states}
+        return int(first[kind] + (2 * k if kind in ("value", "rate") else k))
 
     return Quantities(
         kind=np.array([c.kind for c in coordinates], dtype=np.int64),
@@ -190,6 +208,12 @@ def quantities_of(
         ),
         coupling_coordinate=np.array([m for m, _ in terms], dtype=np.int64),
         coupling_ratio=np.array([ratio for _, ratio in terms], dtype=float),
+        reaction_joint=np.array([joint for joint, _ in measured.reactions], dtype=np.int64),
+        reaction_kind=np.array([kind for _, kind in measured.reactions], dtype=np.int64),
+        reacting=np.array(
+            [k for k, (size, _) in enumerate(forces) if size is not None and _reacts(size)],
+            dtype=np.int64,
+        ),
         stack=new_stack(used),
     )
 
@@ -198,6 +222,14 @@ def _state_of(leaf: Node) -> int:
     """Return the state that a leaf reads; -1: none."""
     quantity = leaf.quantity
     return int(quantity[1]) if isinstance(quantity, tuple) and quantity[0] == "state" else -1
+
+
+def _reacts(size: Node) -> bool:
+    """Tell whether an expression reads a reaction."""
+    return any(
+        isinstance(leaf.quantity, tuple) and leaf.quantity[0] == "reaction"
+        for leaf in size.leaves()
+    )
 
 
 def reads_own(size: Node | None, along: int) -> bool:

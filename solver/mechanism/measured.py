@@ -14,13 +14,15 @@ from ..dynamics.measured import (
     StateTable,
     curve,
     rate_of,
+    reaction,
     state,
     value,
 )
 from ..dynamics.quantities import ANGLE, DISPLACEMENT, DISTANCE, SPIN
 from ..dynamics.tables import ForceTable, JointTable
-from ..inputs.case.expressions import AXES, CaseScope, Read, expression
+from ..inputs.case.expressions import AXES, REACTIONS, CaseScope, Read, expression
 from ..inputs.case.force_terms import force_terms
+from ..math.curves import NamedCurve
 from ..math.curves import curve as curve_of
 from ..math.expressions.program import value_at
 from ..math.expressions.tree import Node
@@ -92,11 +94,16 @@ class Reader:
         return replace(node, children=children, quantity=quantity)
 
     def _quantity(self, read: Hashable) -> Hashable:
+        if isinstance(read, NamedCurve):
+            return read
         if not isinstance(read, Read):
             assert isinstance(read, tuple)
             return curve(self._curves[read])
         if read.kind == "state":
             return state(self._states[read.names])
+        if read.kind == "reaction":
+            joint = self._joints[read.names[0]].rows[0]  # without the drives
+            return reaction(self.found.reaction(joint, REACTIONS.index(read.names[1])))
         m = self._coordinate(read)
         return rate_of(m) if read.rate else value(m)
 
