@@ -15,6 +15,7 @@ from ..math.laws import Law
 from .quantities import ANGLE, Quantities
 
 Quantity = tuple[str, int]
+MOST_FEEDBACK = 32  # forces in Newton's matrix by a rank of their own: their cost is the square
 
 
 def value(m: int) -> Quantity:
@@ -170,6 +171,8 @@ def quantities_of(
         if states[j].rate is not None
     ]
 
+    feedback, fed = _feedback(forces, states, coupled)
+
     def place(quantity: Hashable) -> int:
         assert isinstance(quantity, tuple)
         kind, k = quantity
@@ -214,6 +217,9 @@ def quantities_of(
             [k for k, (size, _) in enumerate(forces) if size is not None and _reacts(size)],
             dtype=np.int64,
         ),
+        feedback=np.array(feedback, dtype=np.int64),
+        fed_row=np.array([row for row, _ in fed], dtype=np.int64),
+        fed_coordinate=np.array([m for _, m in fed], dtype=np.int64),
         stack=new_stack(used),
     )
 
@@ -224,16 +230,44 @@ def _state_of(leaf: Node) -> int:
     return int(quantity[1]) if isinstance(quantity, tuple) and quantity[0] == "state" else -1
 
 
-def _reacts(size: Node) -> bool:
+def _feedback(
+    forces: Sequence[tuple[Node | None, int]],
+    states: Sequence[StateTable],
+    coupled: Sequence[tuple[int, int]],
+) -> tuple[list[int], list[tuple[int, int]]]:
+    """Return `feedback`, and pairs of `fed_row` and `fed_coordinate`; none of too many forces."""
+    reading = {k: _others(size, along) for k, (size, along) in enumerate(forces) if along >= 0}
+    behind = [_others(states[j].rate, forces[k][1]) for k, j in coupled]
+    found = [
+        k
+        for k, others in reading.items()
+        if others
+        or _reacts(forces[k][0])
+        or any(m for (force, _), m in zip(coupled, behind, strict=True) if force == k)
+    ]
+    if not 0 < len(found) <= MOST_FEEDBACK:
+        return [], []
+    pairs = [(i, m) for i, k in enumerate(found) for m in reading[k]]
+    pairs += [(len(found) + p, m) for p, others in enumerate(behind) for m in others]
+    return found, pairs
+
+
+def _others(node: Node | None, along: int) -> list[int]:
+    """Return the coordinates that an expression reads, without `along`."""
+    leaves = node.leaves() if node is not None else ()
+    read = {leaf.quantity for leaf in leaves if isinstance(leaf.quantity, tuple)}
+    return sorted({k for kind, k in read if kind in ("value", "rate")} - {along})
+
+
+def _reacts(size: Node | None) -> bool:
     """Tell whether an expression reads a reaction."""
     return any(
         isinstance(leaf.quantity, tuple) and leaf.quantity[0] == "reaction"
-        for leaf in size.leaves()
+        for leaf in (size.leaves() if size is not None else ())
     )
 
 
-def reads_own(size: Node | None, along: int) -> bool:
-    """Tell whether a force along a coordinate depends on it, on its rate or on states."""
-    own = (value(along), rate_of(along))
+def reads_motion(size: Node | None) -> bool:
+    """Tell whether a force along a coordinate depends on coordinates, states or reactions."""
     leaves = size.leaves() if size is not None else ()
-    return any(leaf.quantity in own or _state_of(leaf) >= 0 for leaf in leaves)
+    return any(isinstance(q := leaf.quantity, tuple) and q[0] != "curve" for leaf in leaves)

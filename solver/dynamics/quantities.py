@@ -53,4 +53,7 @@ class Quantities(NamedTuple):
     reaction_joint: IntArray  # (nr,) joint of each size of a reaction,
     reaction_kind: IntArray  # (nr,) and which
     reacting: IntArray  # (k,) force elements along a coordinate whose size reads them
+    feedback: IntArray  # (r,) force elements that read other coordinates than their own, reactions
+    fed_row: IntArray  # (n,) pairs: of `feedback`, or behind them of `coupled_state`,
+    fed_coordinate: IntArray  # (n,) and a coordinate that it reads and that is not the force's own
     stack: Array  # memory of an evaluation

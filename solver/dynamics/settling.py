@@ -23,6 +23,24 @@ MOST_PASSES = 60
 SETTLED, ROUNDING = 1e-11, 1e-14
 
 
+@inlined
+def reaction_slope(model: Model, work: Work, r: int, row: int) -> float:
+    """Return the derivative of size r of a reaction by multiplier `row` of its joint."""
+    q = model.quantities
+    joint, kind = q.reaction_joint[r], q.reaction_kind[r]
+    begin = 6 if kind in (RADIAL, AXIAL) else 9
+    load = (0.0, 0.0, 0.0)
+    for other in range(model.joint_row[joint], model.joint_row[joint + 1]):
+        load = sum3(load, times3(-work.multipliers[other], triple(work.rows[other, begin:])))
+    n = axis(work.motion[model.joint_marker[joint, 0]], 2)
+    unit, along = times3(-1.0, triple(work.rows[row, begin:])), dot3(load, n)
+    if kind in (RADIAL, BENDING):
+        across = minus3(load, times3(along, n))
+        size = float(np.sqrt(dot3(across, across)))
+        return dot3(across, unit) / size if size > 0.0 else 0.0
+    return dot3(n, unit) if along > 0.0 else -dot3(n, unit)
+
+
 @lean
 def reactions_into(model: Model, work: Work) -> None:
     """Fill the sizes of reactions in work.quantity from the rows and work.multipliers."""
