@@ -68,6 +68,7 @@ class StateTable:
     update : expression of its value from an instant on, every `period` [s] from t = 0 on
     inputs : of a function outside of the model that gives this value in place of `update`
     owner : force that it belongs to
+    event : coordinate, level and direction (1 up, -1 down) at whose passage it takes `update`
     """
 
     name: str
@@ -78,6 +79,7 @@ class StateTable:
     period: float = 0.0
     inputs: Sequence[Node] | None = None
     owner: str = ""
+    event: tuple[int, float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -171,6 +173,7 @@ def quantities_of(
         if states[j].rate is not None
     ]
 
+    events = [(j, state.event) for j, state in enumerate(states) if state.event is not None]
     feedback, fed = _feedback(forces, states, coupled)
 
     def place(quantity: Hashable) -> int:
@@ -220,6 +223,10 @@ def quantities_of(
         feedback=np.array(feedback, dtype=np.int64),
         fed_row=np.array([row for row, _ in fed], dtype=np.int64),
         fed_coordinate=np.array([m for _, m in fed], dtype=np.int64),
+        event_state=np.array([j for j, _ in events], dtype=np.int64),
+        event_coordinate=np.array([event[0] for _, event in events], dtype=np.int64),
+        event_level=np.array([event[1] for _, event in events], dtype=float),
+        event_sign=np.array([event[2] for _, event in events], dtype=float),
         stack=new_stack(used),
     )
 

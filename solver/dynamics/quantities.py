@@ -56,4 +56,8 @@ class Quantities(NamedTuple):
     feedback: IntArray  # (r,) force elements that read other coordinates than their own, reactions
     fed_row: IntArray  # (n,) pairs: of `feedback`, or behind them of `coupled_state`,
     fed_coordinate: IntArray  # (n,) and a coordinate that it reads and that is not the force's own
+    event_state: IntArray  # (ne,) states that take their `update` when a coordinate
+    event_coordinate: IntArray  # (ne,)
+    event_level: Array  # (ne,) passes a level [m, rad]
+    event_sign: Array  # (ne,) upwards (1) or downwards (-1)
     stack: Array  # memory of an evaluation

@@ -98,11 +98,12 @@ def make_integrator(
             f'solver.integrator = "{solver.integrator}": does not know the reactions that friction '
             "by a coefficient depends on; expected radau, generalized-alpha, rk8 ..."
         )
-    if (model.quantities.period > 0.0).any() and not kind.samples:
+    jumps = (model.quantities.period > 0.0).any() or model.quantities.event_state.size
+    if jumps and not kind.samples:
         able = [name for name, other in INTEGRATORS.items() if other.samples]
         raise InputError(
             f'solver.integrator = "{solver.integrator}": does not stop at the instants of '
-            f"controllers with a sample_time; expected {' or '.join(able)}"
+            f"controllers with a sample_time, or of impacts; expected {' or '.join(able)}"
         )
     rtol = kind.local_share * solver.rtol
     options: dict[str, Any] = {

@@ -77,11 +77,14 @@ class Reader:
             rate = None if own.rate is None else self._placed(own.rate)
             start = self._placed(own.start)
             update = None if own.update is None else self._placed(own.update)
-            jumps = own.update is not None or own.inputs is not None
+            jumps = own.level is None and (own.update is not None or own.inputs is not None)
             period = float(keys.sample_time) if jumps else 0.0  # type: ignore[attr-defined]
             inputs = None if own.inputs is None else [self._placed(node) for node in own.inputs]
             label = f"{name}.{own.name}"
-            kept = StateTable(label, rate, start, own.scale, update, period, inputs, name)
+            event = None
+            if own.level is not None:
+                event = along, own.level, 1.0 if own.upwards else -1.0
+            kept = StateTable(label, rate, start, own.scale, update, period, inputs, name, event)
             self.found.state(kept)
         table = self.found.coordinates[along]
         size = self._placed(terms.force)

@@ -102,6 +102,8 @@ class State:
         the values before it
     called : its value from such an instant on is that of the user's function of the expressions
         of the force; 0 before
+    level, upwards : it takes `update` when the coordinate passes this level in this direction, an
+        instant that is located; None: every `sample_time`
     """
 
     name: str
@@ -110,6 +112,8 @@ class State:
     scale: float = 1.0
     update: str | None = None
     called: bool = False
+    level: float | None = None
+    upwards: bool = True
 
 
 @dataclass(frozen=True)

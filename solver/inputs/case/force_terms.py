@@ -29,6 +29,8 @@ class StateTerms:
     scale: float
     update: Node | None
     inputs: tuple[Node, ...] | None  # of the user's function that gives its values; None: none
+    level: float | None  # of the coordinate, at whose passage it takes `update`
+    upwards: bool
 
 
 @dataclass(frozen=True)
@@ -110,6 +112,8 @@ def _trees(
             s.scale,
             optional(s.update),
             inputs if s.called else None,
+            s.level,
+            s.upwards,
         )
         for s, start in zip(terms.states, starts, strict=True)
     )
