@@ -12,6 +12,7 @@ from ..common.material import Material
 from ..common.table import FilePath, Name, Pair, Table, Vector, Word, unit
 from ..section.mesh_table import ShapeMesh, shape_or
 from .couplings import CaseCoupling
+from .curves import TablePoints
 from .fidelity import Fidelity
 from .forces import CaseForce
 from .joints import CaseJoint
@@ -393,6 +394,9 @@ class Mechanism(Table):
     )
     parameters: dict[Word, float] = Field(
         default={}, description="numbers that expressions read by name"
+    )
+    tables: dict[Word, TablePoints] = Field(
+        default={}, description="curves through points that expressions call by name"
     )
     masses: dict[Name, PointMass] = Field(default={}, description="point masses")
     signals: dict[Name, Signal] = Field(default={}, description="what is measured")
