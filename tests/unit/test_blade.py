@@ -5,7 +5,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from blade_samples import blade_table, write_blade
+from blade_samples import anchor, blade_table, layer, write_blade
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.commands.blade.contour import arcs, contour
@@ -129,3 +129,35 @@ def test_stiffness_and_mass_of_stations(fenicsx, tmp_path, capsys):
     capsys.readouterr()
     assert main(words) == 0
     assert "2 unchanged" in capsys.readouterr().out
+
+
+def test_a_failed_station_has_no_numbers_of_an_earlier_call(fenicsx, tmp_path, capsys):
+    out = tmp_path / "out"
+    words = ["--at", "0,0.5", "-o", str(out), "--quiet", "--no-estimate"]
+    assert main(["blade", str(write_blade(tmp_path)), *words]) == 0
+
+    def change(blade, table):
+        table["materials"][1]["E"] = -1.0
+        blade["structure"]["layers"][3]["thickness"] = {"grid": [0.0, 0.1], "values": [0.0, 0.015]}
+        blade["structure"]["layers"].pop(6)
+
+    assert main(["blade", str(write_blade(tmp_path, wrong(change))), *words]) == 2
+    with (out / "blade.csv").open(newline="") as stream:
+        assert [row["r"] for row in csv.DictReader(stream)] == ["0.0"]
+    assert "0.5000  failed" in capsys.readouterr().out
+
+
+def test_webs_whose_feet_overlap_are_refused(tmp_path, capsys):
+    def change(blade, table):
+        structure = blade["structure"]
+        close = anchor("close", 0.322, 0.66)
+        structure["anchors"].append(close)
+        ends = {key: close[key] for key in ("start_nd_arc", "end_nd_arc")}
+        structure["webs"].append({"name": "second", "anchors": [], **ends})
+        structure["layers"].append(layer("more", "foam", 0.05, at="close", web="second"))
+
+    file = write_blade(tmp_path, wrong(change))
+    assert main(["blade", str(file), "--at", "0.5", "-o", str(tmp_path / "out"), "--check"]) == 2
+    message = capsys.readouterr().err
+    assert f"{file}: station r = 0.5: structure.webs: second: its foot covers the arcs " in message
+    assert "expected none of those of web" in message

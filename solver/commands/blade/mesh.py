@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
+from ...errors import InputError
 from ...math.arrays import Array, IntArray
 from .contour import arcs as arcs_of
 from .contour import edge_angle
@@ -82,6 +83,10 @@ def station_mesh(
     bands : layers of the shell, from outside inwards
     webs : in any order; they must not cross
     edge : material that closes a trailing edge too sharp for a mitre; its thickness is a length
+
+    Raises
+    ------
+    InputError : feet of webs that overlap; the message begins with the key.
     """
     mesh = StationMesh()
     s = arcs_of(points)
@@ -90,6 +95,7 @@ def station_mesh(
     mitred = edge_angle(points) >= MITRE
     total = sum(float(thickness(row, np.array([0.0]), perimeter)[0]) for row in rows)
     low, high = (0.0, 1.0) if mitred else _cut(points, s / perimeter, max(0.7 * total, 1e-3))
+    _check_feet(webs, perimeter, low, high)
     arcs = _columns(rows, webs, perimeter, low, high)
     outer = _smooth(points, s / perimeter, arcs)
     normals = _normals(outer, mitred)
@@ -165,6 +171,22 @@ def _feet(web: WebLayers, perimeter: float) -> Array:
     steps = np.concatenate([[0.0], np.cumsum(widths)]) - 0.5 * widths.sum()
     # From the leading edge to the trailing edge: arcs fall on the suction side.
     return np.array([web.start - steps, web.end + steps])
+
+
+def _check_feet(webs: list[WebLayers], perimeter: float, low: float, high: float) -> None:
+    """Refuse feet that reach past the ends of the contour or over those of another web."""
+    taken: list[tuple[float, float, str]] = []
+    for web in webs:
+        for foot in _feet(web, perimeter):
+            one, two = float(foot.min()), float(foot.max())
+            key = f"structure.webs: {web.name}: its foot covers the arcs {one:.5f} to {two:.5f}"
+            if one <= low or two >= high:
+                raise InputError(f"{key}; expected arcs from {low:.5f} to {high:.5f}")
+            for start, end, other in taken:
+                if one < end and two > start:
+                    words = f"expected none of those of {other}, {start:.5f} to {end:.5f}"
+                    raise InputError(f"{key}; {words}")
+            taken.append((one, two, web.name))
 
 
 def _smooth(points: Array, at: Array, arcs: Array) -> Array:
@@ -281,8 +303,6 @@ def _web(
     """A strip between the two feet; its cells are about as long as the columns are apart."""
     columns = np.abs(arcs - _feet(web, perimeter)[..., None]).argmin(axis=-1)
     one, two = ([inner[k] for k in _every(side)] for side in columns)
-    if len(one) != len(two):
-        raise ValueError("columns between the feet of a web differ in number")
     start, end = (np.array([mesh.nodes[k] for k in line]) for line in (one, two))
     height = float(np.linalg.norm(end - start, axis=1).min())
     count = max(4, round(height / (perimeter / COLUMNS)))

@@ -23,7 +23,7 @@ def write_station(blade: Blade, r: float, name: str, folder: Path) -> StationMes
 
     Raises
     ------
-    InputError : the station has no layers, or an unknown material.
+    InputError : the station has no layers, an unknown material, or webs whose feet overlap.
     """
     bands = [_band(layer, r) for layer in blade.layers if not layer.web and _is_there(layer, r)]
     if not bands:
@@ -39,7 +39,10 @@ def write_station(blade: Blade, r: float, name: str, folder: Path) -> StationMes
     ]
     glue = next((g for g in GLUES if g in blade.materials), bands[0].material)
     edge = Band(EDGE, glue, 0.0, PLATE * blade.chord.at(r), 0.0, 1.0)
-    mesh = station_mesh(contour(blade, r), bands, [web for web in webs if web.layers], edge)
+    try:
+        mesh = station_mesh(contour(blade, r), bands, [web for web in webs if web.layers], edge)
+    except InputError as error:
+        raise InputError(f"{blade.file}: station r = {r:g}: {error}") from error
     for band in mesh.bands.values():
         if band.material not in blade.materials:
             hint = nearest(band.material, blade.materials)
