@@ -11,6 +11,7 @@ from ...package.common.temporary import write_text
 from ..described.screen import USER_ERROR
 from ..section.command import run_section
 from ..section.options import add_section_command
+from .body import body_csv
 from .station import write_station
 from .stations import analysed, station_csv, station_text
 from .windio import Blade, read_blade
@@ -43,9 +44,10 @@ def run_blade(options: argparse.Namespace) -> int:
         return code
     stations = analysed(out / "sections", dict(zip(names, places, strict=True)), meshes)
     write_text(out / "blade.csv", station_csv(blade, stations))
+    write_text(out / "beam.csv", body_csv(blade, stations))
     print(station_text(blade, stations))
     complete = sum(station.results is not None for station in stations)
-    print(f"{out}/blade.csv: {complete} stations")
+    print(f"{out}/blade.csv, beam.csv: {complete} stations")
     return code
 
 

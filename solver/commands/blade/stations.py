@@ -19,7 +19,8 @@ class Station:
     r: float  # [-] 0 at the root, 1 at the tip
     name: str
     mesh: StationMesh
-    results: SectionResults | None
+    file: Path  # of its section
+    results: SectionResults | None  # None: it has failed
 
 
 def analysed(sections: Path, places: dict[str, float], meshes: list[StationMesh]) -> list[Station]:
@@ -33,16 +34,12 @@ def analysed(sections: Path, places: dict[str, float], meshes: list[StationMesh]
     places : r by name of the station
     """
     summary = json.loads((sections / "summary.json").read_text(encoding="utf-8"))
-    good = {name for name, row in summary.items() if row["status"] != "failed"}
-    return [
-        Station(
-            r,
-            name,
-            mesh,
-            read_results(sections / name / f"{name}.vtkhdf") if name in good else None,
-        )
-        for (name, r), mesh in zip(places.items(), meshes, strict=True)
-    ]
+    found = []
+    for (name, r), mesh in zip(places.items(), meshes, strict=True):
+        file = sections / name / f"{name}.vtkhdf"
+        failed = summary[name]["status"] == "failed"
+        found.append(Station(r, name, mesh, file, None if failed else read_results(file)))
+    return found
 
 
 def station_csv(blade: Blade, stations: list[Station]) -> str:

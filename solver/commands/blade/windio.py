@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator
 
 from ...errors import InputError, nearest
 from ...math.arrays import Array
@@ -28,6 +29,17 @@ class Along:
     def at(self, r: float) -> float:
         """Value at r of 0 to 1; outside of the grid that of its end."""
         return float(np.interp(r, self.grid, self.values))
+
+    def smooth(self, r: Array) -> Array:
+        """Values at r (n,) of a monotone cubic curve through its points."""
+        grid, first = np.unique(self.grid, return_index=True)
+        if len(grid) < 2:
+            return np.full(len(r), self.values[0])
+        inside = np.clip(r, grid[0], grid[-1])
+        return np.asarray(PchipInterpolator(grid, self.values[first])(inside))
+
+
+STRAIGHT = Along(np.zeros(1), np.zeros(1))
 
 
 @dataclass(frozen=True)
@@ -67,6 +79,8 @@ class Blade:
 
     file: Path
     length: Along  # [m] coordinate z along the reference axis
+    prebend: Along  # [m] its x, to the suction side
+    sweep: Along  # [m] its y, to the trailing edge
     chord: Along  # [m]
     twist: Along  # [deg]
     offset: Along  # [m] from the leading edge to the reference axis along the chord
@@ -104,6 +118,8 @@ def read_blade(file: Path) -> Blade:
     return Blade(
         file=file,
         length=reader.along(axis, "z", "reference_axis"),
+        prebend=reader.along(axis, "x", "reference_axis") if "x" in axis else STRAIGHT,
+        sweep=reader.along(axis, "y", "reference_axis") if "y" in axis else STRAIGHT,
         chord=chord,
         twist=reader.along(shape, "twist", "outer_shape"),
         offset=reader.along(shape, "section_offset_y", "outer_shape"),
