@@ -12,6 +12,7 @@ from ..described.screen import USER_ERROR
 from ..section.command import run_section
 from ..section.options import add_section_command
 from .body import body_csv
+from .export import write_for
 from .station import write_station
 from .stations import analysed, station_csv, station_text
 from .windio import Blade, read_blade
@@ -22,6 +23,8 @@ REMOVED = 0.02  # share of the layers' area without room, above which a warning 
 def run_blade(options: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
     blade = read_blade(options.file)
+    for words in blade.left_out:
+        print(f"warning [not-modelled] {blade.file}: {words}", file=sys.stderr)
     places = _stations(options, blade)
     out = options.out or Path("build") / "blades" / options.file.stem
     names = [f"r{round(1e4 * r):05d}" for r in places]
@@ -48,6 +51,8 @@ def run_blade(options: argparse.Namespace) -> int:
     print(station_text(blade, stations))
     complete = sum(station.results is not None for station in stations)
     print(f"{out}/blade.csv, beam.csv: {complete} stations")
+    for file in write_for(options.to, blade, stations, out) if options.to else ():
+        print(file)
     return code
 
 

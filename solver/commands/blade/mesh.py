@@ -11,23 +11,14 @@ from ...errors import InputError
 from ...math.arrays import Array, IntArray
 from .contour import arcs as arcs_of
 from .contour import edge_angle
-from .wall import THINNEST, Band, breaks, joined, material_of, rows_of, thickness
+from .face import with_face
+from .wall import THINNEST, Band, WebLayers, breaks, joined, material_of, rows_of, thickness
 
 COLUMNS = 160  # along the contour, without those at ends of layers
 ROOM = 0.9  # share of the room between the two sides that walls may fill
 MITRE = np.radians(165.0)  # angle of the trailing edge from which the walls meet in a mitre
 LEAST = 0.2  # of the length of a cell outside, its length inside
 CLOSE = 0.15  # columns nearer than this share of the spacing are one
-
-
-@dataclass(frozen=True)
-class WebLayers:
-    """A web at a station: where its middle meets the shell, and its layers from the nose on."""
-
-    name: str
-    start: float  # [-] arc on the suction side
-    end: float
-    layers: tuple[Band, ...]
 
 
 @dataclass
@@ -89,6 +80,7 @@ def station_mesh(
     InputError : feet of webs that overlap; the message begins with the key.
     """
     mesh = StationMesh()
+    points, bands, webs, corners = with_face(points, bands, webs)
     s = arcs_of(points)
     perimeter = float(s[-1])
     rows = [joined(row) for row in rows_of(bands)]
@@ -96,7 +88,7 @@ def station_mesh(
     total = sum(float(thickness(row, np.array([0.0]), perimeter)[0]) for row in rows)
     low, high = (0.0, 1.0) if mitred else _cut(points, s / perimeter, max(0.7 * total, 1e-3))
     _check_feet(webs, perimeter, low, high)
-    arcs = _columns(rows, webs, perimeter, low, high)
+    arcs = _columns(rows, webs, perimeter, [low, *corners, high])
     outer = _smooth(points, s / perimeter, arcs)
     normals = _normals(outer, mitred)
     t = np.array([thickness(row, arcs, perimeter) for row in rows])
@@ -145,12 +137,14 @@ def _blunt(points: Array) -> int:
 
 
 def _columns(
-    rows: list[list[Band]], webs: list[WebLayers], perimeter: float, low: float, high: float
+    rows: list[list[Band]], webs: list[WebLayers], perimeter: float, ends: list[float]
 ) -> Array:
-    """Arcs of the columns: ends of layers and feet of webs exactly, others between them."""
+    """Arcs of the columns: `ends` (of the contour, and its corners), ends of layers and feet of
+    webs exactly, others between them."""
+    low, high = ends[0], ends[-1]
     spacing = 1.0 / COLUMNS
     feet = [_feet(web, perimeter) for web in webs]
-    wanted = [low, high, *(float(arc) for both in feet for arc in both.ravel())]
+    wanted = [*ends, *(float(arc) for both in feet for arc in both.ravel())]
     apart = CLOSE * min(spacing, 0.01 / perimeter)
     for arc in sorted(arc for row in rows for arc in breaks(row, perimeter)):
         under = any(foot.min() < arc < foot.max() for both in feet for foot in both)

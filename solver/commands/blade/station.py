@@ -8,8 +8,8 @@ from ...errors import InputError, nearest
 from ...package.common.temporary import write_text
 from ...package.common.toml_text import toml_text
 from .contour import contour
-from .mesh import StationMesh, WebLayers, station_mesh
-from .wall import Band
+from .mesh import StationMesh, station_mesh
+from .wall import Band, WebLayers
 from .windio import Blade, Layer
 
 THIN = 1e-4  # [m] layers below are not there: files write them where a layer ends
@@ -36,8 +36,10 @@ def write_station(blade: Blade, r: float, name: str, folder: Path) -> StationMes
             tuple(_band(n, r) for n in blade.layers if n.web == web.name and _is_there(n, r)),
         )
         for web in blade.webs
+        if web.start.covers(r) and web.end.covers(r)
     ]
-    glue = next((g for g in GLUES if g in blade.materials), bands[0].material)
+    known = (glue for glue in GLUES if glue in blade.materials)
+    glue = blade.glue or next(known, bands[0].material)
     edge = Band(EDGE, glue, 0.0, PLATE * blade.chord.at(r), 0.0, 1.0)
     try:
         mesh = station_mesh(contour(blade, r), bands, [web for web in webs if web.layers], edge)
@@ -56,8 +58,12 @@ def write_station(blade: Blade, r: float, name: str, folder: Path) -> StationMes
 
 
 def _is_there(layer: Layer, r: float) -> bool:
+    """Files give layers that do not reach from root to tip on a part of the grid only."""
     span = layer.end.at(r) - layer.start.at(r)
-    return layer.thickness.at(r) > THIN and (bool(layer.web) or span > 1e-3)
+    there = layer.thickness.covers(r) and (
+        bool(layer.web) or (layer.start.covers(r) and layer.end.covers(r))
+    )
+    return there and layer.thickness.at(r) > THIN and (bool(layer.web) or span > 1e-3)
 
 
 def _band(layer: Layer, r: float) -> Band:

@@ -7,7 +7,7 @@ the file has worked out from the rules beside them.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,8 @@ from scipy.interpolate import PchipInterpolator
 
 from ...errors import InputError, nearest
 from ...math.arrays import Array
+
+NEAR = 1e-9  # of the span: distance that is round-off
 
 
 @dataclass(frozen=True)
@@ -29,6 +31,10 @@ class Along:
     def at(self, r: float) -> float:
         """Value at r of 0 to 1; outside of the grid that of its end."""
         return float(np.interp(r, self.grid, self.values))
+
+    def covers(self, r: float) -> bool:
+        """True if r is within the grid: what a file gives on a part of the span is only there."""
+        return bool(self.grid[0] - NEAR <= r <= self.grid[-1] + NEAR)
 
     def smooth(self, r: Array) -> Array:
         """Values at r (n,) of a monotone cubic curve through its points."""
@@ -90,6 +96,9 @@ class Blade:
     webs: tuple[Web, ...]
     materials: dict[str, dict[str, Any]]  # as a section description has them
     span: tuple[float, ...]  # grid of the file's chord
+    height: Along = STRAIGHT  # [m] of the chord line over the reference axis, to the suction side
+    glue: str = ""  # material of the trailing edge's adhesive; "": the file has none
+    left_out: tuple[str, ...] = ()  # what the file has and the model does not: key and words
 
 
 def read_blade(file: Path) -> Blade:
@@ -129,7 +138,33 @@ def read_blade(file: Path) -> Blade:
         webs=webs,
         materials={str(m["name"]): _material(m) for m in table.get("materials", [])},
         span=tuple(chord.grid.tolist()),
+        height=reader.along(shape, "section_offset_x", "outer_shape")
+        if "section_offset_x" in shape
+        else STRAIGHT,
+        glue=str((structure.get("trailing_edge_adhesive") or {}).get("material", "")),
+        left_out=tuple(_left_out(structure)),
     )
+
+
+def _left_out(structure: Mapping[str, Any]) -> Iterator[str]:
+    """Yield keys with masses or stiffnesses that the stations do not have, and what they mean."""
+    for web in structure.get("webs") or []:
+        if web.get("flanges"):
+            yield (
+                f"structure.webs: {web.get('name')}: flanges: the bond line between web and shell; "
+                "the web ends at the inner face of the shell"
+            )
+    if structure.get("trailing_edge_adhesive"):
+        yield (
+            "structure.trailing_edge_adhesive: its area between four anchors; a sharp edge is "
+            "closed by a plate of this material, 0.4 % of the chord thick"
+        )
+    joint = structure.get("joint") or {}
+    if joint.get("mass"):
+        yield (
+            f"structure.joint.mass = {joint['mass']:g} kg at r = {joint.get('position', 0.0):g}; "
+            "a point mass of the case can take its place"
+        )
 
 
 def _yaml(file: Path) -> dict[str, Any]:

@@ -40,10 +40,13 @@ def with_beam_table(data: dict[str, Any], folder: Path) -> dict[str, Any]:
     if given := [key for key in REPLACED if data.get(key)]:
         raise ValueError(f"expected no `{given[0]}`, which the file of `table` has")
     file = folder / data["table"]
-    values = _read(file)
-    points = np.column_stack([values[key] for key in PLACES])
-    if np.linalg.norm(np.diff(points, axis=0), axis=1).min() == 0.0:
-        raise ValueError(f"{file}: two neighbouring stations have the same place")
+    try:
+        values = _read(file)
+        points = np.column_stack([values[key] for key in PLACES])
+        if np.linalg.norm(np.diff(points, axis=0), axis=1).min() == 0.0:
+            raise ValueError(f"{file}: two neighbouring stations have the same place")
+    except ValueError as error:
+        raise ValueError(f'table = "{data["table"]}": {error}') from error
     at = Spline(points).fractions
     trapeze = [values[key] for key in TRAPEZE if key in values]
     stations = [
