@@ -80,7 +80,7 @@ def station_mesh(
     InputError : feet of webs that overlap; the message begins with the key.
     """
     mesh = StationMesh()
-    points, bands, webs, corners = with_face(points, bands, webs)
+    points, corners = with_face(points, bands)
     s = arcs_of(points)
     perimeter = float(s[-1])
     rows = [joined(row) for row in rows_of(bands)]

@@ -15,7 +15,7 @@ from .windio import Blade, Layer
 THIN = 1e-4  # [m] layers below are not there: files write them where a layer ends
 EDGE = "trailing-edge"  # region of the plate that closes a sharp trailing edge
 PLATE = 0.004  # its thickness over the chord
-GLUES = ("adhesive", "resin")  # materials of the plate, the first one that the file has
+GLUE = "adhesive"  # part of the name of its material
 
 
 def write_station(blade: Blade, r: float, name: str, folder: Path) -> StationMesh:
@@ -38,9 +38,7 @@ def write_station(blade: Blade, r: float, name: str, folder: Path) -> StationMes
         for web in blade.webs
         if web.start.covers(r) and web.end.covers(r)
     ]
-    known = (glue for glue in GLUES if glue in blade.materials)
-    glue = blade.glue or next(known, bands[0].material)
-    edge = Band(EDGE, glue, 0.0, PLATE * blade.chord.at(r), 0.0, 1.0)
+    edge = Band(EDGE, _glue(blade, bands), 0.0, PLATE * blade.chord.at(r), 0.0, 1.0)
     try:
         mesh = station_mesh(contour(blade, r), bands, [web for web in webs if web.layers], edge)
     except InputError as error:
@@ -64,6 +62,16 @@ def _is_there(layer: Layer, r: float) -> bool:
         bool(layer.web) or (layer.start.covers(r) and layer.end.covers(r))
     )
     return there and layer.thickness.at(r) > THIN and (bool(layer.web) or span > 1e-3)
+
+
+def _glue(blade: Blade, bands: list[Band]) -> str:
+    """Material of the plate: that of the file's adhesive, or of the innermost layer at the edge.
+
+    Files have a "resin" whose stiffness is a placeholder (1 MPa); with it, the section is open.
+    """
+    named = [name for name in blade.materials if GLUE in name.lower()]
+    behind = [band.material for band in bands if band.start <= 0.0]
+    return blade.glue or next(iter([*named, *reversed(behind), bands[-1].material]))
 
 
 def _band(layer: Layer, r: float) -> Band:
