@@ -33,7 +33,14 @@ SLOW = {
     },
     "contract": {"packages_cli", "recipes", "section_cli", "shell_cli", "wheel"},
     "hostile": {"changed_inputs", "faults", "make_commands", "make_recovers", "signals"},
-    "unit": {"blade", "case_command", "compiled_cache", "new_command", "report_strength"},
+    "unit": {
+        "blade",
+        "blade_stopped",
+        "case_command",
+        "compiled_cache",
+        "new_command",
+        "report_strength",
+    },
     "verification": {
         *("complex_steps", "constraints_redundant", "constraints_singular", "fidelity"),
         *("segments", "shipped_body"),
