@@ -16,7 +16,7 @@ from pathlib import Path
 
 from plymotion import __version__
 
-from .commands.arguments import CommandParser, add_no_scripts
+from .commands.arguments import CommandParser, add_figures, add_no_scripts
 from .commands.blade.options import add_blade_command
 from .commands.chart.options import add_chart_command
 from .commands.exchange.options import add_exchange_commands
@@ -112,8 +112,9 @@ def parser() -> CommandParser:
     ahead.add_argument("--all", action="store_true", help="generalized-alpha as well")
     ahead.set_defaults(command=_compile)
 
-    report = commands.add_parser("report", help="figures, report.html and the table of a case")
+    report = commands.add_parser("report", help="report.html and the table of a case")
     report.add_argument("folder", type=Path, help="build/<case>")
+    add_figures(report)
     report.add_argument(
         "--glb", action="store_true", help="also RUN/motion.glb, for Blender and slides"
     )
@@ -226,7 +227,7 @@ def _compile(options: argparse.Namespace) -> int:
 def _report(options: argparse.Namespace) -> int:
     from .commands.cases.report import report_case
 
-    print(report_case(options.folder, glb=options.glb))
+    print(report_case(options.folder, figures=options.figures, glb=options.glb))
     return 0
 
 

@@ -73,8 +73,9 @@ def _header(title: str, stories: list[Story]) -> str:
         f"<header><div><h1>{escape(title)}</h1>{banner(stories)}</div>"
         "<div class='tools'><button type='button' id='theme'>dark</button>"
         "<button type='button' id='print'>print</button></div>"
-        "<noscript><p>Plots and animation need JavaScript. The tables below are complete, and the "
-        "folder of the case has the figures as PNG files.</p></noscript></header>"
+        "<noscript><p>Plots and animation need JavaScript. The tables below are complete; "
+        "<code>plymotion report FOLDER --figures</code> draws the plots as PNG files.</p>"
+        "</noscript></header>"
     )
 
 

@@ -22,6 +22,8 @@ materials have strengths.</dd>
 <dt>Keys</dt><dd>Space: play and pause. Left and right: one step. Home and End: first and last
 time. Drag over a plot to zoom, double-click to see all again, click to go to that time.</dd>
 <dt>More</dt><dd>The folder of each run has <code>summary.json</code> (these numbers for
-programs), figures as PNG files, and <code>result.vtkhdf</code>. In ParaView apply the filter
-<em>Warp By Vector</em> with the array <em>displacement</em>, then press play.</dd></dl>
+programs) and <code>result.vtkhdf</code>. In ParaView apply the filter <em>Warp By Vector</em>
+with the array <em>displacement</em>, then press play. <code>plymotion report FOLDER
+--figures</code> draws the plots as PNG files, <code>--glb</code> writes the animation for Blender
+and slides.</dd></dl>
 </section>"""

@@ -55,7 +55,7 @@ class _Task:
 def run_runs(options: argparse.Namespace) -> int:
     """Integrate the runs of run files; return the exit code of the worst."""
     files: list[Path] = options.files
-    for name in ("run", "sweep", "packages", "coarse", "force", "no_report"):
+    for name in ("run", "sweep", "packages", "coarse", "force", "no_report", "figures"):
         if getattr(options, name):
             raise InputError(f"--{name.replace('_', '-')}: expected with a case file only")
     if options.out is not None and len(files) > 1:
