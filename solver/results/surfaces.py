@@ -1,11 +1,11 @@
 """Surfaces of bodies for pictures: extruded beams, faces of meshes, spokes of rigid bodies."""
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 
 from ..math.arrays import Array, IntArray
+from ..math.shortest_rotation import shortest_rotations
 from .outline import Outline
 from .view import Surface
 
@@ -189,13 +189,6 @@ def frames_along(nodes_B: Array, first_B: Array | None) -> Array:
         e2 /= np.linalg.norm(e2)
         first_B = np.column_stack([tangents[0], e2, np.cross(tangents[0], e2)])
     found = [first_B]
-    for a, b in pairwise(tangents):
-        found.append(_smallest_turn(a, b) @ found[-1])
+    for turn in shortest_rotations(tangents[:-1], tangents[1:]):
+        found.append(turn @ found[-1])
     return np.array(found)
-
-
-def _smallest_turn(a: Array, b: Array) -> Array:
-    """Rotation matrix that turns the unit vector a to b; they are not opposite."""
-    v = np.cross(a, b)
-    V = np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
-    return np.asarray(np.eye(3) + V + V @ V / (1.0 + float(a @ b)))

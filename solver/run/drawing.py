@@ -205,9 +205,7 @@ def _sites(
     stress, point_kind, point_ply = [], [], []
     plies: list[dict[str, Any]] = []
     for k, points in enumerate(parts):
-        own = resultants_E[kind == k]
-        F = np.einsum("sjm,tm->tsj", own, q, optimize=True).reshape(-1, own.shape[1])
-        rows = governing_points(points, F) if points.strengths else np.zeros(0, dtype=np.int64)
+        rows = governing_points(points, resultants_E[kind == k], q)
         stress.append(points.stress_M[rows])
         point_kind.append(np.full(len(rows), k))
         point_ply.append(points.ply[rows] + len(plies))

@@ -12,6 +12,7 @@ import numpy as np
 
 from ...math.arrays import Array
 from ...math.rotations import vector_to_matrix
+from ...math.shortest_rotation import shortest_rotations
 from ...package.body.division import node_positions
 from ...package.body.specification import LineTable
 from .schema import BeamBody
@@ -117,8 +118,8 @@ def _through_points(body: BeamBody, points: Array, x2: Array) -> Line:
     tangents = spline(u, 1) / speed[:, None]
     turn = np.zeros((len(u), 3, 3))
     turn[0] = np.eye(3)
-    for k in range(len(u) - 1):  # rotate from tangent to tangent by the shortest way
-        turn[k + 1] = _shortest(tangents[k], tangents[k + 1]) @ turn[k]
+    for k, step in enumerate(shortest_rotations(tangents[:-1], tangents[1:])):
+        turn[k + 1] = step @ turn[k]
     inverse = CubicSpline(along / along[-1], u)
 
     def turns(s: Array) -> Array:
@@ -126,9 +127,7 @@ def _through_points(body: BeamBody, points: Array, x2: Array) -> Line:
         nearest = np.clip(np.searchsorted(u, t), 0, len(u) - 1)
         exact = spline(t, 1)
         exact = exact / np.linalg.norm(exact, axis=1, keepdims=True)
-        return np.array(
-            [_shortest(tangents[k], e) @ turn[k] for k, e in zip(nearest, exact, strict=True)]
-        )
+        return shortest_rotations(tangents[nearest], exact) @ turn[nearest]
 
     first = x2 - (x2 @ tangents[0]) * tangents[0]
     return _twisted(
@@ -178,15 +177,6 @@ def chords(points: Array) -> Array:
     """Return the places of points (n, 3) along the polygon through them, (n,), from 0."""
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     return np.concatenate([[0.0], np.cumsum(steps)])
-
-
-def _shortest(a: Array, b: Array) -> Array:
-    """Rotation (3, 3) from unit vector a to unit vector b about their normal."""
-    normal = np.cross(a, b)
-    sine = float(np.linalg.norm(normal))
-    if sine < 1e-15:
-        return np.eye(3)
-    return vector_to_matrix(np.arctan2(sine, a @ b) / sine * normal)
 
 
 def rounded(values: Array, size: float) -> list[list[float]]:
