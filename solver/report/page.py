@@ -3,7 +3,7 @@
 from html import escape
 from typing import Any
 
-from .elements import Row, name_of, section, table
+from .elements import section
 from .embed.blob import Blob, json_for_script
 from .embed.frames import NUMBERS
 from .embed.histories import NUMBERS as HISTORIES
@@ -13,10 +13,10 @@ from .embed.scene import scene
 from .inputs import inputs_section
 from .modes import masses_section, modes_section
 from .reading import READING
+from .signals import signals_section
 from .status import banner, doubts, outcomes
 from .story import Comparison, Story
 from .strength import fatigue_section, strength_section, worst
-from .table import signal_numbers
 from .view import view
 
 LIMIT = 2_900_000  # bytes of a page that can be mailed
@@ -40,7 +40,7 @@ def page(title: str, stories: list[Story], comparisons: list[Comparison]) -> str
         section("plots", "Plots", "<div id='plot-list'></div>"),
         strength_section(stories),
         fatigue_section(stories),
-        _signals(stories),
+        signals_section(stories),
         modes_section(stories),
         masses_section(stories),
         inputs_section(stories),
@@ -109,18 +109,3 @@ def _run(blob: Blob, story: Story, share: int) -> dict[str, Any]:
         "scene": None,
         "worst": worst(story),
     }
-
-
-def _signals(stories: list[Story]) -> str:
-    units = {s.name: s.unit for story in stories for s in story.result.signals}
-    head = ["run"]
-    for name, unit in units.items():
-        label = f"{escape(name)} [{escape(unit)}]"
-        head += [f"{label}<br>final", f"{label}<br>largest"]
-    rows: list[Row] = []
-    for story in stories:
-        row: list[Any] = [name_of(story)]
-        for name in units:
-            row += signal_numbers(story.summary.get("signals", {}).get(name, {}))
-        rows.append(row)
-    return section("signals", "Signals", table("Final and largest values of signals", head, rows))
