@@ -118,6 +118,11 @@ def parser() -> CommandParser:
     report.add_argument(
         "--glb", action="store_true", help="also RUN/motion.glb, for Blender and slides"
     )
+    report.add_argument(
+        "--vtk",
+        action="store_true",
+        help="also RUN/motion.vtkhdf, for ParaView: surfaces with strain energy and strength ratio",
+    )
     report.set_defaults(command=_report)
 
     info = commands.add_parser("info", help="show the content of a modal package")
@@ -227,7 +232,7 @@ def _compile(options: argparse.Namespace) -> int:
 def _report(options: argparse.Namespace) -> int:
     from .commands.cases.report import report_case
 
-    print(report_case(options.folder, figures=options.figures, glb=options.glb))
+    print(report_case(options.folder, figures=options.figures, glb=options.glb, vtk=options.vtk))
     return 0
 
 

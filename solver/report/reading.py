@@ -26,5 +26,5 @@ time. Drag over a plot to zoom, double-click to see all again, click to go to th
 programs) and <code>result.vtkhdf</code>. In ParaView apply the filter <em>Warp By Vector</em>
 with the array <em>displacement</em>, then press play. <code>plymotion report FOLDER
 --figures</code> draws the plots as PNG files, <code>--glb</code> writes the animation for Blender
-and slides.</dd></dl>
+and slides, <code>--vtk</code> for ParaView with sections and strength ratios.</dd></dl>
 </section>"""

@@ -14,6 +14,7 @@ def report_case(
     *,
     figures: bool = False,
     glb: bool = False,
+    vtk: bool = False,
 ) -> str:
     """Write report.html of a folder that `check` wrote; return a table of its runs.
 
@@ -21,14 +22,14 @@ def report_case(
     ----------
     runs : names of finished runs; None: all that have a summary
     figures : draw the figures as PNG files too
-    glb : write motion.glb of each run too
+    glb, vtk : write motion.glb, motion.vtkhdf of each run too
 
     Raises
     ------
     InputError
         Not the folder of a case; no finished run; figures without matplotlib.
     """
-    from ...report import case_table, make_report, summary_table, write_glb
+    from ...report import case_table, make_report, summary_table, write_glb, write_vtk
 
     try:
         case = case_table(json.loads((folder / "case.json").read_text(encoding="utf-8")))
@@ -43,7 +44,10 @@ def report_case(
     page = make_report(folder, list(runs), case, figures=figures)
     summaries = [read_summary(folder / run / "summary.json") for run in runs]
     text = f"{summary_table(summaries)}\nReport: {page}"
-    for run in runs if glb else ():
-        made = write_glb(folder / run / "motion.glb", read_result(folder / run / "result.vtkhdf"))
-        text += f"\nAnimation: {made}"
+    for run in runs:
+        result = folder / run / "result.vtkhdf"
+        if glb:
+            text += f"\nAnimation: {write_glb(folder / run / 'motion.glb', read_result(result))}"
+        if vtk:
+            text += f"\nAnimation: {write_vtk(folder / run / 'motion.vtkhdf', result)}"
     return text
