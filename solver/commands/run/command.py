@@ -172,7 +172,7 @@ def _lines(summary: dict[str, Any], timing: bool) -> list[str]:
         from ...fidelity.words import fidelity_line
 
         text.append(f"  {fidelity_line(summary['fidelity'])}")
-    text += [f"  warning [{w['code']}] {w['message']}" for w in summary["warnings"]]
+    text += [f"  {w['level']} [{w['code']}] {w['message']}" for w in summary["warnings"]]
     return [*text, f"  {timing_text(cost['seconds'])}"] if timing else text
 
 
