@@ -3,9 +3,9 @@
 python benchmarks/report_pages.py [CASE ...]    build/CASE/report.html; default: all that are there
 
 Prints the table of docs/report.md. `ready` is the time from opening the page to its mark that
-everything is drawn, the least of three; `CPU` is what all processes of the browser took for it,
-so that other work on the machine does not count. Needs build/browser/axe.min.js
-(tools/browser.sh) and runs with PYTHONPATH=.:tests.
+everything is drawn, the least of five; `CPU` is what all processes of the browser took for it, so
+that other work on the machine does not count, and `page` the share of the page's own thread.
+Needs build/browser/axe.min.js (tools/browser.sh) and runs with PYTHONPATH=.:tests.
 """
 
 import sys
@@ -16,14 +16,16 @@ from chromium import SOFTWARE, Browser
 
 BUILD = Path("build")
 AXE = BUILD / "browser/axe.min.js"
-TIMES = 3
+TIMES = 5
+HEAD = ["case", "size [MB]", "drawn by", "ready [s]", "CPU [s]", "page [s]"]
+HEAD += ["errors", "requests", "axe, serious"]
 SERIOUS = """axe.run(document).then(({ violations }) =>
   violations.filter((v) => ['serious', 'critical'].includes(v.impact)).map((v) => v.id))"""
 
 
 def measure(page: Path) -> list[str]:
     """Return the columns of a page's row."""
-    ready, cpu, serious, errors = [], [], [], []
+    ready, cpu, own, serious, errors = [], [], [], [], []
     requests, renderer = 0, ""
     for k in range(TIMES):
         dark = k == TIMES - 1
@@ -31,9 +33,12 @@ def measure(page: Path) -> list[str]:
             tempfile.TemporaryDirectory() as folder,
             Browser(Path(folder) / "profile", *SOFTWARE, dark=dark) as browser,
         ):
+            browser.call("Performance.enable", timeDomain="threadTicks")
             before = browser.cpu_seconds()
             ready.append(browser.open(page))
             cpu.append(browser.cpu_seconds() - before)
+            metrics = browser.call("Performance.getMetrics")["metrics"]
+            own += [each["value"] for each in metrics if each["name"] == "TaskDuration"]
             renderer = browser.run("document.documentElement.dataset.renderer || 'none'")
             requests = max(requests, len(browser.requests()))
             errors += browser.errors()
@@ -46,6 +51,7 @@ def measure(page: Path) -> list[str]:
         renderer,
         f"{min(ready):.2f}",
         f"{min(cpu):.2f}",
+        f"{min(own):.2f}",
         str(len(errors)),
         str(requests),
         ", ".join(sorted(set(serious))) or "none",
@@ -55,8 +61,10 @@ def measure(page: Path) -> list[str]:
 def main(names: list[str]) -> None:
     """Measure the pages one after the other."""
     pages = [BUILD / name / "report.html" for name in names]
-    print("| case | size [MB] | drawn by | ready [s] | CPU [s] | errors | requests | axe serious |")
-    print("|---|---|---|---|---|---|---|---|")
+    print(
+        "| case | size [MB] | drawn by | ready [s] | CPU [s] | page [s] | errors | requests | axe |"
+    )
+    print("|---|---|---|---|---|---|---|---|---|")
     for page in pages or sorted(BUILD.glob("*/report.html")):
         print(f"| {page.parent.name} | {' | '.join(measure(page))} |", flush=True)
 

@@ -59,10 +59,10 @@ def damping_findings(run: FinishedRun) -> Iterator[Finding]:
 def _finding(body: str, own: float, of: float, loaded: float, omega: float) -> Finding:
     to_hertz = 0.5 / np.pi
     text = (
-        f"{body}: the damping ratio of {own:.2g} is that of its mode of {of * to_hertz:.3g} Hz by "
-        f"itself. Its lowest vibration in the mechanism has {omega * to_hertz:.3g} Hz and gets a "
-        f"ratio of {loaded:.2g} from it. For {own:.2g} there, set damping_ratio = "
-        f"{own * own / loaded:.2g}"
+        f"{body}: its lowest vibration in the mechanism has {omega * to_hertz:.3g} Hz and gets a "
+        f"damping ratio of {loaded:.2g} from it; {own:.2g} is that of its mode of "
+        f"{of * to_hertz:.3g} Hz by itself. To have {own:.2g} in the mechanism, set damping_ratio "
+        f"= {own * own / loaded:.2g}"
     )
     return LOADED_DAMPING.finding(
         text, body=body, t=0.0, value=float(min(loaded / own, own / loaded))

@@ -85,4 +85,4 @@ def test_of_several_modes_the_lowest_vibration_counts(tmp_path, capsys):
         key=lambda m: m["angular_frequency"],
     )
     assert f"has {first['angular_frequency'] / (2.0 * np.pi):.3g} Hz" in note["message"]
-    assert f"a ratio of {first['damping_ratio']:.2g} from it" in note["message"]
+    assert f"a damping ratio of {first['damping_ratio']:.2g} from it" in note["message"]

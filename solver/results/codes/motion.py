@@ -66,8 +66,8 @@ LOADED_DAMPING = Code(
     "mechanism, its lowest vibration has another frequency and another ratio",
     "the smaller over the larger of both ratios below {limit:g}, at the start, with drives held "
     "and without springs, weight and spin; not looked at above 400 velocity coordinates",
-    "the `damping_ratio` that the finding gives; `plymotion modes CASE --at start` prints all "
-    "damping ratios of the mechanism",
+    "none if the ratio in the mechanism is what you mean; else the `damping_ratio` that the note "
+    "gives. `plymotion modes CASE --at start` prints all damping ratios of the mechanism",
     limit=0.5,
 )
 MATTERS = Code(
