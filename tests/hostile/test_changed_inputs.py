@@ -22,7 +22,12 @@ SHIPPED = {
     "section": sorted(ROOT.glob("cases/sections/*.toml")),
     "shell": sorted(ROOT.glob("cases/shells/*.toml")),
 }
-TRIES = {"check": (12, 900), "section": (12, 450), "shell": (12, 450)}
+BLOCK = 100  # tries of a test: an attack that was interrupted goes on after the last block
+BLOCKS = [
+    (command, block)
+    for command, blocks in (("check", 9), ("section", 5), ("shell", 5))
+    for block in range(tries(1, blocks))
+]
 EXTREMES = [0, -1, 1e308, -1e308, 5e-324, 10**30, -(2**63), True, False]
 TEXTS = [
     "", " ", "$(shell touch P)", "`touch P`", "a#b", "a:b", "a%b", "two words", "a\nb", "a\x00b",
@@ -113,8 +118,8 @@ def _content(folder: Path) -> dict[Path, bytes]:
     return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-@pytest.mark.parametrize("command", SHIPPED)
-def test_changed_files(command, tmp_path, capfd, monkeypatch):
+@pytest.mark.parametrize(("command", "block"), BLOCKS)
+def test_changed_files(command, block, tmp_path, capfd, monkeypatch):
     """Errors name the file; what was written before stays as it was."""
     monkeypatch.chdir(tmp_path)
     # Beside the originals: relative paths in them lead to the same files.
@@ -124,8 +129,8 @@ def test_changed_files(command, tmp_path, capfd, monkeypatch):
     out = tmp_path / "out"
     more = ["--check"] if command != "check" else []
 
-    @seed(1)
-    @settings(max_examples=tries(*TRIES[command]), **SETTINGS)
+    @seed(1 + 1000 * block)
+    @settings(max_examples=tries(12, BLOCK), **SETTINGS)
     @given(data=st.data())
     def attack(data):
         source = data.draw(st.sampled_from(list(sources)))
@@ -172,13 +177,14 @@ output_step = {step}
 """
 
 
-def test_extreme_pendulums(tmp_path, capfd):
+@pytest.mark.parametrize("block", range(tries(1, 2)))
+def test_extreme_pendulums(block, tmp_path, capfd):
     """Log-uniform numbers from 5e-324 to 1e308: an end by itself, or at TERM."""
     exponents = st.floats(-323.0, 308.0)
     common = st.floats(-3.0, 3.0)
 
-    @seed(2)
-    @settings(max_examples=tries(12, 200), **SETTINGS)
+    @seed(2 + 1000 * block)
+    @settings(max_examples=tries(12, BLOCK), **SETTINGS)
     @given(data=st.data())
     def attack(data):
         names = ("mass", "inertia", "length", "gravity")
