@@ -2,8 +2,9 @@
 
 PYTHONPATH=.:tests:benchmarks .venv/bin/python benchmarks/scale.py pairs | workers | large [N]
 
-pairs: 512 double pendulums of 1 s, by two local processes and by two dask workers in turn.
-workers: the same by one and two of each. large: check, sweep, restart and file of N members.
+pairs: 512 double pendulums of 1 s, by two local processes and by two dask workers at once.
+workers: the same by one and two processes, workers, ranks. large: check, sweep, restart and file
+of N members.
 """
 
 import argparse
@@ -13,12 +14,14 @@ import subprocess
 import sys
 import tempfile
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import h5py
 import numpy as np
 from dask_cluster import Cluster
-from processes import Cost, cost
+from mpi_samples import ranks, with_mpi
+from processes import Cost, cost, cost_of
 
 TEXT = """
 [variants.measured.solver]
@@ -81,7 +84,7 @@ def _by_dask(cluster: Cluster, workers: list["subprocess.Popen[bytes]"], *where:
 
 
 def pairs(folder: Path, count: int, repeats: int) -> None:
-    """Two local processes and two dask workers in turn."""
+    """Two local processes and two dask workers at once: other work on the machine slows both."""
     file, _ = _checked(folder, count, 1.0)
     (folder / "cluster").mkdir()
     cluster = Cluster(folder / "cluster")
@@ -90,51 +93,67 @@ def pairs(folder: Path, count: int, repeats: int) -> None:
         _by_dask(cluster, workers, file, folder / "warm")
         ratios = []
         for _ in range(repeats):
-            local = _sweep(file, folder / "local", "--fresh", "--jobs", "2")
-            dask = _by_dask(cluster, workers, file, folder / "dask")
+            with ThreadPoolExecutor(2) as pool:
+                one = pool.submit(_sweep, file, folder / "local", "--fresh", "--jobs", "2")
+                two = pool.submit(_by_dask, cluster, workers, file, folder / "dask")
+                local, dask = one.result(), two.result()
             ratios.append((dask.wall_s / local.wall_s, dask.cpu_s / local.cpu_s))
-            print(
-                f"local {local.wall_s:.1f} s wall, {local.cpu_s:.1f} s CPU, {local.peak_mb:.0f} MB"
-            )
-            print(f"dask  {dask.wall_s:.1f} s wall, {dask.cpu_s:.1f} s CPU, {dask.peak_mb:.0f} MB")
+            for name, used in (("local", local), ("dask ", dask)):
+                print(f"{name} {_told(used)}", flush=True)
         walls, cpus = zip(*ratios, strict=True)
-        print(
-            f"dask / local: wall {statistics.median(walls):.2f}, CPU {statistics.median(cpus):.2f}"
-        )
+        print("dask / local: wall " + " ".join(f"{ratio:.2f}" for ratio in walls))
+        print(f"median: wall {statistics.median(walls):.2f}, CPU {statistics.median(cpus):.2f}")
         same = _data(folder / "local/sweep.h5") == _data(folder / "dask/sweep.h5")
         print(f"equal to the last bit: {same}")
     finally:
         cluster.close()
 
 
+def _told(used: Cost) -> str:
+    return f"{used.wall_s:.1f} s wall, {used.cpu_s:.1f} s CPU, {used.peak_mb:.0f} MB"
+
+
 def by_workers(folder: Path, count: int) -> None:
-    """Members per second and per CPU second, by one and two workers."""
+    """Members per second and per CPU second, by one and two workers of each executor."""
     file, _ = _checked(folder, count, 1.0)
+
+    def told(name: str, used: Cost) -> None:
+        rates = f"{count / used.wall_s:.1f} /s, {count / used.cpu_s:.1f} /CPU s"
+        print(f"{name}: {rates}; load {os.getloadavg()[0]:.1f}", flush=True)
+
     for jobs in ("1", "2"):
-        used = _sweep(file, folder / "out", "--fresh", "--jobs", jobs)
-        print(f"local {jobs}: {count / used.wall_s:.1f} /s, {count / used.cpu_s:.1f} /CPU s")
+        told(f"local {jobs}", _sweep(file, folder / "local", "--fresh", "--jobs", jobs))
     (folder / "cluster").mkdir()
     cluster = Cluster(folder / "cluster")
     try:
         workers: list[subprocess.Popen[bytes]] = []
         for number in (1, 2):
             workers.append(cluster.worker())
-            _by_dask(cluster, workers, file, folder / "out")
-            used = _by_dask(cluster, workers, file, folder / "out")
-            print(f"dask {number}: {count / used.wall_s:.1f} /s, {count / used.cpu_s:.1f} /CPU s")
+            _by_dask(cluster, workers, file, folder / "dask")
+            told(f"dask {number}", _by_dask(cluster, workers, file, folder / "dask"))
     finally:
         cluster.close()
+    path = with_mpi(folder / "site")
+    if path is None:
+        print("mpi: no mpirun, or no mpi4py for this Python")
+        return
+    os.environ["PYTHONPATH"] = path
+    words = ("sweep", str(file), "--quiet", "--no-figures", "--out", str(folder / "mpi"))
+    for number in (1, 2):
+        told(f"mpi {number}", cost_of(ranks(number + 1, *words, "--fresh"), (0, 3)))
+    same = _data(folder / "local/sweep.h5") == _data(folder / "mpi/sweep.h5")
+    print(f"equal to the last bit: {same}")
 
 
 def large(folder: Path, count: int) -> None:
     """Check, sweep of short motions, file and restart of many members."""
     file, used = _checked(folder, count, 0.01)
-    print(f"check    {used.cpu_s:.1f} s CPU, {used.peak_mb:.0f} MB, {_mb(file):.2f} MB")
+    print(f"check    {_told(used)}, {_mb(file):.2f} MB", flush=True)
     out = folder / "out"
     used = _sweep(file, out)
-    print(f"sweep    {used.cpu_s:.1f} s CPU, {used.peak_mb:.0f} MB, {_mb(out / 'sweep.h5'):.2f} MB")
+    print(f"sweep    {_told(used)}, {_mb(out / 'sweep.h5'):.2f} MB", flush=True)
     used = _sweep(file, out)
-    print(f"restart  {used.cpu_s:.1f} s CPU, {used.peak_mb:.0f} MB")
+    print(f"restart  {_told(used)}")
 
 
 def _mb(file: Path) -> float:
