@@ -1,16 +1,18 @@
-"""The attack: INT is heard in the background too, and what is over is not tried again."""
+"""The attack: signals are heard in the background too, and what is over is not tried again."""
 
 import os
 import signal
-import sys
 from pathlib import Path
 
 import pytest
 from hostile_profile import RECORD, note_outcome, recorded
 
-# A shell starts commands in the background with INT ignored, and their children inherit that.
-if sys.platform != "win32" and signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
-    signal.signal(signal.SIGINT, signal.default_int_handler)
+# Commands in the background ignore INT, and with nohup HUP, and their children inherit that; what
+# has a handler here has none in them.
+for name in ("SIGINT", "SIGHUP"):
+    number = getattr(signal, name, None)  # no HUP on Windows
+    if number is not None and signal.getsignal(number) is signal.SIG_IGN:
+        signal.signal(number, lambda *_: None)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
