@@ -3,8 +3,8 @@
 PYTHONPATH=.:tests:benchmarks .venv/bin/python benchmarks/scale.py pairs | workers | large [N]
 
 pairs: 512 double pendulums of 1 s, by two local processes and by two dask workers at once.
-workers: the same by one and two processes, workers, ranks. large: check, sweep, restart and file
-of N members.
+workers: the same by one and two processes, workers, ranks. large: check of N members;
+sweep, file and restart of N rigid pendulums.
 """
 
 import argparse
@@ -39,6 +39,43 @@ signals = ["tip_x", "hand_mid"]
 [sweeps.s.vary]
 "masses.M2.mass" = {{ from = 1.0, to = 4.0 }}
 "joints.shoulder.drive.speed" = {{ from = 5.0, to = 20.0 }}
+"""
+# A rigid pendulum, 0.1 s: cheap members, so that what each member costs besides is seen.
+RIGID = """
+format = 1
+title = "rigid pendulum"
+gravity = [0.0, -9.81, 0.0]
+[bodies.rod]
+kind = "rigid"
+mass = 1.0
+inertia = [[0.001, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]]
+centre = [0.5, 0.0, 0.0]
+interfaces = {{ root = {{ position = [0.0, 0.0, 0.0] }}, tip = {{ position = [1.0, 0.0, 0.0] }} }}
+[ground.o]
+position = [0.0, 0.0, 0.0]
+[joints.hinge]
+kind = "revolute"
+between = ["ground.o", "rod.root"]
+axis = [0.0, 0.0, 1.0]
+[signals.x]
+kind = "position"
+at = "rod.tip"
+component = "x"
+[signals.y]
+kind = "position"
+at = "rod.tip"
+component = "y"
+[solver]
+t_end = 0.1
+output_step = 0.01
+[runs.base]
+[sweeps.s]
+run = "base"
+design = "latin-hypercube"
+count = {count}
+[sweeps.s.vary]
+"bodies.rod.mass" = {{ from = 1.0, to = 4.0 }}
+"bodies.rod.centre.0" = {{ from = 0.4, to = 0.6 }}
 """
 PLYMOTION = ("-m", "plymotion")
 PACKAGES = Path("tests/packages/double-pendulum")
@@ -146,10 +183,15 @@ def by_workers(folder: Path, count: int) -> None:
 
 
 def large(folder: Path, count: int) -> None:
-    """Check, sweep of short motions, file and restart of many members."""
+    """Check of many double pendulums; sweep, file and restart of as many rigid pendulums."""
     file, used = _checked(folder, count, 0.01)
     print(f"check    {_told(used)}, {_mb(file):.2f} MB", flush=True)
-    out = folder / "out"
+    (folder / "rigid").mkdir()
+    case, out = folder / "rigid/case.toml", folder / "rigid/build"
+    case.write_text(RIGID.format(count=count), encoding="utf-8")
+    used = cost([*PLYMOTION, "check", str(case), "--out", str(out)])
+    print(f"check    {_told(used)} (rigid)", flush=True)
+    file, out = out / "sweeps/s.json", folder / "out"
     used = _sweep(file, out)
     print(f"sweep    {_told(used)}, {_mb(out / 'sweep.h5'):.2f} MB", flush=True)
     used = _sweep(file, out)

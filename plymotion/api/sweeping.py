@@ -287,7 +287,8 @@ def _by_command(file: Path, jobs: int, *, fresh: bool, progress: bool) -> None:
         *["--fresh"] * fresh,
         *["--quiet"] * (not progress),
     ]
-    command = [sys.executable, "-m", "plymotion", "sweep", str(file), *words]
+    # -P: modules of the current folder must not shadow installed ones.
+    command = [sys.executable, "-P", "-m", "plymotion", "sweep", str(file), *words]
     home = str(Path(plymotion.__file__).resolve().parent.parent)
     paths = os.pathsep.join(filter(None, [home, os.environ.get("PYTHONPATH")]))
     done = subprocess.run(
