@@ -32,7 +32,10 @@ SLOW = {
         *("report_page", "report_strength_page", "sweep"),
     },
     "contract": {"packages_cli", "recipes", "section_cli", "shell_cli", "wheel"},
-    "hostile": {"changed_inputs", "faults", "make_commands", "make_recovers", "signals"},
+    "hostile": {
+        *("changed_inputs", "faults", "killed_compilers", "make_commands"),
+        *("make_recovers", "signals"),
+    },
     "unit": {
         "blade",
         "blade_stopped",

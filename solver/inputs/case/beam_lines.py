@@ -154,8 +154,6 @@ def _twisted(
     return Line(length, place, axes)
 
 
-
-
 def rounded(values: Array, size: float) -> list[list[float]]:
     """Plain numbers without the last digits, so that equal lines have equal ones."""
     plain: list[list[float]] = (np.round(values / size, DIGITS) * size + 0.0).tolist()
