@@ -17,6 +17,7 @@ from .guards import (
     REVERSAL,
     check_degree,
     condition_warnings,
+    not_computed_warnings,
     reversal_warnings,
     solvability_warnings,
 )
@@ -84,7 +85,8 @@ def analyse(
         warnings = [
             *problem.mesh.warnings,
             *lay.warnings,
-            *check_degree(problem.space, lay, where, allow),
+            *check_degree(problem.space, lay, where, allow, given=_degree(spec) is None),
+            *not_computed_warnings(spec.get("not_computed", ())),
         ]
         begin(f"warping, {problem.space.n_dof} dofs")
         result = _solve(problem, lay, where, spec)
