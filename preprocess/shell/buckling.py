@@ -23,6 +23,7 @@ TOLERANCE = 1e-10
 NONE = 1e-4  # of the largest |mu|: a smaller one is a local effect or round-off
 REVERSED = 1e-2  # the same, of the reversed load
 MOST = 100  # restarts of the iteration
+TRIES = 4  # with more factors each time, if some were missed
 DENSE = 400  # unknowns, below which all factors are computed
 
 
@@ -81,11 +82,17 @@ class Buckling:
         if not G.nnz:
             return LoadFactors(np.zeros(0), np.zeros((freedom.n_dof, 0)), 0.0)
         try:
-            mu, X, back = self._both_ends(G, count)
-            values = 1.0 / mu
-            last = _level(values, count)
-            found = self._negative(last * G) if len(values) else 0
-            below = int(np.count_nonzero(values < last))
+            wanted = count
+            for _ in range(TRIES):
+                mu, X, back = self._both_ends(G, wanted)
+                values = 1.0 / mu
+                last = _level(values, count)
+                found = self._negative(last * G) if len(values) else 0
+                below = int(np.count_nonzero(values < last))
+                if found == below:
+                    break
+                # the iteration may miss one of two equal factors, as of a full cylinder
+                wanted = max(2 * wanted, found + 2)
         except (
             ArpackError,
             ArpackNoConvergence,
