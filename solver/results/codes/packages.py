@@ -201,6 +201,14 @@ SECTION_CODES = (
         1e14,
     ),
     _code(
+        "stress-at-corner",
+        "the least margin under `--loads` lies in a cell at a re-entrant corner, where stresses "
+        "grow with every refinement",
+        "more than {limit:g} deg of material around a node of the boundary",
+        "give a distance, `--corner-distance`, such as a quarter of the wall; round the corner",
+        195.0,
+    ),
+    _code(
         "model-not-computed",
         "the file of another code asks for a model that is not computed: trapeze effect, Vlasov's "
         "theory, damping, thermal expansion",
