@@ -68,8 +68,11 @@ def test_cross_plies(angles: list[float], load: str, element: str, tmp_path: Pat
     n = (24, 36) if element == "quadrilaterals" else (40, 60)
     file = write_cylinder(tmp_path / "c.msh", R, L, n, 90.0, triangles=element == "triangles")
     spec = cylinder(file, angles, H, load)
-    found = analyse(spec).buckling
+    result = analyse(spec)
+    found = result.buckling
     assert found is not None
+    codes = [warning["code"] for warning in result.warnings]
+    assert codes == ([] if angles in SYMMETRIC else ["laminate-unsymmetric"])
     ABD, Ds = stiffness(spec)
     N, p = LOADS[load]
     exact = cylinder_peer.smallest(ABD, Ds, R, L, range(2, 26, 2), range(1, 9), N, p)[0]
@@ -115,8 +118,10 @@ def test_cylinder_of_geier_and_singh(tmp_path: Path) -> None:
     constants = {"E1": 123.55e9, "E2": 8.7079e9, "E3": 8.7079e9, "G12": 5.695e9, "G13": 5.695e9}
     constants |= {"G23": 3.4e9, "nu12": 0.319, "nu13": 0.319, "nu23": 0.4, "rho": 1600.0}
     spec["materials"]["ply"] = {**LAMINA, **constants}
-    found = analyse(spec).buckling
+    result = analyse(spec)
+    found = result.buckling
     assert found is not None
+    assert [warning["code"] for warning in result.warnings] == ["laminate-unsymmetric"]
     ABD, Ds = stiffness(spec)
     N = LOADS["compression"][0]
     around = 2.0 * np.pi * radius
