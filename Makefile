@@ -244,15 +244,13 @@ test-quick: $(LIGHT) | $(COMPILED) ## The tests without FEniCSx but those that t
 test-light: $(LIGHT) | $(COMPILED) ## Tests without FEniCSx, on two cores
 	$(PY) -m pytest tests --ignore tests/fe -n 2 --dist worksteal -q --durations=10
 
-# The tests of tests/hostile with many more tries; the table of what became of them is in
-# docs/security.md.
-ATTACK := build/attack/counts.jsonl
+# The tests of tests/hostile with many more tries. It goes on where it was interrupted; ATTACK_OPTIONS
+# are those of pytest. `python tools/attack_table.py build/attack/counts.jsonl` then writes the table
+# of what became of the tries into docs/security.md.
+ATTACK_OPTIONS ?=
 .PHONY: attack
-attack: $(LIGHT) | $(COMPILED) ## Thousands of hostile inputs, damaged files and faults (half an hour)
-	@mkdir -p $(dir $(ATTACK))
-	@: > $(ATTACK)
-	PLYMOTION_ATTACK=$(CURDIR)/$(ATTACK) $(PY) -m pytest tests/hostile -n 2 --dist worksteal -q; \
-	    code=$$?; $(PY) tools/attack_table.py $(ATTACK); exit $$code
+attack: $(LIGHT) | $(FENICSX) $(COMPILED) ## Thousands of hostile inputs, damaged files and faults (half an hour)
+	. ./$(FENICSX) && export FENICSX_PYTHON && $(PY) tools/attack.py $(ATTACK_OPTIONS)
 
 # Folders and files of the cache that cannot be read or written: no matter of Numba's version.
 CACHE_OF_ANY_NUMBA := not damaged and not missing and not written and not read_only and not at_once

@@ -32,8 +32,18 @@ SLOW = {
         *("report_page", "report_strength_page", "sweep"),
     },
     "contract": {"packages_cli", "recipes", "section_cli", "shell_cli", "wheel"},
-    "hostile": {"changed_inputs", "faults", "make_commands", "make_recovers", "signals"},
-    "unit": {"blade", "case_command", "compiled_cache", "new_command", "report_strength"},
+    "hostile": {
+        *("changed_inputs", "faults", "killed_compilers", "make_commands"),
+        *("make_recovers", "signals"),
+    },
+    "unit": {
+        "blade",
+        "blade_stopped",
+        "case_command",
+        "compiled_cache",
+        "new_command",
+        "report_strength",
+    },
     "verification": {
         *("complex_steps", "constraints_redundant", "constraints_singular", "fidelity"),
         *("segments", "shipped_body"),

@@ -13,6 +13,7 @@ import h5py
 import numpy as np
 import pytest
 from dask_cluster import TESTS, Cluster, until
+from mpi_samples import ranks, with_mpi
 from sweep_samples import FORCE, MASS, ball, ball_plan
 
 from plymotion.solver.__main__ import main
@@ -289,37 +290,14 @@ def test_wrong_executors(tmp_path, capsys, monkeypatch, words, message):
     assert message in capsys.readouterr().err
 
 
-def _with_mpi(folder: Path) -> str | None:
-    """PYTHONPATH with mpi4py for this Python: its own, or that of FEniCSx if it fits."""
-    if (
-        subprocess.run([sys.executable, "-c", "import mpi4py.MPI"], capture_output=True).returncode
-        == 0
-    ):
-        return os.environ.get("PYTHONPATH", "")
-    other = os.environ.get("FENICSX_PYTHON", "/usr/bin/python3")
-    asked = "import sys, mpi4py; print(*sys.version_info[:2], mpi4py.__path__[0])"
-    try:
-        done = subprocess.run([other, "-c", asked], capture_output=True, text=True)
-    except OSError:
-        return None
-    if done.returncode or done.stdout.split()[:2] != [str(n) for n in sys.version_info[:2]]:
-        return None
-    folder.mkdir()
-    (folder / "mpi4py").symlink_to(done.stdout.split()[2])
-    return os.pathsep.join([str(folder), os.environ.get("PYTHONPATH", "")])
-
-
 def test_ranks_of_an_mpi_job_give_the_same(tmp_path, alone):
-    from shutil import which
-
-    path = _with_mpi(tmp_path / "site")
-    if path is None or which("mpirun") is None:
+    path = with_mpi(tmp_path / "site")
+    if path is None:
         pytest.skip("no mpirun, or no mpi4py for this Python")
     file, expected = alone
-    words = ["-m", "mpi4py.futures", "-m", "plymotion.solver", "sweep", str(file), "--quiet"]
-    words += ["--no-figures", "--executor", "mpi", "--out", str(tmp_path / "mpi")]
+    words = ["sweep", str(file), "--quiet", "--no-figures", "--out", str(tmp_path / "mpi")]
     done = subprocess.run(
-        ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", "3", sys.executable, *words],
+        ranks(3, *words),
         env=os.environ | {"PYTHONPATH": path},
         capture_output=True,
         text=True,

@@ -148,7 +148,7 @@ def test_descriptions_of_a_case_are_no_commands(project, repository):
             text += form.format(k=names.index(name), file=_quoted(file))
             project.case("one", described, file)
     project.case("one", _ball(text))
-    assert project.make("-n", "one", seconds=30).returncode == 0
+    assert project.make("-n", "one").returncode == 0
     told = project.make("one", "FENICSX_PYTHON=/nowhere")
     assert told.returncode != 0
     assert "FENICSX_PYTHON = /nowhere: cannot use FEniCSx" in told.stdout

@@ -9,6 +9,7 @@ import sys
 import pytest
 from case_samples import HEAD, SOLVER, rigid
 from dask_cluster import until
+from hostile_profile import WAIT_S, count
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.commands.sweep.file import read_sweep
@@ -73,7 +74,7 @@ def _ended(process, number, words=("stepping",)):
     try:
         assert [process.stdout.readline().strip() for _ in words] == list(words)
         process.send_signal(number)
-        out, errors = process.communicate(timeout=60)
+        out, errors = process.communicate(timeout=WAIT_S)
     finally:
         process.kill()
     assert process.returncode == 128 + number, errors
@@ -94,6 +95,7 @@ def test_a_run_keeps_its_part(tmp_path, number):
     assert summary["status"] == "interrupted"
     assert read_result(build / "base/result.vtkhdf").t[-1] == summary["t_end"] > 1.0
     _nothing_hidden(build)
+    count(f"run: {signal.Signals(number).name}, its part is kept", "done")
 
 
 @pytest.mark.parametrize("number", TO_WORKERS)
@@ -108,6 +110,7 @@ def test_processes_get_the_signal_of_the_first(tmp_path, number):
         assert json.loads((build / name / "summary.json").read_text())["t_end"] > 1.0
     assert not (build / "three").exists()
     _nothing_hidden(build)
+    count(f"run --jobs 2: {signal.Signals(number).name}, their parts are kept", "done")
 
 
 def test_a_signal_while_results_are_written_does_not_lose_them(tmp_path):
@@ -132,12 +135,13 @@ def test_a_sweep_keeps_its_members(tmp_path, number, jobs):
     if jobs == "1":
         _, errors = _ended(process, number)
     else:  # its processes say nothing
-        until(lambda: _finished(build / "sweeps/s/sweep.h5") == 2)
+        until(lambda: _finished(build / "sweeps/s/sweep.h5") == 2, WAIT_S)
         _, errors = _ended(process, number, ())
     assert "s: interrupted; 2 of 3 members are in" in errors
     rows = read_sweep(build / "sweeps/s/sweep.h5").rows
     assert [row.status for row in rows] == ["finished", "finished", "pending"]
     _nothing_hidden(build)
+    count(f"sweep: {signal.Signals(number).name}, finished members are kept", "done")
 
 
 # A signal in the moment in which a module is imported.
@@ -171,6 +175,7 @@ def test_an_end_before_the_beginning(tmp_path, number):
         assert done.stderr == "interrupted: nothing written\n", (module, name)
         assert done.returncode == 128 + number
         assert not (build / "base").exists()
+        count(f"run: {signal.Signals(number).name} while it imports", "recovered")
 
 
 def test_an_ignored_signal_stays_ignored(tmp_path):
@@ -181,7 +186,7 @@ def test_an_ignored_signal_stays_ignored(tmp_path):
         process = _started("run", build / "runs/base.json", "--slow-disk")
         assert process.stdout.readline() == "writing\n"
         process.send_signal(signal.SIGHUP)
-        process.communicate(timeout=60)
+        process.communicate(timeout=WAIT_S)
     finally:
         signal.signal(signal.SIGHUP, before)
     assert process.returncode == 0
