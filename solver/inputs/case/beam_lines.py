@@ -12,6 +12,7 @@ import numpy as np
 
 from ...math.arrays import Array
 from ...math.rotations import vector_to_matrix
+from ...math.shortest_rotation import shortest_rotations
 from ...package.body.division import node_positions
 from ...package.body.specification import LineTable
 from .schema import BeamBody
@@ -108,13 +109,12 @@ def _through_points(body: BeamBody, points: Array, x2: Array) -> Line:
     u, tangents = spline.u, spline.tangents
     turn = np.zeros((len(u), 3, 3))
     turn[0] = np.eye(3)
-    for k in range(len(u) - 1):  # rotate from tangent to tangent by the shortest way
-        turn[k + 1] = _shortest(tangents[k], tangents[k + 1]) @ turn[k]
+    for k, step in enumerate(shortest_rotations(tangents[:-1], tangents[1:])):
+        turn[k + 1] = step @ turn[k]
 
     def turns(s: Array) -> Array:
         nearest = np.clip(np.searchsorted(u, spline.parameter(s)), 0, len(u) - 1)
-        pairs = zip(nearest, spline.tangent(s), strict=True)
-        return np.array([_shortest(tangents[k], e) @ turn[k] for k, e in pairs])
+        return shortest_rotations(tangents[nearest], spline.tangent(s)) @ turn[nearest]
 
     first = x2 - (x2 @ tangents[0]) * tangents[0]
     first = first / np.linalg.norm(first)
@@ -152,15 +152,6 @@ def _twisted(
         return np.einsum("kab,kb->ka", turns(s), own)
 
     return Line(length, place, axes)
-
-
-def _shortest(a: Array, b: Array) -> Array:
-    """Rotation (3, 3) from unit vector a to unit vector b about their normal."""
-    normal = np.cross(a, b)
-    sine = float(np.linalg.norm(normal))
-    if sine < 1e-15:
-        return np.eye(3)
-    return vector_to_matrix(np.arctan2(sine, a @ b) / sine * normal)
 
 
 def rounded(values: Array, size: float) -> list[list[float]]:

@@ -14,6 +14,7 @@ from ..common.table import FilePath, Name, Pair, Table, Vector, Word, unit, usab
 from ..section.mesh_table import ShapeMesh, shape_or
 from .beam_table import with_beam_table
 from .couplings import CaseCoupling
+from .curves import TablePoints
 from .fidelity import Fidelity
 from .forces import CaseForce
 from .joints import CaseJoint
@@ -445,6 +446,9 @@ class Mechanism(Table):
     )
     parameters: dict[Word, float] = Field(
         default={}, description="numbers that expressions read by name"
+    )
+    tables: dict[Word, TablePoints] = Field(
+        default={}, description="curves through points that expressions call by name"
     )
     masses: dict[Name, PointMass] = Field(default={}, description="point masses")
     signals: dict[Name, Signal] = Field(default={}, description="what is measured")
