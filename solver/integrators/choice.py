@@ -103,7 +103,7 @@ def make_integrator(
         able = [name for name, other in INTEGRATORS.items() if other.samples]
         raise InputError(
             f'solver.integrator = "{solver.integrator}": does not stop at the instants of '
-            f"controllers with a sample_time, or of impacts; expected {' or '.join(able)}"
+            f"impacts, or of controllers with a sample_time; expected {' or '.join(able)}"
         )
     rtol = kind.local_share * solver.rtol
     options: dict[str, Any] = {

@@ -78,5 +78,5 @@ def test_both_limits_are_met_in_turn(tmp_path):
 
 def test_bad_input(tmp_path):
     text = carriage(stop(upper=1.0, restitution=0.5), speed=2.0)
-    with pytest.raises(InputError, match="or of impacts; expected"):
+    with pytest.raises(InputError, match="stop at the instants of impacts"):
         run(tmp_path, text, 0.1, 0.1, 'integrator = "gear"')
