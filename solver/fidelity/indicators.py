@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..dynamics.coordinates import move_rows
+from ..dynamics.scales import extent, shape_sizes
 from ..math.arrays import Array
 from ..mechanism import BuiltMechanism, build
 from ..monitors.geometric_stiffness import geometric_stiffness
@@ -49,6 +50,7 @@ class Indicators:
     effects : their contributions
     stiffening : (o,) loss without geometric stiffening, of the scale
     spin : largest spin over the first frequency of the clamped body, by body
+    amplified : (o,) error of each signal over the tolerance that causes it
     """
 
     names: list[str]
@@ -58,6 +60,7 @@ class Indicators:
     effects: Effects
     stiffening: Array
     spin: dict[str, float]
+    amplified: Array
 
     def loss(self, lost: Array) -> Array:
         """Return the error (o,) that lost contributions (o, k) cause, of the scale."""
@@ -168,7 +171,8 @@ def _indicators(
             p[:, columns[i]] = (rich[name].eta @ package.stiffness)[:, kept[name]]
             moving = set(vibrations(package).tolist())
             modes += [Mode(name, package.mode_labels[j], j in moving) for j in kept[name].tolist()]
-    found = response(base, built.model, p)
+    deformed = spec.mechanism.solver.start != "positions"
+    found = response(base, built.model, p, deformed=deformed)
     wanted = {name: spec.mechanism.signals[name] for name in signals}
     kinds = {name: signal.kind for name, signal in wanted.items()}
     measured = sensors(built, spec.mechanism.signals, wanted=wanted)
@@ -181,7 +185,29 @@ def _indicators(
         lost = _stiffening_loss(found, again, measured, second, parts)
         stiffened = np.abs(lost).max(axis=1) / scale
     spin = _spins(built, found, list(rich))
-    return Indicators(list(signals), fidelity.metric, scale, modes, parts, stiffened, spin)
+    amplified = _amplified(found, parts, scale)
+    return Indicators(
+        list(signals), fidelity.metric, scale, modes, parts, stiffened, spin, amplified
+    )
+
+
+def _amplified(found: Response, parts: Effects, scale: Array) -> Array:
+    """Return the error (o,) of the signals over the tolerance of the integrator, of the scale.
+
+    A tolerance of 1 permits errors of the modes that displace a body by the size of the mechanism.
+    What the modes of a body add to a signal has that size over their displacement as its error.
+    """
+    model, q = found.model, found.history[0]
+    size, first, worst = extent(model, found.y[0]), 0, np.zeros(len(scale))
+    for i in range(model.n_body):
+        m = int(model.n_mode[i])
+        mine = slice(first, first + m)
+        moved = float(np.linalg.norm(q[:, mine] * shape_sizes(model, i), axis=1).max(initial=0.0))
+        first += m
+        if moved > 0.0:
+            added = np.abs(parts.response[:, :, mine].sum(axis=2)).max(axis=1) / scale
+            worst = np.maximum(worst, added * size / moved)
+    return worst
 
 
 def _stiffening_loss(

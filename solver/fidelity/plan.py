@@ -9,7 +9,7 @@ from typing import Any
 from ..errors import InputError, nearest
 from ..package.common.temporary import write_text
 
-LEAST_RTOL, MOST_RTOL = 1e-6, 1e-3
+LEAST_RTOL, MOST_RTOL = 1e-9, 1e-3  # small deflections need the first: errors are of the size
 
 
 @dataclass(frozen=True)

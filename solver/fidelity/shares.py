@@ -9,6 +9,7 @@ import numpy as np
 from .plan import LEAST_RTOL, Plan
 from .trial import Trial, distance
 
+TIGHTER = 30.0  # tolerance of a plan over that of its promotion
 PROMOTED = 0.3  # of the largest share, from which a kind is promoted
 
 
@@ -51,7 +52,7 @@ def promotions(
     if check.stiffening and not plan.stiffening:
         yield "stiffening", "", replace(plan, stiffening=True)
     if plan.rtol > LEAST_RTOL:
-        yield "tolerance", "", replace(plan, rtol=max(LEAST_RTOL, plan.rtol / 10.0))
+        yield "tolerance", "", replace(plan, rtol=max(LEAST_RTOL, plan.rtol / TIGHTER))
 
 
 def split(
