@@ -9,22 +9,20 @@ from typing import Any
 
 import numpy as np
 
-from ..dynamics.coordinates import move_rows
-from ..dynamics.scales import extent, shape_sizes
 from ..math.arrays import Array
-from ..mechanism import BuiltMechanism, build
-from ..monitors.geometric_stiffness import geometric_stiffness
-from ..monitors.spin import SpinMonitor
+from ..mechanism import build
 from ..package import ModalPackage
 from ..package.body.selection import vibrations
 from ..package.body.transform import changed_basis, rigid
 from ..run.outcome import RunSpec
-from ..signals import Recording, Sensor, sensors
+from ..signals import sensors
 from .base import Base, base_motion
 from .effects import Effects, effects
 from .metrics import difference, scales
 from .model import Rich, with_values
-from .response import Response, elastic_columns, modal_loads, response
+from .response import elastic_columns, modal_loads, response
+from .stiffening import spins, stiffening_loss
+from .tolerance import amplified_errors
 
 FAINT = 1e-8  # root of the strain energy of a mode that does not respond, of the largest
 
@@ -182,73 +180,10 @@ def _indicators(
     if any(package.second_order is not None for package in packages.values()):
         again = build(_linear(spec, stiffening=True), {**fixed, **packages})
         second = sensors(again, spec.mechanism.signals, wanted=wanted)
-        lost = _stiffening_loss(found, again, measured, second, parts)
+        lost = stiffening_loss(found, again, measured, second, parts)
         stiffened = np.abs(lost).max(axis=1) / scale
-    spin = _spins(built, found, list(rich))
-    amplified = _amplified(found, parts, scale)
+    spin = spins(built, found, list(rich))
+    amplified = amplified_errors(found, parts, scale)
     return Indicators(
         list(signals), fidelity.metric, scale, modes, parts, stiffened, spin, amplified
     )
-
-
-def _amplified(found: Response, parts: Effects, scale: Array) -> Array:
-    """Return the error (o,) of the signals over the tolerance of the integrator, of the scale.
-
-    A tolerance of 1 permits errors of the modes that displace a body by the size of the mechanism.
-    What the modes of a body add to a signal has that size over their displacement as its error.
-    """
-    model, q = found.model, found.history[0]
-    size, first, worst = extent(model, found.y[0]), 0, np.zeros(len(scale))
-    for i in range(model.n_body):
-        m = int(model.n_mode[i])
-        mine = slice(first, first + m)
-        moved = float(np.linalg.norm(q[:, mine] * shape_sizes(model, i), axis=1).max(initial=0.0))
-        first += m
-        if moved > 0.0:
-            added = np.abs(parts.response[:, :, mine].sum(axis=2)).max(axis=1) / scale
-            worst = np.maximum(worst, added * size / moved)
-    return worst
-
-
-def _stiffening_loss(
-    found: Response,
-    again: BuiltMechanism,
-    measured: Mapping[str, Sensor],
-    second: Mapping[str, Sensor],
-    parts: Effects,
-) -> Array:
-    """Change of the signals (o, s) by geometric stiffness and second-order motion, q = eta."""
-    rows, model = found.at, found.model
-    t, y = found.t[rows], found.y[rows].copy()
-    change = np.einsum("snm,sm->sn", found.motions[:, : model.n_vel], found.eta[rows])
-    move_rows(model, y, change)
-    one, two = Recording(model, t, y), Recording(again.model, t, y)
-    lost = np.array([second[name].values(two) - measured[name].values(one) for name in measured])
-    lost = np.where(np.isfinite(lost), lost, 0.0)
-    turned = np.zeros((len(rows), len(found.elastic)))
-    for i, columns in enumerate(elastic_columns(model)):
-        if len(columns) and again.model.second_start[i + 1] > again.model.second_start[i]:
-            Kg = geometric_stiffness(model, again.model, i, t, y)
-            own = np.searchsorted(found.elastic, columns)
-            turned[:, own] = np.einsum("sij,sj->si", Kg, found.eta[rows][:, own])
-    extra = np.linalg.solve(found.K, turned.T).T  # (s, m)
-    eta = found.eta[rows]
-    slope = np.divide(
-        parts.static[:, rows], eta, out=np.zeros((len(lost), *eta.shape)), where=eta != 0.0
-    )
-    return np.asarray(lost - np.einsum("osm,sm->os", slope, extra))
-
-
-def _spins(built: BuiltMechanism, found: Response, names: list[str]) -> dict[str, float]:
-    spin = SpinMonitor(built.model, built.body_names, stop=False)
-    out = {}
-    for i, name in enumerate(built.body_names):
-        if name not in names or not built.model.n_mode[i]:
-            continue
-        ratios = [0.0]
-        for k in found.at.tolist():
-            w = spin.spin(i, found.y[k])
-            if np.linalg.norm(w) > 0.0:
-                ratios.append(float(np.linalg.norm(w) / spin.critical_spin(i, w)))
-        out[name] = max(ratios)
-    return out

@@ -74,6 +74,22 @@ class Plan:
         }
 
 
+def kind_of(label: str) -> str:
+    """Return the kind of a vibration from its label, "bending-xy" of "bending-xy 3"."""
+    return label.rpartition(" ")[0]
+
+
+def outline(plan: Plan) -> str:
+    """Return a plan in a few words: modes of each body, stiffening, tolerance."""
+    bodies = []
+    for name, body in plan.bodies.items():
+        ring = " undamped" if body.ringing and body.static else ""
+        modes = f"{len(body.vibrations)}+{body.static}{ring}"
+        bodies.append(f"{name} {'rigid' if body.rigid else modes}")
+    stiffening = ", stiffening" if plan.stiffening else ""
+    return f"{', '.join(bodies)}{stiffening}, rtol {plan.rtol:.1g}"
+
+
 def write_plan(file: Path, plan: Plan, remarks: list[str]) -> None:
     """Write a plan as TOML with remarks, under a temporary name that is then renamed."""
     lines = [*(f"# {remark}" for remark in remarks), "format = 1"]

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from .plan import LEAST_RTOL, Plan
+from .plan import LEAST_RTOL, Plan, kind_of
 from .trial import Trial, distance
 
 TIGHTER = 30.0  # tolerance of a plan over that of its promotion
@@ -36,8 +36,8 @@ def promotions(
     """
     for name, body in plan.bodies.items():
         more = check.bodies[name]
-        kinds = {label.rpartition(" ")[0] for label in ranked[name]}
-        added = [label for label in more.vibrations if label.rpartition(" ")[0] in kinds]
+        kinds = {kind_of(label) for label in ranked[name]}
+        added = [label for label in more.vibrations if kind_of(label) in kinds]
         if set(added) - set(body.vibrations):
             kept = tuple(dict.fromkeys((*body.vibrations, *added)))
             mesh = "check" if set(added) - set(ranked[name]) else body.mesh

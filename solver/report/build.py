@@ -14,6 +14,7 @@ from .balance import draw_balance
 from .comparison import draw_comparison
 from .drawings import Drawing, draw_all, is_up_to_date, remember, sources
 from .exposure import draw_exposure
+from .fidelity import ladder_file, with_ladder
 from .motion import draw_motion
 from .page import page
 from .spectrum import draw_spectrum
@@ -53,6 +54,7 @@ def make_report(case_dir: Path, runs: list[str], case: dict[str, Any] | None = N
         return target
     titles = case.get("runs", {})
     stories = [read_story(case_dir, run, str(titles.get(run) or run)) for run in runs]
+    stories = [with_ladder(case_dir, story) for story in stories]
     by_name = {story.name: story for story in stories}
     compared, shown = [], comparisons(case, stories)
     for wanted in shown:
@@ -82,6 +84,8 @@ def _content(case_dir: Path, runs: list[str], case: dict[str, Any]) -> str:
     for run in runs:
         names = (f"{run}/summary.json", f"{run}/result.vtkhdf", f"runs/{run}.json")
         files = {name: case_dir / name for name in names if (case_dir / name).is_file()}
+        ladder = ladder_file(case_dir, run)
+        files |= {ladder.name: ladder} if ladder.is_file() else {}
         found.update(files_sha256(files).encode())
     return found.hexdigest()
 

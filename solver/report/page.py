@@ -10,6 +10,7 @@ from .embed.histories import NUMBERS as HISTORIES
 from .embed.histories import histories
 from .embed.inline import policy, script, style
 from .embed.scene import scene
+from .fidelity import fidelity_section
 from .inputs import inputs_section
 from .modes import masses_section, modes_section
 from .reading import READING
@@ -47,6 +48,7 @@ def _page(title: str, stories: list[Story], comparisons: list[Comparison], movin
         doubts(stories),
         view(left_out) if any(run["scene"] for run in index["runs"]) else "",
         section("plots", "Plots", "<div id='plot-list'></div>"),
+        fidelity_section(stories),
         strength_section(stories),
         fatigue_section(stories),
         _signals(stories),

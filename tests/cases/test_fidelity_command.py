@@ -10,6 +10,7 @@ from stiffening_samples import rectangle
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.package import write_package
+from plymotion.solver.report.build import make_report
 from plymotion.solver.results import read_result, read_summary
 
 CASE = """
@@ -114,6 +115,9 @@ def test_plan_prints_the_answer_and_run_delivers_the_check(folder, capsys):
     assert keys | {"not_checked"} <= set(found)
     assert found["verdict"] == "met"
     assert 0.0 < found["estimate"]["tip"] <= 0.9 * 1e-2
+    tried = found["ladder"]
+    assert len(tried["rungs"]) >= 2
+    assert tried["chosen"]["error"] <= found["estimate"]["tip"] * (1.0 + 1e-9)
     assert read_result(folder / "build/base/result.vtkhdf").t[-1] == pytest.approx(0.3)
 
 
@@ -172,6 +176,10 @@ def test_a_chart_is_drawn(folder, capsys):
     assert main(["chart", case, "--folder", out, "--packages", str(folder / "packages")]) == 0
     assert "chosen" in capsys.readouterr().out
     assert (folder / "build/plans/base.png").read_bytes().startswith(b"\x89PNG")
+    assert run(folder) == 0
+    page = make_report(folder / "build", ["base"]).read_text()
+    assert "Accuracy asked and estimated" in page
+    assert "rigid, rtol 0.001: " in page
 
 
 @pytest.mark.parametrize(
