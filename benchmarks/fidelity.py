@@ -86,18 +86,23 @@ def keep(name: str, found: Table) -> None:
 
 
 def built(names: list[str]) -> None:
-    """Write the cases and build their packages in one process."""
+    """Write the cases and build their packages."""
     for name in names:
         folder = FOLDER / name
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "case.toml").write_text(toml(with_runs(SCENES[name])), encoding="utf-8")
         write_case(load_case(folder / "case.toml"), folder)
-        files = sorted((folder / "bodies").glob("*.json"))
-        specs = [str(f) for f in files if not current(f)]
-        if specs:
-            python = os.environ.get("FENICSX_PYTHON", "python3")
-            command = [python, "-m", "plymotion.preprocess", "body", *specs]
-            subprocess.run([*command, "--out-dir", str(folder / "bodies")], check=True)
+        packages(folder)
+
+
+def packages(folder: Path) -> None:
+    """Build the packages of a case that are missing or out of date, in one process."""
+    files = sorted((folder / "bodies").glob("*.json"))
+    specs = [str(f) for f in files if not current(f)]
+    if specs:
+        python = os.environ.get("FENICSX_PYTHON", "python3")
+        command = [python, "-m", "plymotion.preprocess", "body", *specs]
+        subprocess.run([*command, "--out-dir", str(folder / "bodies")], check=True)
 
 
 def current(spec: Path) -> bool:
