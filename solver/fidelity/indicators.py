@@ -5,7 +5,6 @@ Indicators plan, they certify nothing: a zero indicator is no evidence. The chec
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -13,14 +12,15 @@ from ..math.arrays import Array
 from ..mechanism import build
 from ..package import ModalPackage
 from ..package.body.selection import vibrations
-from ..package.body.transform import changed_basis, rigid
+from ..package.body.transform import changed_basis
 from ..run.outcome import RunSpec
 from ..signals import sensors
 from .base import Base, base_motion
 from .effects import Effects, effects
+from .loaded import fixed_packages, linear, loaded
 from .metrics import difference, scales
-from .model import Rich, with_values
-from .response import elastic_columns, modal_loads, response
+from .model import Rich
+from .response import elastic_columns, response
 from .stiffening import spins, stiffening_loss
 from .tolerance import amplified_errors
 
@@ -105,39 +105,13 @@ def study(
     signals : names of the signals that must be accurate
     """
     base = base_motion(spec, names)
-    fixed = {
-        name: package if base.model.n_mode[i] else rigid(package)
-        for i, (name, package) in _flexible(spec)
-        if name not in names
+    fixed = fixed_packages(spec, base, names)
+    rich = {
+        kind: loaded(spec, base, {name: packages[name] for name in names}, fixed)
+        for kind, packages in (("model", spec.packages), ("check", check))
     }
-    rich: dict[str, dict[str, Rich]] = {}
-    for kind, packages in (("model", spec.packages), ("check", check)):
-        mine = {**fixed, **{name: packages[name] for name in names}}
-        built = build(_linear(spec), mine)
-        p = modal_loads(base, built.model)
-        columns = dict(zip(built.body_names, elastic_columns(built.model), strict=False))
-        rich[kind] = {
-            name: Rich(mine[name], _quasi_static(mine[name], p[:, columns[name]])) for name in names
-        }
     found = _indicators(spec, base, rich["model"], fixed, signals)
     return Study(base, rich["model"], rich["check"], found)
-
-
-def _quasi_static(package: ModalPackage, p: Array) -> Array:
-    return np.asarray(np.linalg.solve(package.stiffness, p.T).T)
-
-
-def _flexible(spec: RunSpec) -> list[tuple[int, tuple[str, ModalPackage]]]:
-    return [
-        (i, (name, spec.packages[name]))
-        for i, name in enumerate(spec.mechanism.bodies)
-        if name in spec.packages
-    ]
-
-
-def _linear(spec: RunSpec, *, stiffening: bool = False) -> Any:
-    solver = with_values(spec.mechanism.solver, geometric_stiffening=stiffening)
-    return with_values(spec.mechanism, solver=solver)
 
 
 def _indicators(
@@ -159,7 +133,7 @@ def _indicators(
         name: changed_basis(one.package, np.eye(one.package.n_mode)[:, kept[name]])
         for name, one in rich.items()
     }
-    built = build(_linear(spec), {**fixed, **packages})
+    built = build(linear(spec), {**fixed, **packages})
     p = np.zeros((len(base.t), built.model.n_vel))
     modes: list[Mode] = []
     columns = elastic_columns(built.model)
@@ -178,7 +152,7 @@ def _indicators(
     scale = scales(fidelity.metric, parts.base + parts.response.sum(axis=2))
     stiffened = np.zeros(len(signals))
     if any(package.second_order is not None for package in packages.values()):
-        again = build(_linear(spec, stiffening=True), {**fixed, **packages})
+        again = build(linear(spec, stiffening=True), {**fixed, **packages})
         second = sensors(again, spec.mechanism.signals, wanted=wanted)
         lost = stiffening_loss(found, again, measured, second, parts)
         stiffened = np.abs(lost).max(axis=1) / scale

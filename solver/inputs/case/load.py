@@ -136,9 +136,7 @@ def checked_case(table: dict[str, Any], file: Path, *, coarse: bool = False) -> 
             def merged_of(
                 run: str, key: str = key, variants: list[str] = sweep.variants
             ) -> dict[str, Any]:
-                merged = merged_with(key, [*top.runs[run].variants, *variants])
-                merged.pop("fidelity", None)  # members have the modes that the case gives
-                return merged
+                return merged_with(key, [*top.runs[run].variants, *variants])
 
             checked = check_sweep(f"{file}: {key}", sweep, merged_of(sweep.run), specs, merged_of)
             if isinstance(checked, list):
