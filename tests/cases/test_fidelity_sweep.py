@@ -83,16 +83,25 @@ def test_members_have_the_accuracy_of_the_check(file, capsys):
     assert 0.0 < np.abs(tips - exact).max() < 1e-2 * np.abs(exact).max()
 
 
-def test_a_plan_that_is_too_coarse_for_a_member_is_told(file, capsys):
-    """An edited plan is checked, not changed."""
+def test_a_member_that_needs_more_promotes_the_plan_of_all(tmp_path, capsys):
+    """At the base the arm is rigid, with a mass of 60 kg it is not.
+
+    A plan that the user makes rigid again is checked, not changed, and the member is told.
+    """
+    heavy = SWEEP.replace("[0.5, 1.0, 1.5, 2.0, 2.5]", "[1.0, 60.0]")
+    file = made(tmp_path, CASE + heavy)
     assert sweep(file, "--jobs", "1") == 0
+    assert PLAN_TOO_COARSE.name not in capsys.readouterr().out
     plan = file.with_suffix(".plan.toml")
-    kept = plan.read_text()
-    lines = ["rtol = 0.05" if line.startswith("rtol") else line for line in kept.splitlines()]
-    plan.write_text("\n".join(lines))
-    capsys.readouterr()
+    text = plan.read_text()
+    assert "bending-xy 1" in text or "static_shapes = 0" not in text
+    record = json.loads(file.with_suffix(".fidelity.json").read_text())
+    assert record["members"]["1"]["estimate"]["tip"] < 1e-2
+    changes = {"vibrations": "vibrations = []", "static_shapes": "static_shapes = 0"}
+    rigid = [changes.get(line.partition(" ")[0], line) for line in text.splitlines()]
+    plan.write_text("\n".join(rigid))
     assert sweep(file, "--jobs", "1") == 0
-    text = capsys.readouterr().out
-    plan.write_text(kept)
-    assert f"warning [{PLAN_TOO_COARSE.name}]" in text
-    assert "5 computed" in text  # with the plan that was edited
+    told = capsys.readouterr().out
+    assert f"warning [{PLAN_TOO_COARSE.name}] the plan has not the accuracy at member 1: " in told
+    assert "2 computed" in told  # with the plan that was edited
+    assert plan.read_text() == "\n".join(rigid)
