@@ -80,7 +80,7 @@ def beam_theory(
     """Return the indicators of a body; None if it is no uniform beam of a known shape."""
     body = mechanism.bodies[name]
     package = rich.package
-    if body.kind != "beam" or len(package.sections) != 1:
+    if body.kind != "beam" or body.length is None or len(package.sections) != 1:
         return None
     found = walls_of(mechanism.sections[body.section])
     if found is None:

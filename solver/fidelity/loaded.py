@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from ..math.arrays import Array
 from ..mechanism import build
 from ..package import ModalPackage
 from ..package.body.transform import rigid
@@ -26,9 +27,13 @@ def loaded(
     p = modal_loads(base, built.model)
     columns = dict(zip(built.body_names, elastic_columns(built.model), strict=False))
     return {
-        name: Rich(package, np.linalg.solve(package.stiffness, p[:, columns[name]].T).T)
+        name: Rich(package, _quasi_static(package, p[:, columns[name]]))
         for name, package in packages.items()
     }
+
+
+def _quasi_static(package: ModalPackage, p: Array) -> Array:
+    return np.asarray(np.linalg.solve(package.stiffness, p.T).T)
 
 
 def fixed_packages(spec: RunSpec, base: Base, names: list[str]) -> dict[str, ModalPackage]:
