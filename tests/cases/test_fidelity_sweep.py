@@ -83,6 +83,7 @@ def test_members_have_the_accuracy_of_the_check(file, capsys):
     assert 0.0 < np.abs(tips - exact).max() < 1e-2 * np.abs(exact).max()
 
 
+@pytest.mark.provokes("plan-too-coarse")
 def test_a_member_that_needs_more_promotes_the_plan_of_all(tmp_path, capsys):
     """At the base the arm is rigid, with a mass of 60 kg it is not.
 
@@ -102,6 +103,7 @@ def test_a_member_that_needs_more_promotes_the_plan_of_all(tmp_path, capsys):
     plan.write_text("\n".join(rigid))
     assert sweep(file, "--jobs", "1") == 0
     told = capsys.readouterr().out
+    assert PLAN_TOO_COARSE.name == "plan-too-coarse"
     assert f"warning [{PLAN_TOO_COARSE.name}] the plan has not the accuracy at member 1: " in told
     assert "2 computed" in told  # with the plan that was edited
     assert plan.read_text() == "\n".join(rigid)

@@ -8,18 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import InputError
-from ...fidelity.execution import labels
 from ...fidelity.members import checked_member, joined, of_model, shared_plan
-from ...fidelity.plan import Plan as ModelPlan
 from ...fidelity.plan import read_plan, write_plan
-from ...fidelity.procedure import Answer, flexible_names
-from ...inputs.case.segments import in_segments
+from ...fidelity.procedure import Answer
 from ...package import ModalPackage
 from ...package.common.temporary import write_text
 from ...results.codes.members import PLAN_TOO_COARSE
 from ...run.outcome import RunSpec
 from .member import Packages
+from .model_plan import base_mechanism, known_vibrations
 from .plan import Plan
 
 RECORD = "fidelity.json"
@@ -45,7 +42,8 @@ def settle(plan: Plan) -> list[str]:
     base = _spec(plan, packages, plan.fidelity["base"], None)
     check = {**base.packages, **packages.named(plan.fidelity["base_check"])}
     digest = plan.digest()
-    given = _given(file, base, digest)
+    given = read_plan(file, known_vibrations(base)) if file.is_file() else None
+    given = given if given is not None and given.inputs_sha256 == digest else None
     record = _record(record_file(plan.file))
     if given is not None and record.get("plan") == given.table():
         return list(record["lines"])
@@ -78,29 +76,6 @@ def settle(plan: Plan) -> list[str]:
     return lines
 
 
-def model_plan(plan: Plan, packages: Packages) -> ModelPlan:
-    """Return the plan that `settle` has written. Raises InputError if there is none."""
-    assert plan.fidelity is not None
-    base = _spec(plan, packages, plan.fidelity["base"], None)
-    file = plan.model_plan_file
-    if not file.is_file():
-        raise InputError(f"{file}: no such file; expected the plan that `plymotion sweep` makes")
-    return read_plan(file, _known(base))
-
-
-def _given(file: Path, base: RunSpec, digest: str) -> ModelPlan | None:
-    if not file.is_file():
-        return None
-    given = read_plan(file, _known(base))
-    return given if given.inputs_sha256 == digest else None
-
-
-def _known(base: RunSpec) -> dict[str, dict[str, tuple[str, ...]]]:
-    return {
-        name: {"model": labels(base.packages[name]), "check": ()} for name in flexible_names(base)
-    }
-
-
 def _record(file: Path) -> dict[str, Any]:
     if not file.is_file():
         return {}
@@ -111,7 +86,7 @@ def _record(file: Path) -> dict[str, Any]:
 def _spec(
     plan: Plan, packages: Packages, numbers: Mapping[str, int], member: int | None
 ) -> RunSpec:
-    mechanism = in_segments(plan.mechanism) if member is None else plan.mechanism_of(member)
+    mechanism = base_mechanism(plan) if member is None else plan.mechanism_of(member)
     return RunSpec(plan.case, plan.run, mechanism, packages.named(numbers))
 
 
