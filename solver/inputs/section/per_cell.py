@@ -4,8 +4,6 @@ Angles are ours and VABS's: theta1 turns x2 to the layer direction y2, theta3 tu
 x1 towards y2.
 """
 
-import hashlib
-import io
 import os
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,7 +13,7 @@ import numpy as np
 
 from ...errors import InputError
 from ...math.arrays import Array, IntArray
-from ...package.common.temporary import temporary_sibling
+from .mesh_arrays import write_npz
 
 TRIANGLE, QUADRILATERAL = 0, 1
 ABSENT = -1
@@ -37,6 +35,7 @@ class CellSection:
     plies : material and theta3 [deg] of each
     materials : constants by name, as in a description
     curvature : (3,) initial twist and curvature [rad/m]
+    not_computed : models that the file asks for and that are not computed
     """
 
     file: Path
@@ -49,7 +48,7 @@ class CellSection:
     materials: dict[str, dict[str, Any]]
     curvature: tuple[float, float, float] = (0.0, 0.0, 0.0)
     title: str = ""
-    warnings: list[str] = field(default_factory=list)
+    not_computed: list[str] = field(default_factory=list)
 
 
 def cell_section_spec(section: CellSection, folder: Path) -> dict[str, Any]:
@@ -67,9 +66,9 @@ def cell_section_spec(section: CellSection, folder: Path) -> dict[str, Any]:
         raise InputError(f"{section.file}: a cell has a node that does not exist")
     used = np.unique(section.ply)
     names = [f"ply-{row + 1}" for row in used]
-    buffer = io.BytesIO()
-    np.savez(
-        buffer,
+    arrays, digest = write_npz(
+        folder,
+        section.file.stem,
         points=section.points,
         cells=section.nodes,
         kind=section.kind,
@@ -78,13 +77,6 @@ def cell_section_spec(section: CellSection, folder: Path) -> dict[str, Any]:
         region=np.searchsorted(used, section.ply),
         region_names=np.array(names, dtype=str),
     )
-    content = buffer.getvalue()
-    digest = hashlib.sha256(content).hexdigest()
-    arrays = folder / f"{section.file.stem}-{digest[:12]}.npz"
-    if not arrays.is_file():
-        folder.mkdir(parents=True, exist_ok=True)
-        with temporary_sibling(arrays) as temporary:
-            temporary.write_bytes(content)
     regions = {}
     for name, row in zip(names, used, strict=True):
         material, angle = section.plies[row]
@@ -103,4 +95,6 @@ def cell_section_spec(section: CellSection, folder: Path) -> dict[str, Any]:
     }
     if any(section.curvature):
         spec["initial_curvature"] = list(section.curvature)
+    if section.not_computed:
+        spec["not_computed"] = section.not_computed
     return spec
