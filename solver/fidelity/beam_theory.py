@@ -82,7 +82,7 @@ def beam_theory(
     package = rich.package
     if body.kind != "beam" or body.length is None or len(package.sections) != 1:
         return None
-    found = walls_of(mechanism.sections[body.section])
+    found = walls_of(mechanism.sections[body.section]) if body.section is not None else None
     if found is None:
         return None
     section = package.sections[0]
