@@ -319,9 +319,14 @@ bench: $(EXUDYN) | $(COMPILED) ## The solver compared with Exudyn: build/benchma
 	    $(BENCH_OPTIONS)
 
 .PHONY: fidelity
-fidelity: $(FENICSX) | $(COMPILED) ## Accuracy asked, estimated and true of planned runs: build/benchmarks/fidelity.json
+fidelity: $(FENICSX) | $(COMPILED) ## Accuracy asked, estimated and true of planned runs, scene by scene: build/benchmarks/fidelity.json
 	. ./$(FENICSX) && export FENICSX_PYTHON && \
 	    $(BENCH) benchmarks/fidelity.py build/benchmarks/fidelity.json
+
+.PHONY: fidelity-theory
+fidelity-theory: $(FENICSX) | $(COMPILED) ## The same, a third of the scenes, against beams in segments
+	. ./$(FENICSX) && export FENICSX_PYTHON && \
+	    $(BENCH) benchmarks/fidelity_theory.py build/benchmarks/fidelity-theory.json
 
 # In a separate folder: neither tests nor users need them. Without dependencies: NumPy is that of
 # the environment.

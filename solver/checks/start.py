@@ -49,7 +49,10 @@ def _remedy(run: FinishedRun) -> str:
         )
         if run.mechanism.solver.start == "equilibrium":
             return f"The run starts in equilibrium at rest, but {gentle}"
-        return f'{gentle}. For weight and springs set solver.start = "equilibrium"'
+        return (
+            f'{gentle}. With solver.start = "quasi-static" the bodies begin in the shape for it; '
+            'for weight and springs at rest set "equilibrium"'
+        )
     if is_moving(run.model, run.solution.y[0]):
         return (
             "The run starts in motion, in the shape that the case gives (undeformed by default). "

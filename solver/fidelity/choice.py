@@ -38,6 +38,7 @@ def chosen(
         (indicators.stiffening > STIFFENING_SHARE * accuracy).any() or spin > STIFFENING_SPIN
     )
     by = MOTION_RTOL if all(kinds[n] in MOTIONS for n in indicators.names) else OTHER_RTOL
+    by = max(by, MOTION_RTOL * float(indicators.amplified.max(initial=0.0)))
     rtol = min(max(accuracy / by, LEAST_RTOL), MOST_RTOL)
     plan = Plan(dict(least), stiffening, rtol)
     loss = _loss(indicators, plan)

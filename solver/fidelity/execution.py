@@ -12,6 +12,7 @@ from ..run.execution import package_of, read_run
 from ..run.inputs_digest import inputs_sha256
 from ..run.outcome import RunSpec
 from ..run.timing import Stopwatch
+from .ladder import tried_models
 from .plan import read_plan, write_plan
 from .procedure import Answer, checked, flexible_names, plan_of
 from .words import entry, remarks
@@ -117,5 +118,6 @@ def delivered(
     result, summary = trial.outcome()
     clock.lap("recover")
     summary["cost"]["seconds"] = clock.seconds
-    summary["fidelity"] = entry(answer)
+    tried = tried_models(answer)
+    summary["fidelity"] = {**entry(answer), "ladder": tried.entry() if tried else None}
     return result, summary

@@ -5,25 +5,24 @@ Indicators plan, they certify nothing: a zero indicator is no evidence. The chec
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from ..dynamics.coordinates import move_rows
 from ..math.arrays import Array
-from ..mechanism import BuiltMechanism, build
-from ..monitors.geometric_stiffness import geometric_stiffness
-from ..monitors.spin import SpinMonitor
+from ..mechanism import build
 from ..package import ModalPackage
 from ..package.body.selection import vibrations
-from ..package.body.transform import changed_basis, rigid
+from ..package.body.transform import changed_basis
 from ..run.outcome import RunSpec
-from ..signals import Recording, Sensor, sensors
+from ..signals import sensors
 from .base import Base, base_motion
 from .effects import Effects, effects
+from .loaded import fixed_packages, linear, loaded
 from .metrics import difference, scales
-from .model import Rich, with_values
-from .response import Response, elastic_columns, modal_loads, response
+from .model import Rich
+from .response import elastic_columns, response
+from .stiffening import spins, stiffening_loss
+from .tolerance import amplified_errors
 
 FAINT = 1e-8  # root of the strain energy of a mode that does not respond, of the largest
 
@@ -49,6 +48,7 @@ class Indicators:
     effects : their contributions
     stiffening : (o,) loss without geometric stiffening, of the scale
     spin : largest spin over the first frequency of the clamped body, by body
+    amplified : (o,) error of each signal over the tolerance that causes it
     """
 
     names: list[str]
@@ -58,6 +58,7 @@ class Indicators:
     effects: Effects
     stiffening: Array
     spin: dict[str, float]
+    amplified: Array
 
     def loss(self, lost: Array) -> Array:
         """Return the error (o,) that lost contributions (o, k) cause, of the scale."""
@@ -104,39 +105,13 @@ def study(
     signals : names of the signals that must be accurate
     """
     base = base_motion(spec, names)
-    fixed = {
-        name: package if base.model.n_mode[i] else rigid(package)
-        for i, (name, package) in _flexible(spec)
-        if name not in names
+    fixed = fixed_packages(spec, base, names)
+    rich = {
+        kind: loaded(spec, base, {name: packages[name] for name in names}, fixed)
+        for kind, packages in (("model", spec.packages), ("check", check))
     }
-    rich: dict[str, dict[str, Rich]] = {}
-    for kind, packages in (("model", spec.packages), ("check", check)):
-        mine = {**fixed, **{name: packages[name] for name in names}}
-        built = build(_linear(spec), mine)
-        p = modal_loads(base, built.model)
-        columns = dict(zip(built.body_names, elastic_columns(built.model), strict=False))
-        rich[kind] = {
-            name: Rich(mine[name], _quasi_static(mine[name], p[:, columns[name]])) for name in names
-        }
     found = _indicators(spec, base, rich["model"], fixed, signals)
     return Study(base, rich["model"], rich["check"], found)
-
-
-def _quasi_static(package: ModalPackage, p: Array) -> Array:
-    return np.asarray(np.linalg.solve(package.stiffness, p.T).T)
-
-
-def _flexible(spec: RunSpec) -> list[tuple[int, tuple[str, ModalPackage]]]:
-    return [
-        (i, (name, spec.packages[name]))
-        for i, name in enumerate(spec.mechanism.bodies)
-        if name in spec.packages
-    ]
-
-
-def _linear(spec: RunSpec, *, stiffening: bool = False) -> Any:
-    solver = with_values(spec.mechanism.solver, geometric_stiffening=stiffening)
-    return with_values(spec.mechanism, solver=solver)
 
 
 def _indicators(
@@ -158,7 +133,7 @@ def _indicators(
         name: changed_basis(one.package, np.eye(one.package.n_mode)[:, kept[name]])
         for name, one in rich.items()
     }
-    built = build(_linear(spec), {**fixed, **packages})
+    built = build(linear(spec), {**fixed, **packages})
     p = np.zeros((len(base.t), built.model.n_vel))
     modes: list[Mode] = []
     columns = elastic_columns(built.model)
@@ -168,7 +143,8 @@ def _indicators(
             p[:, columns[i]] = (rich[name].eta @ package.stiffness)[:, kept[name]]
             moving = set(vibrations(package).tolist())
             modes += [Mode(name, package.mode_labels[j], j in moving) for j in kept[name].tolist()]
-    found = response(base, built.model, p)
+    deformed = spec.mechanism.solver.start != "positions"
+    found = response(base, built.model, p, deformed=deformed)
     wanted = {name: spec.mechanism.signals[name] for name in signals}
     kinds = {name: signal.kind for name, signal in wanted.items()}
     measured = sensors(built, spec.mechanism.signals, wanted=wanted)
@@ -176,53 +152,12 @@ def _indicators(
     scale = scales(fidelity.metric, parts.base + parts.response.sum(axis=2))
     stiffened = np.zeros(len(signals))
     if any(package.second_order is not None for package in packages.values()):
-        again = build(_linear(spec, stiffening=True), {**fixed, **packages})
+        again = build(linear(spec, stiffening=True), {**fixed, **packages})
         second = sensors(again, spec.mechanism.signals, wanted=wanted)
-        lost = _stiffening_loss(found, again, measured, second, parts)
+        lost = stiffening_loss(found, again, measured, second, parts)
         stiffened = np.abs(lost).max(axis=1) / scale
-    spin = _spins(built, found, list(rich))
-    return Indicators(list(signals), fidelity.metric, scale, modes, parts, stiffened, spin)
-
-
-def _stiffening_loss(
-    found: Response,
-    again: BuiltMechanism,
-    measured: Mapping[str, Sensor],
-    second: Mapping[str, Sensor],
-    parts: Effects,
-) -> Array:
-    """Change of the signals (o, s) by geometric stiffness and second-order motion, q = eta."""
-    rows, model = found.at, found.model
-    t, y = found.t[rows], found.y[rows].copy()
-    change = np.einsum("snm,sm->sn", found.motions[:, : model.n_vel], found.eta[rows])
-    move_rows(model, y, change)
-    one, two = Recording(model, t, y), Recording(again.model, t, y)
-    lost = np.array([second[name].values(two) - measured[name].values(one) for name in measured])
-    lost = np.where(np.isfinite(lost), lost, 0.0)
-    turned = np.zeros((len(rows), len(found.elastic)))
-    for i, columns in enumerate(elastic_columns(model)):
-        if len(columns) and again.model.second_start[i + 1] > again.model.second_start[i]:
-            Kg = geometric_stiffness(model, again.model, i, t, y)
-            own = np.searchsorted(found.elastic, columns)
-            turned[:, own] = np.einsum("sij,sj->si", Kg, found.eta[rows][:, own])
-    extra = np.linalg.solve(found.K, turned.T).T  # (s, m)
-    eta = found.eta[rows]
-    slope = np.divide(
-        parts.static[:, rows], eta, out=np.zeros((len(lost), *eta.shape)), where=eta != 0.0
+    spin = spins(built, found, list(rich))
+    amplified = amplified_errors(found, parts, scale)
+    return Indicators(
+        list(signals), fidelity.metric, scale, modes, parts, stiffened, spin, amplified
     )
-    return np.asarray(lost - np.einsum("osm,sm->os", slope, extra))
-
-
-def _spins(built: BuiltMechanism, found: Response, names: list[str]) -> dict[str, float]:
-    spin = SpinMonitor(built.model, built.body_names, stop=False)
-    out = {}
-    for i, name in enumerate(built.body_names):
-        if name not in names or not built.model.n_mode[i]:
-            continue
-        ratios = [0.0]
-        for k in found.at.tolist():
-            w = spin.spin(i, found.y[k])
-            if np.linalg.norm(w) > 0.0:
-                ratios.append(float(np.linalg.norm(w) / spin.critical_spin(i, w)))
-        out[name] = max(ratios)
-    return out

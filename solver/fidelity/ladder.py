@@ -1,6 +1,7 @@
 """The models between rigid bodies and all modes: error and CPU time of each, for a chart."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 
@@ -35,6 +36,10 @@ class Ladder:
     estimate: float
     asked: float
 
+    def entry(self) -> dict[str, Any]:
+        """Return plain data, as the report reads it."""
+        return asdict(self)
+
     def front(self) -> list[Rung]:
         """Return the models that no other one beats in both time and error."""
         found: list[Rung] = []
@@ -42,6 +47,28 @@ class Ladder:
             if not found or rung.error < found[-1].error:
                 found.append(rung)
         return found
+
+
+def tried_models(answer: Answer) -> Ladder | None:
+    """Return the models that planning has tried, compared with the check; None without a check."""
+    fidelity, check, trial = answer.spec.mechanism.fidelity, answer.check, answer.trial
+    if fidelity is None or check is None or trial is None or answer.estimate is None:
+        return None
+    if not (check.complete and trial.complete):
+        return None
+    sizes = scales(fidelity.metric, check.signals)
+
+    def error(signals: Array) -> float:
+        return float(np.max(difference(fidelity.metric, signals, check.signals) / sizes))
+
+    rungs = [Rung(name, cpu, error(signals)) for name, cpu, signals in answer.tried]
+    return Ladder(
+        rungs,
+        Rung("chosen", trial.cpu, error(trial.signals)),
+        Rung("check", check.cpu, 0.0),
+        float(answer.estimate.max(initial=0.0)),
+        fidelity.accuracy,
+    )
 
 
 def ladder(answer: Answer) -> Ladder:

@@ -11,14 +11,14 @@ from ..package import ModalPackage
 from ..package.body.selection import axial_load, inertia_loads, vibrations, with_statics
 from ..package.body.transform import rigid
 from ..run.outcome import RunSpec
-from .plan import BodyPlan, Plan
+from .plan import BodyPlan, Plan, kind_of
 
 if TYPE_CHECKING:
     from ..inputs.case.schema import Mechanism
 
 DAMPED = 0.2  # damping ratio of static shapes that do not ring: 1 would lag behind their loads
 TIGHT = 3e-5  # tolerance of a check at most
-TIGHTEST = 5e-7
+TIGHTEST = 2.5e-10
 TIGHTER = 4.0  # and so many times below that of the model
 SMALL = 1e-4  # singular value of a load shape that a check leaves out, relative to the largest
 # Of rich packages, which ask for every mode; the check tells what the mesh of a plan costs.
@@ -118,8 +118,8 @@ def check_plan(
         added = [label for label in unused if label in known][:more]
         # The lowest of all, and of each kind that responds: the model's package has no more of it.
         left = [label for label in known if label not in (*body.vibrations, *added)]
-        kinds = {_kind(label) for label in ranked[name]}
-        lowest = {_kind(label): label for label in reversed(left) if _kind(label) in kinds}
+        kinds = {kind_of(label) for label in ranked[name]}
+        lowest = {kind_of(label): label for label in reversed(left) if kind_of(label) in kinds}
         added += dict.fromkeys([*left[:1], *lowest.values()])
         kept = tuple(label for label in known if label in (*body.vibrations, *added))
         rich = check[name]
@@ -130,10 +130,6 @@ def check_plan(
     rtol = max(min(TIGHT, plan.rtol / TIGHTER), TIGHTEST)
     second = any(rich.package.second_order is not None for rich in check.values())
     return Plan(bodies, plan.stiffening or second, rtol, plan.inputs_sha256)
-
-
-def _kind(label: str) -> str:
-    return label.rpartition(" ")[0]
 
 
 def planned(

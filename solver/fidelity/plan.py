@@ -9,7 +9,7 @@ from typing import Any
 from ..errors import InputError, nearest
 from ..package.common.temporary import write_text
 
-LEAST_RTOL, MOST_RTOL = 1e-6, 1e-3
+LEAST_RTOL, MOST_RTOL = 1e-9, 1e-3  # small deflections need the first: errors are of the size
 
 
 @dataclass(frozen=True)
@@ -72,6 +72,22 @@ class Plan:
                 for name, body in self.bodies.items()
             },
         }
+
+
+def kind_of(label: str) -> str:
+    """Return the kind of a vibration from its label, "bending-xy" of "bending-xy 3"."""
+    return label.rpartition(" ")[0]
+
+
+def outline(plan: Plan) -> str:
+    """Return a plan in a few words: modes of each body, stiffening, tolerance."""
+    bodies = []
+    for name, body in plan.bodies.items():
+        ring = " undamped" if body.ringing and body.static else ""
+        modes = f"{len(body.vibrations)}+{body.static}{ring}"
+        bodies.append(f"{name} {'rigid' if body.rigid else modes}")
+    stiffening = ", stiffening" if plan.stiffening else ""
+    return f"{', '.join(bodies)}{stiffening}, rtol {plan.rtol:.1g}"
 
 
 def write_plan(file: Path, plan: Plan, remarks: list[str]) -> None:

@@ -66,6 +66,7 @@ class Response:
     y : (k, n) the base motion, modes zero
     p, K, D : (k, m), (m, m), (m, m) loads, stiffness and damping of the modes
     at : (s,) rows of t where the masses are known
+    deformed : the run starts in the quasi-static shape
     """
 
     base: Base
@@ -75,6 +76,7 @@ class Response:
     K: Array
     D: Array
     at: IntArray
+    deformed: bool = False
 
     @property
     def t(self) -> Array:
@@ -124,7 +126,10 @@ class Response:
 
     @cached_property
     def history(self) -> tuple[Array, Array, Array]:
-        """Modes, rates and accelerations (k, m) from rest, by Newmark's method."""
+        """Modes, rates and accelerations (k, m) by Newmark's method.
+
+        From rest, undeformed or (`deformed`) in the quasi-static shape.
+        """
         masses, K, D = self._blocks[0], self.K, self.D
         t, p = self.t, self.p
         q, v, a = (np.zeros(p.shape) for _ in range(3))
@@ -132,7 +137,9 @@ class Response:
         segment = np.searchsorted(self.at, np.arange(len(t)), side="right") - 1
         solver: Array = np.zeros((0, 0))
         known = (-1, 0.0)
-        a[0] = _definite(masses[0], p[0])
+        if self.deformed:
+            q[0] = self.eta[0]
+        a[0] = _definite(masses[0], p[0] - K @ q[0])
         for k in range(1, len(t)):
             h = float(t[k] - t[k - 1])
             here = (int(segment[k]), round(h, 12))
@@ -170,7 +177,7 @@ def _definite(M: Array, b: Array) -> Array:
     return np.asarray(np.linalg.solve(_positive(M), b))
 
 
-def response(base: Base, model: Model, p: Array) -> Response:
+def response(base: Base, model: Model, p: Array, *, deformed: bool = False) -> Response:
     """Return the response to loads p (k, n_vel) of a linear model with rich bodies."""
     elastic = np.concatenate(elastic_columns(model)).astype(np.int64)
     m, at = len(elastic), 0
@@ -183,4 +190,4 @@ def response(base: Base, model: Model, p: Array) -> Response:
         at += n
     y, _ = embedded(base, model)
     samples = np.unique(np.linspace(0, len(base.t) - 1, SAMPLES).astype(np.int64))
-    return Response(base, model, y, p[:, elastic], K, D, samples)
+    return Response(base, model, y, p[:, elastic], K, D, samples, deformed)

@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from .plan import LEAST_RTOL, Plan
+from .plan import LEAST_RTOL, Plan, kind_of
 from .trial import Trial, distance
 
+TIGHTER = 30.0  # tolerance of a plan over that of its promotion
 PROMOTED = 0.3  # of the largest share, from which a kind is promoted
 
 
@@ -35,8 +36,8 @@ def promotions(
     """
     for name, body in plan.bodies.items():
         more = check.bodies[name]
-        kinds = {label.rpartition(" ")[0] for label in ranked[name]}
-        added = [label for label in more.vibrations if label.rpartition(" ")[0] in kinds]
+        kinds = {kind_of(label) for label in ranked[name]}
+        added = [label for label in more.vibrations if kind_of(label) in kinds]
         if set(added) - set(body.vibrations):
             kept = tuple(dict.fromkeys((*body.vibrations, *added)))
             mesh = "check" if set(added) - set(ranked[name]) else body.mesh
@@ -51,7 +52,7 @@ def promotions(
     if check.stiffening and not plan.stiffening:
         yield "stiffening", "", replace(plan, stiffening=True)
     if plan.rtol > LEAST_RTOL:
-        yield "tolerance", "", replace(plan, rtol=max(LEAST_RTOL, plan.rtol / 10.0))
+        yield "tolerance", "", replace(plan, rtol=max(LEAST_RTOL, plan.rtol / TIGHTER))
 
 
 def split(

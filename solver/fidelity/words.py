@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from .beam_theory import beam_theory
 from .plan import Plan
 from .procedure import Answer
 
@@ -52,8 +53,20 @@ def entry(answer: Answer) -> dict[str, Any]:
         "reason": answer.reason,
         "base": answer.study.base.reason or "rigid",
         "horizon": answer.horizon,
+        "theories": theories(answer),
         "not_checked": not_checked(answer),
     }
+
+
+def theories(answer: Answer) -> list[str]:
+    """Return, for each flexible beam of the plan, whether a beam is enough or a shell is needed."""
+    fidelity, mechanism = answer.spec.mechanism.fidelity, answer.spec.mechanism
+    assert fidelity is not None
+    found = [
+        beam_theory(mechanism, name, body, answer.study.model[name], answer.study.indicators)
+        for name, body in answer.plan.bodies.items()
+    ]
+    return [one.words(fidelity.accuracy) for one in found if one is not None]
 
 
 def _finite(value: float) -> float | None:
@@ -94,6 +107,7 @@ def answer_text(answer: Answer) -> str:
         lines += [f"The bodies cannot all be rigid: {answer.study.base.reason}", ""]
     lines += _model(answer.plan)
     lines += ["", *_omissions(answer), ""]
+    lines += [f"{text[0].upper()}{text[1:]}." for text in theories(answer)]
     if answer.estimate is None:
         lines.append(f"Not checked{': ' + answer.reason if answer.reason else ''}.")
     else:

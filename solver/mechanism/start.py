@@ -1,4 +1,4 @@
-"""The state in which a run starts: as given, at rest in equilibrium, or in steady spin."""
+"""The state in which a run starts: as given, quasi-static, in equilibrium, or in steady spin."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -13,6 +13,7 @@ from ..math.arrays import Array
 from .equilibrium import equilibrium
 from .inertia import require_inertia
 from .initial import Start, consistent_state
+from .quasi_static import quasi_static_state
 from .relative_equilibrium import relative_equilibrium
 
 _CONTRADICTION = 1e-9  # rate of a drive against the spin, relative
@@ -35,8 +36,8 @@ def starting_state(
     Raises
     ------
     InputError
-        As `consistent_state`, `equilibrium`, `relative_equilibrium` and `require_inertia`; a drive
-        that does not turn with the spin.
+        As `consistent_state`, `equilibrium`, `relative_equilibrium`, `quasi_static_state` and
+        `require_inertia`; a drive that does not turn with the spin.
     """
     y = consistent_state(model, start, joint_names)
     if kind == "equilibrium":
@@ -52,6 +53,8 @@ def starting_state(
         else:
             found = equilibrium(model, closed, body_names)
             y = consistent_state(model, found, joint_names)
+    elif kind == "quasi-static":
+        y = quasi_static_state(model, start, joint_names, body_names)
     require_inertia(model, y, body_names, light=light)
     return y
 

@@ -13,6 +13,7 @@ from .balance import draw_balance
 from .comparison import draw_comparison
 from .drawings import Drawing, draw_all, drawn_before, is_up_to_date, remember, sources, version
 from .exposure import draw_exposure
+from .fidelity import ladder_file, with_ladder
 from .motion import draw_motion
 from .page import page
 from .spectrum import draw_spectrum
@@ -61,6 +62,7 @@ def make_report(
         return target
     titles = case.get("runs", {})
     stories = [read_story(case_dir, run, str(titles.get(run) or run), digests[run]) for run in runs]
+    stories = [with_ladder(case_dir, story) for story in stories]
     shown = comparisons(case, stories)
     by_name = {story.name: story for story in stories}
     for wanted in shown:
@@ -112,7 +114,8 @@ def _content(
     found = hashlib.sha256(json.dumps([runs, case, results, version() if figures else ""]).encode())
     found.update(sources("**/*"))
     for run in runs:
-        for file in (case_dir / run / "summary.json", case_dir / "runs" / f"{run}.json"):
+        own = case_dir / run / "summary.json", case_dir / "runs" / f"{run}.json"
+        for file in (*own, ladder_file(case_dir, run)):
             if file.is_file():
                 found.update(file_sha256(file).encode())
     return found.hexdigest()

@@ -10,6 +10,7 @@ from .embed.histories import NUMBERS as HISTORIES
 from .embed.histories import histories
 from .embed.inline import policy, script, style
 from .embed.scene import scene
+from .fidelity import fidelity_section
 from .inputs import inputs_section
 from .modes import masses_section, modes_section
 from .reading import READING
@@ -38,6 +39,7 @@ def page(title: str, stories: list[Story], comparisons: list[Comparison]) -> str
     before = [_header(title, stories), "<main>", outcomes(stories), doubts(stories)]
     after = [
         section("plots", "Plots", "<div id='plot-list'></div>"),
+        fidelity_section(stories),
         strength_section(stories),
         fatigue_section(stories),
         signals_section(stories),

@@ -1,52 +1,14 @@
 """`plymotion plan` and `plymotion run` of a case with [fidelity], with packages built here."""
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from beam_samples import reduced
-from stiffening_samples import rectangle
+from fidelity_packages import CASE, build_bodies
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.package import write_package
+from plymotion.solver.report.build import make_report
 from plymotion.solver.results import read_result, read_summary
-
-CASE = """
-format = 1
-title = "Pendulum"
-gravity = [0.0, -9.81, 0.0]
-materials.metal = { kind = "isotropic", E = 73e9, nu = 0.3, rho = 2700.0 }
-sections.bar = { shape = "rectangle", width = 0.01, height = 0.04 }
-ground.origin = { position = [0.0, 0.0, 0.0] }
-masses.load = { mass = 1.0, at = "link.tip" }
-signals.tip = { kind = "position", at = "link.tip", component = "y" }
-signals.force = { kind = "reaction", joint = "hinge", quantity = "force", component = "x" }
-solver = { t_end = 0.3, output_step = 0.002 }
-fidelity = { accuracy = 1e-2, signals = ["tip"] }
-
-[bodies.link]
-kind = "beam"
-length = 0.6
-section = "bar"
-material = "metal"
-elements = 8
-modes = [{ kind = "bending-xy", count = 2 }]
-interfaces = { root = { at = "start" }, tip = { at = "end" } }
-
-[joints.hinge]
-kind = "revolute"
-between = ["ground.origin", "link.root"]
-axis = [0.0, 0.0, 1.0]
-drive = { polynomial = [0.0, 0.0, 8.0] }
-
-[variants.impossible]
-fidelity = { accuracy = 1e-9, signals = ["force"], budget = 0.5 }
-
-[runs.base]
-[runs.impossible]
-variants = ["impossible"]
-"""
 
 
 @pytest.fixture(scope="module")
@@ -59,21 +21,7 @@ def folder(tmp_path_factory):
     ready.mkdir()
     words = ["check", str(root / "case.toml"), "--out", str(out), "--packages", str(ready)]
     assert main(words) == 0
-    K, mass = rectangle(73e9, 0.3, 2700.0, 0.04, 0.01)
-    for file in (out / "bodies").glob("*.json"):
-        spec = json.loads(file.read_text())
-        package = reduced(
-            spec["reference"],
-            spec["modes"],
-            elements=spec["elements"],
-            K=K,
-            mass=mass,
-            length=spec["length"],
-            interfaces=spec["interfaces"],
-            body=spec["body"],
-        ).package
-        known = {**package.provenance, "inputs_sha256": spec["inputs_sha256"]}
-        write_package(ready / f"{file.stem}.vtkhdf", replace(package, provenance=known))
+    build_bodies(out / "bodies", ready)
     return root
 
 
@@ -114,6 +62,9 @@ def test_plan_prints_the_answer_and_run_delivers_the_check(folder, capsys):
     assert keys | {"not_checked"} <= set(found)
     assert found["verdict"] == "met"
     assert 0.0 < found["estimate"]["tip"] <= 0.9 * 1e-2
+    tried = found["ladder"]
+    assert len(tried["rungs"]) >= 2
+    assert tried["chosen"]["error"] <= found["estimate"]["tip"] * (1.0 + 1e-9)
     assert read_result(folder / "build/base/result.vtkhdf").t[-1] == pytest.approx(0.3)
 
 
@@ -172,6 +123,10 @@ def test_a_chart_is_drawn(folder, capsys):
     assert main(["chart", case, "--folder", out, "--packages", str(folder / "packages")]) == 0
     assert "chosen" in capsys.readouterr().out
     assert (folder / "build/plans/base.png").read_bytes().startswith(b"\x89PNG")
+    assert run(folder) == 0
+    page = make_report(folder / "build", ["base"]).read_text()
+    assert "Accuracy asked and estimated" in page
+    assert "rigid, rtol 0.001: " in page
 
 
 @pytest.mark.parametrize(

@@ -1,11 +1,14 @@
 """The command `plymotion chart`: error against CPU time of the models of one run."""
 
 import argparse
+import json
 from pathlib import Path
 
 from ...errors import InputError
 from ...fidelity.execution import answered, plan_file
 from ...fidelity.ladder import Ladder, Rung, ladder
+from ...package.common.temporary import write_text
+from ...report.fidelity import ladder_file
 from ...report.style import GREY, INK, WARNING, Canvas, colour, house_style
 from ..plan.command import run_file_of
 
@@ -25,6 +28,8 @@ def run_chart(options: argparse.Namespace) -> int:
     found = ladder(answer)
     for rung in (*found.front(), found.chosen, found.check):
         print(f"{rung.cpu:9.3f} s  {rung.error:8.1e}  {rung.name}")
+    data = {**found.entry(), "plan": answer.plan.table()}
+    write_text(ladder_file(file.parent.parent, answer.spec.run), json.dumps(data, indent=1) + "\n")
     path = draw_ladder(
         options.out or plan_file(file).with_suffix(".png"),
         found,

@@ -26,6 +26,11 @@ def run_sweep(options: argparse.Namespace) -> int:
     """Compute a sweep; return 0, or 3 if a member failed or stopped, 130 if interrupted."""
     plan = read_plan(options.sweep, allow_doubtful=options.allow_doubtful)
     folder = _folder(options)
+    planned: list[str] = []
+    if plan.fidelity is not None:
+        from .fidelity import settle  # most sweeps need no planner
+
+        planned = settle(plan)
     file, known = folder / FILE, [folder / FILE, *sorted(folder.glob(SHARDS))]
     if options.shard:
         members = share(plan.members, options.shard)
@@ -51,9 +56,9 @@ def run_sweep(options: argparse.Namespace) -> int:
         return INTERRUPTED
     seconds = time.perf_counter() - begin
     if options.shard:
-        tell(result, work.kept, seconds, file, "")
+        tell(result, work.kept, seconds, file, "", planned)
     elif not _tabulated(folder, result, options):
-        tell(result, work.kept, seconds, file, f", {CSV}")
+        tell(result, work.kept, seconds, file, f", {CSV}", planned)
     return INCOMPLETE if result.count(FAILED, STOPPED) else 0
 
 

@@ -71,8 +71,12 @@ class Packages:
 
     def of(self, variant: Variant) -> dict[str, ModalPackage]:
         """Return the packages of a member, or of another run of it. Raises PackageError."""
+        return self.named(variant.packages)
+
+    def named(self, numbers: Mapping[str, int]) -> dict[str, ModalPackage]:
+        """Return packages by body, given by their numbers in the plan. Raises PackageError."""
         found = {}
-        for body, k in variant.packages.items():
+        for body, k in numbers.items():
             if k not in self._known:
                 try:
                     self._known[k] = self.plan.package(k)
@@ -127,9 +131,13 @@ def _computed(plan: Plan, packages: Packages, number: int, row: Row) -> Row:
         for run, variant in member.other_runs.items()
     }
     read = with_parts(kept, mechanism.signals)
-    prepared = prepare(
-        mechanism, packages.of(member.own), kept, histories=histories_of(read, others)
-    )
+    own = RunSpec(plan.case, plan.run, mechanism, packages.of(member.own))
+    if plan.fidelity is not None:
+        from ...fidelity.members import member_spec  # most sweeps need no planner
+        from .model_plan import model_plan
+
+        own = member_spec(own, model_plan(plan, packages.named(plan.fidelity["base"])))
+    prepared = prepare(own.mechanism, own.packages, kept, histories=histories_of(read, others))
     finished = integrated(prepared, look=LOOK)
     if finished.solution.status == INTERRUPTED:
         return row

@@ -66,6 +66,7 @@ class Plan:
     other_runs: dict[str, dict[str, Any]]  # mechanisms of other runs, likewise
     packages: tuple[dict[str, str], ...]  # file, inputs_sha256
     members: tuple[Member, ...]
+    fidelity: dict[str, Any] | None = None  # numbers of packages of the base and of checks
     allow_doubtful: bool = False  # as in `read_package`
 
     def part(self, members: Sequence[Member]) -> "Plan":
@@ -106,12 +107,25 @@ class Plan:
             allow_doubtful=self.allow_doubtful,
         )
 
+    @property
+    def model_plan_file(self) -> Path:
+        """Where the plan of a sweep with [fidelity] is."""
+        return self.file.with_suffix(".plan.toml")
+
+    def digest(self) -> str:
+        """Return the hash of the members, their packages and the solver, without the plan."""
+        members = [[member.values, member.own.changes] for member in self.members]
+        contents = [_content(self.package_file(k)) for k in range(len(self.packages))]
+        return data_sha256([__version__, solver_sha256(), self.table, members, contents])
+
     def keys(self) -> list[str]:
         """Return the hash of what each member's numbers depend on.
 
         Its mechanism, the content of its packages, what is kept, and the solver.
         """
         common = [ROWS, __version__, solver_sha256(), self.signals, self.histories]
+        if self.fidelity is not None:
+            common.append(_content(self.model_plan_file))
         contents = [_content(self.package_file(k)) for k in range(len(self.packages))]
         found = []
         for number, member in enumerate(self.members):
@@ -161,6 +175,7 @@ def read_plan(file: Path, *, allow_doubtful: bool = False) -> Plan:
                 )
                 for number, m in enumerate(table["members"])
             ),
+            fidelity=table.get("fidelity"),
             allow_doubtful=allow_doubtful,
         )
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:

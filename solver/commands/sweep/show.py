@@ -1,6 +1,7 @@
 """What became of the members of a sweep, on the screen."""
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
 
 from ...results.codes import CODES
@@ -10,13 +11,21 @@ from .member import FAILED, FINISHED, PENDING, STOPPED
 TOLD = 10  # members that did not finish
 
 
-def tell(result: SweepResult, kept: int, seconds: float, file: Path, table: str) -> None:
+def tell(
+    result: SweepResult,
+    kept: int,
+    seconds: float,
+    file: Path,
+    table: str,
+    planned: Sequence[str] = (),
+) -> None:
     """Print what became of the members.
 
     Parameters
     ----------
     kept : how many were not computed; the others took `seconds`
     table : more words about files
+    planned : lines on the plan of [fidelity]
     """
     total = len(result.rows)
     counts = [
@@ -25,6 +34,8 @@ def tell(result: SweepResult, kept: int, seconds: float, file: Path, table: str)
     shown = os.path.relpath(file)
     print(f"{result.name}: {total} members, {', '.join(counts)}; {shown}{table}")
     print(f"  {total - kept} computed in {seconds:.1f} s, {kept} kept from before")
+    for line in planned:
+        print(f"  {line}")
     others = [(k, row) for k, row in enumerate(result.rows) if row.status != FINISHED]
     for k, row in others[:TOLD]:
         values = zip(result.parameter_names, result.values[k], strict=True)

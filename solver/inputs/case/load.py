@@ -138,9 +138,7 @@ def checked_case(table: dict[str, Any], file: Path, *, coarse: bool = False) -> 
             ) -> dict[str, Any] | None:
                 if run not in top.runs:
                     return None
-                merged = merged_with(key, [*top.runs[run].variants, *variants])
-                merged.pop("fidelity", None)  # members have the modes that the case gives
-                return merged
+                return merged_with(key, [*top.runs[run].variants, *variants])
 
             checked = check_sweep(f"{file}: {key}", sweep, specs, merged_of)
             if isinstance(checked, list):

@@ -47,9 +47,10 @@ class _Integration(Table):
     most_outputs: int = Field(
         default=10_000_000, ge=1, description="outputs, t_end / output_step, that are not refused"
     )
-    start: Literal["positions", "equilibrium"] = Field(
+    start: Literal["positions", "quasi-static", "equilibrium"] = Field(
         default="positions",
-        description="positions: as given, with joints closed; equilibrium: static equilibrium "
+        description="positions: as given, with joints closed; quasi-static: likewise, in the "
+        "shapes that the loads of the motion at t = 0 call for; equilibrium: static equilibrium "
         "under all loads and drives at t = 0; with `spin`, relative equilibrium in axes that turn",
     )
     spin: Spin | None = Field(

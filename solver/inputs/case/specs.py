@@ -22,6 +22,7 @@ from .output_folder import WRITER, OutputFolder
 from .record import seal
 from .rich import model_and_check
 from .schema import Mechanism, PackageBody
+from .sweep_fidelity import with_fidelity
 from .sweep_members import CheckedSweep, Members
 from .sweep_table import Packages, sweep_content
 
@@ -126,7 +127,10 @@ def _sweep(case: Case, name: str, sweep: CheckedSweep, files: _BodyFiles) -> dic
 
     tables = packages(sweep.own)
     others = {run: packages(members) for run, members in sweep.others.items()}
-    return sweep_content(case.name, name, sweep, tables, others)
+    content = sweep_content(case.name, name, sweep, tables, others)
+    return with_fidelity(
+        sweep, content, lambda mechanism, specs: files.packages(mechanism, specs, "sweeps/bodies")
+    )
 
 
 def dump(data: Any) -> str:

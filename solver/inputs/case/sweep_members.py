@@ -12,7 +12,6 @@ from ...math.arrays import Array
 from ..common import lines
 from ..common.messages import bare_lines
 from .body_specs import BodySpec, BodySpecs
-from .check import cross_check
 from .combining import needed, with_parts
 from .laws import FOLDER
 from .parts import in_parts
@@ -42,6 +41,8 @@ class CheckedSweep:
     points: Array  # (k, p)
     own: Members
     others: dict[str, Members]  # other runs that combined signals read
+    divided: Mechanism  # the base in the bodies that are built
+    base_bodies: dict[str, BodySpec]  # specifications of its flexible bodies
 
     @property
     def base(self) -> Mechanism:
@@ -81,7 +82,8 @@ def check_sweep(
         base = Mechanism.model_validate(merged, context={FOLDER: specs.folder})
     except ValidationError as error:
         return lines(error, Mechanism, where)
-    found = [f"{where}: {line}" for line in cross_check(base, specs)[1]]
+    divided, base_bodies, wrong = in_parts(base, specs)
+    found = [f"{where}: {line}" for line in wrong]
     for key in ("signals", "histories"):
         for name in getattr(sweep, key):
             if name not in base.signals:
@@ -116,7 +118,7 @@ def check_sweep(
         others[run] = maker.members(other, table, problems, partly=True)
     if problems.found:
         return problems.lines()
-    return CheckedSweep(sweep, parameters, points, own, others)
+    return CheckedSweep(sweep, parameters, points, own, others, divided, base_bodies)
 
 
 @dataclass(frozen=True)

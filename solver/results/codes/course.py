@@ -42,8 +42,8 @@ LOADED_START = Code(
     "a body starts in another shape than weight, springs, drives and inertia at t = 0 call for: it "
     "vibrates from the start, and reactions are up to twice those of a gentle start",
     "strain energy of the difference of the shapes above {limit:g} of the largest of the run",
-    '`start = "equilibrium"`, with `spin` if it turns; drives that begin without acceleration '
-    "(`smooth_step`, `ramp`); none if a sudden release is meant",
+    '`start = "quasi-static"`; `start = "equilibrium"`, with `spin` if it turns; drives that begin '
+    "without acceleration (`smooth_step`, `ramp`); none if a sudden release is meant",
     limit=0.05,
 )
 LOCKED = Code(

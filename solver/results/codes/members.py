@@ -31,7 +31,17 @@ DEFECT = Code(
     "report it with the traceback",
 )
 
+PLAN_TOO_COARSE = Code(
+    "plan-too-coarse",
+    "warning",
+    "the plan of a sweep with `[fidelity]`, made at its base, has not the accuracy there or at a "
+    "member that was drawn to check it",
+    "estimated error above 0.9 of `accuracy`",
+    "ask for a smaller `accuracy` or a larger `budget`, divide the sweep, or edit its `.plan.toml`",
+)
+
 CODES = (
+    PLAN_TOO_COARSE,
     INPUT,
     PACKAGE,
     WORKER_LOST,

@@ -1,0 +1,77 @@
+"""Figures of `make fidelity` over the requests of some scenes."""
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+Table = dict[str, Any]
+
+
+def totals(scenes: Table) -> Table:
+    """Return the figures over some scenes."""
+    pairs = [(scene, request) for scene in scenes.values() for request in scene["requests"]]
+    requests = [request for _, request in pairs]
+    accepted = [r for r in requests if r["verdict"] == "met"]
+    ratios = [r["estimate"] / r["true"] for r in accepted if r["true"] > 0.0]
+    costs = [r["model_s"] / r["cheapest_s"] for r in accepted if r["cheapest_s"]]
+    whole = [(r["model_s"] + r["check_s"]) / s["all_modes_s"] for s, r in pairs if r["check_s"]]
+    everything = [r["all_s"] / s["all_modes_s"] for s, r in pairs]
+    plans = [r["plan_s"] / s["rigid_s"] for s, r in pairs]
+    refused = [r for r in requests if r["verdict"] != "met"]
+    return {
+        "requests": len(requests),
+        "accepted": len(accepted),
+        "met": sum(bool(r["true"] <= r["accuracy"]) for r in accepted),
+        "false_refusals": sum(bool(r["true"] <= r["accuracy"]) for r in refused),
+        "effectivity": quantiles(ratios),
+        "effectivity_within": sum(bool(0.5 <= r <= 3.0) for r in ratios),
+        "cost_ratio_median": median(costs),
+        "all_in_ratio_median": median(whole),
+        "all_rounds_ratio_median": median(everything),
+        "indicators_over_rigid_median": median(plans),
+        "delivered_met": sum(bool(r["delivered"] <= r["accuracy"]) for r in requests),
+        "worse_when_tighter": worse_when_tighter(scenes),
+    }
+
+
+def by(key: str, scenes: Table) -> dict[str, Table]:
+    """Return requests, accepted, met, delivered_met for each value of a key of the requests."""
+    found: dict[str, Table] = {}
+    for scene in scenes.values():
+        for r in scene["requests"]:
+            row = found.setdefault(
+                f"{r[key]:g}" if isinstance(r[key], float) else str(r[key]),
+                {"requests": 0, "accepted": 0, "met": 0, "delivered_met": 0},
+            )
+            row["requests"] += 1
+            row["delivered_met"] += bool(r["delivered"] <= r["accuracy"])
+            if r["verdict"] == "met":
+                row["accepted"] += 1
+                row["met"] += bool(r["true"] <= r["accuracy"])
+    return found
+
+
+def worse_when_tighter(scenes: Table) -> int:
+    """Count tighter requests whose delivered result is worse and does not meet the looser one."""
+    count = 0
+    for scene in scenes.values():
+        for output in {r["output"] for r in scene["requests"]}:
+            mine = sorted(
+                (r for r in scene["requests"] if r["output"] == output),
+                key=lambda r: -float(r["accuracy"]),
+            )
+            for loose, tight in pairwise(mine):
+                worse = tight["delivered"] > loose["delivered"]
+                count += bool(worse and tight["delivered"] > tight["accuracy"])
+    return count
+
+
+def quantiles(values: list[float]) -> list[float] | None:
+    """Return the 5 %, median and 95 % of values."""
+    return [float(v) for v in np.quantile(values, [0.05, 0.5, 0.95])] if values else None
+
+
+def median(values: list[float]) -> float | None:
+    """Return the median of values."""
+    return float(np.median(values)) if values else None

@@ -1,0 +1,85 @@
+"""Write the figures of build/benchmarks/fidelity.json and fidelity-theory.json into a page.
+
+.venv/bin/python benchmarks/fidelity_table.py docs/fidelity.md
+"""
+
+import json
+import sys
+from pathlib import Path
+
+from fidelity_scenes import SCENES, Table
+
+FOLDER = Path("build/benchmarks")
+BEGIN, END = "<!-- figures: begin -->\n", "<!-- figures: end -->\n"
+
+
+def main() -> None:
+    """Replace what is between the marks of a page."""
+    page = Path(sys.argv[1])
+    found = json.loads((FOLDER / "fidelity.json").read_text(encoding="utf-8"))
+    theory = json.loads((FOLDER / "fidelity-theory.json").read_text(encoding="utf-8"))
+    before, _, rest = page.read_text(encoding="utf-8").partition(BEGIN)
+    after = rest.partition(END)[2]
+    text = before + BEGIN + "\n".join([*figures(found), "", *theories(theory)]) + "\n" + END + after
+    page.write_text(text, encoding="utf-8")
+
+
+def figures(found: Table) -> list[str]:
+    """Return the tables of all requests."""
+    missing = [name for name in SCENES if name not in found["scenes"]]
+    held = sum(scene["held"] for scene in found["scenes"].values())
+    without = f", without {', '.join(missing)}" if missing else ""
+    lines = [
+        f"{len(found['scenes'])} scenes{without}:",
+        "",
+        "| | requests | accepted | met | false refusals | estimate / true 5 %, median, 95 % "
+        "| within 0.5 to 3 | chosen / cheapest (CPU) | model + check / all modes "
+        "| delivered result meets |",
+        "|---|---|---|---|---|---|---|---|---|---|",
+        _row("all", found),
+        _row(f"the {held} held back", found["held"]),
+        "",
+        "| by | requests | accepted | met | delivered result meets |",
+        "|---|---|---|---|---|",
+    ]
+    for key, row in {**found["outputs"], **found["accuracies"]}.items():
+        counts = row["requests"], row["accepted"], row["met"], row["delivered_met"]
+        lines.append(f"| {key} | {' | '.join(map(str, counts))} |")
+    return lines
+
+
+def _row(name: str, found: Table) -> str:
+    ratios = " ".join(f"{value:.2f}" for value in found["effectivity"])
+    cells = [
+        name,
+        found["requests"],
+        found["accepted"],
+        f"{found['met']} ({100.0 * found['met'] / found['accepted']:.1f} %)",
+        found["false_refusals"],
+        ratios,
+        found["effectivity_within"],
+        f"{found['cost_ratio_median']:.2f}",
+        f"{found['all_in_ratio_median']:.2f}",
+        f"{found['delivered_met']} ({100.0 * found['delivered_met'] / found['requests']:.1f} %)",
+    ]
+    return f"| {' | '.join(map(str, cells))} |"
+
+
+def theories(found: Table) -> list[str]:
+    """Return the table of the other theory."""
+    lines = [
+        "Differences of the two theories, of the largest value of each signal, and the accepted "
+        "requests at 1e-1, 1e-2 and 1e-3 whose delivered result has the accuracy against beams in "
+        "segments:",
+        "",
+        "| scene | tip | deflection | force | moment | met |",
+        "|---|---|---|---|---|---|",
+    ]
+    for name, scene in found["scenes"].items():
+        gaps = " | ".join(f"{value:.0e}" for value in scene["theories"].values())
+        lines.append(f"| {name} | {gaps} | {scene['met']} |")
+    return lines
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,146 @@
+"""What beam theory leaves out of a body: indicators of the error of signals, by closed forms.
+
+A beam has rigid cross-sections (apart from the warping of its section analysis). A shell of the
+same part has more: walls that vibrate on their own, warping that is restrained at the ends,
+cross-sections that become oval, waves that are not long against the width. Each indicator is an
+estimate of the order of the error; a shell is proposed only where one is above the accuracy.
+
+    walls        f_j^2 / f_wall^2 with the first frequency of the widest wall on its own
+    warping      d / L for torsion, with the decay length d of restrained warping
+    ovalisation  change of the height of the bent section, relative
+    waves        (b / l_j)^4, l_j = L / j the half wave of vibration j
+
+Each is multiplied by what the vibrations contribute to the signals.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..inputs.section.shapes.library import walls
+from ..package.body.selection import vibrations
+from .indicators import Indicators
+from .model import Rich
+from .plan import BodyPlan, kind_of
+from .section_walls import Walls, local_frequency, ovalisation, warping_decay
+
+if TYPE_CHECKING:
+    from ..inputs.case.schema import Mechanism
+
+ACROSS = ("width", "height", "side", "chord")  # sizes of shapes: outer dimensions
+ROUND = ("radius", "outer_radius")  # half of one
+
+
+@dataclass(frozen=True)
+class BeamTheory:
+    """Indicators of one beam, as errors of the signals, with the numbers behind them.
+
+    Attributes
+    ----------
+    values : by name: "walls", "warping", "ovalisation", "waves"
+    local_hz : first frequency of the widest wall on its own [Hz]
+    decay : decay length of restrained warping [m]
+    """
+
+    name: str
+    walls: Walls
+    length: float
+    values: dict[str, float]
+    local_hz: float
+    decay: float
+
+    def enough(self, accuracy: float) -> bool:
+        """Tell whether all indicators are below the accuracy."""
+        return max(self.values.values()) <= accuracy
+
+    def words(self, accuracy: float) -> str:
+        """Return the indicators in words, and what follows from them."""
+        b, t = 1e3 * self.walls.width, 1e3 * self.walls.thickness
+        numbers = ", ".join(f"{name} {value:.1e}" for name, value in self.values.items())
+        text = (
+            f"beam theory of {self.name} (width {b:.3g} mm, thickness {t:.3g} mm, length "
+            f"{1e3 * self.length:.4g} mm; first frequency of a wall about {self.local_hz:.3g} Hz, "
+            f"warping decays within {1e3 * self.decay:.3g} mm): indicated errors {numbers}"
+        )
+        if self.enough(accuracy):
+            return f"{text}; a beam is enough for {accuracy:g}"
+        worst = [name for name, value in self.values.items() if value > accuracy]
+        return f"{text}; {' and '.join(worst)} above {accuracy:g}: a shell body is proposed"
+
+
+def beam_theory(
+    mechanism: "Mechanism",
+    name: str,
+    plan: BodyPlan,
+    rich: Rich,
+    indicators: Indicators,
+) -> BeamTheory | None:
+    """Return the indicators of a body; None if it is no uniform beam of a known shape."""
+    body = mechanism.bodies[name]
+    package = rich.package
+    if body.kind != "beam" or body.length is None or len(package.sections) != 1:
+        return None
+    found = walls_of(mechanism.sections[body.section]) if body.section is not None else None
+    if found is None:
+        return None
+    section = package.sections[0]
+    worth = {
+        mode.label: float(value)
+        for mode, value in zip(indicators.modes, indicators.worth({}), strict=True)
+        if mode.body == name
+    }
+    frequencies = dict(zip(package.mode_labels, package.frequencies.tolist(), strict=True))
+    ratio = _across(mechanism, body)
+    local = local_frequency(found, section.K, section.M, ratio)
+    decay, length = warping_decay(found, section.K), float(body.length)
+    known = [package.mode_labels[i] for i in vibrations(package).tolist()]
+    kept = [label for label in known if label in plan.vibrations]
+    whole = max(worth.values(), default=0.0)
+    torsion = max((v for label, v in worth.items() if kind_of(label) == "torsion"), default=0.0)
+    values = {
+        "walls": sum(worth.get(n, 0.0) * min(1.0, (frequencies[n] / local) ** 2) for n in kept),
+        "warping": torsion * min(1.0, decay / length),
+        "ovalisation": whole * ovalisation(found, _curvature(rich)),
+        "waves": sum(
+            worth.get(n, 0.0) * min(1.0, (found.width * _number(n) / length) ** 4) for n in kept
+        ),
+    }
+    return BeamTheory(name, found, length, values, local / (2.0 * np.pi), decay)
+
+
+def walls_of(section: Any) -> Walls | None:
+    """Return the walls of a section of the library; None of one that is described in a file."""
+    sizes = getattr(section, "values", None)
+    if not isinstance(sizes, Mapping):
+        return None
+    across = [float(sizes[key]) for key in ACROSS if key in sizes]
+    across += [2.0 * float(sizes[key]) for key in ROUND if key in sizes]
+    keys = {wall.thickness for wall in walls(section.shape, sizes)} | {"wall"}
+    thick = [float(sizes[key]) for key in keys if isinstance(sizes.get(key), float)]
+    if not across or not (thick or across):
+        return None
+    return Walls(max(across), min(thick or across), hinged="wall" in sizes)
+
+
+def _curvature(rich: Rich) -> float:
+    """Largest curvature [1/m] along the beam by the quasi-static response."""
+    recovery = rich.package.recovery
+    if recovery is None:
+        return 0.0
+    F = np.einsum("sim,km->ksi", recovery.resultants_E, rich.eta)
+    strains = F @ np.linalg.inv(rich.package.sections[0].K).T
+    return float(np.linalg.norm(strains[..., 4:], axis=-1).max(initial=0.0))
+
+
+def _across(mechanism: "Mechanism", body: Any) -> float:
+    """Least modulus across a wall over that along the beam: E2 / E1 of a ply, at most 1."""
+    material = mechanism.materials.get(body.material) if body.material else None
+    one, two = getattr(material, "E1", None), getattr(material, "E2", None)
+    return min(1.0, float(two / one)) if one and two else 1.0
+
+
+def _number(label: str) -> int:
+    number = label.rpartition(" ")[2]
+    return int(number) if number.isdigit() else 1

@@ -1,0 +1,132 @@
+"""The section of report.html on runs with [fidelity]: asked, model, estimate, not checked."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import replace
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from .elements import Cell, Row, figures, name_of, section, table
+from .ladder import chart
+from .story import Story
+
+CHECKED = {
+    "met": "met",
+    "not met": "NOT met",
+    "planned": "not checked",
+}
+
+
+def ladder_file(case_dir: Path, run: str) -> Path:
+    """Return where `plymotion chart` writes the models of a run."""
+    return case_dir / "plans" / f"{run}.ladder.json"
+
+
+def with_ladder(case_dir: Path, story: Story) -> Story:
+    """Return the run with the models of `plymotion chart`, if they are those of its plan.
+
+    Otherwise the chart has the models that planning has tried.
+    """
+    file, found = ladder_file(case_dir, story.name), story.summary.get("fidelity")
+    if found is None or not file.is_file():
+        return story
+    ladder = json.loads(file.read_text(encoding="utf-8"))
+    if (ladder["plan"], ladder["asked"]) != (found["plan"], found["asked"]):
+        return story
+    return replace(story, summary={**story.summary, "fidelity": {**found, "ladder": ladder}})
+
+
+def fidelity_section(stories: list[Story]) -> str:
+    """Return the section, "" if no run has [fidelity]."""
+    planned = [story for story in stories if story.summary.get("fidelity")]
+    if not planned:
+        return ""
+    return section(
+        "fidelity",
+        "Accuracy asked and estimated",
+        "<p>The estimated error is the difference of the run of the chosen model from a run with "
+        "more modes, another mesh and a tighter tolerance. It is no bound. The result of the "
+        "second run is shown.</p>",
+        _overview(planned),
+        *(_details(story) for story in planned),
+    )
+
+
+def _overview(stories: list[Story]) -> str:
+    head = ["run", "asked", "metric", "request", "signal", "scale", "estimated error", "CPU [s]"]
+    rows: list[Row] = []
+    for story in stories:
+        found = story.summary["fidelity"]
+        for name, scale in found["scale"].items():
+            estimate = (found["estimate"] or {}).get(name)
+            rows.append(
+                [
+                    name_of(story),
+                    figures(found["asked"]),
+                    escape(found["metric"]),
+                    CHECKED.get(found["verdict"], escape(found["verdict"])),
+                    escape(name),
+                    figures(scale),
+                    "none" if estimate is None else Cell(f"{estimate:.1e}", estimate),
+                    figures(sum(found["cpu"].values())),
+                ]
+            )
+    return table("Accuracy asked and estimated", head, rows)
+
+
+def _details(story: Story) -> str:
+    found = story.summary["fidelity"]
+    parts = [f"<h3>{name_of(story)}</h3>", _words(found), _plan(found["plan"])]
+    if found["shares"]:
+        parts.append(_shares(found["shares"]))
+    if found.get("ladder"):
+        parts.append(chart(found["ladder"], story.title))
+        parts.append(
+            "<p>Circles: models that were tried; line: their front; diamond: the chosen model, "
+            "with its estimate as a bar; square: the check, whose result is delivered. Errors are "
+            "differences from the richest run.</p>"
+        )
+    items = "".join(f"<li>{escape(text)}</li>" for text in found["not_checked"])
+    parts.append(f"<p>Not checked:</p><ul>{items}</ul>")
+    return "\n".join(parts)
+
+
+def _words(found: Mapping[str, Any]) -> str:
+    lines = []
+    if found["reason"]:
+        lines.append(f"{CHECKED.get(found['verdict'], '')}: {found['reason']}.")
+    if found["base"] != "rigid":
+        lines.append(f"The bodies cannot all be rigid: {found['base']}.")
+    if found["horizon"] is not None:
+        lines.append(
+            f"From t = {found['horizon']:.4g} s on, a change of the masses by 1e-6 has grown to "
+            "the accuracy: the estimate holds for this very run only."
+        )
+    lines += found.get("theories", [])
+    return "".join(f"<p>{escape(line)}</p>" for line in lines)
+
+
+def _plan(plan: Mapping[str, Any]) -> str:
+    head = ["body", "vibrations", "static shapes", "mesh"]
+    rows: list[Row] = []
+    for name, body in plan["bodies"].items():
+        if not body["vibrations"] and not body["static_shapes"]:
+            rows.append([escape(name), "rigid", "", ""])
+            continue
+        ring = "undamped" if body["ringing"] else "damped"
+        shapes = f"{body['static_shapes']}, {ring}" if body["static_shapes"] else "none"
+        kept = escape(", ".join(body["vibrations"]) or "none")
+        rows.append([escape(name), kept, shapes, escape(body["mesh"])])
+    stiffening = "on" if plan["geometric_stiffening"] else "off"
+    caption = f"<p>Geometric stiffening {stiffening}, rtol = {plan['rtol']:.2g}.</p>"
+    return table("Model of each body", head, rows) + caption
+
+
+def _shares(shares: list[dict[str, Any]]) -> str:
+    rows: list[Row] = [
+        [escape(s["kind"]), escape(s["body"] or "all"), Cell(f"{s['value']:.1e}", s["value"])]
+        for s in shares
+    ]
+    head = ["kind", "body", "share of the error"]
+    return table("Shares of the error of the last plan that was too coarse", head, rows)

@@ -1,0 +1,70 @@
+"""Indicators of what beam theory leaves out, on bodies where a beam is enough and where not."""
+
+import numpy as np
+import pytest
+from fidelity_samples import pendulum, planned_run
+
+from plymotion.solver.fidelity.procedure import plan_of
+from plymotion.solver.fidelity.section_walls import (
+    Walls,
+    local_frequency,
+    ovalisation,
+    warping_decay,
+)
+from plymotion.solver.fidelity.words import answer_text, entry
+
+E, NU, RHO = 70e9, 0.3, 2700.0
+
+
+def test_a_wall_is_a_hinged_plate_strip() -> None:
+    """(pi / b)^2 sqrt(D / (rho t)) of a long plate."""
+    b, t = 0.1, 1e-3
+    K, M = np.zeros((6, 6)), np.zeros((6, 6))
+    K[0, 0], M[0, 0] = E * 4 * b * t, RHO * 4 * b * t
+    D = E * t**3 / (12.0 * (1.0 - NU**2))
+    expected = (np.pi / b) ** 2 * np.sqrt(D / (RHO * t))
+    assert local_frequency(Walls(b, t), K, M) == pytest.approx(expected, rel=1e-12)
+    free = local_frequency(Walls(b, t, hinged=False), K, M)
+    assert free == pytest.approx(22.37 / np.pi**2 * expected, rel=1e-3)
+
+
+def test_warping_of_an_i_section_decays_as_vlasov_says() -> None:
+    """sqrt(E I_w / (G J)) with I_w = I_3 h^2 / 4."""
+    h, b, t = 0.2, 0.1, 8e-3
+    I3, J = 2.0 * t * b**3 / 12.0, (2.0 * b + h) * t**3 / 3.0
+    G = E / (2.0 * (1.0 + NU))
+    K = np.diag([1e9, 1e8, 1e8, G * J, E * 2.0 * b * t * (h / 2) ** 2, E * I3])
+    expected = np.sqrt(E * I3 * h**2 / 4.0 / (G * J))
+    assert warping_decay(Walls(h, t), K) == pytest.approx(expected, rel=1e-12)
+    assert expected > 3.0 * h  # a solid section has less than its own height
+
+
+def test_ovalisation_grows_with_the_square_of_the_curvature() -> None:
+    walls = Walls(0.1, 1e-3)
+    assert ovalisation(walls, 2e-3) == pytest.approx(4.0 * ovalisation(walls, 1e-3))
+    assert ovalisation(walls, 1e-3) == pytest.approx((1e-3 * 0.1**2 / 1e-3) ** 2 / 32.0)
+    assert ovalisation(walls, 1e3) == 1.0
+
+
+def words_of(section: dict[str, object]) -> tuple[list[str], str]:
+    """What a plan says of a flexible arm with a section of this shape."""
+    table = pendulum(signals=["bending"], accuracy=1e-3)
+    table["sections"]["bar"] = section
+    answer = plan_of(*planned_run(table, "soft"))
+    return entry(answer)["theories"], answer_text(answer)
+
+
+def test_a_solid_bar_is_a_beam() -> None:
+    (line,), text = words_of({"shape": "rectangle", "width": 0.04, "height": 0.01})
+    assert "a beam is enough for 0.001" in line
+    assert "width 40 mm, thickness 10 mm" in line
+    assert line[1:] in text
+
+
+def test_a_shell_is_proposed_for_walls_that_vibrate() -> None:
+    """Walls of 0.1 mm have lower frequencies than the bending of the arm."""
+    section = {"shape": "box", "width": 0.1, "height": 0.1, "wall": 1e-4}
+    (line,), text = words_of(section)
+    assert "a shell body is proposed" in line
+    assert "walls" in line.rpartition(";")[2]
+    assert line[1:] in text
