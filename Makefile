@@ -201,9 +201,10 @@ $(BROWSER): tools/browser.sh
 
 .PHONY: test
 test: $(LIGHT) ## All of it: check with all tests, test-numba, test-fe, and every case in its coarse version
-	+@$(PY) tools/phases.py "$(MAKE)" test-setup:1000 check-all:2 test-fe:2 test-cases test-numba
+	+@$(PY) tools/phases.py "$(MAKE)" test-setup:1000 check-all:2 test-cases:0 test-numba:0 test-fe:2
 
-# Nothing runs beside it (more cores than there are): phases must not install at the same time.
+# Nothing runs beside test-setup (more cores than there are): phases must not install at the same
+# time. Phases with 0 cores fill the cores while tests of the others wait.
 .PHONY: test-setup
 test-setup: $(EXCHANGE)/installed $(BROWSER) $(LIGHT) $(FENICSX) $(COMPILED) build/numba-$(LOWEST_NUMBA)/installed
 
@@ -243,15 +244,13 @@ test-quick: $(LIGHT) | $(COMPILED) ## The tests without FEniCSx but those that t
 test-light: $(LIGHT) | $(COMPILED) ## Tests without FEniCSx, on two cores
 	$(PY) -m pytest tests --ignore tests/fe -n 2 --dist worksteal -q --durations=10
 
-# The tests of tests/hostile with many more tries; the table of what became of them is in
-# docs/security.md.
-ATTACK := build/attack/counts.jsonl
+# The tests of tests/hostile with many more tries. It goes on where it was interrupted; ATTACK_OPTIONS
+# are those of pytest. `python tools/attack_table.py build/attack/counts.jsonl` then writes the table
+# of what became of the tries into docs/security.md.
+ATTACK_OPTIONS ?=
 .PHONY: attack
-attack: $(LIGHT) | $(COMPILED) ## Thousands of hostile inputs, damaged files and faults (half an hour)
-	@mkdir -p $(dir $(ATTACK))
-	@: > $(ATTACK)
-	PLYMOTION_ATTACK=$(CURDIR)/$(ATTACK) $(PY) -m pytest tests/hostile -n 2 --dist worksteal -q; \
-	    code=$$?; $(PY) tools/attack_table.py $(ATTACK); exit $$code
+attack: $(LIGHT) | $(FENICSX) $(COMPILED) ## Thousands of hostile inputs, damaged files and faults (half an hour)
+	. ./$(FENICSX) && export FENICSX_PYTHON && $(PY) tools/attack.py $(ATTACK_OPTIONS)
 
 # Folders and files of the cache that cannot be read or written: no matter of Numba's version.
 CACHE_OF_ANY_NUMBA := not damaged and not missing and not written and not read_only and not at_once
@@ -291,11 +290,12 @@ test-exchange: $(EXCHANGE)/installed | $(COMPILED) ## Bodies from and to Calculi
 test-fe: $(LIGHT) ## FE tests on the distribution's DOLFINx and on the wheel, with every core type
 	$(PY) tools/fe_tests.py
 
+# The cores work on several cases at once, so each runs in one process.
 .PHONY: test-cases
 test-cases: ## All cases in their coarse version, all cross-sections and all shells
-	$(if $(CASES),$(MAKE) COARSE=1 $(CASES) $(SWEEPS) sections shells,@echo "there is no case in cases/"; exit 1)
+	$(if $(CASES),$(MAKE) COARSE=1 JOBS=1 $(CASES) $(SWEEPS) sections shells,@echo "there is no case in cases/"; exit 1)
 	@# A second time there must be nothing to do.
-	! $(MAKE) --no-print-directory COARSE=1 $(CASES) $(SWEEPS) sections shells | \
+	! $(MAKE) --no-print-directory COARSE=1 JOBS=1 $(CASES) $(SWEEPS) sections shells | \
 	    grep -v -e ': up to date$$' -e '^sections: ' -e '^shells: '
 
 .PHONY: ship

@@ -2,8 +2,9 @@
 
 PYTHONPATH=.:tests:benchmarks .venv/bin/python benchmarks/scale.py pairs | workers | large [N]
 
-pairs: 512 double pendulums of 1 s, by two local processes and by two dask workers in turn.
-workers: the same by one and two of each. large: check, sweep, restart and file of N members.
+pairs: 512 double pendulums of 1 s, by two local processes and by two dask workers at once.
+workers: the same by one and two processes, workers, ranks. large: check of N members;
+sweep, file and restart of N rigid pendulums.
 """
 
 import argparse
@@ -13,12 +14,14 @@ import subprocess
 import sys
 import tempfile
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import h5py
 import numpy as np
 from dask_cluster import Cluster
-from processes import Cost, cost
+from mpi_samples import ranks, with_mpi
+from processes import Cost, cost, cost_of
 
 TEXT = """
 [variants.measured.solver]
@@ -36,6 +39,43 @@ signals = ["tip_x", "hand_mid"]
 [sweeps.s.vary]
 "masses.M2.mass" = {{ from = 1.0, to = 4.0 }}
 "joints.shoulder.drive.speed" = {{ from = 5.0, to = 20.0 }}
+"""
+# A rigid pendulum, 0.1 s: cheap members, so that what each member costs besides is seen.
+RIGID = """
+format = 1
+title = "rigid pendulum"
+gravity = [0.0, -9.81, 0.0]
+[bodies.rod]
+kind = "rigid"
+mass = 1.0
+inertia = [[0.001, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]]
+centre = [0.5, 0.0, 0.0]
+interfaces = {{ root = {{ position = [0.0, 0.0, 0.0] }}, tip = {{ position = [1.0, 0.0, 0.0] }} }}
+[ground.o]
+position = [0.0, 0.0, 0.0]
+[joints.hinge]
+kind = "revolute"
+between = ["ground.o", "rod.root"]
+axis = [0.0, 0.0, 1.0]
+[signals.x]
+kind = "position"
+at = "rod.tip"
+component = "x"
+[signals.y]
+kind = "position"
+at = "rod.tip"
+component = "y"
+[solver]
+t_end = 0.1
+output_step = 0.01
+[runs.base]
+[sweeps.s]
+run = "base"
+design = "latin-hypercube"
+count = {count}
+[sweeps.s.vary]
+"bodies.rod.mass" = {{ from = 1.0, to = 4.0 }}
+"bodies.rod.centre.0" = {{ from = 0.4, to = 0.6 }}
 """
 PLYMOTION = ("-m", "plymotion")
 PACKAGES = Path("tests/packages/double-pendulum")
@@ -81,7 +121,7 @@ def _by_dask(cluster: Cluster, workers: list["subprocess.Popen[bytes]"], *where:
 
 
 def pairs(folder: Path, count: int, repeats: int) -> None:
-    """Two local processes and two dask workers in turn."""
+    """Two local processes and two dask workers at once: other work on the machine slows both."""
     file, _ = _checked(folder, count, 1.0)
     (folder / "cluster").mkdir()
     cluster = Cluster(folder / "cluster")
@@ -90,51 +130,72 @@ def pairs(folder: Path, count: int, repeats: int) -> None:
         _by_dask(cluster, workers, file, folder / "warm")
         ratios = []
         for _ in range(repeats):
-            local = _sweep(file, folder / "local", "--fresh", "--jobs", "2")
-            dask = _by_dask(cluster, workers, file, folder / "dask")
+            with ThreadPoolExecutor(2) as pool:
+                one = pool.submit(_sweep, file, folder / "local", "--fresh", "--jobs", "2")
+                two = pool.submit(_by_dask, cluster, workers, file, folder / "dask")
+                local, dask = one.result(), two.result()
             ratios.append((dask.wall_s / local.wall_s, dask.cpu_s / local.cpu_s))
-            print(
-                f"local {local.wall_s:.1f} s wall, {local.cpu_s:.1f} s CPU, {local.peak_mb:.0f} MB"
-            )
-            print(f"dask  {dask.wall_s:.1f} s wall, {dask.cpu_s:.1f} s CPU, {dask.peak_mb:.0f} MB")
+            for name, used in (("local", local), ("dask ", dask)):
+                print(f"{name} {_told(used)}", flush=True)
         walls, cpus = zip(*ratios, strict=True)
-        print(
-            f"dask / local: wall {statistics.median(walls):.2f}, CPU {statistics.median(cpus):.2f}"
-        )
+        print("dask / local: wall " + " ".join(f"{ratio:.2f}" for ratio in walls))
+        print(f"median: wall {statistics.median(walls):.2f}, CPU {statistics.median(cpus):.2f}")
         same = _data(folder / "local/sweep.h5") == _data(folder / "dask/sweep.h5")
         print(f"equal to the last bit: {same}")
     finally:
         cluster.close()
 
 
+def _told(used: Cost) -> str:
+    return f"{used.wall_s:.1f} s wall, {used.cpu_s:.1f} s CPU, {used.peak_mb:.0f} MB"
+
+
 def by_workers(folder: Path, count: int) -> None:
-    """Members per second and per CPU second, by one and two workers."""
+    """Members per second and per CPU second, by one and two workers of each executor."""
     file, _ = _checked(folder, count, 1.0)
+
+    def told(name: str, used: Cost) -> None:
+        rates = f"{count / used.wall_s:.1f} /s, {count / used.cpu_s:.1f} /CPU s"
+        print(f"{name}: {rates}; load {os.getloadavg()[0]:.1f}", flush=True)
+
     for jobs in ("1", "2"):
-        used = _sweep(file, folder / "out", "--fresh", "--jobs", jobs)
-        print(f"local {jobs}: {count / used.wall_s:.1f} /s, {count / used.cpu_s:.1f} /CPU s")
+        told(f"local {jobs}", _sweep(file, folder / "local", "--fresh", "--jobs", jobs))
     (folder / "cluster").mkdir()
     cluster = Cluster(folder / "cluster")
     try:
         workers: list[subprocess.Popen[bytes]] = []
         for number in (1, 2):
             workers.append(cluster.worker())
-            _by_dask(cluster, workers, file, folder / "out")
-            used = _by_dask(cluster, workers, file, folder / "out")
-            print(f"dask {number}: {count / used.wall_s:.1f} /s, {count / used.cpu_s:.1f} /CPU s")
+            _by_dask(cluster, workers, file, folder / "dask")
+            told(f"dask {number}", _by_dask(cluster, workers, file, folder / "dask"))
     finally:
         cluster.close()
+    path = with_mpi(folder / "site")
+    if path is None:
+        print("mpi: no mpirun, or no mpi4py for this Python")
+        return
+    os.environ["PYTHONPATH"] = path
+    words = ("sweep", str(file), "--quiet", "--no-figures", "--out", str(folder / "mpi"))
+    for number in (1, 2):
+        told(f"mpi {number}", cost_of(ranks(number + 1, *words, "--fresh"), (0, 3)))
+    same = _data(folder / "local/sweep.h5") == _data(folder / "mpi/sweep.h5")
+    print(f"equal to the last bit: {same}")
 
 
 def large(folder: Path, count: int) -> None:
-    """Check, sweep of short motions, file and restart of many members."""
+    """Check of many double pendulums; sweep, file and restart of as many rigid pendulums."""
     file, used = _checked(folder, count, 0.01)
-    print(f"check    {used.cpu_s:.1f} s CPU, {used.peak_mb:.0f} MB, {_mb(file):.2f} MB")
-    out = folder / "out"
+    print(f"check    {_told(used)}, {_mb(file):.2f} MB", flush=True)
+    (folder / "rigid").mkdir()
+    case, out = folder / "rigid/case.toml", folder / "rigid/build"
+    case.write_text(RIGID.format(count=count), encoding="utf-8")
+    used = cost([*PLYMOTION, "check", str(case), "--out", str(out)])
+    print(f"check    {_told(used)} (rigid)", flush=True)
+    file, out = out / "sweeps/s.json", folder / "out"
     used = _sweep(file, out)
-    print(f"sweep    {used.cpu_s:.1f} s CPU, {used.peak_mb:.0f} MB, {_mb(out / 'sweep.h5'):.2f} MB")
+    print(f"sweep    {_told(used)}, {_mb(out / 'sweep.h5'):.2f} MB", flush=True)
     used = _sweep(file, out)
-    print(f"restart  {used.cpu_s:.1f} s CPU, {used.peak_mb:.0f} MB")
+    print(f"restart  {_told(used)}")
 
 
 def _mb(file: Path) -> float:

@@ -175,12 +175,9 @@ class Mesh:
         gmsh.model.setPhysicalName(1, gmsh.model.addPhysicalGroup(1, [1]), "outer")
 
 
-def halved(ends: Array, times: int) -> Array:
-    """Ends of elements and the middles between them, after halving the elements some times."""
-    for _ in range(times + 1):
-        middles = 0.5 * (ends[:-1] + ends[1:])
-        ends = np.insert(ends, np.arange(1, len(ends)), middles)
-    return ends
+def with_middles(ends: Array) -> Array:
+    """Ends of elements and the middles between them."""
+    return np.insert(ends, np.arange(1, len(ends)), 0.5 * (ends[:-1] + ends[1:]))
 
 
 def spaced(size: Array, place: Array, count_by: float) -> Array:
@@ -195,8 +192,8 @@ def spaced(size: Array, place: Array, count_by: float) -> Array:
 class Section:
     """The blocks of skin, rear wall and webs, in the order of the contour."""
 
-    def __init__(self, contour: Contour, table: Mapping[str, Any], refine: int) -> None:
-        self.contour, self.refine = contour, refine
+    def __init__(self, contour: Contour, table: Mapping[str, Any]) -> None:
+        self.contour = contour
         self.density = float(table["density"])
         chord = float(table["chord"])
         origin = float(table["origin"]) * chord
@@ -220,7 +217,7 @@ class Section:
     def depths(self, thickness: float) -> Array:
         """Depths of the nodes of a skin."""
         inside = self.faces[self.faces < thickness * (1.0 - 1e-9)]
-        return halved(np.concatenate([[0.0], inside, [thickness]]), self.refine)
+        return with_middles(np.concatenate([[0.0], inside, [thickness]]))
 
     def _tail(self) -> float:
         """x2 of the outer face of the rear wall: behind it the skins would meet."""
@@ -292,7 +289,7 @@ class Section:
         """Skin over a web; returns the nodes where the web begins, from its rear face on."""
         bay = self._owner(web)
         d = self.depths(self._thickness(bay))
-        grid = self.contour.at(halved(columns, self.refine)[:, None], d)
+        grid = self.contour.at(with_middles(columns)[:, None], d)
         self.mesh.add(grid if upper else grid[::-1], self._region(bay, upper), outer=True)
         return np.asarray(grid[:, -1])
 
@@ -342,7 +339,7 @@ class Section:
         # degree-2 edges leave a contour of changing curvature by length^3 change / 125
         change = np.abs(np.gradient(self.contour.curvature(line), line)) + 1e-12
         size = np.minimum(size, np.cbrt(125.0 * CLOSE * d[-1] / change))
-        u = halved(spaced(size, np.abs(line - a[0]), self.density), self.refine)
+        u = with_middles(spaced(size, np.abs(line - a[0]), self.density))
         s = a + u[:, None] * (b - a)
         if by_length:
             fine = np.linspace(0.0, 1.0, 400)[:, None]
@@ -360,10 +357,10 @@ class Section:
         """Stations along a straight wall between two corners, (n, 1, 1)."""
         line = np.linspace(0.0, float(np.linalg.norm(b - a)), 400)
         size = np.minimum(self.first + GROWTH * np.minimum(line, line[-1] - line), self.longest)
-        return halved(spaced(size, line, self.density), self.refine)[:, None, None]
+        return with_middles(spaced(size, line, self.density))[:, None, None]
 
 
-def build(gmsh: Any, parameters: Mapping[str, Any], coordinates: Any, refine: int = 0) -> None:
+def build(gmsh: Any, parameters: Mapping[str, Any], coordinates: Any) -> None:
     """Fill gmsh's current model with the mesh of an airfoil section.
 
     Parameters
@@ -372,7 +369,6 @@ def build(gmsh: Any, parameters: Mapping[str, Any], coordinates: Any, refine: in
     parameters : see DEFAULTS, numbers or lists of numbers
     coordinates : (n, 2) of the contour for unit chord, from the upper trailing edge around the
         nose to the lower one
-    refine : how often every element is divided into four; nodes stay on the contour
 
     Raises
     ------
@@ -382,7 +378,7 @@ def build(gmsh: Any, parameters: Mapping[str, Any], coordinates: Any, refine: in
     points = np.asarray(coordinates, float)
     chord = float(table["chord"])
     points = chord * (points - np.array([float(table["origin"]), 0.0]))
-    Section(Contour(points), table, refine).build().write(gmsh)
+    Section(Contour(points), table).build().write(gmsh)
 
 
 def main(arguments: Sequence[str]) -> None:

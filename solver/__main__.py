@@ -43,7 +43,8 @@ def main(arguments: list[str] | None = None) -> int:
     are kept.
     """
     if arguments is None:
-        # Looking for garbage among all modules at the end of the process takes 0.03 s.
+        # Looking for garbage takes 0.04 s while modules are loaded, 0.03 s at the end.
+        gc.set_threshold(50_000)
         atexit.register(gc.freeze)
     words = sys.argv[1:] if arguments is None else arguments
     # "plymotion solver sweep" is "plymotion sweep", as is "python -m plymotion.solver sweep".

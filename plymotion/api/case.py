@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ..solver.errors import InputError
+from ..solver.inputs.case.file import case_file, case_name
 from ..solver.inputs.case.load import Case as CheckedCase
 from ..solver.inputs.case.load import checked_case
 from ..solver.inputs.case.sweep_keys import split_key
@@ -92,7 +93,7 @@ class Case:
     def _from_file(cls, file: Path) -> "Case":
         found = cls.__new__(cls)
         found.table = read_toml(file, "case file")
-        found.name = file.resolve().parent.name if file.name == "case.toml" else file.stem
+        found.name = case_name(file)
         found.folder, found._file = file.parent, file
         return found
 
@@ -172,15 +173,14 @@ def load(file: str | Path, *, coarse: bool = False) -> Case:
     >>> case.bodies["rod"]["mass"]
     2.0
     """
-    path = Path(file)
-    case = Case._from_file(path / "case.toml" if path.is_dir() else path)
+    case = as_case(file)
     case.check(coarse=coarse)
     return case
 
 
 def as_case(case: "Case | str | Path") -> Case:
-    """Return a case, or read it from its file."""
-    return case if isinstance(case, Case) else load(case)
+    """Return a case, or read it from its file; it is not checked."""
+    return case if isinstance(case, Case) else Case._from_file(case_file(Path(case)))
 
 
 def _singular(group: str) -> str:

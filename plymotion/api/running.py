@@ -1,8 +1,10 @@
 """`plymotion.run`: a run of a case, computed as the command `plymotion CASE.toml` does."""
 
+from collections.abc import Iterable
 from pathlib import Path
 
-from ..solver.commands.cases.packages import build_packages, needed_specs
+from ..solver.commands.cases.packages import build_needed
+from ..solver.commands.cases.turn import turn
 from ..solver.commands.run.one import run_one
 from ..solver.errors import InputError, few, nearest
 from ..solver.inputs.case.specs import write_case
@@ -58,20 +60,18 @@ def run(
     """
     case = as_case(case)
     checked = case.check(coarse=coarse)
-    if run is None:
-        if len(checked.runs) > 1:
-            raise InputError(f"{case.name}: expected the name of a run: {few(checked.runs)}")
-        (run,) = checked.runs
+    run = run or only_run(case.name, checked.runs)
     if run not in checked.runs:
         raise InputError(f"{case.name} has no run {run!r}{nearest(run, checked.runs)}")
     folder = folder_of(case, out, coarse=coarse)
-    write_case(checked, folder, None if packages is None else Path(packages))
-    file, target = folder / "runs" / f"{run}.json", folder / run
-    if packages is None:
-        build_needed(file, quiet=not progress)
-    if force or not up_to_date(file, target):
-        run_one(file, target, progress=progress, allow_python=allow_python)
-    return Result(target)
+    with turn(folder, quiet=not progress):
+        write_case(checked, folder, None if packages is None else Path(packages))
+        file, target = folder / "runs" / f"{run}.json", folder / run
+        if packages is None:
+            build_needed([file], quiet=not progress)
+        if force or not up_to_date(file, target):
+            run_one(file, target, progress=progress, allow_python=allow_python)
+        return Result(target)
 
 
 def folder_of(case: Case, out: str | Path | None, *, coarse: bool = False) -> Path:
@@ -79,7 +79,9 @@ def folder_of(case: Case, out: str | Path | None, *, coarse: bool = False) -> Pa
     return Path(out) if out is not None else Path("build") / (case.name + "-coarse" * coarse)
 
 
-def build_needed(file: Path, *, quiet: bool) -> None:
-    """Build the packages that a run or sweep file needs and that are not up to date."""
-    for folder, specs in needed_specs([file]).items():
-        build_packages(specs, folder, quiet=quiet)
+def only_run(name: str, runs: Iterable[str]) -> str:
+    """Return the only run of a case. Raises InputError."""
+    found = list(runs)
+    if len(found) != 1:
+        raise InputError(f"{name}: expected the name of a run: {few(found)}")
+    return found[0]

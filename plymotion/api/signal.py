@@ -165,10 +165,10 @@ class Signal:
         return len(self.values)
 
     def __add__(self, other: Any) -> "Signal":
-        return self._combined("+", other, same_unit=True)
+        return self._combined("+", other)
 
     def __sub__(self, other: Any) -> "Signal":
-        return self._combined("-", other, same_unit=True)
+        return self._combined("-", other)
 
     def __mul__(self, factor: float) -> "Signal":
         return Signal(f"{factor:g} {self.name}", self.unit, "", self.t, self.values * factor)
@@ -184,9 +184,9 @@ class Signal:
     def __abs__(self) -> "Signal":
         return Signal(f"|{self.name}|", self.unit, "", self.t, np.abs(self.values))
 
-    def _combined(self, sign: str, other: Any, *, same_unit: bool) -> "Signal":
+    def _combined(self, sign: str, other: Any) -> "Signal":
         if isinstance(other, Signal):
-            if same_unit and other.unit != self.unit:
+            if other.unit != self.unit:
                 raise InputError(
                     f"{self.name} {sign} {other.name}: expected the same unit, found "
                     f"{self.unit} and {other.unit}"
@@ -219,7 +219,7 @@ def norm(*signals: Signal) -> Signal:
     first = signals[0]
     values = np.sqrt(sum(np.square(s.at(first.t)) for s in signals))
     for signal in signals:
-        first._combined("+", signal, same_unit=True)  # refuses other units
+        first._combined("+", signal)  # refuses other units
     name = f"norm({', '.join(signal.name for signal in signals)})"
     return Signal(name, first.unit, "", first.t, values)
 

@@ -5,6 +5,7 @@ import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +13,16 @@ import numpy as np
 
 import plymotion
 
+from ..solver.commands.cases.packages import build_needed
+from ..solver.commands.cases.turn import turn
 from ..solver.commands.executors.local import Here
-from ..solver.commands.sweep.command import INCOMPLETE
+from ..solver.commands.exit_codes import INCOMPLETE
+from ..solver.commands.sweep.command import CSV, FILE
 from ..solver.commands.sweep.file import SweepResult, read_sweep, result_of, sweep_csv
 from ..solver.commands.sweep.member import FINISHED
 from ..solver.commands.sweep.plan import read_plan
 from ..solver.commands.sweep.work import Work
-from ..solver.errors import InputError, few, nearest
+from ..solver.errors import InputError, nearest
 from ..solver.inputs.case.specs import write_case
 from ..solver.interrupts import INTERRUPTED
 from ..solver.math.arrays import Array
@@ -28,10 +32,8 @@ from .frames import pandas
 from .html import table
 from .names import ByName
 from .plain import plain
-from .running import build_needed, folder_of
+from .running import folder_of, only_run
 from .signal import pyplot
-
-FILE = "sweep.h5"
 
 
 class SweepSignal:
@@ -110,7 +112,7 @@ class Sweep:
         """
         return cls(folder)
 
-    @property
+    @cached_property
     def parameters(self) -> ByName[Array]:
         """Values of the parameters (k,) by name.
 
@@ -122,7 +124,7 @@ class Sweep:
         columns = zip(self.data.parameter_names, self.data.values.T, strict=True)
         return ByName("parameters", dict(columns))
 
-    @property
+    @cached_property
     def signals(self) -> ByName[SweepSignal]:
         """Signals by name, each with its measures of all members.
 
@@ -134,7 +136,7 @@ class Sweep:
         found = {name: SweepSignal(self.data, name) for name in self.data.signal_units}
         return ByName("signals", found)
 
-    @property
+    @cached_property
     def status(self) -> list[str]:
         """How each member ended: finished, stopped, failed.
 
@@ -242,28 +244,38 @@ def sweep(
     if vary is not None:
         name = name or "python"
         case = deepcopy(case)
-        own = {"run": run or _only(case), "vary": _listed(vary), "set": expressions or {}}
+        own = {
+            "run": run or only_run(case.name, case.runs),
+            "vary": _listed(vary),
+            "set": expressions or {},
+        }
         case.sweeps[name] = {**own, "signals": list(signals), "histories": list(histories)}
     checked = case.check(coarse=coarse)
     if name not in checked.sweeps:
         hint = nearest(str(name), checked.sweeps)
         raise InputError(f"{case.name} has no sweep {name!r}{hint}")
     folder = folder_of(case, out, coarse=coarse)
-    write_case(checked, folder, None if packages is None else Path(packages))
-    file = folder / "sweeps" / f"{name}.json"
-    if packages is None:
-        build_needed(file, quiet=not progress)
+    with turn(folder, quiet=not progress):
+        write_case(checked, folder, None if packages is None else Path(packages))
+        file = folder / "sweeps" / f"{name}.json"
+        if packages is None:
+            build_needed([file], quiet=not progress)
+        if jobs == 1:
+            _computed_here(file, fresh=fresh, progress=progress)
+        else:
+            _by_command(file, jobs, fresh=fresh, progress=progress)
+        return Sweep(file.with_suffix(""))
+
+
+def _computed_here(file: Path, *, fresh: bool, progress: bool) -> None:
+    """Compute a sweep in this process."""
     target = file.with_suffix("")
     target.mkdir(parents=True, exist_ok=True)
-    if jobs == 1:
-        plan = read_plan(file)
-        work = Work(plan, target / FILE, [] if fresh else [target / FILE], show=progress)
-        if not work.compute(Here):
-            raise KeyboardInterrupt
-        write_text(target / "sweep.csv", sweep_csv(result_of(plan, work.rows)))
-    else:
-        _by_command(file, jobs, fresh=fresh, progress=progress)
-    return Sweep(target)
+    plan = read_plan(file)
+    work = Work(plan, target / FILE, [] if fresh else [target / FILE], show=progress)
+    if not work.compute(Here):
+        raise KeyboardInterrupt
+    write_text(target / CSV, sweep_csv(result_of(plan, work.rows)))
 
 
 def _by_command(file: Path, jobs: int, *, fresh: bool, progress: bool) -> None:
@@ -275,7 +287,8 @@ def _by_command(file: Path, jobs: int, *, fresh: bool, progress: bool) -> None:
         *["--fresh"] * fresh,
         *["--quiet"] * (not progress),
     ]
-    command = [sys.executable, "-m", "plymotion", "sweep", str(file), *words]
+    # -P: modules of the current folder must not shadow installed ones.
+    command = [sys.executable, "-P", "-m", "plymotion", "sweep", str(file), *words]
     home = str(Path(plymotion.__file__).resolve().parent.parent)
     paths = os.pathsep.join(filter(None, [home, os.environ.get("PYTHONPATH")]))
     done = subprocess.run(
@@ -285,14 +298,6 @@ def _by_command(file: Path, jobs: int, *, fresh: bool, progress: bool) -> None:
         raise KeyboardInterrupt
     if done.returncode not in (0, INCOMPLETE):
         raise InputError(f"{file}: the sweep was not computed, see the messages above")
-
-
-def _only(case: Case) -> str:
-    """Return the only run of a case. Raises InputError."""
-    if len(case.runs) != 1:
-        raise InputError(f"{case.name}: expected run=, the name of a run: {few(case.runs)}")
-    (name,) = case.runs
-    return str(name)
 
 
 def _listed(vary: Mapping[str, Any]) -> dict[str, Any]:

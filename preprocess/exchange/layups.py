@@ -15,14 +15,10 @@ from ...solver.math.arrays import Array, IntArray
 from ...solver.package.body.laminate_data import CellResultants, LaminateData
 from ...solver.package.common.materials import MaterialError
 from ...solver.package.section.recovery_data import rounded
-from ...solver.package.shell.schema import ShellPly
 from ..laminate import (
     LaminateError,
-    LaminateSpec,
-    LaminateStiffness,
     laminate_from_dict,
     laminate_stiffness,
-    stress_operators,
 )
 from ..materials import material_from_dict
 from .free_body import Cells
@@ -100,29 +96,10 @@ def recovered(layups: Layups, nodes: Array, cells: Cells, shapes: Array, where: 
         own = layups.laminate == number
         e, k, gamma = strains[own, :3], strains[own, 3:6], strains[own, 6:]
         found[own] = np.concatenate([A @ e + B @ k, B @ e + D @ k, Ds @ gamma], axis=1)
-    data = (_data(layups, name, specs[name], stiffness[name]) for name in specs)
+    data = (specs[name].data(name, stiffness[name], layups.materials) for name in specs)
     return Recovered(
         tuple(data),
         CellResultants(layups.cell, layups.laminate, layups.A_BE, rounded(found)),
-    )
-
-
-def _data(
-    layups: Layups, name: str, spec: LaminateSpec, stiffness: LaminateStiffness
-) -> LaminateData:
-    faces = spec.laminate.faces
-    return LaminateData(
-        name=name,
-        plies=tuple(
-            ShellPly(material, ply.angle_deg, float(faces[k]), float(faces[k + 1]))
-            for k, (material, ply) in enumerate(
-                zip(spec.materials, spec.laminate.plies, strict=True)
-            )
-        ),
-        ABD=stiffness.ABD,
-        Ds=stiffness.Ds,
-        stress_M=stress_operators(spec.laminate),
-        materials={used: layups.materials[used] for used in dict.fromkeys(spec.materials)},
     )
 
 

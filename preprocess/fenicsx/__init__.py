@@ -10,7 +10,7 @@ from .gmsh_model import MeshError, plain_from_model
 from .gmsh_script import gmsh_session, open_mesh, run_script
 from .inertia import InertiaError, negative_pivots
 from .meshing import LabelledMesh, labelled_mesh
-from .plain import EDGES, NODES, NamedNodes, PlainMesh, split, used_nodes, with_centre_nodes
+from .plain import EDGES, NODES, NamedNodes, PlainMesh, used_nodes, with_centre_nodes
 from .spaces import (
     basis,
     cell_dofs,
@@ -61,7 +61,6 @@ __all__ = [
     "quadrature",
     "reference_nodes",
     "run_script",
-    "split",
     "ufl",
     "used_nodes",
     "vector_space",

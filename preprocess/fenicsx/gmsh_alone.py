@@ -1,9 +1,8 @@
 """Mesh a gmsh script with gmsh and NumPy only, so that a separate process can run this file.
 
-    python gmsh_alone.py SCRIPT PARAMETERS REFINE MESH NODES
+    python gmsh_alone.py SCRIPT PARAMETERS MESH
 
-PARAMETERS is JSON, MESH the .msh to write, NODES the .npy of the nodes on curves after REFINE
-refinements.
+PARAMETERS is JSON, MESH the .msh to write.
 """
 
 import json
@@ -12,7 +11,6 @@ from collections.abc import Mapping, Sequence
 
 import gmsh
 import numpy as np
-from numpy.typing import NDArray
 
 Parameters = Mapping[str, float | Sequence[float]]
 
@@ -34,24 +32,13 @@ def generate(script: str, parameters: Parameters) -> None:
     gmsh.onelab.clear()
 
 
-def refined_curve_nodes(times: int) -> NDArray[np.float64]:
-    """Halve every edge `refine` times; returns the nodes on the curves of the geometry, (n, 3)."""
-    order = int(gmsh.option.getNumber("Mesh.ElementOrder"))
-    for _ in range(times):
-        gmsh.model.mesh.refine()
-    gmsh.model.mesh.setOrder(order)
-    coordinates = gmsh.model.mesh.getNodes(1, -1, True)[1]
-    return np.array(coordinates, dtype=np.float64).reshape(-1, 3)
-
-
-def main(script: str, parameters: str, refine: str, mesh: str, nodes: str) -> None:
-    """Write mesh and nodes."""
+def main(script: str, parameters: str, mesh: str) -> None:
+    """Write the mesh."""
     gmsh.initialize([], readConfigFiles=False)
     gmsh.option.setNumber("General.Terminal", 0)
     generate(script, json.loads(parameters))
     gmsh.option.setNumber("Mesh.SaveAll", 1)
     gmsh.write(mesh)
-    np.save(nodes, refined_curve_nodes(int(refine)))
     gmsh.finalize()
 
 

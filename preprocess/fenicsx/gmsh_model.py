@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from .plain import IntArray, NamedNodes, PlainMesh, used_nodes, with_centre_nodes
+from .plain import IntArray, NamedNodes, PlainMesh, with_centre_nodes
 from .stack import Array, gmsh
 
 CELLS = {
@@ -44,14 +44,13 @@ def plain_from_model(where: str, gdim: int = 2) -> PlainMesh:
             raise MeshError(f"{where}: physical surface {name!r} has no cells")
         parts += found
         rows.append(np.full(sum(map(len, found)), row))
-    cells = np.concatenate(parts)
-    if len(kinds) > 1:
-        return _mixed_mesh(tags, every, cells, np.concatenate(rows), tuple(groups), gdim, where)
-    cells = np.searchsorted(tags, cells)
-    used = np.unique(cells)
-    points, cells = used_nodes(every, cells)
-    if gdim == 2:
-        points = _in_plane(points, where)
+    labels = np.concatenate(parts)
+    used = np.searchsorted(tags, np.unique(labels[labels >= 0]))
+    position = np.full(len(tags), -1)
+    position[used] = np.arange(len(used))
+    at = position[np.searchsorted(tags, np.maximum(labels, tags[0]))]
+    cells = np.where(labels < 0, -1, at)
+    points = _in_plane(every[used], where) if gdim == 2 else every[used]
     if n_node == 8:
         points, cells = with_centre_nodes(points, cells)
     curves = _curves(tags, every, gdim)
@@ -67,26 +66,6 @@ def _cells(kind: int, entities: Sequence[int], width: int) -> IntArray:
     nodes = np.concatenate([np.zeros(0, dtype=np.int64), *tables]).astype(np.int64)
     nodes = nodes.reshape(-1, CELLS[kind][2])
     return np.pad(nodes, ((0, 0), (0, width - nodes.shape[1])), constant_values=-1)
-
-
-def _mixed_mesh(
-    tags: IntArray,
-    every: Array,
-    cells: IntArray,
-    region: IntArray,
-    regions: tuple[str, ...],
-    gdim: int,
-    where: str,
-) -> PlainMesh:
-    """Triangles and quadrilaterals by node numbers, (c, 4)."""
-    used = np.searchsorted(tags, np.unique(cells[cells >= 0]))
-    row = np.full(len(tags), -1)
-    row[used] = np.arange(len(used))
-    rows = np.where(cells < 0, -1, row[np.searchsorted(tags, np.maximum(cells, tags[0]))])
-    shape, degree, _ = SURFACE
-    curves, named = _curves(tags, every, gdim), _named_nodes(tags, used)
-    points = _in_plane(every[used], where) if gdim == 2 else every[used]
-    return PlainMesh(points, rows, shape, degree, region, regions, curves, named)
 
 
 def _check_kinds(where: str) -> None:
@@ -163,11 +142,6 @@ def _in_plane(points: Array, where: str) -> Array:
             "meshed with x = x2, y = x3 and z = 0"
         )
     return np.ascontiguousarray(points[:, :2])
-
-
-def all_lines(gdim: int) -> Array:
-    """Line elements of all curves of the current model, as in `PlainMesh.curves`."""
-    return _lines([tag for _, tag in gmsh.model.getEntities(1)], *_nodes(), gdim)
 
 
 def _nodes() -> tuple[IntArray, Array]:

@@ -8,18 +8,16 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from . import gmsh_alone
-from .gmsh_alone import Parameters, generate, refined_curve_nodes
-from .gmsh_model import MeshError, all_lines, plain_from_model
-from .plain import PlainMesh, split
-from .stack import Array, gmsh
+from .gmsh_alone import Parameters, generate
+from .gmsh_model import MeshError, plain_from_model
+from .plain import PlainMesh
+from .stack import gmsh
 
 _session_depth = 0
 
@@ -43,14 +41,13 @@ def gmsh_session() -> Iterator[Any]:
             gmsh.finalize()
 
 
-def run_script(path: Path, parameters: Parameters, *, refine: int = 0, gdim: int = 2) -> PlainMesh:
+def run_script(path: Path, parameters: Parameters, *, gdim: int = 2) -> PlainMesh:
     """Mesh a gmsh script with values for its parameters.
 
     Parameters
     ----------
     path : a .geo file with DefineConstant entries named "Parameters/<key>"
     parameters : value of each <key>, a number or a list of numbers
-    refine : how many times every edge is halved; new nodes on curves lie on the geometry
     gdim : of the space
 
     Raises
@@ -73,12 +70,10 @@ def run_script(path: Path, parameters: Parameters, *, refine: int = 0, gdim: int
                 raise MeshError(f"{path}: gmsh: {error}") from error
         else:
             plain = plain_from_model(str(path), gdim)
-            if refine:
-                plain = _refined(plain, all_lines(gdim), refined_curve_nodes(refine), refine)
             gmsh.clear()
             return plain
     # gmsh reads a script with a Macro only once per process, because it keeps the name
-    return _run_alone(path, parameters, refine, gdim)
+    return _run_alone(path, parameters, gdim)
 
 
 def _flush_parser() -> None:
@@ -97,50 +92,22 @@ def _flush_parser() -> None:
             return
 
 
-def _run_alone(path: Path, parameters: Parameters, refine: int, gdim: int) -> PlainMesh:
+def _run_alone(path: Path, parameters: Parameters, gdim: int) -> PlainMesh:
     """`run_script` in a separate process."""
     with tempfile.TemporaryDirectory() as folder:
-        mesh, nodes = Path(folder) / "mesh.msh", Path(folder) / "nodes.npy"
+        mesh = Path(folder) / "mesh.msh"
         numbers = json.dumps({key: np.asarray(v).tolist() for key, v in parameters.items()})
         command = [sys.executable, gmsh_alone.__file__, str(path.absolute()), numbers]
-        done = subprocess.run(
-            [*command, str(refine), str(mesh), str(nodes)], capture_output=True, text=True
-        )
+        done = subprocess.run([*command, str(mesh)], capture_output=True, text=True)
         if done.returncode != 0:
             reason = (done.stderr.strip().splitlines() or ["no mesh"])[-1]
             raise MeshError(f"{path}: gmsh: {reason.removeprefix('Exception: ')}")
         with gmsh_session():
             gmsh.clear()
             gmsh.open(str(mesh))
-            plain, lines = plain_from_model(str(path), gdim), all_lines(gdim)
+            plain = plain_from_model(str(path), gdim)
             gmsh.clear()
-        return _refined(plain, lines, np.load(nodes), refine) if refine else plain
-
-
-def _refined(plain: PlainMesh, lines: Array, exact: Array, times: int) -> PlainMesh:
-    """Split the cells of a mesh, then move the nodes of its curves to the positions in gmsh.
-
-    gmsh's refinement makes lines inside curved patches straight, so thin rows would fold.
-
-    Parameters
-    ----------
-    lines : line elements of all curves of the geometry, as in `PlainMesh.curves`
-    exact : (n, 3) nodes of the refined curves
-    """
-    plain = replace(plain, curves={**plain.curves, "": lines})
-    for _ in range(times):
-        plain = split(plain)
-    curves = dict(plain.curves)
-    on_curves = curves.pop("").reshape(-1, plain.points.shape[1])
-    _, rows = cKDTree(plain.points).query(on_curves)
-    tree = cKDTree(exact[:, : plain.points.shape[1]])
-
-    def moved(points: Array) -> Array:
-        return np.asarray(tree.data[tree.query(points)[1]])
-
-    points = plain.points.copy()
-    points[rows] = moved(points[rows])
-    return replace(plain, points=points, curves={name: moved(x) for name, x in curves.items()})
+        return plain
 
 
 def open_mesh(path: Path, *, gdim: int = 2) -> PlainMesh:

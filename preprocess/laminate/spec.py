@@ -10,10 +10,14 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from ...solver.errors import did_you_mean
+from ...solver.package.body.laminate_data import LaminateData
+from ...solver.package.shell.schema import ShellPly
 from ..known_keys import check_keys
 from ..materials import Orthotropic
 from .shear import ShearCorrection, shear_factors
 from .stack import Lamina, Laminate, LaminateError
+from .stiffness import LaminateStiffness
+from .stress import stress_operators
 
 KEYS = ("plies", "offset", "shear_correction")
 PLY = ("material", "angle_deg", "thickness")
@@ -26,6 +30,30 @@ class LaminateSpec(NamedTuple):
     laminate: Laminate
     shear: ShearCorrection
     materials: tuple[str, ...]  # name of each ply's material
+
+    @property
+    def plies(self) -> tuple[ShellPly, ...]:
+        """Material, angle and faces of each ply."""
+        faces = self.laminate.faces
+        return tuple(
+            ShellPly(material, ply.angle_deg, float(faces[k]), float(faces[k + 1]))
+            for k, (material, ply) in enumerate(
+                zip(self.materials, self.laminate.plies, strict=True)
+            )
+        )
+
+    def data(
+        self, name: str, stiffness: LaminateStiffness, constants: Mapping[str, Mapping[str, Any]]
+    ) -> LaminateData:
+        """The laminate in the form of a package; `constants` of all materials by name."""
+        return LaminateData(
+            name=name,
+            plies=self.plies,
+            ABD=stiffness.ABD,
+            Ds=stiffness.Ds,
+            stress_M=stress_operators(self.laminate),
+            materials={used: dict(constants[used]) for used in dict.fromkeys(self.materials)},
+        )
 
 
 def laminate_from_dict(

@@ -17,6 +17,7 @@ from .guards import (
     REVERSAL,
     check_degree,
     condition_warnings,
+    not_computed_warnings,
     reversal_warnings,
     solvability_warnings,
 )
@@ -64,7 +65,7 @@ def analyse(
         instead of all integration points
     team : processes that all call this with the same arguments and share the work; each gets
         the whole result
-        progress : called with one line at the beginning of each step
+    progress : called with one line at the beginning of each step
 
     Raises
     ------
@@ -77,14 +78,15 @@ def analyse(
     begin = progress or (lambda _line: None)
     allow = tuple(spec.get("allow", ()))
     steps: list[dict[str, float | None]] = []
-    problem = section_problem(spec["mesh"], where, _degree(spec), 0, team)
+    problem = section_problem(spec["mesh"], where, _degree(spec), team)
     while True:
         begin(f"mesh, refined {len(steps)} times" if steps else "mesh")
         lay = layup(spec, problem.mesh, problem.space, where)
         warnings = [
             *problem.mesh.warnings,
             *lay.warnings,
-            *check_degree(problem.space, lay, where, allow),
+            *check_degree(problem.space, lay, where, allow, given=_degree(spec) is None),
+            *not_computed_warnings(spec.get("not_computed", ())),
         ]
         begin(f"warping, {problem.space.n_dof} dofs")
         result = _solve(problem, lay, where, spec)
@@ -95,12 +97,13 @@ def analyse(
             begin("error estimate")
             richer = _richer(problem, spec, where, first=not steps)
             lay_richer = layup(spec, richer.mesh, richer.space, where)
-            better = _solve(richer, lay_richer, where, spec)
+            better = _solve(richer, lay_richer, where, spec, measured=False)
             error = error_estimate(result.K, better.K, problem.space.degree)
         reversal = 0.0
         if error is not None and lay.reversing.any():
             # refinement moves the place of the reversal only slowly
-            other = np.abs(_solve(problem, lay.reversed_there(), where, spec).K - result.K)
+            turned = _solve(problem, lay.reversed_there(), where, spec, measured=False)
+            other = np.abs(turned.K - result.K)
             error, reversal = error + other, float(scaled(other, result.K).max())
             limit = REVERSAL if accuracy is None else accuracy
             warnings += reversal_warnings(lay, problem.mesh.cells, reversal, limit)
@@ -173,11 +176,17 @@ def analyse(
 
 
 def _solve(
-    problem: SectionProblem, lay: Layup, where: str, spec: Mapping[str, Any]
+    problem: SectionProblem,
+    lay: Layup,
+    where: str,
+    spec: Mapping[str, Any],
+    *,
+    measured: bool = True,
 ) -> SectionStiffness | CentralSolutions:
     doubtful = ALLOWED[1] in spec.get("allow", ())
     try:
-        return problem.solve(lay.stiffness, k=curvature_of(spec), doubtful=doubtful)
+        k = curvature_of(spec)
+        return problem.solve(lay.stiffness, k=k, doubtful=doubtful, measured=measured)
     except fenicsx.FactorisationError as error:
         hint = ""
         if isinstance(error, fenicsx.SingularError):
@@ -199,5 +208,5 @@ def _richer(
     """The problem with one degree more; that of a mesh without refinement is kept for others."""
     degree = problem.space.degree + 1
     if first:
-        return section_problem(spec["mesh"], where, degree, 0, problem.team)
+        return section_problem(spec["mesh"], where, degree, problem.team)
     return SectionProblem(problem.mesh, degree, problem.team)

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ...solver.package.common.anisotropic import Anisotropic
 from ..materials import Orthotropic
 from .cells import CellMesh
 from .errors import SectionError
@@ -21,7 +22,7 @@ REVERSAL = 1e-3  # relative change of K by the sense of layer directions that is
 ALLOWED = ("nearly-incompressible", "ill-conditioned")  # what `allow` may list
 
 
-def bulk_over_shear(material: Orthotropic) -> float:
+def bulk_over_shear(material: Orthotropic | Anisotropic) -> float:
     """Bulk modulus over the least stiffness against a change of shape without shear, halved.
 
     In an isotropic material, this is the bulk over the shear modulus. Small shear moduli of an
@@ -32,11 +33,12 @@ def bulk_over_shear(material: Orthotropic) -> float:
 
 
 def check_degree(
-    space: SectionSpace, lay: Layup, where: str, allow: Sequence[str] = ()
+    space: SectionSpace, lay: Layup, where: str, allow: Sequence[str] = (), *, given: bool = False
 ) -> list[dict[str, str]]:
     """Warnings about the degree of the warping field.
 
-    Raises SectionError if a linear field locks: EI is 18 % too large at Poisson's ratio 0.49.
+    Raises SectionError if a linear field locks: EI is 18 % too large at Poisson's ratio 0.49. It is
+    only a warning if the functions are those of `given` cells of another code.
     """
     linear = space.degree == 1
     warnings = []
@@ -55,7 +57,7 @@ def check_degree(
         if ratio <= (LOCKING if linear else INCOMPRESSIBLE):
             continue
         what = f"{name} is nearly incompressible (bulk modulus {ratio:.3g} times the shear modulus)"
-        if linear and ALLOWED[0] not in allow:
+        if linear and not given and ALLOWED[0] not in allow:
             raise SectionError(
                 f"{where}.mesh.degree = 1: expected 2, because {what}: linear elements lock; "
                 f'allow = ["{ALLOWED[0]}"] computes it anyway'
@@ -63,6 +65,19 @@ def check_degree(
         effect = "linear elements lock" if linear else "stresses lose digits"
         warnings.append({"code": "nearly-incompressible", "message": f"{what}: {effect}"})
     return warnings
+
+
+def not_computed_warnings(models: Sequence[str]) -> list[dict[str, str]]:
+    """Warning about models that a file of another code asks for."""
+    if not models:
+        return []
+    return [
+        {
+            "code": "model-not-computed",
+            "message": f"the file asks for {', '.join(models)}: only the 6x6 stiffness and mass "
+            "are computed",
+        }
+    ]
 
 
 def solvability_warnings(result: SectionStiffness | CentralSolutions) -> list[dict[str, str]]:

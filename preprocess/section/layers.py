@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from ...solver.errors import did_you_mean, few
 from ...solver.math.arrays import Array
+from ...solver.package.common.anisotropic import Anisotropic, elastic_from_dict
 from ...solver.package.section.schema import Ply
-from ..materials import Orthotropic, material_from_dict, rotated
+from ..materials import Orthotropic, rotated
 from .curves import nearest_on_curve
 from .errors import SectionError
 from .mesh import SectionMesh
@@ -44,7 +45,7 @@ class Layup:
     ply: NDArray[np.int64]
     y2: Array
     plies: tuple[Ply, ...]
-    materials: tuple[Orthotropic, ...]
+    materials: tuple[Orthotropic | Anisotropic, ...]
     uniform: bool
     reversing: NDArray[np.bool_]
     warnings: tuple[dict[str, str], ...]
@@ -107,13 +108,13 @@ def layup(spec: Mapping[str, Any], mesh: SectionMesh, space: SectionSpace, where
     regions, names = spec["regions"], mesh.cells.regions
     _same_names(regions, names, where)
     table = {
-        name: material_from_dict(constants, f"{where}.materials.{name}")
+        name: elastic_from_dict(constants, f"{where}.materials.{name}")
         for name, constants in spec["materials"].items()
     }
     ply = np.full(space.weights.shape, -1)
     y2 = np.zeros((*space.weights.shape, 2))
     plies: list[Ply] = []
-    materials: list[Orthotropic] = []
+    materials: list[Orthotropic | Anisotropic] = []
     turning, mixed = False, 0
     for name, region in regions.items():
         place = f"{where}.regions.{name}"

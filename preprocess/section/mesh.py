@@ -21,8 +21,7 @@ from ..fenicsx import PlainMesh
 from ..python_script import load_script
 from .cells import FULL, CellMesh, cells_of_plain, filling, patterns
 from .errors import SectionError
-from .mesh_checks import checked, folds
-from .refine import refined
+from .mesh_checks import checked
 
 __all__ = ["SectionError", "SectionMesh", "script_path", "section_mesh"]
 
@@ -55,7 +54,7 @@ class SectionMesh:
     warnings: tuple[dict[str, str], ...] = ()
 
 
-def section_mesh(spec_mesh: Mapping[str, Any], where: str, *, refine: int = 0) -> SectionMesh:
+def section_mesh(spec_mesh: Mapping[str, Any], where: str) -> SectionMesh:
     """Make the mesh of a section; equal requests share one mesh.
 
     Parameters
@@ -69,8 +68,6 @@ def section_mesh(spec_mesh: Mapping[str, Any], where: str, *, refine: int = 0) -
         curves, lines, curve, curve_names;
         plus optional "scale", a factor on all coordinates
     where : file and key of the description, for messages
-    refine : how many times every edge is halved; curved edges stay on the geometry of a script, and
-        keep their shape in a given mesh
 
     Raises
     ------
@@ -81,22 +78,20 @@ def section_mesh(spec_mesh: Mapping[str, Any], where: str, *, refine: int = 0) -
     content = hashlib.sha256(path.read_bytes()).hexdigest()
     table = canonical(spec_mesh)
     try:
-        return _made(table, str(path), content, refine)
+        return _made(table, str(path), content)
     except (fenicsx.MeshError, SectionError) as error:
         raise SectionError(f"{where}: {error}") from error
 
 
 @lru_cache(maxsize=KEPT)
-def _made(table: str, file: str, content: str, refine: int) -> SectionMesh:
+def _made(table: str, file: str, content: str) -> SectionMesh:
     spec, path = json.loads(table), Path(file)
     del content  # part of the cache key: a changed file gives another entry
     scale = float(spec.get("scale", 1.0))
     if "arrays" in spec and (mixed := _mixed_arrays(path)) is not None:
-        for _ in range(refine):
-            mixed = refined(mixed, np.ones(mixed.n_cell, dtype=bool))
         mixed, warnings = checked(replace(mixed, points=scale * mixed.points), str(path))
         return SectionMesh(mixed, {}, tuple(warnings))
-    plain = _read(spec, path, refine)
+    plain = _read(spec, path)
     if scale != 1.0:
         curves = {name: scale * lines for name, lines in plain.curves.items()}
         plain = replace(plain, points=scale * plain.points, curves=curves)
@@ -129,35 +124,19 @@ def _source(spec: Mapping[str, Any], where: str) -> Path:
     return path
 
 
-def _read(spec: Mapping[str, Any], path: Path, refine: int) -> PlainMesh:
+def _read(spec: Mapping[str, Any], path: Path) -> PlainMesh:
     parameters = spec.get("parameters", {})
     if path.suffix == ".geo":
-        return _script(path, parameters, refine)
+        return fenicsx.run_script(path, parameters)
     if path.suffix == ".py":
         with fenicsx.gmsh_session() as gmsh:
             gmsh.clear()
             try:
-                load_script(path).build(
-                    gmsh, parameters, spec.get("coordinates", ()), refine=refine
-                )
+                load_script(path).build(gmsh, parameters, spec.get("coordinates", ()))
             except ValueError as error:
                 raise fenicsx.MeshError(f"{path.name}: {error}") from error
             return fenicsx.plain_from_model(str(path))
-    return _split(_arrays(path) if "arrays" in spec else fenicsx.open_mesh(path), refine)
-
-
-def _split(plain: PlainMesh, times: int) -> PlainMesh:
-    for _ in range(times):
-        plain = fenicsx.split(plain)
-    return plain
-
-
-def _script(path: Path, parameters: Mapping[str, Any], refine: int) -> PlainMesh:
-    """Refined on the geometry; if thin rows would fold, refined with their present shape."""
-    plain = fenicsx.run_script(path, parameters, refine=refine)
-    if refine and folds(cells_of_plain(plain)):
-        return _split(fenicsx.run_script(path, parameters), refine)
-    return plain
+    return _arrays(path) if "arrays" in spec else fenicsx.open_mesh(path)
 
 
 def _mixed_arrays(path: Path) -> CellMesh | None:

@@ -80,12 +80,6 @@ def _area_range(mesh: CellMesh) -> tuple[Array, Array, Array]:
     return low, high, rounding
 
 
-def folds(mesh: CellMesh) -> bool:
-    """True if the Jacobian of a cell changes its sign within the cell."""
-    low, high, rounding = _area_range(mesh)
-    return bool(np.any((low < -rounding) & (high > rounding)))
-
-
 def _counter_clockwise(mesh: CellMesh, where: str) -> CellMesh:
     """Reverse cells that are numbered clockwise; their shape does not change.
 

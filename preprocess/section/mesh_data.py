@@ -62,16 +62,14 @@ def _numbered(mesh: CellMesh) -> tuple[Array, IntArray, IntArray]:
     total = len(points[0])
     for (kind, rows), shape in zip(mesh.of_kinds, mesh.shapes, strict=True):
         full = FULL[kind]
-        count = np.count_nonzero(tables[rows] >= 0, axis=1)
-        regular = np.array(
-            [
-                n in VTK_CELLS[kind] and (table[:n] >= 0).all()
-                for n, table in zip(count, tables[rows], strict=True)
-            ]
-        )
-        types[rows] = [
-            VTK_CELLS[kind][n if ok else full] for n, ok in zip(count, regular, strict=True)
-        ]
+        there = tables[rows] >= 0
+        count = there.sum(axis=1)
+        types[rows] = VTK_CELLS[kind][full]
+        regular = np.zeros(len(rows), dtype=bool)
+        for n, vtk in VTK_CELLS[kind].items():
+            these = (count == n) & there[:, :n].all(axis=1)
+            types[rows[these]] = vtk
+            regular |= these
         cell, node = np.nonzero((tables[rows][:, :full] < 0) & ~regular[:, None])
         tables[rows[cell], node] = total + np.arange(len(cell))
         points.append(shape[cell, node])

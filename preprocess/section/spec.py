@@ -7,7 +7,9 @@ from ..known_keys import check_keys
 from .errors import SectionError
 
 REQUIRED = ("mesh", "materials", "regions")
-OPTIONAL = ("name", "title", "convention", "allow", "initial_curvature", "taper")
+OPTIONAL = (
+    "name", "title", "convention", "allow", "initial_curvature", "taper", "not_computed"
+)  # fmt: skip
 REGION = ("plies", "direction")
 PLY = ("material", "angle_deg", "thickness")
 

@@ -17,7 +17,6 @@ from ...solver.package.shell.schema import (
     ShellMeshData,
     ShellModes,
     ShellPlaces,
-    ShellPly,
     ShellProbes,
 )
 from .. import fenicsx
@@ -221,17 +220,11 @@ def _laminates(problem: ShellProblem) -> tuple[list[ShellLaminate], Warnings]:
         laminate, stiffness = region.laminate.laminate, region.stiffness
         known = report(laminate, name)
         warnings += known.findings
-        faces = laminate.faces
         table = dataclasses.asdict(known)
         del table["findings"]
         found[name] = ShellLaminate(
             name,
-            tuple(
-                ShellPly(material, ply.angle_deg, float(faces[k]), float(faces[k + 1]))
-                for k, (material, ply) in enumerate(
-                    zip(region.laminate.materials, laminate.plies, strict=True)
-                )
-            ),
+            region.laminate.plies,
             stiffness.ABD,
             stiffness.Ds,
             stiffness.mass,

@@ -9,7 +9,7 @@ from ...solver.math.arrays import Array
 from ...solver.package.body.schema import ModalPackage, SecondOrder
 from ...solver.package.body.second_order import MOST_MODES, second_order_from_stations
 from ...solver.package.body.selection import ALONG
-from ...solver.package.shell.cells import NONE, corner_counts
+from ...solver.package.shell.cells import NONE, vtk_cells
 from ..beam.stations import Stations
 from ..modes import Modes, reduced_modes
 from ..provenance import body_provenance
@@ -21,7 +21,6 @@ from .reduction import ShellModel, eigen_solver
 from .second_order import second_order_fields
 from .stations import mass_stations
 
-VTK_TRIANGLE, VTK_QUAD = 5, 9
 SPARE = 1  # additional modes: a shell has other modes between those of one kind
 
 
@@ -90,7 +89,8 @@ def shell_package(model: ShellModel, modes: Modes, provenance: dict[str, Any]) -
     found = places(mesh, links, model.carriers if spec.reference.kind == "chord" else ())
     row_in_file = np.empty(mesh.n_node, dtype=np.int64)
     row_in_file[mesh.file_nodes] = np.arange(mesh.n_node)
-    cells, count = mesh.cells[mesh.file_cells], corner_counts(mesh.cells[mesh.file_cells])
+    cells = mesh.cells[mesh.file_cells]
+    connectivity, offsets, types = vtk_cells(np.where(cells == NONE, NONE, row_in_file[cells]))
     nodes = u.reshape(len(u) // 6, 6, m)[: mesh.n_node]  # not -1: a rigid body has no modes
     stations = mass_stations(mesh, problem.regions, problem.stiffeners, nodes, spec.mass_form)
     h = None
@@ -104,9 +104,9 @@ def shell_package(model: ShellModel, modes: Modes, provenance: dict[str, Any]) -
         body=spec.body,
         nodes_B=found.nodes_B,
         node_ids=found.ids,
-        connectivity=row_in_file[cells[cells != NONE]],
-        offsets=np.concatenate([[0], np.cumsum(count)]),
-        cell_types=np.where(count == 3, VTK_TRIANGLE, VTK_QUAD).astype(np.int64),
+        connectivity=connectivity,
+        offsets=offsets,
+        cell_types=types,
         shapes_B=node_shapes(mesh, links, found, u),
         mode_kinds=modes.kinds,
         frequencies=frequencies,

@@ -1,6 +1,6 @@
 """Named groups of a shell: nodes of a physical point, curve or surface, with their weights."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +20,24 @@ class Group(NamedTuple):
     nodes: IntArray  # (k,) ascending
     weights: Array  # (k,) length/2 of each edge [m], area/3 of each cell [m2], or 1 [-]
     centre_G: Array  # (3,) weighted                        [m]
+
+
+def united(mesh: ShellMesh, names: str | Sequence[str], where: str) -> Group:
+    """The groups with these names as one; nodes that they share have the sum of their weights.
+
+    Raises ShellError for an unknown name, a name twice, and groups of different kinds.
+    """
+    listed = [names] if isinstance(names, str) else list(names)
+    parts = [group(mesh, str(name), where) for name in listed]
+    if not parts or len(set(listed)) < len(listed) or len({part.kind for part in parts}) > 1:
+        raise ShellError(
+            f"{where} = {listed}: expected names of points, of curves or of surfaces, each once"
+        )
+    if len(parts) == 1:
+        return parts[0]
+    nodes = np.concatenate([part.nodes for part in parts])
+    weights = np.concatenate([part.weights for part in parts])
+    return _gathered(mesh, " + ".join(listed), parts[0].kind, nodes, weights)
 
 
 def group(mesh: ShellMesh, name: str, where: str) -> Group:

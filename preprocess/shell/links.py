@@ -22,7 +22,7 @@ from ...solver.math.arrays import Array
 from ...solver.package.body.specification import SHELL_LINK_KINDS
 from .axes import vector
 from .errors import ShellError
-from .groups import Group, group
+from .groups import Group, united
 from .mesh import ShellMesh
 
 OPEN = 1e-8  # second moment about an axis over the largest: below it the rotation is undetermined
@@ -40,8 +40,8 @@ class Link:
 
 
 def read_links(table: Mapping[str, Any], mesh: ShellMesh, where: str) -> list[Link]:
-    """The links of a specification: {name: {at, kind, point}}; default of point: the group's
-    centre.
+    """The links of a specification: {name: {at, kind, point}}; `at` is a group or a list of them,
+    the default of point the centre of all.
 
     Raises ShellError for an unknown group or kind, and for a node in two rigid links.
     """
@@ -55,7 +55,7 @@ def read_links(table: Mapping[str, Any], mesh: ShellMesh, where: str) -> list[Li
                 f"{place}.kind = {kind!r}: expected one of {', '.join(SHELL_LINK_KINDS)}"
                 + did_you_mean(str(kind), SHELL_LINK_KINDS)
             )
-        of = group(mesh, str(entry.get("at")), f"{place}.at")
+        of = united(mesh, entry.get("at", ""), f"{place}.at")
         point = entry.get("point")
         centre = of.centre_G if point is None else vector(point, f"{place}.point")
         links.append(Link(name, kind, of, centre))

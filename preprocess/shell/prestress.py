@@ -8,7 +8,7 @@ import scipy.sparse as sp
 
 from ...solver.errors import did_you_mean
 from ...solver.math.arrays import Array
-from .buckling import LoadFactors, load_factors
+from .buckling import Buckling, LoadFactors
 from .errors import ShellError
 from .guards import check_supported
 from .problem import ShellProblem
@@ -95,12 +95,11 @@ def buckling(
     freedom = problem.modes_freedom
     check_supported(freedom, *problem.free_motions(freedom))
     K = stressed.stiffness(constant, f"{where}.constant", in_plane)
+    equations = Buckling(K, freedom, where, problem.team)
     found = {}
     for name in cases:
         Kg = stressed.geometric(name, f"{where}.cases", in_plane)
-        found[name] = load_factors(
-            K, Kg, freedom, count, f"{where}, load case {name}", problem.team
-        )
+        found[name] = equations.load_factors(Kg, count, f"{where}, load case {name}")
         first = found[name].values[:1]
         turned = stressed.rotation(name) * float(first[0]) if len(first) else 0.0
         if turned > LARGE:
@@ -110,4 +109,5 @@ def buckling(
                 "assumes small displacements up to buckling; the real load may be far below"
             )
             warnings.append({"code": "buckling-after-large-rotation", "message": text})
+    equations.close()
     return found

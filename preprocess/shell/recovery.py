@@ -5,8 +5,6 @@ import numpy as np
 from ...solver.math.arrays import Array
 from ...solver.package.body.laminate_data import CellResultants, LaminateData
 from ...solver.package.section.recovery_data import rounded
-from ...solver.package.shell.schema import ShellPly
-from ..laminate import stress_operators
 from .problem import ShellProblem
 
 
@@ -39,23 +37,10 @@ def laminates(problem: ShellProblem) -> tuple[LaminateData, ...]:
     """Every laminate that a region uses, once."""
     found: dict[str, LaminateData] = {}
     for region in problem.regions:
-        if region.laminate_name in found:
-            continue
-        laminate, faces = region.laminate.laminate, region.laminate.laminate.faces
-        names = region.laminate.materials
-        found[region.laminate_name] = LaminateData(
-            name=region.laminate_name,
-            plies=tuple(
-                ShellPly(material, ply.angle_deg, float(faces[k]), float(faces[k + 1]))
-                for k, (material, ply) in enumerate(zip(names, laminate.plies, strict=True))
-            ),
-            ABD=region.stiffness.ABD,
-            Ds=region.stiffness.Ds,
-            stress_M=stress_operators(laminate),
-            materials={
-                name: dict(problem.spec["materials"][name]) for name in dict.fromkeys(names)
-            },
-        )
+        name = region.laminate_name
+        if name not in found:
+            constants = problem.spec["materials"]
+            found[name] = region.laminate.data(name, region.stiffness, constants)
     return tuple(found.values())
 
 

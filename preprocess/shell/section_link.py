@@ -44,6 +44,8 @@ def section_rows(
     """
     if of.kind != "curve":
         raise ShellError(f"{where} = {of.name!r}: a {of.kind}; a section link needs a curve")
+    if of.name not in mesh.curves:
+        raise ShellError(f"{where} = {of.name!r}: a section link needs one curve")
     points = mesh.points_G[of.nodes]
     centred = points - points.mean(axis=0)
     _, size, axes = np.linalg.svd(centred, full_matrices=False)

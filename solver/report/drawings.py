@@ -39,7 +39,7 @@ def draw_all(folder: Path, drawings: Sequence[Drawing]) -> None:
     stale = [
         d
         for d, (name, key) in zip(drawings, now.items(), strict=True)
-        if before.get(name) != key or not d.path.is_file()
+        if before.get(name) != key or not _there(d.path)
     ]
     if stale:
         with house_style():  # also tells that matplotlib is missing
@@ -62,7 +62,12 @@ def drawn_before(folder: Path) -> bool:
 def is_up_to_date(folder: Path, page: str, key: str) -> bool:
     """Tell whether a page and all figures were made from data of this digest, and are there."""
     known = _keys(folder / KEYS)
-    return known.get(page) == key and all((folder / name).is_file() for name in known)
+    return known.get(page) == key and all(_there(folder / name) for name in known)
+
+
+def _there(file: Path) -> bool:
+    """Tell whether there is a file; a full disk or a lost machine may leave an empty one."""
+    return file.is_file() and file.stat().st_size > 0
 
 
 def remember(folder: Path, page: str, key: str) -> None:

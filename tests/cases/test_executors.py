@@ -13,6 +13,7 @@ import h5py
 import numpy as np
 import pytest
 from dask_cluster import TESTS, Cluster, until
+from mpi_samples import ranks, with_mpi
 from sweep_samples import FORCE, MASS, ball, ball_plan
 
 from plymotion.solver.__main__ import main
@@ -48,12 +49,13 @@ def assert_same_bits(one: Path, two: Path) -> None:
         assert values.tobytes() == b[name].tobytes(), name
 
 
-@pytest.fixture
-def alone(tmp_path):
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory):
     """A sweep of 20 members and its results as computed in this process."""
-    file = ball(tmp_path, MEMBERS, 'histories = ["x"]')
-    assert sweep(file, "--out", str(tmp_path / "alone")) == 3
-    return file, tmp_path / "alone" / "sweep.h5"
+    folder = tmp_path_factory.mktemp("alone")
+    file = ball(folder, MEMBERS, 'histories = ["x"]')
+    assert sweep(file, "--out", str(folder / "alone")) == 3
+    return file, folder / "alone" / "sweep.h5"
 
 
 def test_processes_give_the_same(tmp_path, alone):
@@ -192,14 +194,19 @@ def test_a_worker_that_dies_takes_one_member_with_it(tmp_path, monkeypatch):
     assert rows[1].code == "worker-lost"
 
 
-@pytest.fixture
-def cluster(tmp_path):
+@pytest.fixture(scope="module")
+def scheduler(tmp_path_factory):
     pytest.importorskip("distributed", reason="dask.distributed is not installed")
-    folder = tmp_path / "cluster"
-    folder.mkdir()
-    found = Cluster(folder)
+    found = Cluster(tmp_path_factory.mktemp("cluster"))
     yield found
     found.close()
+
+
+@pytest.fixture
+def cluster(scheduler):
+    """A scheduler without workers."""
+    yield scheduler
+    scheduler.end_workers()
 
 
 def test_a_dask_worker_is_killed_in_the_middle(tmp_path, alone, cluster, monkeypatch):
@@ -283,37 +290,14 @@ def test_wrong_executors(tmp_path, capsys, monkeypatch, words, message):
     assert message in capsys.readouterr().err
 
 
-def _with_mpi(folder: Path) -> str | None:
-    """PYTHONPATH with mpi4py for this Python: its own, or that of FEniCSx if it fits."""
-    if (
-        subprocess.run([sys.executable, "-c", "import mpi4py.MPI"], capture_output=True).returncode
-        == 0
-    ):
-        return os.environ.get("PYTHONPATH", "")
-    other = os.environ.get("FENICSX_PYTHON", "/usr/bin/python3")
-    asked = "import sys, mpi4py; print(*sys.version_info[:2], mpi4py.__path__[0])"
-    try:
-        done = subprocess.run([other, "-c", asked], capture_output=True, text=True)
-    except OSError:
-        return None
-    if done.returncode or done.stdout.split()[:2] != [str(n) for n in sys.version_info[:2]]:
-        return None
-    folder.mkdir()
-    (folder / "mpi4py").symlink_to(done.stdout.split()[2])
-    return os.pathsep.join([str(folder), os.environ.get("PYTHONPATH", "")])
-
-
 def test_ranks_of_an_mpi_job_give_the_same(tmp_path, alone):
-    from shutil import which
-
-    path = _with_mpi(tmp_path / "site")
-    if path is None or which("mpirun") is None:
+    path = with_mpi(tmp_path / "site")
+    if path is None:
         pytest.skip("no mpirun, or no mpi4py for this Python")
     file, expected = alone
-    words = ["-m", "mpi4py.futures", "-m", "plymotion.solver", "sweep", str(file), "--quiet"]
-    words += ["--no-figures", "--executor", "mpi", "--out", str(tmp_path / "mpi")]
+    words = ["sweep", str(file), "--quiet", "--no-figures", "--out", str(tmp_path / "mpi")]
     done = subprocess.run(
-        ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", "3", sys.executable, *words],
+        ranks(3, *words),
         env=os.environ | {"PYTHONPATH": path},
         capture_output=True,
         text=True,

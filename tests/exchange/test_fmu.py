@@ -80,7 +80,7 @@ def test_inputs_that_are_not_asked_for(arm: Path, repository: Path, tmp_path: Pa
         assert archive.read("resources/inputs.txt") == b"joints.hinge.drive\n"
         assert archive.read("resources/solver.txt").decode().splitlines()[0] == sys.executable
     assert "modelDescription.xml" in names
-    assert "resources/bodies/arm.vtkhdf" in names
+    assert len([name for name in names if name.startswith("resources/bodies/")]) == 1
     case = repository / "cases/exchange/case.toml"
     ready = ["--packages", str(repository / "tests/packages/exchange"), "--run", "mystran"]
     bare = export(tmp_path, case, *ready, "--inputs")

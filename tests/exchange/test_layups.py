@@ -23,7 +23,7 @@ from exchange_routes import import_file, mystran, run_program
 from plymotion.preprocess.exchange.free_body import Cells
 from plymotion.preprocess.exchange.import_file import package_of, read_table
 from plymotion.preprocess.exchange.layups import Layups, centre_strains, recovered
-from plymotion.preprocess.exchange.read.bulk_data import read_bulk_data
+from plymotion.preprocess.exchange.read.bulk_data import bulk_cards, read_bulk_data
 from plymotion.preprocess.exchange.read.pcomp import read_layups
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
@@ -223,7 +223,9 @@ def deck(folder: Path, text: str = DECK, **changes: str) -> Layups | str:
     fields = {"theta": "", "bottom": "", "lam": "", **changes}
     file = folder / "a.bdf"
     file.write_text(text.format(**fields))
-    return read_layups(file, *read_bulk_data(file))
+    cards = list(bulk_cards(file))
+    _, nodes, cells = read_bulk_data(file, cards)
+    return read_layups(file, cards, nodes, cells)
 
 
 def test_a_deck_in_millimetres(tmp_path: Path) -> None:

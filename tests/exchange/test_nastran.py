@@ -10,7 +10,7 @@ from exchange_routes import ccx, import_file, mystran, run_program
 
 from plymotion.preprocess.exchange.import_file import package_of as built
 from plymotion.preprocess.exchange.import_file import read_table
-from plymotion.preprocess.exchange.read.bulk_data import read_bulk_data
+from plymotion.preprocess.exchange.read.bulk_data import bulk_cards, read_bulk_data
 from plymotion.preprocess.exchange.read.op4 import read_op4
 from plymotion.solver.errors import InputError
 from plymotion.solver.package import ModalPackage, validate, write_package
@@ -76,7 +76,7 @@ ENDDATA
 def test_bulk_data_in_its_three_formats(tmp_path: Path) -> None:
     deck = tmp_path / "a.bdf"
     deck.write_text(GRIDS)
-    ids, nodes, cells = read_bulk_data(deck)
+    ids, nodes, cells = read_bulk_data(deck, list(bulk_cards(deck)))
     assert ids.tolist() == [3, 5, 7]
     expected = [[0.5, 100.0, 0.0], [1.0, 2.0, 3.0], [1.5, -2.5e-3, 32.5]]
     np.testing.assert_array_equal(nodes, expected)
@@ -99,7 +99,7 @@ def test_bulk_data_is_refused(tmp_path: Path, line: str, message: str) -> None:
     deck = tmp_path / "a.bdf"
     deck.write_text(GRIDS.replace("ENDDATA", f"{line}\nENDDATA"))
     with pytest.raises(InputError, match=message):
-        read_bulk_data(deck)
+        read_bulk_data(deck, list(bulk_cards(deck)))
 
 
 def op4_bytes(A: np.ndarray, name: str, sparse: bool) -> bytes:

@@ -5,9 +5,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from vabs_peer import orthotropic, stiffness
+from vabs_peer import orthotropic, stiffness, turned
 
 from plymotion.preprocess.section import analyse
+from plymotion.solver.commands.section.writers.meshes import write_vabs
 from plymotion.solver.inputs.section.other_codes import is_of_another_code, spec_of_another_code
 
 ORDER = ("E1", "E2", "E3", "G12", "G13", "G23", "nu12", "nu13", "nu23")
@@ -154,6 +155,61 @@ def test_curvature_of_a_vabs_file(tmp_path: Path) -> None:
     found = solved(file, tmp_path)
     np.testing.assert_allclose(found.initial_curvature, [0.5, 0.1, -0.2])
     assert relative(found.K, stiffness(*compact(points, cells))) > 1e-4
+
+
+def kind_2(C: Any, rho: float) -> list[str]:
+    """Stiffness in our order as the 21 constants of VABS: 11 12 13 22 23 33, upper triangle."""
+    order = [0, 5, 4, 1, 3, 2]
+    theirs = C[np.ix_(order, order)]
+    rows = [" ".join(repr(float(v)) for v in theirs[i, i:]) for i in range(6)]
+    return [*rows, repr(rho)]
+
+
+def test_anisotropic_materials(tmp_path: Path) -> None:
+    """A turned orthotropic material by 21 constants, and as a layer with theta1 and theta3."""
+    points, cells = mesh_of(0.2)
+    for cell in cells:
+        cell["theta1"], cell["theta3"] = 20.0, 35.0
+    same = vabs_text(points, cells, new=True)
+    expected = stiffness(*compact(points, cells))
+    for cell in cells:
+        cell["theta1"] = cell["theta3"] = 0.0
+    text = vabs_text(points, cells, new=True)
+    head = text[: text.index("\n1 1\n" + " ".join(repr(CARBON[key]) for key in ORDER[:3]))]
+    blocks = []
+    for i, constants in enumerate((CARBON, FOAM), start=1):
+        blocks += [f"{i} 2", *kind_2(turned(orthotropic(constants), 20.0, 35.0), 1600.0)]
+    by_constants, by_angles = tmp_path / "constants.sg", tmp_path / "angles.sg"
+    by_constants.write_text(head + "\n" + "\n".join(blocks) + "\n")
+    by_angles.write_text(same)
+    found = solved(by_constants, tmp_path)
+    assert relative(found.K, solved(by_angles, tmp_path).K) < 1e-10
+    assert relative(found.K, expected) < 1e-8
+    assert pytest.approx(solved(by_angles, tmp_path).M, rel=1e-12) == found.M
+    again = solved(write_vabs(found, tmp_path / "written.sg"), tmp_path)
+    for before, after in zip(found.recovery.materials, again.recovery.materials, strict=True):
+        first, second = found.recovery.materials[before], again.recovery.materials[after]
+        assert second["C"] == pytest.approx(first["C"], rel=1e-12)
+
+
+@pytest.mark.provokes("model-not-computed")
+def test_flags_and_constants_that_are_not_used(tmp_path: Path) -> None:
+    """Damping and expansions are read past, and the result says what it does not contain."""
+    points, cells = mesh_of()
+    plain, more = tmp_path / "plain.sg", tmp_path / "more.sg"
+    text = vabs_text(points, cells, new=True)
+    plain.write_text(text)
+    lines = text.splitlines()
+    lines[1], lines[2] = "1 1 3", "0 0 1 1"
+    first = len(lines) - 10 - len(cells)
+    lines[first : first + len(cells)] = [f"{x} 0.01" for x in lines[first : first + len(cells)]]
+    for end in (len(lines), len(lines) - 5):
+        lines[end:end] = ["0.02", "1e-6 2e-6 3e-6"]
+    more.write_text("\n".join(lines) + "\n")
+    found = solved(more, tmp_path)
+    assert relative(found.K, solved(plain, tmp_path).K) < 1e-14
+    message = next(w["message"] for w in found.warnings if w["code"] == "model-not-computed")
+    assert "trapeze, vlasov, damping, thermal" in message
 
 
 def becas_folder(folder: Path, points: Any, cells: list[dict[str, Any]]) -> Path:

@@ -40,6 +40,23 @@ def test_shares_of_groups(distorted: ShellProblem) -> None:
     assert len(group(mesh, "corner-11", "at").nodes) == 1
 
 
+def test_link_to_several_surfaces() -> None:
+    """Shares of both skins of a box; the edges in common count for both."""
+    links = {"skins": {"at": ["top", "bottom"], "kind": "average"}}
+    problem = ShellProblem(box(links=links))
+    of, parts = problem.links[0].group, [group(problem.mesh, n, "at") for n in ("top", "bottom")]
+    assert of.weights.sum() == pytest.approx(sum(part.weights.sum() for part in parts))
+    assert set(of.nodes) == {int(n) for part in parts for n in part.nodes}
+    assert of.centre_G == pytest.approx(0.5 * (parts[0].centre_G + parts[1].centre_G))
+    for at, words in (
+        (["top", "root"], "of curves or of surfaces"),
+        (["top", "tp"], "no physical"),
+    ):
+        links["skins"]["at"] = at
+        with pytest.raises(ShellError, match=rf"links.skins.at.*{words}"):
+            ShellProblem(box(links=links))
+
+
 @pytest.mark.parametrize(
     ("load", "force", "moment"),
     [

@@ -6,6 +6,7 @@ import sys
 
 import numpy as np
 import pytest
+from hostile_profile import count
 from result_samples import swinging_rod
 from sweep_samples import FORCE, ball
 
@@ -47,6 +48,7 @@ def test_a_run_without_room(tmp_path, limit):
     assert "are free" in done.stderr
     assert done.stderr.count("\n") == 1
     assert {path.name: path.read_bytes() for path in out.iterdir()} == before
+    count("run: a file that may not grow", "refused")
 
 
 @pytest.mark.parametrize("limit", [100, 9000])
@@ -72,6 +74,7 @@ def test_a_check_without_room(tmp_path):
     assert "File too large" in done.stderr
     assert {p: p.read_bytes() for p in build.rglob("*") if p.is_file()} == before
     assert main(["check", str(case), "--out", str(build)]) == 0
+    count("check: a file that may not grow", "refused")
 
 
 def test_a_file_that_is_written_through_is_the_same(tmp_path):

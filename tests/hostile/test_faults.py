@@ -1,172 +1,102 @@
-"""Faults at every temporary file: all files stay readable, and the same command goes on.
+"""Faults while a command works: all files stay readable, and the same command goes on.
 
-A process is killed, is told to end, or finds the disk full, before and after each renaming of a
-temporary file: between result and summary, between figures and table, in the cache of compiled
-code.
+A process is killed, is told to end, or finds the disk full: before and after each renaming of a
+temporary file (between result and summary, between figures and table), while it integrates, and at
+any time.
 """
 
-import json
 import os
-import shutil
-import signal
 import subprocess
 import sys
-from pathlib import Path
+import time
 
 import pytest
-from hostile_profile import LONG, count
+import struck_samples as samples
+from hostile_profile import LONG, MISSED, WAIT_S, count
+from struck_samples import changed, commands, end_of, names, number_of, struck, times_passed
 from sweep_samples import FORCE, ball
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands.sweep.file import read_sweep
-from plymotion.solver.results import read_result
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
-# Strikes at the n-th renaming; n = 0: tells how many there are.
-STRUCK = """
-import atexit, errno, os, signal, sys
-kind, place = sys.argv[1], int(sys.argv[2])
-from plymotion.solver.__main__ import main
-replace, told = os.replace, []
-def strike(file):
-    if "full" in kind:
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(file))
-    os.kill(os.getpid(), getattr(signal, kind.split()[1]))
-def struck(old, new):
-    told.append(new)
-    if len(told) == place and kind.startswith("before"):
-        strike(old)
-    replace(old, new)
-    if len(told) == place and kind.startswith("after"):
-        strike(new)
-os.replace = struck
-if not place:
-    atexit.register(lambda: print("renamed", len(told)))
-sys.exit(main(sys.argv[3:]))
-"""
 KINDS = ["before SIGKILL", "after SIGKILL", "before SIGTERM", "after SIGTERM", "before full"]
-KINDS += ["before SIGINT", "before SIGHUP"]
-PLAIN = {"PLYMOTION_COMPILED": "0"}
-
-
-def _struck(kind: str, place: int, words: list[str], **more: str) -> "subprocess.CompletedProcess":
-    return subprocess.run(
-        [sys.executable, "-c", STRUCK, kind, str(place), *words],
-        env=os.environ | PLAIN | more,
-        capture_output=True,
-        text=True,
-        timeout=600,
-    )
-
-
-def _commands(folder: Path) -> dict[str, list[str]]:
-    build = folder / "build"
-    return {
-        "check": ["check", str(folder / "case.toml"), "--out", str(build)],
-        "run": ["run", str(build / "runs/base.json"), "--quiet"],
-        "sweep": ["sweep", str(build / "sweeps/s.json"), "--quiet"],
-    }
+KINDS += ["before SIGINT", "after SIGINT", "before SIGHUP", "after SIGHUP"]
+SIGNALS = ["SIGINT", "SIGTERM", "SIGHUP", "SIGKILL"]
 
 
 @pytest.fixture(scope="module")
 def project(tmp_path_factory):
-    """A case that is checked and computed, and the same with a change of the case file."""
-    folder = tmp_path_factory.mktemp("faults") / "project"
-    ball(folder, f"{FORCE} = [0.0, 1.0]", 'histories = ["x"]\nsignals = ["x"]')
-    for words in _commands(folder).values():
-        assert main(words) == 0
-    return folder
+    """A case that is checked and computed."""
+    return samples.project(tmp_path_factory.mktemp("faults") / "project")
 
 
-def _unreadable(folder: Path) -> list[str]:
-    """Files that are neither whole nor hidden."""
-    found = []
-    readers = {
-        ".vtkhdf": read_result,
-        ".h5": read_sweep,
-        ".json": lambda f: json.loads(f.read_text()),
-    }
-    for file in folder.rglob("*"):
-        if file.is_file() and not file.name.startswith("."):
-            try:
-                assert file.stat().st_size
-                readers.get(file.suffix, Path.read_bytes)(file)
-            except Exception as error:
-                found.append(f"{file}: {error}")
-    return found
-
-
-def _names(folder: Path) -> list[str]:
-    return sorted(str(file.relative_to(folder)) for file in folder.rglob("*"))
-
-
-def _changed(project: Path, folder: Path, command: str) -> list[str]:
-    """Copy and change the project; return a command that has to do its work again."""
-    shutil.copytree(project, folder)
-    case = folder / "case.toml"
-    case.write_text(case.read_text().replace("t_end = 1.0", "t_end = 0.9"))
-    commands = _commands(folder)
-    for earlier in commands:
-        if earlier == command:
-            break
-        assert main(commands[earlier]) == 0
-    return commands[command]
-
-
-def _try(project: Path, folder: Path, command: str, kind: str, place: int) -> None:
-    words = _changed(project, folder, command)
-    expected = _names(folder)
-    done = _struck(kind, place, words)
-    number = 0 if "full" in kind else int(getattr(signal, kind.split()[1]))
-    codes = {0: (2,), 9: (-9,)}.get(number, (128 + number, 0))
-    end = "recovered"
-    if "Traceback" in done.stderr:
-        end = "traceback"
-    elif done.returncode not in codes:
-        end = "other"
-    elif left := _unreadable(folder):
-        end, done.stderr = "file lost", "\n".join(left)
-    elif main(words) != 0 or _names(folder) != expected or _unreadable(folder):
-        end = "file lost"
-    count(f"{command}: a fault, {kind} a temporary file is renamed", end)
-    assert end == "recovered", f"{kind} {place}: exit {done.returncode}: {done.stderr}"
+def _try(project, folder, command, kind, place, told, *, last=False):
+    """Strike once; `last`: what is struck is the last thing that the command does."""
+    words = changed(project, folder, command)
+    done = struck(kind, place, words)
+    assert "struck" in done.stderr, f"{kind} {place}: not passed"
+    end = end_of(done, number_of(kind), folder, words, names(project))
+    count(f"{command}: {told}", MISSED if last and end == "done" else end)
+    assert end in ("recovered", "done"), f"{kind} {place}: exit {done.returncode}: {done.stderr}"
+    return end
 
 
 @pytest.mark.parametrize("command", ["check", "run", "sweep"])
 def test_at_every_temporary_file(project, tmp_path, command):
-    told = _struck("none", 0, _changed(project, tmp_path / "copy", command))
-    renamed = int(told.stdout.split()[-1])
+    renamed = times_passed("before none", changed(project, tmp_path / "copy", command))
     assert renamed >= {"check": 1, "run": 2, "sweep": 3}[command]
-    places = range(1, renamed + 1)
-    tries = [(kind, place) for kind in KINDS for place in places]
+    tries = [(kind, place) for kind in KINDS for place in range(1, renamed + 1)]
     if LONG == 1:
-        tries = [("after SIGTERM", 1) if command == "run" else ("before SIGKILL", renamed)]
+        tries = [("before SIGINT", 1) if command == "run" else ("before SIGKILL", renamed)]
     for kind, place in tries:
+        when, what = kind.split()
         # A folder for each: a process looks for hidden files once in each folder.
-        _try(project, tmp_path / f"{kind}-{place}", command, kind, place)
+        folder = tmp_path / f"{kind}-{place}"
+        told = f"{what} {when} a temporary file is renamed"
+        last = when == "after" and place == renamed
+        _try(project, folder, command, kind, place, told, last=last)
 
 
-def test_while_code_is_compiled(project, tmp_path):
-    """Killed while units of the step loop go to the cache; the next run goes on from there."""
-    if LONG == 1:
-        pytest.skip("takes half a minute of CPU: `make attack`")
-    words = [
-        "run",
-        str(project / "build/runs/base.json"),
-        "--quiet",
-        "--out",
-        str(tmp_path / "out"),
-    ]
-    more = {"PLYMOTION_COMPILED": "1", "PLYMOTION_CACHE": str(tmp_path / "cache")}
-    for kind, place in (("before SIGKILL", 2), ("after SIGKILL", 5), ("before SIGTERM", 9)):
-        done = _struck(kind, place, words, **more)
-        number = int(getattr(signal, kind.split()[1]))
-        assert done.returncode in (-number, 128 + number), done.stderr
-        assert "Traceback" not in done.stderr
-        count(f"run: a fault, {kind} compiled code is kept", "recovered")
-    done = _struck("none", 0, words, **more)
-    assert done.returncode == 0, done.stderr
-    assert not list((tmp_path / "cache").rglob(".*"))
+@pytest.mark.parametrize("command", ["run", "sweep"])
+def test_while_it_integrates(project, tmp_path, command):
+    """Each time the command ends by the signal: nothing of the run is written yet."""
+    passed = times_passed("stepping none", changed(project, tmp_path / "copy", command))
+    places = sorted({1, passed // 2, passed}) if LONG == 2 else [passed]
+    for name in SIGNALS if LONG == 2 else ["SIGINT"]:
+        for place in places:
+            folder, kind = tmp_path / f"{name}-{place}", f"stepping {name}"
+            told = f"{name} while it integrates"
+            assert _try(project, folder, command, kind, place, told) == "recovered"
+
+
+@pytest.mark.parametrize("command", ["check", "run", "sweep"] if LONG == 2 else ["run"])
+def test_at_any_time(project, tmp_path, command):
+    """While it imports, reads, checks, integrates, draws, writes."""
+    begin = time.monotonic()
+    words = changed(project, tmp_path / "whole", command)
+    struck("before none", 0, words)
+    whole = time.monotonic() - begin
+    for name in SIGNALS if LONG == 2 else ["SIGTERM"]:
+        for share in [0.05, 0.2, 0.35, 0.5, 0.65, 0.8] if LONG == 2 else [0.5]:
+            folder = tmp_path / f"{name}-{share}"
+            words = changed(project, folder, command)
+            process = subprocess.Popen(
+                [sys.executable, "-m", "plymotion", *words],
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                text=True,
+                env=os.environ | {"PLYMOTION_COMPILED": "0"},
+            )
+            time.sleep(share * whole)
+            process.send_signal(number_of(name))
+            out, told = process.communicate(timeout=WAIT_S)
+            done = subprocess.CompletedProcess(words, process.returncode, out, told)
+            number = number_of(name)
+            if number == 9 and done.returncode == 0:
+                number = 15  # it had ended before
+            end = end_of(done, number, folder, words, names(project))
+            count(f"{command}: {name} at any time", MISSED if end == "done" else end)
+            assert end in ("recovered", "done"), f"{name}: {process.returncode}: {told}"
 
 
 @pytest.fixture
@@ -185,30 +115,29 @@ def small_disk(tmp_path):
 
 
 @pytest.mark.parametrize("command", ["check", "run", "sweep"])
-def test_a_small_disk(small_disk, tmp_path, command):
+def test_a_small_disk(small_disk, command):
     """Earlier results stay, the message says what is missing, and with room the command goes on."""
     folder = small_disk / "p"
     ball(folder, f"{FORCE} = [0.0, 1.0]", 'histories = ["x"]\nsignals = ["x"]')
-    commands = {
-        k: [*w, "--no-figures"] if k == "sweep" else w for k, w in _commands(folder).items()
-    }
-    for words in commands.values():
+    known = {k: [*w, "--no-figures"] if k == "sweep" else w for k, w in commands(folder).items()}
+    for words in known.values():
         assert main(words) == 0
     before = {f: f.read_bytes() for f in folder.rglob("*") if f.is_file()}
     fill = small_disk / "fill"
     ends = []
-    for left in (0, 2, 6) if LONG == 2 else (0,):
+    for left in (0, 1, 2, 4, 6) if LONG == 2 else (0,):
         free = os.statvfs(small_disk)
         fill.write_bytes(b"x" * max(0, (free.f_bavail - left) * free.f_frsize))
         more = {"check": [], "run": [], "sweep": ["--fresh"]}[command]
         if command == "check":
             case = folder / "case.toml"
             case.write_text(before[case].decode().replace("t_end = 1.0", "t_end = 2.0"))
-        done = _struck("none", 0, [*commands[command], *more], PLYMOTION_CACHE="/nonexistent")
+        words = [*known[command], *more]
+        done = struck("before none", 0, words, PLYMOTION_CACHE="/nonexistent")
         end = "refused" if done.returncode == 2 else "done" if done.returncode == 0 else "other"
         if "Traceback" in done.stderr:
             end = "traceback"
-        if _unreadable(folder) or (
+        if samples.unreadable(folder) or (
             end == "refused" and not before.keys() <= set(folder.rglob("*"))
         ):
             end = "file lost"
@@ -217,6 +146,6 @@ def test_a_small_disk(small_disk, tmp_path, command):
         assert end in ("refused", "done"), done.stderr
         assert end == "done" or "No space left on device" in done.stderr
         fill.unlink()
-        assert main(commands[command]) == 0
+        assert main(known[command]) == 0
         assert not list(folder.rglob(".*"))
     assert ends[0] == "refused"

@@ -9,6 +9,7 @@ import sys
 import pytest
 from case_samples import HEAD, SOLVER, rigid
 from dask_cluster import until
+from hostile_profile import WAIT_S, count
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.commands.sweep.file import read_sweep
@@ -18,6 +19,8 @@ from plymotion.solver.results import read_result
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
 SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
+# The handler is one for all; workers are told to stop in one way, whatever the signal was.
+TO_WORKERS = [signal.SIGINT, signal.SIGTERM]
 BALL = rigid("ball", 1.0, 0.1, {"c": (0, 0, 0)})
 LONG = SOLVER.format(t_end=1e5, step=1.0, more="max_step = 0.01")
 SWEEP = """
@@ -71,7 +74,7 @@ def _ended(process, number, words=("stepping",)):
     try:
         assert [process.stdout.readline().strip() for _ in words] == list(words)
         process.send_signal(number)
-        out, errors = process.communicate(timeout=60)
+        out, errors = process.communicate(timeout=WAIT_S)
     finally:
         process.kill()
     assert process.returncode == 128 + number, errors
@@ -92,9 +95,10 @@ def test_a_run_keeps_its_part(tmp_path, number):
     assert summary["status"] == "interrupted"
     assert read_result(build / "base/result.vtkhdf").t[-1] == summary["t_end"] > 1.0
     _nothing_hidden(build)
+    count(f"run: {signal.Signals(number).name}, its part is kept", "done")
 
 
-@pytest.mark.parametrize("number", SIGNALS)
+@pytest.mark.parametrize("number", TO_WORKERS)
 def test_processes_get_the_signal_of_the_first(tmp_path, number):
     """The scheduler's signal reaches one process; two runs are under way, the third waits."""
     build = _files(tmp_path, LONG + "[runs.two]\n[runs.three]\n")
@@ -106,6 +110,7 @@ def test_processes_get_the_signal_of_the_first(tmp_path, number):
         assert json.loads((build / name / "summary.json").read_text())["t_end"] > 1.0
     assert not (build / "three").exists()
     _nothing_hidden(build)
+    count(f"run --jobs 2: {signal.Signals(number).name}, their parts are kept", "done")
 
 
 def test_a_signal_while_results_are_written_does_not_lose_them(tmp_path):
@@ -121,20 +126,22 @@ def _finished(file):
     return read_sweep(file).count("finished") if file.exists() else 0
 
 
-@pytest.mark.parametrize("number", SIGNALS)
-@pytest.mark.parametrize("jobs", ["1", "2"])
+@pytest.mark.parametrize(
+    ("number", "jobs"), [(n, "1") for n in SIGNALS] + [(n, "2") for n in TO_WORKERS]
+)
 def test_a_sweep_keeps_its_members(tmp_path, number, jobs):
     build = _files(tmp_path, LONG.replace("= 1.0", "= 0.1") + SWEEP)
     process = _started("sweep", build / "sweeps/s.json", "--jobs", jobs)
     if jobs == "1":
         _, errors = _ended(process, number)
     else:  # its processes say nothing
-        until(lambda: _finished(build / "sweeps/s/sweep.h5") == 2)
+        until(lambda: _finished(build / "sweeps/s/sweep.h5") == 2, WAIT_S)
         _, errors = _ended(process, number, ())
     assert "s: interrupted; 2 of 3 members are in" in errors
     rows = read_sweep(build / "sweeps/s/sweep.h5").rows
     assert [row.status for row in rows] == ["finished", "finished", "pending"]
     _nothing_hidden(build)
+    count(f"sweep: {signal.Signals(number).name}, finished members are kept", "done")
 
 
 # A signal in the moment in which a module is imported.
@@ -154,20 +161,21 @@ MODULES = ["plymotion.solver.commands", "numpy", "h5py", "plymotion.solver.run.e
 
 @pytest.mark.parametrize("number", SIGNALS)
 def test_an_end_before_the_beginning(tmp_path, number):
-    """While it starts: no traceback, nothing written."""
+    """While it starts: no traceback, nothing written. All pairs of signal, entry and module."""
     build = _files(tmp_path, LONG)
-    for module in ("plymotion", "plymotion.solver"):
-        for name in MODULES:
-            words = [str(build / "runs/base.json"), module, name, str(int(number))]
-            done = subprocess.run(
-                [sys.executable, "-c", IMPORTING, *words],
-                capture_output=True,
-                text=True,
-                env=os.environ | {"PLYMOTION_COMPILED": "0"},
-            )
-            assert done.stderr == "interrupted: nothing written\n", name
-            assert done.returncode == 128 + number
-            assert not (build / "base").exists()
+    for k, name in enumerate(MODULES):
+        module = ("plymotion", "plymotion.solver")[(k + SIGNALS.index(number)) % 2]
+        words = [str(build / "runs/base.json"), module, name, str(int(number))]
+        done = subprocess.run(
+            [sys.executable, "-c", IMPORTING, *words],
+            capture_output=True,
+            text=True,
+            env=os.environ | {"PLYMOTION_COMPILED": "0"},
+        )
+        assert done.stderr == "interrupted: nothing written\n", (module, name)
+        assert done.returncode == 128 + number
+        assert not (build / "base").exists()
+        count(f"run: {signal.Signals(number).name} while it imports", "recovered")
 
 
 def test_an_ignored_signal_stays_ignored(tmp_path):
@@ -178,7 +186,7 @@ def test_an_ignored_signal_stays_ignored(tmp_path):
         process = _started("run", build / "runs/base.json", "--slow-disk")
         assert process.stdout.readline() == "writing\n"
         process.send_signal(signal.SIGHUP)
-        process.communicate(timeout=60)
+        process.communicate(timeout=WAIT_S)
     finally:
         signal.signal(signal.SIGHUP, before)
     assert process.returncode == 0

@@ -11,6 +11,7 @@ import pytest
 from case_samples import HEAD, SOLVER, rigid
 
 from plymotion.solver.__main__ import main
+from plymotion.solver.commands.cases import finished
 
 CASE = Path("cases/double-pendulum/case.toml").resolve()
 PACKAGES = Path("tests/packages/double-pendulum").resolve()
@@ -159,3 +160,16 @@ def test_two_commands_in_one_folder_take_turns(tmp_path):
     assert sorted("base: done" in out for out, _ in told) == [False, True]
     assert sorted("build/ball: up to date" in out for out, _ in told) == [False, True]
     assert sum("waiting for another command" in err for _, err in told) <= 1
+
+
+def test_a_checkout_without_symbolic_links_is_identified(tmp_path, monkeypatch):
+    """A change of a source beside `plymotion` is another program."""
+    (tmp_path / "plymotion").mkdir()
+    for part in ("solver", "preprocess", "meshes"):
+        (tmp_path / part).mkdir()
+        (tmp_path / part / "one.py").write_text("1")
+        (tmp_path / "plymotion" / part).write_text(f"../{part}")  # what git leaves for a link
+    monkeypatch.setattr(finished.plymotion, "__file__", str(tmp_path / "plymotion/__init__.py"))
+    before = finished._program.__wrapped__()
+    (tmp_path / "solver/one.py").write_text("22")
+    assert finished._program.__wrapped__() != before

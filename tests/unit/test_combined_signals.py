@@ -166,3 +166,16 @@ of = "one_x"
         _run(_write(tmp_path, BALLS + text))
     assert re.search(expected, str(error.value)), error.value
     assert len(str(error.value).splitlines()) == 1
+
+
+def test_a_sweep_of_a_signal_of_a_run_that_is_not_there(tmp_path):
+    """A run that was renamed: said once, also where the sweep and the coarse version need it."""
+    more = (
+        '[coarse.solver]\noutput_step = 0.2\n[sweeps.s]\nrun = "base"\n'
+        'vary = { "bodies.one.mass" = [1.0, 2.0] }\nsignals = ["fall"]\n'
+    )
+    text = (BALLS + COMBINED).replace("[runs.calm]", "[runs.quiet]") + more
+    with pytest.raises(InputError) as error:
+        _write(tmp_path, text)
+    found = str(error.value).splitlines()
+    assert all('run = "calm"' in line for line in found), found

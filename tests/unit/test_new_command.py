@@ -45,7 +45,7 @@ def test_a_starter_runs_as_it_is(
     monkeypatch.setenv("FENICSX_PYTHON", fenicsx)
     monkeypatch.chdir(tmp_path)
     assert main(["new", name, "mine"]) == 0
-    assert main(["mine/case.toml", "--quiet"]) == 0
+    assert main(["mine/case.toml", "--quiet", "--jobs", "1"]) == 0
     assert Path("build/mine/report.html").is_file()
     for run in RUNS[name]:
         summary = json.loads(Path("build/mine", run, "summary.json").read_text("utf-8"))

@@ -13,6 +13,7 @@ from case_samples import HEAD, SOLVER, rigid
 import plymotion as pm
 from plymotion.solver.__main__ import main as command
 from plymotion.solver.commands.cases.report import report_case
+from plymotion.solver.commands.cases.turn import turn
 
 SWING = (
     HEAD
@@ -217,9 +218,33 @@ def test_a_sweep_by_processes_needs_no_guard_in_the_script(swing, tmp_path, repo
 def test_wrong_sweeps_say_so(swing):
     with pytest.raises(pm.InputError, match="no sweep 'mas'"):
         pm.sweep(swing, "mas")
-    with pytest.raises(pm.InputError, match="run=, the name of a run: base, moon"):
+    with pytest.raises(pm.InputError, match="expected the name of a run: base, moon"):
         pm.sweep(swing, vary={"bodies.rod.mass": [1.0]})
     with pytest.raises(pm.InputError, match=r"sweeps\.python\.vary: .* did you mean 'mass'"):
         pm.sweep(swing, run="base", vary={"bodies.rod.mas": [1.0]})
     with pytest.raises(pm.InputError, match=r"member 1: bodies.rod.mass = -1\)"):
         pm.sweep(swing, run="base", vary={"bodies.rod.mass": [1.0, -1.0]})
+
+
+def test_two_processes_take_turns_in_a_folder(swing, tmp_path):
+    """As commands do: the second one waits until the first one has ended."""
+    pytest.importorskip("fcntl")
+    code = (
+        "import plymotion as pm\n"
+        f"found = pm.run({swing!r}, 'base', out='out', progress=True)\n"
+        f"swept = pm.sweep({swing!r}, run='base', vary={{'gravity.2': [-1.0]}}, out='out')\n"
+        "print(found.signals['tip_z'].min, swept.status)\n"
+    )
+    with turn(tmp_path / "out"):
+        process = subprocess.Popen(
+            [sys.executable, "-c", code],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env=os.environ | {"PLYMOTION_COMPILED": "0"},
+        )
+        assert process.stderr.readline() == "out: waiting for another command\n"
+        assert not list((tmp_path / "out").iterdir())
+    out, told = process.communicate(timeout=600)
+    assert process.returncode == 0, told
+    assert "['finished']" in out

@@ -197,6 +197,8 @@ def test_distributed_loads_on_links(plate: Path) -> None:
     change(plate, "[supports.root]", '[links.hub]\nat = "tip"\nkind = "average"\n[supports.root]')
     change(plate, 'at = "tip"\nforce', 'at = "hub"\nforce')
     assert load_shell(plate)["links"] == {"hub": {"at": "tip", "kind": "average"}}
+    change(plate, 'at = "tip"\nkind', 'at = ["tip", "root"]\nkind')
+    assert load_shell(plate)["links"]["hub"]["at"] == ["tip", "root"]
     change(plate, "force = [0, 0, 10.0]", "force_per_length = [0, 0, 10.0]")
     assert 'loads.bending.tip.at = "hub": a link takes `force`, `moment` or' in messages(plate)[0]
 

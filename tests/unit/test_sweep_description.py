@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from sweep_samples import BALL, FORCE, MASS, ball, ball_plan
 
-from plymotion.solver.commands.cases.packages import needed_specs
+from plymotion.solver.commands.cases.packages import named_packages, needed_specs
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
@@ -162,7 +162,7 @@ def test_a_body_is_specified_once_and_shared_with_runs(angles, tmp_path):
         "bodies/hand.layup-2.vtkhdf",
     }
     assert len(list((out / "sweeps/bodies").glob("hand.*.json"))) == 8
-    needed = needed_specs([out / "sweeps/a.json"])
+    needed = needed_specs({file: named_packages(file) for file in [out / "sweeps/a.json"]})
     assert all(spec.is_file() for specs in needed.values() for spec in specs)
     assert {folder: len(specs) for folder, specs in needed.items()} == {
         out / "bodies": 3,
@@ -170,7 +170,7 @@ def test_a_body_is_specified_once_and_shared_with_runs(angles, tmp_path):
     }
     # a run waits for no body of a sweep
     runs = [out / "runs" / f"{run}.json" for run in load_case(angles).runs]
-    assert list(needed_specs(runs)) == [out / "bodies"]
+    assert list(needed_specs({run: named_packages(run) for run in runs})) == [out / "bodies"]
 
 
 def test_more_values_leave_the_bodies_of_others_alone(angles, tmp_path):

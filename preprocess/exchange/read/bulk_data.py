@@ -1,7 +1,7 @@
 """Nodes and elements of a NASTRAN bulk data file, in small, large and free field format."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -27,18 +27,24 @@ ELEMENTS = {
 }
 # NASTRAN lists the nodes on vertical edges before those of the upper face, VTK after them.
 ORDER = {25: [*range(12), *range(16, 20), *range(12, 16)], 26: [*range(9), 12, 13, 14, 9, 10, 11]}
+Card = tuple[str, list[str]]  # name and fields
 EXPONENT = re.compile(r"(?<=[0-9.])([+-]\d+)$")
 
 
-def read_bulk_data(path: Path) -> tuple[IntArray, Array, Cells]:
+def read_bulk_data(path: Path, cards: Sequence[Card]) -> tuple[IntArray, Array, Cells]:
     """Labels in ascending order (n,), coordinates (n, 3), cells.
+
+    Parameters
+    ----------
+    path : of the deck, for messages
+    cards : `bulk_cards` of it
 
     Raises InputError for nodes in a coordinate system of their own, and scalar points.
     """
     points: dict[int, list[float]] = {}
     cells: list[list[int]] = []
     types: list[int] = []
-    for card, fields in bulk_cards(path):
+    for card, fields in cards:
         if card == "GRID":
             label = int(fields[0])
             if any(fields[k] not in ("", "0") for k in (1, 5) if k < len(fields)):
@@ -68,7 +74,7 @@ def read_bulk_data(path: Path) -> tuple[IntArray, Array, Cells]:
     return ids, np.array([points[int(i)] for i in ids]), Cells.of(rows, types)
 
 
-def bulk_cards(path: Path) -> Iterator[tuple[str, list[str]]]:
+def bulk_cards(path: Path) -> Iterator[Card]:
     """Name and fields of each card; continuation lines are joined."""
     lines = [line.split("$")[0].rstrip() for line in text_lines(path)]
     begin = [i for i, line in enumerate(lines) if line.upper().startswith("BEGIN")]

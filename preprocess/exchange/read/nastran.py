@@ -8,7 +8,7 @@ from ....solver.math.arrays import IntArray
 from ..free_body import DIRECTIONS, FreeBody
 from ..from_matrices import free_body
 from ..layups import Layups
-from .bulk_data import read_bulk_data
+from .bulk_data import bulk_cards, read_bulk_data
 from .files import Files
 from .op4 import read_op4
 from .pcomp import read_layups
@@ -26,7 +26,9 @@ def read(files: Files) -> FreeBody:
     Raises InputError for matrices of another size or other names.
     """
     files.only(("bulk",), ("matrices", "stiffness", "mass"))
-    ids, nodes, cells = read_bulk_data(files.path("bulk"))
+    deck = files.path("bulk")
+    cards = list(bulk_cards(deck))
+    ids, nodes, cells = read_bulk_data(deck, cards)
     K, M = (_matrix(files, key) for key in ("stiffness", "mass"))
     for name, A in (("stiffness", K), ("mass", M)):
         if A.shape != (6 * len(ids), 6 * len(ids)):
@@ -44,7 +46,7 @@ def read(files: Files) -> FreeBody:
         if np.count_nonzero(dropped % 6 == k)
     }
     notes = {**files.notes(), "degrees of freedom without stiffness and mass": counts}
-    layups: Layups | str | None = read_layups(files.path("bulk"), ids, nodes, cells)
+    layups: Layups | str | None = read_layups(deck, cards, nodes, cells)
     if isinstance(layups, str):
         notes["ply stresses"] = f"none: {layups}"
         layups = None

@@ -1,14 +1,15 @@
 """Laminates of NASTRAN shells: PCOMP, PSHELL, MAT8 and MAT1, and the axes of the elements."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ....solver.math.arrays import Array, IntArray
+from ....solver.math.arrays import Array
 from ..free_body import Cells
 from ..layups import Layups
-from .bulk_data import ELEMENTS, bulk_cards, real
+from .bulk_data import ELEMENTS, Card, real
 
 SHELLS = {"CQUAD4": 4, "CTRIA3": 3}  # number of corners; then come an angle and an offset
 MOST_NU23 = 0.45  # where E2 / (2 G2Z) - 1 is no ratio of a material
@@ -18,14 +19,16 @@ class NotRead(Exception):
     """A deck has shells whose plies are not understood; the words say which."""
 
 
-def read_layups(path: Path, ids: IntArray, nodes: Array, cells: Cells) -> Layups | str:
+def read_layups(path: Path, deck: Sequence[Card], nodes: Array, cells: Cells) -> Layups | str:
     """Return the laminates of all shells of a deck; or why there are none.
 
     Parameters
     ----------
-    ids, nodes, cells : as `read_bulk_data` returns them for this deck
+    path : of the deck, for messages
+    deck : `bulk_cards` of it
+    nodes, cells : as `read_bulk_data` returns them
     """
-    cards = [(name, [*fields, *[""] * 20]) for name, fields in bulk_cards(path)]
+    cards = [(name, [*fields, *[""] * 20]) for name, fields in deck]
     listed = [(name, fields) for name, fields in cards if name in ELEMENTS]
     by_id = {
         (name, fields[0]): fields

@@ -11,7 +11,7 @@ import numpy as np
 
 from ....solver.math.arrays import Array
 from ....solver.package import ModalPackage
-from ....solver.package.body.invariants import inertia_at_rest
+from ....solver.package.body.plausibility import centre_inertia
 from ....solver.package.common.temporary import temporary_sibling
 
 SUFFIX = ".fem"
@@ -54,17 +54,9 @@ def _lines(package: ModalPackage) -> Iterator[str]:
     turning = np.diagonal(package.node_inertia_B, axis1=1, axis2=2)
     yield from _rows(np.hstack([np.repeat(package.node_mass[:, None], 3, axis=1), turning]))
     yield from _group(12, "GLOBAL INERTIA")
-    mass, centre, inertia = rigid_body(package)
-    yield from _rows(np.array([[mass]]))
-    yield from _rows(np.vstack([centre, inertia]))
-
-
-def rigid_body(package: ModalPackage) -> tuple[float, Array, Array]:
-    """Mass [kg], mass centre (3,) [m], inertia about it (3, 3) [kg m2]."""
     mass = package.invariants.mass
-    c = package.invariants.S0_B / mass
-    inertia = inertia_at_rest(package.invariants) - mass * ((c @ c) * np.eye(3) - np.outer(c, c))
-    return mass, c, inertia
+    yield from _rows(np.array([[mass]]))
+    yield from _rows(np.vstack([package.invariants.S0_B / mass, centre_inertia(package)]))
 
 
 def _group(number: int, title: str) -> Iterable[str]:

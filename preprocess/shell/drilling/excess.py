@@ -1,4 +1,4 @@
-"""Difference between the drilling rotation of a corner and the rotation of its triangle."""
+"""Difference between the drilling rotation of a corner and the rotation of its cell."""
 
 import numpy as np
 
@@ -11,8 +11,14 @@ def excess_rotation(t: Triangles) -> Array:
 
     In the degrees of freedom (u, v, tz); zero for a rigid motion and for constant strain.
     """
-    T = np.zeros((len(t), 3, 9))
-    T[:, :, 0::3] = 0.5 * t.grad[:, None, :, 1]
-    T[:, :, 1::3] = -0.5 * t.grad[:, None, :, 0]
-    T[:, range(3), range(2, 9, 3)] = 1.0
+    return excess(t.grad)
+
+
+def excess(grad: Array) -> Array:
+    """The same for n corners with gradients (c, n, 2) [1/m] of their functions: (c, n, 3 n)."""
+    c, n, _ = grad.shape
+    T = np.zeros((c, n, 3 * n))
+    T[:, :, 0::3] = 0.5 * grad[:, None, :, 1]
+    T[:, :, 1::3] = -0.5 * grad[:, None, :, 0]
+    T[:, range(n), range(2, 3 * n, 3)] = 1.0
     return T

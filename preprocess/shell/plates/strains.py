@@ -22,7 +22,7 @@ import numpy as np
 from ....solver.math.arrays import Array
 from ..quadrilaterals import Quadrilaterals
 from ..sides import bulge_slopes, edge_fields
-from ..triangles import END, START, Triangles
+from ..triangles import Triangles
 
 
 class PlateStrains(NamedTuple):
@@ -41,14 +41,16 @@ class PlateStrains(NamedTuple):
     shear: Array
 
 
-def side_differences(t: Triangles) -> Array:
-    """Aw (c, 3, 9): Aw_k u = w_i - w_j - (L_k/2) t_k.(b_i + b_j) [m], of each side."""
+def side_differences(t: Triangles | Quadrilaterals) -> Array:
+    """Aw (c, n, 3 n): Aw_k u = w_i - w_j - (L_k/2) t_k.(b_i + b_j) [m], of each of n sides."""
     half = -0.5 * t.length[..., None] * t.tangent
-    Aw = np.zeros((len(t), 3, 3, 3))
-    for k, (i, j) in enumerate(zip(START, END, strict=True)):
+    n = t.length.shape[1]
+    Aw = np.zeros((len(t), n, n, 3))
+    for k in range(n):
+        i, j = k, (k + 1) % n  # its ends
         Aw[:, k, i, 0], Aw[:, k, j, 0] = 1.0, -1.0
         Aw[:, k, i, 1:] = Aw[:, k, j, 1:] = half[:, k]
-    return Aw.reshape(-1, 3, 9)
+    return Aw.reshape(-1, n, 3 * n)
 
 
 def curvature(t: Triangles, An: Array | None) -> Array:
@@ -58,16 +60,29 @@ def curvature(t: Triangles, An: Array | None) -> Array:
     ----------
     An : (c, 3, 9) alpha for the degrees of freedom, or None if the rotations are linear
     """
-    c = len(t)
-    Bb = np.zeros((c, 3, 3, 9))
-    if An is not None:
-        slope = bulge_slopes(t)
+    return curvature_at(t, t.grad[:, None], None if An is None else bulge_slopes(t), An)
+
+
+def curvature_at(
+    t: Triangles | Quadrilaterals, grad: Array, slope: Array | None, An: Array | None
+) -> Array:
+    """Curvature of cells with n corners at p = n points, (c, n, 3, 3 n) [1/m].
+
+    Parameters
+    ----------
+    grad : (c, p|1, n, 2) gradients of the functions of the corners [1/m]
+    slope : (c, p, n, 2) gradients of the functions P_k of the sides [1/m], unless An is None
+    An : (c, n, 3 n) alpha for the degrees of freedom, or None if the rotations have no P_k
+    """
+    c, n = t.length.shape
+    Bb = np.zeros((c, n, 3, 3 * n))
+    if An is not None and slope is not None:
         along = t.tangent[:, None]
-        Ba = np.empty((c, 3, 3, 3))  # point, component, side
+        Ba = np.empty((c, n, 3, n))  # point, component, side
         Ba[:, :, :2] = np.swapaxes(slope * along, 2, 3)
         Ba[:, :, 2] = slope[..., 1] * along[..., 0] + slope[..., 0] * along[..., 1]
-        np.matmul(Ba.reshape(c, 9, 3), An, out=Bb.reshape(c, 9, 9))
-    gx, gy = t.grad[:, None, :, 0], t.grad[:, None, :, 1]
+        np.matmul(Ba.reshape(c, 3 * n, n), An, out=Bb.reshape(c, 3 * n, 3 * n))
+    gx, gy = grad[..., 0], grad[..., 1]
     Bb[:, :, 0, 1::3] += gx
     Bb[:, :, 1, 2::3] += gy
     Bb[:, :, 2, 1::3] += gy

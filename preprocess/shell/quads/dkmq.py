@@ -1,9 +1,10 @@
 """DKMQ: the discrete Kirchhoff-Mindlin quadrilateral (Katili 1993)."""
 
 from ....solver.math.arrays import Array
+from ..plates.strains import side_differences
 from ..quadrilaterals import Quadrilaterals
 from .contract import QuadPlate
-from .strains import QuadStrains, curvature, edge_shear, side_differences, side_ratio
+from .strains import QuadStrains, curvature, edge_shear, side_ratio
 
 
 def dkmq(q: Quadrilaterals, D: Array, Ds: Array) -> QuadStrains:

@@ -23,6 +23,7 @@ get a small stiffness, which is zero in every constant state.
 import numpy as np
 
 from ....solver.math.arrays import Array
+from ..drilling.excess import excess
 from ..quadrilaterals import CORNERS, END, START, Quadrilaterals, slopes
 
 SPURIOUS = 0.1  # of equal rotations relative to that of the cell, to A66 (as in allman.py)
@@ -103,12 +104,7 @@ def steadying(q: Quadrilaterals, A: Array) -> Array:
 
 def excess_rotation(q: Quadrilaterals) -> Array:
     """tz_i - (v,x - u,y)/2 of each corner, with the rotation of the centre, (c, 4, 12)."""
-    grad = _centre_gradients(q)
-    T = np.zeros((len(q), 4, 12))
-    T[:, :, 0::3] = 0.5 * grad[:, None, :, 1]
-    T[:, :, 1::3] = -0.5 * grad[:, None, :, 0]
-    T[:, range(4), range(2, 12, 3)] = 1.0
-    return T
+    return excess(_centre_gradients(q))
 
 
 def _centre_gradients(q: Quadrilaterals) -> Array:

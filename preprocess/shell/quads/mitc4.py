@@ -1,9 +1,10 @@
 """MITC4: bilinear rotations, shear strain tied on the sides (Bathe and Dvorkin 1985)."""
 
 from ....solver.math.arrays import Array
+from ..plates.strains import side_differences
 from ..quadrilaterals import Quadrilaterals
 from .contract import QuadPlate
-from .strains import QuadStrains, curvature, edge_shear, side_differences
+from .strains import QuadStrains, curvature, edge_shear
 
 
 def mitc4(q: Quadrilaterals, D: Array, Ds: Array) -> QuadStrains:

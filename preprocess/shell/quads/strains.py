@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ....solver.math.arrays import Array
-from ..plates.strains import shear_ratio
-from ..quadrilaterals import END, GAUSS, START, Quadrilaterals
+from ..plates.strains import curvature_at, shear_ratio
+from ..quadrilaterals import GAUSS, Quadrilaterals
 
 
 class QuadStrains(NamedTuple):
@@ -56,16 +56,6 @@ def _edges() -> Array:
 BULGES, EDGES = _bulges(), _edges()
 
 
-def side_differences(q: Quadrilaterals) -> Array:
-    """Aw (c, 4, 12): Aw_k u = w_i - w_j - (L_k/2) t_k.(b_i + b_j) [m], of each side."""
-    half = -0.5 * q.length[..., None] * q.tangent
-    Aw = np.zeros((len(q), 4, 4, 3))
-    for k, (i, j) in enumerate(zip(START, END, strict=True)):
-        Aw[:, k, i, 0], Aw[:, k, j, 0] = 1.0, -1.0
-        Aw[:, k, i, 1:] = Aw[:, k, j, 1:] = half[:, k]
-    return Aw.reshape(-1, 4, 12)
-
-
 def curvature(q: Quadrilaterals, An: Array | None) -> Array:
     """Curvature at the points, (c, 4, 3, 12) [1/m].
 
@@ -73,21 +63,9 @@ def curvature(q: Quadrilaterals, An: Array | None) -> Array:
     ----------
     An : (c, 4, 12) alpha for the degrees of freedom, or None if the rotations are bilinear
     """
-    c = len(q)
-    Bb = np.zeros((c, 4, 3, 12))
-    if An is not None:
-        slope = BULGES @ np.swapaxes(q.inverse, 2, 3)  # (c, point, side, 2) [1/m]
-        along = q.tangent[:, None]
-        Ba = np.empty((c, 4, 3, 4))  # point, component, side
-        Ba[:, :, :2] = np.swapaxes(slope * along, 2, 3)
-        Ba[:, :, 2] = slope[..., 1] * along[..., 0] + slope[..., 0] * along[..., 1]
-        np.matmul(Ba.reshape(c, 12, 4), An, out=Bb.reshape(c, 12, 12))
-    gx, gy = q.grad[..., 0], q.grad[..., 1]
-    Bb[:, :, 0, 1::3] += gx
-    Bb[:, :, 1, 2::3] += gy
-    Bb[:, :, 2, 1::3] += gy
-    Bb[:, :, 2, 2::3] += gx
-    return Bb
+    # (c, point, side, 2) [1/m]
+    slope = None if An is None else BULGES @ np.swapaxes(q.inverse, 2, 3)
+    return curvature_at(q, q.grad, slope, An)
 
 
 def edge_shear(q: Quadrilaterals, side: Array) -> Array:

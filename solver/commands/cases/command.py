@@ -2,8 +2,9 @@
 
 import argparse
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from ...errors import InputError
 from ...inputs.case.file import case_file
@@ -65,8 +66,9 @@ def _done(file: Path, out: Path, options: argparse.Namespace, request: str) -> i
     jobs = options.jobs or cores()
     files = [out / "runs" / f"{run}.json" for run in runs]
     files += [out / "sweeps" / f"{sweep}.json" for sweep in sweeps]
+    named = {each: named_packages(each) for each in files}
     if options.packages is None:
-        _build(files, jobs, say, quiet=options.quiet, keep_going=not runs)
+        _build(named, jobs, say, quiet=options.quiet, keep_going=not runs)
     codes, text = [], ""
     if runs:
         code, text = _integrated(out, runs, options, jobs, say)
@@ -77,18 +79,25 @@ def _done(file: Path, out: Path, options: argparse.Namespace, request: str) -> i
         text = text or str(out / "sweeps" / sweeps[0])
     code = worst(codes)
     if code in (0, INCOMPLETE):
-        used = [out / entry["file"] for each in files for entry in named_packages(each)]
+        used = [out / entry["file"] for entries in named.values() for entry in entries]
         inputs = [file, *source_files(case), *used]
         note_finished(out, request, code, text, inputs, _results(out, runs, sweeps))
     return code
 
 
-def _build(files: Sequence[Path], jobs: int, say: Say, *, quiet: bool, keep_going: bool) -> None:
+def _build(
+    named: Mapping[Path, Sequence[dict[str, Any]]],
+    jobs: int,
+    say: Say,
+    *,
+    quiet: bool,
+    keep_going: bool,
+) -> None:
     """Build the bodies of run and sweep files; `keep_going` without those that cannot be built."""
     from ..executors.local import Local
     from .packages import BodiesFailed, build_packages, needed_specs
 
-    for folder, specs in needed_specs(files).items():
+    for folder, specs in needed_specs(named).items():
         say(f"bodies: {len(specs)}")
         try:
             if not build_packages(

@@ -55,8 +55,8 @@ def note_finished(
         "code": code,
         "text": text,
         "program": _program(),
-        "inputs": {str(file.absolute()): _state(file) for file in inputs},
-        "results": {file.relative_to(out).as_posix(): _state(file) for file in results},
+        "inputs": {str(file.absolute()): state_of(file) for file in inputs},
+        "results": {file.relative_to(out).as_posix(): state_of(file) for file in results},
     }
     recent = dict(list(commands.items())[-MOST:])
     write_text(out / RECORD, json.dumps({"commands": recent}) + "\n")
@@ -71,11 +71,11 @@ def _commands(out: Path) -> dict[str, Any]:
 
 
 def _same(folder: Path, states: dict[str, Any]) -> bool:
-    return all(_state(folder / name) == state for name, state in states.items())
+    return all(state_of(folder / name) == state for name, state in states.items())
 
 
-def _state(file: Path) -> list[int]:
-    """Size and time of a file; nothing of one that is not there."""
+def state_of(file: Path) -> list[int]:
+    """Return size and time of a file, as make compares them; nothing of one that is not there."""
     try:
         found = os.stat(file)
     except OSError:
@@ -88,8 +88,11 @@ def _program() -> str:
     """Digest of sizes and times of all sources, and of the Python that runs them."""
     home = os.path.dirname(os.path.abspath(plymotion.__file__))
     digest = hashlib.sha256(f"{sys.version} {sys.prefix} {home}".encode())
+    # A checkout without symbolic links has the folders beside `plymotion`.
+    beside = not os.path.isdir(os.path.join(home, "solver"))
     for part in ("solver", "preprocess", "meshes"):
-        for file, state in sorted(_files(os.path.join(home, part))):
+        folder = os.path.join(os.path.dirname(home) if beside else home, part)
+        for file, state in sorted(_files(folder)):
             digest.update(f"{file} {state}".encode())
     return digest.hexdigest()
 

@@ -3,7 +3,7 @@
 import hashlib
 import json
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -22,7 +22,9 @@ from ..executors.executor import Executor
 from ..executors.local import Local
 from ..fenicsx_side.launch import Line
 from ..fenicsx_side.workers import make_all, start_of
+from .finished import state_of
 
+Entry = dict[str, Any]  # file and digests of a package, as a run file has them
 STAMP = "packages.record"  # of each package: what it was built from, and the file that was left
 
 
@@ -34,31 +36,38 @@ def specs_of(out: Path, runs: Sequence[str]) -> list[Path]:
     """Return the specifications of the bodies of some runs in a folder of `check`, each once."""
     found: dict[Path, None] = {}
     for run in runs:
-        table = json.loads((out / "runs" / f"{run}.json").read_text(encoding="utf-8"))
-        for entry in package_entries(table):
+        for entry in named_packages(out / "runs" / f"{run}.json"):
             if "inputs_sha256" in entry:
                 found[out / "bodies" / f"{Path(entry['file']).stem}.json"] = None
     return list(found)
 
 
-def needed_specs(files: Sequence[Path]) -> dict[Path, list[Path]]:
+def build_needed(files: Sequence[Path], *, quiet: bool = False) -> None:
+    """Build the packages that run and sweep files need and that are not up to date.
+
+    Raises InputError as `named_packages` and `build_packages` do.
+    """
+    for folder, specs in needed_specs({file: named_packages(file) for file in files}).items():
+        build_packages(specs, folder, quiet=quiet)
+
+
+def needed_specs(named: Mapping[Path, Sequence[Entry]]) -> dict[Path, list[Path]]:
     """Return the specifications that run and sweep files need, each once, by folder.
 
-    Raises
-    ------
-    InputError
-        Not a run or sweep file.
+    Parameters
+    ----------
+    named : run and sweep files with their `named_packages`
     """
     found: dict[Path, dict[Path, None]] = {}
-    for file in files:
-        for entry in named_packages(file):
+    for file, entries in named.items():
+        for entry in entries:
             if "inputs_sha256" in entry:  # others are packages of the user
                 spec = file.parent.parent / Path(entry["file"]).with_suffix(".json")
                 found.setdefault(spec.parent, {})[spec] = None
     return {folder: list(specs) for folder, specs in found.items()}
 
 
-def named_packages(file: Path) -> list[dict[str, Any]]:
+def named_packages(file: Path) -> list[Entry]:
     """Return the entries of packages of a run or sweep file. Raises InputError."""
     try:
         table = json.loads(file.read_text(encoding="utf-8"))
@@ -99,7 +108,7 @@ def build_packages(
     wanted = [
         spec
         for spec in specs
-        if before.get(spec.stem) != [now[spec.stem], _left(folder / f"{spec.stem}.vtkhdf")]
+        if before.get(spec.stem) != [now[spec.stem], state_of(folder / f"{spec.stem}.vtkhdf")]
     ]
     if not wanted:
         return []
@@ -112,7 +121,7 @@ def build_packages(
         if line["status"] == "failed" or not file.is_file():
             failed.append(spec)
             return
-        before[spec.stem] = [now[spec.stem], _left(file)]
+        before[spec.stem] = [now[spec.stem], state_of(file)]
 
     start = start_of("body", ["--out-dir", str(folder.resolve())], place := executor())
     try:
@@ -157,15 +166,6 @@ def _read(file: Path) -> dict[str, Any]:
 def _inputs(spec: Path) -> str:
     """Digest of a specification and of all sources that a package depends on."""
     return hashlib.sha256(_sources() + spec.read_bytes()).hexdigest()
-
-
-def _left(file: Path) -> list[int]:
-    """Size and time of a file; nothing of one that is not there."""
-    try:
-        found = file.stat()
-    except OSError:
-        return []
-    return [found.st_size, found.st_mtime_ns]
 
 
 @cache

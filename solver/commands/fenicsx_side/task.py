@@ -35,6 +35,7 @@ class _Own:
 
     lock: threading.Lock = field(default_factory=threading.Lock)
     start: Start | None = None
+    python: str = ""  # of the process
     process: Preprocessor | None = None
     timer: threading.Timer | None = None
 
@@ -73,15 +74,15 @@ def make(start: Start, spec: Path) -> Line:
         own.end(END_S)
     with own.lock:
         if own.process is None:
-            python = start.python or _found()
-            own.process = Preprocessor(python, _home(), start.command, start.options)
+            own.python = start.python or _found()
+            own.process = Preprocessor(own.python, _home(), start.command, start.options)
             own.start = start
         line = own.process.make(spec, _tell(spec))
         if line is None:
             reason, code = own.process.end_reason(), own.process.exit_code()
             own.process = None
             if code == START_FAILED:
-                raise InputError(f"{start.python}: the preprocessor does not run: {reason}")
+                raise InputError(f"{own.python}: the preprocessor does not run: {reason}")
             return crashed(reason)
     own.timer = threading.Timer(IDLE_S, own.end, (END_S,))
     own.timer.daemon = True

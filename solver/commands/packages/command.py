@@ -3,7 +3,7 @@
 import argparse
 import sys
 
-from ..cases.packages import BodiesFailed, build_packages, needed_specs
+from ..cases.packages import BodiesFailed, build_packages, named_packages, needed_specs
 from ..executors.choice import executor_of
 from ..exit_codes import INCOMPLETE
 
@@ -11,7 +11,8 @@ from ..exit_codes import INCOMPLETE
 def run_packages(options: argparse.Namespace) -> int:
     """Build packages; return 0, or 3 if a body could not be built."""
     code = 0
-    for folder, specs in needed_specs(options.files).items():
+    named = {file: named_packages(file) for file in options.files}
+    for folder, specs in needed_specs(named).items():
         try:
             build_packages(
                 specs,

@@ -11,7 +11,7 @@ from ...inputs.case import load_case
 from ...inputs.case.file import case_file
 from ...inputs.case.specs import write_case
 from ..cases.chosen import build_folder, chosen_run
-from ..cases.packages import build_packages, specs_of
+from ..cases.packages import build_needed
 from ..exit_codes import INCOMPLETE
 
 
@@ -34,9 +34,10 @@ def run_file_of(options: argparse.Namespace) -> Path:
         )
     folder: Path = options.folder or build_folder(file)
     write_case(case, folder, options.packages)
+    run_file = folder / "runs" / f"{run}.json"
     if options.packages is None:
-        build_packages(specs_of(folder, [run]), folder / "bodies")
-    return folder / "runs" / f"{run}.json"
+        build_needed([run_file])
+    return run_file
 
 
 def run_plan(options: argparse.Namespace) -> int:

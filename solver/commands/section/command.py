@@ -21,7 +21,7 @@ from ..described.make import Made, Request
 from ..described.run import run_described
 from ..described.screen import USER_ERROR, drawn, file_lines, show_each, tell_failure
 from .batch_list import read_list
-from .ply_peaks import ply_peaks
+from .ply_peaks import judged_peaks
 from .results import read_results
 from .show import section_json, section_text
 from .show_loads import load_text
@@ -67,6 +67,8 @@ def _name(word: str) -> str:
 def _entries(options: argparse.Namespace) -> list[Entry]:
     if bool(options.files) == bool(options.batch):
         raise InputError("section: expected one or more FILEs, or --batch LIST")
+    if options.corner_distance is not None and not options.loads:
+        raise InputError("section: --corner-distance is for --loads")
     if options.files:
         if options.shard:
             raise InputError("section: --shard is for --batch LIST")
@@ -104,10 +106,11 @@ def _show(made: Sequence[Made], titles: dict[str, str], options: argparse.Namesp
         parts = [section_text(results, titles.get(one.entry.name, ""), options.order)]
         if options.loads:
             try:
-                peaks = ply_peaks(read_section(one.file).recovery, options.loads)
+                section = read_section(one.file)
+                peaks, doubts = judged_peaks(section, options.loads, options.corner_distance)
             except MaterialError as error:
                 raise InputError(f"{one.file}: {error}") from error
-            parts.append(load_text(peaks, options.loads))
+            parts.append(load_text(peaks, options.loads, doubts))
         figures = [] if options.figures is False else figures_of(one.file)
         return "\n\n".join([*parts, file_lines(one, figures)])
 

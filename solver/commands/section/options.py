@@ -1,6 +1,7 @@
 """Arguments of the command `plymotion section`."""
 
 import argparse
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -87,6 +88,13 @@ def add_section_command(commands: Any, run: Callable[[argparse.Namespace], int])
         help="also the stresses and margins of every ply under these resultants [N, N m]; write "
         "--loads=-1,... if the first is negative",
     )
+    shown.add_argument(
+        "--corner-distance",
+        type=_distance,
+        metavar="D",
+        help="with --loads: leave out points nearer than D [m] to a re-entrant corner, where "
+        "stresses depend on the mesh",
+    )
 
 
 def _code(text: str) -> str:
@@ -109,6 +117,13 @@ def _positions(text: str) -> list[float]:
     if not values:
         raise argparse.ArgumentTypeError(f"{text!r}: expected numbers with commas [m]")
     return values
+
+
+def _distance(text: str) -> float:
+    value = number(text)
+    if not 0.0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f"{text!r}: expected a length above 0 [m]")
+    return value
 
 
 def _loads(text: str) -> list[float]:

@@ -3,10 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...math.arrays import Array
+from ...package.section.corners import near_corner, reentrant_corners
 from ...package.section.recovery_data import strengths
-from ...package.section.schema import Ply, SectionRecovery
+from ...package.section.schema import Ply, SectionFile, SectionMeshData, SectionRecovery
 from ...strength import criteria_of
 from ...strength.beam_bodies import unit_stress_M
 
@@ -29,12 +31,15 @@ class PlyPeak:
     reserves: dict[str, Reserve]  # by criterion; empty without strengths
 
 
-def ply_peaks(recovery: SectionRecovery, F: Array) -> list[PlyPeak]:
+def ply_peaks(
+    recovery: SectionRecovery, F: Array, left_out: NDArray[np.bool_] | None = None
+) -> list[PlyPeak]:
     """Peak stresses and reserves of all plies, in their order.
 
     Parameters
     ----------
     F : (6,) F1, F2, F3, M1, M2, M3 at the reference point [N, N m]
+    left_out : (p,) True for points that are not judged; absent: none
 
     Raises
     ------
@@ -42,11 +47,12 @@ def ply_peaks(recovery: SectionRecovery, F: Array) -> list[PlyPeak]:
     """
     stress_M = unit_stress_M(recovery) @ np.asarray(F, dtype=float)
     known = strengths(recovery)
+    judged = np.ones(len(recovery.ply), dtype=bool) if left_out is None else ~left_out
     peaks = []
     for row, ply in enumerate(recovery.plies):
-        points = np.flatnonzero(recovery.ply == row)
+        points = np.flatnonzero(judged & (recovery.ply == row))
         if not len(points):
-            continue  # thinner than the distance between the points
+            continue  # thinner than the distance between the points, or left out
         own = stress_M[points]
         largest = own[np.argmax(np.abs(own), axis=0), np.arange(6)]
         reserves = {}
@@ -61,3 +67,41 @@ def ply_peaks(recovery: SectionRecovery, F: Array) -> list[PlyPeak]:
                 reserves[criterion.name] = Reserve(ratio, mode, (float(x2), float(x3)))
         peaks.append(PlyPeak(ply, largest, reserves))
     return peaks
+
+
+def judged_peaks(
+    section: SectionFile, F: Array, distance: float | None
+) -> tuple[list[PlyPeak], list[dict[str, str]]]:
+    """`ply_peaks` of a section, and warnings about the places of the least margins.
+
+    distance : from re-entrant corners [m], below which points are not judged; absent: all are
+    """
+    recovery, mesh = section.recovery, section.mesh
+    if distance is None:
+        peaks = ply_peaks(recovery, F)
+        return peaks, corner_warnings(mesh, peaks)
+    left_out = near_corner(mesh, recovery.points, distance)
+    return ply_peaks(recovery, F, left_out), []
+
+
+def corner_warnings(mesh: SectionMeshData, peaks: list[PlyPeak]) -> list[dict[str, str]]:
+    """Warning if a least margin lies in a cell at a re-entrant corner: it depends on the mesh."""
+    nodes, sizes = reentrant_corners(mesh)
+    if not len(nodes):
+        return []
+    found = []
+    for name in dict.fromkeys(name for peak in peaks for name in peak.reserves):
+        least = min((p.reserves[name] for p in peaks if name in p.reserves), key=lambda r: r.ratio)
+        away = np.linalg.norm(mesh.nodes[nodes] - least.point, axis=1)
+        nearest = int(np.argmin(away))
+        if away[nearest] < sizes[nearest]:
+            x2, x3 = mesh.nodes[nodes[nearest]]
+            found.append(
+                {
+                    "code": "stress-at-corner",
+                    "message": f"the least margin by {name} lies {away[nearest]:.3g} m from the "
+                    f"re-entrant corner at ({x2:.4g}, {x3:.4g}): a finer mesh gives a smaller one; "
+                    "choose a distance with --corner-distance",
+                }
+            )
+    return found

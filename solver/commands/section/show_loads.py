@@ -1,13 +1,15 @@
 """Stresses and margins of the plies under given resultants, as text for the screen."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from ...package.section.schema import RESULTANTS, STRESSES
 from .ply_peaks import PlyPeak, Reserve
 
 
-def load_text(peaks: Sequence[PlyPeak], F: Sequence[float]) -> str:
-    """Return the highest stress of every ply under resultants F, and its smallest margins."""
+def load_text(
+    peaks: Sequence[PlyPeak], F: Sequence[float], warnings: Sequence[Mapping[str, str]] = ()
+) -> str:
+    """Return the highest stress of every ply under resultants F, its smallest margins, warnings."""
     loads = ", ".join(
         f"{name} = {value:g} {'N' if name[0] == 'F' else 'N m'}"
         for name, value in zip(RESULTANTS, F, strict=True)
@@ -25,7 +27,8 @@ def load_text(peaks: Sequence[PlyPeak], F: Sequence[float]) -> str:
             for peak in peaks
         ),
     ]
-    return "\n".join([*lines, "", *_margins(peaks, width)])
+    doubts = [f"warning [{w['code']}] {w['message']}" for w in warnings]
+    return "\n".join([*lines, "", *_margins(peaks, width), *doubts])
 
 
 def _ply(peak: PlyPeak) -> str:

@@ -60,8 +60,6 @@ def _with_buckling(spec: dict[str, Any], file: Path, count: int | None) -> dict[
     """The specification with a request for load factors, if there is one on the command line."""
     if count is None:
         return spec
-    if count < 1:
-        raise InputError(f"--buckling {count}: expected a number above 0")
     if not spec["loads"]:
         raise InputError(f"{file}: --buckling needs a load case, [loads.CASE.NAME]")
     return {**spec, "buckling": {"in_plane": True, **spec.get("buckling", {}), "count": count}}

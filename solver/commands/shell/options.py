@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from ..arguments import whole_number
 from ..described.options import add_command, add_out, add_shared
 from ..executors.choice import add_executor
 
@@ -40,7 +41,7 @@ def add_shell_command(commands: Any, run: Callable[[argparse.Namespace], int]) -
     add_shared(parser, "figures", help=what)
     parser.add_argument(
         "--buckling",
-        type=int,
+        type=whole_number,
         nargs="?",
         const=4,
         metavar="COUNT",

@@ -8,7 +8,7 @@ from pathlib import Path
 from ...errors import InputError
 from ...interrupts import INTERRUPTED
 from ...package.common.shares import share
-from ...package.common.temporary import temporary_sibling
+from ...package.common.temporary import write_text
 from ..executors.choice import executor_of
 from ..exit_codes import INCOMPLETE
 from .figure import draw_sweep
@@ -97,8 +97,7 @@ def _tabulated(folder: Path, result: SweepResult, options: argparse.Namespace) -
     text = sweep_csv(result)
     if options.figures:
         draw_sweep(folder, result)
-    with temporary_sibling(folder / CSV) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    write_text(folder / CSV, text)
     if options.csv:
         print(text, end="")
     return bool(options.csv)

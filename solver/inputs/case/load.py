@@ -135,12 +135,14 @@ def checked_case(table: dict[str, Any], file: Path, *, coarse: bool = False) -> 
 
             def merged_of(
                 run: str, key: str = key, variants: list[str] = sweep.variants
-            ) -> dict[str, Any]:
+            ) -> dict[str, Any] | None:
+                if run not in top.runs:
+                    return None
                 merged = merged_with(key, [*top.runs[run].variants, *variants])
                 merged.pop("fidelity", None)  # members have the modes that the case gives
                 return merged
 
-            checked = check_sweep(f"{file}: {key}", sweep, merged_of(sweep.run), specs, merged_of)
+            checked = check_sweep(f"{file}: {key}", sweep, specs, merged_of)
             if isinstance(checked, list):
                 findings.of_sweep(key, checked)
             else:

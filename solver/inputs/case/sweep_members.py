@@ -62,19 +62,21 @@ class CheckedSweep:
 def check_sweep(
     where: str,
     sweep: Sweep,
-    merged: dict[str, Any],
     specs: BodySpecs,
-    merged_of: Callable[[str], dict[str, Any]],
+    merged_of: Callable[[str], dict[str, Any] | None],
 ) -> CheckedSweep | list[str]:
     """Return the members of a sweep, or one line per finding.
 
     Parameters
     ----------
     where : file and key of the sweep
-    merged : mechanism as the user wrote it, variants applied
     specs : of the case
-    merged_of : the same of another run by its name, with the variants of the sweep
+    merged_of : mechanism of a run by its name, as the user wrote it, with its variants and those
+        of the sweep; None: there is no such run, which is said elsewhere
     """
+    merged = merged_of(sweep.run)
+    if merged is None:
+        return []
     try:
         base = Mechanism.model_validate(merged, context={FOLDER: specs.folder})
     except ValidationError as error:
@@ -105,6 +107,8 @@ def check_sweep(
     kept = with_parts({*sweep.signals, *sweep.histories} or set(base.signals), base.signals)
     for run in needed(kept):
         table = merged_of(run)
+        if table is None:
+            return []  # said of the run
         try:
             other = Mechanism.model_validate(table, context={FOLDER: specs.folder})
         except ValidationError:
@@ -135,12 +139,16 @@ class _Maker:
         """Return the members of a run; `partly`: without changes of keys that it does not have."""
         defaults, context = base.model_dump(), {FOLDER: self.specs.folder}
         mechanisms, bodies = [], list[dict[str, BodySpec]]()
+        known: dict[str, bool] = {}  # all members change the same keys
         for k, point in enumerate(self.points):
             values = dict(zip(self.sweep.vary, map(float, point), strict=True))
             try:
                 changes = changes_of(self.sweep, self.parameters, values, base.parameters)
                 if partly:
-                    changes = {key: v for key, v in changes.items() if self._has(base, key)}
+                    for key in changes:
+                        if key not in known:
+                            known[key] = self._has(base, key)
+                    changes = {key: v for key, v in changes.items() if known[key]}
                 table = changed(merged, defaults, changes)
                 member = Mechanism.model_validate(table, context=context)
             except Misplaced as error:

@@ -43,6 +43,8 @@ def _line(item: Any, model: type[BaseModel]) -> str:
         return f'{key}.{discriminator} = "{value}": {expected}{hint}'
     text = _WORDS.get(item["type"], item["msg"]).removeprefix("Value error, ")
     text = text[0].lower() + text[1:]
+    if not path:  # a contradiction of the whole file, whose text names the keys
+        return text
     hint = did_you_mean(str(item["input"]), get_args(kind)) if _one_of_words(kind) else ""
     return f"{key} = {_short(item.get('input'))}: {text.replace('input', 'value')}{hint}"
 

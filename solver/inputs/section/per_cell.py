@@ -35,6 +35,7 @@ class CellSection:
     plies : material and theta3 [deg] of each
     materials : constants by name, as in a description
     curvature : (3,) initial twist and curvature [rad/m]
+    not_computed : models that the file asks for and that are not computed
     """
 
     file: Path
@@ -47,7 +48,7 @@ class CellSection:
     materials: dict[str, dict[str, Any]]
     curvature: tuple[float, float, float] = (0.0, 0.0, 0.0)
     title: str = ""
-    warnings: list[str] = field(default_factory=list)
+    not_computed: list[str] = field(default_factory=list)
 
 
 def cell_section_spec(section: CellSection, folder: Path) -> dict[str, Any]:
@@ -94,4 +95,6 @@ def cell_section_spec(section: CellSection, folder: Path) -> dict[str, Any]:
     }
     if any(section.curvature):
         spec["initial_curvature"] = list(section.curvature)
+    if section.not_computed:
+        spec["not_computed"] = section.not_computed
     return spec

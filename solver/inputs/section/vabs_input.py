@@ -3,7 +3,7 @@
 Numbers only, separated by blanks or commas; text after ! or # is ignored.
 
     format layers                          1: a layer for each cell; 0: material, theta3, theta1
-    timoshenko recovery thermal
+    timoshenko damping thermal
     curved oblique trapeze vlasov
     k1 k2 k3                               if curved
     cos11 cos21                            if oblique: refused
@@ -13,6 +13,9 @@ Numbers only, separated by blanks or commas; text after ! or # is ignored.
     cell layer theta1                      format 1, or: cell material theta3 theta1 (nine values)
     layer material theta3                  format 1
     material kind / constants / density    0 isotropic, 1 orthotropic, 2 anisotropic
+
+With damping, a coefficient follows theta3 of a layer and the density; with thermal = 3, expansions
+follow the density. They are read and not used.
 """
 
 from collections.abc import Iterator
@@ -27,6 +30,8 @@ from .per_cell import ABSENT, MOST_NODES, QUADRILATERAL, TRIANGLE, CellSection
 
 UNIFORM = 500.0  # a second theta1 above this says that the first holds for the whole cell
 CONSTANTS = {0: 2, 1: 9, 2: 21}
+# Rows of VABS's order 11 12 13 22 23 33 of stresses in ours, 11 22 33 23 13 12.
+OF_VABS = np.array([0, 3, 5, 4, 2, 1])
 ORTHOTROPIC = ("E1", "E2", "E3", "G12", "G13", "G23", "nu12", "nu13", "nu23")
 
 
@@ -89,8 +94,9 @@ def read_vabs(file: Path) -> CellSection:
     numbers = Numbers(file)
     by_layer = numbers.whole("the format, 0 or 1", 0, 1) == 1
     n_layer = numbers.whole("the number of layers")
-    numbers.reals(2, "the flags of Timoshenko and recovery")
-    thermal = numbers.whole("the thermal flag", 0, 3)
+    numbers.real("the flag of Timoshenko")
+    damping = numbers.whole("the damping flag", 0, 1) == 1
+    thermal = numbers.whole("the thermal flag", 0, 3) == 3
     curved, oblique, trapeze, vlasov = (
         numbers.whole(f"the flag {name}", 0, 1)
         for name in ("curved", "oblique", "trapeze", "vlasov")
@@ -99,7 +105,10 @@ def read_vabs(file: Path) -> CellSection:
     if oblique:
         cosines = numbers.reals(2, "the cosines of the oblique section")
         if cosines != [1.0, 0.0]:
-            raise InputError(f"{file}: oblique sections are not supported: expected flag 0")
+            raise InputError(
+                f"{file}: oblique sections are not supported: expected flag 0 and the section "
+                "normal to the beam"
+            )
     n_node, n_cell, n_material = (
         numbers.whole(f"the number of {name}", 1) for name in ("nodes", "cells", "materials")
     )
@@ -108,20 +117,19 @@ def read_vabs(file: Path) -> CellSection:
         row = numbers.whole("the number of a node", 1, n_node)
         points[row - 1] = numbers.reals(2, f"x2 and x3 of node {row}")
     nodes, kind = _cells(numbers, n_cell, n_node)
-    ply, theta1, plies = _orientations(numbers, kind, n_material, n_layer, by_layer)
-    materials = _materials(numbers, n_material, thermal == 3)
+    ply, theta1, plies = _orientations(numbers, kind, n_material, n_layer, by_layer, damping)
+    materials = _materials(numbers, n_material, damping, thermal)
     missing = np.flatnonzero(np.isnan(points[:, 0]))
     if missing.size:
         raise InputError(f"{file}: node {missing[0] + 1} has no position")
-    warnings = [
-        f"{name} is not computed" for name, on in (("trapeze", trapeze), ("vlasov", vlasov)) if on
-    ]
+    models = {"trapeze": trapeze, "vlasov": vlasov, "damping": damping, "thermal": thermal}
     for number, _ in plies:
         if number not in materials:
             raise InputError(f"{file}: material {number}: no such material")
     return CellSection(
-        file, points, nodes, kind, theta1, ply, plies, materials, (k[0], k[1], k[2]), "", warnings
-    )
+        file, points, nodes, kind, theta1, ply, plies, materials, (k[0], k[1], k[2]),
+        not_computed=[name for name, on in models.items() if on],
+    )  # fmt: skip
 
 
 def _cells(numbers: Numbers, n_cell: int, n_node: int) -> tuple[IntArray, IntArray]:
@@ -148,7 +156,7 @@ def _cells(numbers: Numbers, n_cell: int, n_node: int) -> tuple[IntArray, IntArr
 
 
 def _orientations(
-    numbers: Numbers, kind: IntArray, n_material: int, n_layer: int, by_layer: bool
+    numbers: Numbers, kind: IntArray, n_material: int, n_layer: int, by_layer: bool, damping: bool
 ) -> tuple[IntArray, Array, list[tuple[str, float]]]:
     """Ply of each cell, theta1 (c, 1) or (c, 9), and the plies."""
     n_cell = len(kind)
@@ -166,6 +174,8 @@ def _orientations(
             row = numbers.whole("the number of a layer", 1, n_layer) - 1
             material = numbers.whole(f"the material of layer {row + 1}", 1, n_material)
             layers[row] = (f"material-{material}", numbers.real(f"theta3 of layer {row + 1}"))
+            if damping:
+                numbers.real(f"the damping of layer {row + 1}")
         if len(layers) < n_layer:
             raise InputError(f"{numbers.file}: expected {n_layer} layers, each once")
         return layer, angle, [layers[row] for row in range(n_layer)]
@@ -187,13 +197,17 @@ def _orientations(
     return ply, angle[:, :1] if uniform else angle, list(plies)
 
 
-def _materials(numbers: Numbers, count: int, thermal: bool) -> dict[str, dict[str, Any]]:
+def _materials(
+    numbers: Numbers, count: int, damping: bool, thermal: bool
+) -> dict[str, dict[str, Any]]:
     materials: dict[str, dict[str, Any]] = {}
     for _ in range(count):
         number = numbers.whole("the number of a material", 1, count)
         kind = numbers.whole(f"the kind of material {number}, 0, 1 or 2", 0, 2)
         constants = numbers.reals(CONSTANTS[kind], f"the constants of material {number}")
         rho = numbers.real(f"the density of material {number}")
+        if damping:
+            numbers.real(f"the damping of material {number}")
         if thermal:
             numbers.reals({0: 1, 1: 3, 2: 6}[kind], f"the expansions of material {number}")
         name = f"material-{number}"
@@ -203,10 +217,11 @@ def _materials(numbers: Numbers, count: int, thermal: bool) -> dict[str, dict[st
             named = dict(zip(ORTHOTROPIC, constants, strict=True))
             materials[name] = {"kind": "orthotropic", **named}
         else:
-            raise InputError(
-                f"{numbers.file}: material {number}: expected isotropic (0) or orthotropic (1); "
-                "fully anisotropic constants (2) are not supported"
-            )
+            C = np.zeros((6, 6))
+            C[np.triu_indices(6)] = constants
+            C = (C + np.triu(C, 1).T)[np.ix_(OF_VABS, OF_VABS)]
+            upper = C[np.triu_indices(6)].tolist()
+            materials[name] = {"kind": "anisotropic", "C": upper}
         materials[name]["rho"] = rho
     if len(materials) < count:
         raise InputError(f"{numbers.file}: expected {count} materials, each once")

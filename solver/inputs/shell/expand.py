@@ -270,7 +270,12 @@ def _places(description: ShellDescription) -> list[tuple[str, str]]:
         ),
         *((f"probes.{name}", probe) for name, probe in description.probes.items()),
     ]
-    return [(f"{key}.at", table.at) for key, table in tables if table.at is not None]
+    return [
+        (f"{key}.at", name)
+        for key, table in tables
+        if table.at is not None
+        for name in ([table.at] if isinstance(table.at, str) else table.at)
+    ]
 
 
 def _loads_on_links(description: ShellDescription) -> list[str]:

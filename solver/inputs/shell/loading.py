@@ -30,7 +30,9 @@ def _as_list(value: object) -> object:
 class Link(Table):
     """`[links.NAME]`: a reference point of six degrees of freedom for a group of nodes."""
 
-    at: str = Field(description="physical point, curve or surface")
+    at: str | Annotated[list[str], Field(min_length=1)] = Field(
+        description="physical point, curve or surface, or names of several of one kind"
+    )
     kind: ShellLinkKind = Field(
         description="rigid: group and point move as a rigid body; average: the point follows "
         "the mean motion of the group, and its loads are distributed over the group; section: its "

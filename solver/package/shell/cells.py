@@ -8,6 +8,7 @@ import numpy as np
 from ...math.arrays import Array, IntArray
 
 NONE = -1
+TRIANGLE, QUADRILATERAL = 5, 9  # VTK's numbers of the cells
 
 
 def cell_table(connectivity: IntArray, offsets: IntArray, rows: IntArray | None = None) -> IntArray:
@@ -28,6 +29,13 @@ def cell_table(connectivity: IntArray, offsets: IntArray, rows: IntArray | None 
 def corner_counts(cells: IntArray) -> IntArray:
     """3 or 4 for each cell, (c,)."""
     return np.asarray((cells != NONE).sum(axis=1))
+
+
+def vtk_cells(cells: IntArray) -> tuple[IntArray, IntArray, IntArray]:
+    """Connectivity (i,), offsets (c + 1,) and VTK's types (c,) of the cells of a table."""
+    count = corner_counts(cells)
+    offsets = np.concatenate([[0], np.cumsum(count)])
+    return cells[cells != NONE], offsets, np.where(count == 3, TRIANGLE, QUADRILATERAL)
 
 
 def next_corners(cells: IntArray) -> IntArray:

@@ -9,15 +9,8 @@ from ..body.specification import SHELL_LINK_KINDS
 from ..common.array_checks import finite, mesh_cells, one_of, rotations, rows_of, symmetric
 from ..common.dataset import check_datasets, defined_sizes, misshaped, missing_or_mistyped
 from ..common.remark import Remark
-from .layout import (
-    QUAD,
-    SHELL_GROUP,
-    SHELL_LAYOUT,
-    SHELL_SIZED_BY,
-    TRIANGLE,
-    shell_sizes,
-    shell_values,
-)
+from .cells import QUADRILATERAL, TRIANGLE
+from .layout import SHELL_GROUP, SHELL_LAYOUT, SHELL_SIZED_BY, shell_sizes, shell_values
 from .schema import SHELL_MOTIONS, SHELL_RESULTANTS, ShellFile
 
 
@@ -30,8 +23,8 @@ def shell_layout_findings(group: h5py.Group) -> list[Remark]:
         text = f"expected frequencies, shapes_G, resultants_E and n_zero, found {', '.join(modes)}"
         findings.append(Remark("error", f"{group.name}/modes", text))
     types = group.get("mesh/cell_types")
-    if not findings and not np.isin(types[()], (TRIANGLE, QUAD)).all():
-        text = f"expected triangles and quadrilaterals, types {TRIANGLE} and {QUAD}"
+    if not findings and not np.isin(types[()], (TRIANGLE, QUADRILATERAL)).all():
+        text = f"expected triangles and quadrilaterals, types {TRIANGLE} and {QUADRILATERAL}"
         findings.append(Remark("error", f"{group.name}/mesh/cell_types", text))
     return findings
 

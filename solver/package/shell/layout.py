@@ -12,13 +12,12 @@ import numpy as np
 from ..common.dataset import DatasetSpec, F, I, T, declared_sizes, spec
 from ..common.identity import FileFormat, json_text
 from ..common.reported import WARNINGS_LAYOUT, WARNINGS_SIZED_BY, warning_values
-from .cells import NONE, corner_counts
+from .cells import vtk_cells
 from .schema import SHELL_FORMAT, SHELL_FORMAT_VERSION, ShellFile
 
 SHELL_GROUP = "shell"
 SHELL_FILE = FileFormat(SHELL_FORMAT, SHELL_FORMAT_VERSION, SHELL_GROUP, "name")
 SHELL_VIEW = f"{SHELL_GROUP}/mesh", "nodes_G"  # what ParaView shows: group and nodes
-TRIANGLE, QUAD = 5, 9  # VTK's numbers of the cells
 
 SHELL_LAYOUT: tuple[DatasetSpec, ...] = (
     spec("mesh/nodes_G", "n, 3", F, "m", "G", "rest positions of the nodes"),
@@ -104,11 +103,11 @@ def shell_values(shell: ShellFile, where: str = "shell") -> dict[str, Any]:
     """
     mesh, laminates = shell.mesh, shell.laminates
     plies = [(row, ply) for row, laminate in enumerate(laminates) for ply in laminate.plies]
-    count = corner_counts(mesh.cells)
+    connectivity, offsets, types = vtk_cells(mesh.cells)
     values: dict[str, Any] = {
-        "mesh/connectivity": mesh.cells[mesh.cells != NONE],
-        "mesh/offsets": np.concatenate([[0], np.cumsum(count)]),
-        "mesh/cell_types": np.where(count == 3, TRIANGLE, QUAD).astype(np.uint8),
+        "mesh/connectivity": connectivity,
+        "mesh/offsets": offsets,
+        "mesh/cell_types": types.astype(np.uint8),
         "laminates/names": [laminate.name for laminate in laminates],
         "laminates/reports": [
             json_text(f"{where}: laminates/reports", laminate.report) for laminate in laminates

@@ -201,6 +201,21 @@ SECTION_CODES = (
         1e14,
     ),
     _code(
+        "stress-at-corner",
+        "the least margin under `--loads` lies in a cell at a re-entrant corner, where stresses "
+        "grow with every refinement",
+        "more than {limit:g} deg of material around a node of the boundary",
+        "give a distance, `--corner-distance`, such as a quarter of the wall; round the corner",
+        195.0,
+    ),
+    _code(
+        "model-not-computed",
+        "the file of another code asks for a model that is not computed: trapeze effect, Vlasov's "
+        "theory, damping, thermal expansion",
+        "any such flag",
+        "use the 6x6 stiffness and mass; run the other code for the rest",
+    ),
+    _code(
         "direction-reverses",
         "Cartesian layer directions change their sense inside cells of a round wall",
         "relative change of the stiffness by the sense in these cells above {limit:g}, or above "

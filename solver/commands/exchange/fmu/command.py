@@ -7,7 +7,7 @@ from ....errors import InputError
 from ....inputs.case import load_case
 from ....inputs.case.specs import write_case
 from ...cases.chosen import build_folder, chosen_run
-from ...cases.packages import build_packages, specs_of
+from ...cases.packages import build_needed
 from .write import write_fmu
 
 
@@ -20,10 +20,11 @@ def export_fmu(options: argparse.Namespace) -> int:
     run = chosen_run(case, options.run, only=True)
     folder = build_folder(file, coarse=options.coarse)
     write_case(case, folder, options.packages)
+    run_file = folder / "runs" / f"{run}.json"
     if options.packages is None:
-        build_packages(specs_of(folder, [run]), folder / "bodies")
+        build_needed([run_file])
     out: Path = options.out or folder / f"{run}.fmu"
-    stepper = write_fmu(folder / "runs" / f"{run}.json", out, options.inputs)
+    stepper = write_fmu(run_file, out, options.inputs)
     for name in stepper.left_out:
         print(f"signals.{name}: no output: it is known at the end of a run only")
     print(f"{out}: {len(stepper.inputs)} inputs, {len(stepper.outputs)} outputs")

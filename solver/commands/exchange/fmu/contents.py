@@ -1,7 +1,7 @@
 """Folder `resources` of an FMU: the run, its packages, names of the inputs, where the solver is.
 
 runs/RUN.json           as `check` wrote it, with packages of this folder
-bodies/BODY.vtkhdf
+bodies/*.vtkhdf         each package once
 inputs.txt              one name per line, in the order of their value references
 solver.txt              the Python interpreter; the folder of a checkout, or nothing
 """
@@ -15,6 +15,7 @@ from pathlib import Path
 import plymotion
 
 from ....errors import InputError
+from ....inputs.case.run_table import package_entries
 
 INPUTS, SOLVER = "inputs.txt", "solver.txt"
 
@@ -32,11 +33,14 @@ def write_contents(run_file: Path, folder: Path) -> Path:
     table = json.loads(run_file.read_text(encoding="utf-8"))
     (folder / "bodies").mkdir(parents=True)
     (folder / "runs").mkdir()
-    for body, entry in table["packages"].items():
-        name = f"bodies/{body}.vtkhdf"
-        shutil.copyfile(run_file.parent.parent / entry["file"], folder / name)
-        entry["file"] = name
     table.pop("check_packages", None)
+    copied: dict[str, str] = {}  # one copy of a package that several bodies or runs share
+    for entry in package_entries(table):
+        file = entry["file"]
+        if file not in copied:
+            copied[file] = f"bodies/{len(copied)}-{Path(file).name}"
+            shutil.copyfile(run_file.parent.parent / file, folder / copied[file])
+        entry["file"] = copied[file]
     run = folder / "runs" / run_file.name
     run.write_text(json.dumps(table), encoding="utf-8")
     package = Path(plymotion.__file__).resolve().parent

@@ -12,10 +12,12 @@ import numpy as np
 
 from ....errors import InputError
 from ....math.arrays import Array, IntArray
+from ....package.common.anisotropic import elastic_from_dict
 from ....package.section.schema import CORNERS, SectionFile
 from .text import written
 
 KEYS = ("E1", "E2", "E3", "G12", "G13", "G23", "nu12", "nu13", "nu23")
+TO_VABS = np.array([0, 5, 4, 1, 3, 2])  # 11 12 13 22 23 33 of our stresses
 BECAS_FILES = ("N2D.in", "E2D.in", "EMAT.in", "MATPROPS.in")
 
 
@@ -46,7 +48,12 @@ def write_vabs(section: SectionFile, file: Path) -> Path:
         for i, ply in enumerate(recovery.plies, start=1)
     ]
     for i, name in enumerate(names, start=1):
-        constants, rho = _constants(name, recovery.materials[name])
+        table = recovery.materials[name]
+        if table.get("kind") == "anisotropic":
+            C = elastic_from_dict(table, f"materials.{name}").stiffness_M[np.ix_(TO_VABS, TO_VABS)]
+            lines += [f"{i} 2", *(_row(C[j, j:]) for j in range(6)), f"{table['rho']:.17g}"]
+            continue
+        constants, rho = _constants(name, table)
         lines += [f"{i} 1", *(_row(constants[j : j + 3]) for j in (0, 3, 6)), f"{rho:.17g}"]
     return written(file, lines)
 
@@ -121,7 +128,7 @@ def _constants(name: str, table: dict[str, Any]) -> tuple[list[float], float]:
         E, nu = float(table["E"]), float(table["nu"])
         return [E] * 3 + [E / (2.0 * (1.0 + nu))] * 3 + [nu] * 3, float(table["rho"])
     if not all(key in table for key in KEYS):
-        raise InputError(f"materials.{name}: expected elastic constants in the section file")
+        raise InputError(f"materials.{name}: expected nine elastic constants in the section file")
     return [float(table[key]) for key in KEYS], float(table["rho"])
 
 

@@ -76,7 +76,9 @@ SHAPE = Shape(
     name="airfoil",
     script="airfoil",
     meaning="skin along an airfoil's contour with up to three webs; x2 from nose to tail. Before "
-    "the point where the skins would meet, a wall as thick as the rear skin ends the section",
+    "the point where the skins would meet, a wall as thick as the rear skin ends the section. "
+    "Without webs its only region is `skin`; with one web there are no caps; the third web is "
+    "`web-3`",
     parameters=(
         Parameter(
             "contour",

@@ -1,0 +1,93 @@
+"""Stiffness and mass of VABS 4.1, entry by entry on its own meshes (tests/reference/sections/vabs).
+
+VABS prints eleven digits. Both codes have the same functions and integration points there.
+"""
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from plymotion.preprocess.section.analysis import analyse
+from plymotion.solver.inputs.section.other_codes import spec_of_another_code
+
+FOLDER = Path(__file__).resolve().parents[1] / "reference/sections/vabs"
+RESULTS = tomllib.loads((FOLDER / "results.toml").read_text(encoding="utf-8"))
+CLASSICAL = [0, 3, 4, 5]
+
+
+def cas1() -> str:
+    """The input file of CAS1: six rows of cells through the wall, middles along the wall only."""
+    rows = 6
+    half = [(0.4465 + 0.005 * j, 0.235 + 0.005 * j) for j in range(rows + 1)]
+    number: dict[tuple[float, float], int] = {}
+    cells, orientation = [], []
+    # corners of a wall by sign, number of cells along it, theta1, angles of its plies
+    walls = [
+        ((1, 1), (1, -1), 10, 270.0, (15, -15)),
+        ((-1, 1), (1, 1), 15, 0.0, (-15, -15)),
+        ((-1, -1), (-1, 1), 10, 90.0, (-15, 15)),
+        ((1, -1), (-1, -1), 15, 180.0, (15, 15)),
+    ]
+
+    def node(first: Any, last: Any, j: int, s: float) -> int:
+        place = (1 - s) * np.multiply(first, half[j]) + s * np.multiply(last, half[j])
+        key = (round(float(place[0]), 9) + 0.0, round(float(place[1]), 9) + 0.0)
+        return number.setdefault(key, len(number) + 1)
+
+    for first, last, n, theta1, angles in walls:
+        for i in range(n):
+            for j in range(rows):
+                s = [i / n, (i + 0.5) / n, (i + 1) / n]
+                inner, outer = ([node(first, last, j + k, t) for t in s] for k in (0, 1))
+                row = [inner[0], inner[2], outer[2], outer[0], inner[1], 0, outer[1], 0, 0]
+                cells.append(row)
+                orientation.append((angles[j % 2], theta1))
+    lines = ["0 0", "1 0 0", "0 0 0 0", f"{len(number)} {len(cells)} 1"]
+    lines += [f"{n} {x!r} {y!r}" for (x, y), n in number.items()]
+    lines += [f"{i} {' '.join(map(str, row))}" for i, row in enumerate(cells, start=1)]
+    lines += [
+        f"{i} 1 {angle} {' '.join([repr(theta)] * 9)}"
+        for i, (angle, theta) in enumerate(orientation, start=1)
+    ]
+    lines += ["1 1", "20.59e6 1.42e6 1.42e6", "0.87e6 0.87e6 0.696e6", "0.42 0.42 0.42", "1.0"]
+    assert (len(number), len(cells)) == (700, 300)
+    return "\n".join(lines) + "\n"
+
+
+BOX = """1 1
+0 0 0
+0 0 0 0
+8 4 2
+1 .5 .5\n2 -.5 .5\n3 -.5 -.5\n4 .5 -.5\n5 .4 .4\n6 -.4 .4\n7 -.4 -.4\n8 .4 -.4
+1 1 2 6 5 0 0 0 0 0\n2 2 3 7 6 0 0 0 0 0\n3 3 4 8 7 0 0 0 0 0\n4 4 1 5 8 0 0 0 0 0
+1 1 0\n2 1 0\n3 1 0\n4 1 0
+1 1 0
+1 0\n1e9 .3\n1e3
+2 0\n1e11 .25\n2.5e3
+"""
+
+
+def solved(text: str, folder: Path) -> Any:
+    file = folder / "section.sg"
+    file.write_text(text)
+    return analyse(spec_of_another_code(file, folder), estimate=False)
+
+
+@pytest.mark.parametrize("name", ["laminate", "cas1"])
+def test_stiffness_and_mass(name: str, tmp_path: Path) -> None:
+    text = cas1() if name == "cas1" else (FOLDER / f"{name}.sg").read_text()
+    found, expected = solved(text, tmp_path), RESULTS[name]
+    for ours, key in ((found.K, "K"), (found.M, "M")):
+        theirs = np.array(expected[key])
+        size = np.sqrt(np.outer(np.diag(theirs), np.diag(theirs)))
+        assert np.abs((ours - theirs) / size).max() < expected["tolerance"]
+
+
+def test_classical_stiffness_of_four_cells(tmp_path: Path) -> None:
+    K = solved(BOX, tmp_path).K
+    flexibility = np.linalg.inv(K)[np.ix_(CLASSICAL, CLASSICAL)]
+    classical = np.diag(np.linalg.inv(flexibility))
+    assert classical == pytest.approx(RESULTS["box"]["classical"], rel=RESULTS["box"]["tolerance"])

@@ -1,0 +1,49 @@
+"""Long work without a progress bar says where it is, first within two seconds."""
+
+import os
+import re
+import subprocess
+import sys
+import time
+
+import pytest
+from hostile_profile import LONG, WAIT_S
+
+from plymotion.solver.commands.described import heartbeat
+
+
+def test_a_line_for_what_takes_long(capsys, monkeypatch):
+    assert heartbeat.FIRST_S < 2.0
+    monkeypatch.setattr(heartbeat, "FIRST_S", 0.01)
+    beat = heartbeat.Heartbeat()
+    told = ""
+    try:
+        beat.doing = "two: meshing"
+        while told.count("\n") < 2:
+            time.sleep(0.01)
+            told += capsys.readouterr().err
+    finally:
+        beat.end()
+    assert re.fullmatch(r"((starting|two: meshing), \d+ s\n)+", told)
+    assert "two: meshing" in told
+
+
+@pytest.mark.skipif(LONG == 1, reason="starts FEniCSx: `make attack`")
+def test_a_thousand_plies(repository, tmp_path, fenicsx):
+    text = (repository / "cases/sections/box-layup-1.toml").read_text()
+    text = text.replace("ply_thickness = 0.000127", "ply_thickness = 7.62e-7")
+    file = tmp_path / "plies.toml"
+    file.write_text(text.replace("repeat = 6", "repeat = 1000"))
+    process = subprocess.Popen(
+        [sys.executable, "-m", "plymotion", "section", str(file), "--out", str(tmp_path)],
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"FENICSX_PYTHON": fenicsx},
+    )
+    try:
+        assert re.match(r"plies: .*, \d+ s|starting, \d+ s", process.stderr.readline())
+    finally:
+        process.terminate()
+        process.communicate(timeout=WAIT_S)
+    assert process.returncode == 143
+    assert not list(tmp_path.rglob("*.vtkhdf"))

@@ -1,0 +1,85 @@
+"""The attack of tests/hostile: python tools/attack.py [WORDS OF PYTEST].
+
+Tells every half minute how far it is. Interrupted, the same command goes on after the last test
+that was over, as long as no source has changed. The last thing that it prints is its table.
+"""
+
+import hashlib
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "tests"))
+
+from attack_table import table  # noqa: E402
+from hostile_profile import BAD, recorded  # type: ignore[import-not-found]  # noqa: E402
+
+FOLDER = ROOT / "build/attack"
+COUNTS, SOURCES, OUTPUT = (FOLDER / name for name in ("counts.jsonl", "sources", "pytest.log"))
+TOLD_S = 30.0
+
+
+def sources() -> str:
+    """Return a digest of all that the tries depend on."""
+    digest = hashlib.sha256()
+    for folder in ("solver", "preprocess", "meshes", "cases", "tests", "plymotion/api"):
+        for file in sorted((ROOT / folder).rglob("*")):
+            if file.suffix in (".py", ".toml", ".geo", ".vtkhdf"):
+                digest.update(f"{file.relative_to(ROOT)}\0".encode() + file.read_bytes())
+    return digest.hexdigest()
+
+
+def main() -> int:
+    """Run the attack, or what is missing of it; return the exit code of pytest."""
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    now = sources()
+    if not SOURCES.is_file() or SOURCES.read_text() != now:
+        COUNTS.unlink(missing_ok=True)
+        SOURCES.write_text(now)
+    words = ["tests/hostile", "-n", "2", "--dist", "worksteal", "-q", *sys.argv[1:]]
+    begin = time.monotonic()
+    with OUTPUT.open("w", encoding="utf-8") as output:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "pytest", *words],
+            cwd=ROOT,
+            env=os.environ | {"PLYMOTION_ATTACK": str(COUNTS)},
+            stdout=output,
+            stderr=subprocess.STDOUT,
+        )
+        try:
+            while True:
+                try:
+                    code = process.wait(TOLD_S)
+                    break
+                except subprocess.TimeoutExpired:
+                    _tell(time.monotonic() - begin)
+        except KeyboardInterrupt:  # pytest got it, too
+            process.wait()
+            print(f"interrupted: {_far()}; the same command goes on from there")
+            return 130
+    _tell(time.monotonic() - begin)
+    over, counts = recorded(COUNTS)
+    print(table(counts), end="")
+    bad = sum(n for (_, end), n in counts.items() if end in BAD)
+    if code not in (0, 5) or bad:  # 5: nothing was left to do
+        print(OUTPUT.read_text(encoding="utf-8")[-20_000:])
+        failed = [test for test, end in over.items() if end == "failed"]
+        print("\n".join([f"{bad} tries ended badly; tests that failed:", *failed]))
+        return 1
+    return 0
+
+
+def _far() -> str:
+    over, counts = recorded(COUNTS)
+    return f"{counts.total()} tries, {len(over)} tests"
+
+
+def _tell(seconds: float) -> None:
+    print(f"attack: {_far()} after {seconds / 60.0:.1f} min", file=sys.stderr, flush=True)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
