@@ -3,8 +3,12 @@
 import numpy as np
 
 from ...math.arrays import Array, IntArray
+from ...results import BodyGeometry
+from ...results.view import BodyView, Side
 
 WIDTH = 0.012  # of a glyph, over the size of the scene
+MOST_WIDTH = 0.04  # the same, of the joint of a thick beam
+OUTSIDE = 1.1  # width of a joint, over the radius of its beam
 SHIFTS = ("x", "y", "z")
 
 
@@ -19,6 +23,19 @@ def glyph(free: tuple[str, ...], width: float) -> tuple[Array, IntArray]:
     if free == ("about z",):
         return _prism(12, 0.9 * width, 1.3 * width)
     return _ball(width)
+
+
+def joint_width(body: BodyGeometry, view: BodyView, side: Side, size: float) -> float:
+    """Width of a joint [m], enough to be seen outside the beam that carries it.
+
+    size : of the scene [m]
+    """
+    least = WIDTH * size
+    if not len(view.shapes_B):
+        return least
+    node = int(np.argmin(np.linalg.norm(body.nodes_B - side.position_B, axis=1)))
+    around = np.linalg.norm(view.surface.offset_B[view.surface.node == node], axis=1)
+    return min(max(least, OUTSIDE * float(around.max(initial=0.0))), MOST_WIDTH * size)
 
 
 def foot(width: float) -> tuple[Array, IntArray]:

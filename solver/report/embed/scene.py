@@ -10,7 +10,7 @@ from ...results.view import BodyView, Link, Sites
 from ..story import Story
 from .blob import Blob
 from .frames import frame_rows, largest_displacement, largest_energy, one_sign
-from .glyphs import WIDTH, foot, glyph
+from .glyphs import WIDTH, foot, glyph, joint_width
 
 TRIANGLES = 60_000  # of a body; of more, every n-th is shown
 STRENGTHS = ("Xt", "Xc", "Yt", "Yc", "Zt", "Zc", "S23", "S13", "S12", "F12_star")
@@ -90,7 +90,7 @@ def _body(
         for side in link.sides:
             if side.body != number:
                 continue
-            points, faces = glyph(link.free, WIDTH * size)
+            points, faces = glyph(link.free, joint_width(body, view, side, size))
             triangles.append(faces + sum(len(part) for part in node))
             node.append(np.full(len(points), count))
             offset.append(points @ side.A_BM.T)
