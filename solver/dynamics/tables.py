@@ -10,7 +10,7 @@ from ..math.expressions.tree import Node
 from ..math.laws import N_COEFFICIENT, Law
 from ..package.body.invariants import inertia_at_rest
 from ..package.body.schema import Invariants, ModalPackage, SecondOrder
-from .bodies.added_inertia import POSITIVE, missing_inertia
+from .bodies.added_inertia import inertia_of, is_positive, missing_inertia, of_one_length
 from .driven import Stand, driven_frames
 from .forces.table import KINDS as FORCE_KINDS
 from .forces.table import MOST_ROWS, N_PARAMETER, rows_in_use
@@ -157,7 +157,7 @@ def assemble_model(
     driven = driven_frames([_stand(j, markers, marker_H) for j in joints])
     added = [
         # a frame that is driven is no unknown
-        np.zeros((0, 6 + n_mode[i])) if i in driven and _is_positive(body.mass) else _missing(body)
+        np.zeros((0, 6 + n_mode[i])) if i in driven and is_positive(body.mass) else _missing(body)
         for i, body in enumerate(carrying)
     ]
     return Model(
@@ -210,8 +210,8 @@ def assemble_model(
         multiplier_tolerance=0.0,
         multiplier_iterations=0,
         pair_used=np.array([_pairs_used(i) for i in inv], dtype=np.int8).reshape(-1, 9),
-        added_inertia=_added_inertia(added, scale, _starts(6 + n_mode)),
-        added_direction=_wide(added),
+        added_inertia=inertia_of(added, scale, _starts(6 + n_mode)),
+        added_direction=of_one_length(added),
         plan=make_plan(
             n_mode,
             marker_body,
@@ -391,31 +391,6 @@ def _missing(body: Body) -> Array:
     T = inv.T01_B
     coupling = np.array([T[1, 2] - T[2, 1], T[2, 0] - T[0, 2], T[0, 1] - T[1, 0]]) + inv.J_psi_B
     return missing_inertia(inv.mass, inertia_at_rest(inv), coupling, inv.S0_B, inv.S_B, body.mass)
-
-
-def _added_inertia(directions: Sequence[Array], scale: Array, start: np.ndarray) -> Array:
-    """Return the inertia (n_a,) added in each direction: of the size of that of other bodies."""
-    moving = max((scale[j] for j in start[:-1]), default=0.0) or 1.0
-    turning = max((scale[j + 3] for j in start[:-1]), default=0.0) or 1.0
-    found = []
-    for body, j in zip(directions, start[:-1], strict=True):
-        for g in body:
-            own = float(g**2 @ scale[j : j + g.size])
-            found.append(own or (moving if g[:3].any() else turning))
-    return np.array(found, dtype=float)
-
-
-def _is_positive(M: Array) -> bool:
-    """Tell whether a modal mass matrix is positive definite; one without modes is."""
-    scale = np.sqrt(np.diag(M).clip(min=1e-300))
-    return not M.size or bool(np.linalg.eigvalsh(M / np.outer(scale, scale))[0] > POSITIVE)
-
-
-def _wide(directions: Sequence[Array]) -> Array:
-    """Return directions of several bodies as rows of one length, (n_a, widest)."""
-    widest = max((d.shape[1] for d in directions), default=6)
-    rows = [np.pad(d, ((0, 0), (0, widest - d.shape[1]))) for d in directions]
-    return np.concatenate([np.zeros((0, widest)), *rows])
 
 
 def _pairs(markers: list[tuple[int, int]]) -> np.ndarray:

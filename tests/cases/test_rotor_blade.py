@@ -77,4 +77,8 @@ def test_the_spin_holds_the_blade_against_a_push(repository, tmp_path_factory):
         t, signals, summary = run_case(folder / f"{name}.json")
         assert summary["completed"]
         highest[name] = signals["flap"][t > 4.0].max()
+        assert ("stiffening-matters" in {w["code"] for w in summary["warnings"]}) == (
+            name == "linear"
+        )
+    assert summary["warnings"] == []
     assert 0.05 < highest["stiffened"] < 0.95 * highest["linear"]

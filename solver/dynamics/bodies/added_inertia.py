@@ -11,6 +11,8 @@ hold the body in these directions; where they do not, no acceleration follows
 (`undetermined_body`).
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ...math.arrays import Array, IntArray
@@ -82,3 +84,28 @@ def undetermined_body(
     body = int(np.argmax(share))
     direction = free[vel_start[body] : vel_start[body] + 6]
     return body, direction / np.linalg.norm(direction)
+
+
+def inertia_of(directions: Sequence[Array], scale: Array, start: np.ndarray) -> Array:
+    """Return the inertia (n_a,) added in each direction: of the size of that of other bodies."""
+    moving = max((scale[j] for j in start[:-1]), default=0.0) or 1.0
+    turning = max((scale[j + 3] for j in start[:-1]), default=0.0) or 1.0
+    found = []
+    for body, j in zip(directions, start[:-1], strict=True):
+        for g in body:
+            own = float(g**2 @ scale[j : j + g.size])
+            found.append(own or (moving if g[:3].any() else turning))
+    return np.array(found, dtype=float)
+
+
+def is_positive(M: Array) -> bool:
+    """Tell whether a modal mass matrix is positive definite; one without modes is."""
+    scale = np.sqrt(np.diag(M).clip(min=1e-300))
+    return not M.size or bool(np.linalg.eigvalsh(M / np.outer(scale, scale))[0] > POSITIVE)
+
+
+def of_one_length(directions: Sequence[Array]) -> Array:
+    """Return directions of several bodies as rows of one length, (n_a, widest)."""
+    widest = max((d.shape[1] for d in directions), default=6)
+    rows = [np.pad(d, ((0, 0), (0, widest - d.shape[1]))) for d in directions]
+    return np.concatenate([np.zeros((0, widest)), *rows])
