@@ -93,11 +93,13 @@ def parser() -> CommandParser:
     commands = parser.add_subparsers(required=True, metavar="COMMAND", prog="plymotion")
 
     check = commands.add_parser(
-        "check", help="check a case file; write the input of the other commands"
+        "check", help="check a case file; with --out, write the input of the other commands"
     )
-    check.add_argument("case", type=Path, nargs="?", help="cases/<name>/case.toml")
-    check.add_argument("--out", type=Path, help="folder for case.json, bodies/, runs/, ...")
-    check.add_argument("--packages", type=Path, help="folder of ready packages")
+    check.add_argument("case", type=Path, nargs="?", metavar="CASE", help="CASE.toml")
+    check.add_argument(
+        "--out", type=Path, metavar="DIR", help="write case.json, bodies/, runs/, sweeps/ there"
+    )
+    check.add_argument("--packages", type=Path, metavar="DIR", help="folder of ready packages")
     check.add_argument("--coarse", action="store_true", help="apply the [coarse] variant")
     add_no_scripts(check)
     check.add_argument("--reference", action="store_true", help="print docs/case-reference.md")
@@ -108,30 +110,34 @@ def parser() -> CommandParser:
     add_plan_command(commands, _plan)
     add_chart_command(commands, _chart)
 
-    ahead = commands.add_parser("compile", help="compile the step loop before the first run")
-    ahead.add_argument("--all", action="store_true", help="generalized-alpha as well")
+    ahead = commands.add_parser("compile", help="compile the step loops before the first run")
+    ahead.add_argument("--all", action="store_true", help="also that of generalized-alpha")
     ahead.set_defaults(command=_compile)
 
     report = commands.add_parser("report", help="figures, report.html and the table of a case")
-    report.add_argument("folder", type=Path, help="build/<case>")
+    report.add_argument("folder", type=Path, metavar="DIR", help="folder of a case, build/CASE")
     report.add_argument(
-        "--glb", action="store_true", help="also RUN/motion.glb, for Blender and slides"
+        "--glb", action="store_true", help="also write RUN/motion.glb, for Blender and slides"
     )
     report.set_defaults(command=_report)
 
     info = commands.add_parser("info", help="show the content of a modal package")
-    info.add_argument("package", type=Path)
+    info.add_argument("package", type=Path, metavar="PACKAGE", help="PACKAGE.vtkhdf")
     info.set_defaults(command=_info)
 
     validate = commands.add_parser("validate", help="check modal packages against docs/format.md")
-    validate.add_argument("package", type=Path, nargs="+")
+    validate.add_argument("package", type=Path, nargs="+", metavar="PACKAGE", help="PACKAGE.vtkhdf")
     validate.set_defaults(command=_validate)
 
     experimental = commands.add_parser(
         "experimental", help="make a modal package from measured modes (docs/modes.md)"
     )
-    experimental.add_argument("file", type=Path, help="nodes, modes and places of a test, TOML")
-    experimental.add_argument("--out", type=Path, required=True, help="PACKAGE.vtkhdf")
+    experimental.add_argument(
+        "file", type=Path, metavar="FILE", help="nodes, modes and places of a test, TOML"
+    )
+    experimental.add_argument(
+        "--out", type=Path, required=True, metavar="PACKAGE", help="PACKAGE.vtkhdf"
+    )
     experimental.set_defaults(command=_experimental)
 
     completion = commands.add_parser(
@@ -148,6 +154,7 @@ def parser() -> CommandParser:
     add_packages_command(commands, _packages)
     add_sweep_command(commands, _sweep)
     add_merge_command(commands, _merge)
+    parser.describe_commands()
     return parser
 
 

@@ -219,7 +219,7 @@ def sweep(
     run, vary, expressions, signals, histories : instead of a sweep of the case: the run, its
         parameters with their values, `set` of the sweep, what is kept
     out, packages, coarse : as for `run`
-    fresh : compute all members anew
+    fresh : compute all members again
     jobs : processes
     progress : show progress on standard error
 

@@ -53,7 +53,7 @@ def from_matrices(
         8 hexahedron)
     total_mass : mass to compare with [kg]
     damping_ratio : of every mode
-    tell : told of each step
+    tell : called with the name of each step
 
     Raises
     ------

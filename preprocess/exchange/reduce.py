@@ -22,7 +22,7 @@ from .spec import Reduction
 from .units import sizes
 from .vibrations import vibrations
 
-Tell = Callable[[str], None]  # told of each step
+Tell = Callable[[str], None]  # called with the name of each step
 CHORD = ((0, 1, 2, 3), (1, 2))
 ALONG = 1e-6  # sine of the angle between a chord and x
 
@@ -34,7 +34,7 @@ def reduce_body(source: FreeBody, table: Reduction, tell: Tell = lambda _: None)
     ----------
     source : in the units of `table`
     table : interfaces, reference condition and modes (docs/exchange.md)
-    tell : told of each step
+    tell : called with the name of each step
 
     Raises
     ------

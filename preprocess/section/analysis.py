@@ -181,7 +181,7 @@ def _solve(
     except fenicsx.FactorisationError as error:
         hint = ""
         if isinstance(error, fenicsx.SingularError):
-            hint = f'; allow = ["{ALLOWED[1]}"] solves it all the same'
+            hint = f'; allow = ["{ALLOWED[1]}"] solves it anyway'
         raise SectionError(f"{where}: {error}{hint}") from error
     except SectionError as error:
         raise SectionError(f"{where}: {error}") from error

@@ -58,7 +58,7 @@ def check_degree(
         if linear and ALLOWED[0] not in allow:
             raise SectionError(
                 f"{where}.mesh.degree = 1: expected 2, because {what}: linear elements lock; "
-                f'allow = ["{ALLOWED[0]}"] computes it all the same'
+                f'allow = ["{ALLOWED[0]}"] computes it anyway'
             )
         effect = "linear elements lock" if linear else "stresses lose digits"
         warnings.append({"code": "nearly-incompressible", "message": f"{what}: {effect}"})

@@ -32,6 +32,14 @@ class CommandParser(argparse.ArgumentParser):
             self.exit(2, f"error: {message}\nCommands: {', '.join(known)}\n")
         super().error(message)
 
+    def describe_commands(self) -> None:
+        """Let `COMMAND --help` of each command begin with its line in the list of commands."""
+        for action in self._actions:
+            if isinstance(action, argparse._SubParsersAction):
+                for line in action._choices_actions:
+                    command, text = action.choices[line.dest], line.help or ""
+                    command.description = command.description or f"{text[:1].upper()}{text[1:]}."
+
     def _commands(self) -> dict[str, "CommandParser"]:
         for action in self._actions:
             if isinstance(action, argparse._SubParsersAction):
@@ -72,8 +80,8 @@ def add_doubtful(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--allow-doubtful",
         action="store_true",
-        help="warn of packages whose numbers contradict each other (see `validate`); damaged and "
-        "unusable ones are refused all the same",
+        help="warn of packages whose numbers contradict each other (see `validate`); damaged or "
+        "unusable ones are still refused",
     )
 
 

@@ -73,7 +73,7 @@ def answered(
 
     Parameters
     ----------
-    again : make the plan anew in any case
+    again : make the plan again in any case
     check : run model and check
     spec, digest : what `read_run` and `inputs_sha256` return for the file, if known
     allow_doubtful : as in `read_package`

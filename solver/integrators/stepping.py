@@ -130,7 +130,7 @@ class StepLoop(Integrator):
         return filled
 
     def go_on(self, t_end: float) -> None:
-        """Let the run end at t_end [s]; up to there it starts anew from the present state.
+        """Let the run end at t_end [s]; up to there it restarts from the present state.
 
         For a run that has finished, or not begun, after laws of time in the model have changed.
         """

@@ -124,7 +124,7 @@ class SingularityMonitor:
     def _look(
         self, steps: Steps, i: int, pivot: float, energy: Array
     ) -> tuple[StopRequest | None, bool]:
-        """Judge step i, which is in doubt; tell whether pivots of later ones must be found anew."""
+        """Judge step i, which is in doubt; also say whether later pivots must be found again."""
         last = self._last
         assert last is not None
         assert self._known is not None
@@ -161,7 +161,7 @@ class SingularityMonitor:
         return request, False
 
     def _adapt(self, pivot: float, t: float, y: Array) -> bool:
-        """Take the pivot of a regular step as known; tell whether rows were chosen anew.
+        """Take the pivot of a regular step as known; tell whether rows were chosen again.
 
         A pivot is of the order of sigma squared, by a factor that depends on which rows are
         nearly dependent: a small one asks for sigma once, and again only when it has shrunk.

@@ -329,13 +329,13 @@ def test_the_file_is_hdf5_that_says_what_it_holds(tmp_path):
         assert h5["signals/x/final"][0] == pytest.approx(1.05)
 
 
-def test_a_damaged_file_is_computed_anew(tmp_path, capsys):
+def test_a_damaged_file_is_computed_again(tmp_path, capsys):
     file = ball(tmp_path, f"{FORCE} = [1.0]")
     assert sweep(file) == 0
     h5 = file.with_suffix("") / "sweep.h5"
     h5.write_bytes(h5.read_bytes()[:1000])
     assert sweep(file) == 0
-    assert "computed anew" in capsys.readouterr().err
+    assert "computed again" in capsys.readouterr().err
     assert result(file).rows[0].status == "finished"
 
 

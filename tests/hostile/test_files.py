@@ -205,6 +205,6 @@ def test_a_restart_believes_no_row_that_was_altered(tmp_path, capsys):
         capsys.readouterr()
         assert main(["sweep", str(file), "--quiet", "--no-figures"]) == 0
         told = capsys.readouterr()
-        assert "sweep.h5: 1 rows were altered after writing; they are computed anew" in told.err
+        assert "sweep.h5: 1 rows were altered after writing; they are computed again" in told.err
         assert "1 computed in" in told.out
         assert np.array_equal(read_sweep(h5).signal("x", "final"), sound.signal("x", "final"))

@@ -1,6 +1,7 @@
 """`plymotion new`: each starter case runs as it is; nothing is ever replaced."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -49,9 +50,23 @@ def test_a_starter_runs_as_it_is(
     for run in RUNS[name]:
         summary = json.loads(Path("build/mine", run, "summary.json").read_text("utf-8"))
         assert summary["completed"]
-        doubts = [f["code"] for f in summary["warnings"] if f["level"] != "note"]
-        assert doubts == []
+        assert summary["warnings"] == []
         assert max(abs(s["max"]) for s in summary["signals"].values()) > 0.0
+
+
+def test_the_case_of_the_first_steps_runs_without_findings(
+    repository: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fenicsx: str
+) -> None:
+    monkeypatch.setenv("FENICSX_PYTHON", fenicsx)
+    monkeypatch.chdir(tmp_path)
+    page = (repository / "docs/first-steps.md").read_text("utf-8")
+    source = re.search(r"```toml\n(.*?)```", page, re.DOTALL)
+    assert source is not None
+    Path("arm.toml").write_text(source[1], "utf-8")
+    assert main(["arm.toml", "--quiet", "--no-report"]) == 0
+    summary = json.loads(Path("build/arm/base/summary.json").read_text("utf-8"))
+    assert summary["completed"]
+    assert summary["warnings"] == []
 
 
 def test_nothing_is_replaced(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -25,7 +25,7 @@ CODE = re.compile(r"^( *)(```|~~~).*?^\1\2\s*$", re.MULTILINE | re.DOTALL)
 
 
 def lay_out(folder: Path) -> None:
-    """Write all sources of the site to `folder`, anew."""
+    """Write all sources of the site to `folder`; earlier ones are removed."""
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(ROOT / "docs", folder)
     for name in ("conf.py", "docstrings.py", "mathml.py", "site.css"):

@@ -66,7 +66,7 @@ def _stations(options: argparse.Namespace, blade: Blade) -> list[float]:
 def _section_options(
     options: argparse.Namespace, out: Path, names: list[str]
 ) -> argparse.Namespace:
-    """What `plymotion section` is told."""
+    """The options that `plymotion section` gets."""
     parser = argparse.ArgumentParser()
     add_section_command(parser.add_subparsers(), run_section)
     listed = out / "stations" / "stations.txt"

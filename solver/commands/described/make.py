@@ -72,8 +72,8 @@ def make_files(
     ----------
     command, options : of the preprocessor
     executor : where; asked for if there is anything to do
-    done : told of each file as it comes
-    progress : told what a worker begins
+    done : called with each file when it is complete
+    progress : called with what a worker begins
 
     Raises
     ------

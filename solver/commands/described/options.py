@@ -15,7 +15,7 @@ _SHARED: dict[str, dict[str, Any]] = {
     },
     "json": {"action": "store_true", "help": "numbers as JSON on standard output"},
     "figures": {"action": argparse.BooleanOptionalAction},
-    "force": {"action": "store_true", "help": "make also what has not changed"},
+    "force": {"action": "store_true", "help": "repeat also what has not changed"},
     "quiet": {"action": "store_true", "help": "no progress"},
 }
 

@@ -53,7 +53,7 @@ def file_lines(one: Made, figures: Iterable[Path]) -> str:
 
 
 def drawn(draw: Callable[[], list[Path]], known: Sequence[Path], file: Path) -> list[Path]:
-    """Return the figures of a file: those that are there if none is older, else drawn anew.
+    """Return the figures of a file: those that are there if none is older, else drawn again.
 
     Parameters
     ----------
@@ -64,6 +64,6 @@ def drawn(draw: Callable[[], list[Path]], known: Sequence[Path], file: Path) -> 
         return list(known)
     try:
         return draw()
-    except (InputError, ModuleNotFoundError) as error:  # the numbers are there all the same
+    except (InputError, ModuleNotFoundError) as error:  # the numbers are still there
         print(f"no figures: {error}; they need pip install plymotion[plot]", file=sys.stderr)
         return []

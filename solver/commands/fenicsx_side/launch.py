@@ -83,7 +83,7 @@ class Preprocessor:
 
         Parameters
         ----------
-        progress : told the steps
+        progress : called with each step
         """
         assert self._process.stdin is not None
         assert self._process.stdout is not None

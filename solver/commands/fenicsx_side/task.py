@@ -108,7 +108,7 @@ def preprocessors(progress: Callable[[str], None]) -> Iterator[None]:
 
     Parameters
     ----------
-    progress : told what they begin; those of other processes say nothing
+    progress : called with what they begin; those of other processes do not call it
     """
     _listeners.append(progress)
     timeout = CLEANUP_S

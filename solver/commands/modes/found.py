@@ -1,4 +1,4 @@
-"""Modes about a state, with everything that is told of them."""
+"""Modes about a state, with everything that is reported about them."""
 
 from dataclasses import dataclass, replace
 from typing import Any

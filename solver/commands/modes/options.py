@@ -19,9 +19,9 @@ EPILOG = """\
 
 The axis of a spin is that of --axis, of solver.spin in the case, or of the hinge to the ground.
 
-Leaves in DIR: modes.json (all numbers), modes.png (shapes), mode-NN.vtkhdf (one period of a mode
+Writes to DIR: modes.json (all numbers), modes.png (shapes), mode-NN.vtkhdf (one period of a mode
 for ParaView), linear.npz and linear.mat (A, B, C, D with names and units), with --response also
-response.csv and response.png. A range of speeds leaves campbell.json, campbell.csv and campbell.png
+response.csv and response.png. A range of speeds writes campbell.json, campbell.csv and campbell.png
 instead. Meaning and accuracy: docs/modes-about-a-state.md
 
 exit code: 0 done; 2 something is wrong with the input.
@@ -77,7 +77,7 @@ def add_modes_command(commands: Any, run: Callable[[argparse.Namespace], int]) -
         "--axes",
         choices=("auto", "turning", "fixed"),
         default="auto",
-        help="from which a Campbell diagram is seen (default auto: fixed if all modes are whirls)",
+        help="axes of a Campbell diagram (default auto: fixed if all modes are whirls)",
     )
     parser.add_argument(
         "--response",
@@ -85,7 +85,10 @@ def add_modes_command(commands: Any, run: Callable[[argparse.Namespace], int]) -
         help="transfer functions from forces and drives to signals between frequencies [Hz]",
     )
     parser.add_argument(
-        "--input", action="append", metavar="NAME", help="of --response (default: all, may repeat)"
+        "--input",
+        action="append",
+        metavar="NAME",
+        help="of --response (default: all), repeatable",
     )
     parser.add_argument(
         "--output", action="append", metavar="NAME", help="signal of --response (default: all)"

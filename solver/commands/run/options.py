@@ -14,7 +14,7 @@ is not done again.
 
 Several run files are integrated in one process, or in --jobs processes, which saves the time to
 start.
-A run that fails does not stop the others. Each leaves result.vtkhdf and summary.json.
+A run that fails does not stop the others. Each run writes result.vtkhdf and summary.json.
 
 exit code: 0 all runs finished; 2 something is wrong with an input; 3 a run ended early, its results
 up to that time are kept, or its own findings call its results invalid; 130, 143, 129 ended by

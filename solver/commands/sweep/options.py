@@ -9,13 +9,13 @@ from ..arguments import add_doubtful, shard
 from ..executors.choice import add_executor
 
 EPILOG = """\
-Leaves DIR/sweep.h5 (docs/sweeps.md), the table DIR/sweep.csv and a figure per signal. Members that
-an earlier run of the same solver, on the same values and packages, has left there are not computed
-again; so an interrupted sweep, or one with a value more, goes on where it was.
+Writes DIR/sweep.h5 (docs/sweeps.md), the table DIR/sweep.csv and a figure for each signal. Members
+that the same solver has computed before, with the same values and packages, are not computed again:
+an interrupted sweep, or one with additional values, continues.
 
 exit code: 0 all members finished; 2 something is wrong with the input; 3 some members stopped or
-failed, their words are in the table and the others are complete; 130 interrupted, what is complete
-is kept.
+failed, the table has their messages and the others are complete; 130 interrupted, finished members
+are kept.
 """
 
 MERGE_EPILOG = """\
@@ -45,9 +45,9 @@ def add_sweep_command(commands: Any, run: Callable[[argparse.Namespace], int]) -
     )
     add_executor(parser, "members")
     again = parser.add_mutually_exclusive_group()
-    again.add_argument("--fresh", action="store_true", help="compute all members anew")
+    again.add_argument("--fresh", action="store_true", help="compute all members again")
     again.add_argument(
-        "--restart", action="store_true", help="compute what is not there (the default)"
+        "--restart", action="store_true", help="compute missing members only (the default)"
     )
     _add_shown(parser)
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
@@ -68,7 +68,9 @@ def add_merge_command(commands: Any, run: Callable[[argparse.Namespace], int]) -
 
 
 def _add_place(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("sweep", type=Path, help="build/<case>/sweeps/<name>.json, from check")
+    parser.add_argument(
+        "sweep", type=Path, metavar="SWEEP", help="build/CASE/sweeps/SWEEP.json, written by check"
+    )
     parser.add_argument(
         "--out", type=Path, metavar="DIR", help="folder (default build/<case>/sweeps/<name>)"
     )

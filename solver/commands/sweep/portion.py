@@ -21,7 +21,7 @@ class Order:
     """What all portions of a sweep have in common."""
 
     file: Path  # the sweep file, under the same name for all workers
-    content: str  # digest of the sweep and its packages: another one is read anew
+    content: str  # digest of the sweep and its packages: another one is read again
     solver: str  # digest of the solver's sources
     allow_doubtful: bool
 

@@ -11,7 +11,7 @@ from .member import FAILED, Row
 from .plan import Plan
 from .portion import Order, compute_portion
 
-PORTION_S = 2.0  # time that a portion of members should take: progress is told after each
+PORTION_S = 2.0  # time that a portion of members should take: progress is reported after each
 LOST = "the process that computed it died (out of memory?)"
 
 
@@ -24,7 +24,7 @@ class Portions:
     ----------
     numbers : of the members that are to be computed
     keys : of all members
-    report : told of each row
+    report : called with each row
     """
 
     def __init__(

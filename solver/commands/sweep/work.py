@@ -93,10 +93,10 @@ def _known(file: Path) -> dict[str, Row]:
         rows, altered = believed_rows(file)
         if altered:
             print(
-                f"{file}: {altered} rows were altered after writing; they are computed anew",
+                f"{file}: {altered} rows were altered after writing; they are computed again",
                 file=sys.stderr,
             )
         return rows
     except ResultError as error:
-        print(f"{error}; everything is computed anew", file=sys.stderr)
+        print(f"{error}; everything is computed again", file=sys.stderr)
         return {}

@@ -50,7 +50,7 @@ def bushing_rows(one: Array, two: Array, parameters: Array, rows: Array) -> None
     """Rows 0 to 2: along the axes of marker one. Rows 3 to 5: rates of the rotation vector theta.
 
     thetadot = T^-1 (w_2 - w_1). A damper sees w_2 - w_1 itself: beside a spring it takes the
-    spring's row all the same, which is the same at small angles; alone it has a row of its own.
+    spring's row, which is the same at small angles; alone it has a row of its own.
     """
     d = minus3(place(two), place(one))
     speed = minus3(minus3(velocity(two), velocity(one)), cross3(spin_of(one), d))

@@ -29,7 +29,7 @@ COORDINATE_FORCES: dict[str, CoordinateForce] = {
 }
 _KERNELS = {k: e for k, e in FORCES.items() if isinstance(e, KernelForce)}
 
-# A number holds within one process: models are built anew in each.
+# A number holds within one process: models are built again in each.
 KINDS = {kind: number for number, kind in enumerate(_KERNELS)}
 FIRST_LOAD = len(ELEMENTS)
 N_PARAMETER = max(len(Load.parameters), *(len(e.parameters) for e in ELEMENTS.values()))

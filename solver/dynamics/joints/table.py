@@ -26,7 +26,7 @@ _coupling_kinds = {c.kind: c for c in _found if isinstance(c, CouplingKind)}
 COUPLED = {c.units: kind for kind, c in _coupling_kinds.items()}
 CONSTRAINTS: dict[str, Constraint] = {**JOINTS, **DRIVES, **_coupling_kinds}
 
-# A number holds within one process: models are built anew in each.
+# A number holds within one process: models are built again in each.
 NAMES = tuple(CONSTRAINTS)
 KINDS = {name: number for number, name in enumerate(NAMES)}
 ROWS = {name: constraint.units for name, constraint in CONSTRAINTS.items()}

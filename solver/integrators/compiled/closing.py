@@ -36,7 +36,7 @@ def close(
 ) -> bool:
     """Move y (n,) onto the constraints, in place; return whether that has succeeded.
 
-    `frozen` and `real` are filled anew; `counts` as in step_control.py.
+    `frozen` and `real` are filled again; `counts` as in step_control.py.
     """
     n_pos, n_vel = model.n_pos, model.n_vel
     evaluate(model, work, t, y)

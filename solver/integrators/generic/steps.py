@@ -103,7 +103,7 @@ class Noted:
         return self.count == MOST_NOTED
 
     def taken(self) -> Steps:
-        """Return the steps kept, and begin anew."""
+        """Return the steps kept, and begin again."""
         last = self.count + 1
         steps = Steps(self._t[:last].copy(), self._y[:last].copy(), lambda i: self._integrator)
         self._start()

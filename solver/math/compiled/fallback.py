@@ -59,7 +59,7 @@ def _numba() -> Any:
     cache = where.parent / f"numba-{found.hexdigest()[:16]}"
     try:
         cache.mkdir(parents=True, exist_ok=True)
-    except OSError:  # compile anew in every process
+    except OSError:  # compile in every process
         return numba
     config.CACHE_DIR = str(cache)
     siblings = [p for p in cache.parent.glob("numba-*") if p != cache]

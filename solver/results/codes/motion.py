@@ -81,8 +81,8 @@ BUCKLING = Code(
 BUCKLING_LOAD = Code(
     "buckling-load",
     "error",
-    "the loads of a linear body exceed its buckling load; the body keeps its stiffness all the "
-    "same, so that its motion is wrong from then on",
+    "the loads of a linear body exceed its buckling load; the body keeps its full stiffness, "
+    "so that its motion is wrong from then on",
     "as `buckling-by-motion`, with the geometric stiffness that the body would have",
     "set `geometric_stiffening = true`, split the body, stiffen it, or reduce the load",
 )
@@ -100,7 +100,8 @@ NO_STIFFENING_DATA = Code(
     "`geometric_stiffening` is set, but the package of a body has no second-order data: the body "
     "stays linear",
     "no group `second_order` in the package",
-    "build the package again; beams of up to 40 modes have the data",
+    "build the package again; beams of up to 40 modes have the data, and shells with "
+    "`second_order = true`",
 )
 PLY_FAILURE = Code(
     "ply-failure",

@@ -34,7 +34,7 @@ class Stepper:
     Raises
     ------
     InputError
-        An unknown input; an integrator that cannot start anew at communication points.
+        An unknown input; an integrator that cannot restart at communication points.
     """
 
     t: float  # [s]
