@@ -213,9 +213,10 @@ $(BROWSER): tools/browser.sh
 
 .PHONY: test
 test: $(LIGHT) ## All of it: check with all tests, test-numba, test-fe, and every case in its coarse version
-	+@$(PY) tools/phases.py "$(MAKE)" test-setup:1000 check-all:2 test-fe:2 test-cases test-numba
+	+@$(PY) tools/phases.py "$(MAKE)" test-setup:1000 check-all:2 test-cases:0 test-numba:0 test-fe:2
 
-# Nothing runs beside it (more cores than there are): phases must not install at the same time.
+# Nothing runs beside test-setup (more cores than there are): phases must not install at the same
+# time. Phases with 0 cores fill the cores while tests of the others wait.
 .PHONY: test-setup
 test-setup: $(EXCHANGE)/installed $(BROWSER) $(TESTS) $(FENICSX) $(COMPILED) build/numba-$(LOWEST_NUMBA)/installed
 
@@ -303,11 +304,12 @@ test-exchange: $(EXCHANGE)/installed $(TESTS) | $(COMPILED) ## Bodies from and t
 test-fe: $(TESTS) ## FE tests on the distribution's DOLFINx and on the wheel, with every core type
 	$(PY) tools/fe_tests.py
 
+# The cores work on several cases at once, so each runs in one process.
 .PHONY: test-cases
 test-cases: ## All cases in their coarse version, all cross-sections and all shells
-	$(if $(CASES),$(MAKE) COARSE=1 $(CASES) $(SWEEPS) sections shells,@echo "there is no case in cases/"; exit 1)
+	$(if $(CASES),$(MAKE) COARSE=1 JOBS=1 $(CASES) $(SWEEPS) sections shells,@echo "there is no case in cases/"; exit 1)
 	@# A second time there must be nothing to do.
-	! $(MAKE) --no-print-directory COARSE=1 $(CASES) $(SWEEPS) sections shells | \
+	! $(MAKE) --no-print-directory COARSE=1 JOBS=1 $(CASES) $(SWEEPS) sections shells | \
 	    grep -v -e ': up to date$$' -e '^sections: ' -e '^shells: '
 
 .PHONY: ship

@@ -12,10 +12,8 @@ from ..solver.package.common.toml_text import toml_text
 from ..solver.package.section.recovery_data import thinned
 from ..solver.package.section.schema import SectionFile
 from .beam.body import beam_model, beam_modes, beam_package, mode_warnings
-from .beam.line import LineSection
+from .beam.given import StationSection, analysed_section, given_section, is_given
 from .beam.spec import read_spec
-from .beam.theory import section_stiffness
-from .beam.trapeze import trapeze_strains
 from .fenicsx import eigenpairs
 from .provenance import body_provenance
 from .section import analyse
@@ -64,10 +62,10 @@ def _build_beam(spec: dict[str, Any]) -> ModalPackage:
     start = time.perf_counter()
     described = [{k: v for k, v in table.items() if k != "name"} for table in beam.sections]
     names = [str(table.get("name", beam.body)) for table in beam.sections]
-    results = [_section(canonical(table)) for table in described]
+    results = [_section(table, beam.theory) for table in described]
     after_section = time.perf_counter()
     try:
-        model = beam_model(beam, *(_line_section(result, beam.theory) for result in results))
+        model = beam_model(beam, *(result.line for result in results))
         for section in model.line.sections:
             section.slice_mass  # noqa: B018  raises for a wrong section mass
     except SpecError:
@@ -79,27 +77,31 @@ def _build_beam(spec: dict[str, Any]) -> ModalPackage:
     provenance = body_provenance(
         spec,
         {
-            "section": max(result.provenance["dofs"] for result in results),
+            "section": max(result.dofs for result in results),
             "body": 6 * model.line.n_node,
         },
         {"section": after_section - start, "modes": after_modes - after_section},
         [*(w for result in results for w in result.warnings), *mode_warnings(model, modes)],
     )
     sections = [
-        SectionData(name, result.K, result.M, toml_text(table), thinned(result.recovery))
+        SectionData(name, result.line.K, result.line.mass)
+        if result.recovery is None
+        else SectionData(
+            name, result.line.K, result.line.mass, toml_text(table), thinned(result.recovery)
+        )
         for name, result, table in zip(names, results, described, strict=True)
     ]
     return beam_package(model, modes, sections, provenance)
 
 
-def _line_section(result: SectionFile, theory: str) -> LineSection:
-    """The section of elements from its analysis."""
-    trapeze = trapeze_strains(section_stiffness(result.K, theory), result.recovery)
-    return LineSection(result.K, result.M, trapeze)
+def _section(table: dict[str, Any], theory: str) -> StationSection:
+    if is_given(table):
+        return given_section(table)
+    return analysed_section(_analysed(canonical(table)), theory)
 
 
 @functools.lru_cache(maxsize=256)
-def _section(text: str) -> SectionFile:
+def _analysed(text: str) -> SectionFile:
     """Analyse a section once and reuse the result for other bodies."""
     return analyse(
         json.loads(text), where="section", estimate=False, recovery_degree=RECOVERY_DEGREE

@@ -1,5 +1,6 @@
 """Provenance of a modal package, for its reader and for the next build."""
 
+import json
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from typing import Any
@@ -7,6 +8,8 @@ from typing import Any
 from .. import __version__
 from . import fenicsx
 from .fingerprint import fingerprint
+
+LONGEST = 40_000  # characters of a specification in a package; an attribute has at most 60 000
 
 
 def body_provenance(
@@ -19,7 +22,8 @@ def body_provenance(
 
     Parameters
     ----------
-    spec : specification of the body
+    spec : specification of the body; a long one (many nodes or stations) is not repeated, it is
+        in the file from which the package was built
     dofs, seconds : unknowns and time of each part of the work
     warnings : {"code", "message"} of each
     """
@@ -30,7 +34,7 @@ def body_provenance(
         "fingerprint": fingerprint(spec),
         "inputs_sha256": spec.get("inputs_sha256"),
         "case": spec.get("case"),
-        "spec": spec,
+        "spec": spec if len(json.dumps(spec)) <= LONGEST else None,
         "ranks": 1,
         "dofs": dofs,
         "seconds": seconds,

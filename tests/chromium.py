@@ -126,6 +126,22 @@ class Browser:
         text, self._buffer = self._buffer.split(b"\0", 1)
         return dict(json.loads(text))
 
+    def cpu_seconds(self) -> float:
+        """CPU time of all processes of the browser up to now [s]."""
+        parent = {}
+        ticks = {}
+        for stat in Path("/proc").glob("[0-9]*/stat"):
+            try:
+                fields = stat.read_text().rpartition(")")[2].split()
+            except OSError:  # a process that has just ended
+                continue
+            pid = int(stat.parent.name)
+            parent[pid], ticks[pid] = int(fields[1]), int(fields[11]) + int(fields[12])
+        own = {self._process.pid}
+        while more := {pid for pid, of in parent.items() if of in own} - own:
+            own |= more
+        return sum(ticks.get(pid, 0) for pid in own) / os.sysconf("SC_CLK_TCK")
+
     def size(self, width: int, height: int) -> None:
         """Set the size of the window in CSS pixels."""
         self.call(

@@ -1,8 +1,10 @@
 """Settings that every test shares, in both environments."""
 
+import gc
 import os
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -31,12 +33,39 @@ SLOW = {
     },
     "contract": {"packages_cli", "recipes", "section_cli", "shell_cli", "wheel"},
     "hostile": {"changed_inputs", "faults", "make_commands", "make_recovers", "signals"},
-    "unit": {"blade", "case_command", "compiled_cache", "new_command", "report_strength"},
+    "unit": {
+        "blade",
+        "blade_stopped",
+        "case_command",
+        "compiled_cache",
+        "new_command",
+        "report_strength",
+    },
     "verification": {
         *("complex_steps", "constraints_redundant", "constraints_singular", "fidelity"),
         *("segments", "shipped_body"),
     },
 }
+
+
+class FailuresAtOnce:
+    """Writes the name of each failed test when it fails; tools/phases.py looks for these lines."""
+
+    def __init__(self, terminal: Any) -> None:
+        self.terminal = terminal
+
+    @pytest.hookimpl(trylast=True)
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        if report.failed:
+            self.terminal.write_line(f"\nFAILED {report.nodeid}")
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_configure(config: pytest.Config) -> None:
+    """In the process that writes to the terminal; workers of xdist do not."""
+    terminal = config.pluginmanager.get_plugin("terminalreporter")
+    if terminal is not None:
+        config.pluginmanager.register(FailuresAtOnce(terminal))
 
 
 def pytest_collection_modifyitems(items: "list[pytest.Item]") -> None:
@@ -45,6 +74,12 @@ def pytest_collection_modifyitems(items: "list[pytest.Item]") -> None:
         name = item.path.stem.removeprefix("test_")
         if name in SLOW.get(item.path.parent.name, ()):
             item.add_marker(pytest.mark.slow)
+
+
+def pytest_collection_finish() -> None:
+    """Leave modules and tests out of the search for garbage: it takes a twentieth of the time."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture(scope="session")

@@ -56,7 +56,17 @@ class Cluster:
         lines = (list(map(int, line.split())) for line in self.log.read_text().splitlines())
         return [(pid, numbers) for pid, *numbers in lines]
 
+    def end_workers(self) -> None:
+        """Leave the scheduler alone, with an empty log."""
+        while len(self.processes) > 1:
+            self._end(self.processes.pop())
+        self.log.write_text("")
+
     def close(self) -> None:
         for process in reversed(self.processes):
-            process.kill()
-            process.wait()
+            self._end(process)
+
+    @staticmethod
+    def _end(process: subprocess.Popen) -> None:
+        process.kill()
+        process.wait()

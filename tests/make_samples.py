@@ -34,12 +34,12 @@ class Project:
         return folder
 
     def make(self, *words: str, seconds: float = 100.0) -> subprocess.CompletedProcess[str]:
-        """Run make without set-up; what it prints is in stdout."""
+        """Run make without set-up, and runs in one process; what it prints is in stdout."""
         done = [word for file in DONE for word in ("-o", file)]
         environment = {k: v for k, v in os.environ.items() if not k.startswith("MAKE")}
         environment |= {"PYTHONPATH": str(self.folder), "PLYMOTION_COMPILED": "0"}
         return subprocess.run(
-            ["make", "-j1", *done, *words],
+            ["make", "-j1", "JOBS=1", *done, *words],
             cwd=self.folder,
             env=environment,
             stdout=subprocess.PIPE,

@@ -123,12 +123,13 @@ class Test:
 
     def uses(self, place: Place) -> bool:
         """True if this test's file imports from the place's module and it uses the name."""
+        name = place.name.split(".")[0]
+        if not name or name not in self.words:
+            return False
         stem = Path(place.path).stem
         module = Path(place.path).parent.name if stem == "__init__" else stem
         known = re.search(rf"\b{re.escape(module)}\b", self.imports) is not None
-        name = place.name.split(".")[0]
-        known = known or re.search(rf"\.{re.escape(name)}\b", self.imports) is not None
-        return bool(name) and known and name in self.words
+        return known or re.search(rf"\.{re.escape(name)}\b", self.imports) is not None
 
 
 def functions_of_tests(root: Path = ROOT) -> list[Test]:

@@ -132,7 +132,7 @@ def main(arguments: list[str]) -> int:
             lines.append(f"{title}: SKIPPED, it has no pytest and none could be installed")
             continue
         ran.append(report)
-        jobs.append(Job(title, whole(report, arguments)))
+        jobs.append(Job(title, whole(report, arguments, len(ran) == 1)))
     chosen = [] if arguments else core_types(ran)
     # A core type uses the forms that the whole run with the same DOLFINx compiled: two processes
     # that compile one form wait for each other, and not for long. The light tests use none.
@@ -141,7 +141,11 @@ def main(arguments: list[str]) -> int:
     for (tests, types), after in zip(chosen, before, strict=False):
         jobs += [job_of_type(tests, name, after) for name in types.types]
     results = run_all(
-        jobs, AT_ONCE, ended=lambda done: show(done, done.job in whole_runs), patience=5.0
+        jobs,
+        AT_ONCE,
+        ended=lambda done: show(done, done.job in whole_runs),
+        wrote=name_failure,
+        patience=5.0,
     )
     for done in results[: len(ran)]:
         verdict = "passed" if done.code == 0 else "FAILED"
@@ -155,10 +159,16 @@ def main(arguments: list[str]) -> int:
     return int(failed)
 
 
-def whole(report: Report, arguments: list[str]) -> tuple[str, ...]:
-    """The command of all FE tests; two of them at once need caches of their own."""
+def whole(report: Report, arguments: list[str], first: bool) -> tuple[str, ...]:
+    """The command of the FE tests; two of them at once need caches of their own.
+
+    Tests with the mark `one_end` test no call of DOLFINx, PETSc or gmsh that others do not test:
+    only the first run has them.
+    """
     cache = f"cache_dir={ROOT / 'build' / 'pytest-cache'}-{report['dolfinx']}"
-    options = ("-q", "--durations=10", "-o", cache)
+    options = ["-q", "--durations=10", "-o", cache]
+    if not first:
+        options += ["-m", "not one_end"]
     return (report["python"], "-m", "pytest", *options, "tests/fe", *arguments)
 
 
@@ -166,6 +176,12 @@ def show(done: Done, always: bool) -> None:
     """Print the output of a run, if it failed or always."""
     if always or done.code:
         print(f"\n== FE tests on {done.job.title}\n{done.output}", end="", flush=True)
+
+
+def name_failure(job: Job, line: str) -> None:
+    """Print the line with which a test says that it failed (tests/conftest.py)."""
+    if line.startswith("FAILED tests/") and " - " not in line:
+        print(f"{line} on {job.title}", flush=True)
 
 
 def compare(ran: int, summary: list[str]) -> bool:

@@ -2,10 +2,13 @@
 
     phases.py MAKE TARGET[:CORES] ...
 
-A target runs as soon as its cores are free (1 unless the argument says otherwise), the first ones
-first. The output of each is printed in one piece when it ends; of those that fail, at the end. The
-last lines are a table of the wall times and the slowest tests of each target, read from what
-`pytest --durations` printed. The exit code is 1 if a target fails, 130 after Ctrl-C.
+A target runs as soon as its cores are free, the first ones first. CORES is 1 unless the argument
+says otherwise; a target with 0 runs beside others, one with more than there are runs alone.
+
+What fails is named at once: a test, or a target of a make inside. The output of each is printed in
+one piece when it ends; of those that fail, at the end. The last lines are a table of the wall times
+and the slowest tests of each target, read from what `pytest --durations` printed. The exit code is
+1 if a target fails, 130 after Ctrl-C.
 """
 
 import os
@@ -16,7 +19,15 @@ import time
 from side_by_side import Done, Job, run_all
 
 SLOWEST = 10  # tests of each target
+# What pytest (tests/conftest.py), fe_tests.py and make write when something fails.
+FAILURE = re.compile(r"(?:(?:FAILED|ERROR) tests/.*?(?= - |$))|make\S*: \*\*\* \[.*")
 DURATION = re.compile(r"^([0-9.]+)s (?:call|setup|teardown) +(\S.*)$", re.MULTILINE)
+
+
+def failure(line: str) -> str | None:
+    """What a line of output says to have failed, without the reason; None for other lines."""
+    found = FAILURE.match(line)
+    return found[0] if found else None
 
 
 def slowest(output: str) -> list[tuple[float, str]]:
@@ -53,6 +64,13 @@ def main(arguments: list[str]) -> int:
     make, *targets = arguments
     start = time.monotonic()
     failed: list[Done] = []
+    named: set[tuple[str, str]] = set()
+
+    def name(job: Job, line: str) -> None:
+        what = failure(line)
+        if what is not None and (job.title, what) not in named:
+            named.add((job.title, what))
+            print(f"==== make {job.title}: {what}", flush=True)
 
     def show(done: Done) -> None:
         print(f"\n==== make {done.job.title}\n{done.output}", end="", flush=True)
@@ -71,6 +89,7 @@ def main(arguments: list[str]) -> int:
             cores,
             started=lambda job: print(f"==== make {job.title} begins", flush=True),
             ended=ended,
+            wrote=name,
         )
     except KeyboardInterrupt:
         for done in failed:

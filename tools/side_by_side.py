@@ -20,7 +20,7 @@ class Job:
     ----------
     title : its name in messages
     command : program and arguments
-    cores : how many cores it uses; no more than there are in all count
+    cores : how many cores it uses; 0 if it runs beside others, more than there are if alone
     environment : variables that differ from those of this process
     after : another job of the same call, which must have ended before
     """
@@ -48,6 +48,16 @@ class _Running:
     process: subprocess.Popen[bytes]
     file: IO[bytes]
     start: float
+    told: int = 0  # bytes of the file that lines() has returned
+
+    def lines(self) -> list[str]:
+        """The lines that were completed since the last call."""
+        # The process writes at the position of this file: it must not be moved.
+        size = os.fstat(self.file.fileno()).st_size - self.told
+        new = os.pread(self.file.fileno(), size, self.told) if size else b""
+        complete = new[: new.rfind(b"\n") + 1]
+        self.told += len(complete)
+        return complete.decode("utf-8", "replace").splitlines()
 
     def done(self) -> Done:
         self.file.seek(0)
@@ -63,12 +73,14 @@ def run_all(
     *,
     started: Callable[[Job], object] = lambda job: None,
     ended: Callable[[Done], object] = lambda done: None,
+    wrote: Callable[[Job, str], object] | None = None,
     patience: float = 10.0,
 ) -> list[Done]:
     """Run jobs, the first ones first, as many at once as fit on the cores.
 
     Returns the results in the order of the jobs, each of which must come behind the one it waits
-    for. Ctrl-C, SIGTERM and SIGHUP end all jobs; `ended` is called with what they wrote so far,
+    for. `wrote` is called with each line of output as soon as it is complete, at the latest before
+    `ended`. Ctrl-C, SIGTERM and SIGHUP end all jobs; `ended` is called with what they wrote so far,
     then KeyboardInterrupt is raised. Those that go on for `patience` [s] after SIGINT are killed;
     a job that itself runs jobs must have less patience.
     """
@@ -79,11 +91,9 @@ def run_all(
     old = {number: signal.signal(number, _interrupt) for number in _SIGNALS}
     try:
         while waiting or running:
-            free = cores - sum(min(one.job.cores, cores) for one in running)
             for job in list(waiting):
                 ready = job.after is None or id(job.after) in results
-                if ready and min(job.cores, cores) <= free:
-                    free -= min(job.cores, cores)
+                if ready and _fits(job, [one.job for one in running], cores):
                     waiting.remove(job)
                     started(job)
                     each = _start(job)
@@ -92,7 +102,12 @@ def run_all(
                         ended(each)
                     else:
                         running.append(each)
-            for one in [one for one in running if one.process.poll() is not None]:
+            finished = [one for one in running if one.process.poll() is not None]
+            if wrote is not None:
+                for one in running:
+                    for line in one.lines():
+                        wrote(one.job, line)
+            for one in finished:
                 running.remove(one)
                 results[id(one.job)] = done = one.done()
                 ended(done)
@@ -107,6 +122,13 @@ def run_all(
         for number, handler in old.items():
             signal.signal(number, handler)
     return [results[id(job)] for job in order]
+
+
+def _fits(job: Job, running: list[Job], cores: int) -> bool:
+    """True if there is room beside the jobs that run."""
+    if job.cores > cores or any(one.cores > cores for one in running):
+        return not running
+    return job.cores <= cores - sum(one.cores for one in running)
 
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)

@@ -2,14 +2,13 @@
 
 import numpy as np
 
-from ..solver.package.section.schema import SectionMeshData
+from ..solver.package.section.schema import CORNERS, SectionMeshData
 from .html import Markup
 
 MOST_CELLS = 6000  # of a picture that a notebook keeps
 SIZE = 260  # pixels
 # Okabe and Ito, as the figures of reports
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00")
-CORNERS = {5: 3, 9: 4, 22: 3, 23: 4, 28: 4}  # of VTK's triangles and quadrilaterals
 
 
 def picture(mesh: SectionMeshData) -> Markup:
@@ -25,7 +24,7 @@ def picture(mesh: SectionMeshData) -> Markup:
     paths: dict[int, list[str]] = {}
     for c in range(cells):
         first = int(mesh.offsets[c])
-        corners = mesh.connectivity[first : first + CORNERS.get(int(mesh.cell_types[c]), 3)]
+        corners = mesh.connectivity[first : first + CORNERS[int(mesh.cell_types[c])]]
         points = "L".join(f"{x[i]:.1f} {y[i]:.1f}" for i in corners)
         paths.setdefault(int(mesh.ply[c]), []).append(f"M{points}Z")
     parts = [

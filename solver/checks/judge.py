@@ -8,6 +8,7 @@ from ..strength.found import BodyStrength
 from . import (
     completion,
     constraints,
+    damping,
     energy,
     modes,
     momentum,
@@ -34,6 +35,7 @@ CHECKS: tuple[Check, ...] = (
     momentum.momentum_findings,
     motion.motion_findings,
     modes.mode_findings,
+    damping.damping_findings,
     stiffening.stiffening_findings,
     packages.package_findings,
 )

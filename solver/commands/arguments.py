@@ -47,6 +47,15 @@ class CommandParser(argparse.ArgumentParser):
         return {}
 
 
+def add_figures(parser: argparse._ActionsContainer) -> None:
+    """Add the option that draws the figures of a report as files."""
+    parser.add_argument(
+        "--figures",
+        action="store_true",
+        help="also draw the figures as PNG files, for papers; later commands keep them up to date",
+    )
+
+
 def whole_number(text: str, least: int = 1) -> int:
     """Read a whole number from `least`; argparse tells the user of anything else."""
     if not text.isdecimal() or int(text) < least:

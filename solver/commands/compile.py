@@ -145,5 +145,5 @@ def _compile_evaluation() -> None:
     series.balance(model, t, states)
     series.generalised_momenta(model, t, states)
     series.marker_loads(model, t, states, np.zeros((1, model.n_constraint)))
-    series.force_sizes(model, 0, t, states)
+    series.force_sizes(model, 0, t, states, np.zeros((1, model.n_constraint)))
     series.mass_matrices(model, 0, t, states)

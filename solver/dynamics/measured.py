@@ -1,6 +1,7 @@
 """Tables of what expressions read, and their conversion to arrays (quantities.py).
 
-In the trees of expressions a quantity is `value(m)` or `rate_of(m)` of coordinate m, or `state(j)`.
+In the trees of expressions a quantity is `value(m)` or `rate_of(m)` of coordinate m, `state(j)`, or
+`reaction(r)`.
 """
 
 from collections.abc import Hashable, Sequence
@@ -14,6 +15,7 @@ from ..math.laws import Law
 from .quantities import ANGLE, Quantities
 
 Quantity = tuple[str, int]
+MOST_FEEDBACK = 32  # forces in Newton's matrix by a rank of their own: their cost is the square
 
 
 def value(m: int) -> Quantity:
@@ -29,6 +31,11 @@ def rate_of(m: int) -> Quantity:
 def state(j: int) -> Quantity:
     """Name auxiliary state j."""
     return ("state", j)
+
+
+def reaction(r: int) -> Quantity:
+    """Name size r of a reaction."""
+    return ("reaction", r)
 
 
 def curve(k: int) -> Quantity:
@@ -61,6 +68,7 @@ class StateTable:
     update : expression of its value from an instant on, every `period` [s] from t = 0 on
     inputs : of a function outside of the model that gives this value in place of `update`
     owner : force that it belongs to
+    event : coordinate, level and direction (1 up, -1 down) at whose passage it takes `update`
     """
 
     name: str
@@ -71,6 +79,7 @@ class StateTable:
     period: float = 0.0
     inputs: Sequence[Node] | None = None
     owner: str = ""
+    event: tuple[int, float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -87,12 +96,16 @@ class CouplingRow:
 
 @dataclass
 class Measured:
-    """Coordinates, states and curves of a model, as they are added."""
+    """Coordinates, states, curves and sizes of reactions of a model, as they are added.
+
+    Of a reaction: number of the joint, kind (quantities.py).
+    """
 
     coordinates: list[CoordinateTable] = field(default_factory=list)
     states: list[StateTable] = field(default_factory=list)
     curves: list[Law] = field(default_factory=list)
     couplings: list[CouplingRow] = field(default_factory=list)
+    reactions: list[tuple[int, int]] = field(default_factory=list)
 
     def coordinate(self, table: CoordinateTable) -> int:
         """Return the number of a coordinate; one that is there already is not added again."""
@@ -109,6 +122,12 @@ class Measured:
         """Add a curve; return its number."""
         self.curves.append(law)
         return len(self.curves) - 1
+
+    def reaction(self, joint: int, kind: int) -> int:
+        """Return the number of a size of a reaction; it is not added twice."""
+        if (joint, kind) not in self.reactions:
+            self.reactions.append((joint, kind))
+        return self.reactions.index((joint, kind))
 
     @property
     def markers(self) -> list[int]:
@@ -144,6 +163,7 @@ def quantities_of(
     turning = [m for m, c in enumerate(coordinates) if c.kind == ANGLE and value(m) in read]
     turn = np.full(n, -1, dtype=np.int64)
     turn[turning] = n_state + np.arange(len(turning))
+    behind_states = 2 * n + n_state + len(turning)
 
     coupled = [
         (k, j)
@@ -153,10 +173,14 @@ def quantities_of(
         if states[j].rate is not None
     ]
 
+    events = [(j, state.event) for j, state in enumerate(states) if state.event is not None]
+    feedback, fed = _feedback(forces, states, coupled)
+
     def place(quantity: Hashable) -> int:
         assert isinstance(quantity, tuple)
         kind, k = quantity
-        return {"value": 2 * k, "rate": 2 * k + 1, "state": 2 * n + k, "curve": k}[kind]
+        first = {"value": 0, "rate": 1, "state": 2 * n, "curve": 0, "reaction": behind_states}
+        return int(first[kind] + (2 * k if kind in ("value", "rate") else k))
 
     return Quantities(
         kind=np.array([c.kind for c in coordinates], dtype=np.int64),
@@ -190,6 +214,19 @@ def quantities_of(
         ),
         coupling_coordinate=np.array([m for m, _ in terms], dtype=np.int64),
         coupling_ratio=np.array([ratio for _, ratio in terms], dtype=float),
+        reaction_joint=np.array([joint for joint, _ in measured.reactions], dtype=np.int64),
+        reaction_kind=np.array([kind for _, kind in measured.reactions], dtype=np.int64),
+        reacting=np.array(
+            [k for k, (size, _) in enumerate(forces) if size is not None and _reacts(size)],
+            dtype=np.int64,
+        ),
+        feedback=np.array(feedback, dtype=np.int64),
+        fed_row=np.array([row for row, _ in fed], dtype=np.int64),
+        fed_coordinate=np.array([m for _, m in fed], dtype=np.int64),
+        event_state=np.array([j for j, _ in events], dtype=np.int64),
+        event_coordinate=np.array([event[0] for _, event in events], dtype=np.int64),
+        event_level=np.array([event[1] for _, event in events], dtype=float),
+        event_sign=np.array([event[2] for _, event in events], dtype=float),
         stack=new_stack(used),
     )
 
@@ -200,8 +237,44 @@ def _state_of(leaf: Node) -> int:
     return int(quantity[1]) if isinstance(quantity, tuple) and quantity[0] == "state" else -1
 
 
-def reads_own(size: Node | None, along: int) -> bool:
-    """Tell whether a force along a coordinate depends on it, on its rate or on states."""
-    own = (value(along), rate_of(along))
+def _feedback(
+    forces: Sequence[tuple[Node | None, int]],
+    states: Sequence[StateTable],
+    coupled: Sequence[tuple[int, int]],
+) -> tuple[list[int], list[tuple[int, int]]]:
+    """Return `feedback`, and pairs of `fed_row` and `fed_coordinate`; none of too many forces."""
+    reading = {k: _others(size, along) for k, (size, along) in enumerate(forces) if along >= 0}
+    behind = [_others(states[j].rate, forces[k][1]) for k, j in coupled]
+    found = [
+        k
+        for k, others in reading.items()
+        if others
+        or _reacts(forces[k][0])
+        or any(m for (force, _), m in zip(coupled, behind, strict=True) if force == k)
+    ]
+    if not 0 < len(found) <= MOST_FEEDBACK:
+        return [], []
+    pairs = [(i, m) for i, k in enumerate(found) for m in reading[k]]
+    pairs += [(len(found) + p, m) for p, others in enumerate(behind) for m in others]
+    return found, pairs
+
+
+def _others(node: Node | None, along: int) -> list[int]:
+    """Return the coordinates that an expression reads, without `along`."""
+    leaves = node.leaves() if node is not None else ()
+    read = {leaf.quantity for leaf in leaves if isinstance(leaf.quantity, tuple)}
+    return sorted({k for kind, k in read if kind in ("value", "rate")} - {along})
+
+
+def _reacts(size: Node | None) -> bool:
+    """Tell whether an expression reads a reaction."""
+    return any(
+        isinstance(leaf.quantity, tuple) and leaf.quantity[0] == "reaction"
+        for leaf in (size.leaves() if size is not None else ())
+    )
+
+
+def reads_motion(size: Node | None) -> bool:
+    """Tell whether a force along a coordinate depends on coordinates, states or reactions."""
     leaves = size.leaves() if size is not None else ()
-    return any(leaf.quantity in own or _state_of(leaf) >= 0 for leaf in leaves)
+    return any(isinstance(q := leaf.quantity, tuple) and q[0] != "curve" for leaf in leaves)

@@ -14,13 +14,17 @@ from ..math.expressions.program import Programs
 # Kinds of coordinates. `axes` of a DISPLACEMENT and SPIN: axis of marker one; of an ANGLE: marker
 # with the axes x and y (0 or 1), x, y, and the axis `arm` of the other one (joints/contract.py).
 DISPLACEMENT, ANGLE, DISTANCE, SPIN = 0, 1, 2, 3
+# Sizes of the reaction of a joint on its second place, about its axis z: force across and along
+# it, moment about that place across and along it.
+RADIAL, AXIAL, BENDING, TWISTING = 0, 1, 2, 3
 
 
 @structure
 class Quantities(NamedTuple):
     """Coordinates (nm) and auxiliary states (na) of a model, and the expressions that read them.
 
-    Expressions read, in this order: value and rate of each coordinate, the auxiliary states.
+    Expressions read, in this order: value and rate of each coordinate, the auxiliary states, the
+    sizes of reactions.
     """
 
     kind: IntArray  # (nm,)
@@ -46,4 +50,14 @@ class Quantities(NamedTuple):
     coupling_start: IntArray  # (n + 1,) first term of each coupling of coordinates
     coupling_coordinate: IntArray  # (n_term,)
     coupling_ratio: Array  # (n_term,)
+    reaction_joint: IntArray  # (nr,) joint of each size of a reaction,
+    reaction_kind: IntArray  # (nr,) and which
+    reacting: IntArray  # (k,) force elements along a coordinate whose size reads them
+    feedback: IntArray  # (r,) force elements that read other coordinates than their own, reactions
+    fed_row: IntArray  # (n,) pairs: of `feedback`, or behind them of `coupled_state`,
+    fed_coordinate: IntArray  # (n,) and a coordinate that it reads and that is not the force's own
+    event_state: IntArray  # (ne,) states that take their `update` when a coordinate
+    event_coordinate: IntArray  # (ne,)
+    event_level: Array  # (ne,) passes a level [m, rad]
+    event_sign: Array  # (ne,) upwards (1) or downwards (-1)
     stack: Array  # memory of an evaluation

@@ -115,11 +115,14 @@ def marker_loads(model: Model, t: Array, y: Array, multipliers: Array) -> Array:
     return found
 
 
-def force_sizes(model: Model, force: int, t: Array, y: Array) -> Array:
-    """Return the size (k,) of a force element along a coordinate [N, N m]."""
+def force_sizes(model: Model, force: int, t: Array, y: Array, multipliers: Array) -> Array:
+    """Return the size (k,) of a force element along a coordinate [N, N m].
+
+    Multipliers (k, n_c) are those of the states; only forces that read reactions need them.
+    """
     t, y = _contiguous(t, y)
     found = np.zeros(t.size)
-    _sizes(model, spare_work(model), force, t, y, found)
+    _sizes(model, spare_work(model), force, t, y, np.ascontiguousarray(multipliers), found)
     return found
 
 
@@ -153,12 +156,16 @@ def _derivatives(
 
 
 @lean
-def _sizes(model: Model, work: Work, force: int, t: Array, y: Array, found: Array) -> None:
+def _sizes(
+    model: Model, work: Work, force: int, t: Array, y: Array, multipliers: Array, found: Array
+) -> None:
     law, expression = model.force_law[force], model.quantities.force[force]
     for k in range(t.shape[0]):
         if law >= 0:
             found[k], _, _ = law_at(model, law, t[k])
         elif expression >= 0:
+            for i in range(model.n_constraint):
+                work.multipliers[i] = multipliers[k, i]
             evaluate(model, work, t[k], y[k])
             found[k] = work.size[force, 0]
 
@@ -196,6 +203,8 @@ def _loads(model: Model, work: Work, t: Array, y: Array, multipliers: Array, fou
     n_joint, q = model.joint_kind.shape[0], model.quantities
     first = n_joint - n_coupling(model)
     for k in range(t.shape[0]):
+        for i in range(model.n_constraint):
+            work.multipliers[i] = multipliers[k, i]
         evaluate(model, work, t[k], y[k])
         for c in range(n_joint - first):
             push = multipliers[k, model.joint_row[first + c]]

@@ -24,6 +24,7 @@ from .forces.table import FIRST_LOAD, element_wrench
 from .joints.table import joint_rows
 from .measures import acceleration_of, auxiliary_rate, force_size, law_of_time, measure
 from .model import Model, state_size
+from .settling import MOST_PASSES, move_forces, reactions_into
 from .workspace import GAMMA, PHI, PHI_T, Work, spare_work
 
 
@@ -45,6 +46,8 @@ class Equations(NamedTuple):
 def evaluate(model: Model, work: Work, t: float, y: Array) -> None:
     """Fill mass matrices, forces and constraints at time t and state y; nothing is allocated.
 
+    Forces that read reactions are those at work.multipliers.
+
     Paper: Eq. (5), Eq. (6), Eq. (8), Eq. (9), Eq. (12) with the sign of s of Eq. (6):
     M a + Phi_q' lambda = f.
     """
@@ -52,10 +55,12 @@ def evaluate(model: Model, work: Work, t: float, y: Array) -> None:
     evaluate_bodies(model, work, y)
     evaluate_markers(model, work, y)
     measure_into(model, work, y)
-    _add_forces(model, work, t)
     _evaluate_joints(model, work, t)
     if model.quantities.coupling_ratio.shape[0] > 0:
         _evaluate_couplings(model, work)
+    if reads_reactions(model):
+        reactions_into(model, work)
+    _add_forces(model, work, t)
 
 
 @inlined
@@ -86,6 +91,12 @@ def _evaluate_joints(model: Model, work: Work, t: float) -> None:
                 first, n = plan.side_row[k, side], plan.size[body]
                 J_m = work.J_m[model.joint_marker[k, side]]
                 fill_jacobian(work.J[body], first, rows[begin:end], 6 * side, J_m, n)
+
+
+@inlined
+def reads_reactions(model: Model) -> bool:
+    """Tell whether forces or states read the reactions of joints."""
+    return bool(model.quantities.reaction_kind.shape[0] > 0)
 
 
 @inlined
@@ -235,8 +246,9 @@ def _push(model: Model, work: Work, k: int, force: Triple, moment: Triple, sign:
 
 
 def assemble(model: Model, t: float, y: Array) -> Equations:
-    """Return the equations at time t and state y as new dense arrays."""
+    """Return the equations at time t and state y as new dense arrays; no reactions are read."""
     work = spare_work(model)
+    work.multipliers[:] = 0.0
     evaluate(model, work, t, y)
     return dense(model, work)
 
@@ -476,10 +488,11 @@ def by_blocks(model: Model) -> bool:
 
 
 @inlined
-def accelerate(model: Model, work: Work, y: Array) -> None:
-    """Fill work.acceleration and multipliers after an evaluation in state y. Paper: Eq. (13).
+def accelerate(model: Model, work: Work, t: float, y: Array) -> None:
+    """Fill work.acceleration and multipliers after an evaluation at t in state y. Paper: Eq. (13).
 
-    For models that are solved `by_blocks`.
+    For models that are solved `by_blocks`. Forces that read reactions agree with the multipliers;
+    where none do, accelerations are not-a-number.
     """
     for k in range(model.n_constraint):
         work.gamma[k] = work.rows[k, GAMMA]
@@ -489,6 +502,19 @@ def accelerate(model: Model, work: Work, y: Array) -> None:
             feedback = 2.0 * model.alpha * work.left[k] + model.beta**2 * work.rows[k, PHI]
             work.gamma[k] -= feedback
     factorise_mass(model, work)
+    _solve_forces(model, work)
+    if reads_reactions(model):
+        passed = 0
+        while move_forces(model, work, t, passed):
+            _solve_forces(model, work)
+            passed += 1
+            if passed == MOST_PASSES:
+                work.acceleration[:] = np.nan
+                break
+
+
+@lean
+def _solve_forces(model: Model, work: Work) -> None:
     for i in range(model.n_body):
         for k in range(model.plan.size[i]):
             work.load[i, k] = work.f[i, k]
@@ -502,8 +528,10 @@ def derivative_into(model: Model, work: Work, t: float, y: Array, out: Array) ->
     The last entry is the power of drives and dampers, so that the energy
     balance is integrated as accurately as the motion.
     """
+    if reads_reactions(model):  # the result is that of the state alone, not of the last evaluation
+        work.multipliers[:] = 0.0
     evaluate(model, work, t, y)
-    accelerate(model, work, y)
+    accelerate(model, work, t, y)
     rates_into(model, y, out)
     power = work.power[0]
     for k in range(model.n_constraint):
@@ -515,9 +543,19 @@ def derivative_into(model: Model, work: Work, t: float, y: Array, out: Array) ->
 
 def dense_derivative_into(model: Model, work: Work, t: float, y: Array, out: Array) -> Array:
     """As `derivative_into` for any model, by dense linear algebra; return the multipliers."""
+    work.multipliers[:] = 0.0
     evaluate(model, work, t, y)
     equations = dense(model, work)
     acceleration, multipliers = accelerations(model, equations, y)
+    if reads_reactions(model):
+        passed, work.multipliers[:] = 0, multipliers
+        while move_forces(model, work, t, passed):
+            equations = dense(model, work)
+            acceleration, multipliers = accelerations(model, equations, y)
+            passed, work.multipliers[:] = passed + 1, multipliers
+            if passed == MOST_PASSES:
+                acceleration = np.full(model.n_vel, np.nan)
+                break
     rates_into(model, y, out)
     out[model.n_pos : model.n_pos + model.n_vel] = acceleration
     if model.n_aux > 0:

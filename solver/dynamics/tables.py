@@ -16,7 +16,7 @@ from .forces.table import KINDS as FORCE_KINDS
 from .forces.table import MOST_ROWS, N_PARAMETER, rows_in_use
 from .joints.table import CONSTRAINTS, COUPLED, KINDS, NAMES, ROWS
 from .joints.table import N_PARAMETER as N_JOINT_PARAMETER
-from .measured import CoordinateTable, CouplingRow, Measured, quantities_of, reads_own
+from .measured import CoordinateTable, CouplingRow, Measured, quantities_of, reads_motion
 from .model import GROUND, Model
 from .plan import make_plan
 
@@ -263,7 +263,7 @@ def _element_rows(force: ForceTable) -> list[int]:
     """Return the rows of an element in Newton's matrix."""
     if force.along < 0:
         return rows_in_use(force.kind, force.parameters)
-    return [0] if reads_own(force.size, force.along) else []
+    return [0] if reads_motion(force.size) else []
 
 
 def _filled(lists: Sequence[Sequence[float]], columns: int) -> Array:

@@ -69,9 +69,12 @@ class Work(NamedTuple):
     element: Array  # (MOST_ROWS, N_ELEMENT_ROW) all rows that its kind can have
     element_used: Array  # the same of those that it has
     # what expressions read, and what they give
-    quantity: Array  # (2 nm + na,) values and rates of coordinates, auxiliary states
+    quantity: (
+        Array  # (2 nm + na + nr,) values and rates of coordinates, auxiliary states, reactions
+    )
     g: Array  # (nm, 12) rows of the coordinates
     size: Array  # (nf, 3) of force elements, and derivatives by their coordinate and its rate
+    unsettled: Array  # (nf + 1, 2) of forces that read reactions (settling.py)
 
 
 def new_factors(model: Model, order: Order, one: Any) -> Factors:
@@ -126,9 +129,14 @@ def new_work(model: Model) -> Work:
         np.zeros(3),
         np.zeros((plan.most_element_rows, N_ELEMENT_ROW)),
         np.zeros((plan.most_element_rows, N_ELEMENT_ROW)),
-        np.zeros(2 * model.quantities.kind.shape[0] + model.n_aux),
+        np.zeros(
+            2 * model.quantities.kind.shape[0]
+            + model.n_aux
+            + model.quantities.reaction_kind.shape[0]
+        ),
         np.zeros((model.quantities.kind.shape[0], 12)),
         np.zeros((model.force_kind.shape[0], 3)),
+        np.zeros((model.force_kind.shape[0] + 1, 2)),
     )
     for k in range(nk):
         if model.marker_body[k] < 0:

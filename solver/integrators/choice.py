@@ -79,7 +79,8 @@ def make_integrator(
     Raises
     ------
     InputError
-        An integrator that has no place for the auxiliary states of the model.
+        An integrator that has no place for the auxiliary states of the model, or for the reactions
+        that its forces read.
     """
     treatment = treatment or treatment_of(solver)
     kind: type[Any] = INTEGRATORS[solver.integrator]
@@ -92,11 +93,17 @@ def make_integrator(
             "that controllers, bristle_friction and expressions of angles have; expected "
             f"{', '.join(able[:EXAMPLES])} ..."
         )
-    if (model.quantities.period > 0.0).any() and not kind.samples:
+    if model.quantities.reaction_kind.size and kind.takes == "constrained":
+        raise InputError(
+            f'solver.integrator = "{solver.integrator}": does not know the reactions that friction '
+            "by a coefficient depends on; expected radau, generalized-alpha, rk8 ..."
+        )
+    jumps = (model.quantities.period > 0.0).any() or model.quantities.event_state.size
+    if jumps and not kind.samples:
         able = [name for name, other in INTEGRATORS.items() if other.samples]
         raise InputError(
             f'solver.integrator = "{solver.integrator}": does not stop at the instants of '
-            f"controllers with a sample_time; expected {' or '.join(able)}"
+            f"controllers with a sample_time, or of impacts; expected {' or '.join(able)}"
         )
     rtol = kind.local_share * solver.rtol
     options: dict[str, Any] = {

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..dynamics.auxiliary import Called, Instants, sampled
 from ..dynamics.constraints.treatment import Treatment
+from ..dynamics.crossings import NOTHING, beyond, first_crossing
 from ..dynamics.dependence import is_tree
 from ..dynamics.model import Model
 from ..dynamics.system import by_blocks, derivative_into
@@ -37,6 +38,7 @@ from .generic.steps import Steps
 from .ringing import ringing
 
 # Steps of one call, between which Ctrl-C is heard without loss.
+LOCATED, MOST_PASSES = 64, 12  # steps between looks for events; passes to locate one
 CHUNK = 200 if COMPILED else 5
 MOST_KEPT = 500_000  # numbers of the steps of one call
 # Cutoffs that are tried against a stall, times pi over the interval of the results.
@@ -109,6 +111,11 @@ class StepLoop(Integrator):
         self._begun: Any = None  # mark of the beginning of the last stride
         self._stood: Any = None  # step of it after which the loop stands, mark of its end
         self._instants = Instants(model, self.t_end)
+        events = self._model.quantities.event_state.size
+        self._armed: tuple[bool, ...] = ()  # of events (dynamics/crossings.py)
+        self._struck: tuple[int, ...] = ()  # events at the present state, not yet followed
+        if events:
+            self._armed = tuple((beyond(self._model, self.t, self.y)[:, 0] < 0.0).tolist())
         self._stop_at_next(self.t)
 
     def stride(self, times: Array, rows: Array, filled: int, keep: bool = False) -> int:
@@ -125,9 +132,48 @@ class StepLoop(Integrator):
         most = 1 if watched else self._ends.t.size if keep else CHUNK
         self._begun, self._stood = self._mark() if keep else None, None
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            if self._armed:
+                return self._up_to_event(most, times, rows, filled, keep=keep)
             code, filled = self._call(most, times, rows, filled, self._ends)
         self._take_over(code)
         return filled
+
+    def _up_to_event(
+        self, most: int, times: Array, rows: Array, filled: int, *, keep: bool = False
+    ) -> int:
+        """Take steps as `stride` does, up to the first event, whose instant is located."""
+        if not keep:
+            self._ends = Ends(np.empty(LOCATED), np.empty((LOCATED, self.n)))
+        most, begun = min(most, LOCATED), self._mark()
+        found, taken = -1, 0
+        for _ in range(MOST_PASSES):
+            code, reached = self._call(most, times, rows, filled, self._ends)
+            self._take_over(code)
+            taken = self.counters.steps - begun[0]["counters"].steps
+            t = np.append(begun[0]["t"], self._ends.t[:taken])
+            y = np.concatenate((begun[0]["y"][None, :], self._ends.y[:taken]))
+            if found >= 0 and taken:
+                gap, rate = beyond(self._model, self.t, self.y)[found]
+                late = gap / rate if rate > 0.0 else 0.0
+                if abs(late) < NOTHING * max(1.0, abs(self.t)) or self.t < self._options.t_end:
+                    break
+                at = self.t - late
+            else:
+                armed, found, at = first_crossing(self._model, t, y, self._armed)
+                if found < 0:
+                    self._armed = armed
+                    return reached
+            self._go_back(begun)
+            if at - self.t < NOTHING * max(1.0, abs(self.t)):
+                self._options = self._options._replace(t_end=self.t)
+                reached = filled
+                break
+            self._options = self._options._replace(t_end=at)
+            begun = self._mark()
+            self._begun = begun if keep else None
+        self._struck = (found,)
+        self._armed = tuple(one and e != found for e, one in enumerate(self._armed))
+        return reached
 
     def go_on(self, t_end: float) -> None:
         """Let the run end at t_end [s]; up to there it restarts from the present state.
@@ -197,6 +243,8 @@ class StepLoop(Integrator):
         if self.t < self._options.t_end or self.t >= self.t_end:
             return
         which = self._instants.sampled_at(self.t) & (self.t > self.t0)  # not the start again
+        which[self._model.quantities.event_state[list(self._struck)]] = True
+        self._struck = ()
         self.y = sampled(self._model, self.t, self.y, which, self._functions)
         rate, work = np.zeros(self.n), spare_work(self._model)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
@@ -218,6 +266,9 @@ class StepLoop(Integrator):
 
     def _advance(self) -> None:
         self._sample()
+        if self._armed:
+            self._up_to_event(1, *self._nowhere[:3])
+            return
         code, _ = self._call(1, *self._nowhere)
         self._take_over(code)
 

@@ -1,10 +1,34 @@
 """Curves y(x) through points, as piecewise polynomials like the laws of time."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 
+from .arrays import Array
 from .laws import N_COEFFICIENT, Law, table
+
+Interpolation = Literal["linear", "cubic", "pchip"]
+Extrapolation = Literal["linear", "constant"]
+
+
+@dataclass(frozen=True)
+class NamedCurve:
+    """A curve that expressions call by its name; curves of one name and order are the same.
+
+    order : of the derivative that it is of the curve of this name
+    """
+
+    name: str
+    law: Law = field(compare=False)
+    order: int = 0
+
+    def derivative(self) -> "NamedCurve":
+        """Return its derivative by its argument."""
+        slopes = np.zeros_like(self.law.coefficients)
+        slopes[:, :-1] = self.law.coefficients[:, 1:] * np.arange(1, N_COEFFICIENT)
+        return NamedCurve(self.name, Law(self.law.times, slopes), self.order + 1)
 
 
 def curve(x: Sequence[float], y: Sequence[float], *, smooth: bool = True) -> Law:
@@ -12,19 +36,60 @@ def curve(x: Sequence[float], y: Sequence[float], *, smooth: bool = True) -> Law
 
     Raises ValueError : fewer than two points, x not in ascending order, non-finite numbers.
     """
+    return _through(x, y, _natural if smooth and len(x) > 2 else None, "linear")
+
+
+def curve_of_table(
+    x: Sequence[float], y: Sequence[float], interpolation: Interpolation, beyond: Extrapolation
+) -> Law:
+    """Return straight lines, a cubic spline, or a monotone cubic (Fritsch and Carlson).
+
+    The spline has the same cubic in its first two pieces, and in its last two (not-a-knot).
+
+    beyond : both ends: straight on, or the value of the end
+
+    Raises ValueError : fewer than two points, x not in ascending order, non-finite numbers.
+    """
+    kinds = {"linear": None, "cubic": _not_a_knot, "pchip": _monotone}
+    return _through(x, y, kinds[interpolation], beyond)
+
+
+def _natural(x: Sequence[float], y: Sequence[float]) -> Array:
+    from scipy.interpolate import CubicSpline  # 0.1 s: only for curves
+
+    return np.asarray(CubicSpline(x, y, bc_type="natural").c[::-1].T)
+
+
+def _not_a_knot(x: Sequence[float], y: Sequence[float]) -> Array:
+    from scipy.interpolate import CubicSpline
+
+    return np.asarray(CubicSpline(x, y).c[::-1].T)
+
+
+def _monotone(x: Sequence[float], y: Sequence[float]) -> Array:
+    from scipy.interpolate import PchipInterpolator
+
+    return np.asarray(PchipInterpolator(x, y).c[::-1].T)
+
+
+def _through(
+    x: Sequence[float],
+    y: Sequence[float],
+    pieces: Callable[[Sequence[float], Sequence[float]], Array] | None,
+    beyond: Extrapolation,
+) -> Law:
+    """Return the pieces (n - 1, 4) of a function of the points, straight lines if None."""
     try:
         inner = table(x, y, smooth=False)
     except ValueError as error:
         words = str(error).replace("times", "x").replace("values", "y")
         raise ValueError(words) from error
-    if smooth and len(x) > 2:
-        from scipy.interpolate import CubicSpline  # 0.1 s: only for curves
-
-        found = CubicSpline(x, y, bc_type="natural")
-        inner.coefficients[:-1, :4] = found.c[::-1].T
-    slopes = inner.coefficients[0, 1], _slope(inner, float(x[-1] - x[-2]))
+    if pieces is not None:
+        inner.coefficients[:-1, :4] = pieces(x, y)
     outer = np.zeros((2, N_COEFFICIENT))
-    outer[0, :2], outer[1, :2] = (y[0], slopes[0]), (y[-1], slopes[1])
+    outer[:, 0] = y[0], y[-1]
+    if beyond == "linear":
+        outer[:, 1] = inner.coefficients[0, 1], _slope(inner, float(x[-1] - x[-2]))
     return Law(
         np.array([x[0], *inner.times]),
         np.concatenate([outer[:1], inner.coefficients[:-1], outer[1:]]),

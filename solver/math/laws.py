@@ -44,9 +44,13 @@ def law_value(
     `start` (n_law + 1,) are the first pieces of all laws, `times` (n_piece,) and `coefficients`
     (n_piece, N_COEFFICIENT) the pieces of all laws end to end.
     """
-    k = start[law]
-    while k + 1 < start[law + 1] and t >= times[k + 1]:
-        k += 1
+    k, end = start[law], start[law + 1]
+    while k + 1 < end:
+        middle = (k + end) // 2
+        if t >= times[middle]:
+            k = middle
+        else:
+            end = middle
     s = t - times[k]
     f, f_d, f_dd = 0.0, 0.0, 0.0
     for i in range(N_COEFFICIENT - 1, -1, -1):

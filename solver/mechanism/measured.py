@@ -14,13 +14,15 @@ from ..dynamics.measured import (
     StateTable,
     curve,
     rate_of,
+    reaction,
     state,
     value,
 )
 from ..dynamics.quantities import ANGLE, DISPLACEMENT, DISTANCE, SPIN
 from ..dynamics.tables import ForceTable, JointTable
-from ..inputs.case.expressions import AXES, CaseScope, Read, expression
+from ..inputs.case.expressions import AXES, REACTIONS, CaseScope, Read, expression
 from ..inputs.case.force_terms import force_terms
+from ..math.curves import NamedCurve
 from ..math.curves import curve as curve_of
 from ..math.expressions.program import value_at
 from ..math.expressions.tree import Node
@@ -75,11 +77,14 @@ class Reader:
             rate = None if own.rate is None else self._placed(own.rate)
             start = self._placed(own.start)
             update = None if own.update is None else self._placed(own.update)
-            jumps = own.update is not None or own.inputs is not None
+            jumps = own.level is None and (own.update is not None or own.inputs is not None)
             period = float(keys.sample_time) if jumps else 0.0  # type: ignore[attr-defined]
             inputs = None if own.inputs is None else [self._placed(node) for node in own.inputs]
             label = f"{name}.{own.name}"
-            kept = StateTable(label, rate, start, own.scale, update, period, inputs, name)
+            event = None
+            if own.level is not None:
+                event = along, own.level, 1.0 if own.upwards else -1.0
+            kept = StateTable(label, rate, start, own.scale, update, period, inputs, name, event)
             self.found.state(kept)
         table = self.found.coordinates[along]
         size = self._placed(terms.force)
@@ -92,11 +97,16 @@ class Reader:
         return replace(node, children=children, quantity=quantity)
 
     def _quantity(self, read: Hashable) -> Hashable:
+        if isinstance(read, NamedCurve):
+            return read
         if not isinstance(read, Read):
             assert isinstance(read, tuple)
             return curve(self._curves[read])
         if read.kind == "state":
             return state(self._states[read.names])
+        if read.kind == "reaction":
+            joint = self._joints[read.names[0]].rows[0]  # without the drives
+            return reaction(self.found.reaction(joint, REACTIONS.index(read.names[1])))
         m = self._coordinate(read)
         return rate_of(m) if read.rate else value(m)
 

@@ -1,29 +1,34 @@
-"""Build figures and report.html from the files of finished runs."""
+"""Build report.html, and figures on request, from the files of finished runs."""
 
 import hashlib
-import importlib.metadata
 import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
-from ..package.common.file_digests import files_sha256
+from ..package.common.file_digests import file_sha256
 from ..package.common.temporary import write_text
 from .balance import draw_balance
 from .comparison import draw_comparison
-from .drawings import Drawing, draw_all, is_up_to_date, remember, sources
+from .drawings import Drawing, draw_all, drawn_before, is_up_to_date, remember, sources, version
 from .exposure import draw_exposure
 from .motion import draw_motion
 from .page import page
 from .spectrum import draw_spectrum
-from .story import Story, comparisons, read_story
+from .story import Comparison, Story, comparisons, read_story
 
 PAGE = "report.html"
 
 
-def make_report(case_dir: Path, runs: list[str], case: dict[str, Any] | None = None) -> Path:
-    """Write figures and report.html of a case; return the path of the page.
+def make_report(
+    case_dir: Path,
+    runs: list[str],
+    case: dict[str, Any] | None = None,
+    *,
+    figures: bool = False,
+) -> Path:
+    """Write report.html of a case, and figures on request; return the path of the page.
 
     Parameters
     ----------
@@ -32,33 +37,49 @@ def make_report(case_dir: Path, runs: list[str], case: dict[str, Any] | None = N
     case : the content of case.json. Used keys: `title`; `runs`, a
         title by name; `figures`, by name {"title", "signal", "runs"}. Without
         figures, each signal is drawn for all runs.
+    figures : draw <figure>.png into case_dir, motion.png and balance.png into each run's
+        folder, and strength.png where plies have strengths. A folder that has such figures
+        keeps them up to date without this argument.
 
-    Writes <figure>.png into case_dir, motion.png and balance.png into each run's folder,
-    strength.png too where plies have strengths, and report.html last. What shows the same as
-    before is not made again.
+    What shows the same as before is not made again.
 
     Raises
     ------
     ResultError
         A run whose files are missing or damaged.
     InputError
-        No runs, a figure of a signal that does not exist, no matplotlib.
+        No runs, a figure of a signal that does not exist, figures without matplotlib.
     """
     case_dir, case = Path(case_dir), case or {}
     if not runs:
         raise InputError(f"{case_dir}: no runs to report on; expected at least one")
     target = case_dir / PAGE
-    key = _content(case_dir, runs, case)
+    figures = figures or drawn_before(case_dir)
+    digests = {run: _result_sha256(case_dir, run) for run in runs}
+    key = _content(case_dir, runs, case, digests, figures=figures)
     if is_up_to_date(case_dir, PAGE, key):
         return target
     titles = case.get("runs", {})
-    stories = [read_story(case_dir, run, str(titles.get(run) or run)) for run in runs]
+    stories = [read_story(case_dir, run, str(titles.get(run) or run), digests[run]) for run in runs]
+    shown = comparisons(case, stories)
     by_name = {story.name: story for story in stories}
-    compared, shown = [], comparisons(case, stories)
+    for wanted in shown:
+        for run in wanted.runs:
+            by_name[run].signal(wanted.signal)
+    if figures:
+        draw_all(case_dir, _drawings(case_dir, stories, shown))
+    title = str(case.get("title") or stories[0].result.case)
+    write_text(target, page(title, stories, shown))
+    remember(case_dir, PAGE, key)
+    return target
+
+
+def _drawings(case_dir: Path, stories: list[Story], shown: list[Comparison]) -> list[Drawing]:
+    """Return the figures of the case, then those of each run."""
+    by_name = {story.name: story for story in stories}
+    compared = []
     for wanted in shown:
         chosen = [by_name[run] for run in wanted.runs]
-        for story in chosen:
-            story.signal(wanted.signal)
         content = repr((wanted, [story.content for story in chosen]))
         file = case_dir / f"{wanted.name}.png"
         draw = draw_spectrum if wanted.spectrum else draw_comparison
@@ -67,22 +88,33 @@ def make_report(case_dir: Path, runs: list[str], case: dict[str, Any] | None = N
     balances = [_of_run(case_dir, story, "balance", draw_balance) for story in stories]
     strong = [story for story in stories if story.summary.get("strength")]
     strengths = [_of_run(case_dir, story, "strength", draw_exposure) for story in strong]
-    draw_all(case_dir, [*compared, *motions, *balances, *strengths])
-    title = str(case.get("title") or stories[0].result.case)
-    write_text(target, page(title, stories, shown))
-    remember(case_dir, PAGE, key)
-    return target
+    return [*compared, *motions, *balances, *strengths]
 
 
-def _content(case_dir: Path, runs: list[str], case: dict[str, Any]) -> str:
-    """Digest of all that the page and the figures show, and of the files that make them."""
-    found = hashlib.sha256(json.dumps([runs, case]).encode())
-    found.update(importlib.metadata.version("matplotlib").encode())
+def _result_sha256(case_dir: Path, run: str) -> str:
+    """Digest of the result of a run; nothing without a result, which read_story reports."""
+    file = case_dir / run / "result.vtkhdf"
+    return file_sha256(file) if file.is_file() else ""
+
+
+def _content(
+    case_dir: Path,
+    runs: list[str],
+    case: dict[str, Any],
+    results: dict[str, str],
+    *,
+    figures: bool,
+) -> str:
+    """Digest of all that the page and the figures show, and of the files that make them.
+
+    results : digest of result.vtkhdf, by run
+    """
+    found = hashlib.sha256(json.dumps([runs, case, results, version() if figures else ""]).encode())
     found.update(sources("**/*"))
     for run in runs:
-        names = (f"{run}/summary.json", f"{run}/result.vtkhdf", f"runs/{run}.json")
-        files = {name: case_dir / name for name in names if (case_dir / name).is_file()}
-        found.update(files_sha256(files).encode())
+        for file in (case_dir / run / "summary.json", case_dir / "runs" / f"{run}.json"):
+            if file.is_file():
+                found.update(file_sha256(file).encode())
     return found.hexdigest()
 
 

@@ -41,16 +41,22 @@ def draw_all(folder: Path, drawings: Sequence[Drawing]) -> None:
         for d, (name, key) in zip(drawings, now.items(), strict=True)
         if before.get(name) != key or not d.path.is_file()
     ]
-    with house_style():  # also tells that matplotlib is missing
-        count = min(cores(), len(stale)) if len(stale) > FEW else 1
-        if count > 1:
-            with ProcessPoolExecutor(count, _context()) as pool:
-                for _ in pool.map(_draw, stale):
-                    pass
-        else:
-            for drawing in stale:
-                _draw(drawing)
+    if stale:
+        with house_style():  # also tells that matplotlib is missing
+            count = min(cores(), len(stale)) if len(stale) > FEW else 1
+            if count > 1:
+                with ProcessPoolExecutor(count, _context()) as pool:
+                    for _ in pool.map(_draw, stale):
+                        pass
+            else:
+                for drawing in stale:
+                    _draw(drawing)
     _write_keys(folder / KEYS, now)
+
+
+def drawn_before(folder: Path) -> bool:
+    """Tell whether a folder has figures that draw_all has left there."""
+    return any((folder / name).is_file() for name in _keys(folder / KEYS) if name.endswith(".png"))
 
 
 def is_up_to_date(folder: Path, page: str, key: str) -> bool:
@@ -90,9 +96,18 @@ def _key(drawing: Drawing) -> str:
     """Digest of a figure's data, of the code that draws it and of matplotlib's version."""
     found = hashlib.sha256(drawing.content.encode())
     found.update(drawing.draw.__name__.encode())
-    found.update(importlib.metadata.version("matplotlib").encode())
+    found.update(version().encode())
     found.update(sources())
     return found.hexdigest()
+
+
+@cache
+def version() -> str:
+    """Version of matplotlib; none without it."""
+    try:
+        return importlib.metadata.version("matplotlib")
+    except importlib.metadata.PackageNotFoundError:
+        return ""
 
 
 @cache

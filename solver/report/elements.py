@@ -1,11 +1,15 @@
 """Elements of report.html: sections, tables that can be sorted, names of runs."""
 
+import re
 from collections.abc import Sequence
 from html import escape
 from typing import NamedTuple
 
 from .story import Story
 from .table import number
+
+_TAG = re.compile(r"<[^>]*>")
+_NUMBER = re.compile(r"-?(\d[\d.]*(e[+-]?\d+)?|inf|nan)?")
 
 
 class Cell(NamedTuple):
@@ -35,8 +39,11 @@ def table(caption: str, head: Sequence[str], rows: Sequence[Row]) -> str:
 
     `head` and the cells are HTML; a caption is for screen readers.
     """
-    top = "".join(f"<th scope='col'>{text}</th>" for text in head)
-    body = "".join(f"<tr>{_cells(row)}</tr>" for row in rows)
+    words = [any(_is_text(row[k]) for row in rows) for k in range(len(head))]
+    top = "".join(
+        f"<th scope='col'{_side(word)}>{text}</th>" for text, word in zip(head, words, strict=True)
+    )
+    body = "".join(f"<tr>{_cells(row, words)}</tr>" for row in rows)
     return (
         f"<div class='scroll' tabindex='0' role='region' aria-label='{escape(caption)}'>"
         f"<table class='sortable'><caption>{escape(caption)}</caption>"
@@ -44,15 +51,23 @@ def table(caption: str, head: Sequence[str], rows: Sequence[Row]) -> str:
     )
 
 
-def _cells(row: Row) -> str:
+def _cells(row: Row, words: Sequence[bool]) -> str:
     found = []
-    for number_, item in enumerate(row):
+    for k, (item, word) in enumerate(zip(row, words, strict=True)):
         html, value = item if isinstance(item, Cell) else (item, None)
-        key = "" if value is None else f" data-v='{value!r}'"
-        found.append(
-            f"<th scope='row'{key}>{html}</th>" if number_ == 0 else f"<td{key}>{html}</td>"
-        )
+        key = _side(word) + ("" if value is None else f" data-v='{value!r}'")
+        found.append(f"<th scope='row'{key}>{html}</th>" if k == 0 else f"<td{key}>{html}</td>")
     return "".join(found)
+
+
+def _is_text(item: str | Cell) -> bool:
+    html = item.html if isinstance(item, Cell) else item
+    return not _NUMBER.fullmatch(_TAG.sub("", html))
+
+
+def _side(word: bool) -> str:
+    """Columns of words begin at the left, those of numbers end at the right."""
+    return " class='text'" if word else ""
 
 
 def name_of(story: Story) -> str:

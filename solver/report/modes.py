@@ -9,6 +9,8 @@ from ..results.view import BodyView
 from .elements import Cell, Row, figures, name_of, section, table
 from .story import Story
 
+ROUND_OFF = 1e-6  # per cent
+
 
 def modes_section(stories: list[Story]) -> str:
     """Return frequency and share of the strain energy of every mode, or nothing without modes."""
@@ -28,7 +30,7 @@ def modes_section(stories: list[Story]) -> str:
                         escape(body.name),
                         Cell(f"{k + 1}: {escape(label)}", k),
                         figures(float(body.view.frequencies[k]) / (2.0 * np.pi), 5),
-                        figures(100.0 * float(shares[k]), 3),
+                        _share(100.0 * float(shares[k])),
                         figures(float(largest[k]), 3),
                         f"<button type='button' class='small' data-run='{escape(story.name)}' "
                         f"data-solo='{i},{k}' aria-label='show mode {k + 1} of "
@@ -38,6 +40,11 @@ def modes_section(stories: list[Story]) -> str:
     if not rows:
         return ""
     return section("modes", "Modes", table("Modes of the bodies", head, rows))
+
+
+def _share(percent: float) -> Cell:
+    """Return a share; what is round-off only is 0."""
+    return figures(percent if abs(percent) > ROUND_OFF else 0.0, 3)
 
 
 def modal_coordinates(story: Story, view: BodyView) -> Array:
@@ -72,7 +79,7 @@ def masses_section(stories: list[Story]) -> str:
                     name_of(story),
                     escape(body.name),
                     figures(view.mass, 5),
-                    *(figures(float(x), 4) for x in view.centre_B),
+                    *(figures(float(x), 4) for x in _without_round_off(view.centre_B)),
                     Cell(str(len(view.shapes_B)), len(view.shapes_B)),
                     f"<code>{escape(digest)}</code>" if digest else "-",
                 ]
@@ -80,3 +87,9 @@ def masses_section(stories: list[Story]) -> str:
     if not rows:
         return ""
     return section("masses", "Masses", table("Masses, centres in body axes", head, rows))
+
+
+def _without_round_off(centre_B: Array) -> Array:
+    """Coordinates with zeros in place of what is small against the others."""
+    largest = float(np.abs(centre_B).max())
+    return np.where(np.abs(centre_B) > 1e-12 * largest, centre_B, 0.0)

@@ -12,7 +12,8 @@ of the run.</dd>
 <dt>Solve</dt><dd>Wall time to build the model and to integrate it. Start of the program, reading,
 recovery of results and writing are left out; <code>cost.seconds</code> of summary.json has
 them.</dd>
-<dt>Largest</dt><dd>The largest magnitude of a signal at the output times.</dd>
+<dt>Minimum, maximum, rms</dt><dd>Of a signal at the output times. <em>show</em> goes to its
+largest magnitude.</dd>
 <dt>Spectrum</dt><dd>Amplitude of the part of the signal in view, without its mean, with a Hann
 window. A pure vibration shows its amplitude at its frequency.</dd>
 <dt>Strength ratio R</dt><dd>The factor on all stresses at which the first ply fails, lowest over
@@ -22,6 +23,8 @@ materials have strengths.</dd>
 <dt>Keys</dt><dd>Space: play and pause. Left and right: one step. Home and End: first and last
 time. Drag over a plot to zoom, double-click to see all again, click to go to that time.</dd>
 <dt>More</dt><dd>The folder of each run has <code>summary.json</code> (these numbers for
-programs), figures as PNG files, and <code>result.vtkhdf</code>. In ParaView apply the filter
-<em>Warp By Vector</em> with the array <em>displacement</em>, then press play.</dd></dl>
+programs) and <code>result.vtkhdf</code>. In ParaView apply the filter <em>Warp By Vector</em>
+with the array <em>displacement</em>, then press play. <code>plymotion report FOLDER
+--figures</code> draws the plots as PNG files, <code>--glb</code> writes the animation for Blender
+and slides, <code>--vtk</code> for ParaView with sections and strength ratios.</dd></dl>
 </section>"""

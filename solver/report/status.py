@@ -58,7 +58,7 @@ def doubts(stories: list[Story]) -> str:
         lines = "".join(_line(each) for each in found)
         anchor = f"warnings-{escape(story.name)}"
         items.append(f"<h3 id='{anchor}'>{escape(story.title)}</h3><ul>{lines}</ul>")
-    return section("doubts", "Warnings", "".join(items) or "<p>None.</p>")
+    return section("doubts", "Warnings and notes", "".join(items) or "<p>None.</p>")
 
 
 def _line(found: dict[str, Any]) -> str:

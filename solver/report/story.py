@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..errors import InputError, nearest
+from ..package.common.file_digests import file_sha256
 from ..results import ResultError, RunResult, Signal, read_result, read_summary
 
 
@@ -46,8 +47,11 @@ class Comparison(NamedTuple):
     spectrum: bool = False  # amplitudes over frequency, not values over time
 
 
-def read_story(case_dir: Path, run: str, title: str) -> Story:
-    """Read summary and result of a run. Raises ResultError."""
+def read_story(case_dir: Path, run: str, title: str, sha256: str | None = None) -> Story:
+    """Read summary and result of a run. Raises ResultError.
+
+    sha256 : digest of result.vtkhdf if it is known
+    """
     summary = read_summary(case_dir / run / "summary.json")
     if summary["run"] != run:
         raise ResultError(
@@ -57,7 +61,7 @@ def read_story(case_dir: Path, run: str, title: str) -> Story:
     file = case_dir / run / "result.vtkhdf"
     result = read_result(file)
     shown = repr((run, title, summary.get("completed"), summary.get("strength")))
-    sha256 = hashlib.sha256(file.read_bytes()).hexdigest()
+    sha256 = sha256 or file_sha256(file)
     content = hashlib.sha256((shown + sha256).encode()).hexdigest()
     return Story(run, title, summary, result, content, read_inputs(case_dir, run), sha256)
 

@@ -1,11 +1,11 @@
 """Surfaces of bodies for pictures: extruded beams, faces of meshes, spokes of rigid bodies."""
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 
 from ..math.arrays import Array, IntArray
+from ..math.shortest_rotation import shortest_rotations
 from .outline import Outline
 from .view import Surface
 
@@ -149,24 +149,24 @@ def square(width: float) -> Outline:
 
 
 def spokes(nodes_B: Array, width: float) -> Surface:
-    """Return square bars from the first node to each of the others; a cube if there is no other."""
+    """Return square bars from the first node to each of the others."""
     parts = Parts()
-    far = [k for k in range(1, len(nodes_B)) if np.linalg.norm(nodes_B[k] - nodes_B[0]) > 1e-9]
-    if not far:
-        pair = np.array([[-0.5 * width, 0, 0], [0.5 * width, 0, 0]])
-        _bar(parts, (0, 0), pair, np.eye(3), width)
-    for k in far:
-        axes = frames_along(nodes_B[[0, k]], None)[0]
-        _bar(parts, (0, k), np.zeros((2, 3)), axes, width)
+    add_bars(parts, nodes_B, width)
     return parts.surface()
 
 
-def _bar(parts: Parts, nodes: tuple[int, int], shift: Array, axes_B: Array, width: float) -> None:
+def add_bars(parts: Parts, nodes_B: Array, width: float) -> None:
+    """Add square bars from the first node to each of the others."""
+    for k in range(1, len(nodes_B)):
+        if np.linalg.norm(nodes_B[k] - nodes_B[0]) > 1e-9:
+            axes = frames_along(nodes_B[[0, k]], None)[0]
+            _bar(parts, (0, k), axes, width)
+
+
+def _bar(parts: Parts, nodes: tuple[int, int], axes_B: Array, width: float) -> None:
     outline = square(width)
     flat = np.column_stack([np.zeros(4), outline.points]) @ axes_B.T
-    one, two = (
-        parts.points(np.full(4, node), flat + move) for node, move in zip(nodes, shift, strict=True)
-    )
+    one, two = (parts.points(np.full(4, node), flat) for node in nodes)
     loop, none = outline.loops[0], np.full((4, 4), -1)
     there = np.roll(loop, -1)
     parts.quads(np.column_stack([one + loop, two + loop, two + there, one + there]), none)
@@ -189,13 +189,6 @@ def frames_along(nodes_B: Array, first_B: Array | None) -> Array:
         e2 /= np.linalg.norm(e2)
         first_B = np.column_stack([tangents[0], e2, np.cross(tangents[0], e2)])
     found = [first_B]
-    for a, b in pairwise(tangents):
-        found.append(_smallest_turn(a, b) @ found[-1])
+    for turn in shortest_rotations(tangents[:-1], tangents[1:]):
+        found.append(turn @ found[-1])
     return np.array(found)
-
-
-def _smallest_turn(a: Array, b: Array) -> Array:
-    """Rotation matrix that turns the unit vector a to b; they are not opposite."""
-    v = np.cross(a, b)
-    V = np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
-    return np.asarray(np.eye(3) + V + V @ V / (1.0 + float(a @ b)))

@@ -14,6 +14,7 @@ from ..package import ModalPackage
 from ..package.section.recovery_data import strengths
 from ..results import BodyGeometry
 from ..results.outline import Outline, section_outline
+from ..results.rigid import rigid_surface, uniform_box
 from ..results.surfaces import LINES, extruded, faces, frames_along, spokes, square
 from ..results.view import BodyView, Link, Side, Sites, Surface
 from ..strength.beam_bodies import unit_stress_M
@@ -34,12 +35,16 @@ def with_views(
     model = built.model
     times = np.unique(np.linspace(0, len(y) - 1, TIMES).round().astype(int))
     states = np.asarray(y[times])
+    reach = max(_size(body.nodes_B) for body in bodies) if bodies else 0.0
     found = []
     for i, body in enumerate(bodies):
         package, first = built.packages.get(body.name), int(model.pos_start[i])
         mass = float(model.mass[i])
         if package is None:
-            size = float(np.linalg.norm(np.ptp(body.nodes_B, axis=0))) or 0.1
+            edges, axes_B = uniform_box(mass, model.S0[i], model.J0[i])
+            # Beside a large neighbour, a small body is still to be seen.
+            width = 2.0 * GLYPH * (max(_size(body.nodes_B), 0.5 * reach) or 0.1)
+            centre_B = model.S0[i] / mass if mass else np.zeros(3)
             view = BodyView(
                 first_position=first,
                 shapes_B=np.zeros((0, len(body.nodes_B), 6)),
@@ -47,14 +52,20 @@ def with_views(
                 frequencies=np.zeros(0),
                 labels=(),
                 mass=mass,
-                centre_B=model.S0[i] / mass if mass else np.zeros(3),
-                surface=spokes(body.nodes_B, 2.0 * GLYPH * size),
+                centre_B=centre_B,
+                surface=rigid_surface(
+                    body.nodes_B, centre_B, edges, axes_B, width, reach or np.inf
+                ),
             )
         else:
             q = states[:, first + 7 : first + 7 + package.n_mode]
             view = _flexible(package, first, q)
         found.append(replace(body, view=view))
     return tuple(found)
+
+
+def _size(nodes_B: Array) -> float:
+    return float(np.linalg.norm(np.ptp(nodes_B, axis=0)))
 
 
 def links(built: BuiltMechanism) -> tuple[Link, ...]:
@@ -205,9 +216,7 @@ def _sites(
     stress, point_kind, point_ply = [], [], []
     plies: list[dict[str, Any]] = []
     for k, points in enumerate(parts):
-        own = resultants_E[kind == k]
-        F = np.einsum("sjm,tm->tsj", own, q, optimize=True).reshape(-1, own.shape[1])
-        rows = governing_points(points, F) if points.strengths else np.zeros(0, dtype=np.int64)
+        rows = governing_points(points, resultants_E[kind == k], q)
         stress.append(points.stress_M[rows])
         point_kind.append(np.full(len(rows), k))
         point_ply.append(points.ply[rows] + len(plies))

@@ -24,7 +24,9 @@ def force_values(built: BuiltMechanism, of: str) -> tuple[str, Values]:
     if of in built.force_names:
         k = built.force_names.index(of)
         unit = _unit(int(quantities.kind[quantities.along[k]]))
-        return unit, lambda recording: force_sizes(model, k, recording.t, recording.y)
+        return unit, lambda recording: force_sizes(
+            model, k, recording.t, recording.y, recording.multipliers
+        )
     plain = model.joint_kind.size - n_coupling(model)
     c = built.joint_names[plain:].index(of)
     term, row = int(quantities.coupling_start[c]), int(model.joint_row[plain + c])

@@ -9,6 +9,7 @@ from ..dynamics.recover import elastic_motion, stiffened
 from ..math.arrays import Array
 from ..math.compiled import lean
 from ..math.rotations import vector_of, vector_to_matrix, vectors_to_matrices
+from ..math.shortest_rotation import shortest_rotations
 from ..mechanism import BuiltMechanism
 from ..mechanism.build import frame_marker
 from .recording import Recording
@@ -95,7 +96,7 @@ def _of_segments(
         if frame.chord is not None:
             now = A @ (np.array(frame.chord) / np.linalg.norm(frame.chord))
             to = recording.position(carriers[1]) - origin
-            A = vectors_to_matrices(_shortest(now, to)) @ A
+            A = shortest_rotations(now, to) @ A
         if signal.kind == "rotation":
             turned = A.transpose(0, 2, 1) @ recording.axes(at) @ A_start
             return rotation_vectors(turned)
@@ -103,15 +104,6 @@ def _of_segments(
         return np.asarray(np.einsum("kba,kb->ka", A, arm) - rest)
 
     return values
-
-
-def _shortest(one: Array, two: Array) -> Array:
-    """Return rotation vectors (k, 3) from directions (k, 3) to others by the shortest way."""
-    normal = np.cross(one, two)
-    sine = np.linalg.norm(normal, axis=1)
-    angle = np.arctan2(sine, np.einsum("ka,ka->k", one, two))
-    factor = np.divide(angle, sine, out=np.zeros_like(sine), where=sine > 0.0)
-    return np.asarray(factor[:, None] * normal)
 
 
 def rotation_vectors(matrices: Array, before: Array | None = None) -> Array:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..dynamics.joints.table import COORDINATES
 from ..dynamics.model import Model
-from ..inputs.case.combining import KINDS, parts
+from ..inputs.case.combining import needed, with_parts
 from ..math.arrays import Array
 from ..mechanism import BuiltMechanism
 from ..package import ModalPackage
@@ -89,7 +89,7 @@ def sensors(
     found = {}
     for name, signal in signals.items():
         if (wanted is not None and name not in wanted) or (
-            histories is None and _elsewhere(name, signals)
+            histories is None and needed(with_parts([name], signals))
         ):
             continue
         unit, values, look = measuring(name)
@@ -99,14 +99,6 @@ def sensors(
         scale = signal.divide_by or 1.0
         found[name] = Sensor(unit, signal.description, values, look, life, scale)
     return found
-
-
-def _elsewhere(name: str, signals: Mapping[str, Any]) -> bool:
-    """Tell whether a signal needs the histories of another run."""
-    signal = signals[name]
-    if signal.kind not in KINDS:
-        return False
-    return signal.run is not None or any(_elsewhere(part, signals) for part in parts(signal))
 
 
 def recorded(

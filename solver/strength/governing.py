@@ -24,16 +24,21 @@ class Points(NamedTuple):
     strengths: dict[int, PlyStrength | YieldStrength]  # by ply
 
 
-def governing_points(points: Points, F: Array) -> IntArray:
-    """Rows of the points that have the highest exposure of any criterion under some resultants.
+def governing_points(points: Points, resultants_E: Array, q: Array) -> IntArray:
+    """Rows of the points that have the highest exposure of any criterion at some site and time.
 
-    F : (t, j) resultants
+    Parameters
+    ----------
+    resultants_E : (s, j, m) per unit mode, of the sites that have these points
+    q : (t, m) modal coordinates
     """
-    there = np.array([ply in points.strengths for ply in points.ply.tolist()], dtype=bool)
-    own = np.flatnonzero(there)
-    if len(own) <= FEW or not len(F):
+    own = np.flatnonzero(np.isin(points.ply, list(points.strengths)))
+    count = len(q) * len(resultants_E)
+    if len(own) <= FEW or not count:
         return own
-    sample = F[np.unique(np.linspace(0, len(F) - 1, SAMPLES).round().astype(int))]
+    chosen = np.unique(np.linspace(0, count - 1, SAMPLES).round().astype(int))
+    time, site = np.divmod(chosen, len(resultants_E))
+    sample = np.einsum("njm,nm->nj", resultants_E[site], q[time])
     sample = sample[np.abs(sample).max(axis=1) > 0.0]
     stress = np.einsum("pij,tj->tpi", points.stress_M[own], sample, optimize=True)
     kept = [own[:1]]

@@ -48,12 +48,13 @@ def assert_same_bits(one: Path, two: Path) -> None:
         assert values.tobytes() == b[name].tobytes(), name
 
 
-@pytest.fixture
-def alone(tmp_path):
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory):
     """A sweep of 20 members and its results as computed in this process."""
-    file = ball(tmp_path, MEMBERS, 'histories = ["x"]')
-    assert sweep(file, "--out", str(tmp_path / "alone")) == 3
-    return file, tmp_path / "alone" / "sweep.h5"
+    folder = tmp_path_factory.mktemp("alone")
+    file = ball(folder, MEMBERS, 'histories = ["x"]')
+    assert sweep(file, "--out", str(folder / "alone")) == 3
+    return file, folder / "alone" / "sweep.h5"
 
 
 def test_processes_give_the_same(tmp_path, alone):
@@ -192,14 +193,19 @@ def test_a_worker_that_dies_takes_one_member_with_it(tmp_path, monkeypatch):
     assert rows[1].code == "worker-lost"
 
 
-@pytest.fixture
-def cluster(tmp_path):
+@pytest.fixture(scope="module")
+def scheduler(tmp_path_factory):
     pytest.importorskip("distributed", reason="dask.distributed is not installed")
-    folder = tmp_path / "cluster"
-    folder.mkdir()
-    found = Cluster(folder)
+    found = Cluster(tmp_path_factory.mktemp("cluster"))
     yield found
     found.close()
+
+
+@pytest.fixture
+def cluster(scheduler):
+    """A scheduler without workers."""
+    yield scheduler
+    scheduler.end_workers()
 
 
 def test_a_dask_worker_is_killed_in_the_middle(tmp_path, alone, cluster, monkeypatch):

@@ -82,7 +82,7 @@ def test_step_underflow_keeps_the_part(tmp_path, capsys):
     summary, result = _checked_result(out)
     assert summary["status"] == "failed"
     assert "step" in summary["message"]
-    assert "warning [run-failed]" in capsys.readouterr().out
+    assert "error [run-failed]" in capsys.readouterr().out
     assert result.t[-1] < 1.0
 
 

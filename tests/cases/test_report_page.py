@@ -10,6 +10,8 @@ from chromium import NO_3D, SOFTWARE, Browser
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.math.rotations import rotation_matrix
+from plymotion.solver.report.page import page
+from plymotion.solver.report.story import read_story
 from plymotion.solver.results import RunResult, read_result
 
 pytest.importorskip("matplotlib")
@@ -84,6 +86,22 @@ def captured(
     words = {"run": json.dumps(run), "body": body, "t": t, "scale": scale, "field": field}
     corners, sites, origin = browser.run(CAPTURE % words)
     return np.reshape(corners, (-1, 3)) + origin, np.reshape(sites or [], (-1, 4))
+
+
+def test_a_page_that_would_be_too_large_has_fewer_animations(
+    case_dir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stories = [read_story(case_dir, run, f"run {run}") for run in RUNS]
+    sizes = {}
+    for limit, moving in ((10**9, [True, True]), (None, [True, False]), (0, [False, False])):
+        room = sizes[10**9] - 1000 if limit is None else limit
+        monkeypatch.setattr("plymotion.solver.report.page.LIMIT", room)
+        text = page("pendulum", stories, [])
+        sizes[limit] = len(text.encode())
+        index = json.loads(text.split("id='index'>")[1].split("</script>")[0])
+        assert [run["scene"] is not None for run in index["runs"]] == moving
+        assert ("Without animation, to keep the page small: run layup-2" in text) == (limit is None)
+    assert sizes[0] < sizes[None] < sizes[10**9] - 1000
 
 
 def test_it_draws_with_webgl(browser: Browser) -> None:

@@ -2,6 +2,7 @@
 
 import ast
 from collections.abc import Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
@@ -37,9 +38,42 @@ LIMITS = {
 MAKERS = {"_warning", "add_warning"}  # functions that take a code first
 
 
-def trees(folder: Path) -> Iterator[tuple[Path, ast.AST]]:
-    for path in sorted(folder.rglob("*.py")):
-        yield path, ast.parse(path.read_text("utf-8"))
+@dataclass
+class Facts:
+    """What the tests ask of one source file.
+
+    Attributes
+    ----------
+    codes : that it writes as text
+    makes : it calls Finding(...)
+    defines : it has a class Finding
+    imports : names that it imports from a module of codes
+    """
+
+    codes: set[str] = field(default_factory=set)
+    makes: bool = False
+    defines: bool = False
+    imports: set[str] = field(default_factory=set)
+
+
+@pytest.fixture(scope="module")
+def facts(repository: Path) -> dict[str, Facts]:
+    """The facts of each file of both halves, by its path."""
+    files = [f for half in ("preprocess", "solver") for f in (repository / half).rglob("*.py")]
+    return {f.relative_to(repository).as_posix(): facts_of(f) for f in sorted(files)}
+
+
+def facts_of(path: Path) -> Facts:
+    tree = ast.parse(path.read_text("utf-8"))
+    found = Facts(set(written_codes(tree)))
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call):
+            found.makes |= getattr(node.func, "id", "") == "Finding"
+        elif isinstance(node, ast.ClassDef):
+            found.defines |= node.name == "Finding"
+        elif isinstance(node, ast.ImportFrom) and "codes" in (node.module or ""):
+            found.imports |= {alias.name for alias in node.names}
+    return found
 
 
 def written_codes(tree: ast.AST) -> Iterator[str]:
@@ -63,45 +97,28 @@ def test_codes_are_told_apart() -> None:
     assert len(names) == len(set(names)) == len(CODES)
 
 
-def test_codes_of_the_source_are_those_of_the_list(repository: Path) -> None:
-    written = set()
-    for half in ("preprocess", "solver"):
-        for _, tree in trees(repository / half):
-            written |= set(written_codes(tree))
+def test_codes_of_the_source_are_those_of_the_list(facts: dict[str, Facts]) -> None:
+    written = set().union(*(fact.codes for fact in facts.values()))
     own = {c.name for group in list(GROUPS.values())[2:] for c in group}
     assert written == own
 
 
-def test_findings_are_made_from_the_list(repository: Path) -> None:
+def test_findings_are_made_from_the_list(facts: dict[str, Facts]) -> None:
     """Only results/finding.py makes findings, but for codes of foreign packages."""
-    makers = []
-    for path, tree in trees(repository / "solver"):
-        calls = (n for n in ast.walk(tree) if isinstance(n, ast.Call))
-        if any(getattr(call.func, "id", "") == "Finding" for call in calls):
-            makers.append(path.relative_to(repository).as_posix())
+    makers = [path for path, fact in facts.items() if fact.makes and path.startswith("solver/")]
     assert makers == ["solver/checks/packages.py", "solver/results/finding.py"]
 
 
-def test_there_is_one_class_finding(repository: Path) -> None:
-    found = [
-        path.relative_to(repository).as_posix()
-        for half in ("preprocess", "solver")
-        for path, tree in trees(repository / half)
-        for node in ast.walk(tree)
-        if isinstance(node, ast.ClassDef) and node.name == "Finding"
-    ]
-    assert found == ["solver/results/finding.py"]
+def test_there_is_one_class_finding(facts: dict[str, Facts]) -> None:
+    assert [path for path, fact in facts.items() if fact.defines] == ["solver/results/finding.py"]
 
 
-def test_each_code_of_a_run_is_used(repository: Path) -> None:
+def test_each_code_of_a_run_is_used(facts: dict[str, Facts]) -> None:
     """A constant of the list that no source imports is a code that no run can have."""
     used: set[str] = set()
-    for path, tree in trees(repository / "solver"):
-        if "results/codes" in path.as_posix():
-            continue
-        for node in ast.walk(tree):
-            if isinstance(node, ast.ImportFrom) and "codes" in (node.module or ""):
-                used |= {alias.name for alias in node.names}
+    for path, fact in facts.items():
+        if path.startswith("solver/") and "results/codes" not in path:
+            used |= fact.imports
     from plymotion.solver.results.codes import course, members, motion
 
     constants = {
@@ -135,8 +152,11 @@ def test_limits_of_packages_are_all_compared() -> None:
 def test_each_code_is_provoked_by_a_test(repository: Path) -> None:
     """By the mark `provokes`, on a test that names it."""
     provoked: set[str] = set()
-    for _, tree in trees(repository / "tests"):
-        for node in ast.walk(tree):
+    texts = (path.read_text("utf-8") for path in (repository / "tests").rglob("*.py"))
+    for text in texts:
+        if "provokes" not in text:
+            continue
+        for node in ast.walk(ast.parse(text)):
             if not isinstance(node, ast.FunctionDef):
                 continue
             for mark in node.decorator_list:

@@ -70,12 +70,10 @@ material = "steel"
 pytestmark = pytest.mark.usefixtures("fenicsx")
 
 
-@pytest.fixture
-def cluster(tmp_path):
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory):
     pytest.importorskip("distributed", reason="dask.distributed is not installed")
-    folder = tmp_path / "cluster"
-    folder.mkdir()
-    found = Cluster(folder)
+    found = Cluster(tmp_path_factory.mktemp("cluster"))
     found.worker()
     found.worker()
     yield found

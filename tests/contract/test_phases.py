@@ -16,6 +16,8 @@ MAKEFILE = """
 good: ; @echo one; sleep 0.2; echo two; echo '1.50s call     tests/test_a.py::test_long'
 bad: ; @echo three; exit 3
 long: ; @echo waiting; sleep 60
+tests: ; @echo 'FAILED tests/test_a.py::test_b[1 2]'; sleep 0.5; \
+    echo 'FAILED tests/test_a.py::test_b[1 2] - AssertionError'; false
 """
 
 
@@ -47,6 +49,25 @@ def test_jobs_run_on_the_cores_that_there_are(side_by_side: ModuleType) -> None:
     assert [each.code for each in done] == [0] * 5
     assert len(most) == 5
     assert max(most) == 3
+
+
+def test_a_job_of_no_core_runs_beside_others_but_not_beside_one_of_too_many(
+    side_by_side: ModuleType,
+) -> None:
+    beside: dict[int, list[int]] = {}
+    running: list[int] = []
+
+    def started(job: Any) -> None:
+        beside[job.cores] = list(running)
+        running.append(job.cores)
+
+    jobs = [job(side_by_side, "time.sleep(0.2)", cores) for cores in (9, 2, 0, 1)]
+    side_by_side.run_all(
+        jobs, 2, started=started, ended=lambda done: running.remove(done.job.cores)
+    )
+    assert beside[9] == beside[2] == []
+    assert beside[0] == [2]
+    assert 2 not in beside[1]
 
 
 def test_results_tell_code_and_output(side_by_side: ModuleType) -> None:
@@ -96,6 +117,44 @@ def test_output_of_a_failure_comes_last_and_fails_all(tmp_path: Path, tools: Pat
     end = output[begin[-1] :]
     assert re.search(r"^bad +FAILED in \d+ s\ngood +passed in \d+ s\n", end, re.MULTILINE)
     assert "    1.5  tests/test_a.py::test_long\nall " in end
+
+
+def test_what_fails_is_named_at_once_and_once(tmp_path: Path, tools: Path) -> None:
+    process = phases(tmp_path, tools, "tests", "bad")
+    output, errors = process.communicate(timeout=60)
+    assert process.returncode == 1, errors
+    while_running = output[: output.index("==== make tests\n")].splitlines()
+    test = "==== make tests: FAILED tests/test_a.py::test_b[1 2]"
+    assert while_running.count(test) == 1
+    assert while_running.index(test) < while_running.index(
+        "==== make tests: FAILED, its output is at the end"
+    )
+    assert "==== make bad: make: *** [Makefile:3: bad] Error 3" in while_running
+
+
+def test_lines_are_told_while_a_job_runs(side_by_side: ModuleType) -> None:
+    code = "print('a', flush=True); time.sleep(0.4); print('bc'); print('no newline', end='')"
+    told: list[tuple[str, float]] = []
+    (done,) = side_by_side.run_all(
+        [job(side_by_side, code)], 1, wrote=lambda job, line: told.append((line, time.monotonic()))
+    )
+    assert done.output == "a\nbc\nno newline"
+    assert [line for line, _ in told] == ["a", "bc"]
+    assert told[1][1] - told[0][1] > 0.2
+
+
+def test_a_failed_test_is_named_while_the_others_run(repository: Path, tmp_path: Path) -> None:
+    (tmp_path / "test_two.py").write_text("def test_a(): assert 0\ndef test_b(): pass\n")
+    (tmp_path / "conftest.py").write_text((repository / "tests/conftest.py").read_text())
+    words = ["-m", "pytest", "-q", "-p", "no:cacheprovider", "--tb=no", "-c", "/dev/null"]
+    done = subprocess.run(
+        [sys.executable, *words, "--rootdir", str(tmp_path), "test_two.py"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+    )
+    lines = done.stdout.splitlines()
+    assert lines[:3] == ["F", "FAILED test_two.py::test_a", ". " + lines[2][2:]], done.stdout
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

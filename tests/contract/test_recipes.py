@@ -36,9 +36,14 @@ def copy(repository, tmp_path_factory) -> Path:
     return copy_with_recipes(repository, tmp_path_factory.mktemp("recipes"))
 
 
-def test_a_joint(copy, repository, tmp_path):
+@pytest.fixture(scope="module")
+def page(copy, repository) -> str:
+    """The reference page of case files with all examples."""
+    return run_python(copy, repository, "-m", "plymotion.solver", "check", "--reference")
+
+
+def test_a_joint(copy, page, repository, tmp_path):
     run_python(copy, repository, str(PROGRAMS / "joint.py"), str(tmp_path))
-    page = run_python(copy, repository, "-m", "plymotion.solver", "check", "--reference")
     assert '## `[joints.NAME]` with kind = "point_on_plane": the second place in a plane' in page
     tests = str(repository / "tests/verification/test_joints.py")
     printed = run_python(
@@ -56,9 +61,8 @@ def test_a_joint(copy, repository, tmp_path):
     assert re.search(r"\b[3-9] passed", printed), printed
 
 
-def test_a_force_element(copy, repository, tmp_path):
+def test_a_force_element(copy, page, repository, tmp_path):
     run_python(copy, repository, str(PROGRAMS / "force_element.py"), str(tmp_path))
-    page = run_python(copy, repository, "-m", "plymotion.solver", "check", "--reference")
     assert '## `[forces.NAME]` with kind = "cubic_spring": a force that grows' in page
     assert "| `strength` | number | N/m3 | >= 0 | required | k in k s^3 |" in page
 
@@ -80,9 +84,8 @@ def test_a_shell_element(copy, repository):
     assert "centroid is linear, with the shear strain of its centroid" in page
 
 
-def test_an_integrator(copy, repository, tmp_path):
+def test_an_integrator(copy, page, repository, tmp_path):
     run_python(copy, repository, str(PROGRAMS / "integrator.py"), str(tmp_path))
-    page = run_python(copy, repository, "-m", "plymotion.solver", "check", "--reference")
     assert "heun: explicit, of order 2" in page
     assert "| `corrections` | integer |  | >= 1, <= 9 | `1` | of heun in a step |" in page
     tests = str(repository / "tests/unit/test_integrators_contract.py")
@@ -108,15 +111,21 @@ def test_the_page_on_shells_has_a_line_for_each_element(repository):
         assert f"`{name}` (" in page, name
 
 
+@pytest.fixture(scope="module")
+def files_with(repository) -> dict[str, list[str]]:
+    """Name of an integrator -> files that have it as a constant, once for each time."""
+    found = {name: [] for name in INTEGRATORS}
+    for file in (repository / "solver").rglob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+            if isinstance(node, ast.Constant) and node.value in INTEGRATORS:
+                found[node.value].append(file.relative_to(repository).as_posix())
+    return found
+
+
 @pytest.mark.parametrize("name", INTEGRATORS)
-def test_one_source_file_names_an_integrator(repository, name):
+def test_one_source_file_names_an_integrator(files_with, name):
     """Besides the default of the case file; messages may recommend one in their text."""
-    found = [
-        file.relative_to(repository).as_posix()
-        for file in (repository / "solver").rglob("*.py")
-        for node in ast.walk(ast.parse(file.read_text("utf-8")))
-        if isinstance(node, ast.Constant) and node.value == name
-    ]
+    found = list(files_with[name])
     if name == Solver.model_fields["integrator"].default:
         found.remove("solver/inputs/case/solver.py")
     assert len(found) == 1, found
@@ -127,27 +136,26 @@ def test_the_page_on_integrators_names_each_one(repository):
     assert not [name for name in INTEGRATORS if f"`{name}`" not in page]
 
 
-@pytest.mark.parametrize("kind", sorted(set(JOINTS) - USED))
-def test_one_source_file_names_a_joint(repository, kind):
-    quoted = re.compile(rf"""["']{kind}["']""")
+@pytest.fixture(scope="module")
+def texts(repository) -> dict[str, str]:
+    """All sources."""
     sources = [*(repository / "solver").rglob("*.py"), *(repository / "preprocess").rglob("*.py")]
-    found = [
-        file.relative_to(repository).as_posix()
-        for file in sources
-        if quoted.search(file.read_text("utf-8"))
-    ]
+    return {file.relative_to(repository).as_posix(): file.read_text("utf-8") for file in sources}
+
+
+@pytest.mark.parametrize("kind", sorted(set(JOINTS) - USED))
+def test_one_source_file_names_a_joint(texts, kind):
+    quoted = re.compile(rf"""["']{kind}["']""")
+    found = [name for name, text in texts.items() if quoted.search(text)]
     assert found == [f"solver/dynamics/joints/{kind}.py"]
 
 
 @pytest.mark.parametrize("kind", sorted(set(FORCES) - {"force"}))
-def test_one_source_file_names_a_force_element(repository, kind):
+def test_one_source_file_names_a_force_element(texts, kind):
     """`force` is also a quantity of a signal."""
     quoted = re.compile(rf"""["']{kind}["']""")
-    found = [
-        file.relative_to(repository).as_posix()
-        for file in (repository / "solver").rglob("*.py")
-        if quoted.search(file.read_text("utf-8"))
-    ]
+    solver = (item for item in texts.items() if item[0].startswith("solver/"))
+    found = [name for name, text in solver if quoted.search(text)]
     assert len(found) == 1, found
     assert found[0].startswith("solver/dynamics/forces/")
 

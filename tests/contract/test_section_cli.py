@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from plymotion.solver.__main__ import main
 from plymotion.solver.commands.fenicsx_side import interpreter
 from plymotion.solver.commands.fenicsx_side.interpreter import find_interpreter
 from plymotion.solver.errors import InputError
@@ -60,7 +61,7 @@ key = "laminates.all.angles_deg"
 values = {values}
 """
 MARK = "PLYMOTION_TEST"
-MANY = 16  # sections of a batch that is stopped after the fourth
+MANY = 12  # sections of a batch that is stopped after the fourth
 
 
 pytestmark = pytest.mark.usefixtures("fenicsx")
@@ -82,9 +83,11 @@ def command(*arguments: str | Path) -> list[str]:
     return [sys.executable, "-m", "plymotion.solver", "section", *map(str, arguments)]
 
 
-def run(
-    folder: Path, *arguments: str | Path, **environment: str
-) -> "subprocess.CompletedProcess[str]":
+Done = subprocess.CompletedProcess[str]
+Run = Callable[..., Done]
+
+
+def process(folder: Path, *arguments: str | Path, **environment: str) -> Done:
     return subprocess.run(
         command(*arguments),
         capture_output=True,
@@ -95,8 +98,25 @@ def run(
     )
 
 
-def test_one_section_from_text_to_files(folder: Path) -> None:
-    first = run(folder, "bar.toml", "--no-figures", "--loads=1e4,0,0,0,20,0")
+@pytest.fixture
+def run(folder: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Run:
+    """The command in this process; the FEniCSx side is a process all the same."""
+    monkeypatch.chdir(folder)
+
+    def done(*arguments: str | Path, **environment: str) -> Done:
+        capfd.readouterr()
+        with pytest.MonkeyPatch.context() as patch:
+            for name, value in environment.items():
+                patch.setenv(name, value)
+            code = main(["section", *map(str, arguments)])
+        return Done(arguments, code, *capfd.readouterr())
+
+    return done
+
+
+def test_one_section_from_text_to_files(folder: Path, run: Run) -> None:
+    """And figures, which are drawn once."""
+    first = process(folder, "bar.toml", "--loads=1e4,0,0,0,20,0")
     assert first.returncode == 0, first.stderr
     lines = first.stdout.splitlines()
     assert lines[0] == "bar: A bar of one ply"
@@ -108,8 +128,14 @@ def test_one_section_from_text_to_files(folder: Path) -> None:
     assert f"Files           {file.relative_to(folder)}" in lines
     section = read_section(file)
     os.utime(file, (1, 1))
+    figures = sorted(file.parent.glob("*.png"))
+    assert len(figures) == 2, first.stderr
+    assert all(str(figure.relative_to(folder)) in first.stdout for figure in figures)
+    times = [figure.stat().st_mtime_ns for figure in figures]
+    assert run("bar.toml").returncode == 0
+    assert [figure.stat().st_mtime_ns for figure in figures] == times
 
-    second = run(folder, "bar.toml", "--json")
+    second = run("bar.toml", "--json")
     assert second.returncode == 0, second.stderr
     found = json.loads(second.stdout)
     assert list(found) == [
@@ -121,24 +147,14 @@ def test_one_section_from_text_to_files(folder: Path) -> None:
     assert file.stat().st_mtime == 1, "it was made again"
 
     # A section file is shown without FEniCSx, in any order.
-    shown = run(folder, file, "--json", "--order", "becas", FENICSX_PYTHON="nowhere")
+    shown = run(file, "--json", "--order", "becas", FENICSX_PYTHON="nowhere")
     K = np.array(json.loads(shown.stdout)["K"])
     assert K[2, 2] == section.K[0, 0]
     assert K[5, 5] == section.K[3, 3]
 
 
-def test_figures_are_drawn_once(folder: Path) -> None:
-    first = run(folder, "bar.toml", "--no-estimate")
-    figures = sorted((folder / "build" / "sections" / "bar").glob("*.png"))
-    assert len(figures) == 2, first.stderr
-    assert all(str(figure.relative_to(folder)) in first.stdout for figure in figures)
-    times = [figure.stat().st_mtime_ns for figure in figures]
-    run(folder, "bar.toml", "--no-estimate")
-    assert [figure.stat().st_mtime_ns for figure in figures] == times
-
-
-def test_accuracy_refines_and_says_what_it_cost(folder: Path) -> None:
-    done = run(folder, "bar.toml", "--no-figures", "--accuracy", "2e-6")
+def test_accuracy_refines_and_says_what_it_cost(folder: Path, run: Run) -> None:
+    done = run("bar.toml", "--no-figures", "--accuracy", "2e-6")
     assert done.returncode == 0, done.stderr
     assert "refined in steps:" in done.stdout
     section = read_section(folder / "build" / "sections" / "bar" / "bar.vtkhdf")
@@ -147,9 +163,9 @@ def test_accuracy_refines_and_says_what_it_cost(folder: Path) -> None:
     assert steps[0]["error"] > 2e-6 >= steps[-1]["error"]
 
 
-def test_errors_name_file_and_key(folder: Path) -> None:
+def test_errors_name_file_and_key(folder: Path, run: Run) -> None:
     (folder / "bad.toml").write_text(BAR.replace("angles_deg", "angle_deg"))
-    done = run(folder, "bad.toml")
+    done = run("bad.toml")
     assert (done.returncode, done.stdout) == (2, "")
     assert "error: bad.toml: laminates.all.angle_deg: unknown key" in done.stderr
     assert "did you mean 'angles_deg'" in done.stderr
@@ -158,14 +174,14 @@ def test_errors_name_file_and_key(folder: Path) -> None:
     (folder / "part.geo").write_text("Rectangle(1) = {0, 0, 0, 1, 1};\n")
     own = BAR.replace('shape = "rectangle"\nwidth = 0.06\nheight = 0.015', 'file = "part.geo"')
     (folder / "own.toml").write_text(own)
-    done = run(folder, "own.toml", "bar.toml", "--no-figures", "--no-estimate")
+    done = run("own.toml", "bar.toml", "--no-figures", "--no-estimate")
     assert done.returncode == 2
     assert "error: own.toml: " in done.stderr
     assert "bar: A bar of one ply" in done.stdout, "one failure stops no other"
 
 
-def test_unusable_interpreter_is_named(folder: Path) -> None:
-    done = run(folder, "bar.toml", FENICSX_PYTHON=sys.executable)
+def test_unusable_interpreter_is_named(folder: Path, run: Run) -> None:
+    done = run("bar.toml", FENICSX_PYTHON=sys.executable)
     if done.returncode == 0:
         pytest.skip("this very Python has FEniCSx")
     assert done.returncode == 2
@@ -192,7 +208,7 @@ def test_installed_package_hides_nothing_of_the_other_python(
         repository / "plymotion", site / "plymotion", ignore=shutil.ignore_patterns("__pycache__")
     )
     (site / "gmsh.py").write_text("raise ImportError('of the wrong Python')\n")
-    done = run(
+    done = process(
         folder,
         *("bar.toml", "--no-figures", "--no-estimate"),
         PYTHONPATH=str(site),
@@ -215,11 +231,11 @@ def test_installed_package_hides_nothing_of_the_other_python(
     assert (folder / "build" / "sections" / "bar" / "bar.vtkhdf").exists()
 
 
-def test_study_with_a_bad_variant_and_shards(folder: Path) -> None:
+def test_study_with_a_bad_variant_and_shards(folder: Path, run: Run) -> None:
     (folder / "study.toml").write_text(STUDY.format(values="[[0], [95], [30], [45], [60]]"))
     batch = ("--batch", "study.toml", "--out", "out", "--no-estimate")
     for k in (1, 2):
-        part = run(folder, *batch, "--shard", f"{k}/2")
+        part = run(*batch, "--shard", f"{k}/2")
         assert part.returncode == (2 if k == 1 else 0)
     made = sorted((folder / "out").glob("*/*.vtkhdf"))
     assert [path.stem for path in made] == ["bar-1", "bar-3", "bar-4", "bar-5"]
@@ -230,7 +246,7 @@ def test_study_with_a_bad_variant_and_shards(folder: Path) -> None:
     ]
     assert names == ["bar-1", "bar-2", "bar-3", "bar-4", "bar-5"]
 
-    whole = run(folder, *batch, "--json")
+    whole = run(*batch, "--json")
     assert whole.returncode == 2
     assert "error: bar-2: bar.toml: laminates.all.angles_deg.0 = 95" in whole.stderr
     table = json.loads(whole.stdout)
@@ -266,14 +282,14 @@ def until(true: Callable[[], object], seconds: float = 60.0) -> None:
 @pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="looks for processes in /proc")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
 def test_stopped_batch_goes_on_where_it_was(
-    folder: Path, mark: str, number: signal.Signals
+    folder: Path, mark: str, number: signal.Signals, run: Run
 ) -> None:
     values = [[3 * i] for i in range(MANY)]
     (folder / "study.toml").write_text(STUDY.format(values=values))
-    batch = ("--batch", "study.toml", "--out", "out", "--jobs", "2")
+    batch = ("--batch", "study.toml", "--out", "out")
     made = (folder / "out").glob
     with subprocess.Popen(
-        command(*batch),
+        command(*batch, "--jobs", "2"),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -296,7 +312,7 @@ def test_stopped_batch_goes_on_where_it_was(
     for path in kept:
         read_section(path)
 
-    again = run(folder, *batch, "--json")
+    again = run(*batch, "--json")
     assert again.returncode == 0, again.stderr
     status = [row["status"] for row in json.loads(again.stdout).values()]
     assert status.count("unchanged") == len(kept)

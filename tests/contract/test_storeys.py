@@ -7,12 +7,14 @@ import ast
 import tomllib
 from collections import defaultdict
 from collections.abc import Iterable
+from functools import cache
 from pathlib import Path
 
 MOST_ROOMS, MOST_LEVELS = 20, 11
 Graph = dict[str, set[str]]
 
 
+@cache
 def imports(solver: Path) -> Graph:
     """File -> files of solver/ that it imports, wherever the import statement stands."""
     files = {path.relative_to(solver).as_posix(): path for path in solver.rglob("*.py")}

@@ -131,6 +131,7 @@ def run(*arguments: str | Path) -> "subprocess.CompletedProcess[str]":
     return subprocess.run(command, capture_output=True, text=True, cwd=ROOT, env=environment)
 
 
+@pytest.mark.one_end
 def test_command_line(tmp_path: Path) -> None:
     specs = {
         "arm.good": arm(),

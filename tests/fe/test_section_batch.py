@@ -125,6 +125,7 @@ def lines(text: str) -> list[dict[str, Any]]:
     return [line for line in found if "progress" not in line]
 
 
+@pytest.mark.one_end
 def test_killed_batch_goes_on_where_it_was(tmp_path: Path) -> None:
     specs = {f"bar_{i:02d}": bar(4.0 * i) for i in range(20)}
     files = write(tmp_path, **specs)
@@ -150,6 +151,7 @@ def test_killed_batch_goes_on_where_it_was(tmp_path: Path) -> None:
     assert all(file.stat().st_mtime_ns == time for file, time in kept.items())
 
 
+@pytest.mark.one_end
 def test_answers_one_by_one(tmp_path: Path) -> None:
     good, bad = write(tmp_path, good=bar(0), bad={"mesh": {"script": "recktangle"}})
     with subprocess.Popen(
@@ -198,10 +200,12 @@ def mpirun(n: int) -> list[str]:
     return [launcher, "-n", str(n)]
 
 
-def test_ranks_work_on_one_section_together(tmp_path: Path) -> None:
+def test_ranks_work_on_one_section_together(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
     files = write(tmp_path, a=bar(30), bad=BAD, b=bar(45, 0.05))
     alone, together = tmp_path / "alone", tmp_path / "together"
-    run(command("section", *files, "--out-dir", alone))
+    here(capfd, "section", *files, "--out-dir", alone)
     done = run([*mpirun(2), *command("section", *files, "--out-dir", together)])
     assert done.returncode == 2
     assert done.stdout.count("a: 1125 dofs") == 1, done.stdout
@@ -216,7 +220,7 @@ def test_ranks_work_on_one_section_together(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("start", ["futures", "plain"])
-def test_ranks_share_a_batch(tmp_path: Path, start: str) -> None:
+def test_ranks_share_a_batch(tmp_path: Path, capfd: pytest.CaptureFixture[str], start: str) -> None:
     files = write(tmp_path, a=bar(0), b=bar(0, 0.05), c=bar(30), d=bar(60), bad=BAD)
     line = command("section-batch", *files, "--json", "--no-estimate")
     if start == "futures":
@@ -232,7 +236,7 @@ def test_ranks_share_a_batch(tmp_path: Path, start: str) -> None:
     done = run([*mpirun(3), *line])
     told = {Path(one["file"]).stem: one for one in lines(done.stdout)}
     assert {told[name]["status"] for name in "abcd"} == {"unchanged"}
-    run(command("section", files[2], "--force", "--no-estimate"))
+    here(capfd, "section", files[2], "--force", "--no-estimate")
     assert np.allclose(read_section(tmp_path / "c.vtkhdf").K, K, rtol=1e-9, atol=1e-9 * K.max())
 
 
@@ -242,6 +246,7 @@ def test_batch_without_ranks_is_a_batch(tmp_path: Path, capfd: pytest.CaptureFix
     assert (code, stdout) == (0, "[1/2] a: 1125 dofs\n[2/2] b: 1125 dofs\n")
 
 
+@pytest.mark.one_end
 def test_interrupt_leaves_nothing_half_written(tmp_path: Path) -> None:
     files = write(tmp_path, **{f"bar_{i:02d}": bar(4.0 * i) for i in range(20)})
     with subprocess.Popen(

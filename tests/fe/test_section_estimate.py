@@ -26,6 +26,7 @@ def compared(name: str, density: float, degree: int) -> tuple[Any, Any]:
     return scaled(found.K - exact, exact), scaled(np.asarray(found.error_estimate), exact)
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("name", ["02", "08", "11", "12", "15", "21", "22"])
 @pytest.mark.parametrize(("density", "degree"), [(0.5, 2), (1.0, 2), (0.5, 3)])
 def test_estimate_bounds_the_error(name: str, density: float, degree: int) -> None:

@@ -178,6 +178,7 @@ THIN_LAMINATES: dict[str, dict[str, Any]] = {
 }
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("name", THIN_LAMINATES)
 def test_thin_unsymmetric_walls_bend(name: str) -> None:
     """Elements of 10 degrees would make K33 of this half tube 20 % too small."""

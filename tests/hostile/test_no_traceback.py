@@ -162,7 +162,7 @@ def test_formulas_in_titles_are_words(tmp_path):
     text += f"[runs.base]\ntitle = '{odd}'\n"
     text += f"[figures.f]\ntitle = '{odd}'\nsignal = 'x'\nruns = ['base']\n"
     _run(tmp_path, text)
-    assert main(["report", str(tmp_path / "out")]) == 0
+    assert main(["report", str(tmp_path / "out"), "--figures"]) == 0
     assert "&lt;b&gt; &amp;" in (tmp_path / "out/report.html").read_text()
     assert (tmp_path / "out/f.png").is_file()
 

@@ -18,6 +18,8 @@ from plymotion.solver.results import read_result
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
 SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
+# The handler is one for all; workers are told to stop in one way, whatever the signal was.
+TO_WORKERS = [signal.SIGINT, signal.SIGTERM]
 BALL = rigid("ball", 1.0, 0.1, {"c": (0, 0, 0)})
 LONG = SOLVER.format(t_end=1e5, step=1.0, more="max_step = 0.01")
 SWEEP = """
@@ -94,7 +96,7 @@ def test_a_run_keeps_its_part(tmp_path, number):
     _nothing_hidden(build)
 
 
-@pytest.mark.parametrize("number", SIGNALS)
+@pytest.mark.parametrize("number", TO_WORKERS)
 def test_processes_get_the_signal_of_the_first(tmp_path, number):
     """The scheduler's signal reaches one process; two runs are under way, the third waits."""
     build = _files(tmp_path, LONG + "[runs.two]\n[runs.three]\n")
@@ -121,8 +123,9 @@ def _finished(file):
     return read_sweep(file).count("finished") if file.exists() else 0
 
 
-@pytest.mark.parametrize("number", SIGNALS)
-@pytest.mark.parametrize("jobs", ["1", "2"])
+@pytest.mark.parametrize(
+    ("number", "jobs"), [(n, "1") for n in SIGNALS] + [(n, "2") for n in TO_WORKERS]
+)
 def test_a_sweep_keeps_its_members(tmp_path, number, jobs):
     build = _files(tmp_path, LONG.replace("= 1.0", "= 0.1") + SWEEP)
     process = _started("sweep", build / "sweeps/s.json", "--jobs", jobs)
@@ -154,20 +157,20 @@ MODULES = ["plymotion.solver.commands", "numpy", "h5py", "plymotion.solver.run.e
 
 @pytest.mark.parametrize("number", SIGNALS)
 def test_an_end_before_the_beginning(tmp_path, number):
-    """While it starts: no traceback, nothing written."""
+    """While it starts: no traceback, nothing written. All pairs of signal, entry and module."""
     build = _files(tmp_path, LONG)
-    for module in ("plymotion", "plymotion.solver"):
-        for name in MODULES:
-            words = [str(build / "runs/base.json"), module, name, str(int(number))]
-            done = subprocess.run(
-                [sys.executable, "-c", IMPORTING, *words],
-                capture_output=True,
-                text=True,
-                env=os.environ | {"PLYMOTION_COMPILED": "0"},
-            )
-            assert done.stderr == "interrupted: nothing written\n", name
-            assert done.returncode == 128 + number
-            assert not (build / "base").exists()
+    for k, name in enumerate(MODULES):
+        module = ("plymotion", "plymotion.solver")[(k + SIGNALS.index(number)) % 2]
+        words = [str(build / "runs/base.json"), module, name, str(int(number))]
+        done = subprocess.run(
+            [sys.executable, "-c", IMPORTING, *words],
+            capture_output=True,
+            text=True,
+            env=os.environ | {"PLYMOTION_COMPILED": "0"},
+        )
+        assert done.stderr == "interrupted: nothing written\n", (module, name)
+        assert done.returncode == 128 + number
+        assert not (build / "base").exists()
 
 
 def test_an_ignored_signal_stays_ignored(tmp_path):

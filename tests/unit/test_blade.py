@@ -5,12 +5,14 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from blade_samples import blade_table, write_blade
+from blade_samples import along, anchor, blade_table, layer, write_blade
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.commands.blade.contour import arcs, contour
 from plymotion.solver.commands.blade.station import write_station
 from plymotion.solver.commands.blade.windio import read_blade
+from plymotion.solver.inputs.case.laws import FOLDER
+from plymotion.solver.inputs.case.schema import BeamBody
 
 PLACES = [0.0, 0.1, 0.2, 0.35, 0.5, 0.8, 1.0]
 
@@ -129,3 +131,191 @@ def test_stiffness_and_mass_of_stations(fenicsx, tmp_path, capsys):
     capsys.readouterr()
     assert main(words) == 0
     assert "2 unchanged" in capsys.readouterr().out
+
+
+def test_a_failed_station_has_no_numbers_of_an_earlier_call(fenicsx, tmp_path, capsys):
+    out = tmp_path / "out"
+    words = ["--at", "0,0.5", "-o", str(out), "--quiet", "--no-estimate"]
+    assert main(["blade", str(write_blade(tmp_path)), *words]) == 0
+
+    def change(blade, table):
+        table["materials"][1]["E"] = -1.0
+        blade["structure"]["layers"][3]["thickness"] = along(0.0, 0.015)
+        blade["structure"]["layers"].pop(6)
+
+    assert main(["blade", str(write_blade(tmp_path, wrong(change))), *words]) == 2
+    with (out / "blade.csv").open(newline="") as stream:
+        assert [row["r"] for row in csv.DictReader(stream)] == ["0.0"]
+    assert "0.5000  failed" in capsys.readouterr().out
+
+
+def test_webs_whose_feet_overlap_are_refused(tmp_path, capsys):
+    def change(blade, table):
+        structure = blade["structure"]
+        close = anchor("close", 0.322, 0.66)
+        structure["anchors"].append(close)
+        ends = {key: close[key] for key in ("start_nd_arc", "end_nd_arc")}
+        structure["webs"].append({"name": "second", "anchors": [], **ends})
+        structure["layers"].append(layer("more", "foam", 0.05, at="close", web="second"))
+
+    file = write_blade(tmp_path, wrong(change))
+    assert main(["blade", str(file), "--at", "0.5", "-o", str(tmp_path / "out"), "--check"]) == 2
+    message = capsys.readouterr().err
+    assert f"{file}: station r = 0.5: structure.webs: second: its foot covers the arcs " in message
+    assert "expected none of those of web" in message
+
+
+def test_layers_and_webs_are_there_within_their_grids_only(tmp_path):
+    def change(blade, table):
+        layers = blade["structure"]["layers"]
+        for number in (1, 5):  # a cap, a skin of the web
+            layers[number]["thickness"] = {"grid": [0.2, 0.6], "values": [0.01, 0.01]}
+
+    blade = read_blade(write_blade(tmp_path, wrong(change)))
+    for r, there in ((0.1, False), (0.2, True), (0.6, True), (0.7, False)):
+        found = write_station(blade, r, "one", tmp_path).bands
+        assert ("cap-s" in found) == ("web-skin" in found) == there
+        assert "cap-p" in found
+
+
+@pytest.mark.parametrize("height", [0.1, 0.3])
+def test_the_face_of_a_flatback_is_a_wall(tmp_path, height):
+    """An open contour: its layers go around the corners, to the middle of the face."""
+
+    def change(blade, table):
+        xy = table["airfoils"][1]["coordinates"]
+        x, y = np.array(xy["x"]), np.array(xy["y"])
+        half = 0.5 * height * x * np.where(np.arange(len(x)) < len(x) // 2, 1.0, -1.0)
+        xy["y"] = (y + half).tolist()
+        blade["structure"]["anchors"].append(anchor("edge-s", 0.0, 0.04))
+        blade["structure"]["layers"].insert(1, layer("edge-s", "glass", 0.005))
+
+    blade = read_blade(write_blade(tmp_path, wrong(change)))
+    points = contour(blade, 0.8)
+    gap = float(np.linalg.norm(points[0] - points[-1]))
+    assert gap == pytest.approx(height * blade.chord.at(0.8), rel=1e-6)
+    mesh = write_station(blade, 0.8, "one", tmp_path)
+    assert "trailing-edge" not in mesh.bands
+    perimeter = float(arcs(points)[-1]) + gap
+    found = areas(mesh)
+    assert found["skin"] == pytest.approx(0.004 * perimeter, rel=0.02)
+    assert found["edge-s"] == pytest.approx(0.005 * 0.04 * perimeter, rel=0.1)
+    nodes = np.array(mesh.nodes)
+    behind = {
+        (region, nodes[list(cell), 1].mean() > 0.5 * (points[0, 1] + points[-1, 1]))
+        for cell, region in zip(mesh.cells, mesh.regions, strict=True)
+        if nodes[list(cell), 0].mean() < points[0, 0] + 0.008
+    }
+    assert behind >= {("skin", True), ("skin", False), ("edge-s", True)}
+    assert ("edge-s", False) not in behind
+    outline = nodes[[a for a, _ in mesh.outer]]
+    assert abs(area(outline)) == pytest.approx(abs(area(points)), rel=5e-3)
+
+
+@pytest.fixture(scope="module")
+def built(fenicsx, tmp_path_factory):
+    """A blade of three stations with all files."""
+    folder = tmp_path_factory.mktemp("blade")
+    table = blade_table()
+    axis = table["components"]["blade"]["reference_axis"]
+    axis |= {"x": along(0.0, -0.2, -0.8), "y": along(0.0, 0.0, 0.3)}
+    file, out = write_blade(folder, table), folder / "out"
+    words = ["--at", "0,0.4,1", "-o", str(out), "--quiet", "--no-estimate"]
+    for code in ("beamdyn", "hawc2"):
+        assert main(["blade", str(file), *words, "--to", code]) == 0
+    return read_blade(file), out
+
+
+def rows_of(file):
+    with file.open(newline="") as stream:
+        return list(csv.DictReader(line for line in stream if not line.startswith("#")))
+
+
+def matrix(row, letter):
+    found = np.zeros((6, 6))
+    for i in range(6):
+        for j in range(i, 6):
+            found[i, j] = found[j, i] = float(row[f"{letter}{i + 1}{j + 1}"])
+    return found
+
+
+def test_a_blade_becomes_a_table_of_a_beam(built):
+    """The axes of windIO: x to the suction side, y to the trailing edge, z to the tip."""
+    _, out = built
+    beam, table = rows_of(out / "beam.csv"), rows_of(out / "blade.csv")
+    assert [float(beam[-1][k]) for k in ("x_m", "y_m", "z_m")] == [20.0, -0.3, -0.8]
+    # positive in the file: the leading edge (y) is turned to the pressure side (-z)
+    assert float(beam[0]["twist_deg"]) == -10.0
+    for one, two in zip(beam, table, strict=True):
+        np.testing.assert_array_equal(matrix(one, "K"), matrix(two, "K"))
+        np.testing.assert_array_equal(matrix(one, "M"), matrix(two, "M"))
+        # a_1 of a thin closed section is about its polar radius of gyration squared
+        M = matrix(one, "M")
+        assert 0.3 < float(one["A1"]) / (M[3, 3] / M[0, 0]) < 1.5
+    body = {
+        "kind": "beam",
+        "table": "beam.csv",
+        "modes": [{"kind": "lowest", "count": 3}],
+        "interfaces": {"root": {"at": "start"}},
+    }
+    read = BeamBody.model_validate(body, context={FOLDER: out})
+    assert [s.stiffness for s in read.stations] == [matrix(row, "K").tolist() for row in beam]
+
+
+def test_files_for_beamdyn_have_the_matrices_in_its_axes(built):
+    _, out = built
+    lines = (out / "blade_beamdyn.dat").read_text().splitlines()
+    numbers = [list(map(float, line.split())) for line in lines[10:] if line.strip()]
+    station = [row for row in numbers if len(row) == 1]
+    assert np.ravel(station)[[0, -1]].tolist() == [0.0, 1.0]
+    K = np.array([row for row in numbers if len(row) == 6][:6])  # the first station
+    ours = matrix(rows_of(out / "beam.csv")[0], "K")
+    # x, y, z of BeamDyn are x3, -x2, x1: shear x, shear y, axial, about x (edge), about y (flap)
+    diagonal = np.diag(ours)[[2, 1, 0, 5, 4, 3]]
+    np.testing.assert_allclose(np.diag(K), diagonal, rtol=1e-12)
+    assert K[2, 3] == pytest.approx(ours[0, 5], rel=1e-12, abs=1e-9 * diagonal.max())
+    assert K[2, 4] == pytest.approx(-ours[0, 4], rel=1e-12, abs=1e-9 * diagonal.max())
+    keys = (out / "blade_beamdyn_geometry.dat").read_text().splitlines()[5:]
+    assert [float(x) for x in keys[-1].split()] == pytest.approx([-0.8, 0.3, 20.0, 0.0])
+    assert float(keys[0].split()[3]) == 10.0
+
+
+def test_files_for_hawc2_are_about_the_half_chord_line(built):
+    blade, out = built
+    lines = (out / "blade_hawc2_st.dat").read_text().splitlines()[4:]
+    sections = (out / "blade_hawc2_c2_def.htc").read_text().splitlines()[2:-1]
+    for line, sec, row in zip(lines, sections, rows_of(out / "blade.csv"), strict=True):
+        st, c2 = np.array(line.split(), float), np.array(sec.split()[2:6], float)
+        r = float(row["r"])
+        arm = blade.offset.at(r) - 0.5 * blade.chord.at(r)  # of the half chord, to the nose
+        M, K = matrix(row, "M"), matrix(row, "K")
+        assert st[1] == pytest.approx(float(row["mass_kg_m"]))
+        assert st[2] == pytest.approx(-M[0, 5] / M[0, 0] - arm, abs=1e-9)
+        assert st[20] == pytest.approx(K[0, 0], rel=0.05)  # axial: K_33 in its order
+        assert c2[3] == pytest.approx(-blade.twist.at(r))
+        assert c2[2] == pytest.approx(20.0 * r)
+    angle = np.radians(blade.twist.at(0.0))
+    first = np.array(sections[0].split()[2:4], float)
+    arm = blade.offset.at(0.0) - 0.5 * blade.chord.at(0.0)
+    np.testing.assert_allclose(first, arm * np.array([np.cos(angle), -np.sin(angle)]), atol=1e-9)
+
+
+def test_what_is_not_modelled_is_named(tmp_path, capsys):
+    def change(blade, table):
+        structure = blade["structure"]
+        structure["webs"][0]["flanges"] = [{"type": "T", "side": "both"}]
+        structure["trailing_edge_adhesive"] = {"material": "glass"}
+        structure["joint"] = {"position": 0.3, "mass": 120.0}
+        blade["outer_shape"]["section_offset_x"] = along(0.0, 0.1)
+
+    file = write_blade(tmp_path, wrong(change))
+    assert main(["blade", str(file), "--at", "0.8", "-o", str(tmp_path / "out"), "--check"]) == 0
+    told = capsys.readouterr().err.splitlines()
+    keys = ("structure.webs: web: flanges", "structure.trailing_edge_adhesive", "structure.joint")
+    for line, key in zip(told, keys, strict=True):
+        assert line.startswith(f"warning [not-modelled] {file}: {key}")
+    blade = read_blade(file)
+    assert write_station(blade, 0.8, "one", tmp_path).bands["trailing-edge"].material == "glass"
+    # the chord line lies over the reference axis
+    shifted = contour(blade, 1.0) - contour(read_blade(write_blade(tmp_path)), 1.0)
+    np.testing.assert_allclose(shifted, np.tile([0.0, 0.1], (len(shifted), 1)), atol=1e-12)

@@ -1,6 +1,7 @@
 """The cache of compiled functions: keyed by content, shared, and never trusted blindly."""
 
 import importlib.metadata
+import json
 import os
 import pickle
 import shutil
@@ -126,38 +127,56 @@ def test_two_processes_at_once(tmp_path):
     assert not list(cache.rglob(".new-*"))
 
 
-@pytest.mark.parametrize("damage", ["cut", "flipped", "empty", "gone"])
-def test_a_damaged_file_is_compiled_anew(tmp_path, filled, damage):
+def _cut(path):
+    data = path.read_bytes()
+    path.write_bytes(data[: len(data) // 2])
+
+
+def _flipped(path):
+    data = bytearray(path.read_bytes())
+    data[-20] ^= 0xFF
+    path.write_bytes(data)
+
+
+def _empty(path):
+    path.write_bytes(b"")
+
+
+def _files(cache):
+    """Files of the unit, of its caller, and of the caller's entry from Python."""
+    files = {json.loads(f.read_bytes().split(b"\n")[1])["name"]: f for f in cache.rglob("code/*")}
+    return [files.pop(f"sample:{name}") for name in ("unit", "entry", "entry from Python")]
+
+
+DAMAGES = [_cut, _flipped, _empty]
+
+
+@pytest.mark.parametrize("first", range(3))
+def test_a_damaged_file_is_compiled_anew(tmp_path, filled, first):
+    """Each damage to each file. Files that are gone: the next test."""
     cache = filled
-    for path in (cache / "code").iterdir():
-        data = bytearray(path.read_bytes())
-        if damage == "cut":
-            path.write_bytes(data[: len(data) // 2])
-        elif damage == "flipped":
-            data[-20] ^= 0xFF
-            path.write_bytes(data)
-        elif damage == "empty":
-            path.write_bytes(b"")
-        else:
-            path.unlink()
+    for k, path in enumerate(_files(cache)):
+        DAMAGES[(first + k) % 3](path)
     assert _call(tmp_path / "one", cache) == (16.0, True, 0, 0, ["entry", "unit"])
-    assert _call(tmp_path / "one", cache)[4] == []
+    if first == 0:  # the files are whole again, whatever they were
+        assert _call(tmp_path / "one", cache)[4] == []
 
 
 def test_one_lost_unit_is_compiled_before_its_caller_is_loaded(tmp_path, filled):
     cache = filled
-    for path in (cache / "code").iterdir():
-        if b":unit" in path.read_bytes().split(b"\n")[1].split(b"units")[0]:
-            path.unlink()
+    unit, entry, _ = _files(cache)
+    unit.unlink()
     assert _call(tmp_path / "one", cache) == (16.0, True, 1, 0, ["unit"])
+    entry.unlink()
+    assert _call(tmp_path / "one", cache) == (16.0, True, 1, 0, ["entry"])
 
 
 def test_a_cache_that_cannot_be_written(tmp_path):
     """A file stands where the folder would be: so even for a user who may write anywhere."""
     (tmp_path / "cache").write_text("no folder")
-    for _ in range(2):
-        value, _, loaded, fallbacks, names = _call(tmp_path / "one", tmp_path / "cache")
-        assert (value, loaded, fallbacks, names) == (16.0, 0, 0, ["entry", "unit"])
+    value, _, loaded, fallbacks, names = _call(tmp_path / "one", tmp_path / "cache")
+    assert (value, loaded, fallbacks, names) == (16.0, 0, 0, ["entry", "unit"])
+    assert (tmp_path / "cache").read_text() == "no folder"  # so the next one compiles as well
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")

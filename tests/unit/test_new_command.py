@@ -10,7 +10,7 @@ from plymotion.solver.__main__ import main
 from plymotion.solver.commands.new.command import HOME
 from plymotion.solver.commands.new.options import STARTERS
 
-# Runs of each starter that must end without a warning.
+# Runs of each starter that must end without warnings; notes may be.
 RUNS = {
     "arm": ["base"],
     "robot-arm": ["flexible", "rigid"],
@@ -45,12 +45,12 @@ def test_a_starter_runs_as_it_is(
     monkeypatch.setenv("FENICSX_PYTHON", fenicsx)
     monkeypatch.chdir(tmp_path)
     assert main(["new", name, "mine"]) == 0
-    assert main(["mine/case.toml", "--quiet"]) == 0
+    assert main(["mine/case.toml", "--quiet", "--jobs", "1"]) == 0
     assert Path("build/mine/report.html").is_file()
     for run in RUNS[name]:
         summary = json.loads(Path("build/mine", run, "summary.json").read_text("utf-8"))
         assert summary["completed"]
-        assert summary["warnings"] == []
+        assert {each["level"] for each in summary["warnings"]} <= {"note"}
         assert max(abs(s["max"]) for s in summary["signals"].values()) > 0.0
 
 

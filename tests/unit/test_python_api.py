@@ -176,7 +176,7 @@ def test_a_figure_of_the_case_may_be_a_spectrum(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     figure = '[figures.hum]\ntitle = "Hum"\nsignal = "tip_z"\nruns = ["base"]\nspectrum = true\n'
     Path("swing.toml").write_text(SWING + figure)
-    assert command(["swing.toml", "--run", "base", "--quiet"]) == 0
+    assert command(["swing.toml", "--run", "base", "--figures", "--quiet"]) == 0
     assert Path("build/swing/hum.png").stat().st_size > 1000
     short = figure.replace("hum", "short") + "[variants.brief.solver]\noutput_step = 0.5\n"
     runs = '[runs.brief]\nvariants = ["brief"]\n'

@@ -7,6 +7,7 @@ import hashlib
 import json
 import re
 import shutil
+import sys
 from collections.abc import Callable
 from html.parser import HTMLParser
 from pathlib import Path
@@ -96,7 +97,7 @@ def case_dir(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (folder / name).mkdir()
         write_result(folder / name / "result.vtkhdf", result)
         write_summary(folder / name / "summary.json", summary_of(result, **extra))
-    make_report(folder, list(RUNS), CASE)
+    make_report(folder, list(RUNS), CASE, figures=True)
     return folder
 
 
@@ -129,6 +130,19 @@ def test_report_leaves_figures_and_a_page_and_nothing_else(case_dir: Path) -> No
         files = ("summary.json", "result.vtkhdf", "motion.png", "balance.png")
         expected |= {f"{run}/{file}" for file in files}
     assert made == expected
+
+
+def test_without_figures_the_page_needs_no_matplotlib(
+    case_dir: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for run in RUNS:
+        shutil.copytree(case_dir / run, tmp_path / run, ignore=shutil.ignore_patterns("*.png"))
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    page = make_report(tmp_path, list(RUNS), CASE)
+    assert page.read_bytes() == (case_dir / "report.html").read_bytes()
+    assert not list(tmp_path.rglob("*.png"))
+    with pytest.raises(InputError, match="figures need matplotlib"):
+        make_report(tmp_path, list(RUNS), CASE, figures=True)
 
 
 def test_only_figures_of_other_data_are_drawn_again(case_dir: Path, tmp_path: Path) -> None:

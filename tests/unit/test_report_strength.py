@@ -82,7 +82,7 @@ def run(spec: RunSpec, scale: float | None, folder: Path) -> dict[str, Any]:
 def case_dir(spec: RunSpec, tmp_path_factory: pytest.TempPathFactory) -> Path:
     build = tmp_path_factory.mktemp("build")
     run(spec, 1.0, build / RUN)
-    make_report(build, [RUN], {"title": "pendulum"})
+    make_report(build, [RUN], {"title": "pendulum"}, figures=True)
     return build
 
 
@@ -167,6 +167,6 @@ def test_figure_shows_the_line_of_failure_where_it_is_near(case_dir: Path) -> No
 
 def test_nothing_is_said_where_nothing_has_strengths(spec: RunSpec, tmp_path: Path) -> None:
     assert run(spec, None, tmp_path / RUN)["strength"] == {}
-    make_report(tmp_path, [RUN], {})
+    make_report(tmp_path, [RUN], {}, figures=True)
     assert ">Strength</h2>" not in (tmp_path / "report.html").read_text()
     assert not (tmp_path / RUN / "strength.png").exists()

@@ -294,7 +294,7 @@ KINDS = {
     [
         ("limit_stop", {"upper": None}, "has no effect; expected lower or upper"),
         ("limit_stop", {"lower": 2.0}, "forces.f.lower = 2: expected below upper = 1"),
-        ("limit_stop", {"restitution": 0.5}, "forces.f.impact_speed: missing"),
+        ("limit_stop", {"impact_speed": 0.0}, "forces.f.impact_speed = 0.0: value should be"),
         ("limit_stop", {"restitution": 1.5}, "forces.f.restitution = 1.5: value should be less"),
         ("limit_stop", {"stiffness": -1.0}, "forces.f.stiffness = -1.0: value should be greater"),
         ("limit_stop", {"joint": "rial"}, "forces.f.joint: there is no joint rial; did you mean"),

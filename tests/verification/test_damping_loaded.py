@@ -1,13 +1,15 @@
 """Damping of a body that carries a mass: zeta f / f_body, as docs/modes.md says."""
 
 import dataclasses
+import json
 
 import numpy as np
 import pytest
 from beam_samples import CLAMPED, reduced
-from modes_samples import modes_at
+from modes_samples import modes_at, write_case_text
 from stiffening_samples import rectangle
 
+from plymotion.solver.__main__ import main
 from plymotion.solver.package import write_package
 
 ZETA = 0.01
@@ -26,18 +28,61 @@ at = "beam.tip"
 """
 
 
+def damped_beam(folder, zeta, count=1):
+    """Write the package of a damped beam; return its first angular frequency."""
+    K, own = rectangle(70e9, 0.3, 2700.0, 0.004, 0.02)
+    modes = [{"kind": "bending-xy", "count": count}]
+    package = reduced(CLAMPED, modes, K=K, mass=own, length=0.5, elements=8).package
+    package = dataclasses.replace(package, damping=np.diag(2.0 * zeta * package.frequencies))
+    (folder / "sample").mkdir(exist_ok=True)
+    write_package(folder / "sample/beam.vtkhdf", package)
+    return float(package.frequencies[0])
+
+
+def findings(folder, mass, capsys):
+    """Findings of a run of the beam with a payload."""
+    file = write_case_text(folder, TEXT.format(mass=mass))
+    main([str(file), "--out", str(folder / "build"), "--no-report", "--quiet", "--force"])
+    capsys.readouterr()
+    (summary,) = (folder / "build").glob("*/summary.json")
+    return json.loads(summary.read_text())["warnings"]
+
+
 @pytest.mark.parametrize("mass", [1e-6, 0.1, 1.0])
 def test_a_payload_lowers_the_damping_ratio(tmp_path, capsys, mass):
-    K, own = rectangle(70e9, 0.3, 2700.0, 0.004, 0.02)
-    modes = [{"kind": "bending-xy", "count": 1}]
-    package = reduced(CLAMPED, modes, K=K, mass=own, length=0.5, elements=8).package
-    omega = float(package.frequencies[0])
-    package = dataclasses.replace(package, damping=np.diag([2.0 * ZETA * omega]))
-    (tmp_path / "sample").mkdir()
-    write_package(tmp_path / "sample/beam.vtkhdf", package)
+    omega = damped_beam(tmp_path, ZETA)
     found = modes_at(tmp_path, TEXT.format(mass=mass), "start", capsys=capsys)
     (mode,) = [m for m in found["modes"] if m["angular_frequency"] > 0.0]
     loaded = mode["angular_frequency"] / np.sqrt(1.0 - mode["damping_ratio"] ** 2)
     assert mode["damping_ratio"] == pytest.approx(ZETA * loaded / omega, rel=1e-6)
     if mass == 1.0:
         assert loaded < 0.3 * omega
+
+
+@pytest.mark.provokes("damping-of-body-alone")
+def test_a_note_says_so_and_its_advice_gives_the_ratio_that_was_asked_for(tmp_path, capsys):
+    damped_beam(tmp_path, ZETA)
+    assert "damping-of-body-alone" not in [
+        each["code"] for each in findings(tmp_path, 1e-6, capsys)
+    ]
+    (note,) = [e for e in findings(tmp_path, 1.0, capsys) if e["code"] == "damping-of-body-alone"]
+    assert (note["level"], note["body"]) == ("note", "beam")
+    assert note["value"] < note["limit"]
+    advised = float(note["message"].rsplit("damping_ratio = ", 1)[1])
+    damped_beam(tmp_path, advised)
+    found = modes_at(tmp_path, TEXT.format(mass=1.0), "start", capsys=capsys)
+    (mode,) = [m for m in found["modes"] if m["angular_frequency"] > 0.0]
+    assert mode["damping_ratio"] == pytest.approx(ZETA, rel=0.02)  # two digits in the message
+
+
+def test_of_several_modes_the_lowest_vibration_counts(tmp_path, capsys):
+    """The note has the frequency and the ratio that `plymotion modes` prints."""
+    damped_beam(tmp_path, ZETA, count=3)
+    (note,) = [e for e in findings(tmp_path, 1.0, capsys) if e["code"] == "damping-of-body-alone"]
+    found = modes_at(tmp_path, TEXT.format(mass=1.0), "start", capsys=capsys)
+    first = min(
+        (m for m in found["modes"] if m["angular_frequency"] > 0.0),
+        key=lambda m: m["angular_frequency"],
+    )
+    assert f"has {first['angular_frequency'] / (2.0 * np.pi):.3g} Hz" in note["message"]
+    assert f"a damping ratio of {first['damping_ratio']:.2g} from it" in note["message"]

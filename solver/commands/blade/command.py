@@ -1,8 +1,6 @@
 """`plymotion blade`: meshes, sections and the table of all stations."""
 
 import argparse
-import csv
-import io
 import sys
 from pathlib import Path
 
@@ -10,20 +8,23 @@ import numpy as np
 
 from ...errors import InputError
 from ...package.common.temporary import write_text
+from ..described.screen import USER_ERROR
 from ..section.command import run_section
 from ..section.options import add_section_command
-from ..section.results import SectionResults, read_results
-from .mesh import StationMesh
+from .body import body_csv
+from .export import write_for
 from .station import write_station
+from .stations import analysed, station_csv, station_text
 from .windio import Blade, read_blade
 
 REMOVED = 0.02  # share of the layers' area without room, above which a warning says so
-UPPER = [(i, j) for i in range(6) for j in range(i, 6)]
 
 
 def run_blade(options: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
     blade = read_blade(options.file)
+    for words in blade.left_out:
+        print(f"warning [not-modelled] {blade.file}: {words}", file=sys.stderr)
     places = _stations(options, blade)
     out = options.out or Path("build") / "blades" / options.file.stem
     names = [f"r{round(1e4 * r):05d}" for r in places]
@@ -42,14 +43,16 @@ def run_blade(options: argparse.Namespace) -> int:
         print(f"{out}/stations: {len(names)} stations")
         return 0
     code = run_section(_section_options(options, out, names))
-    found = {
-        name: read_results(file)
-        for name in names
-        if (file := out / "sections" / name / f"{name}.vtkhdf").is_file()
-    }
-    write_text(out / "blade.csv", _csv(blade, places, names, meshes, found))
-    print(_text(blade, places, names, found))
-    print(f"{out}/blade.csv: {len(found)} stations")
+    if code not in (0, USER_ERROR):
+        return code
+    stations = analysed(out / "sections", dict(zip(names, places, strict=True)), meshes)
+    write_text(out / "blade.csv", station_csv(blade, stations))
+    write_text(out / "beam.csv", body_csv(blade, stations))
+    print(station_text(blade, stations))
+    complete = sum(station.results is not None for station in stations)
+    print(f"{out}/blade.csv, beam.csv: {complete} stations")
+    for file in write_for(options.to, blade, stations, out) if options.to else ():
+        print(file)
     return code
 
 
@@ -76,45 +79,3 @@ def _section_options(
     words += ["--no-estimate"] if options.no_estimate else []
     words += ["--quiet"] if options.quiet else []
     return parser.parse_args(words)
-
-
-def _csv(
-    blade: Blade,
-    places: list[float],
-    names: list[str],
-    meshes: list[StationMesh],
-    found: dict[str, SectionResults],
-) -> str:
-    head = ["r", "z_m", "chord_m", "twist_deg", "mass_kg_m", "removed"]
-    head += [f"{letter}{i + 1}{j + 1}" for letter in "KM" for i, j in UPPER]
-    stream = io.StringIO(newline="")
-    writer = csv.writer(stream)
-    writer.writerow(head)
-    for name, r, mesh in zip(names, places, meshes, strict=True):
-        if name not in found:
-            continue
-        one = found[name]
-        row = [r, blade.length.at(r), blade.chord.at(r), blade.twist.at(r), one.M[0, 0]]
-        row += [mesh.removed, *(K[i, j] for K in (one.K, one.M) for i, j in UPPER)]
-        writer.writerow([repr(float(value)) for value in row])
-    return stream.getvalue()
-
-
-def _text(
-    blade: Blade, places: list[float], names: list[str], found: dict[str, SectionResults]
-) -> str:
-    lines = [
-        f"{'r':>7}  {'z':>7}  {'chord':>6}  {'mass':>7}  {'EA':>10}  {'EI flap':>10}  "
-        f"{'EI edge':>10}  {'GJ':>10}",
-        f"{'[-]':>7}  {'[m]':>7}  {'[m]':>6}  {'[kg/m]':>7}  {'[N]':>10}  {'[N m2]':>10}  "
-        f"{'[N m2]':>10}  {'[N m2]':>10}",
-    ]
-    for name, r in zip(names, places, strict=True):
-        if name not in found:
-            lines.append(f"{r:7.4f}  failed")
-            continue
-        K, M = found[name].K, found[name].M
-        values = "  ".join(f"{K[i, i]:10.3e}" for i in (0, 4, 5, 3))
-        z, chord = blade.length.at(r), blade.chord.at(r)
-        lines.append(f"{r:7.4f}  {z:7.3f}  {chord:6.3f}  {M[0, 0]:7.2f}  {values}")
-    return "\n".join(lines)

@@ -17,7 +17,8 @@ def contour(blade: Blade, r: float) -> Array:
     """
     chord, offset = blade.chord.at(r), blade.offset.at(r)
     points = _blended(blade, blade.thickness.at(r))
-    return np.column_stack([offset - chord * points[:, 0], chord * points[:, 1]])
+    height = blade.height.at(r)
+    return np.column_stack([offset - chord * points[:, 0], height + chord * points[:, 1]])
 
 
 def _blended(blade: Blade, thickness: float) -> Array:

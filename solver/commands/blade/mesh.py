@@ -7,26 +7,18 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
+from ...errors import InputError
 from ...math.arrays import Array, IntArray
 from .contour import arcs as arcs_of
 from .contour import edge_angle
-from .wall import THINNEST, Band, breaks, joined, material_of, rows_of, thickness
+from .face import with_face
+from .wall import THINNEST, Band, WebLayers, breaks, joined, material_of, rows_of, thickness
 
 COLUMNS = 160  # along the contour, without those at ends of layers
 ROOM = 0.9  # share of the room between the two sides that walls may fill
 MITRE = np.radians(165.0)  # angle of the trailing edge from which the walls meet in a mitre
 LEAST = 0.2  # of the length of a cell outside, its length inside
 CLOSE = 0.15  # columns nearer than this share of the spacing are one
-
-
-@dataclass(frozen=True)
-class WebLayers:
-    """A web at a station: where its middle meets the shell, and its layers from the nose on."""
-
-    name: str
-    start: float  # [-] arc on the suction side
-    end: float
-    layers: tuple[Band, ...]
 
 
 @dataclass
@@ -82,15 +74,21 @@ def station_mesh(
     bands : layers of the shell, from outside inwards
     webs : in any order; they must not cross
     edge : material that closes a trailing edge too sharp for a mitre; its thickness is a length
+
+    Raises
+    ------
+    InputError : feet of webs that overlap; the message begins with the key.
     """
     mesh = StationMesh()
+    points, corners = with_face(points, bands)
     s = arcs_of(points)
     perimeter = float(s[-1])
     rows = [joined(row) for row in rows_of(bands)]
     mitred = edge_angle(points) >= MITRE
     total = sum(float(thickness(row, np.array([0.0]), perimeter)[0]) for row in rows)
     low, high = (0.0, 1.0) if mitred else _cut(points, s / perimeter, max(0.7 * total, 1e-3))
-    arcs = _columns(rows, webs, perimeter, low, high)
+    _check_feet(webs, perimeter, low, high)
+    arcs = _columns(rows, webs, perimeter, [low, *corners, high])
     outer = _smooth(points, s / perimeter, arcs)
     normals = _normals(outer, mitred)
     t = np.array([thickness(row, arcs, perimeter) for row in rows])
@@ -139,12 +137,14 @@ def _blunt(points: Array) -> int:
 
 
 def _columns(
-    rows: list[list[Band]], webs: list[WebLayers], perimeter: float, low: float, high: float
+    rows: list[list[Band]], webs: list[WebLayers], perimeter: float, ends: list[float]
 ) -> Array:
-    """Arcs of the columns: ends of layers and feet of webs exactly, others between them."""
+    """Arcs of the columns: `ends` (of the contour, and its corners), ends of layers and feet of
+    webs exactly, others between them."""
+    low, high = ends[0], ends[-1]
     spacing = 1.0 / COLUMNS
     feet = [_feet(web, perimeter) for web in webs]
-    wanted = [low, high, *(float(arc) for both in feet for arc in both.ravel())]
+    wanted = [*ends, *(float(arc) for both in feet for arc in both.ravel())]
     apart = CLOSE * min(spacing, 0.01 / perimeter)
     for arc in sorted(arc for row in rows for arc in breaks(row, perimeter)):
         under = any(foot.min() < arc < foot.max() for both in feet for foot in both)
@@ -165,6 +165,22 @@ def _feet(web: WebLayers, perimeter: float) -> Array:
     steps = np.concatenate([[0.0], np.cumsum(widths)]) - 0.5 * widths.sum()
     # From the leading edge to the trailing edge: arcs fall on the suction side.
     return np.array([web.start - steps, web.end + steps])
+
+
+def _check_feet(webs: list[WebLayers], perimeter: float, low: float, high: float) -> None:
+    """Refuse feet that reach past the ends of the contour or over those of another web."""
+    taken: list[tuple[float, float, str]] = []
+    for web in webs:
+        for foot in _feet(web, perimeter):
+            one, two = float(foot.min()), float(foot.max())
+            key = f"structure.webs: {web.name}: its foot covers the arcs {one:.5f} to {two:.5f}"
+            if one <= low or two >= high:
+                raise InputError(f"{key}; expected arcs from {low:.5f} to {high:.5f}")
+            for start, end, other in taken:
+                if one < end and two > start:
+                    words = f"expected none of those of {other}, {start:.5f} to {end:.5f}"
+                    raise InputError(f"{key}; {words}")
+            taken.append((one, two, web.name))
 
 
 def _smooth(points: Array, at: Array, arcs: Array) -> Array:
@@ -281,8 +297,6 @@ def _web(
     """A strip between the two feet; its cells are about as long as the columns are apart."""
     columns = np.abs(arcs - _feet(web, perimeter)[..., None]).argmin(axis=-1)
     one, two = ([inner[k] for k in _every(side)] for side in columns)
-    if len(one) != len(two):
-        raise ValueError("columns between the feet of a web differ in number")
     start, end = (np.array([mesh.nodes[k] for k in line]) for line in (one, two))
     height = float(np.linalg.norm(end - start, axis=1).min())
     count = max(4, round(height / (perimeter / COLUMNS)))

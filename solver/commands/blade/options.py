@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..arguments import numbers, whole_number
+from ..section.codes import OF_BLADES
 
 DESCRIPTION = """\
 Cross-sections of a rotor blade: stiffness and mass matrices of its stations from a windIO 2 file.
@@ -18,6 +19,8 @@ Writes in DIR:
   stations/  a mesh and a section description of each station (docs/section-description.md)
   sections/  a section file of each station (.vtkhdf), and summary.csv
   blade.csv  span, chord, twist, 6x6 stiffness and mass of each station
+  beam.csv   the blade as a body of a case: kind = "beam", table = "beam.csv"
+  blade_*    with --to: stiffness, mass and geometry for another code
 
 Axes of a section: x2 from the reference axis to the leading edge along the chord, x3 to the suction
 side, x1 to the tip. The matrices are about the reference axis, without twist. Stations that are up
@@ -49,6 +52,9 @@ def add_blade_command(commands: Any, run: Callable[[argparse.Namespace], int]) -
     )
     parser.add_argument(
         "--out", "-o", type=Path, metavar="DIR", help="folder (default build/blades/<name>)"
+    )
+    parser.add_argument(
+        "--to", choices=OF_BLADES, metavar="CODE", help="also files for beamdyn or hawc2"
     )
     parser.add_argument("--jobs", type=whole_number, default=1, metavar="N", help="at a time")
     parser.add_argument("--no-estimate", action="store_true", help="skip the error estimate")

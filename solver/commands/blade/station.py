@@ -8,14 +8,14 @@ from ...errors import InputError, nearest
 from ...package.common.temporary import write_text
 from ...package.common.toml_text import toml_text
 from .contour import contour
-from .mesh import StationMesh, WebLayers, station_mesh
-from .wall import Band
+from .mesh import StationMesh, station_mesh
+from .wall import Band, WebLayers
 from .windio import Blade, Layer
 
 THIN = 1e-4  # [m] layers below are not there: files write them where a layer ends
 EDGE = "trailing-edge"  # region of the plate that closes a sharp trailing edge
 PLATE = 0.004  # its thickness over the chord
-GLUES = ("adhesive", "resin")  # materials of the plate, the first one that the file has
+GLUE = "adhesive"  # part of the name of its material
 
 
 def write_station(blade: Blade, r: float, name: str, folder: Path) -> StationMesh:
@@ -23,7 +23,7 @@ def write_station(blade: Blade, r: float, name: str, folder: Path) -> StationMes
 
     Raises
     ------
-    InputError : the station has no layers, or an unknown material.
+    InputError : the station has no layers, an unknown material, or webs whose feet overlap.
     """
     bands = [_band(layer, r) for layer in blade.layers if not layer.web and _is_there(layer, r)]
     if not bands:
@@ -36,10 +36,13 @@ def write_station(blade: Blade, r: float, name: str, folder: Path) -> StationMes
             tuple(_band(n, r) for n in blade.layers if n.web == web.name and _is_there(n, r)),
         )
         for web in blade.webs
+        if web.start.covers(r) and web.end.covers(r)
     ]
-    glue = next((g for g in GLUES if g in blade.materials), bands[0].material)
-    edge = Band(EDGE, glue, 0.0, PLATE * blade.chord.at(r), 0.0, 1.0)
-    mesh = station_mesh(contour(blade, r), bands, [web for web in webs if web.layers], edge)
+    edge = Band(EDGE, _glue(blade, bands), 0.0, PLATE * blade.chord.at(r), 0.0, 1.0)
+    try:
+        mesh = station_mesh(contour(blade, r), bands, [web for web in webs if web.layers], edge)
+    except InputError as error:
+        raise InputError(f"{blade.file}: station r = {r:g}: {error}") from error
     for band in mesh.bands.values():
         if band.material not in blade.materials:
             hint = nearest(band.material, blade.materials)
@@ -53,8 +56,22 @@ def write_station(blade: Blade, r: float, name: str, folder: Path) -> StationMes
 
 
 def _is_there(layer: Layer, r: float) -> bool:
+    """Files give layers that do not reach from root to tip on a part of the grid only."""
     span = layer.end.at(r) - layer.start.at(r)
-    return layer.thickness.at(r) > THIN and (bool(layer.web) or span > 1e-3)
+    there = layer.thickness.covers(r) and (
+        bool(layer.web) or (layer.start.covers(r) and layer.end.covers(r))
+    )
+    return there and layer.thickness.at(r) > THIN and (bool(layer.web) or span > 1e-3)
+
+
+def _glue(blade: Blade, bands: list[Band]) -> str:
+    """Material of the plate: that of the file's adhesive, or of the innermost layer at the edge.
+
+    Files have a "resin" whose stiffness is a placeholder (1 MPa); with it, the section is open.
+    """
+    named = [name for name in blade.materials if GLUE in name.lower()]
+    behind = [band.material for band in bands if band.start <= 0.0]
+    return blade.glue or next(iter([*named, *reversed(behind), bands[-1].material]))
 
 
 def _band(layer: Layer, r: float) -> Band:

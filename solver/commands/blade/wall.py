@@ -28,6 +28,16 @@ class Band:
     end: float
 
 
+@dataclass(frozen=True)
+class WebLayers:
+    """A web at a station: where its middle meets the shell, and its layers from the nose on."""
+
+    name: str
+    start: float  # [-] arc on the suction side
+    end: float
+    layers: tuple[Band, ...]
+
+
 def rows_of(bands: list[Band]) -> list[list[Band]]:
     """Rows from outside inwards; a band goes to the first row behind all bands that it overlaps."""
     rows: list[list[Band]] = []

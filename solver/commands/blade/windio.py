@@ -7,15 +7,18 @@ the file has worked out from the rules beside them.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator
 
 from ...errors import InputError, nearest
 from ...math.arrays import Array
+
+NEAR = 1e-9  # of the span: distance that is round-off
 
 
 @dataclass(frozen=True)
@@ -28,6 +31,21 @@ class Along:
     def at(self, r: float) -> float:
         """Value at r of 0 to 1; outside of the grid that of its end."""
         return float(np.interp(r, self.grid, self.values))
+
+    def covers(self, r: float) -> bool:
+        """True if r is within the grid: what a file gives on a part of the span is only there."""
+        return bool(self.grid[0] - NEAR <= r <= self.grid[-1] + NEAR)
+
+    def smooth(self, r: Array) -> Array:
+        """Values at r (n,) of a monotone cubic curve through its points."""
+        grid, first = np.unique(self.grid, return_index=True)
+        if len(grid) < 2:
+            return np.full(len(r), self.values[0])
+        inside = np.clip(r, grid[0], grid[-1])
+        return np.asarray(PchipInterpolator(grid, self.values[first])(inside))
+
+
+STRAIGHT = Along(np.zeros(1), np.zeros(1))
 
 
 @dataclass(frozen=True)
@@ -67,6 +85,8 @@ class Blade:
 
     file: Path
     length: Along  # [m] coordinate z along the reference axis
+    prebend: Along  # [m] its x, to the suction side
+    sweep: Along  # [m] its y, to the trailing edge
     chord: Along  # [m]
     twist: Along  # [deg]
     offset: Along  # [m] from the leading edge to the reference axis along the chord
@@ -76,6 +96,9 @@ class Blade:
     webs: tuple[Web, ...]
     materials: dict[str, dict[str, Any]]  # as a section description has them
     span: tuple[float, ...]  # grid of the file's chord
+    height: Along = STRAIGHT  # [m] of the chord line over the reference axis, to the suction side
+    glue: str = ""  # material of the trailing edge's adhesive; "": the file has none
+    left_out: tuple[str, ...] = ()  # what the file has and the model does not: key and words
 
 
 def read_blade(file: Path) -> Blade:
@@ -104,6 +127,8 @@ def read_blade(file: Path) -> Blade:
     return Blade(
         file=file,
         length=reader.along(axis, "z", "reference_axis"),
+        prebend=reader.along(axis, "x", "reference_axis") if "x" in axis else STRAIGHT,
+        sweep=reader.along(axis, "y", "reference_axis") if "y" in axis else STRAIGHT,
         chord=chord,
         twist=reader.along(shape, "twist", "outer_shape"),
         offset=reader.along(shape, "section_offset_y", "outer_shape"),
@@ -113,7 +138,33 @@ def read_blade(file: Path) -> Blade:
         webs=webs,
         materials={str(m["name"]): _material(m) for m in table.get("materials", [])},
         span=tuple(chord.grid.tolist()),
+        height=reader.along(shape, "section_offset_x", "outer_shape")
+        if "section_offset_x" in shape
+        else STRAIGHT,
+        glue=str((structure.get("trailing_edge_adhesive") or {}).get("material", "")),
+        left_out=tuple(_left_out(structure)),
     )
+
+
+def _left_out(structure: Mapping[str, Any]) -> Iterator[str]:
+    """Yield keys with masses or stiffnesses that the stations do not have, and what they mean."""
+    for web in structure.get("webs") or []:
+        if web.get("flanges"):
+            yield (
+                f"structure.webs: {web.get('name')}: flanges: the bond line between web and shell; "
+                "the web ends at the inner face of the shell"
+            )
+    if structure.get("trailing_edge_adhesive"):
+        yield (
+            "structure.trailing_edge_adhesive: its area between four anchors; a sharp edge is "
+            "closed by a plate of this material, 0.4 % of the chord thick"
+        )
+    joint = structure.get("joint") or {}
+    if joint.get("mass"):
+        yield (
+            f"structure.joint.mass = {joint['mass']:g} kg at r = {joint.get('position', 0.0):g}; "
+            "a point mass of the case can take its place"
+        )
 
 
 def _yaml(file: Path) -> dict[str, Any]:

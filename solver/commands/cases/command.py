@@ -14,7 +14,8 @@ from .finished import RECORD, finished_before, note_finished, request_of
 from .turn import turn
 
 # What the results depend on, of the options of a command.
-ASKED = ("run", "sweep", "coarse", "no_scripts", "no_report", "allow_python", "allow_doubtful")
+ASKED = ("run", "sweep", "coarse", "no_scripts", "no_report", "figures")
+TRUSTED = ("allow_python", "allow_doubtful")
 
 Say = Callable[[str], None]
 
@@ -31,7 +32,7 @@ def run_case(options: argparse.Namespace) -> int:
         if given:
             raise InputError(f"{name}: for run files; with a case file use --out and --force")
     out: Path = options.out or build_folder(file, coarse=options.coarse)
-    words = {name: getattr(options, name) for name in ASKED}
+    words = {name: getattr(options, name) for name in (*ASKED, *TRUSTED)}
     request = request_of(file, {**words, "packages": str(options.packages or "")})
     with turn(out, quiet=options.quiet):
         before = None if options.force else finished_before(out, request)
@@ -124,7 +125,7 @@ def _integrated(
     from .report import report_case
 
     say("report")
-    print(report_case(out, finished))
+    print(report_case(out, finished, figures=options.figures))
     return code, str(out / "report.html")
 
 

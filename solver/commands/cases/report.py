@@ -8,20 +8,28 @@ from ...errors import InputError
 from ...results import read_result, read_summary
 
 
-def report_case(folder: Path, runs: Sequence[str] | None = None, *, glb: bool = False) -> str:
-    """Write figures and report.html of a folder that `check` wrote; return a table of its runs.
+def report_case(
+    folder: Path,
+    runs: Sequence[str] | None = None,
+    *,
+    figures: bool = False,
+    glb: bool = False,
+    vtk: bool = False,
+) -> str:
+    """Write report.html of a folder that `check` wrote; return a table of its runs.
 
     Parameters
     ----------
     runs : names of finished runs; None: all that have a summary
-    glb : write motion.glb of each run too
+    figures : draw the figures as PNG files too
+    glb, vtk : write motion.glb, motion.vtkhdf of each run too
 
     Raises
     ------
     InputError
-        Not the folder of a case; no finished run; no matplotlib.
+        Not the folder of a case; no finished run; figures without matplotlib.
     """
-    from ...report import case_table, make_report, summary_table, write_glb  # imports matplotlib
+    from ...report import case_table, make_report, summary_table, write_glb, write_vtk
 
     try:
         case = case_table(json.loads((folder / "case.json").read_text(encoding="utf-8")))
@@ -33,10 +41,13 @@ def report_case(folder: Path, runs: Sequence[str] | None = None, *, glb: bool = 
         runs = [r for r in case["runs"] if (folder / r / "summary.json").is_file()]
     if not runs:
         raise InputError(f"{folder}: no finished run; expected <run>/summary.json")
-    page = make_report(folder, list(runs), case)
+    page = make_report(folder, list(runs), case, figures=figures)
     summaries = [read_summary(folder / run / "summary.json") for run in runs]
     text = f"{summary_table(summaries)}\nReport: {page}"
-    for run in runs if glb else ():
-        made = write_glb(folder / run / "motion.glb", read_result(folder / run / "result.vtkhdf"))
-        text += f"\nAnimation: {made}"
+    for run in runs:
+        result = folder / run / "result.vtkhdf"
+        if glb:
+            text += f"\nAnimation: {write_glb(folder / run / 'motion.glb', read_result(result))}"
+        if vtk:
+            text += f"\nAnimation: {write_vtk(folder / run / 'motion.vtkhdf', result)}"
     return text

@@ -55,7 +55,7 @@ class _Task:
 def run_runs(options: argparse.Namespace) -> int:
     """Integrate the runs of run files; return the exit code of the worst."""
     files: list[Path] = options.files
-    for name in ("run", "sweep", "packages", "coarse", "force", "no_report"):
+    for name in ("run", "sweep", "packages", "coarse", "force", "no_report", "figures"):
         if getattr(options, name):
             raise InputError(f"--{name.replace('_', '-')}: expected with a case file only")
     if options.out is not None and len(files) > 1:
@@ -172,7 +172,7 @@ def _lines(summary: dict[str, Any], timing: bool) -> list[str]:
         from ...fidelity.words import fidelity_line
 
         text.append(f"  {fidelity_line(summary['fidelity'])}")
-    text += [f"  warning [{w['code']}] {w['message']}" for w in summary["warnings"]]
+    text += [f"  {w['level']} [{w['code']}] {w['message']}" for w in summary["warnings"]]
     return [*text, f"  {timing_text(cost['seconds'])}"] if timing else text
 
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..arguments import add_doubtful, add_no_scripts, whole_number
+from ..arguments import add_doubtful, add_figures, add_no_scripts, whole_number
 
 EPILOG = """\
 `plymotion CASE.toml` is `plymotion run CASE.toml`: it checks the case, builds its bodies in the
@@ -73,7 +73,8 @@ def add_run_command(commands: Any, run: Callable[[argparse.Namespace], int]) -> 
     )
     case.add_argument("--force", action="store_true", help="integrate runs that are up to date")
     add_no_scripts(case)
-    case.add_argument("--no-report", action="store_true", help="no figures and report.html")
+    case.add_argument("--no-report", action="store_true", help="no report.html")
+    add_figures(case)
     several = parser.add_argument_group("with run files")
     several.add_argument(
         "--out-dir",

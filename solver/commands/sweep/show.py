@@ -3,6 +3,7 @@
 import os
 from pathlib import Path
 
+from ...results.codes import CODES
 from .file import SweepResult
 from .member import FAILED, FINISHED, PENDING, STOPPED
 
@@ -37,4 +38,5 @@ def tell(result: SweepResult, kept: int, seconds: float, file: Path, table: str)
         for code in row.warnings:
             doubts[code] = doubts.get(code, 0) + 1
     for code, count in sorted(doubts.items()):
-        print(f"  warning [{code}] in {count} of {total} members")
+        level = CODES[code].level if code in CODES else "warning"
+        print(f"  {level} [{code}] in {count} of {total} members")

@@ -42,6 +42,9 @@ from ...math.triple import Triple
 from ..workspace import DAMPING, FORCE, N_ELEMENT_ROW, STIFFNESS
 
 Key = Direction | Number | Three | OfTime
+# Entry of the values of a `CoordinateForce`: whether its coordinate is the angle (True) or the
+# displacement (False) of a joint about or along the axis that it holds; None: another.
+ROTATION = "rotation"
 OF_ALL = ("one", "two", "parameters")  # first arguments of the kernels
 
 
@@ -99,6 +102,8 @@ class State:
         the values before it
     called : its value from such an instant on is that of the user's function of the expressions
         of the force; 0 before
+    level, upwards : it takes `update` when the coordinate passes this level in this direction, an
+        instant that is located; None: every `sample_time`
     """
 
     name: str
@@ -107,6 +112,8 @@ class State:
     scale: float = 1.0
     update: str | None = None
     called: bool = False
+    level: float | None = None
+    upwards: bool = True
 
 
 @dataclass(frozen=True)
@@ -114,7 +121,10 @@ class Terms:
     """A force as expressions (math/expressions/parse.py).
 
     They read the coordinate `x` [m, rad], its rate `v`, the keys of the kind by name (a curve as a
-    function), `states`, earlier `names`, and the time `t`.
+    function), `states`, earlier `names`, and the time `t`. Along a coordinate of a joint that has a
+    `ROTATION` they read its reaction on the second place too, drives left out: `radial` and
+    `axial` force [N], `bending` and `twisting` moment about that place [N m], across and along the
+    axis of the joint, all of them 0 or above.
 
     Attributes
     ----------
@@ -139,7 +149,7 @@ class CoordinateForce(ForceElement):
     ----------
     keys : of the case file, behind `joint`, `coordinate`, `between` and `kind`
     terms : f(values) -> the force, from numbers, texts and curves of the case file by key (None:
-        not given); the text of an InputError goes on "forces.NAME"
+        not given), and `ROTATION`; the text of an InputError goes on "forces.NAME"
     """
 
     keys: tuple[Number | Expression | Expressions | Curve | Code, ...]
@@ -241,6 +251,7 @@ __all__ = [
     "DAMPING",
     "FORCE",
     "N_ELEMENT_ROW",
+    "ROTATION",
     "STIFFNESS",
     "Code",
     "CoordinateForce",

@@ -4,39 +4,64 @@ from collections.abc import Mapping
 from typing import Any
 
 from ...errors import InputError
+from .bearing import BY_REACTION, COEFFICIENT, by_reaction, contact
 from .contract import CoordinateForce, Number, Terms
 
-COULOMB = Number("coulomb", "N or N m", "friction of fast sliding", required=True, least=0.0)
+COULOMB = Number(
+    "coulomb",
+    "N or N m",
+    "friction of fast sliding that does not depend on the reaction; it or `coefficient`",
+    default=0.0,
+    least=0.0,
+)
 STATIC = Number(
     "static", "N or N m", "friction at the onset of sliding; absent: `coulomb`", least=0.0
 )
 STRIBECK = Number(
     "stribeck_velocity",
     "m/s or rad/s",
-    "over which friction falls from `static` to `coulomb`; absent only where they are equal",
+    "over which friction falls from `static` to `coulomb`, from `static_coefficient` to "
+    "`coefficient`; absent only where they are equal",
     above=0.0,
 )
 VISCOUS = Number(
     "viscous", "N s/m or N m s/rad", "coefficient of viscous friction", default=0.0, least=0.0
 )
+# Keys of all kinds of friction.
+SLIDING = (COULOMB, STATIC, *BY_REACTION, STRIBECK, VISCOUS)
 
 
-def sliding(values: Mapping[str, Any]) -> str:
-    """Return the friction of steady sliding at the rate v as an expression [N, N m]."""
-    coulomb, static = values["coulomb"], values["static"]
-    if static is None or static == coulomb:
-        return "coulomb"
-    if static < coulomb:
-        raise InputError(f".static = {static:g}: expected coulomb = {coulomb:g} or above")
-    if values["stribeck_velocity"] is None:
+def sliding(values: Mapping[str, Any], load: str) -> str:
+    """Return the friction of steady sliding at the rate v as an expression [N, N m].
+
+    load : of the contact, as an expression
+    """
+    parts, falls = [], []
+    for low, high, times in (("coulomb", "static", ""), (COEFFICIENT, "static_coefficient", "*")):
+        slow, fast = values[high], values[low] or 0.0
+        if not (fast or slow):
+            continue
+        of = f" * ({load})" if times else ""
+        parts.append(f"{low}{of}")
+        if slow is None or slow == fast:
+            continue
+        if slow < fast:
+            raise InputError(f".{high} = {slow:g}: expected {low} = {fast:g} or above")
+        falls.append(f"({high} - {low}){of}")
+    if falls and values["stribeck_velocity"] is None:
         raise InputError(
             ".stribeck_velocity: missing; expected the speed over which friction falls"
         )
-    return "coulomb + (static - coulomb) * exp(-(v / stribeck_velocity) ** 2)"
+    if falls:
+        parts.append(f"({' + '.join(falls)}) * exp(-(v / stribeck_velocity) ** 2)")
+    return " + ".join(parts)
 
 
 def _terms(values: Mapping[str, Any]) -> Terms:
-    return Terms(f"-({sliding(values)}) * tanh(v / rest_velocity) - viscous * v")
+    load = contact(values) if by_reaction(values) else "0"
+    if not (values["coulomb"] or values["static"] or values[COEFFICIENT]):
+        raise InputError(": has no effect; expected coulomb or coefficient above 0")
+    return Terms(f"-({sliding(values, load)}) * tanh(v / rest_velocity) - viscous * v")
 
 
 FRICTION = CoordinateForce(
@@ -44,12 +69,9 @@ FRICTION = CoordinateForce(
     meaning="friction of Coulomb and Stribeck",
     remark="-(coulomb + (static - coulomb) exp(-(v/stribeck_velocity)^2)) tanh(v/rest_velocity) "
     "- viscous v. At rest it creeps: below `rest_velocity` it is a damper. `bristle_friction` "
-    "sticks.",
+    "sticks. With `coefficient` it grows with the reaction of the joint, see mechanisms.md.",
     keys=(
-        COULOMB,
-        STATIC,
-        STRIBECK,
-        VISCOUS,
+        *SLIDING,
         Number(
             "rest_velocity",
             "m/s or rad/s",

@@ -6,6 +6,9 @@ at zero, so that the error control of an integrator resolves the contact. A mass
 speed u leaves at e u with, for any n, the solution of the equation of motion
 
     a (1 + e) = log((1 + a) / (1 - a e)),   a = b u.
+
+Without a given u, b = a / u follows the speed of each impact: an auxiliary state takes it at the
+instant at which the coordinate passes the limit, which is located as an event.
 """
 
 from collections.abc import Mapping
@@ -13,7 +16,9 @@ from math import log1p
 from typing import Any
 
 from ...errors import InputError
-from .contract import CoordinateForce, Number, Terms
+from .contract import CoordinateForce, Number, State, Terms
+
+SLOWEST = 1e-6  # impact: slower ones lose more than the restitution says [m/s, rad/s]
 
 
 def damping(restitution: float) -> float:
@@ -45,24 +50,30 @@ def _terms(values: Mapping[str, Any]) -> Terms:
     if lower is not None and upper is not None and not lower < upper:
         raise InputError(f".lower = {lower:g}: expected below upper = {upper:g}")
     e, speed = values["restitution"], values["impact_speed"]
-    if e < 1.0 and speed is None:
-        raise InputError(
-            ".impact_speed: missing; expected the speed of an impact with this restitution"
-        )
-    b = damping(e) / speed if e < 1.0 else 0.0
+    ratio, states = (damping(e) if e < 1.0 else 0.0), []
     parts = []
-    if upper is not None:
-        parts.append(f"-stiffness * max(x - upper, 0) ** exponent * max(1 + {b!r} * v, 0)")
-    if lower is not None:
-        parts.append(f"stiffness * max(lower - x, 0) ** exponent * max(1 - {b!r} * v, 0)")
-    return Terms(" + ".join(parts))
+    for limit, depth, rate in ((upper, "x - upper", "v"), (lower, "lower - x", "-v")):
+        if limit is None:
+            continue
+        end = depth.replace("x", "").strip("- ")
+        u = f"{end}_speed" if speed is None else repr(speed)
+        if speed is None and ratio:
+            hit = f"max(abs(v), {SLOWEST!r})"
+            states.append(
+                State(u, None, start=hit, update=hit, level=limit, upwards=end == "upper")
+            )
+        harder = f"max(1 + {ratio!r} * ({rate}) / {u}, 0)" if ratio else "1"
+        sign = "-" if end == "upper" else ""
+        parts.append(f"{sign}stiffness * max({depth}, 0) ** exponent * {harder}")
+    return Terms(" + ".join(parts), states=tuple(states))
 
 
 LIMIT_STOP = CoordinateForce(
     kind="limit_stop",
     meaning="a contact that keeps a coordinate between limits",
-    remark="The law of Hunt and Crossley, k d^n (1 + b ddot) at the depth d. An impact that is "
-    "slower than `impact_speed` loses less than its `restitution` says, a faster one more.",
+    remark="The law of Hunt and Crossley, k d^n (1 + b ddot) at the depth d. Without "
+    "`impact_speed`, the instant of each impact is located, and b follows its speed. With it, b is "
+    "constant: a slower impact loses less than `restitution` says, a faster one more.",
     keys=(
         Number("lower", "m or rad", "limit of the coordinate; absent: none"),
         Number("upper", "m or rad", "limit of the coordinate; absent: none"),
@@ -71,7 +82,7 @@ LIMIT_STOP = CoordinateForce(
         Number(
             "restitution",
             "",
-            "speed after an impact of `impact_speed` over that before it",
+            "speed after an impact over that before it",
             default=1.0,
             above=0.0,
             most=1.0,
@@ -79,7 +90,7 @@ LIMIT_STOP = CoordinateForce(
         Number(
             "impact_speed",
             "m/s or rad/s",
-            "see `restitution`; absent only where that is 1",
+            "speed for which `restitution` holds; absent: it holds for every impact",
             above=0.0,
         ),
     ),

@@ -12,12 +12,13 @@ import numpy as np
 
 from ...math.arrays import Array
 from ...math.rotations import vector_to_matrix
+from ...math.shortest_rotation import shortest_rotations
 from ...package.body.division import node_positions
 from ...package.body.specification import LineTable
 from .schema import BeamBody
+from .splines import Spline, chords
 
 ENDS = {"start": 0.0, "end": 1.0}
-FINE = 2000  # steps of a spline through points, at least
 DIGITS = 12  # of coordinates over the length: equal segments get equal numbers
 
 
@@ -104,41 +105,20 @@ def _arc(body: BeamBody, total: float, axis: Array, length: float, x2: Array) ->
 
 def _through_points(body: BeamBody, points: Array, x2: Array) -> Line:
     """A cubic spline by the lengths of the chords, measured along itself."""
-    from scipy.interpolate import CubicSpline  # 0.3 s: only for lines through points
-
-    knots = chords(points)
-    spline = CubicSpline(knots, points)
-    parts = max(FINE // (len(knots) - 1), 20)
-    u = np.append(np.linspace(knots[:-1], knots[1:], parts, endpoint=False).T.ravel(), knots[-1])
-    speed = np.linalg.norm(spline(u, 1), axis=1)
-    middle = np.linalg.norm(spline(0.5 * (u[:-1] + u[1:]), 1), axis=1)
-    steps = np.diff(u) * (speed[:-1] + 4.0 * middle + speed[1:]) / 6.0  # Simpson
-    along = np.concatenate([[0.0], np.cumsum(steps)])
-    tangents = spline(u, 1) / speed[:, None]
+    spline = Spline(points)
+    u, tangents = spline.u, spline.tangents
     turn = np.zeros((len(u), 3, 3))
     turn[0] = np.eye(3)
-    for k in range(len(u) - 1):  # rotate from tangent to tangent by the shortest way
-        turn[k + 1] = _shortest(tangents[k], tangents[k + 1]) @ turn[k]
-    inverse = CubicSpline(along / along[-1], u)
+    for k, step in enumerate(shortest_rotations(tangents[:-1], tangents[1:])):
+        turn[k + 1] = step @ turn[k]
 
     def turns(s: Array) -> Array:
-        t = inverse(s)
-        nearest = np.clip(np.searchsorted(u, t), 0, len(u) - 1)
-        exact = spline(t, 1)
-        exact = exact / np.linalg.norm(exact, axis=1, keepdims=True)
-        return np.array(
-            [_shortest(tangents[k], e) @ turn[k] for k, e in zip(nearest, exact, strict=True)]
-        )
+        nearest = np.clip(np.searchsorted(u, spline.parameter(s)), 0, len(u) - 1)
+        return shortest_rotations(tangents[nearest], spline.tangent(s)) @ turn[nearest]
 
     first = x2 - (x2 @ tangents[0]) * tangents[0]
-    return _twisted(
-        body,
-        float(along[-1]),
-        lambda s: np.asarray(spline(inverse(s))),
-        turns,
-        first / np.linalg.norm(first),
-        tangents[0],
-    )
+    first = first / np.linalg.norm(first)
+    return _twisted(body, spline.length, spline.place, turns, first, tangents[0])
 
 
 def _through_nodes(nodes: Array, axes: Array) -> Line:
@@ -172,21 +152,6 @@ def _twisted(
         return np.einsum("kab,kb->ka", turns(s), own)
 
     return Line(length, place, axes)
-
-
-def chords(points: Array) -> Array:
-    """Return the places of points (n, 3) along the polygon through them, (n,), from 0."""
-    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    return np.concatenate([[0.0], np.cumsum(steps)])
-
-
-def _shortest(a: Array, b: Array) -> Array:
-    """Rotation (3, 3) from unit vector a to unit vector b about their normal."""
-    normal = np.cross(a, b)
-    sine = float(np.linalg.norm(normal))
-    if sine < 1e-15:
-        return np.eye(3)
-    return vector_to_matrix(np.arctan2(sine, a @ b) / sine * normal)
 
 
 def rounded(values: Array, size: float) -> list[list[float]]:

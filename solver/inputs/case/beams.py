@@ -11,8 +11,8 @@ from ...package.body.specification import BeamSpecification
 from ..common.table import plain_table
 from .beam_lines import division, fractions, is_plain, line_of, line_table
 from .modes import check_modes
-from .schema import BeamBody, Mechanism
-from .sections import check_section, section_spec
+from .schema import BeamBody, BeamStation, Mechanism
+from .sections import check_section, given_section, section_spec
 
 ON_AXIS = 1e-9  # of the length: distance of an interface from the x axis that is round-off
 
@@ -60,28 +60,17 @@ def beam_spec(
     return spec, sources
 
 
-def with_sections(body: BeamBody) -> list[tuple[float, BeamBody]]:
-    """Return the stations of a beam, rising: fraction of the length, and the body with the section,
-    material and ply angle there.
-    """
-    found = [
-        (
-            station.at,
-            body.model_copy(
-                update={
-                    "section": station.section,
-                    "material": station.material or body.material,
-                    "ply_angle_deg": body.ply_angle_deg
-                    if station.ply_angle_deg is None
-                    else station.ply_angle_deg,
-                }
-            ),
-        )
-        for station in body.stations
-    ]
-    if all(at > 0.0 for at, _ in found):
-        found.insert(0, (0.0, body))
-    return sorted(found, key=lambda pair: pair[0])
+def with_sections(body: BeamBody) -> list[BeamStation]:
+    """Return the stations of a beam, rising, with the section, material and ply angle there."""
+    own = {"material": body.material, "ply_angle_deg": body.ply_angle_deg}
+    found = []
+    for station in body.stations:
+        absent = {k: v for k, v in own.items() if getattr(station, k) is None}
+        found.append(station.model_copy(update=absent) if station.section is not None else station)
+    if all(station.at > 0.0 for station in found):
+        first = BeamStation(at=0.0, section=body.section, material=body.material)
+        found.insert(0, first.model_copy(update={"ply_angle_deg": body.ply_angle_deg}))
+    return sorted(found, key=lambda station: station.at)
 
 
 def _length(body: BeamBody) -> float:
@@ -95,7 +84,12 @@ def _stations(
     stations: list[tuple[float, dict[str, Any]]] = []
     sources: list[Path] = []
     found: list[str] = []
-    for at, own in with_sections(body):
+    for station in with_sections(body):
+        if station.section is None:
+            stations.append((station.at, given_section(station)))
+            continue
+        same = ("section", "material", "ply_angle_deg")
+        own = body.model_copy(update={name: getattr(station, name) for name in same})
         wrong = check_section(key, own, mechanism)
         section, files = dict[str, Any](), list[Path]()
         if own.material is not None or not wrong:
@@ -103,9 +97,11 @@ def _stations(
                 section, files = section_spec(own, mechanism, folder)
             except InputError as error:
                 wrong += str(error).splitlines()
-        stations.append((at, section))
+        stations.append((station.at, section))
         sources += files
         found += wrong
+    if body.table is not None:
+        sources.append(folder / body.table)
     return stations, sources, found
 
 

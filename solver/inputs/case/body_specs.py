@@ -59,6 +59,8 @@ class BodySpecs:
         if isinstance(body, BeamBody):
             used = [(s.section, s.material) for s in body.stations]
             for section, material in [(body.section, body.material), *used]:
+                if section is None:
+                    continue
                 parts.append(mechanism.sections[section])
                 if getattr(parts[-1], "description", None) is not None:
                     parts += mechanism.materials.values()  # which it may use

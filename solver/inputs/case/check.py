@@ -10,7 +10,7 @@ from ..common.material import check_materials
 from .body_specs import BodySpec, BodySpecs
 from .check_bodies import Body, check_bodies
 from .check_combined import check_combined
-from .check_expressions import check_drive, check_force
+from .check_expressions import check_drive, check_force, check_tables
 from .check_places import check_place
 from .combined import DifferenceSignal, NormSignal
 from .coupled import check_couplings
@@ -36,7 +36,7 @@ def cross_check(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodyS
     bodies, wrong = check_bodies(mechanism, specs)
     found = check_materials(mechanism.materials) + wrong
     found += check_names(mechanism) + _joints(mechanism) + _two_drives(mechanism)
-    found += _forces(mechanism) + check_couplings(mechanism)
+    found += check_tables(mechanism) + _forces(mechanism) + check_couplings(mechanism)
     for name, mass in mechanism.masses.items():
         found += check_place(f"masses.{name}.at", mass.at, mechanism, ground=False)
     for name, signal in mechanism.signals.items():

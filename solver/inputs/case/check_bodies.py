@@ -60,8 +60,10 @@ def _names(key: str, body: BeamBody, mechanism: Mechanism) -> list[str]:
     found = []
     places = [(key, body.section, body.material)]
     places += [(f"{key}.stations[{i}]", s.section, s.material) for i, s in enumerate(body.stations)]
+    if body.section is None and all(s.at > 0.0 or s.section is not None for s in body.stations):
+        found.append(f"{key}.section: missing; expected the name of a section, or a `table`")
     for where, section, material in places:
-        if section not in mechanism.sections:
+        if section is not None and section not in mechanism.sections:
             hint = nearest(section, mechanism.sections)
             found.append(f'{where}.section = "{section}": no such section{hint}')
         if material is not None and material not in mechanism.materials:

@@ -1,9 +1,11 @@
 """Checks of the expressions of a case: names, functions, coordinates."""
 
 from ...errors import InputError
+from ...math.curves import NamedCurve
 from ...math.expressions import operations as op
+from ...math.expressions.parse import MADE, NAMES
 from .check_places import check_place
-from .expressions import CaseScope, PlaceCheck, expression
+from .expressions import WORDS, CaseScope, PlaceCheck, expression
 from .force_terms import force_terms
 from .forces import CoordinateTable, ForceTable
 from .laws import RotationDrive, TranslationDrive
@@ -27,6 +29,21 @@ def check_force(key: str, force: ForceTable, mechanism: Mechanism) -> list[str]:
     return []
 
 
+def check_tables(mechanism: Mechanism) -> list[str]:
+    """Return tables whose names mean something else in expressions."""
+    others = {
+        "a function of expressions": {*op.FUNCTIONS, *MADE, *WORDS},
+        "a name of expressions": {*NAMES, "x", "v"},
+        "one of [parameters] too": mechanism.parameters,
+    }
+    return [
+        f"tables.{name}: is {what}; expected another name"
+        for name in mechanism.tables
+        for what, words in others.items()
+        if name in words
+    ]
+
+
 def _places(mechanism: Mechanism) -> PlaceCheck:
     return lambda place: check_place("reads", place, mechanism, ground=True)
 
@@ -41,9 +58,16 @@ def check_drive(
         tree = expression(drive.expression, CaseScope(mechanism), f"{key}.expression")
     except InputError as error:
         return [str(error)]
-    if any(leaf.code != op.TIME for leaf in tree.leaves()):
+    if any(leaf.code not in (op.TIME, op.CURVE) for leaf in tree.leaves()):
         return [
             f'{key}.expression = "{drive.expression}": expected the time t and parameters alone; '
             "a drive that follows the motion is a controller or coordinate_force"
         ]
+    for leaf in tree.leaves():
+        curve = leaf.quantity
+        if isinstance(curve, NamedCurve) and mechanism.tables[curve.name].interpolation == "linear":
+            return [
+                f"{key}.expression: calls tables.{curve.name}, whose rate jumps; expected "
+                'interpolation = "cubic" or "pchip" in a drive'
+            ]
     return []

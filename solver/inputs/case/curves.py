@@ -1,12 +1,12 @@
 """Curves y(x) in a case file."""
 
-from typing import Literal
+from typing import Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationInfo, model_validator
 
-from ...math.curves import curve
-from ..common.table import Table, unit
-from .laws import Times
+from ...math.curves import Extrapolation, Interpolation, curve, curve_of_table
+from ..common.table import FilePath, Table, unit
+from .laws import Times, with_columns
 
 
 class CurveTable(Table):
@@ -24,4 +24,36 @@ class CurveTable(Table):
     @model_validator(mode="after")
     def _usable(self) -> "CurveTable":
         curve(self.x, self.y)
+        return self
+
+
+class TablePoints(Table):
+    """`[tables.NAME]`: a curve through points, which expressions call as `NAME(...)`."""
+
+    file: FilePath | None = Field(
+        default=None,
+        description="instead of `x` and `y`: a text file of two columns, separated by commas; path "
+        "relative to the case file",
+    )
+    x: Times | None = Field(default=None, description="ascending")
+    y: Times | None = Field(default=None, description="as many as x")
+    interpolation: Interpolation = Field(
+        default="cubic",
+        description="straight lines; a cubic spline; or a cubic without overshoot between points "
+        "(pchip)",
+    )
+    extrapolation: Extrapolation = Field(
+        default="linear", description="beyond both ends: straight on, or the value of the end"
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_file(cls, data: Any, info: ValidationInfo) -> Any:
+        return with_columns(data, info, ("x", "y"))
+
+    @model_validator(mode="after")
+    def _usable(self) -> "TablePoints":
+        if self.x is None or self.y is None:
+            raise ValueError("expected `x` and `y`, or `file`")
+        curve_of_table(self.x, self.y, self.interpolation, self.extrapolation)
         return self

@@ -9,16 +9,31 @@ from typing import TYPE_CHECKING
 
 from ...dynamics.joints.table import JOINTS
 from ...errors import InputError, nearest
+from ...math.curves import NamedCurve, curve_of_table
 from ...math.expressions import operations as op
 from ...math.expressions.parse import ExpressionError, parsed
 from ...math.expressions.tree import Node, NoRate, constant
 
 if TYPE_CHECKING:
+    from .curves import TablePoints
     from .schema import Mechanism
 
 PlaceCheck = Callable[[str], list[str]]  # errors of a place by its name
 
 AXES = ("x", "y", "z")
+# Functions that read the motion: methods of `CaseScope`.
+WORDS = (
+    "joint",
+    "joint_rate",
+    "position",
+    "velocity",
+    "angular_velocity",
+    "distance",
+    "distance_rate",
+    "signal",
+)
+OF_MOTION = ("joint", "place", "spin", "length")  # kinds of `Read` with a rate
+REACTIONS = ("radial", "axial", "bending", "twisting")  # as in dynamics/quantities.py
 
 
 @dataclass(frozen=True)
@@ -28,7 +43,7 @@ class Read:
     Attributes
     ----------
     kind : joint (name, coordinate), place (name, axis), spin (name, axis), length (place, place),
-        state (force, name)
+        state (force, name), reaction (joint, one of REACTIONS)
     names : as above
     rate : the rate by time of it, not itself
     """
@@ -67,24 +82,15 @@ class CaseScope:
         self.mechanism, self._check = mechanism, check
         given = {name: constant(value) for name, value in mechanism.parameters.items()}
         self.names: dict[str, Node] = {**given, **(names or {})}
-        words = (
-            self.joint,
-            self.joint_rate,
-            self.position,
-            self.velocity,
-            self.angular_velocity,
-            self.distance,
-            self.distance_rate,
-            self.signal,
-        )
         self.functions: dict[str, Callable[..., Node]] = {
-            **{word.__name__: word for word in words},
+            **{name: _called(name, table) for name, table in mechanism.tables.items()},
+            **{word: getattr(self, word) for word in WORDS},
             **(own or {}),
         }
 
     def rate(self, quantity: Hashable) -> Node:
         """Return the rate of a quantity."""
-        if isinstance(quantity, Read) and not quantity.rate and quantity.kind != "state":
+        if isinstance(quantity, Read) and not quantity.rate and quantity.kind in OF_MOTION:
             return load(replace(quantity, rate=True))
         raise NoRate("has a rate by time that is not known: it reads a rate or a state")
 
@@ -143,6 +149,14 @@ class CaseScope:
     def _known(self, place: str) -> None:
         for problem in self._check(place) if self._check is not None else ():
             raise ValueError(problem)
+
+
+def _called(name: str, table: "TablePoints") -> Callable[[Node], Node]:
+    def call(x: Node) -> Node:
+        points, kind = (table.x or [], table.y or []), (table.interpolation, table.extrapolation)
+        return Node(op.CURVE, (x,), quantity=NamedCurve(name, curve_of_table(*points, *kind)))
+
+    return call
 
 
 def _rate_of(node: Node) -> Node:

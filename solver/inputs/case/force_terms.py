@@ -4,13 +4,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from ...dynamics.forces.contract import Terms
+from ...dynamics.forces.contract import ROTATION, Terms
 from ...dynamics.forces.table import COORDINATE_FORCES
+from ...dynamics.joints.contract import ANGLE, Z
+from ...dynamics.joints.table import JOINTS
 from ...errors import InputError
 from ...math.expressions import operations as op
 from ...math.expressions.tree import Node, constant
 from ...math.keys import Curve, Expression, Expressions, Number
-from .expressions import CaseScope, PlaceCheck, Read, expression, joint_coordinate, load
+from .expressions import REACTIONS, CaseScope, PlaceCheck, Read, expression, joint_coordinate, load
 
 if TYPE_CHECKING:
     from .forces import CoordinateTable
@@ -27,6 +29,8 @@ class StateTerms:
     scale: float
     update: Node | None
     inputs: tuple[Node, ...] | None  # of the user's function that gives its values; None: none
+    level: float | None  # of the coordinate, at whose passage it takes `update`
+    upwards: bool
 
 
 @dataclass(frozen=True)
@@ -52,6 +56,7 @@ def force_terms(
     key = f"forces.{name}"
     along = _along(key, force, mechanism)
     values = {k.name: getattr(force, k.name) for k in kind.keys}
+    values[ROTATION] = _rotation(along, mechanism)
     try:
         terms = kind.terms(values)
     except InputError as error:
@@ -66,6 +71,8 @@ def force_terms(
             names[k.name] = constant(value)
         elif isinstance(k, Expression):
             names[k.name] = expression(value, public, f"{key}.{k.name}")
+    if values[ROTATION] is not None:
+        names |= {of: load(Read("reaction", (along.names[0], of))) for of in REACTIONS}
     given = tuple(k.name for k in kind.keys if isinstance(k, Curve) and values[k.name] is not None)
     scope = CaseScope(mechanism, names, {k: _reader((name, k)) for k in given})
     inputs = tuple(
@@ -105,6 +112,8 @@ def _trees(
             s.scale,
             optional(s.update),
             inputs if s.called else None,
+            s.level,
+            s.upwards,
         )
         for s, start in zip(terms.states, starts, strict=True)
     )
@@ -120,6 +129,15 @@ def _along(key: str, force: "CoordinateTable", mechanism: "Mechanism") -> Read:
     except ValueError as error:
         where = "joint" if force.joint not in mechanism.joints else "coordinate"
         raise InputError(f"{key}.{where}: {error}") from error
+
+
+def _rotation(along: Read, mechanism: "Mechanism") -> bool | None:
+    """Return `ROTATION` of a coordinate."""
+    if along.kind != "joint":
+        return None
+    joint = JOINTS[mechanism.joints[along.names[0]].kind]
+    guided = len(joint.removes) == len(joint.units) and {"x", "y"} <= set(joint.removes)
+    return along.names[1] == "angle" if guided and set(joint.coordinates) <= {ANGLE, Z} else None
 
 
 def _reader(curve: tuple[str, str]) -> Callable[..., Node]:

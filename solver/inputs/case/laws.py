@@ -38,15 +38,7 @@ class TimeTable(Table):
     @model_validator(mode="before")
     @classmethod
     def _from_file(cls, data: Any, info: ValidationInfo) -> Any:
-        if not isinstance(data, dict) or not isinstance(data.get("file"), str):
-            return data
-        if (info.context or {}).get(RESOLVED) or printable(data["file"]) != data["file"]:
-            return data
-        if "times" in data or "values" in data:
-            raise ValueError("expected either `file` or `times` and `values`")
-        folder = Path((info.context or {}).get(FOLDER, "."))
-        times, values = read_columns(folder / data["file"])
-        return {**data, "times": times, "values": values}
+        return with_columns(data, info, ("times", "values"))
 
     @model_validator(mode="after")
     def _usable(self) -> "TimeTable":
@@ -203,6 +195,21 @@ LAW_TABLES: tuple[type[Table], ...] = (
     TimeTable,
     LoadTable,
 )
+
+
+def with_columns(data: Any, info: ValidationInfo, keys: tuple[str, str]) -> Any:
+    """Return a table with both columns of its `file`, if it has one that is not read yet.
+
+    Raises ValueError : keys given beside the file, or as `read_columns`.
+    """
+    if not isinstance(data, dict) or not isinstance(data.get("file"), str):
+        return data
+    if (info.context or {}).get(RESOLVED) or printable(data["file"]) != data["file"]:
+        return data
+    if any(key in data for key in keys):
+        raise ValueError(f"expected either `file` or `{keys[0]}` and `{keys[1]}`")
+    folder = Path((info.context or {}).get(FOLDER, "."))
+    return {**data, **dict(zip(keys, read_columns(folder / data["file"]), strict=True))}
 
 
 def read_columns(file: Path) -> tuple[list[float], list[float]]:

@@ -7,7 +7,7 @@ from ..common.page import chapters, required
 from ..section.mesh_table import SHAPE_MESHES
 from . import schema
 from .couplings import COUPLING_TABLES
-from .curves import CurveTable
+from .curves import CurveTable, TablePoints
 from .fidelity import Fidelity
 from .forces import FORCE_TABLES
 from .joints import JOINT_TABLES
@@ -38,6 +38,7 @@ _THEN: tuple[type[BaseModel], ...] = (
     *LAW_TABLES,
     *FORCE_TABLES,
     CurveTable,
+    TablePoints,
     PythonCode,
     schema.PointMass,
     *SIGNAL_TABLES,

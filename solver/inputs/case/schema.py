@@ -3,18 +3,23 @@
 docs/case-reference.md is generated from here (`python -m plymotion.solver check --reference`).
 """
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import ConfigDict, Field, model_validator
+from pydantic import ConfigDict, Field, ValidationInfo, model_validator
 
 from ...package.body.specification import MassForm, ShellLinkKind, Theory
 from ..common.material import Material
-from ..common.table import FilePath, Name, Pair, Table, Vector, Word, unit
+from ..common.table import FilePath, Name, Pair, Table, Vector, Word, unit, usable_path
 from ..section.mesh_table import ShapeMesh, shape_or
+from .beam_table import with_beam_table
 from .couplings import CaseCoupling
+from .curves import TablePoints
 from .fidelity import Fidelity
 from .forces import CaseForce
 from .joints import CaseJoint
+from .laws import FOLDER, RESOLVED
+from .matrices import Stiffness, Symmetric
 from .modes import Modes, Reference
 from .reduction import Reducible
 from .signals import Signal
@@ -159,10 +164,30 @@ class BeamLine(Table):
 
 
 class BeamStation(Table):
-    """One entry of `stations` of a beam: another section along it."""
+    """One entry of `stations` of a beam: another section along it, or its matrices."""
 
     at: float = Field(description="fraction of the length")
-    section: Name = Field(description="name of a section")
+    section: Name | None = Field(
+        default=None, description="name of a section; absent: `stiffness` and `mass`"
+    )
+    stiffness: Stiffness | None = Field(
+        default=None,
+        description="6x6 of a section of your own (docs/conventions.md), about the line",
+        json_schema_extra=unit("N, N m, N m2"),
+    )
+    mass: Symmetric | None = Field(
+        default=None,
+        description="6x6 per length, of velocities along and rates about the section axes",
+        json_schema_extra=unit("kg/m, kg, kg m"),
+    )
+    trapeze: list[float] = Field(
+        default=[0.0] * 6,
+        min_length=6,
+        max_length=6,
+        description="with them: strains of a section twisted by 1 rad/m, times -2; the tension "
+        "of a spinning beam stiffens torsion by them",
+        json_schema_extra=unit("m2, m"),
+    )
     material: Name | None = Field(default=None, description="absent: that of the body")
     ply_angle_deg: float | None = Field(
         default=None,
@@ -171,6 +196,13 @@ class BeamStation(Table):
         description="absent: that of the body",
         json_schema_extra=unit("deg"),
     )
+
+    @model_validator(mode="after")
+    def _section_or_matrices(self) -> "BeamStation":
+        given = [key for key in ("stiffness", "mass") if getattr(self, key) is not None]
+        if len(given) != (2 if self.section is None else 0):
+            raise ValueError("expected either `section` or `stiffness` and `mass`")
+        return self
 
 
 _DAMPING = (
@@ -201,7 +233,17 @@ class BeamBody(Reducible, Deformed):
         "the line; linear between them",
         json_schema_extra=unit("deg"),
     )
-    section: Name = Field(description="name of a section; with `stations`, of the one at the start")
+    table: FilePath | None = Field(
+        default=None,
+        description="instead of length, line, twist_deg, section and stations: a CSV file with "
+        "places, twist, 6x6 stiffness and mass along the beam (docs/blade.md), relative to the "
+        "case file; `elements` then has a default of two between stations",
+    )
+    section: Name | None = Field(
+        default=None,
+        description="name of a section; with `stations`, of the one at the start; required "
+        "without `table`",
+    )
     stations: list[BeamStation] = Field(
         default=[],
         description="other sections along the beam; stiffness and mass are linear between them",
@@ -256,6 +298,17 @@ class BeamBody(Reducible, Deformed):
     interfaces: dict[Name, BeamInterface] = Field(
         min_length=1, description="named places; some carry the reference condition"
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_table(cls, data: Any, info: ValidationInfo) -> Any:
+        context = info.context or {}
+        if not isinstance(data, dict) or not isinstance(data.get("table"), str):
+            return data
+        if context.get(RESOLVED) or (FOLDER not in context and "stations" in data):
+            return data
+        usable_path(data["table"])
+        return with_beam_table(data, Path(context.get(FOLDER, ".")))
 
 
 class ShellInterface(Table):
@@ -393,6 +446,9 @@ class Mechanism(Table):
     )
     parameters: dict[Word, float] = Field(
         default={}, description="numbers that expressions read by name"
+    )
+    tables: dict[Word, TablePoints] = Field(
+        default={}, description="curves through points that expressions call by name"
     )
     masses: dict[Name, PointMass] = Field(default={}, description="point masses")
     signals: dict[Name, Signal] = Field(default={}, description="what is measured")

@@ -11,7 +11,7 @@ from ..section.expand import source_files
 from ..section.shapes.library import walls
 from ..section.shapes.mesh import ALL, shape_mesh
 from .descriptions import INLINE, section_table
-from .schema import BeamBody, DescribedSection, Mechanism
+from .schema import BeamBody, BeamStation, DescribedSection, Mechanism
 
 
 def section_spec(
@@ -29,6 +29,7 @@ def section_spec(
     InputError
         Lines that begin with the key: what is wrong with the section.
     """
+    assert body.section is not None
     key = f"sections.{body.section}"
     table = mechanism.sections[body.section]
     if isinstance(table, DescribedSection):
@@ -49,8 +50,19 @@ def section_spec(
     return spec, []
 
 
+def given_section(station: BeamStation) -> dict[str, Any]:
+    """Return the specification of a station with matrices of its own."""
+    return {
+        "name": f"at {station.at:.4f}",
+        "stiffness": station.stiffness,
+        "mass": station.mass,
+        "trapeze": station.trapeze,
+    }
+
+
 def check_section(key: str, body: BeamBody, mechanism: Mechanism) -> list[str]:
     """Return what does not fit between a body and its section; `key` names the body."""
+    assert body.section is not None
     table = mechanism.sections[body.section]
     given = {"material": body.material, "ply_angle_deg": body.ply_angle_deg}
     if isinstance(table, DescribedSection):

@@ -11,10 +11,11 @@ import numpy as np
 
 from ...math.arrays import Array
 from ...math.rotations import matrix_to_vector, vector_to_matrix
-from .beam_lines import chords, division, fractions, is_plain, line_of, rounded
+from .beam_lines import division, fractions, is_plain, line_of, rounded
 from .beams import with_sections
 from .resolved import resolved
 from .schema import BeamBody, Mechanism
+from .splines import chords
 
 NEAR = 1e-9  # fractions closer than this are one place
 
@@ -205,6 +206,7 @@ class _Divided:
         local[[0, -1], 1:] = 0.0
         line = {"nodes": local.tolist(), "x2_axes": rounded(axes @ A_BS, 1.0)}
         shape = {"length": None, "line": line, "twist_deg": [], "x2_axis": [0.0, 1.0, 0.0]}
+        shape["table"] = None
         return {**shape, "elements": len(local) - 1}, points[0], A_BS
 
     def _stations(self, k: int) -> list[dict[str, Any]]:
@@ -212,13 +214,8 @@ class _Divided:
         if not self.body.stations:
             return []
         return [
-            {
-                "at": at * self.count - k,
-                "section": own.section,
-                "material": own.material,
-                "ply_angle_deg": own.ply_angle_deg,
-            }
-            for at, own in with_sections(self.body)
+            {**station.model_dump(), "at": station.at * self.count - k}
+            for station in with_sections(self.body)
         ]
 
     def _mode(self, mode: dict[str, Any], k: int) -> dict[str, Any] | None:

@@ -26,5 +26,6 @@ def _law_sources(mechanism: Mechanism, folder: Path) -> list[Path]:
         laws += drives(joint).values()
     laws += [law(force) for force in mechanism.forces.values()]
     tables: list[Any] = [each.table for each in laws if each is not None]
+    tables += mechanism.tables.values()
     tables += [getattr(force, "code", None) for force in mechanism.forces.values()]
     return [folder / t.file for t in tables if t is not None and t.file is not None]

@@ -16,6 +16,7 @@ import hashlib
 import io
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -80,9 +81,9 @@ def write_arrays(
             len(mesh.lines), len(mesh.curves)
         )
     )
-    buffer = io.BytesIO()
-    np.savez(
-        buffer,
+    return write_npz(
+        folder,
+        mesh.file.stem,
         points=mesh.points,
         cells=mesh.cells,
         cell_type=np.array(mesh.cell_type),
@@ -92,9 +93,15 @@ def write_arrays(
         curve=curve,
         curve_names=np.array(list(mesh.curves), dtype=str),
     )
+
+
+def write_npz(folder: Path, name: str, **arrays: Any) -> tuple[Path, str]:
+    """Write named arrays to a file whose name ends in its hash; return file and SHA-256."""
+    buffer = io.BytesIO()
+    np.savez(buffer, **arrays)
     content = buffer.getvalue()
     digest = hashlib.sha256(content).hexdigest()
-    file = folder / f"{mesh.file.stem}-{digest[:12]}.npz"
+    file = folder / f"{name}-{digest[:12]}.npz"
     if not file.is_file():
         folder.mkdir(parents=True, exist_ok=True)
         with temporary_sibling(file) as temporary:

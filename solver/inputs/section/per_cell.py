@@ -4,8 +4,6 @@ Angles are ours and VABS's: theta1 turns x2 to the layer direction y2, theta3 tu
 x1 towards y2.
 """
 
-import hashlib
-import io
 import os
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,7 +13,7 @@ import numpy as np
 
 from ...errors import InputError
 from ...math.arrays import Array, IntArray
-from ...package.common.temporary import temporary_sibling
+from .mesh_arrays import write_npz
 
 TRIANGLE, QUADRILATERAL = 0, 1
 ABSENT = -1
@@ -67,9 +65,9 @@ def cell_section_spec(section: CellSection, folder: Path) -> dict[str, Any]:
         raise InputError(f"{section.file}: a cell has a node that does not exist")
     used = np.unique(section.ply)
     names = [f"ply-{row + 1}" for row in used]
-    buffer = io.BytesIO()
-    np.savez(
-        buffer,
+    arrays, digest = write_npz(
+        folder,
+        section.file.stem,
         points=section.points,
         cells=section.nodes,
         kind=section.kind,
@@ -78,13 +76,6 @@ def cell_section_spec(section: CellSection, folder: Path) -> dict[str, Any]:
         region=np.searchsorted(used, section.ply),
         region_names=np.array(names, dtype=str),
     )
-    content = buffer.getvalue()
-    digest = hashlib.sha256(content).hexdigest()
-    arrays = folder / f"{section.file.stem}-{digest[:12]}.npz"
-    if not arrays.is_file():
-        folder.mkdir(parents=True, exist_ok=True)
-        with temporary_sibling(arrays) as temporary:
-            temporary.write_bytes(content)
     regions = {}
     for name, row in zip(names, used, strict=True):
         material, angle = section.plies[row]

@@ -97,6 +97,8 @@ def advance_alpha(
         size_last = 0.0
         for iteration in range(1, MAX_ITERATIONS + 1):
             _place(model, workspace)
+            for k in range(n_c):
+                work.multipliers[k] = workspace.stage_multipliers[k]
             evaluate(model, work, t_new, stage)
             counts[EVALUATIONS] += 1
             if iteration == 1:
@@ -203,7 +205,7 @@ def advance_alpha(
             driven = driven or work.rows[k, PHI_T] != 0.0
         if driven:
             evaluate(model, work, t_new, stage)
-            accelerate(model, work, stage)
+            accelerate(model, work, t_new, stage)
             counts[EVALUATIONS] += 1
             power = work.power[0]
             for k in range(n_c):

@@ -86,6 +86,7 @@ def new_alpha_workspace(
     workspace.clock[TIME], workspace.clock[NEXT] = t, first_step
     workspace.clock[POWER] = rate[n - 1]
     workspace.multipliers[:n_c] = multipliers
+    workspace.work.multipliers[:] = multipliers
     evaluate(model, workspace.work, t, y)
     start_forces(model, workspace.work, workspace.multipliers)
     return workspace

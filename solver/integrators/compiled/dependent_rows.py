@@ -15,7 +15,7 @@ the rows without e: where rows are independent, lambda_p is right up to the erro
 from ...dynamics.elimination import solve
 from ...dynamics.model import Model
 from ...math.compiled import inlined
-from .pencil import Frozen, factorise_pencil
+from .pencil import Frozen, factorise_feedback, factorise_pencil
 from .radau_workspace import RadauWorkspace
 from .tableau import MU, NU
 
@@ -38,10 +38,12 @@ def factorise_stages(model: Model, workspace: RadauWorkspace, h: float) -> int:
     factorise_pencil(model, frozen, real, (MU / h) ** 2, MU / h, 1.0)
     hard = not softened(frozen)
     factorise_pencil(model, frozen, pair, (NU / h) * (NU / h), NU / h, 1.0)
-    if hard and softened(frozen):
+    again = hard and softened(frozen)
+    if again:
         factorise_pencil(model, frozen, real, (MU / h) ** 2, MU / h, 1.0)
-        return 3
-    return 2
+    factorise_feedback(model, frozen, real, MU / h)
+    factorise_feedback(model, frozen, pair, NU / h)
+    return 3 if again else 2
 
 
 @inlined

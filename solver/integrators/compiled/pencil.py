@@ -36,6 +36,16 @@ from ...math.compiled import inlined, lean, structure
 from ...math.rotations import along_parameters
 from .coupled_states import freeze_states, hold_states, left_of_states, move_states
 from .elements import freeze_elements
+from .feedback import (
+    Answers,
+    Feedback,
+    add_feedback,
+    answer_forces,
+    freeze_feedback,
+    move_fed_states,
+    new_answers,
+    new_feedback,
+)
 
 NOTHING = 1e-100  # of stiffness and damping: an element that holds nothing in a direction
 
@@ -53,6 +63,7 @@ class Pencil(NamedTuple):
     delta: Array  # (n,) answer in the coordinates of y
     mu: Array  # (n_r,)
     softness: Array  # (n_r,) of the rows of plan.newton
+    answers: Answers  # to forces that read other coordinates (feedback.py)
 
 
 @structure
@@ -67,6 +78,7 @@ class Frozen(NamedTuple):
     damping: Array  # (n_e,) [N s/m, N m s/rad]
     auxiliary: Array  # (na,) derivatives of the rates of auxiliary states by themselves [1/s]
     coupled: Array  # (n, 3) of forces with states of their own (coupled_states.py)
+    feedback: Feedback
 
 
 def new_pencil(model: Model, one: Any) -> Pencil:
@@ -83,6 +95,7 @@ def new_pencil(model: Model, one: Any) -> Pencil:
         np.zeros(n_y) * one,
         np.zeros(n_r) * one,
         np.zeros(n_r) * one,
+        new_answers(model, one),
     )
 
 
@@ -99,6 +112,7 @@ def new_frozen(model: Model) -> Frozen:
         np.zeros(n_e),
         np.zeros(model.n_aux),
         np.zeros((model.quantities.coupled_force.shape[0], 3)),
+        new_feedback(model),
     )
     place_added_rows(model, frozen.J)
     return frozen
@@ -124,6 +138,8 @@ def freeze(model: Model, work: Work, t: float, y: Array, frozen: Frozen) -> None
         freeze_elements(model, work, frozen.stiffness, frozen.damping, frozen.J)
     if model.n_aux > 0:
         freeze_states(model, work, t, frozen.auxiliary, frozen.coupled)
+    if model.quantities.feedback.shape[0] > 0:
+        freeze_feedback(model, work, t, frozen.feedback)
 
 
 @lean
@@ -172,9 +188,30 @@ def _factorise(
     factorise(plan, plan.newton, pencil.factors, frozen.J, softness)
 
 
+@inlined
+def factorise_feedback(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> None:
+    """Answer the forces with feedback, after `factorise_pencil` with mass s^2 and damping s."""
+    if model.quantities.feedback.shape[0] > 0:
+        answer_forces(
+            model,
+            pencil.factors,
+            pencil.softness,
+            pencil.load,
+            pencil.gamma,
+            frozen.feedback,
+            frozen.auxiliary,
+            frozen.coupled,
+            s,
+            pencil.answers,
+        )
+
+
 @lean
 def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> None:
-    """Fill pencil.delta (n,) and mu (n_c,) with the answer to load, gamma and r."""
+    """Fill pencil.delta (n,) and mu (n_c,) with the answer to load, gamma and r.
+
+    After `factorise_feedback` with the same s.
+    """
     load, rho, x, gamma, r, delta = (
         pencil.load,
         pencil.rho,
@@ -232,7 +269,22 @@ def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> No
     solve(plan, plan.newton, pencil.factors, load, gamma, x, pencil.mu)
     for k in range(n_c, gamma.shape[0]):
         gamma[k] = 0.0
+    feeds = model.quantities.feedback.shape[0] > 0
+    if feeds:
+        add_feedback(
+            model,
+            frozen.feedback,
+            frozen.auxiliary,
+            frozen.coupled,
+            s,
+            pencil.answers,
+            x,
+            rho,
+            pencil.mu,
+        )
     move_states(model, frozen.auxiliary, frozen.coupled, frozen.J, r, rho, x, s, delta)
+    if feeds:
+        move_fed_states(model, frozen.feedback, frozen.auxiliary, s, x, rho, delta)
     c = 1.0 / s
     for i in range(plan.size.shape[0]):
         m = model.n_mode[i]

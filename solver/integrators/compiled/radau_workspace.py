@@ -99,6 +99,7 @@ def restart_radau(
     """Forget what was before state y (n,) at t [s]; rate and multipliers are those after it."""
     workspace.y[:], workspace.f[:] = y, rate
     workspace.clock[TAKEN], workspace.clock[RATE] = 0.0, 1.0
+    workspace.work.multipliers[:] = multipliers
     evaluate(model, workspace.work, t, y)
     for k in range(3):
         workspace.multipliers_old[k, : model.n_constraint] = multipliers

@@ -36,6 +36,8 @@ def residual(
         forces of elements leave of their law
     r : (n,), of which positions: G v - qdot, and auxiliary states: their law less zdot
     """
+    for k in range(model.n_constraint):
+        work.multipliers[k] = multipliers[k]
     evaluate(model, work, t, y)
     rates_into(model, y, r)
     for i in range(model.n_pos):

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..arrays import Array, IntArray
 from ..compiled import lean, structure
+from ..curves import NamedCurve
 from ..laws import N_COEFFICIENT, Law, law_value
 from .operations import (
     ABS,
@@ -65,8 +66,21 @@ class Programs(NamedTuple):
 def programs(
     nodes: Sequence[Node], place: Callable[[Hashable], int], curves: Sequence[Law] = ()
 ) -> Programs:
-    """Return expressions as arrays; `place` numbers the quantities and curves that they read."""
-    lists = [list(written(node, place)) for node in nodes]
+    """Return expressions as arrays; `place` numbers the quantities and curves that they read.
+
+    Curves that they call by name follow `curves`.
+    """
+    called = {leaf.quantity: None for node in nodes for leaf in node.leaves()}
+    named = [quantity for quantity in called if isinstance(quantity, NamedCurve)]
+    numbers = {quantity: len(curves) + k for k, quantity in enumerate(named)}
+    curves = [*curves, *(quantity.law for quantity in named)]
+
+    def number(quantity: Hashable) -> int:
+        if isinstance(quantity, NamedCurve):
+            return numbers[quantity]
+        return place(quantity)
+
+    lists = [list(written(node, number)) for node in nodes]
     flat = [pair for pairs in lists for pair in pairs]
     sizes = [len(curve.times) for curve in curves]
     return Programs(

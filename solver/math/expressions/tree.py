@@ -3,6 +3,7 @@
 from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass
 
+from ..curves import NamedCurve
 from . import operations as op
 
 
@@ -103,6 +104,8 @@ def _chain(node: Node, rates: tuple[Node, ...]) -> Node:
         return Node(op.SELECT, (c[0], rates[1], rates[2]))
     if code in (op.LESS, op.LESS_EQUAL, op.AND, op.OR, op.NOT, op.SIGN, op.FLOOR):
         return ZERO
+    if code == op.CURVE and isinstance(node.quantity, NamedCurve):
+        return Node(op.CURVE, c, quantity=node.quantity.derivative()) * rates[0]
     if code in _SLOPES:
         return _SLOPES[code](node, c[0]) * rates[0]
     raise NoRate("has no derivative by time that is known here")

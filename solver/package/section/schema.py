@@ -17,6 +17,7 @@ SECTION_FORMAT_VERSION = (1, 1)
 
 RESULTANTS = ("F1", "F2", "F3", "M1", "M2", "M3")
 STRESSES = ("11", "22", "33", "23", "13", "12")
+CORNERS = {5: 3, 22: 3, 9: 4, 23: 4, 28: 4}  # of the VTK cell types of a section
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ import base64
 import hashlib
 import json
 import zlib
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -24,9 +25,10 @@ class Blob:
 
     def __init__(self) -> None:
         self.index: list[dict[str, Any]] = []
-        self._parts: list[bytes] = []
         self._known: dict[bytes, int] = {}
-        self.size = 0  # bytes before compression
+        self._size = 0  # bytes before compression
+        self._squeeze = zlib.compressobj(LEVEL, zlib.DEFLATED, 31)  # gzip without a time
+        self._packed = b""  # what the compression has given up to now
 
     def add(self, values: Array | IntArray, kind: str = "<f4") -> int:
         """Add an array as numbers of a kind (a key of TYPES); return its number."""
@@ -35,16 +37,26 @@ class Blob:
         key = hashlib.sha256(repr((kind, array.shape)).encode() + raw).digest()
         if key not in self._known:
             self._known[key] = len(self.index)
-            self.index.append({"type": TYPES[kind], "shape": array.shape, "at": self.size})
-            self._parts.append(raw)
-            self.size += len(raw)
+            self.index.append({"type": TYPES[kind], "shape": array.shape, "at": self._size})
+            self._packed += self._squeeze.compress(raw)
+            self._size += len(raw)
         return self._known[key]
 
     def text(self) -> str:
         """Return the arrays as base64 of a gzip stream without time and name."""
-        squeeze = zlib.compressobj(LEVEL, zlib.DEFLATED, 31)  # 31: a gzip header, without a time
-        data = squeeze.compress(b"".join(self._parts)) + squeeze.flush()
+        data = self._packed + self._squeeze.copy().flush()
         return base64.b64encode(data).decode("ascii")
+
+    def mark(self) -> Callable[[], None]:
+        """Return a function that takes out what is added from now on."""
+        index, known = list(self.index), dict(self._known)
+        size, squeeze, packed = self._size, self._squeeze.copy(), self._packed
+
+        def undo() -> None:
+            self.index, self._known = index, known
+            self._size, self._squeeze, self._packed = size, squeeze, packed
+
+        return undo
 
 
 def json_for_script(value: Any) -> str:

@@ -34,6 +34,7 @@ def scene(blob: Blob, story: Story, share: int) -> dict[str, Any] | None:
     own = list(result.links)
     bodies = [
         _body(blob, result, i, body, body.view, rows, origin, own, size)
+        | {"exposure": _largest_exposure(story, body.name)}
         for i, body in enumerate(result.bodies)
         if body.view is not None
     ]
@@ -55,6 +56,12 @@ def _peaks(story: Story) -> list[float]:
         found += [body.get("time"), *(ply.get("time") for ply in body.get("plies", [])[:5])]
     found += [finding.get("t") for finding in summary.get("warnings", [])]
     return [float(value) for value in found if value is not None]
+
+
+def _largest_exposure(story: Story, body: str) -> float:
+    """Largest exposure 1/R of a body over the run, at most 1; 0 without strengths."""
+    ratio = story.summary.get("strength", {}).get(body, {}).get("ratio")
+    return min(1.0, 1.0 / ratio) if ratio else 0.0
 
 
 def _body(
@@ -178,6 +185,7 @@ def _ground(
             "left_out": 1,
             "displacement": 0.0,
             "energy": 0.0,
+            "exposure": 0.0,
             "sites": None,
         }
     ]

@@ -5,7 +5,7 @@ const FIELDS = {
   body: { number: 0 },
   displacement: { number: 1, label: 'elastic displacement', units: ['m'], largest: (body) => body.displacement },
   energy: { number: 2, label: 'strain energy', units: ['J/m', 'J/m² (shells)'], largest: (body) => body.energy },
-  exposure: { number: 3, label: 'exposure 1/R of the worst ply, failure at 1', units: ['-'], largest: () => 1 },
+  exposure: { number: 3, label: 'exposure 1/R of the worst ply', units: ['(failure at 1)'], largest: (body) => body.exposure },
 };
 
 // Energies of beams are for unit length, those of shells for unit area: each has its own range.

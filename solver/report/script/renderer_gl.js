@@ -61,6 +61,7 @@ function glRenderer(canvas) {
       gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
       gl.enable(gl.DEPTH_TEST);
       gl.enable(gl.BLEND);
+      gl.enable(gl.POLYGON_OFFSET_FILL);
       gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
       gl.useProgram(move.program);
       gl.uniformMatrix4fv(move.at.u_camera, false, cameraMatrix(camera, canvas.width / canvas.height));
@@ -72,9 +73,11 @@ function glRenderer(canvas) {
           const gpu = prepare(body, states[i], plain ? { ...shown, field: 0 } : shown);
           gl.uniform1f(move.at.u_alpha, alpha);
           gl.uniform3fv(move.at.u_colour, plain ? rgb('--grey') : rgb(COLOURS[i % COLOURS.length]));
+          gl.polygonOffset(0.05 * i, 4 * i); // of surfaces at the same place, that of the first body is seen
           gl.drawArrays(gl.TRIANGLES, 0, gpu.count);
         });
       }
+      gl.disable(gl.POLYGON_OFFSET_FILL);
       gl.bindVertexArray(null);
     },
     // Positions of all corners of a body's triangles, and what the sites give: for tests.

@@ -32,5 +32,5 @@ void main() {
   // Edges of triangles that are as thin as a line would hide the surface.
   near *= 1.0 - smoothstep(0.15, 0.4, width);
   float line = u_edges * max(near.x, max(near.y, near.z));
-  colour = vec4(mix(base * light, vec3(0.08), 0.7 * line), u_alpha);
+  colour = vec4(mix(base * light, vec3(0.08), 0.45 * line), u_alpha);
 }

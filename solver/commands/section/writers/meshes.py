@@ -12,11 +12,10 @@ import numpy as np
 
 from ....errors import InputError
 from ....math.arrays import Array, IntArray
-from ....package.section.schema import SectionFile
+from ....package.section.schema import CORNERS, SectionFile
 from .text import written
 
 KEYS = ("E1", "E2", "E3", "G12", "G13", "G23", "nu12", "nu13", "nu23")
-CORNERS = {5: 3, 22: 3, 9: 4, 23: 4, 28: 4}
 BECAS_FILES = ("N2D.in", "E2D.in", "EMAT.in", "MATPROPS.in")
 
 

@@ -13,8 +13,8 @@ the tension N the section resists torsion with N a_1 besides its stiffness.
 
 import numpy as np
 
-from ...solver.math.arrays import Array
-from ...solver.package.section.schema import SectionRecovery
+from ...math.arrays import Array
+from .schema import SectionRecovery
 
 
 def trapeze_strains(K: Array, recovery: SectionRecovery) -> Array:

@@ -1,0 +1,75 @@
+"""Instants at which coordinates pass levels: events that auxiliary states follow.
+
+An event belongs to a state that takes a new value when its coordinate passes a level in one
+direction, such as the speed of an impact where a joint meets its stop.
+"""
+
+import numpy as np
+
+from ..math.arrays import Array
+from .model import Model
+from .system import evaluate
+from .workspace import spare_work
+
+NOTHING = 1e-13  # part of a step: two instants closer than this are one
+_PARTS = np.linspace(0.0, 1.0, 9)
+
+
+def beyond(model: Model, t: float, y: Array) -> Array:
+    """Return how far each coordinate is beyond its level, and the rate of that, (ne, 2)."""
+    q, work = model.quantities, spare_work(model)
+    evaluate(model, work, t, y)
+    at, sign = q.event_coordinate, q.event_sign
+    gap = sign * (work.quantity[2 * at] - q.event_level)
+    return np.column_stack([gap, sign * work.quantity[2 * at + 1]])
+
+
+def first_crossing(
+    model: Model, t: Array, y: Array, armed: tuple[bool, ...]
+) -> tuple[tuple[bool, ...], int, float]:
+    """Look for the first event in steps with the ends t (k + 1,), y (k + 1, n).
+
+    armed : of each event, whether its coordinate has been before its level since the last time
+
+    Returns `armed` before that instant, the event, and the instant [s]; -1 without one. Between
+    ends of a step coordinates are cubics by values and rates.
+    """
+    ready = list(armed)
+    before = beyond(model, float(t[0]), y[0])
+    for i in range(1, len(t)):
+        after, h = beyond(model, float(t[i]), y[i]), float(t[i] - t[i - 1])
+        found = [
+            (_root(before[e], after[e], h), e)
+            for e in range(len(ready))
+            if ready[e] and _reaches(before[e], after[e], h)
+        ]
+        if found:
+            share, e = min(found)
+            return tuple(ready), e, float(t[i - 1]) + share * h
+        ready = [one or bool(gap < 0.0) for one, gap in zip(ready, after[:, 0], strict=True)]
+        before = after
+    return tuple(ready), -1, 0.0
+
+
+def _cubic(before: Array, after: Array, h: float, s: Array) -> Array:
+    """Return values at parts s of a step."""
+    a, b, c, d = before[0], h * before[1], after[0], h * after[1]
+    return np.asarray(a + s * (b + s * (3 * (c - a) - 2 * b - d + s * (2 * (a - c) + b + d))))
+
+
+def _reaches(before: Array, after: Array, h: float) -> bool:
+    return bool(after[0] > 0.0 or (_cubic(before, after, h, _PARTS) > 0.0).any())
+
+
+def _root(before: Array, after: Array, h: float) -> float:
+    """Return the part of a step at which a coordinate first passes its level."""
+    values = _cubic(before, after, h, _PARTS)
+    k = int(np.argmax(values > 0.0)) if (values > 0.0).any() else len(_PARTS) - 1
+    low, high = (_PARTS[k - 1], _PARTS[k]) if k else (0.0, 0.0)
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if _cubic(before, after, h, np.array(middle)) > 0.0:
+            high = middle
+        else:
+            low = middle
+    return float(high)

@@ -1,0 +1,52 @@
+"""`plymotion blade` is stopped in the middle; the same command goes on from there."""
+
+import csv
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+from blade_samples import write_blade
+
+from plymotion.solver.__main__ import main
+
+COUNT = 8
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
+def test_a_stopped_blade_goes_on_where_it_was(fenicsx, repository, tmp_path, capsys, number):
+    file, out = write_blade(tmp_path), tmp_path / "out"
+    words = ["blade", str(file), "--stations", str(COUNT), "-o", str(out), "--no-estimate"]
+
+    def made():
+        return {path: path.stat().st_mtime_ns for path in out.glob("sections/*/r*.vtkhdf")}
+
+    with subprocess.Popen(
+        [sys.executable, "-m", "plymotion", *words],
+        stderr=subprocess.PIPE,
+        stdout=subprocess.DEVNULL,
+        text=True,
+        env={**os.environ, "PYTHONPATH": str(repository)},
+    ) as process:
+        end = time.monotonic() + 240.0
+        while len(made()) < 2:
+            assert time.monotonic() < end
+            assert process.poll() is None
+            time.sleep(0.01)
+        process.send_signal(number)
+        _, errors = process.communicate(timeout=120)
+    assert "[1/8] r00000: built" in errors  # progress
+    if number == signal.SIGINT:
+        assert process.returncode == 130
+        assert f"of {COUNT} sections are complete and kept" in errors
+    assert not (out / "blade.csv").exists()
+    time.sleep(0.5)
+    kept = made()
+    assert 2 <= len(kept) < COUNT
+    assert main([*words, "--quiet"]) == 0
+    assert f"{len(kept)} unchanged" in capsys.readouterr().out
+    assert {path: path.stat().st_mtime_ns for path in kept} == kept
+    with (out / "blade.csv").open(newline="") as stream:
+        assert len(list(csv.DictReader(stream))) == COUNT
