@@ -18,6 +18,7 @@ export OPENBLAS_NUM_THREADS := 1
 VENV := .venv
 PY := $(VENV)/bin/python
 LIGHT := $(VENV)/installed
+TESTS := $(VENV)/tests-installed
 FENICSX := build/fenicsx.env
 FE_PYTHON = . ./$(FENICSX) && PYTHONPATH=. "$$FENICSX_PYTHON"
 
@@ -44,8 +45,19 @@ $(call not_seen,$(call odd,cases/*/case.toml cases/sections/*.toml cases/shells/
 .PHONY: environment
 environment: $(LIGHT) ## Create the light environment .venv (PYTHON=... selects the interpreter)
 
-$(LIGHT): pyproject.toml tools/light_environment.sh tools/apt_install.sh
-	@tools/light_environment.sh $(VENV)
+# First the Python alone: FEniCSx and the packages of the environment are then installed side by side.
+EMPTY := $(VENV)/pyvenv.cfg
+$(EMPTY):
+	@tools/virtual_environment.sh $(VENV)
+
+$(LIGHT): pyproject.toml tools/light_environment.sh tools/virtual_environment.sh | $(EMPTY)
+	@tools/virtual_environment.sh $(VENV)
+	@tools/light_environment.sh $(VENV) runs
+	@touch $@
+
+# What runs do not need is half of the packages.
+$(TESTS): $(LIGHT)
+	@tools/light_environment.sh $(VENV) tests
 	@touch $@
 
 .PHONY: fenicsx
@@ -70,8 +82,8 @@ $(FENICSX): FORCE
 endif
 FENICSX_TOOLS := $(addprefix tools/,find_fenicsx.py fenicsx_sources.py interpreters.py) \
     $(addprefix solver/commands/fenicsx_side/,interpreter.py fenicsx_probe.py)
-$(FENICSX): $(FENICSX_TOOLS) | $(LIGHT)
-	@$(PY) tools/find_fenicsx.py $@
+$(FENICSX): $(FENICSX_TOOLS) | $(EMPTY)
+	@PYTHONPATH=. $(PY) tools/find_fenicsx.py $@
 
 COMPILED := build/compiled
 $(COMPILED): $(HOT_SOURCES) $(LIGHT)
@@ -206,7 +218,7 @@ test: $(LIGHT) ## All of it: check with all tests, test-numba, test-fe, and ever
 # Nothing runs beside test-setup (more cores than there are): phases must not install at the same
 # time. Phases with 0 cores fill the cores while tests of the others wait.
 .PHONY: test-setup
-test-setup: $(EXCHANGE)/installed $(BROWSER) $(LIGHT) $(FENICSX) $(COMPILED) build/numba-$(LOWEST_NUMBA)/installed
+test-setup: $(EXCHANGE)/installed $(BROWSER) $(TESTS) $(FENICSX) $(COMPILED) build/numba-$(LOWEST_NUMBA)/installed
 
 # Nothing is compiled: that takes longer than this run.
 .PHONY: smoke
@@ -223,25 +235,25 @@ check: lint types imports test-quick ## Lint, types, import directions and the q
 check-all: lint types imports test-light
 
 .PHONY: lint
-lint: $(LIGHT) ## Style: ruff
+lint: $(TESTS) ## Style: ruff
 	$(VENV)/bin/ruff check --quiet --output-format concise .
 	$(VENV)/bin/ruff format --check --quiet .
 
 .PHONY: types
-types: $(LIGHT) ## Types: mypy
+types: $(TESTS) ## Types: mypy
 	$(VENV)/bin/mypy
 	$(VENV)/bin/mypy tools
 
 .PHONY: imports
-imports: $(LIGHT) ## Allowed directions between modules: import-linter
+imports: $(TESTS) ## Allowed directions between modules: import-linter
 	$(VENV)/bin/lint-imports
 
 .PHONY: test-quick
-test-quick: $(LIGHT) | $(COMPILED) ## The tests without FEniCSx but those that take long (tests/conftest.py)
+test-quick: $(TESTS) | $(COMPILED) ## The tests without FEniCSx but those that take long (tests/conftest.py)
 	$(PY) -m pytest tests --ignore tests/fe -m "not slow" -n 2 --dist worksteal -q --durations=10
 
 .PHONY: test-light
-test-light: $(LIGHT) | $(COMPILED) ## Tests without FEniCSx, on two cores
+test-light: $(TESTS) | $(COMPILED) ## Tests without FEniCSx, on two cores
 	$(PY) -m pytest tests --ignore tests/fe -n 2 --dist worksteal -q --durations=10
 
 # The tests of tests/hostile with many more tries. It goes on where it was interrupted; ATTACK_OPTIONS
@@ -249,13 +261,13 @@ test-light: $(LIGHT) | $(COMPILED) ## Tests without FEniCSx, on two cores
 # of what became of the tries into docs/security.md.
 ATTACK_OPTIONS ?=
 .PHONY: attack
-attack: $(LIGHT) | $(FENICSX) $(COMPILED) ## Thousands of hostile inputs, damaged files and faults (half an hour)
+attack: $(TESTS) | $(FENICSX) $(COMPILED) ## Thousands of hostile inputs, damaged files and faults (half an hour)
 	. ./$(FENICSX) && export FENICSX_PYTHON && $(PY) tools/attack.py $(ATTACK_OPTIONS)
 
 # Folders and files of the cache that cannot be read or written: no matter of Numba's version.
 CACHE_OF_ANY_NUMBA := not damaged and not missing and not written and not read_only and not at_once
 .PHONY: test-numba
-test-numba: build/numba-$(LOWEST_NUMBA)/installed ## The compiled loops with the lowest Numba that is supported
+test-numba: build/numba-$(LOWEST_NUMBA)/installed $(TESTS) ## The compiled loops with the lowest Numba that is supported
 	PYTHONPATH=$(CURDIR)/$(<D):$(CURDIR) $(PY) -m pytest -q --durations=10 \
 	    tests/unit/test_step_loop_contract.py tests/unit/test_evaluation.py \
 	    tests/unit/test_compiled_cache.py -k "$(CACHE_OF_ANY_NUMBA)"
@@ -283,11 +295,11 @@ $(EXCHANGE)/installed: Makefile | $(LIGHT)
 	    chmod +x $(@D)/mystran/mystran/_data/bin/mystran || echo "no MYSTRAN"
 	@touch $@
 
-test-exchange: $(EXCHANGE)/installed | $(COMPILED) ## Bodies from and to CalculiX, MYSTRAN, Exudyn: real runs of each
+test-exchange: $(EXCHANGE)/installed $(TESTS) | $(COMPILED) ## Bodies from and to CalculiX, MYSTRAN, Exudyn: real runs of each
 	$(PY) -m pytest tests/exchange -n 2 -q --durations=5
 
 .PHONY: test-fe
-test-fe: $(LIGHT) ## FE tests on the distribution's DOLFINx and on the wheel, with every core type
+test-fe: $(TESTS) ## FE tests on the distribution's DOLFINx and on the wheel, with every core type
 	$(PY) tools/fe_tests.py
 
 # The cores work on several cases at once, so each runs in one process.
@@ -405,7 +417,7 @@ STABILITY_CHART := docs/pictures/stability.png
 stability: $(STABILITY_CHART) ## Measure and draw the stability limits of each integration method
 	@echo "stability: $<, build/charts/stability.csv"
 
-$(STABILITY_CHART): benchmarks/stability_chart.py $(RUN_SOURCES) | $(LIGHT) $(COMPILED)
+$(STABILITY_CHART): benchmarks/stability_chart.py $(RUN_SOURCES) | $(TESTS) $(COMPILED)
 	PYTHONPATH=.:tests $(PY) $< build/charts/stability.csv $@
 
 .PHONY: docs

@@ -14,6 +14,7 @@ from exudyn_plane import FULL, MODIFIED
 from solver_methods import CHAIN_METHODS, DEFAULT, Method, available
 from solver_problems import Problem, chain
 from solver_runs import solve
+from solver_time import rounds_until
 from tqdm import tqdm
 
 from plymotion.solver.dynamics.constraints.treatment import treated
@@ -58,7 +59,7 @@ def limit(integrator: Integrator, last: float) -> Callable[[Integrator], StopReq
     return follow
 
 
-def measure(rounds: int, budget_s: float) -> dict[str, Any]:
+def measure(rounds: int, budget_s: float, end: float) -> dict[str, Any]:
     """Microseconds per link and step by number of links; the best method, and every one."""
     methods = available(CHAIN_METHODS)
     ours: dict[str, dict[int, list[float]]] = {m.label: {} for m in methods}
@@ -68,7 +69,7 @@ def measure(rounds: int, budget_s: float) -> dict[str, Any]:
         fixed_steps(chain(2, 2 * STEP), method, budget_s)
     for n in tqdm(LINKS, desc="chain", unit="length"):
         problem = chain(n, STEPS * STEP)
-        for _ in range(rounds):
+        for _ in rounds_until(rounds, end):
             for method in methods:
                 if _hopeless(tried[method.label]):
                     continue
@@ -93,7 +94,7 @@ def measure(rounds: int, budget_s: float) -> dict[str, Any]:
             for label, row in every.items()
             if str(LINKS[-1]) in row
         },
-        "whole": whole(rounds),
+        "whole": whole(rounds, end),
         "status": {label: {str(n): s for n, s in row.items()} for label, row in tried.items()},
         "step_s": STEP,
         "steps": STEPS,
@@ -101,7 +102,7 @@ def measure(rounds: int, budget_s: float) -> dict[str, Any]:
     }
 
 
-def whole(rounds: int) -> list[dict[str, Any]]:
+def whole(rounds: int, end: float) -> list[dict[str, Any]]:
     """Whole runs with monitors, signals and checks, by number of links; medians of the rounds.
 
     Times per link: of the steps with and without monitors, us per step; of the rest, ms.
@@ -112,7 +113,7 @@ def whole(rounds: int) -> list[dict[str, Any]]:
         spec = chain(n, STEPS * STEP).with_solver(DEFAULT, RTOL)
         found: list[dict[str, float]] = []
         steps, total = 0, 0.0
-        for _ in range(rounds):
+        for _ in rounds_until(rounds, end):
             _, summary, total = solve(spec)
             cost = summary["cost"]
             steps = cost["steps"]

@@ -13,6 +13,7 @@ from solver_methods import Method
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.load import merge
 from plymotion.solver.inputs.case.output_folder import write_if_changed
+from plymotion.solver.inputs.case.record import seal
 from plymotion.solver.inputs.case.resolved import resolved
 from plymotion.solver.inputs.case.specs import dump
 from plymotion.solver.math.arrays import Array
@@ -107,7 +108,8 @@ def write_run(name: str, table: Mapping[str, Any], packages: Mapping[str, Path])
         body: {"file": os.path.relpath(path, file.parent.parent)} for body, path in packages.items()
     }
     content = {"case": name, "run": name, "title": name, "packages": entries}
-    write_if_changed(file, dump(content | {"mechanism": mechanism.model_dump()}))
+    checked = {"checked": seal(mechanism), "mechanism": mechanism.model_dump()}
+    write_if_changed(file, dump(content | checked))
     return file
 
 

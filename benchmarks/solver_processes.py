@@ -13,6 +13,7 @@ from processes import Cost, cost
 from solver_methods import DEFAULT
 from solver_problems import Problem, double_pendulum
 from solver_runs import largest, reference, solve
+from solver_time import rounds_until
 from tqdm import tqdm
 
 from plymotion.solver.math.arrays import Array
@@ -24,8 +25,11 @@ FIRST = 5000  # steps per second; from its error others follow, Exudyn is of sec
 FINEST = 900_000  # steps; more take too long to try
 
 
-def measure(rounds: int, targets: tuple[str, ...]) -> list[dict[str, Any]]:
-    """Rows by span and error: settings, errors, and medians of interleaved processes."""
+def measure(rounds: int, targets: tuple[str, ...], end: float) -> list[dict[str, Any]]:
+    """Rows by span and error: settings, errors, and medians of interleaved processes.
+
+    None is repeated after `end` (solver_time.py).
+    """
     rows = []
     for t_end in SPANS:
         problem = double_pendulum(t_end=t_end, name=f"double-pendulum-{t_end:g}")
@@ -38,7 +42,7 @@ def measure(rounds: int, targets: tuple[str, ...]) -> list[dict[str, Any]]:
         runs = [_Pair(row, Path(folder), bodies) for row in rows]
         for pair in tqdm(runs, desc="warm", unit="pair"):
             pair.once()
-        for _ in tqdm(range(rounds), desc="processes", unit="round"):
+        for _ in tqdm(rounds_until(rounds, end), total=rounds, desc="processes", unit="round"):
             for pair in runs:
                 pair.once()
         return [pair.result() for pair in runs]

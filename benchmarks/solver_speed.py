@@ -31,6 +31,7 @@ from solver_methods import DEFAULT, INTEGRATOR_METHODS, available
 from solver_problems import Problem, double_pendulum
 from solver_runs import Point, largest, point, reference, solve, warm_up
 from solver_text import write_tables
+from solver_time import SHARES, deadline, rounds_until
 from tqdm import tqdm
 
 from plymotion.solver.package.common.temporary import temporary_sibling
@@ -39,10 +40,9 @@ STEPS = (500, 1000, 2000, 5000, 10000, 20000, 50000, 70000)
 LONG = 3.0  # [s]; longer runs scatter little and are not repeated
 REPEATED = 25
 TARGETS = ("1e-4", "2e-6", "1e-7")
-PARTS = ("double_pendulum", "processes", "ensemble", "chain", "memory", "limit")
 
 
-def measure_double_pendulum(rounds: int, budget_s: float) -> dict[str, Any]:
+def measure_double_pendulum(rounds: int, budget_s: float, end: float) -> dict[str, Any]:
     """Error against processor time of every integrator and of Exudyn."""
     problem = double_pendulum()
     methods = available(INTEGRATOR_METHODS)
@@ -52,7 +52,7 @@ def measure_double_pendulum(rounds: int, budget_s: float) -> dict[str, Any]:
     ours: dict[str, dict[float, list[Point]]] = {m.label: defaultdict(list) for m in methods}
     longest = max(len(STEPS), *(len(m.rtols) for m in methods))
     bar = tqdm(total=rounds * longest, desc="double pendulum", unit="row")
-    for _ in range(rounds):
+    for _ in rounds_until(rounds, end):
         for k in range(longest):
             for method in methods:
                 if k < len(method.rtols):
@@ -163,17 +163,19 @@ def main() -> None:
     parser.add_argument("--budget", type=float, default=4.0, help="longest run of ours [s]")
     parser.add_argument("--chain-budget", type=float, default=8.0, help="longest chain [s]")
     parser.add_argument("--links", type=int, default=256, help="chain whose memory is measured")
-    parser.add_argument("--only", choices=PARTS)
+    parser.add_argument("--only", choices=tuple(SHARES))
+    parser.add_argument("--minutes", type=float, default=15.0, help="after which none is repeated")
     parser.add_argument("--write", type=Path, help="document whose tables are renewed")
     arguments = parser.parse_args()
     rounds = arguments.rounds
-    measures: dict[str, Callable[[], Any]] = {
-        "double_pendulum": lambda: measure_double_pendulum(rounds, arguments.budget),
-        "processes": lambda: solver_processes.measure(rounds, TARGETS),
-        "ensemble": ensemble.measure,
-        "chain": lambda: solver_chain.measure(rounds, arguments.chain_budget),
-        "limit": solver_limit.measure,
-        "memory": lambda: solver_memory.measure(arguments.links),
+    # By part, the measurement: a function of when it stops to repeat its runs.
+    measures: dict[str, Callable[[float], Any]] = {
+        "double_pendulum": lambda end: measure_double_pendulum(rounds, arguments.budget, end),
+        "processes": lambda end: solver_processes.measure(rounds, TARGETS, end),
+        "ensemble": lambda _: ensemble.measure(),
+        "chain": lambda end: solver_chain.measure(rounds, arguments.chain_budget, end),
+        "limit": lambda _: solver_limit.measure(),
+        "memory": lambda _: solver_memory.measure(arguments.links),
     }
     found: dict[str, Any] = {}
     if arguments.only and arguments.json.exists():
@@ -181,20 +183,29 @@ def main() -> None:
     begin = time.perf_counter()
     if arguments.only not in ("ensemble", "memory", "limit"):
         solver_exudyn.exudyn()  # missing? say so before anything is measured
-    for name, measure in measures.items():
-        if arguments.only in (None, name):
-            load = os.getloadavg()[0]
-            found[name] = measure()
-            # other processes disturb a measurement: how many there were, before and after
-            found.setdefault("load", {})[name] = [load, os.getloadavg()[0]]
-    arguments.json.parent.mkdir(parents=True, exist_ok=True)
-    with temporary_sibling(arguments.json) as temporary:
-        temporary.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    parts = [name for name in measures if arguments.only in (None, name)]
+    minutes = arguments.minutes * sum(SHARES[name] for name in parts)
+    print(f"about {minutes:.0f} minutes on two quiet cores: {', '.join(parts)}", flush=True)
+    for k, name in enumerate(parts, start=1):
+        load, start = os.getloadavg()[0], time.perf_counter()
+        found[name] = measures[name](deadline(name, arguments.minutes))
+        # other processes disturb a measurement: how many there were, before and after
+        found.setdefault("load", {})[name] = [load, os.getloadavg()[0]]
+        # after each part: what comes later may fail, or be interrupted
+        _write(found, arguments.json)
+        if arguments.write is not None:
+            write_tables({name: found[name], "load": found["load"]}, arguments.write)
+        spent = time.perf_counter() - start
+        print(f"{k} of {len(parts)}, {name}: {spent:.0f} s", flush=True)
     print(f"{arguments.json}: {time.perf_counter() - begin:.0f} s")
     if "double_pendulum" in found:
         print("ratio_at", json.dumps(found["double_pendulum"]["ratio_at"]))
-    if arguments.write is not None:
-        write_tables(found, arguments.write)
+
+
+def _write(found: dict[str, Any], file: Path) -> None:
+    file.parent.mkdir(parents=True, exist_ok=True)
+    with temporary_sibling(file) as temporary:
+        temporary.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -21,7 +21,8 @@ quietly() { "$@" >"$log" 2>&1 || { tail -n 30 "$log" >&2; return 1; }; }
 update() { echo "setup: apt-get update"; quietly apt-get update; }
 install() {
     echo "setup: apt-get install $*"
-    quietly apt-get install -y --no-install-recommends "$@"
+    # Another apt at work, as on a machine that has just started, is waited for.
+    quietly apt-get install -y --no-install-recommends -o DPkg::Lock::Timeout=300 "$@"
 }
 
 # A fresh machine has no package lists at all; an old one has lists that name

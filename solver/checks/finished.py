@@ -47,6 +47,7 @@ class FinishedRun:
     mechanism : what was built
     order : of the integrator; 0 if it took no step
     noticed : findings of preparation and monitors
+    independent : whether no constraint depends on others at the start; False: not known
     """
 
     mechanism: "Mechanism"
@@ -57,6 +58,7 @@ class FinishedRun:
     noticed: tuple[Finding, ...] = ()
     look: Look = field(default_factory=Look)
     known: Past | None = None  # `past`, of who has computed it
+    independent: bool = False
     in_play: float = 0.0  # energy in play at any step, where output times do not show it [J]
 
     @property
@@ -130,7 +132,7 @@ class FinishedRun:
     @cached_property
     def degrees_of_freedom(self) -> int:
         """Degrees of freedom at the start."""
-        return degrees_of_freedom(self.model, self.solution.y[0])
+        return degrees_of_freedom(self.model, self.solution.y[0], independent=self.independent)
 
     def modes(self, body: int, most: int | None = None) -> Iterator[tuple[Array, Array]]:
         """Yield times (k,) and modal coordinates (k, m) of a body; see `blocks`."""

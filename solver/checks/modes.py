@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..inputs.case.loaded import loaded_places
 from ..math.arrays import Array
 from ..package import ModalPackage
 from ..results.codes.motion import FEW_MODES
@@ -110,15 +111,4 @@ def _without_static_shapes(
         for one in package.interfaces
         if one.phi_B[:, family.rows].any() or one.psi_B[:, family.rows].any()
     }
-    return [p for p in _loaded(run, name) if p in moved and p not in covered]
-
-
-def _loaded(run: FinishedRun, name: str) -> list[str]:
-    """Return the places of a body where joints, forces and masses act."""
-    mechanism = run.mechanism
-    ends = [end for joint in mechanism.joints.values() for end in joint.between]
-    ends += [mass.at for mass in mechanism.masses.values()]
-    for force in mechanism.forces.values():
-        ends += getattr(force, "between", None) or [getattr(force, "at", None) or ""]
-    places = [end.partition(".")[2] for end in ends if end.partition(".")[0] == name]
-    return list(dict.fromkeys(places))
+    return [p for p in loaded_places(name, run.mechanism) if p in moved and p not in covered]

@@ -2,8 +2,6 @@
 
 from collections.abc import Iterator
 
-import numpy as np
-
 from ..dynamics.held import held_deformations, is_moving
 from ..dynamics.instant import law_values
 from ..results.codes.course import LOADED_START
@@ -24,9 +22,7 @@ def start_findings(run: FinishedRun) -> Iterator[Finding]:
     for i, change in enumerate(held_deformations(run.model, float(run.solution.t[0]), y0)):
         if change.size:
             stiffness = run.packages[run.built.body_names[i]].stiffness
-            peak = max(
-                float(np.einsum("ka,ab,kb->k", q, stiffness, q).max()) for _, q in run.modes(i)
-            )
+            peak = max(float(((q @ stiffness) * q).sum(axis=1).max()) for _, q in run.modes(i))
             share = float(change @ stiffness @ change) / peak if peak > 0.0 else 0.0
             if share > worst:
                 worst, where = share, i

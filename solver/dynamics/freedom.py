@@ -15,11 +15,11 @@ from .workspace import spare_work
 _INDEPENDENT = 1e3 * RANK_TOLERANCE  # smallest singular value of rows of length one
 
 
-def degrees_of_freedom(model: Model, y: Array, t: float = 0.0) -> int:
+def degrees_of_freedom(model: Model, y: Array, t: float = 0.0, *, independent: bool = False) -> int:
     """Return the number of independent velocities in state y (n,) with joints but without drives.
 
     Modes are counted; drives do not reduce the number. In a singular position the number is
-    larger than elsewhere.
+    larger than elsewhere. `independent`: no row depends on others in this state, as is known.
     """
     rows = [
         row
@@ -29,7 +29,7 @@ def degrees_of_freedom(model: Model, y: Array, t: float = 0.0) -> int:
     ]
     if not rows:
         return model.n_vel
-    if clearly_independent(model, y, t):
+    if independent or clearly_independent(model, y, t):
         return model.n_vel - len(rows)
     Phi_q = assemble(model, t, y).Phi_q
     s = np.linalg.svd(scaled_jacobian(Phi_q[rows], model.inertia_scale), compute_uv=False)

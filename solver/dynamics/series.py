@@ -57,7 +57,9 @@ def along_solution(
     if by_blocks(model):
         _derivatives(model, work, t, y, rates, multipliers, regular)
     # Rows that nearly depend on each other: elimination loses digits that pivoting keeps.
-    doubtful = (regular < regular_above) & (not is_tree(model))
+    doubtful = regular < regular_above
+    if model.redundant == 0 and doubtful.any() and is_tree(model):
+        doubtful[:] = False
     if model.penalty > 0.0 and model.beta > 0.0:
         doubtful[:] = True
     spare = np.zeros(state_size(model))
@@ -159,12 +161,12 @@ def _sizes(
 ) -> None:
     law, expression = model.force_law[force], model.quantities.force[force]
     for k in range(t.shape[0]):
-        for i in range(model.n_constraint):
-            work.multipliers[i] = multipliers[k, i]
-        evaluate(model, work, t[k], y[k])
         if law >= 0:
             found[k], _, _ = law_at(model, law, t[k])
         elif expression >= 0:
+            for i in range(model.n_constraint):
+                work.multipliers[i] = multipliers[k, i]
+            evaluate(model, work, t[k], y[k])
             found[k] = work.size[force, 0]
 
 

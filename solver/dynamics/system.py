@@ -147,19 +147,30 @@ def _evaluate_couplings(model: Model, work: Work) -> None:
 
 @inlined
 def fill_jacobian(J: Array, first: int, C: Array, begin: int, J_m: Array, n: int) -> None:
-    """J (n, r) from column `first`: C of one side times the marker's Jacobian, transposed."""
+    """J (n, r) from column `first`: C of one side times the marker's Jacobian, transposed.
+
+    Most rows hold either a displacement or a rotation: the other half of their product is zero.
+    """
     for p in range(C.shape[0]):
         v0, v1, v2 = C[p, begin], C[p, begin + 1], C[p, begin + 2]
         w0, w1, w2 = C[p, begin + 3], C[p, begin + 4], C[p, begin + 5]
-        for j in range(n):
-            J[j, first + p] = (
-                v0 * J_m[0, j]
-                + v1 * J_m[1, j]
-                + v2 * J_m[2, j]
-                + w0 * J_m[3, j]
-                + w1 * J_m[4, j]
-                + w2 * J_m[5, j]
-            )
+        column = first + p
+        if w0 == 0.0 and w1 == 0.0 and w2 == 0.0:
+            for j in range(n):
+                J[j, column] = v0 * J_m[0, j] + v1 * J_m[1, j] + v2 * J_m[2, j]
+        elif v0 == 0.0 and v1 == 0.0 and v2 == 0.0:
+            for j in range(n):
+                J[j, column] = w0 * J_m[3, j] + w1 * J_m[4, j] + w2 * J_m[5, j]
+        else:
+            for j in range(n):
+                J[j, column] = (
+                    v0 * J_m[0, j]
+                    + v1 * J_m[1, j]
+                    + v2 * J_m[2, j]
+                    + w0 * J_m[3, j]
+                    + w1 * J_m[4, j]
+                    + w2 * J_m[5, j]
+                )
 
 
 @inlined

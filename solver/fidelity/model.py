@@ -53,7 +53,7 @@ class Rich:
 
     def energies(self, shapes: Array) -> Array:
         """Square roots of the strain energies of shapes (m, r), (r,)."""
-        return np.sqrt(np.einsum("ir,ij,jr->r", shapes, self.package.stiffness, shapes))
+        return np.asarray(np.sqrt((shapes * (self.package.stiffness @ shapes)).sum(axis=0)))
 
 
 def rows(package: ModalPackage, labels: tuple[str, ...]) -> list[int]:
@@ -70,7 +70,7 @@ def body_package(
         return rigid(package)
     shapes = rich.rest(kept)
     worth = rich.energies(shapes)
-    whole = float(np.sqrt(np.einsum("ki,ij,kj->k", rich.eta, package.stiffness, rich.eta).sum()))
+    whole = float(np.sqrt(((rich.eta @ package.stiffness) * rich.eta).sum()))
     chosen = shapes[:, : min(static, int(np.sum(worth > 1e-9 * whole)))]
     loads = package.stiffness @ chosen
     if stiffening and static:

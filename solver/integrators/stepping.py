@@ -83,7 +83,7 @@ class StepLoop(Integrator):
         if not by_blocks(model):
             # Rows that depend on each other: of effect on Newton's matrix, not on the motion.
             model = model._replace(penalty=Treatment.penalty)
-        if is_tree(model):
+        elif is_tree(model):
             model = model._replace(penalty=0.0)  # nothing to soften
         self._model = self.for_loop(model)
         super().__init__(right_hand_side(model), t0, y0, t_end, **options)

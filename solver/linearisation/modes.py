@@ -78,7 +78,7 @@ def modes_of(model: Model, space: StateSpace, t: float = 0.0) -> Modes:
     values, left, right, still = values[keep], left[:, keep], right[:, keep], still[keep]
     x = space.displacements(right)
     # The displacement of unit modal mass whose largest component is real and positive.
-    size = np.sqrt(np.einsum("ik,ij,jk->k", x.conj(), space.mass, x).real)
+    size = np.sqrt((x.conj() * (space.mass @ x)).sum(axis=0).real)
     weighted = x * np.sqrt(model.inertia_scale)[:, None]
     top = weighted[np.abs(weighted).argmax(axis=0), np.arange(x.shape[1])]
     scale = np.exp(-1j * np.angle(top)) / np.where(size > 0.0, size, 1.0)
@@ -104,7 +104,7 @@ def _cancelled(space: StateSpace, left: Array, right: Array) -> Array:
     """
     n = space.n_free
     rows, r = left[n : 2 * n], right[:n]
-    terms = np.einsum("ik,ij,jk->k", np.abs(rows), np.abs(space.A_free[n : 2 * n, :n]), np.abs(r))
+    terms = (np.abs(rows) * (np.abs(space.A_free[n : 2 * n, :n]) @ np.abs(r))).sum(axis=0)
     product = np.abs(np.einsum("ik,ik->k", rows.conj(), r))
     noise = _TERMS * np.finfo(float).eps * terms
     return np.asarray(np.sqrt(np.divide(noise, product, np.zeros_like(noise), where=product > 0)))

@@ -44,7 +44,7 @@ def participation(
     for i in range(model.n_body):
         part = slice(int(model.vel_start[i]), int(model.vel_start[i]) + 6 + int(model.n_mode[i]))
         M = space.mass[part, part]
-        bodies[i] = np.einsum("ik,ij,jk->k", x[part].conj(), M, x[part]).real
+        bodies[i] = (x[part].conj() * (M @ x[part])).sum(axis=0).real
     bodies /= np.maximum(bodies.sum(axis=0), 1e-300)
     weights = np.abs(x) ** 2 * model.inertia_scale[:, None]
     weights /= np.maximum(weights.sum(axis=0), 1e-300)
@@ -134,7 +134,7 @@ def _moments(model: Model, i: int, y: Array, x: Array) -> Array:
         first = W @ model.S0[i] + S @ Q  # sum of m (X - r)
         mixed = W @ (T01 @ Q.conj())
         second = W @ T00 @ W.conj().T + mixed + mixed.conj().T
-        second = second + np.einsum("abji,i,j->ab", T11, Q, Q.conj())
+        second = second + (T11 @ Q) @ Q.conj()
         out[k] = (
             model.mass[i] * np.outer(R, R.conj())
             + np.outer(first, R.conj())

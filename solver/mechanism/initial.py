@@ -44,6 +44,11 @@ class Redundancy:
     joints: list[str]  # joints that share them
     singular_start: bool  # the rank at the start is lower than in general
 
+    @property
+    def independent(self) -> bool:
+        """Whether no equation depends on others at the start."""
+        return self.count == 0 and not self.singular_start
+
     def findings(self) -> list[Finding]:
         """Return what a user should know of it."""
         found = []

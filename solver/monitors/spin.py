@@ -179,7 +179,8 @@ class SpinMonitor:
         if doubtful.size == 0:
             return None
         K, _ = self._matrices(body, np.zeros(3))
-        lost = np.einsum("ka,kb,abij->kij", w[doubtful], w[doubtful], self._lost[body])
+        w = w[doubtful]
+        lost = np.tensordot(w[:, :, None] * w[:, None, :], self._lost[body], 2)
         invalid = doubtful[np.linalg.eigvalsh(K - lost)[:, 0] <= 0.0]
         return int(invalid[0]) if invalid.size else None
 

@@ -48,6 +48,7 @@ class Prepared:
     passage: SingularityMonitor
     buckling: BucklingMonitor | None  # None: no body has second-order data
     notes: list[Finding]  # what a user should know of the start
+    independent: bool  # whether no constraint depends on others at the start
     refused: Solution | None  # in place of a run that should not begin
     functions: tuple[Called, ...] = ()  # of the user, which controllers call
 
@@ -88,6 +89,7 @@ class Prepared:
             order=order,
             noticed=noticed,
             look=look,
+            independent=self.independent,
             in_play=passage.energy.in_play if _stores_unseen(self.model) else 0.0,
         )
 
@@ -159,6 +161,7 @@ def prepare(
         passage=passage,
         buckling=_buckling(mechanism, built, spins),
         notes=found.findings(),
+        independent=found.independent,
         refused=refused,
         functions=tuple(functions[name] for name in built.callers),
     )

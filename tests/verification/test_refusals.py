@@ -44,7 +44,7 @@ def test_a_small_first_correction_is_no_divergence(runs):
     ("case", "run", "t_end", "rtol", "reason"),
     [
         ("double-pendulum", "isotropic-soft-following", 0.3, 1e-3, "Newton"),
-        ("exchange", "beam", 0.4, 1e-6, "the estimate of the error"),
+        ("double-pendulum", "isotropic-soft-following", 0.3, 2e-3, "the estimate of the error"),
     ],
 )
 def test_many_refusals_are_explained(runs, case, run, t_end, rtol, reason):
@@ -94,3 +94,15 @@ def test_heavy_point_masses_are_better_bodies(repository, runs, tmp_path):
     _, helped = execute(spec.changed(changes | {"solver.t_end": 0.2}), progress=False)
     assert helped["cost"]["rejected"] < 0.2 * helped["cost"]["steps"]
     assert helped["cost"]["steps"] < 300
+
+
+def test_a_vibration_at_the_length_of_the_steps_refuses_few(runs):
+    """Its error swings with its phase: steps that grew after each small error were refused in more
+    than 20 % of the attempts (docs/adr/0037).
+    """
+    keys = {"t_end": 0.4, "rtol": 1e-6, "integrator": "radau", "constraints": "projection"}
+    spec = read_run(runs["exchange"] / "beam.json")
+    _, summary = execute(spec.changed({f"solver.{k}": v for k, v in keys.items()}), progress=False)
+    cost = summary["cost"]
+    assert cost["steps"] > 1000
+    assert cost["rejected"] < 0.12 * (cost["rejected"] + cost["steps"])

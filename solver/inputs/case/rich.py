@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ...errors import nearest
+from .loaded import loaded_places
 from .reduction import Reducible
 from .schema import BeamBody, Mechanism, ShellBody
 from .signals import PlyStressSignal
@@ -54,6 +55,7 @@ def rich_bodies(name: str, mechanism: Mechanism) -> tuple[Any, Any]:
 
 def _rich(name: str, body: BeamBody | ShellBody, mechanism: Mechanism, which: int) -> Any:
     clamped = body.reference.places[0] if body.reference.kind == "clamped" else None
+    loaded = loaded_places(name, mechanism)
     tables: list[dict[str, Any]]
     if body.kind == "beam":
         tables = [{"kind": k, "count": counts[which]} for k, counts in BEAM_VIBRATIONS.items()]
@@ -61,8 +63,8 @@ def _rich(name: str, body: BeamBody | ShellBody, mechanism: Mechanism, which: in
         tables = [{"kind": "lowest", "count": SHELL_VIBRATIONS[which]}]
     tables += [
         {"kind": "attachment", "at": place}
-        for place in loaded_places(name, mechanism)
-        if place != clamped
+        for place in body.interfaces
+        if place in loaded and place != clamped
     ]
     if body.reference.kind != "mean-axis":  # which carries them
         tables.append({"kind": "static-inertia"})
@@ -71,19 +73,6 @@ def _rich(name: str, body: BeamBody | ShellBody, mechanism: Mechanism, which: in
     if body.kind == "beam":
         content["elements"] = max(body.elements, LEAST_ELEMENTS) * (FINER if which else 1)
     return type(body).model_validate(content)
-
-
-def loaded_places(name: str, mechanism: Mechanism) -> list[str]:
-    """Return the interfaces of a body where joints, force elements or masses act."""
-    tables = [*mechanism.joints.values(), *mechanism.forces.values(), *mechanism.masses.values()]
-    texts = [
-        text
-        for table in tables
-        for text in (*getattr(table, "between", ()), *([table.at] if hasattr(table, "at") else ()))
-    ]
-    used = {text.partition(".")[2] for text in texts if text.partition(".")[0] == name}
-    interfaces = getattr(mechanism.bodies[name], "interfaces", {})
-    return [place for place in interfaces if place in used]
 
 
 CHECK = ".check"  # after the name of a body: its package of the check

@@ -65,8 +65,8 @@ DIVERGES = 10.0  # the second correction over the first
 # Of a step whose iteration failed: the largest that follows, and its growth with each step.
 CAUTION, RELAX = 0.8, 2.0
 # Of a step that was too rough: at h w = 1 the error of a vibration swings with its phase, and a
-# step that grows after a small one is refused.
-RELAX_ROUGH = 1.1
+# step that grows after a small one is refused. Errors far below one say that the vibration is over.
+RELAX_ROUGH, RELAX_OVER, OVER = 1.02, 1.2, 0.01
 SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 8.0
 # Corrections, over what Newton's iteration may leave: the first, and later ones that do not shrink.
 NEGLIGIBLE, ROUNDING = 1e-3, 0.1
@@ -260,7 +260,7 @@ def advance(
         limit = CAUTION * min(clock[LIMIT], clock[ROUGH])
         clock[NEXT] = min(h * max(MIN_FACTOR, min(MAX_FACTOR, factor)), limit)
         clock[LIMIT] *= RELAX
-        clock[ROUGH] *= RELAX_ROUGH
+        clock[ROUGH] *= RELAX_ROUGH if error > OVER else RELAX_OVER
         clock[ERROR_LAST] = error
         count_step(clock, counts, h, t_new)
         keep_end(ends, taken, t_new, workspace.y)

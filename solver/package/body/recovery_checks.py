@@ -66,7 +66,7 @@ def _energy(package: ModalPackage) -> Iterator[Remark]:
     if found is None or not package.n_mode:
         return
     S = np.array([np.linalg.inv(section.K) for section in package.sections])[found.section]
-    density = np.einsum("sam,sab,sbm->sm", found.resultants_E, S, found.resultants_E)
+    density = (found.resultants_E * (S @ found.resultants_E)).sum(axis=1)
     lengths = np.diff(found.station_x)[:, None]
     energy = np.sum(0.5 * lengths * (density[:-1] + density[1:]), axis=0)
     stiffness = np.diag(package.stiffness)

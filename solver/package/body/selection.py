@@ -89,7 +89,7 @@ def with_statics(
     if found.shape[1]:
         found = found - unit @ np.linalg.solve(unit.T @ M @ unit, unit.T @ M @ found)
         # Their stiffness is 1: natural modes follow from the mass alone.
-        energy = np.sqrt(np.einsum("ij,ik,kj->j", found, K, found))
+        energy = np.sqrt((found * (K @ found)).sum(axis=0))
         inverse, V = np.linalg.eigh((found / energy).T @ M @ (found / energy))
         found, values = (found / energy @ V / np.sqrt(inverse))[:, ::-1], 1.0 / inverse[::-1]
         labels += [str(load_labels[i]) if load_labels else f"static {i + 1}" for i in named]

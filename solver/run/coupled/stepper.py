@@ -39,12 +39,14 @@ class Stepper:
 
     t: float  # [s]
     y: Array  # (n,) state
+    _started: bool  # the prepared mechanism has been started from
     _integrator: Integrator | None  # from the first step on
 
     def __init__(self, spec: RunSpec, inputs: Sequence[str] | None = None) -> None:
         self._spec = spec
         _require_restarts(spec)
         self._begin(prepare(spec.mechanism, spec.packages))
+        self._started = False
         known = {found.name: found for found in inputs_of(spec.mechanism, self._prepared.built)}
         for name in inputs or ():
             if name not in known:
@@ -84,7 +86,9 @@ class Stepper:
                 if by:
                     shift_law(model, given.law, float(by))
 
-        self._begin(prepare(self._spec.mechanism, self._spec.packages, adjust=adjust))
+        if change.any() or self._started:  # otherwise prepared when it was made
+            self._begin(prepare(self._spec.mechanism, self._spec.packages, adjust=adjust))
+        self._started = True
         self._courses = [
             Course(
                 given.start + np.array([by, 0.0, 0.0]),

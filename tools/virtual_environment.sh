@@ -1,0 +1,46 @@
+#!/bin/sh
+# Create the virtual environment FOLDER, unless it works: virtual_environment.sh FOLDER
+# Uses $PYTHON, or the first Python >= 3.11 that starts and can create
+# virtual environments. A name on PATH is not sufficient: a pyenv shim may fail,
+# and Debian's minimal python3 has no ensurepip.
+set -eu
+folder=$1
+here=$(dirname "$0")
+
+starts() { "$1" -c 'import sys; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1; }
+makes_environments() { starts "$1" && "$1" -c 'import ensurepip, venv' >/dev/null 2>&1; }
+version() { "$1" -c 'import platform; print(platform.python_version())'; }
+
+if [ -n "${PYTHON:-}" ]; then
+    candidates=$PYTHON
+else
+    candidates="python3.13 python3.12 python3.11 python3 /usr/bin/python3"
+fi
+
+choose() {
+    for name in $candidates; do
+        if "$1" "$name"; then command -v "$name"; return; fi
+    done
+    return 1
+}
+
+if [ -x "$folder/bin/python" ] && starts "$folder/bin/python" &&
+    "$folder/bin/python" -c 'import pip' >/dev/null 2>&1; then
+    exit
+fi
+if ! python=$(choose makes_environments); then
+    if ! python=$(choose starts); then
+        echo "setup: no Python >= 3.11 starts here (tried: $candidates)." >&2
+        echo "setup: install one, or name it:  make PYTHON=/path/to/python3.12 ..." >&2
+        exit 1
+    fi
+    echo "setup: $python has no ensurepip: installing python3-venv"
+    "$here/apt_install.sh" python3-venv || true
+    if ! makes_environments "$python"; then
+        echo "setup: $python cannot make virtual environments: install its venv" \
+            "package, or name another one:  make PYTHON=/path/to/python3.12 ..." >&2
+        exit 1
+    fi
+fi
+echo "setup: $folder: Python $(version "$python") ($python)"
+"$python" -m venv --clear "$folder"
