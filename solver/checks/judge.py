@@ -8,7 +8,6 @@ from ..strength.found import BodyStrength
 from . import (
     completion,
     constraints,
-    damping,
     energy,
     modes,
     momentum,
@@ -35,7 +34,6 @@ CHECKS: tuple[Check, ...] = (
     momentum.momentum_findings,
     motion.motion_findings,
     modes.mode_findings,
-    damping.damping_findings,
     stiffening.stiffening_findings,
     packages.package_findings,
 )

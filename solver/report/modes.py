@@ -39,7 +39,27 @@ def modes_section(stories: list[Story]) -> str:
                 )
     if not rows:
         return ""
-    return section("modes", "Modes", table("Modes of the bodies", head, rows))
+    tables = [table("Modes of the bodies", head, rows), _damping(stories)]
+    return section("modes", "Modes", *tables)
+
+
+def _damping(stories: list[Story]) -> str:
+    """Return the damping of the lowest vibration of each damped body in the mechanism."""
+    head = ["run", "body", "in the mechanism [Hz]", "damping ratio [%]"]
+    head += ["by itself [Hz]", "damping ratio [%]"]
+    rows: list[Row] = [
+        [
+            name_of(story),
+            escape(entry["body"]),
+            figures(entry["frequency_hz"], 4),
+            figures(100.0 * entry["damping_ratio"], 2),
+            figures(entry["own_frequency_hz"], 4),
+            figures(100.0 * entry["own_damping_ratio"], 2),
+        ]
+        for story in stories
+        for entry in story.summary.get("damping", ())
+    ]
+    return table("Damping of the lowest vibration of each body", head, rows) if rows else ""
 
 
 def _share(percent: float) -> Cell:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..checks.damping import loaded_damping
 from ..checks.finished import FinishedRun
 from ..checks.judge import judge
 from ..checks.past import Past
@@ -131,6 +132,7 @@ def collect(
         },
         "provenance": result.provenance,
         "strength": {n: strength_entry(found) for n, found in judgement.strengths.items()},
+        "damping": loaded_damping(finished),
         "fatigue": {name: fatigue_entry(sensors[name], turning[name]) for name in turning},
         "cost": {
             "preprocess_s": sum(

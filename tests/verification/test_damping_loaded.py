@@ -39,13 +39,13 @@ def damped_beam(folder, zeta, count=1):
     return float(package.frequencies[0])
 
 
-def findings(folder, mass, capsys):
-    """Findings of a run of the beam with a payload."""
+def damping(folder, mass, capsys):
+    """What a run of the beam with a payload says of its damping, and what it prints."""
     file = write_case_text(folder, TEXT.format(mass=mass))
     main([str(file), "--out", str(folder / "build"), "--no-report", "--quiet", "--force"])
-    capsys.readouterr()
+    text = capsys.readouterr().out
     (summary,) = (folder / "build").glob("*/summary.json")
-    return json.loads(summary.read_text())["warnings"]
+    return json.loads(summary.read_text())["damping"], text
 
 
 @pytest.mark.parametrize("mass", [1e-6, 0.1, 1.0])
@@ -59,30 +59,32 @@ def test_a_payload_lowers_the_damping_ratio(tmp_path, capsys, mass):
         assert loaded < 0.3 * omega
 
 
-@pytest.mark.provokes("damping-of-body-alone")
-def test_a_note_says_so_and_its_advice_gives_the_ratio_that_was_asked_for(tmp_path, capsys):
+def test_a_run_gives_both_ratios_and_the_rule_gives_the_ratio_that_was_asked_for(tmp_path, capsys):
     damped_beam(tmp_path, ZETA)
-    assert "damping-of-body-alone" not in [
-        each["code"] for each in findings(tmp_path, 1e-6, capsys)
-    ]
-    (note,) = [e for e in findings(tmp_path, 1.0, capsys) if e["code"] == "damping-of-body-alone"]
-    assert (note["level"], note["body"]) == ("note", "beam")
-    assert note["value"] < note["limit"]
-    advised = float(note["message"].rsplit("damping_ratio = ", 1)[1])
-    damped_beam(tmp_path, advised)
+    (entry,), text = damping(tmp_path, 1e-6, capsys)
+    assert entry["damping_ratio"] == pytest.approx(ZETA, rel=1e-3)
+    assert "damping of" not in text
+    (entry,), text = damping(tmp_path, 1.0, capsys)
+    assert entry["body"] == "beam"
+    ratio = entry["frequency_hz"] / entry["own_frequency_hz"]
+    assert entry["damping_ratio"] == pytest.approx(ZETA * ratio, rel=1e-6)
+    assert entry["own_damping_ratio"] == pytest.approx(ZETA, rel=1e-9)
+    assert "damping of beam: " in text
+    damped_beam(tmp_path, ZETA / ratio)
     found = modes_at(tmp_path, TEXT.format(mass=1.0), "start", capsys=capsys)
     (mode,) = [m for m in found["modes"] if m["angular_frequency"] > 0.0]
-    assert mode["damping_ratio"] == pytest.approx(ZETA, rel=0.02)  # two digits in the message
+    assert mode["damping_ratio"] == pytest.approx(ZETA, rel=1e-6)
 
 
 def test_of_several_modes_the_lowest_vibration_counts(tmp_path, capsys):
-    """The note has the frequency and the ratio that `plymotion modes` prints."""
+    """The entry has the frequency and the ratio that `plymotion modes` prints."""
     damped_beam(tmp_path, ZETA, count=3)
-    (note,) = [e for e in findings(tmp_path, 1.0, capsys) if e["code"] == "damping-of-body-alone"]
+    (entry,), _ = damping(tmp_path, 1.0, capsys)
     found = modes_at(tmp_path, TEXT.format(mass=1.0), "start", capsys=capsys)
     first = min(
         (m for m in found["modes"] if m["angular_frequency"] > 0.0),
         key=lambda m: m["angular_frequency"],
     )
-    assert f"has {first['angular_frequency'] / (2.0 * np.pi):.3g} Hz" in note["message"]
-    assert f"a damping ratio of {first['damping_ratio']:.2g} from it" in note["message"]
+    hertz = first["angular_frequency"] / (2.0 * np.pi)
+    assert entry["frequency_hz"] == pytest.approx(hertz, rel=1e-3)  # of the undamped vibration
+    assert entry["damping_ratio"] == pytest.approx(first["damping_ratio"], rel=1e-3)

@@ -15,6 +15,7 @@ from typing import Any
 from ...errors import InputError, PackageError, few
 from ...inputs.case.extreme import ERRORS, out_of_range
 from ...interrupts import INTERRUPTED, asked, handle, passed_to_children
+from ...results.damping import damping_lines
 from ...results.verdict import invalid_words
 from ...run.inputs_digest import up_to_date
 from ...run.timing import timing_text
@@ -172,6 +173,7 @@ def _lines(summary: dict[str, Any], timing: bool) -> list[str]:
         from ...fidelity.words import fidelity_line
 
         text.append(f"  {fidelity_line(summary['fidelity'])}")
+    text += [f"  {line}" for line in damping_lines(summary["damping"])]
     text += [f"  {w['level']} [{w['code']}] {w['message']}" for w in summary["warnings"]]
     return [*text, f"  {timing_text(cost['seconds'])}"] if timing else text
 

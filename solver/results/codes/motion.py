@@ -59,17 +59,6 @@ FEW_MODES = Code(
     "use more modes of the family, or static modes where forces act",
     limit=0.02,
 )
-LOADED_DAMPING = Code(
-    "damping-of-body-alone",
-    "note",
-    "`damping_ratio` is that of the modes of the body by itself; with what the body carries in the "
-    "mechanism, its lowest vibration has another frequency and another ratio",
-    "the smaller over the larger of both ratios below {limit:g}, at the start, with drives held "
-    "and without springs, weight and spin; not looked at above 400 velocity coordinates",
-    "none if the ratio in the mechanism is what you mean; else the `damping_ratio` that the note "
-    "gives. `plymotion modes CASE --at start` prints all damping ratios of the mechanism",
-    limit=0.5,
-)
 MATTERS = Code(
     "stiffening-matters",
     "warning",
@@ -130,7 +119,6 @@ CODES = (
     SPIN,
     ROTATION,
     FEW_MODES,
-    LOADED_DAMPING,
     MATTERS,
     BUCKLING,
     BUCKLING_LOAD,
