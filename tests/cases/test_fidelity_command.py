@@ -27,7 +27,7 @@ def folder(tmp_path_factory):
 
 def plan(folder: Path, *more: str) -> int:
     case, out = str(folder / "case.toml"), str(folder / "build")
-    return main(["plan", case, "--folder", out, "--packages", str(folder / "packages"), *more])
+    return main(["plan", case, "--out", out, "--packages", str(folder / "packages"), *more])
 
 
 def run(folder: Path, name: str = "base") -> int:
@@ -120,7 +120,7 @@ def test_the_plan_as_json(folder, capsys):
 
 def test_a_chart_is_drawn(folder, capsys):
     case, out = str(folder / "case.toml"), str(folder / "build")
-    assert main(["chart", case, "--folder", out, "--packages", str(folder / "packages")]) == 0
+    assert main(["chart", case, "--out", out, "--packages", str(folder / "packages")]) == 0
     assert "chosen" in capsys.readouterr().out
     assert (folder / "build/plans/base.png").read_bytes().startswith(b"\x89PNG")
     assert run(folder) == 0
@@ -152,5 +152,5 @@ def test_a_wrong_request_is_reported(tmp_path, capsys, old, new, message):
 def test_a_case_without_fidelity_has_no_plan(tmp_path, capsys):
     file = tmp_path / "case.toml"
     file.write_text(CASE.replace("fidelity = { accuracy = 1e-2", "#"))
-    assert main(["plan", str(file), "--folder", str(tmp_path)]) == 2
+    assert main(["plan", str(file), "--out", str(tmp_path)]) == 2
     assert "run base has no [fidelity]" in capsys.readouterr().err

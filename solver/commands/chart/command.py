@@ -31,7 +31,7 @@ def run_chart(options: argparse.Namespace) -> int:
     data = {**found.entry(), "plan": answer.plan.table()}
     write_text(ladder_file(file.parent.parent, answer.spec.run), json.dumps(data, indent=1) + "\n")
     path = draw_ladder(
-        options.out or plan_file(file).with_suffix(".png"),
+        options.figure or plan_file(file).with_suffix(".png"),
         found,
         f"{answer.spec.case}, {answer.spec.run}: {', '.join(answer.names)}",
     )

@@ -14,5 +14,7 @@ def add_chart_command(commands: Any, run: Callable[[argparse.Namespace], int]) -
         "chart", help="draw error against CPU time of the models of a run with [fidelity]"
     )
     add_case_arguments(parser)
-    parser.add_argument("--out", type=Path, help="PNG; default: build/<case>/plans/<run>.png")
+    parser.add_argument(
+        "--figure", type=Path, metavar="PNG", help="the chart (default: DIR/plans/RUN.png)"
+    )
     parser.set_defaults(command=run)

@@ -32,7 +32,7 @@ def run_file_of(options: argparse.Namespace) -> Path:
             f"{file}: run {run} has no [fidelity]: expected a table with accuracy and "
             "signals (docs/fidelity.md)"
         )
-    folder: Path = options.folder or build_folder(file)
+    folder: Path = options.out or build_folder(file)
     write_case(case, folder, options.packages)
     run_file = folder / "runs" / f"{run}.json"
     if options.packages is None:

@@ -31,9 +31,9 @@ def add_plan_command(commands: Any, run: Callable[[argparse.Namespace], int]) ->
 
 def add_case_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments that name a run of a case."""
-    parser.add_argument("case", type=Path, help="cases/<name>/case.toml")
-    parser.add_argument("--run", default=None, metavar="RUN", help="default: the first run")
+    parser.add_argument("case", type=Path, metavar="CASE", help="CASE.toml")
+    parser.add_argument("--run", metavar="NAME", help="run of the case (default: the first)")
     parser.add_argument(
-        "--folder", type=Path, default=None, metavar="DIR", help="default: build/<case>"
+        "--out", type=Path, metavar="DIR", help="folder of the case (default: build/CASE)"
     )
-    parser.add_argument("--packages", type=Path, help="folder of ready packages")
+    parser.add_argument("--packages", type=Path, metavar="DIR", help="folder of ready packages")
