@@ -20,8 +20,8 @@ def constraint_findings(run: FinishedRun) -> Iterator[Finding]:
         yield CONSTRAINT_DRIFT.finding(text, t=run.past.position.t, value=largest)
     if run.degrees_of_freedom == 0:
         yield LOCKED.finding(
-            "joints leave no motion at the start: all bodies stand still whatever pushes them; "
-            "flexible bodies, or joints that leave more freedom, let it move"
+            "the mechanism has no degrees of freedom at t = 0: its bodies cannot move. Use "
+            "flexible bodies, or joints that leave more freedom"
         )
     yield from _feedback(run)
 

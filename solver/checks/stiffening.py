@@ -13,6 +13,7 @@ from ..dynamics.recover import stiffened
 from ..dynamics.series import mass_matrices
 from ..math.arrays import Array
 from ..mechanism import build
+from ..monitors.buckling import buckling_text
 from ..monitors.geometric_stiffness import geometric_stiffness
 from ..monitors.spin import SpinMonitor
 from ..results.codes.motion import BUCKLING, INDEFINITE, MATTERS, NO_STIFFENING_DATA
@@ -80,12 +81,7 @@ def _of_stiffened(run: FinishedRun, i: int) -> Iterator[Finding]:
     bad = np.flatnonzero(-values <= BUCKLING.limit)
     if bad.size:
         when, lowest = float(t[bad[0]]), -float(values[bad[0]])
-        text = (
-            f"{name}: at t = {when:.4g} s the loads of the motion and of the joints press the "
-            "body so much that it has no stiffness left in one of its modes: it buckles, and "
-            "second-order displacements do not follow it far. Split the body or stiffen it"
-        )
-        yield BUCKLING.finding(text, body=name, t=when, value=lowest)
+        yield BUCKLING.finding(buckling_text(name, when), body=name, t=when, value=lowest)
 
 
 def _of_linear(run: FinishedRun, tables: Model, i: int) -> Iterator[Finding]:

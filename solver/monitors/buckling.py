@@ -18,6 +18,15 @@ from .spin import SpinMonitor
 LOOKS = 1000  # of a run, and one of each block of steps
 
 
+def buckling_text(name: str, t: float) -> str:
+    """Return the message for a stiffened body that buckles at t [s]."""
+    return (
+        f"{name}: at t = {t:.6g} s the loads of the motion and of the joints reach the buckling "
+        "load of the body. Second-order displacements are accurate up to this load only: results "
+        "after this time are invalid. Split the body, stiffen it, or reduce the load"
+    )
+
+
 @dataclass
 class BucklingMonitor:
     """Find when elastic and geometric stiffness together lose an eigenvalue.
@@ -76,14 +85,16 @@ class BucklingMonitor:
         t = self._crossing(i, steps.t[step], steps.t[step + 1], steps.dense_output(step))
         name = self.spin.body_names[i]
         if stiffened(self.model, i):
-            code, rest = BUCKLING, "second-order displacements do not follow it far"
+            text = buckling_text(name, t)
+            code = BUCKLING
         else:
-            code, rest = BUCKLING_LOAD, "a linear body does not notice"
-        text = (
-            f"{name}: at t = {t:.6g} s the loads of the motion and of the joints press the body so "
-            f"much that it has no stiffness left in one of its modes: it buckles, and {rest}. "
-            "Split the body or stiffen it"
-        )
+            text = (
+                f"{name}: at t = {t:.6g} s the loads of the motion and of the joints reach the "
+                "buckling load of the body. A linear body keeps its full stiffness: results after "
+                "this time are invalid. Set geometric_stiffening = true, split the body, stiffen "
+                "it, or reduce the load"
+            )
+            code = BUCKLING_LOAD
         self.findings.append(code.finding(text, body=name, t=t))
         return self.findings[-1]
 

@@ -338,7 +338,7 @@ class SingularityMonitor:
         if self.treatment == "augmented-lagrangian":
             return 'Raise `frequency`, or take constraints = "projection"'
         if self.treatment in PASSES_SINGULAR:
-            return "Decrease rtol; lengths that do not quite fit act so as well"
+            return "Decrease rtol; check lengths that nearly fit"
         return (
             f'Constraints = "{self.treatment}" cannot pass a singular position: take '
             '"projection", or "ggl" with integrator = "generalized-alpha"'
@@ -366,7 +366,7 @@ class SingularityMonitor:
         if loss < LOSS and turn < TURN:
             return None
         text = (
-            f"the run came out of the singular position at t = {self._t_lowest:.6g} s on another "
+            f"the run left the singular position at t = {self._t_lowest:.6g} s on another "
             f"branch, or with an impact: velocity turned by {turn:.2g}, energy balance changed by "
             f"{loss:.2g} of the energy in play. What follows is not the motion of the mechanism. "
             f"{self._advice()}"
@@ -384,9 +384,9 @@ class SingularityMonitor:
             return []
         times = few(f"{t:.4g} s" for t in self.passes)
         text = (
-            f"{len(self.passes)} singular positions on the way, at t = {times}, "
-            "where the mechanism could leave in more than one direction; velocity and energy "
-            "were continued"
+            f"the run passed {len(self.passes)} singular positions, at t = {times}, where the "
+            "mechanism can continue in more than one direction; velocity and energy are "
+            "continuous there"
         )
         return [SINGULAR_PASSED.finding(text, t=self.passes[0], value=float(len(self.passes)))]
 

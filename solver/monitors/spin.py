@@ -130,10 +130,11 @@ class SpinMonitor:
         critical = self.critical_spin(body, w)
         text = (
             f"{name}: at t = {t:.4f} s the spin of {np.linalg.norm(w):.4g} rad/s reaches the first "
-            f"frequency of the body held in its frame, with the masses it carries "
-            f"({critical:.4g} rad/s): a linear body has no stiffness left there "
-            "and its motion from then on is worthless. What helps: a stiffer or shorter body "
-            '(split it into several), a lower speed; on_invalid = "warn" goes on regardless'
+            "natural frequency of the body in its frame, with the masses that it carries "
+            f"({critical:.4g} rad/s). A linear body has no stiffness at this speed: results after "
+            "this time are invalid. Set geometric_stiffening = true, use a stiffer or shorter "
+            "body, or reduce the speed. "
+            'on_invalid = "warn" continues the run'
         )
         spin = float(np.linalg.norm(w))
         self.findings.append(SPIN.finding(text, body=name, t=t, value=spin))

@@ -58,7 +58,7 @@ def run_described(
         complete = sum(one.status != "failed" for one in made.values())
         print(
             f"interrupted: {complete} of {len(entries)} {command}s are complete and kept; "
-            "the same command goes on from there",
+            "the same command continues from there",
             file=sys.stderr,
         )
         return INTERRUPTED

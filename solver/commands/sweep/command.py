@@ -50,7 +50,7 @@ def run_sweep(options: argparse.Namespace) -> int:
     if not through:
         print(
             f"{plan.name}: interrupted; {len(plan.members) - result.count(PENDING)} of "
-            f"{len(plan.members)} members are in {file}, the same command goes on from there",
+            f"{len(plan.members)} members are in {file}, the same command continues from there",
             file=sys.stderr,
         )
         return INTERRUPTED

@@ -65,7 +65,9 @@ class SundialsIda(Peer):
     ) -> None:
         check_formulation(formulation, FORMULATIONS)
         if options.get("project") is not None:
-            raise ValueError("project: ida cannot go on from a state that was moved; expected none")
+            raise ValueError(
+                "project: ida cannot continue from a state that was moved; expected no projection"
+            )
         try:
             from sksundae.ida import IDA
         except ImportError as error:
@@ -132,7 +134,8 @@ class SundialsIda(Peer):
         if rank < terms.Phi.size:
             raise ArithmeticError(
                 f"{terms.Phi.size - rank} of {terms.Phi.size} constraint equations are redundant, "
-                "and ida factors a matrix that is singular then; generalized-alpha bears them"
+                "and ida then factorises a singular matrix; generalized-alpha handles redundant "
+                "constraints"
             )
 
     def _residual(self, t: float, Y: Array, Y_d: Array, residual: Array) -> None:

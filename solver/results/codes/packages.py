@@ -17,7 +17,7 @@ def _code(name: str, meaning: str, threshold: str, remedy: str, limit: float = n
 BODY_CODES = (
     _code(
         "package-doubtful",
-        "numbers of a package contradict each other; the run was asked to go on with them",
+        "numbers of a package contradict each other; the run was asked to use them",
         "an error of `plymotion validate`, with `--allow-doubtful`",
         "correct the package",
     ),
