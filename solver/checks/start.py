@@ -29,9 +29,9 @@ def start_findings(run: FinishedRun) -> Iterator[Finding]:
     if worst > LOADED_START.limit:
         name = run.built.body_names[where]
         text = (
-            f"{name}: the body does not start in the shape that belongs to the loads at t = 0: they "
-            f"act suddenly, and the vibration about that shape has {worst:.2g} of the largest strain "
-            f"energy of the run (expected below {LOADED_START.limit:g}). {_remedy(run)}"
+            f"{name}: the body does not start in the shape that belongs to the loads at t = 0. "
+            f"They act suddenly; the vibration about that shape has {worst:.2g} of the largest "
+            f"strain energy of the run (expected below {LOADED_START.limit:g}). {_remedy(run)}"
         )
         yield LOADED_START.finding(text, body=name, t=0.0, value=worst)
 
