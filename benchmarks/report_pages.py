@@ -65,7 +65,7 @@ def main(names: list[str]) -> None:
         "| case | size [MB] | drawn by | ready [s] | CPU [s] | page [s] | errors | requests | axe |"
     )
     print("|---|---|---|---|---|---|---|---|---|")
-    for page in pages or sorted(BUILD.glob("*/report.html")):
+    for page in pages or sorted(BUILD.glob("*/report.html") if (page.parent / "case.json").is_file()):
         print(f"| {page.parent.name} | {' | '.join(measure(page))} |", flush=True)
 
 

@@ -12,8 +12,9 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-_DAY = 86400.0
-_TOUCHED = 7 * _DAY  # files in use are marked as such so often
+_HOUR = 3600.0  # a temporary file of this age is that of a process that was ended
+_TOUCHED = 7 * 24 * _HOUR  # files in use are marked as such so often
+_tidied: set[Path] = set()  # folders that this process has looked through
 
 
 @dataclass(frozen=True)
@@ -68,19 +69,19 @@ class DiskCache:
                 raise
         except OSError:
             return False
+        if where not in _tidied:
+            _tidied.add(where)
+            self._drop_old(where)
         return True
 
-    def drop_old(self) -> None:
+    def _drop_old(self, where: Path) -> None:
         """Keep the files used last, and no temporary ones of processes that were ended."""
-        where = self.folder()
-        if where is None or not where.is_dir():
-            return
         now, kept = time.time(), []
         for path in where.iterdir():
             with contextlib.suppress(OSError):
                 age = now - path.stat().st_mtime
                 if path.name.startswith(".new-"):
-                    if age > _DAY:
+                    if age > _HOUR:
                         path.unlink()
                 else:
                     kept.append((age, path))

@@ -80,3 +80,9 @@ def test_a_mistake_of_all_runs_names_none(tmp_path):
         _load(tmp_path, CASE.replace("length = 1.0", "length = -1.0") + "[runs.more]\n")
     (line,) = str(error.value).splitlines()
     assert line.endswith("value should be greater than 0")
+
+
+def test_a_kind_that_is_no_word_is_a_mistake_of_the_variant(tmp_path):
+    more = '[runs.o]\nvariants = ["o"]\n[variants.o.joints.hinge]\nkind = ["revolute"]\n'
+    with pytest.raises(InputError, match="joints.hinge"):
+        _load(tmp_path, CASE + more)

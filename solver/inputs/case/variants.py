@@ -29,7 +29,8 @@ def _forget(group: str, table: Tables, over: Tables) -> None:
     """Remove from a table of `group` what the kind that `over` gives it does not have."""
     known = _keys(group)
     old, new = _kind(group, table), _kind(group, over)
-    if new is None or old == new or old not in known or new not in known:
+    named = isinstance(old, str) and isinstance(new, str)  # a kind may be anything in a bad file
+    if not named or old == new or old not in known or new not in known:
         return
     for key in list(table):
         if known[old].get(key, old) != known[new].get(key, new):

@@ -291,7 +291,7 @@ class ShellDescription(Table):
     @model_validator(mode="after")
     def _something_to_do(self) -> Self:
         if not self.loads and self.frequencies is None:
-            raise ValueError("no result requested: expected `loads`, `frequencies` or both")
+            raise ValueError("loads: no result requested; expected `loads`, `frequencies` or both")
         empty = [name for name, case in self.loads.items() if not case]
         if empty:
             raise ValueError(f"loads.{empty[0]}: expected at least one load, [loads.{empty[0]}.X]")

@@ -27,8 +27,3 @@ def read(key: str) -> tuple[dict[str, Any], bytes] | None:
 def write(key: str, description: dict[str, Any], code: bytes) -> bool:
     """Keep object code; tell whether that was possible."""
     return _CODE.write(key, json.dumps(description).encode() + b"\n" + code)
-
-
-def drop_old() -> None:
-    """Keep the files used last, and no temporary ones of processes that were ended."""
-    _CODE.drop_old()

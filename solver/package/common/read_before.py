@@ -55,5 +55,5 @@ def keep(key: str | None, kind: str, found: Any) -> None:
     if key is None:
         return
     content = pickle.dumps(found, protocol=5)
-    if len(content) <= MOST_BYTES and _OBJECTS.write(f"{key}-{kind}", content):
-        _OBJECTS.drop_old()
+    if len(content) <= MOST_BYTES:
+        _OBJECTS.write(f"{key}-{kind}", content)
