@@ -65,7 +65,8 @@ def main(names: list[str]) -> None:
         "| case | size [MB] | drawn by | ready [s] | CPU [s] | page [s] | errors | requests | axe |"
     )
     print("|---|---|---|---|---|---|---|---|---|")
-    for page in pages or sorted(BUILD.glob("*/report.html") if (page.parent / "case.json").is_file()):
+    found = sorted(file.parent / "report.html" for file in BUILD.glob("*/case.json"))
+    for page in pages or [page for page in found if page.is_file()]:
         print(f"| {page.parent.name} | {' | '.join(measure(page))} |", flush=True)
 
 

@@ -84,5 +84,5 @@ def test_a_mistake_of_all_runs_names_none(tmp_path):
 
 def test_a_kind_that_is_no_word_is_a_mistake_of_the_variant(tmp_path):
     more = '[runs.o]\nvariants = ["o"]\n[variants.o.joints.hinge]\nkind = ["revolute"]\n'
-    with pytest.raises(InputError, match="joints.hinge"):
+    with pytest.raises(InputError, match=r"joints\.hinge"):
         _load(tmp_path, CASE + more)
