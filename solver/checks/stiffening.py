@@ -106,6 +106,6 @@ def _of_linear(run: FinishedRun, tables: Model, i: int) -> Iterator[Finding]:
         text = (
             f"{name}: at t = {when:.4g} s the geometric stiffness of the loads is "
             f"{largest:.2g} of the elastic one (a linear body neglects it: expected below "
-            f"{MATTERS.limit:g}): solver.geometric_stiffening = true takes it in"
+            f"{MATTERS.limit:g}): solver.geometric_stiffening = true includes it"
         )
         yield MATTERS.finding(text, body=name, t=when, value=largest)
