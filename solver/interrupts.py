@@ -84,7 +84,14 @@ def asked() -> bool:
 
 
 def exit_code(code: int) -> int:
-    """Return 128 + the signal for a command that a signal has ended, `code` for others."""
+    """Return 128 + the signal for a command that a signal has ended, `code` for others.
+
+    CPython ends by SIGINT, whatever the exit code, if a KeyboardInterrupt has left code that was
+    given to `exec` as text (dataclasses and named tuples are made so), even if it was caught later.
+    The next such code clears that.
+    """
+    if code == INTERRUPTED:
+        exec("")
     return 128 + _received[0] if code == INTERRUPTED and _received else code
 
 

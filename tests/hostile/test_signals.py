@@ -196,3 +196,29 @@ def test_handlers_are_given_back():
     before = [signal.getsignal(number) for number in SIGNALS]
     assert main(["check"]) == 2
     assert [signal.getsignal(number) for number in SIGNALS] == before
+
+
+# Where a signal may come: within code that was given to `exec` as text, such as a dataclass's.
+WITHIN_TEXT = """
+import os, signal, sys
+from plymotion.solver import interrupts
+with interrupts.heard():
+    try:
+        exec("os.kill(os.getpid(), signal.SIGINT)")
+        code = 0
+    except KeyboardInterrupt:
+        code = interrupts.INTERRUPTED
+    sys.exit(interrupts.exit_code(code))
+"""
+
+
+def test_the_exit_code_is_that_of_the_command_wherever_the_signal_comes(tmp_path):
+    """CPython would end a module (`python -m`) by the signal itself, with -2."""
+    (tmp_path / "within_text.py").write_text(WITHIN_TEXT)
+    done = subprocess.run(
+        [sys.executable, "-m", "within_text"],
+        capture_output=True,
+        text=True,
+        env=os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])},
+    )
+    assert (done.returncode, done.stderr) == (130, "")
