@@ -31,7 +31,7 @@ from .commands.sweep.options import add_merge_command, add_sweep_command
 from .errors import InputError, PackageError
 from .inputs.case.file import CASE_FILE
 from .inputs.scripts import scripts
-from .interrupts import INTERRUPTED, exit_code, heard, starting
+from .interrupts import INTERRUPTED, exit_code, heard, of_a_signal, starting
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -76,6 +76,9 @@ def _guarded(options: argparse.Namespace) -> int:
         print("interrupted: nothing written", file=sys.stderr)
         return INTERRUPTED
     except Exception as error:
+        if of_a_signal(error):
+            print("interrupted: nothing written", file=sys.stderr)
+            return INTERRUPTED
         from .commands.defect import DEFECT, report
 
         print(f"error: {report(error)}", file=sys.stderr)

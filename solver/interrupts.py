@@ -95,6 +95,19 @@ def exit_code(code: int) -> int:
     return 128 + _received[0] if code == INTERRUPTED and _received else code
 
 
+def of_a_signal(error: BaseException) -> bool:
+    """Tell whether an exception was made of a KeyboardInterrupt.
+
+    Python 3.11 turns one that comes while a class is made into a RuntimeError.
+    """
+    found: BaseException | None = error
+    while found is not None:
+        if isinstance(found, KeyboardInterrupt):
+            return True
+        found = found.__cause__ or found.__context__
+    return False
+
+
 def passed_to_children(stop: Any, processes: Callable[[], list[int]]) -> Any:
     """Return a context in which a signal sets the event `stop` and goes to child processes."""
     parent = os.getpid()

@@ -222,3 +222,22 @@ def test_the_exit_code_is_that_of_the_command_wherever_the_signal_comes(tmp_path
         env=os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])},
     )
     assert (done.returncode, done.stderr) == (130, "")
+
+
+WITHIN_A_CLASS = """
+import os, signal, sys
+from plymotion.solver import __main__ as program
+class Descriptor:
+    def __set_name__(self, owner, name):
+        os.kill(os.getpid(), signal.SIGTERM)
+def run(options):
+    class Made:
+        value = Descriptor()
+program._validate = run
+sys.exit(program.main(["validate", "nothing.vtkhdf"]))
+"""
+
+
+def test_a_signal_while_a_class_is_made_is_no_defect():
+    done = subprocess.run([sys.executable, "-c", WITHIN_A_CLASS], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (143, "interrupted: nothing written\n")

@@ -11,9 +11,18 @@ from ...dynamics.system import derivative_into
 from ...dynamics.workspace import Work
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean
-from ..generic.explicit import SAFETY, STIFF_TESTS, TEST_EVERY
+from ..generic.explicit import (
+    CAUTION,
+    FAR_BELOW,
+    RELAX,
+    RELAX_FAR,
+    SAFETY,
+    STIFF_TESTS,
+    TEST_EVERY,
+)
 from .explicit_workspace import (
     CLEAR,
+    LARGEST,
     REFUSED_LAST,
     STIFF_STEP,
     STIFF_TIME,
@@ -125,6 +134,7 @@ def advance_explicit(
         elif error > 1.0 and not fixed:
             counts[TROUBLE] = TOO_ROUGH
             factor = max(tableau.min_factor, SAFETY * error ** (-1.0 / tableau.exponent))
+            clock[LARGEST] = CAUTION * h
         elif options.closes:
             reached = project(model, work, t_new, y_new, workspace.step, workspace.before)
             if not (reached and finite(y_new)):
@@ -145,7 +155,8 @@ def advance_explicit(
         proportional = 1.0 / tableau.exponent - 0.75 * tableau.integral
         factor = SAFETY * error**-proportional * clock[ERROR_LAST] ** tableau.integral
         largest = 1.0 if clock[REFUSED_LAST] > 0.0 else tableau.max_factor
-        clock[NEXT] = h * min(largest, max(tableau.min_factor, factor))
+        clock[NEXT] = min(h * min(largest, max(tableau.min_factor, factor)), clock[LARGEST])
+        clock[LARGEST] *= RELAX if error > FAR_BELOW else RELAX_FAR
         clock[ERROR_LAST], clock[REFUSED_LAST] = max(error, 1e-4), 0.0
         if clock[SUSPECT] > 0.0 or counts[STEPS] % TEST_EVERY == 0:
             _test_stiffness(options, tableau, workspace, h)

@@ -12,8 +12,8 @@ from .step_control import ERROR_LAST, N_COUNT, NEXT, TIME
 
 # Entries of `clock` after those of every loop (step_control.py): whether the last attempt was
 # refused, the beginning of the last step; steps in a row that look stiff and that do not, and the
-# step at which they were so many that a hint is due.
-REFUSED_LAST, TIME_OLD, SUSPECT, CLEAR, STIFF_TIME, STIFF_STEP = 4, 5, 6, 7, 8, 9
+# step at which they were so many that a hint is due; the largest step after one that was refused.
+REFUSED_LAST, TIME_OLD, SUSPECT, CLEAR, STIFF_TIME, STIFF_STEP, LARGEST = 4, 5, 6, 7, 8, 9, 10
 
 
 @structure
@@ -73,8 +73,9 @@ def new_explicit_workspace(
         np.zeros(n),
         np.zeros(model.n_vel),
         np.zeros(model.n_pos),
-        np.zeros(10),
+        np.zeros(11),
         np.zeros(N_COUNT, dtype=np.int64),
     )
     workspace.clock[TIME], workspace.clock[NEXT], workspace.clock[ERROR_LAST] = t, first_step, 1e-4
+    workspace.clock[LARGEST] = 1e300
     return workspace
