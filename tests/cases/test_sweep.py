@@ -159,7 +159,7 @@ def test_spin_beyond_a_linear_body_stops_a_member(repository, tmp_path):
     rows = result(file).rows
     assert [row.status for row in rows] == ["finished", "stopped"]
     assert rows[1].code == SPIN.name
-    assert "What helps" in rows[1].message
+    assert "geometric_stiffening = true" in rows[1].message
     assert rows[1].t_end == 0.0
 
 
