@@ -10,6 +10,8 @@ from case_samples import HEAD, SOLVER, rigid
 from hostile_profile import LONG, MISSED, count
 from make_samples import Project
 
+from plymotion.solver.package.common.temporary import temporary_sibling, write_text
+
 CASE = (
     HEAD
     + rigid("ball", 1.0, 0.1, {"c": (0, 0, 0)})
@@ -121,3 +123,20 @@ def test_hidden_files_of_killed_processes_go(project):
     (left / "summary.json").unlink(missing_ok=True)
     assert project.make("one").returncode == 0
     assert not list(left.glob(".*"))
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+def test_hidden_files_of_a_process_that_nobody_has_waited_for_go(tmp_path):
+    """The kernel keeps its number until its parent asks: it is not running any more."""
+    ended = subprocess.Popen([sys.executable, "-c", ""])
+    os.waitid(os.P_PID, ended.pid, os.WEXITED | os.WNOWAIT)
+    with temporary_sibling(tmp_path / "first") as own:
+        left = own.with_name(own.name.replace(f"-{os.getpid()}-", f"-{ended.pid}-"))
+        left.write_text("half")
+        own.write_text("whole")
+    folder = tmp_path / "moved"  # folders are looked through once by each process
+    folder.mkdir()
+    (tmp_path / left.name).rename(folder / left.name)
+    write_text(folder / "second", "whole")
+    assert [file.name for file in folder.iterdir()] == ["second"]
+    ended.wait()

@@ -55,10 +55,12 @@ def _clean(folder: Path) -> None:
 
 
 def _alive(process: int) -> bool:
+    """Tell whether a process runs; one that has ended may still wait for its parent (Linux)."""
     try:
         os.kill(process, 0)
+        state = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
     except ProcessLookupError:
         return False
-    except OSError:
+    except (OSError, IndexError):
         return True
-    return True
+    return state not in ("Z", "X")
