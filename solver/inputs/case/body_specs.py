@@ -46,9 +46,18 @@ class BodySpecs:
     _known: dict[tuple[str, ...], BodySpec] = field(default_factory=dict)
 
     def of(
-        self, name: str, body: BeamBody | ShellBody | ImportedBody, mechanism: Mechanism
+        self,
+        name: str,
+        body: BeamBody | ShellBody | ImportedBody,
+        mechanism: Mechanism,
+        *,
+        candidates: bool = False,
     ) -> BodySpec:
         """Return the specification of a body, whose section and material exist.
+
+        Parameters
+        ----------
+        candidates : a plan of `[fidelity]` takes some of the modes of a beam or shell
 
         Raises
         ------
@@ -67,7 +76,7 @@ class BodySpecs:
                 if material is not None:
                     parts.append(mechanism.materials[material])
         own = body.model_dump_json(exclude=STATE)
-        key = (name, own, *(part.model_dump_json() for part in parts))
+        key = (name, own, str(candidates), *(part.model_dump_json() for part in parts))
         if key not in self._known:
             content: Specification
             if isinstance(body, BeamBody):
@@ -76,5 +85,7 @@ class BodySpecs:
                 content, sources = shell_body_spec(name, body, self.folder)
             else:
                 content, sources = imported_spec(name, body, self.folder)
+            if candidates and content["kind"] != "imported":
+                content["candidates"] = True
             self._known[key] = BodySpec(content, inputs_sha256(content), tuple(sources))
         return self._known[key]

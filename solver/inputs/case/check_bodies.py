@@ -28,8 +28,8 @@ def check_bodies(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, Body
                     sound[name] = specs.of(whole, body, mechanism)
                     continue
                 model, check = rich_bodies(name, mechanism)
-                sound[name] = specs.of(whole, model, mechanism)
-                sound[name + CHECK] = specs.of(whole, check, mechanism)
+                sound[name] = specs.of(whole, model, mechanism, candidates=True)
+                sound[name + CHECK] = specs.of(whole, check, mechanism, candidates=True)
             except InputError as error:
                 found += str(error).splitlines()
         elif isinstance(body, RigidBody):
