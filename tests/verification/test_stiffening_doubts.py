@@ -12,7 +12,8 @@ from stiffening_samples import CHORD, rectangle, soft_modes, soft_pendulum
 from plymotion.solver.checks.finished import FinishedRun
 from plymotion.solver.checks.stiffening import stiffening_findings
 from plymotion.solver.dynamics.constraints.treatment import Treatment
-from plymotion.solver.dynamics.system import assemble, derivative
+from plymotion.solver.dynamics.dense_equations import assemble
+from plymotion.solver.dynamics.derivative import derivative
 from plymotion.solver.inputs.case.schema import Mechanism
 from plymotion.solver.integrators.generic import Solution
 from plymotion.solver.mechanism import build
