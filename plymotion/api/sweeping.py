@@ -250,9 +250,9 @@ def sweep(
             "set": expressions or {},
         }
         case.sweeps[name] = {**own, "signals": list(signals), "histories": list(histories)}
-    checked = case.check(coarse=coarse)
+    checked = case.check(coarse=coarse, sweeps=[str(name)])
     if name not in checked.sweeps:
-        hint = nearest(str(name), checked.sweeps)
+        hint = nearest(str(name), checked.top.sweeps)
         raise InputError(f"{case.name} has no sweep {name!r}{hint}")
     folder = folder_of(case, out, coarse=coarse)
     with turn(folder, quiet=not progress):
