@@ -93,7 +93,8 @@ import numpy as np
 sys.path[:0] = {path!r}
 from stiffening_samples import CHORD, soft_modes, soft_pendulum
 from plymotion.solver.math.compiled import COMPILED
-from plymotion.solver.dynamics.system import assemble, derivative, energies
+from plymotion.solver.dynamics.dense_equations import assemble, energies
+from plymotion.solver.dynamics.derivative import derivative
 assert COMPILED == {compiled}
 pendulum = soft_pendulum(CHORD, soft_modes(2, axial=True), elements=8)
 y = pendulum.y0 + 0.01 * np.random.default_rng(0).normal(size=pendulum.y0.size)
