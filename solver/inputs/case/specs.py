@@ -30,6 +30,8 @@ from .sweep_table import Packages, sweep_content
 def write_case(case: Case, out: Path, packages: Path | None = None) -> None:
     """Write all files of a checked case into `out`, and remove those that it no longer has.
 
+    Files of sweeps whose members were not asked for stay as an earlier call has left them.
+
     Parameters
     ----------
     packages : folder of ready packages; None: out/bodies, built by the preprocessor
@@ -67,6 +69,9 @@ def write_case(case: Case, out: Path, packages: Path | None = None) -> None:
         folder.add(f"runs/{run}.json", dump(content))
     for name, sweep in case.sweeps.items():
         folder.add(f"sweeps/{name}.json", dump(_sweep(case, name, sweep, files)))
+    left = case.top.sweeps.keys() - case.sweeps.keys()
+    if left:
+        folder.keep("sweeps/bodies/", *(f"sweeps/{name}." for name in left))
     first = next(iter(case.runs.values()))
     content = {
         "written_by": WRITER,
