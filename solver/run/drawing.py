@@ -36,7 +36,7 @@ def with_views(
     model = built.model
     times = np.unique(np.linspace(0, len(y) - 1, TIMES).round().astype(int))
     states = np.asarray(y[times])
-    reach = max(_size(body.nodes_B) for body in bodies) if bodies else 0.0
+    reach = max((_size(body.nodes_B) for body in bodies), default=0.0)
     found = []
     for i, body in enumerate(bodies):
         package, first = built.packages.get(body.name), int(model.pos_start[i])
@@ -120,7 +120,7 @@ def _surface(package: ModalPackage) -> Surface:
         return faces(package.connectivity, package.offsets, package.cell_types, site)
     line = np.column_stack([np.arange(n - 1), np.arange(1, n)]).ravel()
     if not np.array_equal(package.connectivity, line):
-        return spokes(nodes, GLYPH * float(np.linalg.norm(np.ptp(nodes, axis=0))))
+        return spokes(nodes, GLYPH * _size(nodes))
     outlines, first_B = _outlines(package)
     ends, starts = _stations_of_nodes(package)
     return extruded(nodes, outlines, frames_along(nodes, first_B), ends, starts)
