@@ -3,11 +3,13 @@
 All three raise KeyboardInterrupt, so that what is computed is kept in the same way.
 """
 
+import _thread
 import contextlib
 import os
 import signal
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from types import FrameType
 from typing import Any
@@ -32,10 +34,41 @@ def heard() -> Iterator[None]:
         _received.clear()
     _commands += 1
     try:
-        with _handled(_interrupt):
+        with _handled(_interrupt), _not_lost():
             yield
     finally:
         _commands -= 1
+
+
+@contextlib.contextmanager
+def _not_lost() -> Iterator[None]:
+    """Send a signal again that came where Python drops exceptions.
+
+    In a finalizer, a callback of a weak reference (each import has one) or one of a C library Python
+    would print the traceback of the KeyboardInterrupt and go on.
+    """
+    before = sys.unraisablehook
+
+    def hook(dropped: "sys.UnraisableHookArgs") -> None:
+        if issubclass(dropped.exc_type, KeyboardInterrupt) and _received:
+            # Not threading.Thread: the finalizer may run where that holds its lock.
+            _thread.start_new_thread(_send_again, (_received[-1],))
+        else:
+            before(dropped)
+
+    sys.unraisablehook = hook
+    try:
+        yield
+    finally:
+        sys.unraisablehook = before
+
+
+def _send_again(number: int) -> None:
+    time.sleep(0.001)  # the finalizer has returned
+    if sys.platform == "win32":
+        signal.raise_signal(number)
+    else:
+        signal.pthread_kill(threading.main_thread().ident or 0, number)
 
 
 def end_at_once() -> None:

@@ -241,3 +241,24 @@ sys.exit(program.main(["validate", "nothing.vtkhdf"]))
 def test_a_signal_while_a_class_is_made_is_no_defect():
     done = subprocess.run([sys.executable, "-c", WITHIN_A_CLASS], capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (143, "interrupted: nothing written\n")
+
+
+# Python prints what a finalizer raises, and goes on.
+WITHIN_A_FINALIZER = """
+import os, signal, sys, time
+from plymotion.solver import __main__ as program
+class Dropped:
+    def __del__(self):
+        os.kill(os.getpid(), signal.SIGTERM)
+def run(options):
+    Dropped()
+    time.sleep(60.0)
+program._validate = run
+sys.exit(program.main(["validate", "nothing.vtkhdf"]))
+"""
+
+
+def test_a_signal_in_a_finalizer_is_not_lost():
+    words = [sys.executable, "-c", WITHIN_A_FINALIZER]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=WAIT_S)
+    assert (done.returncode, done.stderr) == (143, "interrupted: nothing written\n")
