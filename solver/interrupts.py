@@ -44,8 +44,8 @@ def heard() -> Iterator[None]:
 def _not_lost() -> Iterator[None]:
     """Send a signal again that came where Python drops exceptions.
 
-    In a finalizer, a callback of a weak reference (each import has one) or one of a C library Python
-    would print the traceback of the KeyboardInterrupt and go on.
+    In a finalizer, a callback of a weak reference (each import has one) or one of a C library
+    Python would print the traceback of the KeyboardInterrupt and go on.
     """
     before = sys.unraisablehook
 
@@ -84,6 +84,21 @@ def starting() -> Iterator[None]:
     """Do what `end_at_once` says while modules of a command are imported."""
     with _handled(_end) if _commands else contextlib.nullcontext():
         yield
+
+
+@contextlib.contextmanager
+def postponed() -> Iterator[None]:
+    """Complete a block before a signal counts: a library that is half imported is called missing.
+
+    Extensions in C turn the KeyboardInterrupt of an import within their own into an ImportError.
+    """
+    late: list[int] = []
+    try:
+        with _handled(lambda number, _: late.append(number)):
+            yield
+    finally:
+        if late:
+            signal.raise_signal(late[0])
 
 
 def _end(number: int, frame: FrameType | None) -> None:
@@ -131,11 +146,12 @@ def exit_code(code: int) -> int:
 def of_a_signal(error: BaseException) -> bool:
     """Tell whether an exception was made of a KeyboardInterrupt.
 
-    Python 3.11 turns one that comes while a class is made into a RuntimeError.
+    Python 3.11 turns one that comes while a class is made into a RuntimeError, and extensions in C
+    one that comes while a module is imported into an ImportError, without a trace of it.
     """
     found: BaseException | None = error
     while found is not None:
-        if isinstance(found, KeyboardInterrupt):
+        if isinstance(found, KeyboardInterrupt) or (isinstance(found, ImportError) and asked()):
             return True
         found = found.__cause__ or found.__context__
     return False
