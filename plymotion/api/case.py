@@ -1,6 +1,7 @@
 """A case in Python: from a file, or built table by table."""
 
 import re
+from collections.abc import Collection
 from copy import deepcopy
 from pathlib import Path
 from typing import Any
@@ -97,8 +98,13 @@ class Case:
         found.folder, found._file = file.parent, file
         return found
 
-    def check(self, *, coarse: bool = False) -> CheckedCase:
+    def check(self, *, coarse: bool = False, sweeps: Collection[str] | None = None) -> CheckedCase:
         """Check the whole case as `plymotion check` does; return its checked form.
+
+        Parameters
+        ----------
+        coarse : the coarse version of the case
+        sweeps : names of the sweeps whose members are made and checked; None: all
 
         Raises
         ------
@@ -114,7 +120,7 @@ class Case:
 greater than 0
         """
         file = self.folder / self.name if self._file is None else self._file
-        return checked_case(plain(self.table), file, coarse=coarse)
+        return checked_case(plain(self.table), file, coarse=coarse, sweeps=sweeps)
 
     def changed(self, changes: Tables) -> "Case":
         """Return a copy with other values at dotted keys; positions of lists count from 0.

@@ -59,7 +59,7 @@ def run(
     plymotion.solver.errors.InputError: pendulum has no run 'bse'; did you mean 'base'?
     """
     case = as_case(case)
-    checked = case.check(coarse=coarse)
+    checked = case.check(coarse=coarse, sweeps=())
     run = run or only_run(case.name, checked.runs)
     if run not in checked.runs:
         raise InputError(f"{case.name} has no run {run!r}{nearest(run, checked.runs)}")

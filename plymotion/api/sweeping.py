@@ -21,7 +21,7 @@ from ..solver.commands.sweep.command import CSV, FILE
 from ..solver.commands.sweep.file import SweepResult, read_sweep, result_of, sweep_csv
 from ..solver.commands.sweep.member import FINISHED
 from ..solver.commands.sweep.plan import read_plan
-from ..solver.commands.sweep.work import Work
+from ..solver.commands.sweep.work import Work, settled
 from ..solver.errors import InputError, nearest
 from ..solver.inputs.case.specs import write_case
 from ..solver.interrupts import INTERRUPTED
@@ -250,9 +250,9 @@ def sweep(
             "set": expressions or {},
         }
         case.sweeps[name] = {**own, "signals": list(signals), "histories": list(histories)}
-    checked = case.check(coarse=coarse)
+    checked = case.check(coarse=coarse, sweeps=[str(name)])
     if name not in checked.sweeps:
-        hint = nearest(str(name), checked.sweeps)
+        hint = nearest(str(name), checked.top.sweeps)
         raise InputError(f"{case.name} has no sweep {name!r}{hint}")
     folder = folder_of(case, out, coarse=coarse)
     with turn(folder, quiet=not progress):
@@ -272,6 +272,7 @@ def _computed_here(file: Path, *, fresh: bool, progress: bool) -> None:
     target = file.with_suffix("")
     target.mkdir(parents=True, exist_ok=True)
     plan = read_plan(file)
+    settled(plan)
     work = Work(plan, target / FILE, [] if fresh else [target / FILE], show=progress)
     if not work.compute(Here):
         raise KeyboardInterrupt

@@ -7,8 +7,8 @@ direction, such as the speed of an impact where a joint meets its stop.
 import numpy as np
 
 from ..math.arrays import Array
+from .evaluation import evaluate
 from .model import Model
-from .system import evaluate
 from .workspace import spare_work
 
 NOTHING = 1e-13  # part of a step: two instants closer than this are one

@@ -16,7 +16,7 @@ from .file import SweepResult, result_of, sweep_csv
 from .member import FAILED, PENDING, STOPPED
 from .plan import read_plan
 from .show import tell
-from .work import Work
+from .work import Work, settled
 
 FILE, CSV = "sweep.h5", "sweep.csv"
 SHARDS = "sweep-*-of-*.h5"
@@ -26,11 +26,7 @@ def run_sweep(options: argparse.Namespace) -> int:
     """Compute a sweep; return 0, or 3 if a member failed or stopped, 130 if interrupted."""
     plan = read_plan(options.sweep, allow_doubtful=options.allow_doubtful)
     folder = _folder(options)
-    planned: list[str] = []
-    if plan.fidelity is not None:
-        from .fidelity import settle  # most sweeps need no planner
-
-        planned = settle(plan)
+    planned = settled(plan)
     file, known = folder / FILE, [folder / FILE, *sorted(folder.glob(SHARDS))]
     if options.shard:
         members = share(plan.members, options.shard)

@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 
 from ...math.arrays import Array
+from ...math.polylines import lengths_along
 from ...math.rotations import matrix_to_vector, vector_to_matrix
 from .beam_lines import division, fractions, is_plain, line_of, rounded
+from .beam_schema import BeamBody
 from .beams import with_sections
 from .resolved import resolved
-from .schema import BeamBody, Mechanism
-from .splines import chords
+from .schema import Mechanism
 
 NEAR = 1e-9  # fractions closer than this are one place
 
@@ -166,7 +167,7 @@ class _Divided:
         k = min(int(x / part * (1.0 + NEAR)), self.count - 1)
         share = min(max(x / part - k, 0.0), 1.0)
         shape, _, _ = self._shape(k)
-        own = shape["length"] or chords(np.array(shape["line"]["nodes"]))[-1]
+        own = shape["length"] or lengths_along(np.array(shape["line"]["nodes"]))[-1]
         return segment_name(self.name, k), float(share * own)
 
     def frame(self, at: str, seen_from: str | None) -> dict[str, Any]:
