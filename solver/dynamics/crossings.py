@@ -8,8 +8,8 @@ import numpy as np
 
 from ..math.arrays import Array
 from ..math.hermite import Hermite
+from .evaluation import evaluate
 from .model import Model
-from .system import evaluate
 from .workspace import spare_work
 
 NOTHING = 1e-13  # part of a step: two instants closer than this are one

@@ -3,9 +3,9 @@
 The multipliers depend on the forces, and these forces on the multipliers. At given multipliers
 `reactions_into` fills the sizes of the reactions, which expressions read. Implicit steps hand over
 the multipliers that they iterate (integrators/compiled/residual.py). Where accelerations are
-computed (system.py), multipliers and forces are iterated until they agree: fixed points with the
-relaxation of Aitken for vectors (B. M. Irons and R. C. Tuck, A version of the Aitken accelerator
-for computer iteration, Int. J. Numer. Methods Eng. 1 (1969) 275-277).
+computed (derivative.py), multipliers and forces are iterated until they agree: fixed points with
+the relaxation of Aitken for vectors (B. M. Irons and R. C. Tuck, A version of the Aitken
+accelerator for computer iteration, Int. J. Numer. Methods Eng. 1 (1969) 275-277).
 """
 
 import numpy as np

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..dynamics.assembly import assemble_model
 from ..dynamics.model import Model
-from ..dynamics.tables import Body, assemble_model, flexible_body, rigid_body
+from ..dynamics.tables import Body, flexible_body, rigid_body
 from ..math.rotations import matrix_to_parameters, vector_to_matrix
 from ..package import Interface, ModalPackage
 from .couplings import coupling_rows

@@ -11,8 +11,8 @@ from plymotion.solver.__main__ import main
 from plymotion.solver.commands.blade.contour import contour
 from plymotion.solver.commands.blade.station import write_station
 from plymotion.solver.commands.blade.windio import read_blade
+from plymotion.solver.inputs.case.beam_schema import BeamBody
 from plymotion.solver.inputs.case.laws import FOLDER
-from plymotion.solver.inputs.case.schema import BeamBody
 from plymotion.solver.math.polylines import lengths_along
 
 PLACES = [0.0, 0.1, 0.2, 0.35, 0.5, 0.8, 1.0]

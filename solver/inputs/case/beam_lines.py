@@ -16,7 +16,7 @@ from ...math.rotations import vector_to_matrix
 from ...math.shortest_rotation import shortest_rotations
 from ...package.body.division import node_positions
 from ...package.body.specification import LineTable
-from .schema import BeamBody
+from .beam_schema import BeamBody
 from .splines import Spline
 
 ENDS = {"start": 0.0, "end": 1.0}

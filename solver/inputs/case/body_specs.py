@@ -7,10 +7,13 @@ from pydantic import BaseModel
 
 from ...package.body.specification import Specification
 from ...package.common.plain_data import inputs_sha256
+from .beam_schema import BeamBody
 from .beams import beam_spec
+from .body_schema import ImportedBody, Placed
 from .imported import imported_spec
 from .reduction import Reducible
-from .schema import BeamBody, ImportedBody, Mechanism, Placed, ShellBody
+from .schema import Mechanism
+from .shell_schema import ShellBody
 from .shells import shell_body_spec
 
 # Where a body starts, and what a run uses of it, say nothing about its package.

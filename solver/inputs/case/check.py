@@ -7,6 +7,8 @@ from ...dynamics.joints.table import JOINTS
 from ...errors import InputError, nearest
 from ...integrators.choice import treatment_of
 from ..common.material import check_materials
+from .beam_schema import BeamBody
+from .body_schema import RigidBody
 from .body_specs import BodySpec, BodySpecs
 from .check_bodies import Body, check_bodies
 from .check_combined import check_combined
@@ -19,8 +21,9 @@ from .laws import RotationDrive
 from .of_time import drives, is_along
 from .outputs import output_findings
 from .rich import check_fidelity
-from .schema import BeamBody, Mechanism, RigidBody, ShellBody
+from .schema import Mechanism
 from .segments import check_names
+from .shell_schema import ShellBody
 from .signals import (
     ForceSignal,
     JointSignal,

@@ -13,9 +13,10 @@ from ...math.arrays import Array
 from ...math.polylines import lengths_along
 from ...math.rotations import matrix_to_vector, vector_to_matrix
 from .beam_lines import division, fractions, is_plain, line_of, rounded
+from .beam_schema import BeamBody
 from .beams import with_sections
 from .resolved import resolved
-from .schema import BeamBody, Mechanism
+from .schema import Mechanism
 
 NEAR = 1e-9  # fractions closer than this are one place
 

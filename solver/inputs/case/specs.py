@@ -15,13 +15,14 @@ import os
 from pathlib import Path
 from typing import Any
 
+from .body_schema import PackageBody
 from .body_specs import BodySpec
 from .combining import needed
 from .load import Case
 from .output_folder import WRITER, OutputFolder
 from .record import seal
 from .rich import model_and_check
-from .schema import Mechanism, PackageBody
+from .schema import Mechanism
 from .sweep_fidelity import with_fidelity
 from .sweep_members import CheckedSweep, Members
 from .sweep_table import Packages, sweep_content
