@@ -2,9 +2,10 @@
 
 python benchmarks/report_pages.py [CASE ...]    build/CASE/report.html; default: all that are there
 
-Prints the table of docs/report.md, with four more columns. `ready` is the time from opening the page to its mark that
-everything is drawn, the least of five; `CPU` is what all processes of the browser took for it, so
-that other work on the machine does not count, and `page` the share of the page's own thread.
+Prints the table of docs/report.md, with four more columns. `ready` is the time from opening the
+page to its mark that everything is drawn, the least of five; `CPU` is what all processes of the
+browser took for it, so that other work on the machine does not count, and `page` the share of the
+page's own thread.
 Needs build/browser/axe.min.js (tools/browser.sh) and runs with PYTHONPATH=.:tests.
 """
 
