@@ -63,6 +63,8 @@ def _guarded(options: argparse.Namespace) -> int:
         with scripts(allowed=not getattr(options, "no_scripts", False)):
             return int(options.command(options))
     except (InputError, PackageError) as error:
+        if of_a_signal(error):
+            return _nothing_written()
         for line in str(error).splitlines():
             print(f"error: {line}", file=sys.stderr)
         return 2
@@ -73,16 +75,19 @@ def _guarded(options: argparse.Namespace) -> int:
         print(f"error: {error.filename or ''}: {error.strerror or error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
-        print("interrupted: nothing written", file=sys.stderr)
-        return INTERRUPTED
+        return _nothing_written()
     except Exception as error:
         if of_a_signal(error):
-            print("interrupted: nothing written", file=sys.stderr)
-            return INTERRUPTED
+            return _nothing_written()
         from .commands.defect import DEFECT, report
 
         print(f"error: {report(error)}", file=sys.stderr)
         return DEFECT
+
+
+def _nothing_written() -> int:
+    print("interrupted: nothing written", file=sys.stderr)
+    return INTERRUPTED
 
 
 def parser() -> CommandParser:
