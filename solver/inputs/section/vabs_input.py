@@ -26,6 +26,7 @@ import numpy as np
 
 from ...errors import InputError
 from ...math.arrays import Array, IntArray
+from ...package.common.anisotropic import UPPER, of_upper
 from .per_cell import ABSENT, MOST_NODES, QUADRILATERAL, TRIANGLE, CellSection
 
 UNIFORM = 500.0  # a second theta1 above this says that the first holds for the whole cell
@@ -217,11 +218,8 @@ def _materials(
             named = dict(zip(ORTHOTROPIC, constants, strict=True))
             materials[name] = {"kind": "orthotropic", **named}
         else:
-            C = np.zeros((6, 6))
-            C[np.triu_indices(6)] = constants
-            C = (C + np.triu(C, 1).T)[np.ix_(OF_VABS, OF_VABS)]
-            upper = C[np.triu_indices(6)].tolist()
-            materials[name] = {"kind": "anisotropic", "C": upper}
+            C = of_upper(constants)[np.ix_(OF_VABS, OF_VABS)]
+            materials[name] = {"kind": "anisotropic", "C": C[UPPER].tolist()}
         materials[name]["rho"] = rho
     if len(materials) < count:
         raise InputError(f"{numbers.file}: expected {count} materials, each once")
