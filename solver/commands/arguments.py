@@ -15,7 +15,7 @@ class CommandParser(argparse.ArgumentParser):
         """Parse the words of a command line; what no command knows is an error."""
         options, rest = self.parse_known_args(words)
         if rest:
-            chosen = next((self._commands()[w] for w in words if w in self._commands()), self)
+            chosen = next((self.commands()[w] for w in words if w in self.commands()), self)
             known = chosen._option_string_actions
             unknown = next((word for word in rest if word.startswith("-")), rest[0])
             hint = did_you_mean(unknown, known) if unknown.startswith("-") else ""
@@ -27,7 +27,7 @@ class CommandParser(argparse.ArgumentParser):
         what, found, word = message.partition("invalid choice: ")
         if found and "COMMAND" in what:
             word = word.split("'")[1]
-            known = sorted(self._commands())
+            known = sorted(self.commands())
             message = f"{word}: no such command{did_you_mean(word, known)}"
             self.exit(2, f"error: {message}\nCommands: {', '.join(known)}\n")
         super().error(message)
@@ -40,7 +40,8 @@ class CommandParser(argparse.ArgumentParser):
                     command, text = action.choices[line.dest], line.help or ""
                     command.description = command.description or f"{text[:1].upper()}{text[1:]}."
 
-    def _commands(self) -> dict[str, "CommandParser"]:
+    def commands(self) -> dict[str, "CommandParser"]:
+        """Return the parsers of the commands by name."""
         for action in self._actions:
             if isinstance(action, argparse._SubParsersAction):
                 return dict(action.choices)
