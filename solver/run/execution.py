@@ -55,7 +55,7 @@ def read_run(file: Path, *, allow_doubtful: bool = False) -> RunSpec:
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise InputError(
             f"{file}: not a run file ({type(error).__name__}: {error}); expected one written by "
-            "`python -m plymotion.solver check`"
+            "`plymotion check`"
         ) from error
 
     def packages(run: str, entries: list[tuple[str, str, str | None]]) -> dict[str, ModalPackage]:
