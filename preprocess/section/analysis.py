@@ -17,6 +17,7 @@ from .guards import (
     REVERSAL,
     check_degree,
     condition_warnings,
+    density_warnings,
     not_computed_warnings,
     reversal_warnings,
     solvability_warnings,
@@ -24,6 +25,7 @@ from .guards import (
 from .helical import CentralSolutions
 from .inertia import mass_centre, mass_matrix
 from .layers import Layup, layup
+from .mesh import OF_MESH
 from .mesh_data import mesh_data, nodal_displacements
 from .problem import SectionProblem, section_problem
 from .recovery import section_recovery, unit_strains, unit_warping
@@ -35,7 +37,6 @@ from .timoshenko import SectionStiffness, shear_centre, tension_centre
 from .twist import TwistedStrains
 
 DEGREE = 2  # of the warping field
-OF_MESH = "mesh"  # degree: the functions of the nodes that each cell has
 MOST_STEPS = 25  # of refinement
 MOST_DOFS = 400_000  # limit of refinement: a larger problem takes minutes and gigabytes
 
@@ -87,6 +88,7 @@ def analyse(
             *lay.warnings,
             *check_degree(problem.space, lay, where, allow, given=_degree(spec) is None),
             *not_computed_warnings(spec.get("not_computed", ())),
+            *density_warnings(lay),
         ]
         begin(f"warping, {problem.space.n_dof} dofs")
         result = _solve(problem, lay, where, spec)
