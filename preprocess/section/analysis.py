@@ -11,7 +11,7 @@ from ...solver.package.section.schema import SectionFile
 from .. import fenicsx
 from .adaptive import indicators, worst_cells
 from .errors import SectionError
-from .estimate import error_estimate, scaled
+from .estimate import error_estimate, error_of_edges, scaled
 from .guards import (
     ALLOWED,
     REVERSAL,
@@ -80,6 +80,8 @@ def analyse(
     allow = tuple(spec.get("allow", ()))
     steps: list[dict[str, float | None]] = []
     problem = section_problem(spec["mesh"], where, _degree(spec), team)
+    # cells of another code are the section itself; others keep their edges when they are refined
+    edges = 0.0 if _degree(spec) is None else error_of_edges(problem.mesh.cells)
     while True:
         begin(f"mesh, refined {len(steps)} times" if steps else "mesh")
         lay = layup(spec, problem.mesh, problem.space, where)
@@ -100,7 +102,9 @@ def analyse(
             richer = _richer(problem, spec, where, first=not steps)
             lay_richer = layup(spec, richer.mesh, richer.space, where)
             better = _solve(richer, lay_richer, where, spec, measured=False)
+            size = np.sqrt(np.diag(result.K))
             error = error_estimate(result.K, better.K, problem.space.degree)
+            error = error + edges * np.outer(size, size)
         reversal = 0.0
         if error is not None and lay.reversing.any():
             # refinement moves the place of the reversal only slowly
@@ -121,6 +125,16 @@ def analyse(
             {"refine": len(steps), "dofs": problem.space.n_dof, "error": worst, "seconds": lap}
         )
         if accuracy is None or worst is None or worst <= accuracy or reversal > accuracy:
+            break
+        if edges > accuracy:
+            warnings.append(
+                {
+                    "code": "accuracy-not-met",
+                    "message": f"estimated error {worst:.1e}, {accuracy:.1e} requested; curved "
+                    f"edges of the mesh are parabolas, which alone costs {edges:.1e}: use a finer "
+                    "mesh (density)",
+                }
+            )
             break
         eta = indicators(problem, result, richer, better, lay_richer.stiffness)
         cells = refined(problem.mesh.cells, worst_cells(eta))
