@@ -20,9 +20,10 @@ from flexible_samples import Points, body_of
 from matplotlib.lines import Line2D
 from mechanism_samples import Sample, pendulum
 
+from plymotion.solver.dynamics.assembly import assemble_model
 from plymotion.solver.dynamics.constraints.treatment import Treatment
-from plymotion.solver.dynamics.system import assemble, constraint_rates
-from plymotion.solver.dynamics.tables import JointTable, MarkerTable, assemble_model
+from plymotion.solver.dynamics.dense_equations import assemble, constraint_rates
+from plymotion.solver.dynamics.tables import JointTable, MarkerTable
 from plymotion.solver.integrators.generic import (
     INTEGRATORS,
     Integrator,

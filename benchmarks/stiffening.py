@@ -31,14 +31,10 @@ from stiffening_samples import (  # noqa: E402
     soft_pendulum,
 )
 
+from plymotion.solver.dynamics.assembly import assemble_model  # noqa: E402
+from plymotion.solver.dynamics.derivative import derivative_into  # noqa: E402
 from plymotion.solver.dynamics.model import Model  # noqa: E402
-from plymotion.solver.dynamics.system import derivative_into  # noqa: E402
-from plymotion.solver.dynamics.tables import (  # noqa: E402
-    JointTable,
-    MarkerTable,
-    assemble_model,
-    flexible_body,
-)
+from plymotion.solver.dynamics.tables import JointTable, MarkerTable, flexible_body  # noqa: E402
 from plymotion.solver.dynamics.workspace import Work, new_work  # noqa: E402
 from plymotion.solver.math.arrays import Array  # noqa: E402
 from plymotion.solver.math.compiled import COMPILED, jit  # noqa: E402

@@ -74,6 +74,7 @@ def _build_beam(spec: dict[str, Any]) -> ModalPackage:
         raise SpecError(f"section: {error}") from error
     modes = beam_modes(model, eigenpairs)
     after_modes = time.perf_counter()
+    remarks = [] if spec.get("candidates") else mode_warnings(model, modes)
     provenance = body_provenance(
         spec,
         {
@@ -81,7 +82,7 @@ def _build_beam(spec: dict[str, Any]) -> ModalPackage:
             "body": 6 * model.line.n_node,
         },
         {"section": after_section - start, "modes": after_modes - after_section},
-        [*(w for result in results for w in result.warnings), *mode_warnings(model, modes)],
+        [*(w for result in results for w in result.warnings), *remarks],
     )
     sections = [
         SectionData(name, result.line.K, result.line.mass)

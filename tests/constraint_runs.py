@@ -6,10 +6,12 @@ import numpy as np
 from mechanism_samples import Sample
 
 from plymotion.solver.dynamics.constraints.treatment import IMPLICIT, Treatment, treated
+from plymotion.solver.dynamics.dense_equations import assemble, constraint_rates, energies
+from plymotion.solver.dynamics.derivative import by_blocks
 from plymotion.solver.dynamics.model import Model
-from plymotion.solver.dynamics.system import assemble, by_blocks, constraint_rates, energies
 from plymotion.solver.integrators.closures import constrained_system, projection, right_hand_side
 from plymotion.solver.integrators.explicit_stepping import RungeKutta5Loop, RungeKutta8Loop
+from plymotion.solver.integrators.generalized_alpha import GeneralizedAlpha
 from plymotion.solver.integrators.generic import (
     Integrator,
     Solution,
@@ -18,7 +20,7 @@ from plymotion.solver.integrators.generic import (
     new_constrained_integrator,
     new_integrator,
 )
-from plymotion.solver.integrators.stepping import GeneralizedAlpha, Radau
+from plymotion.solver.integrators.radau import Radau
 from plymotion.solver.mechanism.initial import consistent_state, redundancy
 from plymotion.solver.monitors.singularity import SingularityMonitor
 

@@ -4,15 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from plymotion.solver.dynamics.assembly import assemble_model
+from plymotion.solver.dynamics.dense_equations import assemble, energies
 from plymotion.solver.dynamics.model import Model
-from plymotion.solver.dynamics.system import assemble, energies
-from plymotion.solver.dynamics.tables import (
-    Body,
-    ForceTable,
-    JointTable,
-    MarkerTable,
-    assemble_model,
-)
+from plymotion.solver.dynamics.tables import Body, ForceTable, JointTable, MarkerTable
 from plymotion.solver.integrators.closures import right_hand_side
 from plymotion.solver.integrators.generic import integrate, new_integrator
 from plymotion.solver.math.laws import polynomial

@@ -9,15 +9,10 @@ from itertools import pairwise
 
 import numpy as np
 
+from plymotion.solver.dynamics.assembly import assemble_model
 from plymotion.solver.dynamics.bodies.marker import marker_motion
 from plymotion.solver.dynamics.model import Model
-from plymotion.solver.dynamics.tables import (
-    Body,
-    JointTable,
-    MarkerTable,
-    assemble_model,
-    rigid_body,
-)
+from plymotion.solver.dynamics.tables import Body, JointTable, MarkerTable, rigid_body
 from plymotion.solver.math.rotations import frame_from_axis
 from plymotion.solver.mechanism.initial import Start
 

@@ -11,8 +11,9 @@ from pathlib import Path
 import numpy as np
 from mechanism_samples import GRAVITY, GROUND, Sample
 
+from plymotion.solver.dynamics.assembly import assemble_model
 from plymotion.solver.dynamics.model import Model
-from plymotion.solver.dynamics.tables import JointTable, MarkerTable, assemble_model, flexible_body
+from plymotion.solver.dynamics.tables import JointTable, MarkerTable, flexible_body
 from plymotion.solver.integrators.generic import Integrator
 from plymotion.solver.mechanism.initial import Start
 from plymotion.solver.package import read_package

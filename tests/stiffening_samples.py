@@ -7,10 +7,11 @@ import numpy as np
 from beam_samples import Beam, reduced
 
 from plymotion.preprocess.beam.section_mass import SectionMass
+from plymotion.solver.dynamics.assembly import assemble_model
 from plymotion.solver.dynamics.bodies.marker import marker_motion
+from plymotion.solver.dynamics.derivative import derivative
 from plymotion.solver.dynamics.model import Model
-from plymotion.solver.dynamics.system import derivative
-from plymotion.solver.dynamics.tables import JointTable, MarkerTable, assemble_model, flexible_body
+from plymotion.solver.dynamics.tables import JointTable, MarkerTable, flexible_body
 from plymotion.solver.math.laws import polynomial
 from plymotion.solver.mechanism.initial import Start, consistent_state
 from plymotion.solver.package import ModalPackage

@@ -59,10 +59,10 @@ def run(
     plymotion.solver.errors.InputError: pendulum has no run 'bse'; did you mean 'base'?
     """
     case = as_case(case)
-    checked = case.check(coarse=coarse)
+    checked = case.check(coarse=coarse, sweeps=())
     run = run or only_run(case.name, checked.runs)
     if run not in checked.runs:
-        raise InputError(f"{case.name} has no run {run!r}{nearest(run, checked.runs)}")
+        raise InputError(f"{case.name} has no run {run!r}{nearest(str(run), checked.runs)}")
     folder = folder_of(case, out, coarse=coarse)
     with turn(folder, quiet=not progress):
         write_case(checked, folder, None if packages is None else Path(packages))

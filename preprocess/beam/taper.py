@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...solver.math.arrays import Array
+from ...solver.math.polylines import lengths_along
 from ...solver.package.body.schema import SectionData
 from .line import BeamLine, LineSection
 
@@ -34,7 +35,7 @@ class Profile:
         count = len(A_BE)
         if len(self.sections) == 1:
             return BeamLine(nodes_B, A_BE, self.sections, np.zeros(count, dtype=np.int64))
-        along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(nodes_B, axis=0), axis=1))])
+        along = lengths_along(nodes_B)
         middles = 0.5 * (along[:-1] + along[1:]) / along[-1]
         sections = tuple(self._at(fraction) for fraction in middles)
         return BeamLine(nodes_B, A_BE, sections, np.arange(count))

@@ -1,7 +1,7 @@
 """Elastic rotations: how far interfaces turn relative to the frame of their body."""
 
 from collections.abc import Iterator
-from math import ceil
+from math import ceil, tau
 
 import numpy as np
 
@@ -41,15 +41,19 @@ def motion_findings(run: FinishedRun) -> Iterator[Finding]:
 def _text(whole: str, name: str, rotation: float, count: int, *, second_order: bool) -> str:
     """Return the message; `count` is the number of segments of a beam, 0 of another body.
 
-    The rotation relative to the chord of a segment is about inverse to their number.
+    The rotation relative to the chord of a segment is about inverse to their number. A rotation
+    above a full turn, of displacements without meaning, says nothing of the number.
     """
     part = f" of segment {name}" if count > 1 else ""
     turn = f"{whole}: an interface{part} turns by {rotation:.2f} rad relative to the body frame "
     limit = f"below {ROTATION.limit:g} rad"
+    if rotation > tau:
+        limit += "; this result is invalid"
     split = "split the body"
     if count:
         now = f" ({count} now)" if count > 1 else ""
-        split = f"divide the beam by segments = {ceil(count * rotation / ROTATION.limit)}{now}"
+        wanted = f" = {ceil(count * rotation / ROTATION.limit)}" if rotation <= tau else ""
+        split = f"divide the beam by segments{wanted}{now}"
     if second_order:
         frame = "" if count > 1 else "use a chord or mean-axis frame, or "
         accuracy = "expect an error of about 2 % at 0.25 rad"

@@ -2,10 +2,13 @@
 
 import argparse
 import math
+import os
 from collections.abc import Sequence
 from typing import NoReturn
 
 from ..errors import did_you_mean
+
+COMMAND = "COMMAND"  # what --help and messages call a command
 
 
 class CommandParser(argparse.ArgumentParser):
@@ -24,11 +27,17 @@ class CommandParser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Print usage and message; exit with code 2."""
-        what, found, word = message.partition("invalid choice: ")
-        if found and "COMMAND" in what:
-            word = word.split("'")[1]
-            known = sorted(self._commands())
-            message = f"{word}: no such command{did_you_mean(word, known)}"
+        _, found, word = message.partition("invalid choice: ")
+        known = sorted(self._commands())
+        if known and (found or message.endswith(COMMAND)):
+            if not found:
+                message = "expected CASE.toml or a command"
+            elif os.path.exists(word := word.split("'")[1]):
+                message = (
+                    f"{word}: no case; expected CASE.toml, a folder with case.toml, or a command"
+                )
+            else:
+                message = f"{word}: no such command{did_you_mean(word, known)}"
             self.exit(2, f"error: {message}\nCommands: {', '.join(known)}\n")
         super().error(message)
 

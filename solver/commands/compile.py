@@ -8,22 +8,27 @@ from multiprocessing import get_context
 import numpy as np
 
 from ..dynamics import series
+from ..dynamics.assembly import assemble_model
 from ..dynamics.bodies.marker import single_motion
 from ..dynamics.coordinates import moved, position_rates
+from ..dynamics.dense_equations import assemble
+from ..dynamics.derivative import derivative
 from ..dynamics.forces.table import KINDS as FORCE_KINDS
 from ..dynamics.independence import new_independence
 from ..dynamics.joints.table import KINDS, N_PARAMETER
+from ..dynamics.laws import law_at
 from ..dynamics.least_energy import least_energy
 from ..dynamics.model import Model, state_size
 from ..dynamics.projection import projected
 from ..dynamics.singular_value import difference, new_spectrum
-from ..dynamics.system import assemble, derivative, law_at
-from ..dynamics.tables import ForceTable, JointTable, MarkerTable, assemble_model, rigid_body
+from ..dynamics.tables import ForceTable, JointTable, MarkerTable, rigid_body
 from ..integrators.closures import right_hand_side
 from ..integrators.compiled.pencil import factorise_pencil, new_frozen, new_pencil, solve_pencil
 from ..integrators.explicit_stepping import RungeKutta8Loop
+from ..integrators.generalized_alpha import GeneralizedAlpha
 from ..integrators.generic import RungeKutta8, integrate
-from ..integrators.stepping import GeneralizedAlpha, Radau, StepLoop
+from ..integrators.radau import Radau
+from ..integrators.step_loop import StepLoop
 from ..math.arrays import Array
 from ..math.compiled import COMPILED, statistics
 from ..math.laws import polynomial

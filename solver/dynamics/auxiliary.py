@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from ..math.arrays import Array
 from ..math.expressions.program import NO_SEED, evaluated
+from .evaluation import evaluate, measure_into
 from .model import Model
-from .system import evaluate, measure_into
 from .workspace import spare_work
 
 Called = Callable[[float, Array], float]

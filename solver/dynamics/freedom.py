@@ -5,11 +5,11 @@ import numpy as np
 from ..math.arrays import Array
 from .constraints.minimum_norm import RANK_TOLERANCE
 from .constraints.scaling import scaled_jacobian
+from .dense_equations import assemble
 from .independence import new_independence
 from .joints.table import DRIVES, NAMES
 from .model import Model
 from .singular_value import new_spectrum, smallest_at
-from .system import assemble
 from .workspace import spare_work
 
 _INDEPENDENT = 1e3 * RANK_TOLERANCE  # smallest singular value of rows of length one

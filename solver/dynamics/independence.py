@@ -26,9 +26,9 @@ from ..math.arrays import Array, IntArray
 from ..math.compiled import inlined, lean, structure
 from .coordinates import rates_into
 from .elimination import factorise_profile
+from .evaluation import evaluate
 from .model import Model, state_size
 from .order import Order, padded, row_order
-from .system import evaluate
 from .workspace import Work
 
 CERTAIN = 1e-10  # least pivot of a step that has no singular position

@@ -4,8 +4,8 @@ import numpy as np
 
 from ..math.arrays import Array
 from ..math.laws import N_COEFFICIENT
+from .laws import law_at
 from .model import Model
-from .system import law_at
 
 
 def law_values(model: Model, t: float) -> Array:

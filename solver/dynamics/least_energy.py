@@ -4,9 +4,11 @@ import numpy as np
 
 from ..math.arrays import Array, IntArray
 from ..math.compiled import inlined, lean
+from .block_vectors import flatten, largest
 from .energy import momenta_into
+from .evaluation import evaluate, evaluate_rates
+from .mass_solution import factorise_mass, solve_mass
 from .model import Model
-from .system import evaluate, evaluate_rates, factorise_mass, flatten, largest, solve_mass
 from .workspace import Work, spare_work
 
 # Given velocities are held by inertia: a change of the others moves them by the reciprocal of HOLD.

@@ -168,8 +168,8 @@ def quantities_of(
     coupled = [
         (k, j)
         for k, (size, along) in enumerate(forces)
-        if size is not None and along >= 0
-        for j in sorted({_state_of(leaf) for leaf in size.leaves()} - {-1})
+        if along >= 0
+        for j in sorted(j for kind, j in _read(size) if kind == "state")
         if states[j].rate is not None
     ]
 
@@ -179,8 +179,13 @@ def quantities_of(
     def place(quantity: Hashable) -> int:
         assert isinstance(quantity, tuple)
         kind, k = quantity
-        first = {"value": 0, "rate": 1, "state": 2 * n, "curve": 0, "reaction": behind_states}
-        return int(first[kind] + (2 * k if kind in ("value", "rate") else k))
+        return {
+            "value": 2 * k,
+            "rate": 2 * k + 1,
+            "state": 2 * n + k,
+            "reaction": behind_states + k,
+            "curve": k,
+        }[kind]
 
     return Quantities(
         kind=np.array([c.kind for c in coordinates], dtype=np.int64),
@@ -217,8 +222,7 @@ def quantities_of(
         reaction_joint=np.array([joint for joint, _ in measured.reactions], dtype=np.int64),
         reaction_kind=np.array([kind for _, kind in measured.reactions], dtype=np.int64),
         reacting=np.array(
-            [k for k, (size, _) in enumerate(forces) if size is not None and _reacts(size)],
-            dtype=np.int64,
+            [k for k, (size, _) in enumerate(forces) if _reacts(size)], dtype=np.int64
         ),
         feedback=np.array(feedback, dtype=np.int64),
         fed_row=np.array([row for row, _ in fed], dtype=np.int64),
@@ -231,10 +235,10 @@ def quantities_of(
     )
 
 
-def _state_of(leaf: Node) -> int:
-    """Return the state that a leaf reads; -1: none."""
-    quantity = leaf.quantity
-    return int(quantity[1]) if isinstance(quantity, tuple) and quantity[0] == "state" else -1
+def _read(node: Node | None) -> set[Quantity]:
+    """Return the quantities and curves of the model that an expression reads."""
+    leaves = node.leaves() if node is not None else ()
+    return {leaf.quantity for leaf in leaves if isinstance(leaf.quantity, tuple)}
 
 
 def _feedback(
@@ -261,20 +265,14 @@ def _feedback(
 
 def _others(node: Node | None, along: int) -> list[int]:
     """Return the coordinates that an expression reads, without `along`."""
-    leaves = node.leaves() if node is not None else ()
-    read = {leaf.quantity for leaf in leaves if isinstance(leaf.quantity, tuple)}
-    return sorted({k for kind, k in read if kind in ("value", "rate")} - {along})
+    return sorted({k for kind, k in _read(node) if kind in ("value", "rate")} - {along})
 
 
 def _reacts(size: Node | None) -> bool:
     """Tell whether an expression reads a reaction."""
-    return any(
-        isinstance(leaf.quantity, tuple) and leaf.quantity[0] == "reaction"
-        for leaf in (size.leaves() if size is not None else ())
-    )
+    return any(kind == "reaction" for kind, _ in _read(size))
 
 
 def reads_motion(size: Node | None) -> bool:
     """Tell whether a force along a coordinate depends on coordinates, states or reactions."""
-    leaves = size.leaves() if size is not None else ()
-    return any(isinstance(q := leaf.quantity, tuple) and q[0] != "curve" for leaf in leaves)
+    return any(kind != "curve" for kind, _ in _read(size))

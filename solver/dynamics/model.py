@@ -1,6 +1,6 @@
 """The model: all data that the step loop reads, as flat arrays.
 
-tables.py converts readable descriptions once to a `Model`;
+assembly.py converts readable descriptions once to a `Model`;
 the step loop uses no objects per body. Data of bodies are concatenated, with
 offsets; markers and joints are tables, and point masses are part of their bodies. A body without
 modes is rigid. The ground is body -1 and has no coordinates.
@@ -29,7 +29,7 @@ GROUND = -1
 
 @structure
 class Model(NamedTuple):
-    """Arrays of one mechanism; built by tables.py, read by system.py."""
+    """Arrays of one mechanism; built by assembly.py, read by evaluation.py."""
 
     n_body: int  # nb, moving bodies
     n_pos: int  # position coordinates

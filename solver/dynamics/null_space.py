@@ -12,7 +12,7 @@ import numpy as np
 
 from ..math.arrays import Array
 from .constraints.scaling import row_masses, scaled_jacobian
-from .system import Equations
+from .dense_equations import Equations
 
 CUT = 1e-6  # singular values below count as zero, relative to the largest
 _NEAR = (1e-9, 1e-3)  # singular values among which a gap is searched

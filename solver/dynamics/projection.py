@@ -4,19 +4,13 @@ import numpy as np
 
 from ..math.arrays import Array
 from ..math.compiled import lean, rebound
+from .block_vectors import flatten, largest
 from .coordinates import move
+from .dense_equations import dense, solve_dense
+from .derivative import by_blocks
+from .evaluation import evaluate, evaluate_rates
+from .mass_solution import factorise_mass, solve_mass
 from .model import Model
-from .system import (
-    by_blocks,
-    dense,
-    evaluate,
-    evaluate_rates,
-    factorise_mass,
-    flatten,
-    largest,
-    solve_dense,
-    solve_mass,
-)
 from .workspace import PHI, Work, spare_work
 
 MAX_ITERATIONS = 6

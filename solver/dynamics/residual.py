@@ -8,8 +8,8 @@ import numpy as np
 
 from ..math.arrays import Array
 from ..math.compiled import lean
+from .evaluation import evaluate
 from .model import Model
-from .system import evaluate
 from .workspace import Work, spare_work
 
 

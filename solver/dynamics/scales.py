@@ -6,10 +6,10 @@ import numpy as np
 
 from ..math.arrays import Array
 from .energy import stored_energies
+from .evaluation import evaluate
 from .joints.table import position_rows
 from .model import GROUND, Model
 from .series import along_solution, marker_motions
-from .system import evaluate
 from .workspace import PHI_T, spare_work
 
 SAMPLES = 65  # times at which drives are looked at

@@ -12,22 +12,17 @@ from ..math.arrays import Array, IntArray
 from ..math.compiled import lean
 from ..math.rotations import rotation_into
 from ..math.triple import cross3, minus3
+from .applied_forces import force_wrench
 from .bodies.marker import move_marker
 from .bodies.motion import N_MOTION, place, stand
+from .constraint_rows import n_coupling
 from .dependence import REGULAR, is_tree
+from .derivative import by_blocks, dense_derivative_into, derivative_into
 from .energy import energies_into, momenta_into
+from .evaluation import evaluate, evaluate_rates
 from .forces.table import FIRST_LOAD
+from .laws import law_at
 from .model import Model, state_size
-from .system import (
-    by_blocks,
-    dense_derivative_into,
-    derivative_into,
-    evaluate,
-    evaluate_rates,
-    force_wrench,
-    law_at,
-    n_coupling,
-)
 from .workspace import PHI, Work, spare_work
 
 

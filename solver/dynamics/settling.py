@@ -3,15 +3,16 @@
 The multipliers depend on the forces, and these forces on the multipliers. At given multipliers
 `reactions_into` fills the sizes of the reactions, which expressions read. Implicit steps hand over
 the multipliers that they iterate (integrators/compiled/residual.py). Where accelerations are
-computed (system.py), multipliers and forces are iterated until they agree: fixed points with the
-relaxation of Aitken for vectors (B. M. Irons and R. C. Tuck, A version of the Aitken accelerator
-for computer iteration, Int. J. Numer. Methods Eng. 1 (1969) 275-277).
+computed (derivative.py), multipliers and forces are iterated until they agree: fixed points with
+the relaxation of Aitken for vectors (B. M. Irons and R. C. Tuck, A version of the Aitken
+accelerator for computer iteration, Int. J. Numer. Methods Eng. 1 (1969) 275-277).
 """
 
 import numpy as np
 
 from ..math.compiled import inlined, lean
 from ..math.triple import Triple, dot3, minus3, sum3, times3, triple
+from .applied_forces import add_wrench, coordinate_wrench
 from .bodies.motion import axis
 from .measures import force_size
 from .model import Model
@@ -26,15 +27,9 @@ SETTLED, ROUNDING = 1e-11, 1e-14
 @inlined
 def reaction_slope(model: Model, work: Work, r: int, row: int) -> float:
     """Return the derivative of size r of a reaction by multiplier `row` of its joint."""
-    q = model.quantities
-    joint, kind = q.reaction_joint[r], q.reaction_kind[r]
-    begin = 6 if kind in (RADIAL, AXIAL) else 9
-    load = (0.0, 0.0, 0.0)
-    for other in range(model.joint_row[joint], model.joint_row[joint + 1]):
-        load = sum3(load, times3(-work.multipliers[other], triple(work.rows[other, begin:])))
-    n = axis(work.motion[model.joint_marker[joint, 0]], 2)
-    unit, along = times3(-1.0, triple(work.rows[row, begin:])), dot3(load, n)
-    if kind in (RADIAL, BENDING):
+    load, unit, n = _load(model, work, r), _load_of(model, work, r, row), _axis(model, work, r)
+    along = dot3(load, n)
+    if model.quantities.reaction_kind[r] in (RADIAL, BENDING):
         across = minus3(load, times3(along, n))
         size = float(np.sqrt(dot3(across, across)))
         return dot3(across, unit) / size if size > 0.0 else 0.0
@@ -47,13 +42,31 @@ def reactions_into(model: Model, work: Work) -> None:
     q = model.quantities
     first = work.quantity.shape[0] - q.reaction_kind.shape[0]
     for r in range(q.reaction_kind.shape[0]):
-        joint = q.reaction_joint[r]
-        begin = 6 if q.reaction_kind[r] in (RADIAL, AXIAL) else 9
-        load = (0.0, 0.0, 0.0)
-        for row in range(model.joint_row[joint], model.joint_row[joint + 1]):
-            load = sum3(load, times3(-work.multipliers[row], triple(work.rows[row, begin:])))
-        n = axis(work.motion[model.joint_marker[joint, 0]], 2)
+        load, n = _load(model, work, r), _axis(model, work, r)
         work.quantity[first + r] = _size(q.reaction_kind[r], load, n)
+
+
+@inlined
+def _load(model: Model, work: Work, r: int) -> Triple:
+    """Return the force or moment of reaction r at work.multipliers."""
+    joint, load = model.quantities.reaction_joint[r], (0.0, 0.0, 0.0)
+    for row in range(model.joint_row[joint], model.joint_row[joint + 1]):
+        load = sum3(load, times3(work.multipliers[row], _load_of(model, work, r, row)))
+    return load
+
+
+@inlined
+def _load_of(model: Model, work: Work, r: int, row: int) -> Triple:
+    """Return the force or moment of reaction r of a unit of multiplier `row`."""
+    begin = 6 if model.quantities.reaction_kind[r] in (RADIAL, AXIAL) else 9
+    return times3(-1.0, triple(work.rows[row, begin:]))
+
+
+@inlined
+def _axis(model: Model, work: Work, r: int) -> Triple:
+    """Return the axis of the joint of reaction r."""
+    joint = model.quantities.reaction_joint[r]
+    return axis(work.motion[model.joint_marker[joint, 0]], 2)
 
 
 @inlined
@@ -98,21 +111,7 @@ def move_forces(model: Model, work: Work, t: float, passed: int) -> bool:
     left[last, 0] = relax
     if differ:
         for k in q.reacting:
-            _add(model, work, k, relax * left[k, 0])
+            more = relax * left[k, 0]
+            work.size[k, 0] += more
+            add_wrench(model, work, k, coordinate_wrench(model, work, k, more))
     return differ
-
-
-@inlined
-def _add(model: Model, work: Work, k: int, more: float) -> None:
-    """Add `more` to the size of force element k, and what follows."""
-    along = model.quantities.along[k]
-    work.size[k, 0] += more
-    work.power[0] += more * work.quantity[2 * along + 1]
-    for side in range(2):
-        marker = model.force_marker[k, side]
-        body = model.marker_body[marker]
-        if body >= 0:
-            for b in range(model.plan.size[body]):
-                for a in range(6):
-                    push = more * work.g[along, 6 * side + a]
-                    work.f[body, b] += push * work.J_m[marker, a, b]

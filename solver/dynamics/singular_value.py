@@ -18,9 +18,9 @@ import numpy as np
 from ..math.arrays import Array, IntArray
 from ..math.compiled import inlined, lean, structure
 from .elimination import factorise_profile, solve_profile
+from .evaluation import evaluate
 from .independence import Independence, gram_into, scaled_rows
 from .model import Model
-from .system import evaluate
 from .workspace import Work
 
 CLOSE = 1e-7  # relative distance of the last shift from the eigenvalue

@@ -15,9 +15,9 @@ from functools import cached_property
 
 import numpy as np
 
+from ..dynamics.dense_equations import assemble
 from ..dynamics.model import Model, state_size
 from ..dynamics.residual import residuals
-from ..dynamics.system import assemble
 from ..math.arrays import Array, IntArray
 from .base import Base
 

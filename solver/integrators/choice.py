@@ -5,8 +5,8 @@ from typing import Any, Protocol
 
 from ..dynamics.auxiliary import Called
 from ..dynamics.constraints.treatment import IMPLICIT, TREATMENTS, Treatment, TreatmentKeys
+from ..dynamics.derivative import by_blocks
 from ..dynamics.model import Model
-from ..dynamics.system import by_blocks
 from ..errors import InputError
 from ..math.arrays import Array
 from .closures import constrained_system, projection, right_hand_side

@@ -5,15 +5,10 @@ from collections.abc import Callable
 import numpy as np
 
 from ..dynamics.coordinates import moved, position_rates
+from ..dynamics.dense_equations import accelerations, assemble
+from ..dynamics.derivative import by_blocks, dense_derivative_into, derivative_into
 from ..dynamics.model import Model, state_size
 from ..dynamics.projection import projected
-from ..dynamics.system import (
-    accelerations,
-    assemble,
-    by_blocks,
-    dense_derivative_into,
-    derivative_into,
-)
 from ..dynamics.workspace import new_work
 from ..math.arrays import Array
 from .generic.base import Derivative

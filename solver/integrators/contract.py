@@ -20,7 +20,7 @@ First argument, by `takes`:
                    constraints as closures, for methods that solve the constraints with the step.
                    It belongs in generic/ too.
     "model"        a `Model` (dynamics/model.py): for step loops that are compiled whole
-                   (`StepLoop`, stepping.py). It belongs in this folder.
+                   (`StepLoop`, step_loop.py). It belongs in this folder.
 
 It must have:
     order : int, order of the method; sizes of first steps follow from it
@@ -45,7 +45,7 @@ It may have:
 from ..math.keys import Number
 from .generic.base import Counters, Dense, Derivative, Integrator
 from .generic.constrained import ConstrainedSystem
-from .stepping import StepLoop
+from .step_loop import StepLoop
 
 __all__ = [
     "ConstrainedSystem",

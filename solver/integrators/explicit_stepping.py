@@ -25,7 +25,7 @@ from .generic.explicit import (
     RungeKutta8,
     stiffness_hint,
 )
-from .stepping import ClosingLoop
+from .step_loop import ClosingLoop
 
 
 class ExplicitLoop(ClosingLoop):

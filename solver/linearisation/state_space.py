@@ -18,12 +18,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..dynamics.dense_equations import assemble
 from ..dynamics.instant import law_values
 from ..dynamics.model import Model
 from ..dynamics.null_space import FreeMotions, Rank, free_motions
 from ..dynamics.scales import extent
 from ..dynamics.series import along_solution, balance
-from ..dynamics.system import assemble
 from ..math.arrays import Array, IntArray
 from ..signals import Recording, Sensor
 from .differences import Direction, Instant, derivatives

@@ -13,10 +13,10 @@ import numpy as np
 
 from ..dynamics.auxiliary import started
 from ..dynamics.coordinates import moved
+from ..dynamics.dense_equations import Equations, assemble
 from ..dynamics.instant import law_values, with_laws
 from ..dynamics.model import Model
 from ..dynamics.null_space import free_motions
-from ..dynamics.system import Equations, assemble
 from ..errors import InputError
 from ..math.arrays import Array
 from .initial import Start

@@ -3,8 +3,8 @@
 from collections.abc import Callable
 
 from ..dynamics.bodies.added_inertia import undetermined_body
+from ..dynamics.dense_equations import assemble
 from ..dynamics.model import Model
-from ..dynamics.system import assemble
 from ..errors import InputError
 from ..math.arrays import Array
 

@@ -10,12 +10,13 @@ from ..dynamics.bodies.marker import marker_motion
 from ..dynamics.constraints.minimum_norm import RANK_TOLERANCE
 from ..dynamics.constraints.scaling import scaled_jacobian
 from ..dynamics.coordinates import moved
+from ..dynamics.dense_equations import Equations, accelerations, assemble
 from ..dynamics.freedom import clearly_independent
 from ..dynamics.joints.table import DRIVES, NAMES, ROWS
+from ..dynamics.laws import law_at
 from ..dynamics.least_energy import least_energy
 from ..dynamics.model import Model
 from ..dynamics.series import balance
-from ..dynamics.system import Equations, accelerations, assemble, law_at
 from ..errors import InputError, few
 from ..math.arrays import Array
 from ..results.codes.course import REDUNDANT, SINGULAR_START

@@ -6,7 +6,7 @@ from ..errors import InputError, nearest
 from ..package import ModalPackage
 
 if TYPE_CHECKING:
-    from ..inputs.case.schema import Deformed
+    from ..inputs.case.body_schema import Deformed
 
 
 def modal_values(

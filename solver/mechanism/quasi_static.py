@@ -23,9 +23,13 @@ _MAX_ITERATIONS = 40
 
 
 def quasi_static_state(
-    model: Model, start: Start, joint_names: list[str], body_names: list[str]
+    model: Model, start: Start, y: Array, joint_names: list[str], body_names: list[str]
 ) -> Array:
-    """Return the state y (n,) in which the shapes of all bodies balance the loads at t = 0.
+    """Return the state (n,) in which the shapes of all bodies balance the loads at t = 0.
+
+    Parameters
+    ----------
+    y : (n,) `consistent_state` of `start`
 
     Raises
     ------
@@ -34,7 +38,6 @@ def quasi_static_state(
         deformation (buckling, a spin above its first frequency), or joints do not let the
         mechanism move while the shapes are held.
     """
-    y = consistent_state(model, start, joint_names)
     first = 0.0
     energies = np.zeros(model.n_body)
     for _ in range(_MAX_ITERATIONS):

@@ -11,11 +11,11 @@ import numpy as np
 
 from ..dynamics.auxiliary import started
 from ..dynamics.coordinates import moved
+from ..dynamics.dense_equations import Equations, assemble
 from ..dynamics.instant import law_values, with_laws
 from ..dynamics.model import Model
 from ..dynamics.null_space import FreeMotions, free_motions
 from ..dynamics.spinning import Spin, spin_accelerations, spin_velocities, turned
-from ..dynamics.system import Equations, assemble
 from ..errors import InputError, few
 from ..math.arrays import Array
 from .equilibrium import closed, equilibrium, limited, pushed, resting

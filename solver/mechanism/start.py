@@ -54,7 +54,7 @@ def starting_state(
             found = equilibrium(model, closed, body_names)
             y = consistent_state(model, found, joint_names)
     elif kind == "quasi-static":
-        y = quasi_static_state(model, start, joint_names, body_names)
+        y = quasi_static_state(model, start, y, joint_names, body_names)
     require_inertia(model, y, body_names, light=light)
     return y
 

@@ -18,12 +18,16 @@ from .spin import SpinMonitor
 LOOKS = 1000  # of a run, and one of each block of steps
 
 
-def buckling_text(name: str, t: float) -> str:
-    """Return the message for a stiffened body that buckles at t [s]."""
+def buckling_text(name: str, t: float, *, linear: bool = False) -> str:
+    """Return the message for a body, stiffened by default, that buckles at t [s]."""
+    beyond, remedy = "Second-order displacements are accurate up to this load only", "Split"
+    if linear:
+        beyond = "A linear body keeps its full stiffness"
+        remedy = "Set geometric_stiffening = true, split"
     return (
         f"{name}: at t = {t:.6g} s the loads of the motion and of the joints reach the buckling "
-        "load of the body. Second-order displacements are accurate up to this load only: results "
-        "after this time are invalid. Split the body, stiffen it, or reduce the load"
+        f"load of the body. {beyond}: results after this time are invalid. {remedy} the body, "
+        "stiffen it, or reduce the load"
     )
 
 
@@ -83,18 +87,9 @@ class BucklingMonitor:
         ends = np.arange(before + 1, after + 1)
         step = before + int(np.argmax(~(self.margin(i, steps.t[ends], steps.y[ends]) > 0.0)))
         t = self._crossing(i, steps.t[step], steps.t[step + 1], steps.dense_output(step))
-        name = self.spin.body_names[i]
-        if stiffened(self.model, i):
-            text = buckling_text(name, t)
-            code = BUCKLING
-        else:
-            text = (
-                f"{name}: at t = {t:.6g} s the loads of the motion and of the joints reach the "
-                "buckling load of the body. A linear body keeps its full stiffness: results after "
-                "this time are invalid. Set geometric_stiffening = true, split the body, stiffen "
-                "it, or reduce the load"
-            )
-            code = BUCKLING_LOAD
+        name, linear = self.spin.body_names[i], not stiffened(self.model, i)
+        code = BUCKLING_LOAD if linear else BUCKLING
+        text = buckling_text(name, t, linear=linear)
         self.findings.append(code.finding(text, body=name, t=t))
         return self.findings[-1]
 

@@ -5,9 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..dynamics.energy import energies_into
+from ..dynamics.evaluation import evaluate
 from ..dynamics.independence import Independence, certificate, new_independence
 from ..dynamics.model import Model
-from ..dynamics.system import evaluate
 from ..dynamics.workspace import Work, new_work
 from ..math.arrays import Array, IntArray
 from ..math.compiled import inlined, lean, structure

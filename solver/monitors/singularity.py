@@ -13,35 +13,22 @@ from functools import partial
 import numpy as np
 
 from ..dynamics.constraints.treatment import PASSES_SINGULAR
-from ..dynamics.independence import CERTAIN, begin, scaled_jacobian_into
+from ..dynamics.independence import CERTAIN, begin
 from ..dynamics.model import Model
-from ..dynamics.singular_value import difference, new_spectrum, smallest_at
 from ..errors import few
-from ..integrators.generic import Integrator, Steps, StopRequest
-from ..integrators.generic.base import Dense
+from ..integrators.generic import Steps, StopRequest
 from ..integrators.generic.steps import MOST_NOTED
 from ..math.arrays import Array
 from ..results.codes.course import BRANCH, SINGULAR, SINGULAR_PASSED
 from ..results.finding import Finding
+from .constraint_rank import NEAR, ConstraintRank, Rank
 from .energy import EnergyMonitor
 from .observation import new_observation, note, observe
 
-NEAR, AT = 0.05, 1e-3  # smallest singular value, over the largest that it had in the run
-SMALL_CHANGE = 0.5  # of the scaled Jacobian: one valley at most
+AT = 1e-3  # smallest singular value, over the largest that it had in the run
 TURN = 0.2  # change of velocity within the neighbourhood of a singular position, relative
 LOSS = 1e-3  # of the energy in play, there
 LOOK, RISE = 0.25, 4.0  # of the pivot where sigma was found last: found again beyond
-GOLDEN = 0.5 * (5.0**0.5 - 1.0)
-ROUGH = 0.02  # of a step: as near a minimum, sigma^2 is a parabola
-
-
-@dataclass
-class _Rank:
-    """Scaled Jacobian of a state, and the smallest singular value that counts."""
-
-    t: float
-    C: Array  # (nb, r, n) by body
-    sigma: float
 
 
 @dataclass
@@ -72,14 +59,12 @@ class SingularityMonitor:
     passes: list[float] = field(default_factory=list)  # times of singular positions [s]
 
     def __post_init__(self) -> None:
-        self._rank = min(self.model.n_constraint - self.model.redundant, self.model.n_vel)
         self.energy = EnergyMonitor()
         self._observation = new_observation(self.model, MOST_NOTED)
-        self._spectrum = new_spectrum(self._observation.rows)
+        self._rank = ConstraintRank(self.model, self._observation, self.joint_names)
         self._root = np.sqrt(self.model.inertia_scale)
         self._last: _State | None = None
-        self._known: _Rank | None = None  # the last that was needed
-        self._typical = 0.0  # largest of the smallest singular values so far
+        self._known: Rank | None = None  # the last that was needed
         self._low, self._high = 0.0, 0.0  # pivots beyond which sigma is computed
         self._largest_pivot = 0.0
         self._before: _State | None = None  # last state before the neighbourhood, if inside it
@@ -89,8 +74,8 @@ class SingularityMonitor:
 
     def at_start(self, t: float, y: Array) -> None:
         """Take the state that the run starts from."""
-        if self._rank:
-            self._known = self._decompose(t, y)
+        if self._rank.count:
+            self._known = self._rank.decompose(t, y)
             self._keep_independent(t, y)
         energy, pivot = np.empty((1, 3)), np.empty(1)
         observe(self.model, self._observation, np.array([t]), y[None], energy, pivot)
@@ -130,15 +115,15 @@ class SingularityMonitor:
         assert self._known is not None
         before = self._known
         if pivot <= CERTAIN and before.t != steps.t[i]:
-            before = self._decompose(steps.t[i], steps.y[i])
+            before = self._rank.decompose(steps.t[i], steps.y[i])
         self.energy.take(steps.t[i + 1 : i + 2], energy, steps.y[i + 1 : i + 2, -1])
         now = self._last = self._state(steps.t[i + 1], steps.y[i + 1])
-        self._known = self._decompose(now.t, steps.y[i + 1])
+        self._known = self._rank.decompose(now.t, steps.y[i + 1])
         interval = None
         if pivot <= CERTAIN:
-            interval = self._valley(before, self._known, steps.at(i))
+            interval = self._rank.valley(before, self._known, steps.at(i))
         sigma = self._known.sigma
-        near = sigma < NEAR * self._typical
+        near = sigma < NEAR * self._rank.typical
         if not (near or interval or self._before is not None):
             self._note(last, now)
             return None, self._adapt(pivot, steps.t[i + 1], steps.y[i + 1])
@@ -147,11 +132,13 @@ class SingularityMonitor:
         elif self._first_inside is None:
             self._first_inside = last
         if interval is not None:
-            self._locate(*interval, steps.dense_output(i))
+            sigma_least, t_least = self._rank.least(*interval, steps.dense_output(i))
+            if sigma_least < self._lowest:
+                self._lowest, self._t_lowest = sigma_least, t_least
         elif sigma < self._lowest:
             self._lowest, self._t_lowest = sigma, now.t
         request = None
-        if self._lowest < AT * self._typical and self.treatment not in PASSES_SINGULAR:
+        if self._lowest < AT * self._rank.typical and self.treatment not in PASSES_SINGULAR:
             request = self._cannot_pass(steps, i)
         if not near:
             request = request or self._came_out(last, now)
@@ -182,9 +169,9 @@ class SingularityMonitor:
         if self.model.redundant:
             from scipy.linalg import qr
 
-            order = qr(self._scaled_jacobian(t, y).T, mode="r", pivoting=True)[-1]
+            order = qr(self._rank.scaled_jacobian(t, y).T, mode="r", pivoting=True)[-1]
             rows.kept[:] = 0
-            rows.kept[order[: self._rank]] = 1
+            rows.kept[order[: self._rank.count]] = 1
         pivot = begin(self.model, self._observation.work, rows, float(t), y)
         self._largest_pivot = pivot
         self._limit(LOOK * pivot, RISE * max(pivot, CERTAIN))
@@ -223,8 +210,8 @@ class SingularityMonitor:
         """Words on a run that failed at (t, y), if it is a singular position that stopped it."""
         if self._known is None:
             return ""
-        sigma, names = self._smallest(t, y)
-        if sigma > NEAR * self._typical:
+        sigma, names = self._rank.smallest(t, y)
+        if sigma > NEAR * self._rank.typical:
             return ""
         return f"{self._where(t, names)}. {self._advice()}"
 
@@ -251,86 +238,6 @@ class SingularityMonitor:
         change = float(np.linalg.norm(now.velocity - last.velocity))
         self._hardest = max(self._hardest, change / (now.t - last.t))
 
-    def _scaled_jacobian(self, t: float, y: Array) -> Array:
-        """C (n_c, n_vel) of a state, dense."""
-        seen = self._observation
-        C = np.zeros((self.model.n_constraint, self.model.n_vel))
-        scaled_jacobian_into(self.model, seen.work, seen.rows, float(t), y, C)
-        return C
-
-    def _decompose(self, t: float, y: Array) -> _Rank:
-        seen, null = self._observation, self.model.n_constraint - self._rank
-        C = np.zeros_like(seen.rows.C)
-        sigma = smallest_at(self.model, seen.work, seen.rows, self._spectrum, null, float(t), y, C)
-        self._typical = max(self._typical, sigma)
-        return _Rank(float(t), C, sigma)
-
-    def _at(self, t: float, dense: Dense) -> _Rank:
-        return self._decompose(t, dense(t))
-
-    def _valley(self, a: _Rank, b: _Rank, integrator: Integrator) -> tuple[float, float] | None:
-        """Return times between which sigma may go through zero; None if it does not."""
-        change = difference(self.model, self._spectrum, a.C, b.C)
-        if a.sigma + b.sigma > change:
-            return None
-        dense = integrator.dense_output()
-        if change > SMALL_CHANGE and b.t - a.t > 0.02 * integrator.h:
-            middle = self._at(0.5 * (a.t + b.t), dense)
-            return self._valley(a, middle, integrator) or self._valley(middle, b, integrator)
-        ahead = 1e-6 * (b.t - a.t)
-        fall = (a.sigma - self._at(a.t + ahead, dense).sigma) / ahead
-        rise = (b.sigma - self._at(b.t - ahead, dense).sigma) / ahead
-        if fall <= 0.0 or rise <= 0.0:
-            return None
-        # where the tangents at both ends meet
-        bottom = (rise * a.sigma + fall * b.sigma - fall * rise * (b.t - a.t)) / (fall + rise)
-        return (a.t, b.t) if bottom < NEAR * self._typical else None
-
-    def _smallest(self, t: float, y: Array) -> tuple[float, list[str]]:
-        """Smallest singular value that counts, and the joints whose rows make it."""
-        U, s, _ = np.linalg.svd(self._scaled_jacobian(t, y), full_matrices=False)
-        small = np.flatnonzero(s[: self._rank] < max(NEAR * self._typical, s[self._rank - 1]))
-        share = np.abs(U[:, [*small, self._rank - 1]]).max(axis=1)
-        row = self.model.joint_row
-        names = [
-            name
-            for k, name in enumerate(self.joint_names)
-            if share[row[k] : row[k + 1]].max() > 0.1 * share.max()
-        ]
-        return float(s[self._rank - 1]), names
-
-    def _locate(self, a: float, b: float, dense: Dense) -> None:
-        """Find the smallest singular value between times a and b.
-
-        Golden section, then parabolas through sigma^2, which is smooth where sigma has an edge.
-        """
-
-        def square(t: float) -> float:
-            return self._at(t, dense).sigma ** 2
-
-        c, d = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
-        at_c, at_d, enough = square(c), square(d), ROUGH * (b - a)
-        while b - a > enough:
-            if at_c < at_d:
-                b, d, at_d = d, c, at_c
-                c = b - GOLDEN * (b - a)
-                at_c = square(c)
-            else:
-                a, c, at_c = c, d, at_d
-                d = a + GOLDEN * (b - a)
-                at_d = square(d)
-        least, t = min((at_c, c), (at_d, d))
-        for width in (0.5 * (b - a), 0.05 * (b - a)):
-            middle = min(max(t, a + width), b - width)
-            left, here, right = (square(middle + x) for x in (-width, 0.0, width))
-            bend = left - 2.0 * here + right
-            if bend <= 0.0:
-                break
-            t = middle + min(max(0.5 * width * (left - right) / bend, -width), width)
-            least = min(least, square(t))
-        if least**0.5 < self._lowest:
-            self._lowest, self._t_lowest = least**0.5, t
-
     def _where(self, t: float, names: list[str]) -> str:
         return f"the constraint Jacobian loses rank at t = {t:.6g} s, in joints {few(names)}"
 
@@ -348,7 +255,7 @@ class SingularityMonitor:
         if self.passes and not self.stop:
             return None
         t = float(np.clip(self._t_lowest, steps.t[i], steps.t[i + 1]))
-        _, names = self._smallest(t, steps.dense_output(i)(t))
+        _, names = self._rank.smallest(t, steps.dense_output(i)(t))
         text = f"{self._where(t, names)}: a singular position. {self._advice()}"
         self.passes.append(t)
         return self._found(SINGULAR.finding(text, t=t), t)
@@ -357,7 +264,7 @@ class SingularityMonitor:
         """Judge a passage that is complete: energy kept, velocity continued."""
         before = self._before
         assert before is not None
-        if self._lowest >= AT * self._typical:
+        if self._lowest >= AT * self._rank.typical:
             return None
         if self.treatment in PASSES_SINGULAR:
             self.passes.append(self._t_lowest)

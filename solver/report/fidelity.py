@@ -26,13 +26,16 @@ def ladder_file(case_dir: Path, run: str) -> Path:
 def with_ladder(case_dir: Path, story: Story) -> Story:
     """Return the run with the models of `plymotion chart`, if they are those of its plan.
 
-    Otherwise the chart has the models that planning has tried.
+    Otherwise, and if the file is damaged, the chart has the models that planning has tried.
     """
-    file, found = ladder_file(case_dir, story.name), story.summary.get("fidelity")
-    if found is None or not file.is_file():
+    found = story.summary.get("fidelity")
+    if found is None:
         return story
-    ladder = json.loads(file.read_text(encoding="utf-8"))
-    if (ladder["plan"], ladder["asked"]) != (found["plan"], found["asked"]):
+    try:
+        ladder = json.loads(ladder_file(case_dir, story.name).read_text(encoding="utf-8"))
+        if (ladder["plan"], ladder["asked"]) != (found["plan"], found["asked"]):
+            return story
+    except (OSError, ValueError, KeyError, TypeError):
         return story
     return replace(story, summary={**story.summary, "fidelity": {**found, "ladder": ladder}})
 

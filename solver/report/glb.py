@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
 from ..math.arrays import Array, IntArray
 from ..package.common.temporary import temporary_sibling
 from ..results import BodyGeometry, RunResult
 from ..results.view import BodyView
 from .embed.frames import frame_rows, one_sign
 from .style import COLOURS
+from .surfaces import viewed_bodies
 
 FLOAT, UNSIGNED = 5126, 5125  # component types
 VERTICES, INDICES = 34962, 34963  # targets of buffer views
@@ -32,12 +32,7 @@ NOTE = (
 
 def write_glb(path: Path, result: RunResult) -> Path:
     """Write motion.glb of a run; return its path. Raises InputError for a result without views."""
-    views = [(body, body.view) for body in result.bodies if body.view is not None]
-    if not views or len(views) < len(result.bodies):
-        raise InputError(
-            f"{path.parent / 'result.vtkhdf'}: has no surfaces of bodies; expected a result of "
-            "format 1.2 or later: run the case again"
-        )
+    views = viewed_bodies(result, path.parent / "result.vtkhdf")
     t = np.asarray(result.t)
     rows = frame_rows(t, [], 1, len(t))
     out = _File()

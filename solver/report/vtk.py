@@ -12,20 +12,20 @@ from typing import Any
 import h5py
 import numpy as np
 
-from ..errors import InputError
 from ..math.arrays import Array, IntArray
 from ..math.rotations import rotation_matrices
 from ..package.common.container import new_file, set_text
 from ..package.common.file_digests import file_sha256
 from ..package.common.identity import write_file_checksum
+from ..package.shell.cells import TRIANGLE
 from ..results import BodyGeometry, read_result
 from ..results.summary import plain
 from ..results.view import BodyView
 from ..results.writer import frames
 from .sites import site_energy, site_exposure
+from .surfaces import viewed_bodies
 
 FORMAT, FORMAT_VERSION = "plymotion animation", (1, 0)
-TRIANGLE = 5  # VTK cell type
 MOST_FRAMES = 200
 LARGEST_RATIO = 1e6  # in place of infinity, which spoils the colour scale of a picture
 # Name of each array: unit, meaning.
@@ -50,12 +50,7 @@ def write_vtk(path: Path, result_file: Path) -> Path:
         It has no views of its bodies.
     """
     result = read_result(result_file)
-    bodies = [(body, body.view) for body in result.bodies if body.view is not None]
-    if not bodies or len(bodies) < len(result.bodies):
-        raise InputError(
-            f"{result_file}: has no surfaces of bodies; expected a result of format 1.2 or later: "
-            "run the case again"
-        )
+    bodies = viewed_bodies(result, result_file)
     rows = frames(len(result.t), MOST_FRAMES)
     with new_file(path) as file:
         set_text(file, "format", FORMAT)

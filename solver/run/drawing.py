@@ -8,6 +8,7 @@ import numpy as np
 from ..dynamics.joints.contract import FREEDOMS
 from ..dynamics.joints.table import JOINTS
 from ..math.arrays import Array, IntArray
+from ..math.polylines import lengths_along
 from ..math.rows import LongRows
 from ..mechanism import BuiltMechanism
 from ..package import ModalPackage
@@ -35,7 +36,7 @@ def with_views(
     model = built.model
     times = np.unique(np.linspace(0, len(y) - 1, TIMES).round().astype(int))
     states = np.asarray(y[times])
-    reach = max(_size(body.nodes_B) for body in bodies) if bodies else 0.0
+    reach = max((_size(body.nodes_B) for body in bodies), default=0.0)
     found = []
     for i, body in enumerate(bodies):
         package, first = built.packages.get(body.name), int(model.pos_start[i])
@@ -119,7 +120,7 @@ def _surface(package: ModalPackage) -> Surface:
         return faces(package.connectivity, package.offsets, package.cell_types, site)
     line = np.column_stack([np.arange(n - 1), np.arange(1, n)]).ravel()
     if not np.array_equal(package.connectivity, line):
-        return spokes(nodes, GLYPH * float(np.linalg.norm(np.ptp(nodes, axis=0))))
+        return spokes(nodes, GLYPH * _size(nodes))
     outlines, first_B = _outlines(package)
     ends, starts = _stations_of_nodes(package)
     return extruded(nodes, outlines, frames_along(nodes, first_B), ends, starts)
@@ -139,17 +140,13 @@ def _outlines(package: ModalPackage) -> tuple[list[Outline], Array | None]:
     return [known[int(recovery.section[starts[e]])] for e in range(n - 1)], recovery.A_BE
 
 
-def _along(package: ModalPackage) -> Array:
-    steps = np.linalg.norm(np.diff(package.nodes_B, axis=0), axis=1)
-    return np.concatenate([[0.0], np.cumsum(steps)])
-
-
 def _stations_of_nodes(package: ModalPackage) -> tuple[IntArray, IntArray]:
     """Stations of each node (n,) as end of an element and as start of one; -1 without any."""
     n = len(package.nodes_B)
     if package.recovery is None:
         return np.full(n, -1), np.full(n, -1)
-    along, x = _along(package), package.recovery.station_x - package.recovery.station_x[0]
+    along = lengths_along(package.nodes_B)
+    x = package.recovery.station_x - package.recovery.station_x[0]
     near = 1e-6 * (along[-1] or 1.0)
     last = len(x) - 1
     ends = np.minimum(np.searchsorted(x, along - near), last)
@@ -161,7 +158,7 @@ def _stations(package: ModalPackage, q: Array) -> Sites | None:
     recovery = package.recovery
     if recovery is None or not package.n_mode:
         return None
-    along, x = _along(package), recovery.station_x - recovery.station_x[0]
+    along, x = lengths_along(package.nodes_B), recovery.station_x - recovery.station_x[0]
     place = np.column_stack([np.interp(x, along, package.nodes_B[:, a]) for a in range(3)])
     parts = []
     for section in package.sections:

@@ -55,7 +55,7 @@ def read_run(file: Path, *, allow_doubtful: bool = False) -> RunSpec:
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise InputError(
             f"{file}: not a run file ({type(error).__name__}: {error}); expected one written by "
-            "`python -m plymotion.solver check`"
+            "`plymotion check`"
         ) from error
 
     def packages(run: str, entries: list[tuple[str, str, str | None]]) -> dict[str, ModalPackage]:
@@ -293,16 +293,17 @@ def run_file(
     if note := disk_note(spec, disk):
         print(f"{spec.run}: {note}", file=sys.stderr, flush=True)
     if planned is not None and spec.mechanism.fidelity is not None:
-        return _written(out, *planned(spec, digest), digest, clock, import_s)
+        return _written(out, spec, *planned(spec, digest), digest, clock, import_s)
     solving = Stopwatch()
     solved = _solved(spec, solving, progress, disk, allow_python=allow_python)
     with held():  # what is computed is kept
         found = _collected(spec, *solved, solving, disk)
-        return _written(out, *found, digest, clock, import_s)
+        return _written(out, spec, *found, digest, clock, import_s)
 
 
 def _written(
     out: Path,
+    spec: RunSpec,
     result: RunResult,
     summary: dict[str, Any],
     digest: str,
@@ -312,7 +313,8 @@ def _written(
     """Write result and summary of a run; return the summary."""
     clock.skip()
     out.mkdir(parents=True, exist_ok=True)
-    write_result(out / "result.vtkhdf", result)
+    every = spec.mechanism.solver.node_positions == "all"
+    write_result(out / "result.vtkhdf", result, all_positions=every)
     clock.lap("write")
     seconds = summary["cost"]["seconds"]
     seconds["import"] = import_s

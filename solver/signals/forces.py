@@ -4,9 +4,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..dynamics.constraint_rows import n_coupling
 from ..dynamics.quantities import ANGLE, SPIN
 from ..dynamics.series import force_sizes
-from ..dynamics.system import n_coupling
 from ..math.arrays import Array
 from ..mechanism import BuiltMechanism
 from .recording import Recording

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..dynamics.joints.contract import Angle, Displacement, Drive
 from ..dynamics.joints.table import CONSTRAINTS, COORDINATES, NAMES
-from ..dynamics.system import law_at
+from ..dynamics.laws import law_at
 from ..math.arrays import Array
 from ..mechanism import BuiltJoint
 from .recording import Recording

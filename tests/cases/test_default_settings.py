@@ -12,7 +12,7 @@ from two_body_samples import stretching_rod, two_bodies
 from plymotion.solver.dynamics.constraints.treatment import Treatment
 from plymotion.solver.dynamics.tables import ForceTable
 from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.schema import Solver
+from plymotion.solver.inputs.case.solver import Solver
 from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.generic import integrate

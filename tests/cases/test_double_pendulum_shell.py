@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from flexible_samples import momenta, simulate, total_energy
 
-from plymotion.solver.dynamics.tables import assemble_model, flexible_body
+from plymotion.solver.dynamics.assembly import assemble_model
+from plymotion.solver.dynamics.tables import flexible_body
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.package import read_package, validate

@@ -43,6 +43,7 @@ def test_two_packages_are_specified_for_a_body(folder):
     count = [sum(m.get("count", 0) for m in spec["modes"]) for spec in (model, check)]
     assert count[1] >= 1.4 * count[0]
     for spec in (model, check):
+        assert spec["candidates"] is True
         kinds = [mode["kind"] for mode in spec["modes"]]
         assert {"attachment", "static-inertia", "static-axial"} <= set(kinds)
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from fidelity_packages import CASE, build_bodies
 
+import plymotion as pm
 from plymotion.solver.__main__ import main
 from plymotion.solver.commands.sweep.file import read_sweep
 from plymotion.solver.results.codes.members import PLAN_TOO_COARSE
@@ -104,6 +105,23 @@ def test_a_member_that_needs_more_promotes_the_plan_of_all(tmp_path, capsys):
     assert sweep(file, "--jobs", "1") == 0
     told = capsys.readouterr().out
     assert PLAN_TOO_COARSE.name == "plan-too-coarse"
-    assert f"warning [{PLAN_TOO_COARSE.name}] the plan has not the accuracy at member 1: " in told
+    assert (
+        f"warning [{PLAN_TOO_COARSE.name}] the plan does not reach the accuracy at member 1: "
+        in told
+    )
     assert "2 computed" in told  # with the plan that was edited
     assert plan.read_text() == "\n".join(rigid)
+
+
+def test_python_makes_the_plan_as_the_command_does(file, tmp_path):
+    assert sweep(file, "--jobs", "1") == 0
+    case, ready = file.parents[2] / "case.toml", tmp_path / "ready"
+    ready.mkdir()
+    for bodies in (file.parents[1] / "bodies", file.parent / "bodies"):
+        build_bodies(bodies, ready)
+    found = pm.sweep(case, "loads", out=tmp_path / "out", packages=ready)
+    assert found.status == ["finished"] * 5
+    plan = tmp_path / "out/sweeps/loads.plan.toml"
+    assert plan.read_text() == file.with_suffix(".plan.toml").read_text()
+    command = read_sweep(file.with_suffix("") / "sweep.h5")
+    assert found.signals["tip"].max.tolist() == command.signal("tip", "max").tolist()

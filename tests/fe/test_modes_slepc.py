@@ -75,6 +75,8 @@ def test_coarse_mesh_is_reported() -> None:
     assert warning["code"] == "mesh-coarse-for-modes"
     assert "bending-xy 4" in warning["message"]
     assert "bending-xy 1" not in warning["message"]
+    some = build_body(bar([{"kind": "bending-xy", "count": 4}], elements=4, candidates=True))
+    assert some.provenance["warnings"] == []  # of modes that a plan may not take
 
 
 ATTACHED = [

@@ -9,7 +9,8 @@ from flexible_samples import momenta, simulate, total_energy
 from shell_specs import CFRP, plate
 
 from plymotion.preprocess.body import build_body
-from plymotion.solver.dynamics.tables import assemble_model, flexible_body
+from plymotion.solver.dynamics.assembly import assemble_model
+from plymotion.solver.dynamics.tables import flexible_body
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.package import ModalPackage
 

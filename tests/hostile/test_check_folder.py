@@ -4,6 +4,7 @@ import json
 
 import pytest
 from case_samples import HEAD, SOLVER, rigid
+from sweep_samples import BALL, MASS
 
 from plymotion.solver.__main__ import main
 
@@ -33,6 +34,25 @@ def test_files_of_others_stay(tmp_path):
         assert all((tmp_path / "out" / name).read_text() == name for name in names)
     assert (tmp_path / "out/runs/base.json").is_file()
     assert not (tmp_path / "out/runs/other.json").exists()  # its own
+
+
+def _sweep(name, masses):
+    return f'[sweeps.{name}]\nrun = "base"\nvary = {{ {MASS} = {masses} }}\n'
+
+
+def test_a_run_leaves_the_files_of_sweeps_as_they_are(tmp_path, capsys):
+    """It makes and checks no member: a sweep may have thousands."""
+    file, out = tmp_path / "case.toml", tmp_path / "out"
+    assert _check(tmp_path, BALL + _sweep("s", "[1.0, 2.0]") + _sweep("gone", "[1.0]")) == 0
+    before = (out / "sweeps/s.json").read_bytes()
+    file.write_text(BALL + _sweep("s", "[1.0, -2.0]"))
+    assert main(["run", str(file), "--run", "base", "--out", str(out), "--no-report"]) == 0
+    assert (out / "sweeps/s.json").read_bytes() == before
+    assert not (out / "sweeps/gone.json").exists()
+    assert main(["run", str(file), "--sweep", "s", "--out", str(out)]) == 2
+    assert "sweeps.s: bodies.ball.mass = -2: value should be greater" in capsys.readouterr().err
+    assert _check(tmp_path, BALL) == 0
+    assert not (out / "sweeps/s.json").exists()
 
 
 @pytest.mark.parametrize("name", ["case.json", "runs/base.json", "manifest.json"])

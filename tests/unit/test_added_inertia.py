@@ -6,16 +6,12 @@ from constraint_runs import new_run, prepared
 from flexible_samples import Points, body_of, random_points
 from mechanism_samples import GRAVITY, GROUND, Sample, four_bars
 
+from plymotion.solver.dynamics.assembly import assemble_model
 from plymotion.solver.dynamics.bodies.added_inertia import missing_inertia, undetermined_body
 from plymotion.solver.dynamics.constraints.treatment import Treatment
-from plymotion.solver.dynamics.system import (
-    accelerations,
-    assemble,
-    by_blocks,
-    dense_derivative_into,
-    derivative_into,
-)
-from plymotion.solver.dynamics.tables import JointTable, MarkerTable, assemble_model, rigid_body
+from plymotion.solver.dynamics.dense_equations import accelerations, assemble
+from plymotion.solver.dynamics.derivative import by_blocks, dense_derivative_into, derivative_into
+from plymotion.solver.dynamics.tables import JointTable, MarkerTable, rigid_body
 from plymotion.solver.dynamics.workspace import new_work
 from plymotion.solver.errors import InputError
 from plymotion.solver.integrators.generic import integrate

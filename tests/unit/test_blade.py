@@ -8,11 +8,12 @@ import pytest
 from blade_samples import along, anchor, blade_table, layer, write_blade
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands.blade.contour import arcs, contour
+from plymotion.solver.commands.blade.contour import contour
 from plymotion.solver.commands.blade.station import write_station
 from plymotion.solver.commands.blade.windio import read_blade
+from plymotion.solver.inputs.case.beam_schema import BeamBody
 from plymotion.solver.inputs.case.laws import FOLDER
-from plymotion.solver.inputs.case.schema import BeamBody
+from plymotion.solver.math.polylines import lengths_along
 
 PLACES = [0.0, 0.1, 0.2, 0.35, 0.5, 0.8, 1.0]
 
@@ -53,7 +54,7 @@ def test_cells_are_convex_and_conform(blade, tmp_path, r):
 @pytest.mark.parametrize("r", [0.0, 0.35, 0.8])
 def test_layers_have_the_area_of_the_file(blade, tmp_path, r):
     mesh = write_station(blade, r, "one", tmp_path)
-    perimeter = float(arcs(contour(blade, r))[-1])
+    perimeter = float(lengths_along(contour(blade, r))[-1])
     found = areas(mesh)
     assert mesh.removed < 0.02
     assert found["skin"] == pytest.approx(0.004 * perimeter, rel=0.02)
@@ -196,7 +197,7 @@ def test_the_face_of_a_flatback_is_a_wall(tmp_path, height):
     assert gap == pytest.approx(height * blade.chord.at(0.8), rel=1e-6)
     mesh = write_station(blade, 0.8, "one", tmp_path)
     assert "trailing-edge" not in mesh.bands
-    perimeter = float(arcs(points)[-1]) + gap
+    perimeter = float(lengths_along(points)[-1]) + gap
     found = areas(mesh)
     assert found["skin"] == pytest.approx(0.004 * perimeter, rel=0.02)
     assert found["edge-s"] == pytest.approx(0.005 * 0.04 * perimeter, rel=0.1)

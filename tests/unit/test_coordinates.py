@@ -3,8 +3,8 @@
 import numpy as np
 from flexible_samples import body_of, random_points, random_state
 
+from plymotion.solver.dynamics.assembly import assemble_model
 from plymotion.solver.dynamics.coordinates import moved, position_rates
-from plymotion.solver.dynamics.tables import assemble_model
 from plymotion.solver.math.rotations import rotation_matrix, vector_to_matrix
 
 

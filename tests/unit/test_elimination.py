@@ -13,10 +13,13 @@ from flexible_samples import (
 )
 from scipy.linalg import eigh
 
+from plymotion.solver.dynamics.assembly import assemble_model
+from plymotion.solver.dynamics.dense_equations import dense
+from plymotion.solver.dynamics.derivative import dense_derivative_into, derivative_into
 from plymotion.solver.dynamics.elimination import factorise, solve
+from plymotion.solver.dynamics.evaluation import evaluate
 from plymotion.solver.dynamics.model import Model
-from plymotion.solver.dynamics.system import dense, dense_derivative_into, derivative_into, evaluate
-from plymotion.solver.dynamics.tables import JointTable, MarkerTable, assemble_model
+from plymotion.solver.dynamics.tables import JointTable, MarkerTable
 from plymotion.solver.dynamics.workspace import new_factors, new_work
 from plymotion.solver.math.laws import polynomial
 

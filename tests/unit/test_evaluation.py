@@ -6,18 +6,18 @@ from constraint_runs import prepared
 from flexible_samples import random_mechanism, random_state
 from mechanism_samples import bricard, chain, four_bars
 
+from plymotion.solver.dynamics.assembly import assemble_model
 from plymotion.solver.dynamics.constraints.treatment import Treatment, treated
 from plymotion.solver.dynamics.coordinates import moved
-from plymotion.solver.dynamics.projection import _dense_project, projected
-from plymotion.solver.dynamics.system import (
-    accelerations,
-    assemble,
+from plymotion.solver.dynamics.dense_equations import accelerations, assemble
+from plymotion.solver.dynamics.derivative import (
     by_blocks,
     dense_derivative_into,
     derivative,
     derivative_into,
 )
-from plymotion.solver.dynamics.tables import JointTable, MarkerTable, assemble_model, rigid_body
+from plymotion.solver.dynamics.projection import _dense_project, projected
+from plymotion.solver.dynamics.tables import JointTable, MarkerTable, rigid_body
 from plymotion.solver.dynamics.workspace import new_work
 from plymotion.solver.integrators.closures import right_hand_side
 

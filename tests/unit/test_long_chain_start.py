@@ -5,8 +5,8 @@ import pytest
 from mechanism_samples import chain
 
 from plymotion.solver.dynamics import freedom
+from plymotion.solver.dynamics.dense_equations import assemble
 from plymotion.solver.dynamics.freedom import degrees_of_freedom
-from plymotion.solver.dynamics.system import assemble
 from plymotion.solver.mechanism import initial
 from plymotion.solver.mechanism.initial import consistent_state, redundancy
 

@@ -99,3 +99,11 @@ def test_the_models_of_the_chart_command_are_shown_with_their_plan_only(tmp_path
     text = fidelity_section([with_ladder(tmp_path, story())])
     assert ("of the chart" in text) == taken
     assert ("slow and poor" in text) != taken
+
+
+@pytest.mark.parametrize("text", ["", '{"plan": {', "[]", "{}", "null"])
+def test_a_damaged_file_of_the_chart_command_is_left_out(tmp_path, text):
+    file = ladder_file(tmp_path, "base")
+    file.parent.mkdir()
+    file.write_text(text)
+    assert "slow and poor" in fidelity_section([with_ladder(tmp_path, story())])

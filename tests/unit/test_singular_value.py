@@ -7,9 +7,9 @@ from mechanism_samples import bricard, chain, four_bars
 
 from plymotion.solver.dynamics.constraints.scaling import scaled_jacobian
 from plymotion.solver.dynamics.constraints.treatment import Treatment
+from plymotion.solver.dynamics.dense_equations import assemble
 from plymotion.solver.dynamics.independence import new_independence
 from plymotion.solver.dynamics.singular_value import difference, new_spectrum, smallest_at
-from plymotion.solver.dynamics.system import assemble
 from plymotion.solver.dynamics.workspace import new_work
 
 

@@ -11,11 +11,13 @@ from constraint_runs import new_run, prepared
 from mechanism_samples import chain, pendulum
 from two_body_samples import torn, two_bodies
 
+from plymotion.solver.dynamics.assembly import assemble_model
 from plymotion.solver.dynamics.constraints.treatment import Treatment
-from plymotion.solver.dynamics.tables import ForceTable, MarkerTable, assemble_model, rigid_body
-from plymotion.solver.integrators import stepping as marching
+from plymotion.solver.dynamics.tables import ForceTable, MarkerTable, rigid_body
+from plymotion.solver.integrators import step_loop
+from plymotion.solver.integrators.generalized_alpha import GeneralizedAlpha
 from plymotion.solver.integrators.generic import StopRequest, integrate
-from plymotion.solver.integrators.stepping import GeneralizedAlpha, Radau
+from plymotion.solver.integrators.radau import Radau
 from plymotion.solver.math.laws import polynomial
 
 IMPLICIT = [
@@ -180,7 +182,7 @@ def test_a_free_body(name, treatment):
 @ALL
 def test_an_interrupted_run_keeps_its_part(name, treatment, monkeypatch):
     """Ctrl-C inside a stride, as it is heard in plain NumPy, and between two."""
-    monkeypatch.setattr(marching, "CHUNK", 5)
+    monkeypatch.setattr(step_loop, "CHUNK", 5)
     made = _new(name, treatment, max_step=0.01)
     loop, calls = made._call, 0
 

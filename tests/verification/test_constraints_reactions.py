@@ -6,7 +6,9 @@ from constraint_runs import prepared, run
 from flexible_samples import body_of, random_marker, random_points, random_state
 from mechanism_samples import bricard, chain, four_bars, pendulum
 
+from plymotion.solver.dynamics.assembly import assemble_model
 from plymotion.solver.dynamics.constraints.treatment import TREATMENTS, Treatment
+from plymotion.solver.dynamics.dense_equations import accelerations, assemble
 from plymotion.solver.dynamics.reactions import (
     acting,
     joint_reactions,
@@ -14,14 +16,7 @@ from plymotion.solver.dynamics.reactions import (
     momentum_rates,
 )
 from plymotion.solver.dynamics.series import along_solution
-from plymotion.solver.dynamics.system import accelerations, assemble
-from plymotion.solver.dynamics.tables import (
-    ForceTable,
-    JointTable,
-    MarkerTable,
-    assemble_model,
-    rigid_body,
-)
+from plymotion.solver.dynamics.tables import ForceTable, JointTable, MarkerTable, rigid_body
 from plymotion.solver.math import laws
 
 KINDS = ("revolute", "fixed", "spherical", "universal", "cylindrical", "prismatic", "planar")

@@ -9,7 +9,7 @@ from mechanism_samples import bricard, chain, four_bars
 from scipy.integrate import solve_ivp
 
 from plymotion.solver.dynamics.constraints.treatment import Treatment
-from plymotion.solver.dynamics.system import by_blocks, derivative
+from plymotion.solver.dynamics.derivative import by_blocks, derivative
 from plymotion.solver.integrators.generic import integrate, new_integrator
 from plymotion.solver.monitors.singularity import SingularityMonitor
 

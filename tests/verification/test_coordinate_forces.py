@@ -5,7 +5,7 @@ import pytest
 from coordinate_samples import DEFAULT, RADAU, Raw, carriage, force, prepared, run, wheel
 from scipy.special import gamma
 
-from plymotion.solver.dynamics.system import auxiliary_rates_into, evaluate
+from plymotion.solver.dynamics.evaluation import auxiliary_rates_into, evaluate
 from plymotion.solver.dynamics.workspace import new_work
 from plymotion.solver.errors import InputError
 from plymotion.solver.integrators.compiled.pencil import freeze, new_frozen

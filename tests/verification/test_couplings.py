@@ -7,8 +7,8 @@ from coordinate_samples import DEFAULT, RADAU, force, prepared, run
 
 from plymotion.solver.dynamics import series
 from plymotion.solver.dynamics.coordinates import moved
+from plymotion.solver.dynamics.dense_equations import assemble
 from plymotion.solver.dynamics.reactions import momentum_balance
-from plymotion.solver.dynamics.system import assemble
 from plymotion.solver.errors import InputError
 
 GROUND = "[ground.O]\nposition = [0.0, 0.0, 0.0]\n[ground.P]\nposition = [1.0, 0.0, 0.0]\n"

@@ -13,7 +13,8 @@ from plymotion.solver.checks.stalls import stall_findings
 from plymotion.solver.dynamics.bodies.marker import marker_motion
 from plymotion.solver.dynamics.constraints.treatment import Treatment
 from plymotion.solver.dynamics.coordinates import moved
-from plymotion.solver.dynamics.system import assemble, energies, evaluate
+from plymotion.solver.dynamics.dense_equations import assemble, energies
+from plymotion.solver.dynamics.evaluation import evaluate
 from plymotion.solver.dynamics.tables import ForceTable
 from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.compiled.cutoff import PASSES, filter_error, start_filter

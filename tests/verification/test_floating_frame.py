@@ -15,8 +15,9 @@ from flexible_samples import (
     total_energy,
 )
 
-from plymotion.solver.dynamics.system import assemble, derivative
-from plymotion.solver.dynamics.tables import assemble_model
+from plymotion.solver.dynamics.assembly import assemble_model
+from plymotion.solver.dynamics.dense_equations import assemble
+from plymotion.solver.dynamics.derivative import derivative
 
 TIMES = np.linspace(0.0, 1.0, 11)
 

@@ -13,10 +13,11 @@ from mechanism_samples import GROUND, Sample, chain, pendulum
 from stability_samples import hand, stepped
 from two_body_samples import two_bodies
 
+from plymotion.solver.dynamics.assembly import assemble_model
 from plymotion.solver.dynamics.constraints.treatment import Treatment
 from plymotion.solver.dynamics.coordinates import moved
-from plymotion.solver.dynamics.system import accelerations, assemble, constraint_rates
-from plymotion.solver.dynamics.tables import ForceTable, JointTable, MarkerTable, assemble_model
+from plymotion.solver.dynamics.dense_equations import accelerations, assemble, constraint_rates
+from plymotion.solver.dynamics.tables import ForceTable, JointTable, MarkerTable
 from plymotion.solver.integrators.generic import integrate
 from plymotion.solver.math.laws import polynomial
 from plymotion.solver.mechanism.initial import Start

@@ -5,10 +5,11 @@ import pytest
 from case_samples import rigid, run_text
 from flexible_samples import body_of, random_marker, random_points, random_state
 
+from plymotion.solver.dynamics.assembly import assemble_model
+from plymotion.solver.dynamics.dense_equations import assemble
 from plymotion.solver.dynamics.joints.contract import FREEDOMS
 from plymotion.solver.dynamics.joints.table import CONSTRAINTS, DRIVES, KINDS
-from plymotion.solver.dynamics.system import assemble
-from plymotion.solver.dynamics.tables import JointTable, MarkerTable, assemble_model, rigid_body
+from plymotion.solver.dynamics.tables import JointTable, MarkerTable, rigid_body
 from plymotion.solver.math import laws
 from plymotion.solver.math.rotations import (
     along_parameters,

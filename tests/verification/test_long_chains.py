@@ -8,8 +8,8 @@ from two_body_samples import two_bodies
 
 from plymotion.solver.dynamics.constraints.treatment import Treatment
 from plymotion.solver.dynamics.dependence import REGULAR, is_tree
+from plymotion.solver.dynamics.derivative import derivative_into
 from plymotion.solver.dynamics.series import along_solution
-from plymotion.solver.dynamics.system import derivative_into
 from plymotion.solver.dynamics.workspace import new_work
 from plymotion.solver.integrators.generic import integrate
 

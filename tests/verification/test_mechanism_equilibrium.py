@@ -5,15 +5,10 @@ import pytest
 from flexible_samples import body_of, random_points
 from scipy.optimize import brentq
 
+from plymotion.solver.dynamics.assembly import assemble_model
 from plymotion.solver.dynamics.bodies.marker import marker_motion
-from plymotion.solver.dynamics.system import accelerations, assemble
-from plymotion.solver.dynamics.tables import (
-    ForceTable,
-    JointTable,
-    MarkerTable,
-    assemble_model,
-    rigid_body,
-)
+from plymotion.solver.dynamics.dense_equations import accelerations, assemble
+from plymotion.solver.dynamics.tables import ForceTable, JointTable, MarkerTable, rigid_body
 from plymotion.solver.errors import InputError
 from plymotion.solver.math import laws
 from plymotion.solver.math.rotations import frame_from_axis, matrix_to_parameters, vector_to_matrix

@@ -6,13 +6,8 @@ import numpy as np
 import pytest
 from flexible_samples import simulate
 
-from plymotion.solver.dynamics.tables import (
-    Body,
-    JointTable,
-    MarkerTable,
-    assemble_model,
-    rigid_body,
-)
+from plymotion.solver.dynamics.assembly import assemble_model
+from plymotion.solver.dynamics.tables import Body, JointTable, MarkerTable, rigid_body
 from plymotion.solver.inputs.case.signals import ReactionSignal
 from plymotion.solver.math import laws
 from plymotion.solver.math.rotations import frame_from_axis

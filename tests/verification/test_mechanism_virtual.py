@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from plymotion.solver.dynamics.system import assemble
+from plymotion.solver.dynamics.dense_equations import assemble
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.mechanism import build

@@ -8,8 +8,8 @@ from constraint_runs import new_run, prepared
 from mechanism_samples import bricard, chain, four_bars
 
 from plymotion.solver.dynamics.constraints.treatment import Treatment
+from plymotion.solver.dynamics.dense_equations import assemble, energies
 from plymotion.solver.dynamics.independence import CERTAIN, begin, new_independence
-from plymotion.solver.dynamics.system import assemble, energies
 from plymotion.solver.dynamics.workspace import new_work
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case

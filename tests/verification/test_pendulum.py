@@ -6,13 +6,8 @@ import numpy as np
 import pytest
 from flexible_samples import simulate, total_energy
 
-from plymotion.solver.dynamics.tables import (
-    Body,
-    JointTable,
-    MarkerTable,
-    assemble_model,
-    rigid_body,
-)
+from plymotion.solver.dynamics.assembly import assemble_model
+from plymotion.solver.dynamics.tables import Body, JointTable, MarkerTable, rigid_body
 from plymotion.solver.math import laws
 from plymotion.solver.mechanism.initial import Start, consistent_state
 from plymotion.solver.package import from_stations

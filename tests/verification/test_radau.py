@@ -10,7 +10,7 @@ from stability_samples import amplitude, hand, stepped
 from two_body_samples import stretching_rod, two_bodies
 
 from plymotion.solver.dynamics.constraints.treatment import Treatment
-from plymotion.solver.dynamics.system import assemble, energies
+from plymotion.solver.dynamics.dense_equations import assemble, energies
 from plymotion.solver.dynamics.tables import ForceTable
 from plymotion.solver.integrators.generic import integrate
 from plymotion.solver.math.laws import polynomial

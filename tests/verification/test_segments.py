@@ -217,3 +217,18 @@ def test_finding_proposes_the_number_of_segments() -> None:
         proposed = int(message.partition("segments = ")[2].split()[0])
         assert 4 <= proposed <= 6
         assert findings(proposed, moment) == []
+
+
+def test_finding_calls_a_linear_result_beyond_a_full_turn_invalid() -> None:
+    """A linear body bent by 40 rad: no number of segments follows from this."""
+    K = np.diag([1e4, 1e4, 1e4, 50.0, 100.0, 1.0])
+    mass = SectionMass(1.0, np.zeros(3), np.diag([2e-4, 1e-4, 1e-4])).matrix()
+    modes = [{"kind": "bending-xy", "count": 2}, {"kind": "attachment", "at": "tip"}]
+    table = cantilever(1, 1.0, body={"elements": 40, "modes": modes})
+    table = slowly_loaded(table, "torque", [0.0, 0.0, 1.0], 40.0, 20.0)
+    table["solver"]["geometric_stiffening"] = False
+    _, summary = at_the_end(table, (K, mass))
+    (found,) = (w for w in summary["warnings"] if w["code"] == ROTATION.name)
+    assert found["value"] > 2.0 * np.pi
+    assert "this result is invalid" in found["message"]
+    assert "divide the beam by segments, " in found["message"]

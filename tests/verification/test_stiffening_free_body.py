@@ -11,23 +11,18 @@ from flexible_samples import momenta, total_energy
 from stiffening_samples import on_interface
 
 from plymotion.preprocess.beam.section_mass import SectionMass
+from plymotion.solver.dynamics.assembly import assemble_model
 from plymotion.solver.dynamics.bodies.marker import marker_motion
 from plymotion.solver.dynamics.bodies.second_order import stiffening_matrices
-from plymotion.solver.dynamics.reactions import momentum_balance
-from plymotion.solver.dynamics.system import (
+from plymotion.solver.dynamics.dense_equations import (
     accelerations,
     assemble,
     constraint_rates,
-    derivative,
     energies,
 )
-from plymotion.solver.dynamics.tables import (
-    JointTable,
-    MarkerTable,
-    assemble_model,
-    flexible_body,
-    rigid_body,
-)
+from plymotion.solver.dynamics.derivative import derivative
+from plymotion.solver.dynamics.reactions import momentum_balance
+from plymotion.solver.dynamics.tables import JointTable, MarkerTable, flexible_body, rigid_body
 from plymotion.solver.math.rotations import matrix_to_parameters, rotation_matrix
 
 GRAVITY = (0.3, -9.81, 2.0)

@@ -10,10 +10,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ...inputs.case.beam_table import COLUMNS, TRAPEZE, UPPER
 from ...math.arrays import Array
 from ...package.section.io import read_section
 from ...package.section.trapeze import trapeze_strains
-from ..section.summary import UPPER
 from .stations import Station
 from .windio import Blade
 
@@ -46,9 +46,7 @@ def body_csv(blade: Blade, stations: Sequence[Station]) -> str:
     complete = [(s, s.results) for s in stations if s.results is not None]
     stream = io.StringIO(newline="")
     writer = csv.writer(stream)
-    head = ["x_m", "y_m", "z_m", "twist_deg"]
-    head += [f"{letter}{i + 1}{j + 1}" for letter in "KM" for i, j in UPPER]
-    writer.writerow([*head, *(f"A{i + 1}" for i in range(6))])
+    writer.writerow([*COLUMNS, *TRAPEZE])
     points = line_of(blade, [station.r for station, _ in complete])
     for (station, one), point in zip(complete, points, strict=True):
         row = [*point, -blade.twist.at(station.r)]

@@ -45,12 +45,6 @@ def _sampled(points: Array) -> Array:
     return np.concatenate([suction[::-1], pressure[1:]])
 
 
-def arcs(points: Array) -> Array:
-    """Arc length of each point from the first one (n,) [m]."""
-    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    return np.concatenate([[0.0], np.cumsum(steps)])
-
-
 def edge_angle(points: Array) -> float:
     """Angle between both sides at the trailing edge [rad]; pi: a round section."""
     span = max(3, len(points) // 60)

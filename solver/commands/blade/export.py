@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import InputError
-from ...math.arrays import Array
+from ...math.polylines import lengths_along
 from ...package.common.temporary import write_text
 from ..section.conventions import BLADE_AXES_LEADING_EDGE, transform
 from ..section.results import SectionResults
@@ -40,10 +40,11 @@ def _beamdyn(
     blade: Blade, places: list[float], results: list[SectionResults], folder: Path
 ) -> list[Path]:
     """Matrices about the reference axis, and the key points of the primary input file."""
-    x, y, z = line_of(blade, places).T
+    points = line_of(blade, places)
+    x, y, z = points.T
     file = write_beamdyn(
         folder / "blade_beamdyn.dat",
-        _along(np.column_stack([x, y, z])).tolist(),
+        lengths_along(points).tolist(),
         [one.K for one in results],
         [one.M for one in results],
         title=blade.file.stem,
@@ -77,7 +78,7 @@ def _hawc2(
     middle[:, 2] += s * to_middle[:, 0] + c * to_middle[:, 1]
     file = write_hawc2(
         folder / "blade_hawc2_st.dat",
-        _along(middle).tolist(),
+        lengths_along(middle).tolist(),
         [transform(one.K, d) for one, d in zip(results, to_middle, strict=True)],
         [transform(one.M, d, kind="mass") for one, d in zip(results, to_middle, strict=True)],
         title=blade.file.stem,
@@ -89,9 +90,3 @@ def _hawc2(
     geometry = folder / "blade_hawc2_c2_def.htc"
     write_text(geometry, "\n".join([*lines, "end c2_def ;", ""]))
     return [file, geometry]
-
-
-def _along(points: Array) -> Array:
-    """Length of the polygon through points up to each of them (n,) [m]."""
-    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    return np.concatenate([[0.0], np.cumsum(steps)])

@@ -9,7 +9,7 @@ from scipy.interpolate import PchipInterpolator
 
 from ...errors import InputError
 from ...math.arrays import Array, IntArray
-from .contour import arcs as arcs_of
+from ...math.polylines import lengths_along
 from .contour import edge_angle
 from .face import with_face
 from .wall import THINNEST, Band, WebLayers, breaks, joined, material_of, rows_of, thickness
@@ -81,7 +81,7 @@ def station_mesh(
     """
     mesh = StationMesh()
     points, corners = with_face(points, bands)
-    s = arcs_of(points)
+    s = lengths_along(points)
     perimeter = float(s[-1])
     rows = [joined(row) for row in rows_of(bands)]
     mitred = edge_angle(points) >= MITRE

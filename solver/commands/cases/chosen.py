@@ -23,7 +23,7 @@ def chosen_runs(case: "Case", names: Sequence[str] | None) -> list[str]:
 
 def chosen_sweeps(case: "Case", names: Sequence[str] | None) -> list[str]:
     """Return the sweeps asked for in the order of the case."""
-    return _chosen(case, "--sweep", "sweep", names, case.sweeps)
+    return _chosen(case, "--sweep", "sweep", names, case.top.sweeps)
 
 
 def chosen_run(case: "Case", name: str | None, *, only: bool = False) -> str:

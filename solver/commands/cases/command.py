@@ -58,7 +58,7 @@ def _done(file: Path, out: Path, options: argparse.Namespace, request: str) -> i
         if not options.quiet:
             print(f"{out}: {text}", file=sys.stderr, flush=True)
 
-    case = load_case(file, coarse=options.coarse)
+    case = load_case(file, coarse=options.coarse, sweeps=options.sweep or ())
     runs, sweeps = chosen_runs(case, options.run), chosen_sweeps(case, options.sweep)
     if sweeps and not options.run:
         runs = []

@@ -35,7 +35,7 @@ def read_spec(
             raise InputError(f"--run {run}: {file} is run {spec.run}; expected a case file")
         return spec, file.parent.parent
     file = case_file(file)
-    case = load_case(file, coarse=coarse)
+    case = load_case(file, coarse=coarse, sweeps=())
     name = chosen_run(case, run)
     build = build_folder(file, coarse=coarse)
     with tempfile.TemporaryDirectory(prefix="plymotion-") as temporary:

@@ -25,7 +25,7 @@ def run_file_of(options: argparse.Namespace) -> Path:
         built.
     """
     file = case_file(options.case)
-    case = load_case(file)
+    case = load_case(file, sweeps=())
     run = chosen_run(case, options.run)
     if case.runs[run].fidelity is None:
         raise InputError(

@@ -16,7 +16,7 @@ from .file import SweepResult, result_of, sweep_csv
 from .member import FAILED, PENDING, STOPPED
 from .plan import read_plan
 from .show import tell
-from .work import Work
+from .work import Work, settled
 
 FILE, CSV = "sweep.h5", "sweep.csv"
 SHARDS = "sweep-*-of-*.h5"
@@ -26,11 +26,7 @@ def run_sweep(options: argparse.Namespace) -> int:
     """Compute a sweep; return 0, or 3 if a member failed or stopped, 130 if interrupted."""
     plan = read_plan(options.sweep, allow_doubtful=options.allow_doubtful)
     folder = _folder(options)
-    planned: list[str] = []
-    if plan.fidelity is not None:
-        from .fidelity import settle  # most sweeps need no planner
-
-        planned = settle(plan)
+    planned = settled(plan)
     file, known = folder / FILE, [folder / FILE, *sorted(folder.glob(SHARDS))]
     if options.shard:
         members = share(plan.members, options.shard)
@@ -48,17 +44,31 @@ def run_sweep(options: argparse.Namespace) -> int:
     through = work.compute(lambda: executor_of(options))
     result = result_of(plan, work.rows)
     if not through:
-        print(
-            f"{plan.name}: interrupted; {len(plan.members) - result.count(PENDING)} of "
-            f"{len(plan.members)} members are in {file}, the same command continues from there",
-            file=sys.stderr,
-        )
-        return INTERRUPTED
+        return _interrupted(result, file)
     seconds = time.perf_counter() - begin
     if options.shard:
         tell(result, work.kept, seconds, file, "", planned)
-    elif not _tabulated(folder, result, options):
+        return _incomplete(result)
+    try:
+        told = _tabulated(folder, result, options)
+    except KeyboardInterrupt:
+        return _interrupted(result, file)
+    if not told:
         tell(result, work.kept, seconds, file, f", {CSV}", planned)
+    return _incomplete(result)
+
+
+def _interrupted(result: SweepResult, file: Path) -> int:
+    total = len(result.rows)
+    print(
+        f"{result.name}: interrupted; {total - result.count(PENDING)} of {total} members are in "
+        f"{file}, the same command continues from there",
+        file=sys.stderr,
+    )
+    return INTERRUPTED
+
+
+def _incomplete(result: SweepResult) -> int:
     return INCOMPLETE if result.count(FAILED, STOPPED) else 0
 
 
@@ -85,7 +95,7 @@ def run_merge(options: argparse.Namespace) -> int:
         return INCOMPLETE
     if not _tabulated(folder, result, options):
         tell(result, work.kept, time.perf_counter() - begin, file, f", {CSV}")
-    return INCOMPLETE if result.count(FAILED, STOPPED) else 0
+    return _incomplete(result)
 
 
 def _folder(options: argparse.Namespace) -> Path:

@@ -180,8 +180,7 @@ def read_plan(file: Path, *, allow_doubtful: bool = False) -> Plan:
         )
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise InputError(
-            f"{file}: not a sweep file ({error}); expected one written by "
-            "`python -m plymotion.solver check`"
+            f"{file}: not a sweep file ({error}); expected one written by `plymotion check`"
         ) from error
     if plan.packages and not any(plan.package_file(k).is_file() for k in range(len(plan.packages))):
         raise PackageError(

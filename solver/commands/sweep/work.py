@@ -20,6 +20,18 @@ from .portions import Portions
 SAVE_S = 10.0  # least time between two savings on the way
 
 
+def settled(plan: Plan) -> list[str]:
+    """Make the plan of a run with [fidelity], or read it, before members take it.
+
+    Return what is known of it; nothing if the run has no [fidelity]. Raises as `fidelity.settle`.
+    """
+    if plan.fidelity is None:
+        return []
+    from .fidelity import settle  # most sweeps need no planner
+
+    return settle(plan)
+
+
 class Work:
     """Rows of a sweep as they come, and the file that they are saved in.
 

@@ -37,11 +37,14 @@ def sliding(values: Mapping[str, Any], load: str) -> str:
     load : of the contact, as an expression
     """
     parts, falls = [], []
-    for low, high, times in (("coulomb", "static", ""), (COEFFICIENT, "static_coefficient", "*")):
+    by_load = f" * ({load})"
+    for low, high, of in (
+        ("coulomb", "static", ""),
+        (COEFFICIENT, "static_coefficient", by_load),
+    ):
         slow, fast = values[high], values[low] or 0.0
         if not (fast or slow):
             continue
-        of = f" * ({load})" if times else ""
         parts.append(f"{low}{of}")
         if slow is None or slow == fast:
             continue

@@ -52,10 +52,12 @@ def _terms(values: Mapping[str, Any]) -> Terms:
     e, speed = values["restitution"], values["impact_speed"]
     ratio, states = (damping(e) if e < 1.0 else 0.0), []
     parts = []
-    for limit, depth, rate in ((upper, "x - upper", "v"), (lower, "lower - x", "-v")):
+    for end, limit, sign, depth, rate in (
+        ("upper", upper, "-", "x - upper", "v"),
+        ("lower", lower, "", "lower - x", "-v"),
+    ):
         if limit is None:
             continue
-        end = depth.replace("x", "").strip("- ")
         u = f"{end}_speed" if speed is None else repr(speed)
         if speed is None and ratio:
             hit = f"max(abs(v), {SLOWEST!r})"
@@ -63,7 +65,6 @@ def _terms(values: Mapping[str, Any]) -> Terms:
                 State(u, None, start=hit, update=hit, level=limit, upwards=end == "upper")
             )
         harder = f"max(1 + {ratio!r} * ({rate}) / {u}, 0)" if ratio else "1"
-        sign = "-" if end == "upper" else ""
         parts.append(f"{sign}stiffness * max({depth}, 0) ** exponent * {harder}")
     return Terms(" + ".join(parts), states=tuple(states))
 

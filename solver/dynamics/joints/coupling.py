@@ -1,4 +1,4 @@
-"""Row of a coupling: coordinates of several pairs of markers; system.py fills it.
+"""Row of a coupling: coordinates of several pairs of markers; constraint_rows.py fills it.
 
 It stands among the joints as one of a single row, between the markers of its first coordinate.
 """

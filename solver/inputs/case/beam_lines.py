@@ -11,12 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...math.arrays import Array
+from ...math.polylines import lengths_along
 from ...math.rotations import vector_to_matrix
 from ...math.shortest_rotation import shortest_rotations
 from ...package.body.division import node_positions
 from ...package.body.specification import LineTable
-from .schema import BeamBody
-from .splines import Spline, chords
+from .beam_schema import BeamBody
+from .splines import Spline
 
 ENDS = {"start": 0.0, "end": 1.0}
 DIGITS = 12  # of coordinates over the length: equal segments get equal numbers
@@ -51,7 +52,7 @@ def is_plain(body: BeamBody) -> bool:
 def division(body: BeamBody, line: Line) -> Array:
     """Return the nodes of a beam as fractions of its length, (n,)."""
     if body.line is not None and body.line.nodes is not None:
-        along = chords(np.array(body.line.nodes))
+        along = lengths_along(np.array(body.line.nodes))
         return np.asarray(along / along[-1])
     stops = [*fractions(body).values(), *(s.at for s in body.stations if 0.0 < s.at < 1.0)]
     return node_positions(1.0, body.elements, stops)
@@ -123,7 +124,7 @@ def _through_points(body: BeamBody, points: Array, x2: Array) -> Line:
 
 def _through_nodes(nodes: Array, axes: Array) -> Line:
     """Given nodes: places on the polygon, axes of its sides."""
-    along = chords(nodes)
+    along = lengths_along(nodes)
     along = along / along[-1]
 
     def place(s: Array) -> Array:
@@ -132,7 +133,7 @@ def _through_nodes(nodes: Array, axes: Array) -> Line:
     def x2(s: Array) -> Array:
         return axes[np.clip(np.searchsorted(along, s, side="right") - 1, 0, len(axes) - 1)]
 
-    return Line(float(chords(nodes)[-1]), place, x2)
+    return Line(float(lengths_along(nodes)[-1]), place, x2)
 
 
 def _twisted(

@@ -15,6 +15,7 @@ import numpy as np
 
 from ...errors import nearest
 from ...math.arrays import Array
+from ..common.text_file import numbered_lines
 from .splines import Spline
 
 UPPER = [(i, j) for i in range(6) for j in range(i, 6)]
@@ -77,17 +78,7 @@ def _matrix(values: dict[str, Array], letter: str, k: int) -> list[list[float]]:
 
 def _read(file: Path) -> dict[str, Array]:
     """Return the columns of a file, two rows or more."""
-    if file.exists() and not file.is_file():  # a folder, or a device that never ends
-        raise ValueError(f"{file}: cannot be read (expected a file)")
-    try:
-        text = file.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise ValueError(f"{file}: cannot be read ({error})") from error
-    lines = [
-        (number, line)
-        for number, line in enumerate(text.splitlines(), start=1)
-        if line.strip() and not line.lstrip().startswith("#")
-    ]
+    lines = numbered_lines(file)
     table = list(csv.reader(line for _, line in lines))
     head = [name.strip() for name in table[0]] if table else []
     _check_head(file, head)

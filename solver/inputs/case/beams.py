@@ -10,8 +10,9 @@ from ...errors import InputError
 from ...package.body.specification import BeamSpecification
 from ..common.table import plain_table
 from .beam_lines import division, fractions, is_plain, line_of, line_table
+from .beam_schema import BeamBody, BeamStation
 from .modes import check_modes
-from .schema import BeamBody, BeamStation, Mechanism
+from .schema import Mechanism
 from .sections import check_section, given_section, section_spec
 
 ON_AXIS = 1e-9  # of the length: distance of an interface from the x axis that is round-off

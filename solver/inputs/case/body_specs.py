@@ -7,10 +7,13 @@ from pydantic import BaseModel
 
 from ...package.body.specification import Specification
 from ...package.common.plain_data import inputs_sha256
+from .beam_schema import BeamBody
 from .beams import beam_spec
+from .body_schema import ImportedBody, Placed
 from .imported import imported_spec
 from .reduction import Reducible
-from .schema import BeamBody, ImportedBody, Mechanism, Placed, ShellBody
+from .schema import Mechanism
+from .shell_schema import ShellBody
 from .shells import shell_body_spec
 
 # Where a body starts, and what a run uses of it, say nothing about its package.
@@ -46,9 +49,18 @@ class BodySpecs:
     _known: dict[tuple[str, ...], BodySpec] = field(default_factory=dict)
 
     def of(
-        self, name: str, body: BeamBody | ShellBody | ImportedBody, mechanism: Mechanism
+        self,
+        name: str,
+        body: BeamBody | ShellBody | ImportedBody,
+        mechanism: Mechanism,
+        *,
+        candidates: bool = False,
     ) -> BodySpec:
         """Return the specification of a body, whose section and material exist.
+
+        Parameters
+        ----------
+        candidates : a plan of `[fidelity]` takes some of the modes of a beam or shell
 
         Raises
         ------
@@ -67,7 +79,7 @@ class BodySpecs:
                 if material is not None:
                     parts.append(mechanism.materials[material])
         own = body.model_dump_json(exclude=STATE)
-        key = (name, own, *(part.model_dump_json() for part in parts))
+        key = (name, own, str(candidates), *(part.model_dump_json() for part in parts))
         if key not in self._known:
             content: Specification
             if isinstance(body, BeamBody):
@@ -76,5 +88,7 @@ class BodySpecs:
                 content, sources = shell_body_spec(name, body, self.folder)
             else:
                 content, sources = imported_spec(name, body, self.folder)
+            if candidates and content["kind"] != "imported":
+                content["candidates"] = True
             self._known[key] = BodySpec(content, inputs_sha256(content), tuple(sources))
         return self._known[key]

@@ -4,10 +4,13 @@ import numpy as np
 
 from ...errors import InputError, nearest
 from ...math.definite import is_positive_definite
+from .beam_schema import BeamBody
 from .beams import check_motion
+from .body_schema import ImportedBody, PackageBody, RigidBody
 from .body_specs import BodySpec, BodySpecs
 from .rich import CHECK, rich_bodies
-from .schema import BeamBody, ImportedBody, Mechanism, PackageBody, RigidBody, ShellBody
+from .schema import Mechanism
+from .shell_schema import ShellBody
 
 SYMMETRY = 1e-5  # of the largest entry: products of inertia may be given to five digits
 TRIANGLE = 1e-5  # relative: the same digits
@@ -28,8 +31,8 @@ def check_bodies(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, Body
                     sound[name] = specs.of(whole, body, mechanism)
                     continue
                 model, check = rich_bodies(name, mechanism)
-                sound[name] = specs.of(whole, model, mechanism)
-                sound[name + CHECK] = specs.of(whole, check, mechanism)
+                sound[name] = specs.of(whole, model, mechanism, candidates=True)
+                sound[name + CHECK] = specs.of(whole, check, mechanism, candidates=True)
             except InputError as error:
                 found += str(error).splitlines()
         elif isinstance(body, RigidBody):

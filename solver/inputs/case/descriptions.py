@@ -12,7 +12,9 @@ from ..section.description import checked as checked_section
 from ..shell.description import checked as checked_shell
 
 if TYPE_CHECKING:
-    from .schema import DescribedSection, Mechanism, ShellBody
+    from .schema import Mechanism
+    from .section_schema import DescribedSection
+    from .shell_schema import ShellBody
 
 INLINE = "description"
 

@@ -8,7 +8,7 @@ from ...errors import InputError, nearest, under
 from ...package.body.specification import ImportedSpecification
 from ...package.common.file_digests import file_sha256
 from ..common import read_toml
-from .schema import ImportedBody
+from .body_schema import ImportedBody
 
 
 def imported_spec(

@@ -11,6 +11,7 @@ from pydantic import Field, ValidationInfo, model_validator
 from ...math import laws
 from ..common.messages import printable
 from ..common.table import FilePath, Table, unit
+from ..common.text_file import numbered_lines
 
 Times = Annotated[list[float], Field(min_length=2)]
 # Keys of the validation context: the folder of the case file; whether tables are read already.
@@ -217,16 +218,8 @@ def read_columns(file: Path) -> tuple[list[float], list[float]]:
 
     Raises ValueError : no such file, a line without two numbers.
     """
-    if file.exists() and not file.is_file():  # a folder, or a device that never ends
-        raise ValueError(f"{file}: cannot be read (expected a file)")
-    try:
-        text = file.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise ValueError(f"{file}: cannot be read ({error})") from error
     columns: tuple[list[float], list[float]] = [], []
-    for number, line in enumerate(text.splitlines(), start=1):
-        if not line.strip() or line.lstrip().startswith("#"):
-            continue
+    for number, line in numbered_lines(file):
         try:
             time, value = (float(word) for word in line.split(","))
         except ValueError as error:

@@ -1,6 +1,6 @@
 """Read a case file: merge variants, check every run, resolve names."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -45,7 +45,7 @@ class Case:
     top : what is beside the mechanism
     runs : mechanism by run
     bodies : specifications of the flexible bodies by run and name
-    sweeps : with all their members
+    sweeps : those that were asked for, with all their members
     """
 
     name: str
@@ -56,18 +56,30 @@ class Case:
     sweeps: dict[str, CheckedSweep] = field(default_factory=dict)
 
 
-def load_case(file: Path, *, coarse: bool = False) -> Case:
+def load_case(file: Path, *, coarse: bool = False, sweeps: Collection[str] | None = None) -> Case:
     """Read and check a case file.
+
+    Parameters
+    ----------
+    coarse : the coarse version of the case
+    sweeps : names of the sweeps whose members are made and checked; None: all. A sweep of 10 000
+        members takes some seconds, which a single run need not wait for.
 
     Raises
     ------
     InputError
         One line per error: file, key, value, expectation.
     """
-    return checked_case(read_toml(file, "case file"), file, coarse=coarse)
+    return checked_case(read_toml(file, "case file"), file, coarse=coarse, sweeps=sweeps)
 
 
-def checked_case(table: dict[str, Any], file: Path, *, coarse: bool = False) -> Case:
+def checked_case(
+    table: dict[str, Any],
+    file: Path,
+    *,
+    coarse: bool = False,
+    sweeps: Collection[str] | None = None,
+) -> Case:
     """Check the content of a case file; see `load_case`.
 
     Parameters
@@ -106,7 +118,7 @@ def checked_case(table: dict[str, Any], file: Path, *, coarse: bool = False) -> 
     runs: dict[str, Mechanism] = {}
     bodies: dict[str, dict[str, BodySpec]] = {}
     if top.coarse and not coarse:
-        findings.add(_of_coarse(whole, file))
+        findings.add(_of_coarse(whole, file, sweeps))
     findings.add(
         f"{file}: {table}.{name}: expected another name, build/CASE has {RESERVED[table][name]}"
         for table, names in (("runs", top.runs), ("sweeps", top.sweeps))
@@ -125,13 +137,13 @@ def checked_case(table: dict[str, Any], file: Path, *, coarse: bool = False) -> 
         for name, mechanism in runs.items():
             findings.of_run(name, check_elsewhere(mechanism, runs))
     findings.add(f"{file}: {line}" for line in _figures(top, runs))
-    sweeps: dict[str, CheckedSweep] = {}
+    checked_sweeps: dict[str, CheckedSweep] = {}
     for name, sweep in top.sweeps.items():
         key = f"sweeps.{name}"
         if sweep.run not in top.runs:
             hint = nearest(sweep.run, top.runs)
             findings.add([f'{file}: {key}.run = "{sweep.run}": no such run{hint}'])
-        elif sweep.run in runs:
+        elif sweep.run in runs and (sweeps is None or name in sweeps):
 
             def merged_of(
                 run: str, key: str = key, variants: list[str] = sweep.variants
@@ -144,18 +156,18 @@ def checked_case(table: dict[str, Any], file: Path, *, coarse: bool = False) -> 
             if isinstance(checked, list):
                 findings.of_sweep(key, checked)
             else:
-                sweeps[name] = checked
+                checked_sweeps[name] = checked
     if findings:
         told = findings.lines()
         twice = {f"{line}{IN_COARSE}" for line in told}
         raise InputError("\n".join(line for line in told if line not in twice))
-    return Case(case_name(file), file, top, runs, bodies, sweeps)
+    return Case(case_name(file), file, top, runs, bodies, checked_sweeps)
 
 
-def _of_coarse(table: dict[str, Any], file: Path) -> list[str]:
+def _of_coarse(table: dict[str, Any], file: Path, sweeps: Collection[str] | None) -> list[str]:
     """Return what is wrong with a case in its coarse version, beyond the whole case."""
     try:
-        checked_case(table, file, coarse=True)
+        checked_case(table, file, coarse=True, sweeps=sweeps)
     except InputError as error:
         return [f"{line}{IN_COARSE}" for line in str(error).splitlines()]
     return []

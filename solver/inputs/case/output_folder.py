@@ -30,14 +30,19 @@ class OutputFolder:
         self.path = path
         self._texts: dict[str, str] = {}
         self._made: dict[str, None] = {}  # by other programs, from these files
+        self._kept: tuple[str, ...] = ()  # beginnings of names
 
     def add(self, name: str, text: str, *made: str) -> None:
         """Want a file; `made` are names of files that other programs make from it."""
         self._texts[name] = text
         self._made |= dict.fromkeys(made)
 
+    def keep(self, *beginnings: str) -> None:
+        """Leave files of an earlier `check` whose names begin so as they are."""
+        self._kept += beginnings
+
     def write(self) -> None:
-        """Write all files and remove those of an earlier `check`.
+        """Write all files and remove those of an earlier `check` that are not wanted or kept.
 
         Raises
         ------
@@ -53,7 +58,8 @@ class OutputFolder:
                     "expected a new folder, or the build folder of a case"
                 )
         made = [n for n in self._made if n in before or adopted or not (self.path / n).exists()]
-        own = [*wanted, *made]
+        kept = [name for name in before if name.startswith(self._kept)]
+        own = [*wanted, *made, *kept]
         self._record([*before, *own])
         for name, text in self._texts.items():
             write_if_changed(self.path / name, text)

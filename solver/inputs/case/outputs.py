@@ -2,7 +2,9 @@
 
 from math import isfinite
 
-from .schema import BeamBody, Mechanism, ShellBody
+from .beam_schema import BeamBody
+from .schema import Mechanism
+from .shell_schema import ShellBody
 
 RIGID = 13  # coordinates and velocities of a body without modes, kept at each output
 

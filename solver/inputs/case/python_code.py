@@ -6,6 +6,7 @@ from typing import Any
 from pydantic import Field, ValidationInfo, model_validator
 
 from ..common.table import Table
+from ..common.text_file import read_text
 from .laws import FOLDER, RESOLVED
 
 
@@ -33,7 +34,4 @@ class PythonCode(Table):
         if not isinstance(data.get("file"), str):
             return data
         file = Path(context.get(FOLDER, ".")) / data["file"]
-        try:
-            return {**data, "source": file.read_text(encoding="utf-8")}
-        except (OSError, UnicodeDecodeError) as error:
-            raise ValueError(f"{file}: cannot be read ({error})") from error
+        return {**data, "source": read_text(file)}

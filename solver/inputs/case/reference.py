@@ -5,7 +5,8 @@ from pydantic import BaseModel
 from ..common.material import MATERIAL_TABLES
 from ..common.page import chapters, required
 from ..section.mesh_table import SHAPE_MESHES
-from . import schema
+from .beam_schema import BeamBody, BeamInterface, BeamLine, BeamStation
+from .body_schema import ImportedBody, PackageBody, PointInterface, RigidBody
 from .couplings import COUPLING_TABLES
 from .curves import CurveTable, TablePoints
 from .fidelity import Fidelity
@@ -14,25 +15,28 @@ from .joints import JOINT_TABLES
 from .laws import LAW_TABLES
 from .modes import MODE_TABLES
 from .python_code import PythonCode
+from .schema import CaseFile, Figure, GroundPoint, Mechanism, PointMass, Run
+from .section_schema import DescribedSection
+from .shell_schema import ShellBody, ShellInterface
 from .signals import SIGNAL_TABLES
 from .solver import Solver, Spin
 from .sweeps import Sweep, Variation
 
-_FIRST: tuple[type[BaseModel], ...] = (schema.CaseFile, schema.Mechanism, *MATERIAL_TABLES)
+_FIRST: tuple[type[BaseModel], ...] = (CaseFile, Mechanism, *MATERIAL_TABLES)
 _THEN: tuple[type[BaseModel], ...] = (
-    schema.DescribedSection,
-    schema.BeamBody,
-    schema.BeamLine,
-    schema.BeamStation,
-    schema.ShellBody,
-    schema.RigidBody,
-    schema.PackageBody,
-    schema.ImportedBody,
+    DescribedSection,
+    BeamBody,
+    BeamLine,
+    BeamStation,
+    ShellBody,
+    RigidBody,
+    PackageBody,
+    ImportedBody,
     *MODE_TABLES,
-    schema.BeamInterface,
-    schema.ShellInterface,
-    schema.PointInterface,
-    schema.GroundPoint,
+    BeamInterface,
+    ShellInterface,
+    PointInterface,
+    GroundPoint,
     *JOINT_TABLES,
     *COUPLING_TABLES,
     *LAW_TABLES,
@@ -40,13 +44,13 @@ _THEN: tuple[type[BaseModel], ...] = (
     CurveTable,
     TablePoints,
     PythonCode,
-    schema.PointMass,
+    PointMass,
     *SIGNAL_TABLES,
     Solver,
     Spin,
     Fidelity,
-    schema.Run,
-    schema.Figure,
+    Run,
+    Figure,
     Sweep,
     Variation,
 )

@@ -8,9 +8,11 @@ from collections.abc import Mapping
 from typing import Any
 
 from ...errors import nearest
+from .beam_schema import BeamBody
 from .loaded import loaded_places
 from .reduction import Reducible
-from .schema import BeamBody, Mechanism, ShellBody
+from .schema import Mechanism
+from .shell_schema import ShellBody
 from .signals import PlyStressSignal
 
 # Vibrations of a beam by kind, of the model and of the check.

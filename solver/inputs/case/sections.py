@@ -10,8 +10,10 @@ from ..section.expand import section_spec as described_section
 from ..section.expand import source_files
 from ..section.shapes.library import walls
 from ..section.shapes.mesh import ALL, shape_mesh
+from .beam_schema import BeamBody, BeamStation
 from .descriptions import INLINE, section_table
-from .schema import BeamBody, BeamStation, DescribedSection, Mechanism
+from .schema import Mechanism
+from .section_schema import DescribedSection
 
 
 def section_spec(

@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 
 from ...math.arrays import Array
+from ...math.polylines import lengths_along
 from ...math.rotations import matrix_to_vector, vector_to_matrix
 from .beam_lines import division, fractions, is_plain, line_of, rounded
+from .beam_schema import BeamBody
 from .beams import with_sections
 from .resolved import resolved
-from .schema import BeamBody, Mechanism
-from .splines import chords
+from .schema import Mechanism
 
 NEAR = 1e-9  # fractions closer than this are one place
 
@@ -166,7 +167,7 @@ class _Divided:
         k = min(int(x / part * (1.0 + NEAR)), self.count - 1)
         share = min(max(x / part - k, 0.0), 1.0)
         shape, _, _ = self._shape(k)
-        own = shape["length"] or chords(np.array(shape["line"]["nodes"]))[-1]
+        own = shape["length"] or lengths_along(np.array(shape["line"]["nodes"]))[-1]
         return segment_name(self.name, k), float(share * own)
 
     def frame(self, at: str, seen_from: str | None) -> dict[str, Any]:
@@ -257,9 +258,12 @@ def _signal(
     if signal["kind"] in ("deflection", "rotation") and owner in divided:
         frame = divided[owner].frame(interface, signal.get("seen_from"))
         signal = {**signal, "seen_from": None, "frame": frame}
-    if signal.get("body") in divided:
-        segment, x = divided[signal["body"]].segment_at(signal["x"])
+    owner = str(signal.get("body"))
+    if owner in divided:
+        segment, x = divided[owner].segment_at(signal["x"])
         signal = {**signal, "body": segment, "x": x}
+        if signal.get("method") == "auto" and is_plain(divided[owner].body):
+            signal["method"] = "equilibrium"
     return dict(_renamed(signal, new))
 
 

@@ -11,7 +11,7 @@ from ..common.table import plain_table
 from ..shell.expand import shell_spec
 from .descriptions import shell_table
 from .modes import ModeChoice, SpinningChoice, check_modes
-from .schema import ShellBody
+from .shell_schema import ShellBody
 
 # Keys of a description for its own analysis; the mechanism supports and loads a body.
 LEFT_OUT = ("links", "supports", "loads", "probes", "frequencies")

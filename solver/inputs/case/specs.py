@@ -15,13 +15,14 @@ import os
 from pathlib import Path
 from typing import Any
 
+from .body_schema import PackageBody
 from .body_specs import BodySpec
 from .combining import needed
 from .load import Case
 from .output_folder import WRITER, OutputFolder
 from .record import seal
 from .rich import model_and_check
-from .schema import Mechanism, PackageBody
+from .schema import Mechanism
 from .sweep_fidelity import with_fidelity
 from .sweep_members import CheckedSweep, Members
 from .sweep_table import Packages, sweep_content
@@ -29,6 +30,8 @@ from .sweep_table import Packages, sweep_content
 
 def write_case(case: Case, out: Path, packages: Path | None = None) -> None:
     """Write all files of a checked case into `out`, and remove those that it no longer has.
+
+    Files of sweeps whose members were not asked for stay as an earlier call has left them.
 
     Parameters
     ----------
@@ -67,6 +70,9 @@ def write_case(case: Case, out: Path, packages: Path | None = None) -> None:
         folder.add(f"runs/{run}.json", dump(content))
     for name, sweep in case.sweeps.items():
         folder.add(f"sweeps/{name}.json", dump(_sweep(case, name, sweep, files)))
+    left = case.top.sweeps.keys() - case.sweeps.keys()
+    if left:
+        folder.keep("sweeps/bodies/", *(f"sweeps/{name}." for name in left))
     first = next(iter(case.runs.values()))
     content = {
         "written_by": WRITER,

@@ -1,10 +1,9 @@
 """A cubic spline through points in space, measured along itself."""
 
-from functools import cached_property
-
 import numpy as np
 
 from ...math.arrays import Array
+from ...math.polylines import lengths_along
 
 FINE = 2000  # steps of a spline through points, at least
 
@@ -23,7 +22,7 @@ class Spline:
     def __init__(self, points: Array) -> None:
         from scipy.interpolate import CubicSpline  # 0.3 s: only for lines through points
 
-        self.knots = chords(points)
+        self.knots = lengths_along(points)
         self._curve = CubicSpline(self.knots, points)
         parts = max(FINE // (len(self.knots) - 1), 20)
         first, last = self.knots[:-1], self.knots[1:]
@@ -40,7 +39,7 @@ class Spline:
         """Length of the curve [m]."""
         return float(self.along[-1])
 
-    @cached_property
+    @property
     def fractions(self) -> Array:
         """Places of the points as fractions of the length, (k,)."""
         return np.asarray(self.along[np.searchsorted(self.u, self.knots)] / self.along[-1])
@@ -57,9 +56,3 @@ class Spline:
         """Unit tangents (m, 3) at fractions of the length."""
         found = self._curve(self.parameter(s), 1)
         return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
-
-
-def chords(points: Array) -> Array:
-    """Return the places of points (n, 3) along the polygon through them, (n,), from 0."""
-    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    return np.concatenate([[0.0], np.cumsum(steps)])

@@ -28,6 +28,7 @@ import numpy as np
 
 from ...errors import InputError, few
 from ...math.arrays import Array, IntArray
+from ...package.common.anisotropic import UPPER, of_upper
 from .numbered_rows import NumberedRows
 from .per_cell import ABSENT, MOST_NODES, QUADRILATERAL, TRIANGLE, CellSection
 from .records import Records
@@ -194,7 +195,5 @@ def _constants(kind: int, constants: list[float]) -> dict[str, Any]:
         return {"kind": "isotropic", "E": constants[0], "nu": constants[1]}
     if kind == 1:
         return {"kind": "orthotropic", **dict(zip(ORTHOTROPIC, constants, strict=True))}
-    C = np.zeros((6, 6))
-    C[np.triu_indices(6)] = constants
-    C = (C + np.triu(C, 1).T)[np.ix_(OF_VABS, OF_VABS)]
-    return {"kind": "anisotropic", "C": C[np.triu_indices(6)].tolist()}
+    C = of_upper(constants)[np.ix_(OF_VABS, OF_VABS)]
+    return {"kind": "anisotropic", "C": C[UPPER].tolist()}

@@ -8,11 +8,12 @@ The metric is that of the step, s^2 M + s D + K: a change in the metric of the m
 and the same for velocities with Phi_q dv = -Phidot.
 """
 
+from ...dynamics.block_vectors import flatten, largest
 from ...dynamics.coordinates import move
 from ...dynamics.elimination import solve
+from ...dynamics.evaluation import evaluate, evaluate_rates, largest_left
 from ...dynamics.model import Model
 from ...dynamics.projection import CLOSED, TOLERABLE
-from ...dynamics.system import evaluate, evaluate_rates, flatten, largest, largest_left
 from ...dynamics.workspace import PHI, Work
 from ...math.arrays import Array, IntArray
 from ...math.compiled import inlined, lean

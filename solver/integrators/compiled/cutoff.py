@@ -19,8 +19,8 @@ import numpy as np
 
 from ...dynamics.elimination import solve
 from ...dynamics.energy import energies_into
+from ...dynamics.evaluation import evaluate
 from ...dynamics.model import Model, state_size
-from ...dynamics.system import evaluate
 from ...dynamics.workspace import Work
 from ...math.arrays import Array
 from ...math.compiled import lean, structure

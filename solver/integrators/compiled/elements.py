@@ -8,9 +8,9 @@ angle by which g turns in a step. With it, the limit of large k is the constrain
 multiplier F.
 """
 
+from ...dynamics.constraint_rows import fill_jacobian
 from ...dynamics.forces.table import element_rows
 from ...dynamics.model import Model
-from ...dynamics.system import fill_jacobian
 from ...dynamics.workspace import DAMPING, FORCE, N_ELEMENT_ROW, STIFFNESS, Work
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean

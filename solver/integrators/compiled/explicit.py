@@ -5,9 +5,9 @@ The methods, their control of steps and their letters are those of generic/expli
 
 import numpy as np
 
+from ...dynamics.derivative import derivative_into
 from ...dynamics.model import Model
 from ...dynamics.projection import project
-from ...dynamics.system import derivative_into
 from ...dynamics.workspace import Work
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean

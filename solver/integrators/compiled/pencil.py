@@ -28,8 +28,8 @@ import numpy as np
 
 from ...dynamics.dependence import REGULAR, rows_depend
 from ...dynamics.elimination import factorise, solve
+from ...dynamics.mass_solution import add_inertia, soften
 from ...dynamics.model import Model, state_size
-from ...dynamics.system import add_inertia, soften
 from ...dynamics.workspace import Factors, Work, new_factors, place_added_rows
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean, structure
@@ -148,7 +148,7 @@ def factorise_pencil(
 ) -> None:
     """Factorise mass M + damping D + stiffness K, of modes and elements, with the constraints.
 
-    Rows that depend on each other are softened as in `factorise_mass` (system.py).
+    Rows that depend on each other are softened as in `factorise_mass` (mass_solution.py).
     """
     _factorise(model, frozen, pencil, mass, damping, stiffness)
     if model.penalty > 0.0 and pencil.factors.regular[0] < REGULAR:

@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...dynamics.evaluation import evaluate
 from ...dynamics.model import Model
-from ...dynamics.system import evaluate
 from ...dynamics.workspace import Work, new_work
 from ...math.arrays import Array, IntArray
 from ...math.compiled import structure

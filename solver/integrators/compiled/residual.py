@@ -5,8 +5,8 @@ Phi_q vdot = gamma are from being met. That spares a factorisation of the mass m
 """
 
 from ...dynamics.coordinates import rates_into
+from ...dynamics.evaluation import auxiliary_rates_into, evaluate, evaluate_rates
 from ...dynamics.model import Model
-from ...dynamics.system import auxiliary_rates_into, evaluate, evaluate_rates
 from ...dynamics.workspace import GAMMA, PHI, PHI_T, Work
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean

@@ -38,7 +38,7 @@ def check_formulation(formulation: str, possible: tuple[str, ...] = FORMULATIONS
 
 
 def scheme(formulation: str, rho: float) -> Scheme:
-    """Return the scheme of spectral radius rho, 0 to 1 (integrators/stepping.py).
+    """Return the scheme of spectral radius rho, 0 to 1 (integrators/generalized_alpha.py).
 
     Raises
     ------

@@ -15,6 +15,7 @@ import numpy as np
 from ...math.arrays import Array
 from ...math.keys import Number
 from . import advice
+from .first_step import first_step_size
 from .norm import ErrorNorm
 from .pace import Pace, Refusals, Stall
 
@@ -368,16 +369,5 @@ class Integrator(ABC):
         span = self.t_end - self.t0
         if first_step is not None or self.status == "failed":
             return min(first_step or span, span)
-        weight = self.norm.weight(self.y, self.y)
-        size_y = self.norm(self.y * weight)
-        size_f = self.norm(self._f_start * weight)
-        h = 0.01 * size_y / size_f if min(size_y, size_f) > 1e-5 else 1e-6
-        h = max(min(h, span, self.max_step), 1e-300)  # f may be beyond all measure
-        f_ahead = self.derivative(self.t + h, self.y + h * self._f_start)
-        change = self.norm((f_ahead - self._f_start) * weight) / h
-        if not np.isfinite(change):
-            return 0.01 * h
-        largest = max(size_f, change)
-        if largest <= 1e-15:
-            return min(100 * h, span)
-        return min(100 * h, (0.01 / largest) ** (1 / (self.order + 1)), span)
+        start = self.t, self.y, self._f_start
+        return first_step_size(self.derivative, *start, self.norm, self.order, span, self.max_step)

@@ -34,7 +34,8 @@ fractions of it are then along the line, `elements` counts those of the line, an
      "sha256": {"arm.inp": "..."}}                see preprocess/exchange/spec.py
 
 A shell's body axes are those of its mesh. `inputs_sha256` and `case` may be added; they go to the
-provenance of the package.
+provenance of the package. `"candidates": true` of a beam or shell: a plan of `[fidelity]` takes
+some of the modes, so the package has no remarks on modes that were requested.
 """
 
 from typing import Any, Literal, NotRequired, TypedDict, get_args
@@ -167,6 +168,7 @@ class BeamSpecification(_Provenance):
     modes: list[Eigenmodes | Attachment | StaticAxial | StaticInertia | SpinningModes]
     damping_ratio: float
     interfaces: dict[str, BeamInterfaceTable]
+    candidates: NotRequired[bool]
 
 
 class ShellSpecification(_Provenance):
@@ -181,6 +183,7 @@ class ShellSpecification(_Provenance):
     damping_ratio: float
     interfaces: dict[str, ShellInterfaceTable]
     second_order: NotRequired[bool]
+    candidates: NotRequired[bool]
 
 
 class ImportedSpecification(_Provenance):

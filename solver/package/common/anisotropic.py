@@ -1,7 +1,7 @@
 """Fully anisotropic elastic materials, in files of other codes."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -64,9 +64,7 @@ def elastic_from_dict(
     rho = float(values[-1])
     if not (rho > 0.0 or (massless and rho == 0.0)):
         raise MaterialError(f"{where}.rho = {rho:g} kg/m3: expected a value above 0")
-    C = np.zeros((6, 6))
-    C[UPPER] = numbers
-    C = C + C.T - np.diag(np.diag(C))
+    C = of_upper(numbers)
     least = float(np.linalg.eigvalsh(C)[0])
     if not least > 0.0:
         raise MaterialError(
@@ -74,3 +72,10 @@ def elastic_from_dict(
             f"{least:.3g} Pa"
         )
     return Anisotropic(C, rho)
+
+
+def of_upper(numbers: Sequence[float]) -> Array:
+    """Return the symmetric matrix (6, 6) of the 21 numbers of its upper triangle, row by row."""
+    C = np.zeros((6, 6))
+    C[UPPER] = numbers
+    return np.asarray(C + np.triu(C, 1).T)

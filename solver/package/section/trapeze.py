@@ -15,6 +15,7 @@ import numpy as np
 
 from ...math.arrays import Array
 from .schema import SectionRecovery
+from .stress import unit_stress
 
 
 def trapeze_strains(K: Array, recovery: SectionRecovery) -> Array:
@@ -29,9 +30,4 @@ def trapeze_strains(K: Array, recovery: SectionRecovery) -> Array:
     # u2 = x3c f1 and u3 = -x2c f1 of the reference line, when the shear centre stays in place
     x2, x3 = -S[2, 3] / S[3, 3], S[1, 3] / S[3, 3]
     r2 = (recovery.points[:, 0] - x2) ** 2 + (recovery.points[:, 1] - x3) ** 2
-    stress_M = recovery.C_M[recovery.ply] @ recovery.strain_M
-    first, second, third = recovery.A_BM[:, 0].T
-    axial = np.array(
-        [first**2, second**2, third**2, 2 * second * third, 2 * first * third, 2 * first * second]
-    )
-    return np.asarray(np.einsum("p,p,vp,pvj->j", recovery.weights, r2, axial, stress_M))
+    return np.asarray((recovery.weights * r2) @ unit_stress(recovery)[:, 0])

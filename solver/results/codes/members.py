@@ -34,8 +34,8 @@ DEFECT = Code(
 PLAN_TOO_COARSE = Code(
     "plan-too-coarse",
     "warning",
-    "the plan of a sweep with `[fidelity]`, made at its base, has not the accuracy there or at a "
-    "member that was drawn to check it",
+    "the plan of a sweep with `[fidelity]`, made at its base, does not reach the accuracy there or "
+    "at a member that was drawn to check it",
     "estimated error above 0.9 of `accuracy`",
     "ask for a smaller `accuracy` or a larger `budget`, divide the sweep, or edit its `.plan.toml`",
 )

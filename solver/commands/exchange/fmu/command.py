@@ -16,7 +16,7 @@ def export_fmu(options: argparse.Namespace) -> int:
     file: Path = options.file
     if file.suffix != ".toml":
         raise InputError(f"{file}: expected a case file, CASE.toml, with --to fmu")
-    case = load_case(file, coarse=options.coarse)
+    case = load_case(file, coarse=options.coarse, sweeps=())
     run = chosen_run(case, options.run, only=True)
     folder = build_folder(file, coarse=options.coarse)
     write_case(case, folder, options.packages)

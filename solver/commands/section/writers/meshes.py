@@ -11,13 +11,14 @@ from typing import Any
 import numpy as np
 
 from ....errors import InputError
+from ....inputs.section.vabs_input import OF_VABS
 from ....math.arrays import Array, IntArray
 from ....package.common.anisotropic import elastic_from_dict
 from ....package.section.schema import CORNERS, SectionFile
 from .text import written
 
 KEYS = ("E1", "E2", "E3", "G12", "G13", "G23", "nu12", "nu13", "nu23")
-TO_VABS = np.array([0, 5, 4, 1, 3, 2])  # 11 12 13 22 23 33 of our stresses
+TO_VABS = np.argsort(OF_VABS)
 BECAS_FILES = ("N2D.in", "E2D.in", "EMAT.in", "MATPROPS.in")
 
 

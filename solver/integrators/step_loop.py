@@ -11,40 +11,23 @@ from ..dynamics.auxiliary import Called, Instants, sampled
 from ..dynamics.constraints.treatment import Treatment
 from ..dynamics.crossings import NOTHING, beyond, first_crossing
 from ..dynamics.dependence import is_tree
+from ..dynamics.derivative import by_blocks, derivative_into
 from ..dynamics.model import Model
-from ..dynamics.system import by_blocks, derivative_into
 from ..dynamics.workspace import new_work, spare_work
 from ..math.arrays import Array
 from ..math.compiled import COMPILED
-from ..math.keys import Number
 from .closures import right_hand_side
 from .compiled import step_control as codes
-from .compiled.alpha import advance_alpha
-from .compiled.alpha_workspace import new_alpha_workspace
 from .compiled.closing import close
-from .compiled.dependent_rows import PENALTY
-from .compiled.radau import advance
-from .compiled.radau_workspace import new_radau_workspace, restart_radau
 from .compiled.step_control import Ends, Options
-from .compiled.tableau import MU
-from .generic import Integrator
-from .generic.advice import SHORTER, of_choice
-from .generic.alpha_scheme import FORMULATIONS, SPECTRAL_RADIUS, scheme
 from .generic.base import FIRST_STEPS, Dense
-from .generic.explicit import Powers
-from .generic.hermite import Hermite
-from .generic.pace import Pace, Refusals
-from .generic.steps import Steps
-from .ringing import ringing
+from .generic.pace import Refusals
+from .stride_memory import StrideMemory
 
 # Steps of one call, between which Ctrl-C is heard without loss.
-LOCATED, MOST_PASSES = 64, 12  # steps between looks for events; passes to locate one
 CHUNK = 200 if COMPILED else 5
 MOST_KEPT = 500_000  # numbers of the steps of one call
-# Cutoffs that are tried against a stall, times pi over the interval of the results.
-CUTOFFS = (10.0, 3.0, 1.0)
-PATIENCE = 4  # looks at a run that goes on stalled, before the next
-PLACES = ("_begun", "_stood", "_ends")  # no part of what a loop goes on from
+LOCATED, MOST_PASSES = 64, 12  # steps between looks for events; passes to locate one
 TROUBLE = {
     codes.NEWTON: "the Newton iteration does not converge (or constraints contradict)",
     codes.TOO_ROUGH: "the local error exceeds the tolerance",
@@ -53,7 +36,7 @@ TROUBLE = {
 }
 
 
-class StepLoop(Integrator):
+class StepLoop(StrideMemory):
     """An integrator over a compiled loop: steps one by one, or many in one call.
 
     Parameters
@@ -105,11 +88,7 @@ class StepLoop(Integrator):
         self._h_next = float(self._h_next)  # the loops are compiled for numbers of one kind
         self._workspace = self._begin(rate, work.multipliers)
         self._evaluated = self.counters.evaluations
-        nowhere = np.empty(0), np.empty((0, self.n))
-        self._nowhere = *nowhere, 0, Ends(*nowhere)
-        self._ends = self._nowhere[3]
-        self._begun: Any = None  # mark of the beginning of the last stride
-        self._stood: Any = None  # step of it after which the loop stands, mark of its end
+        self._forget()
         self._instants = Instants(model, self.t_end)
         events = self._model.quantities.event_state.size
         self._armed: tuple[bool, ...] = ()  # of events (dynamics/crossings.py)
@@ -145,14 +124,12 @@ class StepLoop(Integrator):
         if not keep:
             self._ends = Ends(np.empty(LOCATED), np.empty((LOCATED, self.n)))
         most, begun = min(most, LOCATED), self._mark()
-        found, taken = -1, 0
+        found = -1
         for _ in range(MOST_PASSES):
             code, reached = self._call(most, times, rows, filled, self._ends)
             self._take_over(code)
-            taken = self.counters.steps - begun[0]["counters"].steps
-            t = np.append(begun[0]["t"], self._ends.t[:taken])
-            y = np.concatenate((begun[0]["y"][None, :], self._ends.y[:taken]))
-            if found >= 0 and taken:
+            t, y = self._ends_since(begun)
+            if found >= 0 and len(t) > 1:
                 gap, rate = beyond(self._model, self.t, self.y)[found]
                 late = gap / rate if rate > 0.0 else 0.0
                 if abs(late) < NOTHING * max(1.0, abs(self.t)) or self.t < self._options.t_end:
@@ -183,60 +160,6 @@ class StepLoop(Integrator):
         self.t_end, self.status, self.message = float(t_end), "running", ""
         self._instants = Instants(self._model, self.t_end)
         self._options = self._options._replace(t_end=self.t)
-
-    def steps_taken(self) -> Steps:
-        """Return the steps of the last stride; valid up to the next."""
-        begun = self._begun[0]
-        taken = self.counters.steps - begun["counters"].steps
-        t = np.append(begun["t"], self._ends.t[:taken])
-        y = np.concatenate((begun["y"][None, :], self._ends.y[:taken]))
-        return Steps(t, y, self._stand)
-
-    def _stand(self, i: int) -> Integrator:
-        """Stand after step i of the last stride, by taking the steps up to there again."""
-        if self._stood is None:
-            self._stood = -1, self._mark()
-            self._go_back(self._begun)
-        stood, end = self._stood
-        if i < stood:
-            self._go_back(self._begun)
-            stood = -1
-        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            for count in (i - stood - 1, 1 if i > stood else 0):  # the last one by itself: t_old
-                if count > 0:
-                    code, _ = self._call(count, *self._nowhere)
-                    self._take_over(code)
-        self._stood = i, end
-        return self
-
-    def take_up(self) -> None:
-        """Stand at the end of the last stride, however much of it was looked at."""
-        if self._stood is not None:
-            self._go_back(self._stood[1])
-            self._stood = None
-
-    def take_back(self, count: int) -> None:
-        """Stand after the first `count` steps of the last stride: the others were not taken."""
-        if count > 0:
-            self._stand(count - 1)
-            self._stood = count - 1, self._mark()
-        else:
-            self._go_back(self._begun)
-            self._stood = None
-
-    def _mark(self) -> Any:
-        """Return all that the steps to come depend on."""
-        kept = {name: value for name, value in vars(self).items() if name not in PLACES}
-        kept |= {"counters": replace(self.counters), "hints": list(self.hints)}
-        return kept, [
-            (array, array.copy()) for array in self._workspace if isinstance(array, np.ndarray)
-        ]
-
-    def _go_back(self, mark: Any) -> None:
-        kept, arrays = mark
-        vars(self).update(kept | {"counters": replace(kept["counters"])})
-        for array, values in arrays:
-            array[...] = values
 
     def _sample(self) -> None:
         """Sample controllers where the loop stands at an instant, and go on from there."""
@@ -334,12 +257,6 @@ class StepLoop(Integrator):
     def _begin(self, rate: Array, multipliers: Array) -> Any:
         """Return the workspace of the run."""
 
-    @abstractmethod
-    def _call(
-        self, most: int, times: Array, rows: Array, filled: int, ends: Ends
-    ) -> tuple[int, int]:
-        """Call the compiled loop for `most` steps."""
-
 
 class ClosingLoop(StepLoop):
     """A step loop that brings every step back onto the constraints, unless `closed` is false."""
@@ -364,194 +281,3 @@ class ClosingLoop(StepLoop):
 
     def _closes(self) -> bool:
         return self._closed
-
-
-class Radau(ClosingLoop):
-    """Radau IIA of order 5 for mechanisms (compiled/radau.py): L-stable, so that modes stiffer than
-    the motion are damped, not followed; every step is brought back onto the constraints unless
-    `closed` is false.
-    """
-
-    name = "radau"
-    samples = True
-    local_share = 0.5
-    meaning = "implicit Runge-Kutta of order 5, the fastest where modes are stiff"
-    place = 2
-    order = 5
-    on_growth = (
-        "Newton's iteration finds no answer for a step this long, or constraints contradict each "
-        f"other: take a shorter step ({SHORTER})"
-    )
-    on_failure = (
-        "Look for a jump or a singularity in the forces just after it, or for constraints that "
-        "contradict each other, or increase rtol"
-    )
-
-    on_stall = (
-        "cutoff_frequency, above which vibrations are damped; damping of the body or element; "
-        "fewer modes; or rtol and atol_velocity that do not ask for the vibration"
-    )
-    keys = (
-        Number(
-            "cutoff_frequency",
-            "rad/s",
-            "of radau: faster vibrations are damped, not resolved; 0: all are resolved that the "
-            "tolerance asks for; default: as 0, until they stall the run (integrators.md)",
-            least=0,
-        ),
-    )
-
-    def __init__(
-        self,
-        model: Model,
-        t0: float,
-        y0: Array,
-        t_end: float,
-        *,
-        cutoff_frequency: float | None = None,
-        **options: Any,
-    ) -> None:
-        super().__init__(model, t0, y0, t_end, **options)
-        self._workspace.clock[codes.CUTOFF] = cutoff_frequency or 0.0
-        self._tries = list(CUTOFFS) if cutoff_frequency is None else []
-        self._patience = 0
-
-    def follow(self, pace: Pace) -> None:
-        """Answer a stall by a cutoff, as high as ends it."""
-        found = pace.stalled(self.t, self.counters.steps, self.counters.rejected)
-        if found is None:
-            return
-        if not self.stalls:
-            component, rate = ringing(self._model, self._workspace)
-            self.stalls = [replace(found, component=component, rate=rate, remedy=self.on_stall)]
-        elif self._patience > 0:
-            self._patience -= 1
-            return
-        if self._tries:
-            cutoff = self._tries.pop(0) * np.pi / pace.interval
-            self._patience = PATIENCE
-            self._workspace.clock[codes.CUTOFF] = cutoff
-            self.stalls = [replace(self.stalls[0], cutoff=cutoff)]
-
-    def refusals(self) -> Refusals:
-        """Attempts that were refused so far, with the component that was most often the reason."""
-        blamed = self._workspace.blamed
-        component = int(np.argmax(blamed)) if blamed.any() else -1
-        return replace(super().refusals(), component=component)
-
-    @property
-    def damped_energy(self) -> float:
-        """Energy taken out of vibrations above the cutoff [J]."""
-        return float(self._workspace.damped.sum())
-
-    def for_loop(self, model: Model) -> Model:
-        """Return the model with the softness of dependent rows that suits the iteration."""
-        return model._replace(penalty=PENALTY) if model.penalty > 0.0 else model
-
-    def _begin(self, rate: Array, multipliers: Array) -> Any:
-        return new_radau_workspace(self._model, self.t, self.y, rate, multipliers, self._h_next)
-
-    def _restart(self, rate: Array, multipliers: Array) -> None:
-        restart_radau(self._model, self._workspace, self.t, self.y, rate, multipliers)
-
-    def _call(
-        self, most: int, times: Array, rows: Array, filled: int, ends: Ends
-    ) -> tuple[int, int]:
-        return advance(self._model, self._options, self._workspace, most, times, rows, filled, ends)
-
-    def _dense(self) -> Dense:
-        workspace, h = self._workspace, self.h
-        polynomial = Powers(self.t_old, h, workspace.y_old.copy(), workspace.Q.copy())
-        return self._closed_inside(polynomial, MU / h) if self._closed else polynomial
-
-
-class GeneralizedAlpha(StepLoop):
-    """Generalized-alpha of Arnold and Bruls for M a + Phi_q' lambda = f, Phi = 0.
-
-    Second order; q moves by the group's exponential (dynamics/coordinates.py), so that Euler
-    parameters need no constraint of their own. With spectral radius rho at infinity,
-
-        alpha_m = (2 rho - 1) / (rho + 1), alpha_f = rho / (rho + 1),
-        gamma = 1/2 + alpha_f - alpha_m, beta = (gamma + 1/2)^2 / 4,
-        (1 - alpha_m) a_1 + alpha_m a_0 = (1 - alpha_f) vdot_1 + alpha_f vdot_0,
-        z = h v_0 + h^2 ((1/2 - beta) a_0 + beta a_1),  v_1 = v_0 + h ((1 - gamma) a_0 + gamma a_1).
-
-    Formulations:
-      index3  q_1 = q_0 exp(z); Phi(q_1) = 0. Velocities satisfy the constraints to h^2 only, and
-              multipliers swing after a change of step.
-      ggl     q_1 = q_0 exp(z + p) with p = -J^-1 Phi_q' eta, J being Newton's matrix (the position
-              multiplier of Gear, Leimkuhler and Gupta); Phi(q_1) = 0 and Phidot(q_1, v_1) = 0.
-              Default.
-
-    Newton's unknowns are z and h^2 lambda: scaled so, the matrix stays well conditioned as h
-    tends to zero. rho = 1 keeps the energy of what it does not resolve, rho = 0 destroys it in
-    one step.
-
-    Parameters
-    ----------
-    formulation : "ggl" or "index3"
-    spectral_radius : rho, 0 to 1
-    others : see Integrator. With fixed_step only Newton's iteration uses the tolerances.
-    """
-
-    name = "generalized-alpha"
-    local_share = 0.03
-    meaning = "implicit, for constraints = ggl or index3"
-    place = 5
-    keys = (
-        Number(
-            "spectral_radius",
-            "",
-            "of generalized-alpha at infinite frequency: 1 gives no damping",
-            default=SPECTRAL_RADIUS,
-            least=0,
-            most=1,
-        ),
-    )
-    treatments = FORMULATIONS
-    auxiliary = False
-    order = 2
-    # What it does not damp shows in its multipliers, not in the state.
-    on_growth = (
-        "With too little damping (spectral_radius near 1) what the step does not resolve can grow "
-        'where the problem is not linear, and with constraints = "index3" the velocities that the '
-        'constraints forbid swing on: take spectral_radius = 0.8, constraints = "ggl", or a '
-        f"shorter step ({SHORTER})"
-    )
-
-    def __init__(
-        self,
-        model: Model,
-        t0: float,
-        y0: Array,
-        t_end: float,
-        *,
-        formulation: str = "ggl",
-        spectral_radius: float = SPECTRAL_RADIUS,
-        **options: Any,
-    ) -> None:
-        self._scheme = scheme(formulation, spectral_radius)
-        super().__init__(model, t0, y0, t_end, **options)
-        self.hints += of_choice(formulation, spectral_radius)
-
-    @classmethod
-    def for_treatment(cls, name: str) -> dict[str, Any]:
-        """Formulation."""
-        return {"formulation": name}
-
-    def _begin(self, rate: Array, multipliers: Array) -> Any:
-        return new_alpha_workspace(self._model, self.t, self.y, rate, multipliers, self._h_next)
-
-    def _call(
-        self, most: int, times: Array, rows: Array, filled: int, ends: Ends
-    ) -> tuple[int, int]:
-        model, options, workspace = self._model, self._options, self._workspace
-        return advance_alpha(
-            model, options, self._scheme, workspace, most, times, rows, filled, ends
-        )
-
-    def _dense(self) -> Dense:
-        c, h = self._workspace, self.h
-        ends = (c.y_old.copy(), c.rate_old.copy(), c.y.copy(), c.rate.copy())
-        cubic, s = Hermite(self.t_old, h, *ends), self._scheme.to_a**0.5 / h
-        return self._closed_inside(cubic, s) if self._model.n_constraint > 0 else cubic

@@ -1,0 +1,25 @@
+"""Text files with numbers in lines, such as those that spreadsheets write."""
+
+from pathlib import Path
+
+
+def read_text(file: Path) -> str:
+    """Return the text of a file. Raises ValueError: no such file, or no text in UTF-8."""
+    if file.exists() and not file.is_file():  # a folder, or a device that never ends
+        raise ValueError(f"{file}: cannot be read (expected a file)")
+    try:
+        return file.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise ValueError(f"{file}: cannot be read ({error})") from error
+
+
+def numbered_lines(file: Path) -> list[tuple[int, str]]:
+    """Return the lines of a file with their numbers, without empty lines and remarks after #.
+
+    Raises ValueError as `read_text`.
+    """
+    return [
+        (number, line)
+        for number, line in enumerate(read_text(file).splitlines(), start=1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]

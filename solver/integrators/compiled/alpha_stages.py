@@ -1,0 +1,153 @@
+"""Parts of a step of generalized-alpha: prediction, size of a correction, error, end."""
+
+from ...dynamics.block_vectors import flatten, inflate, row_products
+from ...dynamics.coordinates import move, rates_into
+from ...dynamics.elimination import solve
+from ...dynamics.model import Model
+from ...math.arrays import Array
+from ...math.compiled import inlined
+from ..generic.alpha_scheme import Scheme
+from .alpha_workspace import POWER, POWER_LAST, AlphaWorkspace
+from .residual import inertia_residual
+from .stages import norm
+from .step_control import TAKEN, Options
+
+
+@inlined
+def predict(model: Model, scheme: Scheme, workspace: AlphaWorkspace, h: float) -> None:
+    """Begin Newton's iteration: accelerations go on as over the last step."""
+    n_pos, last = model.n_pos, workspace.clock[TAKEN]
+    alpha_m, alpha_f, gamma, beta = scheme.alpha_m, scheme.alpha_f, scheme.gamma, scheme.beta
+    for i in range(model.n_vel):
+        v, v_d = workspace.y[n_pos + i], workspace.rate[n_pos + i]
+        a_0 = workspace.a[i]
+        if last > 0.0:  # its lag grows and shrinks with the step
+            a_0 = v_d + (a_0 - v_d) * (h / last)
+        v_d1 = v_d + h * workspace.v_dd[i]
+        a_1 = ((1.0 - alpha_f) * v_d1 + alpha_f * v_d - alpha_m * a_0) / (1.0 - alpha_m)
+        workspace.z[i] = h * v + h * h * ((0.5 - beta) * a_0 + beta * a_1)
+        workspace.shift[i] = 0.0
+        workspace.stage[n_pos + i] = v + h * ((1.0 - gamma) * a_0 + gamma * a_1)
+        workspace.stage_rate[n_pos + i] = v_d1
+        workspace.stage_a[i] = a_1
+    workspace.stage[n_pos + model.n_vel] = workspace.y[n_pos + model.n_vel]
+    for k in range(workspace.multipliers.shape[0]):
+        workspace.stage_multipliers[k] = workspace.multipliers[k]
+
+
+@inlined
+def place(model: Model, workspace: AlphaWorkspace) -> None:
+    """Fill the positions of workspace.stage: the last state's, moved by z + shift."""
+    for i in range(model.n_vel):
+        workspace.step[i] = workspace.z[i] + workspace.shift[i]
+    for i in range(model.n_pos):
+        workspace.stage[i] = workspace.y[i]
+    move(model, workspace.stage, workspace.step)
+
+
+@inlined
+def correction_size(model: Model, options: Options, workspace: AlphaWorkspace) -> float:
+    """Size of `step` of positions and `change` of velocities in units of tolerance."""
+    n_pos, stage, both = model.n_pos, workspace.stage, workspace.both
+    # rates_into takes the velocities of a state for the step
+    for i in range(model.n_vel):
+        both[n_pos + i] = stage[n_pos + i]
+        stage[n_pos + i] = workspace.step[i]
+    rates_into(model, stage, both)
+    for i in range(model.n_vel):
+        stage[n_pos + i] = both[n_pos + i]
+        both[n_pos + i] = workspace.change[i]
+    both[n_pos + model.n_vel] = 0.0
+    return norm(options, both, workspace.weight)
+
+
+@inlined
+def local_error(
+    model: Model, options: Options, scheme: Scheme, workspace: AlphaWorkspace, h: float
+) -> float:
+    """Local error of positions and velocities.
+
+    h^3 (beta + (alpha_m - alpha_f) / 2 - 1/6) vddot and, from the second step on,
+    h^3 (1/12 - (alpha_m - alpha_f)^2 / 2) vdddot; both pass the step's own matrix, which
+    takes out what is stiff or against the constraints and damped there anyway. What the
+    constraints prescribe is exact at the end of the step, but a cubic within it, off by
+    h^4 vdddot / 384.
+    """
+    n_pos, n_vel, last, real = model.n_pos, model.n_vel, workspace.clock[TAKEN], workspace.real
+    frozen, factors, plan = workspace.frozen, workspace.real.factors, model.plan
+    both = workspace.both
+    for i in range(n_vel):
+        v_dd = (workspace.stage_rate[n_pos + i] - workspace.rate[n_pos + i]) / h
+        both[n_pos + i] = -scheme.to_a * h**3 * scheme.error_q * v_dd
+        workspace.change[i] = 2.0 * (v_dd - workspace.v_dd[i]) / (h + last)
+    real.gamma[:] = 0.0
+    inertia_residual(
+        model, frozen.M, frozen.J, both, workspace.no_load, workspace.zero, real.load, real.gamma
+    )
+    real.gamma[:] = 0.0
+    solve(plan, plan.newton, factors, real.load, real.gamma, real.x, real.mu)
+    flatten(model, real.x, workspace.step, 0)
+    if last > 0.0:
+        for i in range(n_vel):
+            both[n_pos + i] = -scheme.to_a * h**3 * scheme.error_v * workspace.change[i]
+        inertia_residual(
+            model,
+            frozen.M,
+            frozen.J,
+            both,
+            workspace.no_load,
+            workspace.zero,
+            real.load,
+            real.gamma,
+        )
+        # what the constraints prescribe is exact at the end, but a cubic within the step
+        inflate(model, workspace.change, 0, real.x)
+        real.gamma[:] = 0.0
+        solve(plan, plan.newton, factors, real.load, real.gamma, real.rho, real.mu)
+        row_products(model, frozen.J, real.x, real.gamma)
+        flatten(model, real.rho, workspace.change, 0)
+        solve(plan, plan.newton, factors, workspace.zero, real.gamma, real.x, real.mu)
+        for i in range(model.n_body):
+            j = model.vel_start[i]
+            for k in range(plan.size[i]):
+                prescribed = abs(real.x[i, k]) * h**4 / 384.0
+                workspace.step[j + k] = abs(workspace.step[j + k]) + prescribed
+    else:
+        workspace.change[:] = 0.0
+    for i in range(both.shape[0]):
+        larger = max(abs(workspace.y[i]), abs(workspace.stage[i]))
+        workspace.weight[i] = 1.0 / (options.atol[i] + options.rtol * larger)
+    return correction_size(model, options, workspace)
+
+
+@inlined
+def accept(model: Model, workspace: AlphaWorkspace, h: float, power: float) -> None:
+    """Make the end of the step the state."""
+    clock, n_pos, last = workspace.clock, model.n_pos, workspace.clock[TAKEN]
+    n = workspace.y.shape[0] - 1
+    work = 0.5 * h * (clock[POWER] + power)
+    if last > 0.0:  # a parabola through this step's and the last one's powers
+        slope = (power - clock[POWER]) / h - (clock[POWER] - clock[POWER_LAST]) / last
+        work -= h**3 / 6.0 * slope / (h + last)
+    clock[POWER_LAST], clock[POWER] = clock[POWER], power
+    workspace.stage[n] = workspace.y[n] + work
+    rates_into(model, workspace.stage, workspace.stage_rate)
+    workspace.stage_rate[n] = power
+    for i in range(model.n_vel):
+        j = n_pos + i
+        workspace.v_dd[i] = (workspace.stage_rate[j] - workspace.rate[j]) / h
+        workspace.a[i] = workspace.stage_a[i]
+    for i in range(n + 1):
+        workspace.y_old[i], workspace.y[i] = workspace.y[i], workspace.stage[i]
+        workspace.rate_old[i], workspace.rate[i] = workspace.rate[i], workspace.stage_rate[i]
+    for k in range(workspace.multipliers.shape[0]):
+        workspace.multipliers[k] = workspace.stage_multipliers[k]
+
+
+@inlined
+def interpolate(workspace: AlphaWorkspace, h: float, x: float, out: Array) -> None:
+    """Fill out (n,) with the cubic through both ends of the last step at its part x, 0 to 1."""
+    rise, bent = x * x * (3.0 - 2.0 * x), x * (1.0 - x) * h
+    for i in range(out.shape[0]):
+        out[i] = (1.0 - rise) * workspace.y_old[i] + rise * workspace.y[i]
+        out[i] += bent * ((1.0 - x) * workspace.rate_old[i] - x * workspace.rate[i])
