@@ -211,9 +211,15 @@ SECTION_CODES = (
     _code(
         "model-not-computed",
         "the file of another code asks for a model that is not computed: trapeze effect, Vlasov's "
-        "theory, damping, thermal expansion",
+        "theory, damping, thermal expansion, recovery",
         "any such flag",
         "use the 6x6 stiffness and mass; run the other code for the rest",
+    ),
+    _code(
+        "no-density",
+        "a material of a file of another code has no density",
+        "density 0",
+        "give its density, or use the stiffness only",
     ),
     _code(
         "direction-reverses",
