@@ -50,11 +50,17 @@ def main(arguments: list[str] | None = None) -> int:
     # "plymotion solver sweep" is "plymotion sweep", as is "python -m plymotion.solver sweep".
     if words[:1] == ["solver"]:
         words = words[1:]
-    if words and (words[0].endswith(".toml") or os.path.isfile(f"{words[0]}/{CASE_FILE}")):
-        words = ["run", *words]  # "plymotion case.toml" is "plymotion run case.toml"
-    options = parser().parsed(words)
+    known = parser()
+    # "plymotion case.toml" is "plymotion run case.toml", unless a command has the folder's name.
+    if words and words[0] not in known.commands() and _is_case(words[0]):
+        words = ["run", *words]
+    options = known.parsed(words)
     with heard():
         return exit_code(_guarded(options))
+
+
+def _is_case(word: str) -> bool:
+    return word.endswith(".toml") or os.path.isfile(f"{word}/{CASE_FILE}")
 
 
 def _guarded(options: argparse.Namespace) -> int:

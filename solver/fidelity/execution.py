@@ -43,7 +43,7 @@ def read_planned(
             path,
             of_check.get("inputs_sha256"),
             whose,
-            f"make {spec.case}",
+            "run",
             allow_doubtful=allow_doubtful,
         )
     return spec, check

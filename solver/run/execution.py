@@ -63,9 +63,7 @@ def read_run(file: Path, *, allow_doubtful: bool = False) -> RunSpec:
         for body, name, digest in entries:
             whose = f"bodies.{body} of case {case}, run {run}"
             path = file.parent.parent / name
-            found[body] = package_of(
-                path, digest, whose, f"make {case}", allow_doubtful=allow_doubtful
-            )
+            found[body] = package_of(path, digest, whose, "run", allow_doubtful=allow_doubtful)
         return found
 
     known = {
@@ -103,14 +101,14 @@ def _mechanism(table: dict[str, Any], where: str) -> "Mechanism":
 
 
 def package_of(
-    path: Path, expected: str | None, whose: str, remedy: str, *, allow_doubtful: bool = False
+    path: Path, expected: str | None, whose: str, kind: str, *, allow_doubtful: bool = False
 ) -> ModalPackage:
     """Read the package that a run file names.
 
     Parameters
     ----------
     expected : hash of the inputs that it must have been built from; None: any
-    whose, remedy : body and command, for messages
+    whose, kind : body, and kind of the file that names it ("run", "sweep"), for messages
     allow_doubtful : as in `read_package`
 
     Raises
@@ -120,12 +118,15 @@ def package_of(
     """
     path = path.resolve()
     shown = path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path
+    remedy = f"`plymotion packages` with the {kind} file builds it"
+    if expected is not None and not path.exists():
+        raise PackageError(f"{shown}: no such file; {remedy}")
     package = read_package(shown, allow_doubtful=allow_doubtful)
     found = package.provenance.get("inputs_sha256")
     if expected is not None and found != expected:
         raise PackageError(
             f"{shown}: built from other inputs than {whose} "
-            f"(inputs {str(found)[:12]}, expected {expected[:12]}): run `{remedy}`"
+            f"(inputs {str(found)[:12]}, expected {expected[:12]}); {remedy}"
         )
     return package
 

@@ -16,14 +16,14 @@ def load_text(
     )
     columns = [f"s{name}" for name in STRESSES]
     width = max([len("region"), *(len(_ply(peak)) for peak in peaks)])
-    head = f"{'ply':{width}}{'angle':>7}" + "".join(f"{name:>10}" for name in columns)
+    head = f"{'ply':{width}}{'angle':>7}" + "".join(f"{name:>11}" for name in columns)
     lines = [
         "Stresses of largest magnitude in each ply [MPa], in its axes, under",
         loads,
         head,
         *(
             f"{_ply(peak):{width}}{peak.ply.angle_deg:7.4g}"
-            + "".join(f"{value:10.4g}" for value in peak.stress_M / 1e6)
+            + "".join(f"{value:11.4g}" for value in peak.stress_M / 1e6)
             for peak in peaks
         ),
     ]

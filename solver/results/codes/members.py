@@ -14,7 +14,7 @@ PACKAGE = Code(
     "error",
     "the modal package of a member of a sweep cannot be read, or was built from other inputs",
     "none",
-    "run `make` for the sweep again",
+    "run `plymotion packages` with the sweep file",
 )
 WORKER_LOST = Code(
     "worker-lost",
