@@ -340,6 +340,10 @@ fidelity-theory: $(FENICSX) | $(COMPILED) ## The same, a third of the scenes, ag
 	. ./$(FENICSX) && export FENICSX_PYTHON && \
 	    $(BENCH) benchmarks/fidelity_theory.py build/benchmarks/fidelity-theory.json
 
+.PHONY: scale
+scale: $(TESTS) | $(COMPILED) ## Sweeps by executor, and of 10,000 members: docs/scale.md (a quarter of an hour)
+	PYTHONPATH=.:tests:benchmarks $(PY) benchmarks/scale.py --write docs/scale.md
+
 # In a separate folder: neither tests nor users need them. Without dependencies: NumPy is that of
 # the environment.
 $(EXUDYN): pyproject.toml $(LIGHT)

@@ -5,7 +5,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 
@@ -16,6 +16,7 @@ class Cost:
     cpu_s: float
     wall_s: float
     peak_mb: float  # largest resident set of one process
+    told: str = ""  # what it printed
 
 
 def cost(arguments: Sequence[str], allowed: Sequence[int] = (0,)) -> Cost:
@@ -23,19 +24,26 @@ def cost(arguments: Sequence[str], allowed: Sequence[int] = (0,)) -> Cost:
     return cost_of([sys.executable, *arguments], allowed)
 
 
-def cost_of(command: Sequence[str], allowed: Sequence[int] = (0,)) -> Cost:
-    """Run a command; raise RuntimeError as `cost` does."""
+def cost_of(
+    command: Sequence[str],
+    allowed: Sequence[int] = (0,),
+    watch: "Callable[[subprocess.Popen[str]], object] | None" = None,
+) -> Cost:
+    """Run a command; raise RuntimeError as `cost` does. `watch` is called as soon as it runs."""
     environment = dict(os.environ)
     # as an installation: bytecode is kept
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
     with tempfile.TemporaryFile("w+") as words:
         begin = time.perf_counter()
-        process = subprocess.Popen(command, env=environment, stdout=words, stderr=words)
+        process = subprocess.Popen(command, env=environment, stdout=words, stderr=words, text=True)
+        if watch is not None:
+            watch(process)
         _, status, used = os.wait4(process.pid, 0)
         wall = time.perf_counter() - begin
         process.returncode = os.waitstatus_to_exitcode(status)
+        words.seek(0)
+        told = words.read()
         if process.returncode not in allowed:
-            words.seek(0)
-            raise RuntimeError(f"{' '.join(command)}: {words.read().strip()[-2000:]}")
+            raise RuntimeError(f"{' '.join(command)}: {told.strip()[-2000:]}")
     # ru_maxrss is in kilobytes
-    return Cost(used.ru_utime + used.ru_stime, wall, used.ru_maxrss / 1024.0)
+    return Cost(used.ru_utime + used.ru_stime, wall, used.ru_maxrss / 1024.0, told)

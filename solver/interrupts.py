@@ -3,11 +3,13 @@
 All three raise KeyboardInterrupt, so that what is computed is kept in the same way.
 """
 
+import _thread
 import contextlib
 import os
 import signal
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from types import FrameType
 from typing import Any
@@ -32,10 +34,41 @@ def heard() -> Iterator[None]:
         _received.clear()
     _commands += 1
     try:
-        with _handled(_interrupt):
+        with _handled(_interrupt), _not_lost():
             yield
     finally:
         _commands -= 1
+
+
+@contextlib.contextmanager
+def _not_lost() -> Iterator[None]:
+    """Send a signal again that came where Python drops exceptions.
+
+    In a finalizer, a callback of a weak reference (each import has one) or one of a C library
+    Python would print the traceback of the KeyboardInterrupt and go on.
+    """
+    before = sys.unraisablehook
+
+    def hook(dropped: "sys.UnraisableHookArgs") -> None:
+        if issubclass(dropped.exc_type, KeyboardInterrupt) and _received:
+            # Not threading.Thread: the finalizer may run where that holds its lock.
+            _thread.start_new_thread(_send_again, (_received[-1],))
+        else:
+            before(dropped)
+
+    sys.unraisablehook = hook
+    try:
+        yield
+    finally:
+        sys.unraisablehook = before
+
+
+def _send_again(number: int) -> None:
+    time.sleep(0.001)  # the finalizer has returned
+    if sys.platform == "win32":
+        signal.raise_signal(number)
+    else:
+        signal.pthread_kill(threading.main_thread().ident or 0, number)
 
 
 def end_at_once() -> None:
@@ -51,6 +84,21 @@ def starting() -> Iterator[None]:
     """Do what `end_at_once` says while modules of a command are imported."""
     with _handled(_end) if _commands else contextlib.nullcontext():
         yield
+
+
+@contextlib.contextmanager
+def postponed() -> Iterator[None]:
+    """Complete a block before a signal counts: a library that is half imported is called missing.
+
+    Extensions in C turn the KeyboardInterrupt of an import within their own into an ImportError.
+    """
+    late: list[int] = []
+    try:
+        with _handled(lambda number, _: late.append(number)):
+            yield
+    finally:
+        if late:
+            signal.raise_signal(late[0])
 
 
 def _end(number: int, frame: FrameType | None) -> None:
@@ -98,11 +146,12 @@ def exit_code(code: int) -> int:
 def of_a_signal(error: BaseException) -> bool:
     """Tell whether an exception was made of a KeyboardInterrupt.
 
-    Python 3.11 turns one that comes while a class is made into a RuntimeError.
+    Python 3.11 turns one that comes while a class is made into a RuntimeError, and extensions in C
+    one that comes while a module is imported into an ImportError, without a trace of it.
     """
     found: BaseException | None = error
     while found is not None:
-        if isinstance(found, KeyboardInterrupt):
+        if isinstance(found, KeyboardInterrupt) or (isinstance(found, ImportError) and asked()):
             return True
         found = found.__cause__ or found.__context__
     return False

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
+from ..interrupts import postponed
 from ..package.common.temporary import temporary_sibling
 
 # Palette of Okabe and Ito without yellow, which is too light for lines.
@@ -46,7 +47,10 @@ def house_style(*, formulas: bool = False) -> Iterator[None]:
     With `formulas`, text between dollar signs is one; names of a user then need `plain_words`.
     """
     try:
-        import matplotlib
+        with postponed():
+            import matplotlib
+            import matplotlib.backends.backend_agg
+            import matplotlib.figure
     except ImportError as error:
         raise InputError(
             "report: figures need matplotlib, which is not installed; expected "

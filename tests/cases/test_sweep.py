@@ -269,13 +269,14 @@ def test_missing_packages(repository, tmp_path, capsys):
     assert [row.status for row in rows] == ["finished", "failed"]
     assert rows[1].code == "package"
     assert "hand.vtkhdf: no such file" in rows[1].message
+    assert "`plymotion packages` with the sweep file builds it" in rows[1].message
     table["packages"] = [{"file": "nowhere.vtkhdf"}] * 3
     file.write_text(json.dumps(table))
     capsys.readouterr()
     assert sweep(file) == 2
     message = capsys.readouterr().err
     assert "nowhere.vtkhdf: no such file, nor any other" in message
-    assert f"make {tmp_path.name}-sweep-s" in message
+    assert f"`plymotion packages {file}` builds them" in message
 
 
 @pytest.mark.parametrize("text", ["", "{}", '{"case": "x", "members": 3}', None])

@@ -94,11 +94,10 @@ def test_at_any_time(project, tmp_path, command):
             number = number_of(name)
             if number == 9 and done.returncode == 0:
                 number = 15  # it had ended before
-            if number != 9 and done.returncode == -number and not told:
-                done.returncode, number = (
-                    -9,
-                    9,
-                )  # before Python begins, or when it ends: as if killed
+            before = told.startswith("Fatal Python error: init_")
+            if before or (number != 9 and done.returncode == -number and not told):
+                # Before Python begins, or when it ends: as if killed.
+                done.returncode, done.stderr, number = -9, "", 9
             end = end_of(done, number, folder, words, names(project))
             count(f"{command}: {name} at any time", MISSED if end == "done" else end)
             assert end in ("recovered", "done"), f"{name}: {process.returncode}: {told}"

@@ -10,6 +10,7 @@ import pytest
 from case_samples import HEAD, SOLVER, rigid
 from dask_cluster import until
 from hostile_profile import WAIT_S, count
+from sweep_samples import FORCE, ball
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.commands.sweep.file import read_sweep
@@ -224,6 +225,36 @@ def test_the_exit_code_is_that_of_the_command_wherever_the_signal_comes(tmp_path
     assert (done.returncode, done.stderr) == (130, "")
 
 
+# A signal while the last library is imported that figures need: what is written is told.
+WITHIN_FIGURES = """
+import os, sys
+class Finder:
+    def find_spec(found, *_):
+        if found == "matplotlib.figure":
+            os.kill(os.getpid(), int(sys.argv[1]))
+            for _ in range(1000):  # a handler that raises would do so here
+                pass
+            raise ImportError("of an extension in C, without a trace of the signal")
+sys.meta_path.insert(0, Finder)
+from plymotion.solver.__main__ import main
+sys.exit(main(sys.argv[2:]))
+"""
+
+
+@pytest.mark.parametrize("number", SIGNALS)
+def test_a_signal_while_figures_are_imported_is_no_missing_library(tmp_path, number):
+    sweep = ball(tmp_path, f"{FORCE} = [0.0, 1.0]", 'signals = ["x"]')
+    words = [str(int(number)), "sweep", str(sweep), "--quiet"]
+    done = subprocess.run(
+        [sys.executable, "-c", WITHIN_FIGURES, *words],
+        capture_output=True,
+        text=True,
+        env=os.environ | {"PLYMOTION_COMPILED": "0"},
+    )
+    assert done.returncode == 128 + number, done.stderr
+    assert done.stderr.startswith("s: interrupted; 2 of 2 members are in ")
+
+
 WITHIN_A_CLASS = """
 import os, signal, sys
 from plymotion.solver import __main__ as program
@@ -240,4 +271,25 @@ sys.exit(program.main(["validate", "nothing.vtkhdf"]))
 
 def test_a_signal_while_a_class_is_made_is_no_defect():
     done = subprocess.run([sys.executable, "-c", WITHIN_A_CLASS], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (143, "interrupted: nothing written\n")
+
+
+# Python prints what a finalizer raises, and goes on.
+WITHIN_A_FINALIZER = """
+import os, signal, sys, time
+from plymotion.solver import __main__ as program
+class Dropped:
+    def __del__(self):
+        os.kill(os.getpid(), signal.SIGTERM)
+def run(options):
+    Dropped()
+    time.sleep(60.0)
+program._validate = run
+sys.exit(program.main(["validate", "nothing.vtkhdf"]))
+"""
+
+
+def test_a_signal_in_a_finalizer_is_not_lost():
+    words = [sys.executable, "-c", WITHIN_A_FINALIZER]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=WAIT_S)
     assert (done.returncode, done.stderr) == (143, "interrupted: nothing written\n")

@@ -44,17 +44,31 @@ def run_sweep(options: argparse.Namespace) -> int:
     through = work.compute(lambda: executor_of(options))
     result = result_of(plan, work.rows)
     if not through:
-        print(
-            f"{plan.name}: interrupted; {len(plan.members) - result.count(PENDING)} of "
-            f"{len(plan.members)} members are in {file}, the same command continues from there",
-            file=sys.stderr,
-        )
-        return INTERRUPTED
+        return _interrupted(result, file)
     seconds = time.perf_counter() - begin
     if options.shard:
         tell(result, work.kept, seconds, file, "", planned)
-    elif not _tabulated(folder, result, options):
+        return _incomplete(result)
+    try:
+        told = _tabulated(folder, result, options)
+    except KeyboardInterrupt:
+        return _interrupted(result, file)
+    if not told:
         tell(result, work.kept, seconds, file, f", {CSV}", planned)
+    return _incomplete(result)
+
+
+def _interrupted(result: SweepResult, file: Path) -> int:
+    total = len(result.rows)
+    print(
+        f"{result.name}: interrupted; {total - result.count(PENDING)} of {total} members are in "
+        f"{file}, the same command continues from there",
+        file=sys.stderr,
+    )
+    return INTERRUPTED
+
+
+def _incomplete(result: SweepResult) -> int:
     return INCOMPLETE if result.count(FAILED, STOPPED) else 0
 
 
@@ -81,7 +95,7 @@ def run_merge(options: argparse.Namespace) -> int:
         return INCOMPLETE
     if not _tabulated(folder, result, options):
         tell(result, work.kept, time.perf_counter() - begin, file, f", {CSV}")
-    return INCOMPLETE if result.count(FAILED, STOPPED) else 0
+    return _incomplete(result)
 
 
 def _folder(options: argparse.Namespace) -> Path:

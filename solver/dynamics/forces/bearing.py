@@ -31,20 +31,20 @@ BY_REACTION = (
         "radius",
         "m",
         "of the pin of a hinge; of a slider the arm at which it is held against rotation, "
-        "absent: the moment about its axis rubs nowhere",
+        "absent: no friction by the moment about its axis",
         above=0.0,
     ),
     Number(
         "collar_radius",
         "m",
-        "of the collar that takes the force along the axis of a hinge; absent: it rubs nowhere",
+        "of the collar that takes the force along the axis of a hinge; absent: no friction there",
         above=0.0,
     ),
     Number(
         "length",
         "m",
-        "of the bearing or guide, which takes moments across the axis at its ends; absent: they "
-        "rub nowhere",
+        "of the bearing or guide, which takes moments across the axis at its ends; absent: no "
+        "friction by them",
         above=0.0,
     ),
 )
