@@ -91,7 +91,7 @@ def _head(records: Records) -> _Head:
     if flags[1] and records.reals(2, "the cosines of the oblique section") != [1.0, 0.0]:
         raise InputError(
             f"{records.file}, line {records.line}: oblique sections are not supported: expected "
-            "flag 0 and the section normal to the beam"
+            "the flag oblique 0, and nodes and layers of the section normal to the beam"
         )
     models = [name for name, on in zip(FLAGS[2:], flags[2:], strict=True) if on]
     return _Head(by_layer, n_layer, second, thermal, models, (k1, k2, k3))
