@@ -37,7 +37,8 @@ PLAN_TOO_COARSE = Code(
     "the plan of a sweep with `[fidelity]`, made at its base, does not reach the accuracy there or "
     "at a member that was drawn to check it",
     "estimated error above 0.9 of `accuracy`",
-    "ask for a smaller `accuracy` or a larger `budget`, divide the sweep, or edit its `.plan.toml`",
+    "ask for less (a larger `accuracy`), allow a larger `budget`, divide the sweep, or edit its "
+    "`.plan.toml`",
 )
 
 CODES = (
