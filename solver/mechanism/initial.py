@@ -25,9 +25,7 @@ from ..results.finding import Finding
 
 _POSITION_TOLERANCE = 1e-12
 _VELOCITY_TOLERANCE = 1e-9
-SPRUNG = (
-    1e-5  # [rad, over the size] gap that bodies close by deformation: hinges not quite parallel
-)
+SPRUNG = 1e-5  # gap [rad, over the size] that tilted hinges leave, closed by deformation
 PREFERRED = 1e3  # of motion of frames over deformation, which counts as sqrt(J)
 _MAX_STEP = 0.5  # [m, rad] limit of one Newton correction, for rough initial positions
 _MAX_ITERATIONS = 60
