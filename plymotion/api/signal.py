@@ -159,6 +159,9 @@ class Signal:
         pd = pandas()
         return pd.Series(self.values, index=pd.Index(self.t, name="t"), name=self.name)
 
+    # Above that of NumPy's scalars, below that of arrays: np.float64(2.0) * signal is a signal.
+    __array_priority__ = -1.0
+
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> Array:
         return np.array(self.values, dtype=dtype)
 
@@ -168,8 +171,13 @@ class Signal:
     def __add__(self, other: Any) -> "Signal":
         return self._combined("+", other)
 
+    __radd__ = __add__
+
     def __sub__(self, other: Any) -> "Signal":
         return self._combined("-", other)
+
+    def __rsub__(self, other: Any) -> "Signal":
+        return -self + other
 
     def __mul__(self, factor: Any) -> "Signal":
         if not isinstance(factor, Real):

@@ -156,6 +156,10 @@ def test_arithmetic_of_signals(swing):
     assert (abs(error) + 1.0).min == 1.0
     assert (error / 2.0).peak_to_peak == pytest.approx(0.5 * np.ptp(z - z_moon))
     assert np.array_equal((-error).values, z_moon - z)
+    assert np.array_equal((1.0 - error).values, 1.0 - error.values)
+    for number in (2.0, np.float64(2.0)):
+        assert np.array_equal((number * error).values, 2.0 * error.values)
+        assert (number + error).unit == "m"
     length = pm.norm(base.signals["tip_z"], base.signals["tip_z"])
     assert length.values == pytest.approx(np.sqrt(2.0) * np.abs(z))
     with pytest.raises(pm.InputError, match="expected the same unit, found m and m/s"):
