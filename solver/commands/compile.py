@@ -33,6 +33,8 @@ from ..integrators.radau import Radau
 from ..integrators.step_loop import StepLoop
 from ..math.arrays import Array
 from ..math.compiled import COMPILED, statistics
+from ..math.expressions.program import value_at
+from ..math.expressions.tree import ONE
 from ..math.laws import polynomial
 from ..math.rotations import rotation_matrices, rotation_matrix, vectors_to_matrices
 from ..monitors.singularity import SingularityMonitor
@@ -137,6 +139,7 @@ def _compile_others() -> None:
     rotation_vectors(rotation_matrices(y[None, 3:7]))
     vectors_to_matrices(y[None, 7:10])
     law_at(model, -1, 0.0)
+    value_at(ONE)
 
 
 def _compile_evaluation() -> None:
