@@ -32,6 +32,12 @@ def _check(folder: Path, text: str | bytes) -> int:
 WRONG = {
     "nested": ("x = " + "[" * 500 + "]" * 500 + "\n" + CASE, "nested too deep"),
     "digits": (CASE.replace("mass = 1.0", "mass = " + "9" * 5000), "not valid TOML: .*4300 digits"),
+    "dots": ("x" + ".x" * 20_000 + " = 1\n" + CASE, "nested too deep; expected 100 levels"),
+    "hexadecimal digits": (
+        CASE.replace("mass = 1.0", "mass = 0x" + "f" * 5000),
+        "bodies.ball.mass = a number of thousands of digits: .*valid number",
+    ),
+    "long name": (CASE + f"[runs.{'r' * 240}]\n", "runs.r.* at most 100 characters"),
     "true": (CASE.replace("mass = 1.0", "mass = true"), "bodies.ball.mass = True: .*valid number"),
     "quoted": (CASE.replace("mass = 1.0", 'mass = "1"'), 'bodies.ball.mass = "1": .*valid number'),
     "inertia": (
@@ -63,6 +69,23 @@ def test_wrong_input_is_told(tmp_path, capsys, name):
     assert told.count("\n") == 1, told
     assert str(tmp_path / "case.toml") in told
     assert re.search(words, told), told
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="names of files are text there")
+@pytest.mark.parametrize("place", ["case", "out", "current"])
+def test_a_path_that_is_no_text_is_told(tmp_path, capsys, monkeypatch, place):
+    """In files of results, paths are UTF-8."""
+    odd = tmp_path / os.fsdecode(b"caf\xe9")
+    odd.mkdir()
+    case = (odd if place == "case" else tmp_path) / "case.toml"
+    case.write_text(CASE)
+    monkeypatch.chdir(odd if place == "current" else tmp_path)
+    with pytest.raises(SystemExit) as end:
+        main(["run", str(case), "--out", str(odd if place == "out" else tmp_path / "out")])
+    assert end.value.code == 2
+    assert r"caf\udce9" in (told := capsys.readouterr().err)
+    assert told.endswith(": expected a path whose bytes are UTF-8\n")
     assert not (tmp_path / "out").exists()
 
 

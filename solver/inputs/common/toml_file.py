@@ -6,6 +6,8 @@ from typing import Any
 
 from ...errors import InputError
 
+LEVELS = 100  # of tables and lists in each other
+
 
 def read_toml(file: Path, what: str) -> dict[str, Any]:
     """Read a TOML file; `what` it is meant to be ("case file") goes into the message.
@@ -17,11 +19,25 @@ def read_toml(file: Path, what: str) -> dict[str, Any]:
     """
     if file.exists() and not file.is_file():  # a folder, or a device that never ends
         raise InputError(f"{file}: no such {what}")
+    too_deep = f"{file}: not valid TOML: nested too deep; expected {LEVELS} levels"
     try:
-        return tomllib.loads(file.read_text(encoding="utf-8-sig"))
+        table = tomllib.loads(file.read_text(encoding="utf-8-sig"))
     except (FileNotFoundError, IsADirectoryError) as error:
         raise InputError(f"{file}: no such {what}") from error
     except RecursionError:
-        raise InputError(f"{file}: not valid TOML: nested too deep; expected 100 levels") from None
+        raise InputError(too_deep) from None
     except ValueError as error:  # of the syntax, of UTF-8, or a number of thousands of digits
         raise InputError(f"{file}: not valid TOML: {error}") from error
+    if not _flat_enough(table):  # as a key of many dots
+        raise InputError(too_deep)
+    return table
+
+
+def _flat_enough(table: dict[str, Any]) -> bool:
+    level: list[Any] = [table]
+    for _ in range(LEVELS):
+        within = [item.values() if isinstance(item, dict) else item for item in level]
+        level = [item for items in within for item in items if isinstance(item, dict | list)]
+        if not level:
+            return True
+    return False
