@@ -78,7 +78,8 @@ def _guarded(options: argparse.Namespace) -> int:
         code = full_output(error)
         if code is not None:
             return code
-        print(f"error: {error.filename or ''}: {error.strerror or error}", file=sys.stderr)
+        where = f"{error.filename}: " if error.filename else ""
+        print(f"error: {where}{error.strerror or error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         return _nothing_written()

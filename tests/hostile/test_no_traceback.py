@@ -89,6 +89,16 @@ def test_a_path_that_is_no_text_is_told(tmp_path, capsys, monkeypatch, place):
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="links need a right there")
+def test_a_loop_of_links_is_told(tmp_path, capsys):
+    assert _check(tmp_path, CASE) == 0
+    (tmp_path / "out/base").symlink_to("loop")
+    (tmp_path / "out/loop").symlink_to("base")
+    assert main(["run", str(tmp_path / "out/runs/base.json"), "--quiet"]) == 2
+    assert re.search("symlink loop|symbolic links", told := capsys.readouterr().err, re.I), told
+    assert "out/base" in told
+
+
 def test_limit_of_outputs_may_be_raised(tmp_path, capsys):
     many = CASE.replace("output_step = 0.01", "output_step = 5e-9")
     assert _check(tmp_path, many) == 2
