@@ -95,8 +95,8 @@ def test_a_loop_of_links_is_told(tmp_path, capsys):
     (tmp_path / "out/base").symlink_to("loop")
     (tmp_path / "out/loop").symlink_to("base")
     assert main(["run", str(tmp_path / "out/runs/base.json"), "--quiet"]) == 2
-    assert re.search("symlink loop|symbolic links", told := capsys.readouterr().err, re.I), told
-    assert "out/base" in told
+    told = capsys.readouterr().err
+    assert re.search("out/base: (File exists|Too many levels of symbolic links)", told), told
 
 
 def test_limit_of_outputs_may_be_raised(tmp_path, capsys):
