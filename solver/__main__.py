@@ -75,9 +75,9 @@ def _guarded(options: argparse.Namespace) -> int:
     except BrokenPipeError:
         return no_reader()
     except OSError as error:
-        code = full_output(error)
-        if code is not None:
-            return code
+        ended = full_output(error)
+        if ended is not None:
+            return ended
         where = f"{error.filename}: " if error.filename else ""
         print(f"error: {where}{error.strerror or error}", file=sys.stderr)
         return 2

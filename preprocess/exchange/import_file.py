@@ -41,6 +41,13 @@ def check_table(table: dict[str, Any], where: str) -> None:
         raise InputError(f"{where}: {error}") from error
 
 
+# What readers and the HDF5 library raise where a file is not what it should be.
+DAMAGE = (
+    *(ValueError, ArithmeticError, LookupError, MemoryError),
+    *(RuntimeError, AttributeError, TypeError),
+)
+
+
 def imported(
     table: dict[str, Any],
     folder: Path,
@@ -78,7 +85,7 @@ def imported(
         found = reader.read(files)
     except (InputError, PackageError):
         raise
-    except (ValueError, ArithmeticError, LookupError, MemoryError) as error:
+    except DAMAGE as error:
         what = " ".join(str(error).split())[:200] or type(error).__name__
         raise InputError(
             f"{where}: {files.latest()}: damaged, or not as {kind} writes it ({what})"
