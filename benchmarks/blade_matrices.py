@@ -1,26 +1,31 @@
 """6x6 matrices of a windIO blade beside those that its file has: a table of all stations.
 
     plymotion blade FILE.yaml --at <grid of the file> -o DIR --no-estimate
-    PYTHONPATH=.:benchmarks python benchmarks/blade_matrices.py FILE.yaml DIR/blade.csv [every]
+    PYTHONPATH=.:benchmarks python benchmarks/blade_matrices.py FILE.yaml DIR [every]
 
 Ours over theirs: mass, EA, EI about the tension centre (flap and edge), GJ of the free section
 (1 / S44); differences of the centres of mass and tension in per cent of the chord, to the leading
-edge and to the suction side. Last: the masses of the blade. `--grid FILE.yaml` prints the stations
-of the file for --at.
+edge and to the suction side. Last: mass, and the two lowest frequencies of the clamped blade at
+rest, with our matrices and theirs in the same beam; these need FEniCSx. `--grid FILE.yaml` prints
+the stations of the file for --at.
 """
 
 import csv
+import io
 import sys
+import tempfile
 from pathlib import Path
 
 import numpy as np
 import yaml
 
+import plymotion as pm
 from plymotion.solver.commands.section.conventions import (
     BLADE_AXES_LEADING_EDGE,
     convert,
     transform,
 )
+from plymotion.solver.package.body.io import read_package
 
 UPPER = [(i, j) for i in range(6) for j in range(i, 6)]
 
@@ -70,14 +75,48 @@ def numbers(K: np.ndarray, M: np.ndarray) -> np.ndarray:
     return np.array([M[0, 0], 1.0 / S[0, 0], EI[0, 0], EI[1, 1], 1.0 / S[3, 3]])
 
 
-def main(file: Path, table: Path | None, every: int) -> None:
+def beam_of(table: str, K: list[np.ndarray], M: list[np.ndarray]) -> str:
+    """The table of a beam with other matrices."""
+    lines = table.splitlines(keepends=True)
+    remarks = [line for line in lines if line.startswith("#")]
+    rows = list(csv.DictReader(lines[len(remarks) :]))
+    stream = io.StringIO(newline="")
+    writer = csv.DictWriter(stream, rows[0])
+    writer.writeheader()
+    for row, stiffness, mass in zip(rows, K, M, strict=True):
+        own = {"K": stiffness, "M": mass}
+        entries = {f"{c}{i + 1}{j + 1}": float(A[i, j]) for c, A in own.items() for i, j in UPPER}
+        writer.writerow(row | entries)
+    return "".join(remarks) + stream.getvalue()
+
+
+def frequencies(table: str) -> list[float]:
+    """The two lowest frequencies [Hz] of a clamped beam at rest."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "beam.csv"
+        file.write_text(table, encoding="utf-8")
+        case = pm.Case("blade", solver={"t_end": 1e-3, "output_step": 1e-3})
+        case.ground["hub"] = {"position": (0, 0, 0)}
+        case.bodies["blade"] = {
+            "kind": "beam",
+            "table": str(file),
+            "modes": [{"kind": "lowest", "count": 4}],
+            "interfaces": {"root": {"at": "start"}, "tip": {"at": "end"}},
+        }
+        case.joints["clamp"] = {"kind": "fixed", "between": ["ground.hub", "blade.root"]}
+        pm.run(case, out=folder)
+        (package,) = Path(folder, "bodies").glob("*.vtkhdf")
+        return [w / (2.0 * np.pi) for w in read_package(package).frequencies[:2]]
+
+
+def main(file: Path, folder: Path | None, every: int) -> None:
     with file.open(encoding="utf-8") as stream:
         blade = yaml.load(stream, Loader=yaml.CSafeLoader)["components"]["blade"]
     grid, K_theirs, M_theirs = theirs(blade)
-    if table is None:
+    if folder is None:
         print(",".join(map(repr, grid.tolist())))
         return
-    with table.open(newline="") as stream:
+    with (folder / "blade.csv").open(newline="") as stream:
         rows = list(csv.DictReader(stream))
     ours = {round(float(row["r"]), 6): row for row in rows}
     print("| r | mass | EA | EI flap | EI edge | GJ | mass centre | tension centre | removed |")
@@ -101,6 +140,9 @@ def main(file: Path, table: Path | None, every: int) -> None:
         np.trapezoid([M[0, 0] for M in M_theirs], s),
     ]
     print(f"blade: {masses[0]:.0f} kg, theirs {masses[1]:.0f} kg, {masses[0] / masses[1] - 1:+.2%}")
+    beam = (folder / "beam.csv").read_text(encoding="utf-8")
+    for whose, text in (("ours", beam), ("theirs", beam_of(beam, K_theirs, M_theirs))):
+        print(f"{whose}: " + ", ".join(f"{f:.4f} Hz" for f in frequencies(text)))
 
 
 if __name__ == "__main__":

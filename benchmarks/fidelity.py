@@ -124,7 +124,7 @@ def with_runs(scene: Table) -> Table:
         if not flat:
             modes = [
                 {"kind": "bending-xy", "count": 6},
-                {"kind": "bending-xz", "count": 8},
+                {"kind": "bending-xz", "count": 12},
                 {"kind": "torsion", "count": 3},
                 {"kind": "axial", "count": 2},
             ]

@@ -2,9 +2,10 @@
 
 python benchmarks/report_pages.py [CASE ...]    build/CASE/report.html; default: all that are there
 
-Prints the table of docs/report.md. `ready` is the time from opening the page to its mark that
-everything is drawn, the least of five; `CPU` is what all processes of the browser took for it, so
-that other work on the machine does not count, and `page` the share of the page's own thread.
+Prints the table of docs/report.md, with four more columns. `ready` is the time from opening the
+page to its mark that everything is drawn, the least of five; `CPU` is what all processes of the
+browser took for it, so that other work on the machine does not count, and `page` the share of the
+page's own thread.
 Needs build/browser/axe.min.js (tools/browser.sh) and runs with PYTHONPATH=.:tests.
 """
 
@@ -61,10 +62,8 @@ def measure(page: Path) -> list[str]:
 def main(names: list[str]) -> None:
     """Measure the pages one after the other."""
     pages = [BUILD / name / "report.html" for name in names]
-    print(
-        "| case | size [MB] | drawn by | ready [s] | CPU [s] | page [s] | errors | requests | axe |"
-    )
-    print("|---|---|---|---|---|---|---|---|---|")
+    print(f"| {' | '.join(HEAD)} |")
+    print("|---" * len(HEAD) + "|")
     found = sorted(file.parent / "report.html" for file in BUILD.glob("*/case.json"))
     for page in pages or [page for page in found if page.is_file()]:
         print(f"| {page.parent.name} | {' | '.join(measure(page))} |", flush=True)

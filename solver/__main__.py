@@ -16,7 +16,7 @@ from pathlib import Path
 
 from plymotion import __version__
 
-from .commands.arguments import CommandParser, add_figures, add_no_scripts
+from .commands.arguments import COMMAND, CommandParser, add_figures, add_no_scripts
 from .commands.blade.options import add_blade_command
 from .commands.chart.options import add_chart_command
 from .commands.exchange.options import add_exchange_commands
@@ -52,11 +52,17 @@ def main(arguments: list[str] | None = None) -> int:
     # "plymotion solver sweep" is "plymotion sweep", as is "python -m plymotion.solver sweep".
     if words[:1] == ["solver"]:
         words = words[1:]
-    if words and (words[0].endswith(".toml") or os.path.isfile(f"{words[0]}/{CASE_FILE}")):
-        words = ["run", *words]  # "plymotion case.toml" is "plymotion run case.toml"
-    options = parser().parsed(words)
+    known = parser()
+    # "plymotion case.toml" is "plymotion run case.toml", unless a command has the folder's name.
+    if words and words[0] not in known.commands() and _is_case(words[0]):
+        words = ["run", *words]
+    options = known.parsed(words)
     with heard():
         return exit_code(_guarded(options))
+
+
+def _is_case(word: str) -> bool:
+    return word.endswith(".toml") or os.path.isfile(f"{word}/{CASE_FILE}")
 
 
 def _guarded(options: argparse.Namespace) -> int:
@@ -106,7 +112,7 @@ def parser() -> CommandParser:
         "`plymotion CASE.toml` goes from a case file to its report; commands do parts of it.",
     )
     parser.add_argument("--version", action="version", version=f"plymotion {__version__}")
-    commands = parser.add_subparsers(required=True, metavar="COMMAND", prog="plymotion")
+    commands = parser.add_subparsers(required=True, metavar=COMMAND, prog="plymotion")
 
     check = commands.add_parser(
         "check", help="check a case file; with --out, write the input of the other commands"
@@ -130,7 +136,7 @@ def parser() -> CommandParser:
     ahead.add_argument("--all", action="store_true", help="also that of generalized-alpha")
     ahead.set_defaults(command=_compile)
 
-    report = commands.add_parser("report", help="report.html and the table of a case")
+    report = commands.add_parser("report", help="write report.html and the table of a case")
     report.add_argument("folder", type=Path, metavar="DIR", help="folder of a case, build/CASE")
     add_figures(report)
     report.add_argument(
@@ -189,7 +195,7 @@ def _check(options: argparse.Namespace) -> int:
         print(reference_page(), end="")
         return 0
     if options.case is None:
-        raise InputError("check: no case file given; expected cases/<name>/case.toml")
+        raise InputError("check: no case file given; expected CASE.toml")
     case = load_case(options.case, coarse=options.coarse)
     if options.out is None:
         print(f"{options.case}: {len(case.runs)} runs, no errors")

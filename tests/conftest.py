@@ -29,7 +29,7 @@ else:
 SLOW = {
     "cases": {
         *("compiled", "default_settings", "executors", "fidelity_command", "long_output"),
-        *("report_page", "report_strength_page", "sweep"),
+        *("report_page", "report_strength_page", "sweep", "sweep_interrupted"),
     },
     "contract": {"packages_cli", "recipes", "section_cli", "shell_cli", "wheel"},
     "hostile": {

@@ -39,6 +39,7 @@ drive = { polynomial = [0.0, 0.0, 8.0] }
 
 [variants.impossible]
 fidelity = { accuracy = 1e-9, signals = ["force"], budget = 0.5 }
+solver = { t_end = 0.03 }
 
 [runs.base]
 [runs.impossible]

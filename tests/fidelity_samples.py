@@ -61,9 +61,17 @@ def pendulum(links: int = 1, speed: float = 6.0, t_end: float = 0.4, **fidelity:
 
 
 def planned_run(
-    table: Table, side: str = "stiff", modulus: float = 73e9
+    table: Table,
+    side: str = "stiff",
+    modulus: float = 73e9,
+    *,
+    without: str = "",
+    elements: int | None = None,
 ) -> tuple[RunSpec, dict[str, ModalPackage]]:
-    """A run with the rich packages of its model, and the packages of its check."""
+    """A run with the rich packages of its model, and the packages of its check.
+
+    `without` is a kind of modes, `elements` a mesh, of the packages of the model: omissions.
+    """
     mechanism = Mechanism.model_validate(table)
     across, along = SIZES[side]
     K, mass = rectangle(modulus, 0.3, 2700.0, along, across)
@@ -71,11 +79,15 @@ def planned_run(
     for name, body in mechanism.bodies.items():
         if body.kind != "beam":
             continue
-        for found, rich in zip(packages, rich_bodies(name, mechanism), strict=True):
+        model, check = rich_bodies(name, mechanism)
+        kept = [mode.model_dump() for mode in model.modes if mode.kind != without]
+        every = [mode.model_dump() for mode in check.modes]
+        meshes = (kept, elements or model.elements), (every, check.elements)
+        for found, (modes, mesh) in zip(packages, meshes, strict=True):
             found[name] = reduced(
                 {"kind": "clamped", "at": "root"},
-                [mode.model_dump() for mode in rich.modes],
-                elements=rich.elements,
+                modes,
+                elements=mesh,
                 K=K,
                 mass=mass,
                 length=body.length,

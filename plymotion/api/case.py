@@ -32,11 +32,22 @@ class _Group:
         case.table[self.name] = value
 
 
+class _Entry(_Group):
+    """A key of the case file that a case may lack; None then."""
+
+    def __get__(self, case: "Case | None", owner: type) -> Any:
+        return self if case is None else case.table.get(self.name)
+
+    def __set__(self, case: "Case", value: Any) -> None:
+        case.table[self.name] = value
+
+
 class Case:
     """A mechanism with its runs and sweeps: what a case file has, in Python.
 
-    Every table of the case file is an attribute of the same name; docs/case-reference.md lists
-    their keys. Arrays and tuples may stand for lists. `check`, `run` and `sweep` check the case.
+    Every key of the case file is an attribute of the same name; docs/case-reference.md lists
+    what they hold. Arrays and tuples may stand for lists. `check`, `run` and `sweep` check the
+    case. There are no other attributes: a misspelt one is an AttributeError.
 
     Parameters
     ----------
@@ -67,6 +78,12 @@ class Case:
     -4.905
     """
 
+    __slots__ = ("_file", "folder", "name", "table")
+
+    format = _Entry()
+    title = _Entry()
+    gravity = _Entry()
+    fidelity = _Entry()
     materials = _Group()
     sections = _Group()
     bodies = _Group()
@@ -75,10 +92,12 @@ class Case:
     couplings = _Group()
     forces = _Group()
     parameters = _Group()
+    tables = _Group()
     masses = _Group()
     signals = _Group()
     solver = _Group()
     variants = _Group()
+    coarse = _Group()
     runs = _Group()
     figures = _Group()
     sweeps = _Group()

@@ -48,6 +48,9 @@ class ByName(Mapping[str, T], Generic[T]):
     def __len__(self) -> int:
         return len(self._items)
 
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self)
+
     def __repr__(self) -> str:
         return f"<{len(self)} {self._what}: {', '.join(self)}>"
 

@@ -62,7 +62,7 @@ def run(
     checked = case.check(coarse=coarse, sweeps=())
     run = run or only_run(case.name, checked.runs)
     if run not in checked.runs:
-        raise InputError(f"{case.name} has no run {run!r}{nearest(run, checked.runs)}")
+        raise InputError(f"{case.name} has no run {run!r}{nearest(str(run), checked.runs)}")
     folder = folder_of(case, out, coarse=coarse)
     with turn(folder, quiet=not progress):
         write_case(checked, folder, None if packages is None else Path(packages))

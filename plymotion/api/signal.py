@@ -1,5 +1,6 @@
 """A signal of a run in Python: values over time, measures, arithmetic."""
 
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -158,6 +159,9 @@ class Signal:
         pd = pandas()
         return pd.Series(self.values, index=pd.Index(self.t, name="t"), name=self.name)
 
+    # Above that of NumPy's scalars, below that of arrays: np.float64(2.0) * signal is a signal.
+    __array_priority__ = -1.0
+
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> Array:
         return np.array(self.values, dtype=dtype)
 
@@ -167,10 +171,17 @@ class Signal:
     def __add__(self, other: Any) -> "Signal":
         return self._combined("+", other)
 
+    __radd__ = __add__
+
     def __sub__(self, other: Any) -> "Signal":
         return self._combined("-", other)
 
-    def __mul__(self, factor: float) -> "Signal":
+    def __rsub__(self, other: Any) -> "Signal":
+        return -self + other
+
+    def __mul__(self, factor: Any) -> "Signal":
+        if not isinstance(factor, Real):
+            return NotImplemented
         return Signal(f"{factor:g} {self.name}", self.unit, "", self.t, self.values * factor)
 
     __rmul__ = __mul__
@@ -192,8 +203,10 @@ class Signal:
                     f"{self.unit} and {other.unit}"
                 )
             name, values = other.name, other.at(self.t)
-        else:
+        elif isinstance(other, Real):
             name, values = f"{other:g}", float(other)
+        else:
+            return NotImplemented
         total = self.values + values if sign == "+" else self.values - values
         return Signal(f"{self.name} {sign} {name}", self.unit, "", self.t, total)
 
@@ -216,6 +229,8 @@ def norm(*signals: Signal) -> Signal:
     >>> round(distance.min, 9), round(distance.max, 9)   # the length of the rod
     (1.0, 1.0)
     """
+    if not signals:
+        raise InputError("norm(): expected at least one signal")
     first = signals[0]
     values = np.sqrt(sum(np.square(s.at(first.t)) for s in signals))
     for signal in signals:

@@ -22,7 +22,7 @@ from ..solver.commands.sweep.file import SweepResult, read_sweep, result_of, swe
 from ..solver.commands.sweep.member import FINISHED
 from ..solver.commands.sweep.plan import read_plan
 from ..solver.commands.sweep.work import Work, settled
-from ..solver.errors import InputError, nearest
+from ..solver.errors import InputError, few, nearest
 from ..solver.inputs.case.specs import write_case
 from ..solver.interrupts import INTERRUPTED
 from ..solver.math.arrays import Array
@@ -60,8 +60,13 @@ class SweepSignal:
         for measure in result.measures(name):
             setattr(self, measure, result.signal(name, measure))
 
+    final: Array
     min: Array
     max: Array
+    t_min: Array
+    t_max: Array
+    rms: Array
+    peak_to_peak: Array
 
     @property
     def history(self) -> Array:
@@ -73,6 +78,10 @@ class SweepSignal:
         >>> found.signals["angle"].history.shape
         (2, 101)
         """
+        if not any(self.name in row.histories for row in self._result.rows):
+            raise InputError(
+                f"{self.name}: its values over time were not kept; expected it among histories"
+            )
         return self._result.history(self.name)
 
     def __repr__(self) -> str:
@@ -173,6 +182,8 @@ class Sweep:
         axes = pyplot().gca() if axes is None else axes
         name, unit = self.data.parameter_names[0], self.data.parameter_units[0]
         x, found = self.parameters[name], self.signals[signal]
+        if measure not in (known := self.data.measures(signal)):
+            raise InputError(f"{signal} has no measure {measure!r}{nearest(measure, known)}")
         order = np.argsort(x, kind="stable")
         axes.plot(x[order], getattr(found, measure)[order], **{"marker": "o", **style})
         label = f"{found.description or signal}, {measure} [{found.unit}]"
@@ -241,7 +252,14 @@ def sweep(
     True
     """
     case = as_case(case)
-    if vary is not None:
+    if vary is None:
+        new = {"run": run, "expressions": expressions, "signals": signals, "histories": histories}
+        for key in (key for key, value in new.items() if value):
+            raise InputError(f"sweep(): {key} belongs to a new sweep; expected vary= beside it")
+        if name is None:
+            known = f": {few(case.sweeps)}" if case.sweeps else "; the case has none"
+            raise InputError(f"{case.name}: expected the name of a sweep, or vary={known}")
+    else:
         name = name or "python"
         case = deepcopy(case)
         own = {
@@ -302,8 +320,14 @@ def _by_command(file: Path, jobs: int, *, fresh: bool, progress: bool) -> None:
 
 
 def _listed(vary: Mapping[str, Any]) -> dict[str, Any]:
-    """Return parameters as a case file has them."""
-    return {
-        name: values if isinstance(values, Mapping) else plain(list(values))
-        for name, values in vary.items()
-    }
+    """Return parameters as a case file has them. Raises InputError."""
+    found = {}
+    for name, values in vary.items():
+        try:
+            found[name] = plain(values if isinstance(values, Mapping) else list(values))
+        except TypeError:
+            raise InputError(
+                f"vary: {name} = {values!r}: expected a list of values, or a table with from, "
+                "to and count"
+            ) from None
+    return found

@@ -11,12 +11,13 @@ from ...solver.package.section.schema import SectionFile
 from .. import fenicsx
 from .adaptive import indicators, worst_cells
 from .errors import SectionError
-from .estimate import error_estimate, scaled
+from .estimate import error_estimate, error_of_edges, scaled
 from .guards import (
     ALLOWED,
     REVERSAL,
     check_degree,
     condition_warnings,
+    density_warnings,
     not_computed_warnings,
     reversal_warnings,
     solvability_warnings,
@@ -24,6 +25,7 @@ from .guards import (
 from .helical import CentralSolutions
 from .inertia import mass_centre, mass_matrix
 from .layers import Layup, layup
+from .mesh import OF_MESH
 from .mesh_data import mesh_data, nodal_displacements
 from .problem import SectionProblem, section_problem
 from .recovery import section_recovery, unit_strains, unit_warping
@@ -35,7 +37,6 @@ from .timoshenko import SectionStiffness, shear_centre, tension_centre
 from .twist import TwistedStrains
 
 DEGREE = 2  # of the warping field
-OF_MESH = "mesh"  # degree: the functions of the nodes that each cell has
 MOST_STEPS = 25  # of refinement
 MOST_DOFS = 400_000  # limit of refinement: a larger problem takes minutes and gigabytes
 
@@ -79,6 +80,8 @@ def analyse(
     allow = tuple(spec.get("allow", ()))
     steps: list[dict[str, float | None]] = []
     problem = section_problem(spec["mesh"], where, _degree(spec), team)
+    # cells of another code are the section itself; others keep their edges when they are refined
+    edges = 0.0 if _degree(spec) is None else error_of_edges(problem.mesh.cells)
     while True:
         begin(f"mesh, refined {len(steps)} times" if steps else "mesh")
         lay = layup(spec, problem.mesh, problem.space, where)
@@ -87,6 +90,7 @@ def analyse(
             *lay.warnings,
             *check_degree(problem.space, lay, where, allow, given=_degree(spec) is None),
             *not_computed_warnings(spec.get("not_computed", ())),
+            *density_warnings(lay),
         ]
         begin(f"warping, {problem.space.n_dof} dofs")
         result = _solve(problem, lay, where, spec)
@@ -98,7 +102,9 @@ def analyse(
             richer = _richer(problem, spec, where, first=not steps)
             lay_richer = layup(spec, richer.mesh, richer.space, where)
             better = _solve(richer, lay_richer, where, spec, measured=False)
+            size = np.sqrt(np.diag(result.K))
             error = error_estimate(result.K, better.K, problem.space.degree)
+            error = error + edges * np.outer(size, size)
         reversal = 0.0
         if error is not None and lay.reversing.any():
             # refinement moves the place of the reversal only slowly
@@ -119,6 +125,16 @@ def analyse(
             {"refine": len(steps), "dofs": problem.space.n_dof, "error": worst, "seconds": lap}
         )
         if accuracy is None or worst is None or worst <= accuracy or reversal > accuracy:
+            break
+        if edges > accuracy:
+            warnings.append(
+                {
+                    "code": "accuracy-not-met",
+                    "message": f"estimated error {worst:.1e}, {accuracy:.1e} requested; curved "
+                    f"edges of the mesh are parabolas, which alone costs {edges:.1e}: use a finer "
+                    "mesh (density)",
+                }
+            )
             break
         eta = indicators(problem, result, richer, better, lay_richer.stiffness)
         cells = refined(problem.mesh.cells, worst_cells(eta))

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ...solver.errors import few
 from ...solver.package.common.anisotropic import Anisotropic
 from ..materials import Orthotropic
 from .cells import CellMesh
@@ -76,6 +77,21 @@ def not_computed_warnings(models: Sequence[str]) -> list[dict[str, str]]:
             "code": "model-not-computed",
             "message": f"the file asks for {', '.join(models)}: only the 6x6 stiffness and mass "
             "are computed",
+        }
+    ]
+
+
+def density_warnings(lay: Layup) -> list[dict[str, str]]:
+    """Warning about materials without density, which files of other codes may have."""
+    pairs = zip(lay.plies, lay.materials, strict=True)
+    names = sorted({ply.material for ply, material in pairs if material.rho == 0.0})
+    if not names:
+        return []
+    return [
+        {
+            "code": "no-density",
+            "message": f"{few(names)}: the density is 0, so the mass does not contain all of the "
+            "section",
         }
     ]
 

@@ -31,5 +31,7 @@ def mass_matrix(space: SectionSpace, density: Array) -> Array:
 
 
 def mass_centre(M: Array) -> Array:
-    """(x2, x3) of the mass centre, (2,) [m]."""
+    """(x2, x3) of the mass centre, (2,) [m]; the origin if there is no mass."""
+    if M[0, 0] == 0.0:
+        return np.zeros(2)
     return np.array([-M[0, 5], M[0, 4]]) / M[0, 0]

@@ -20,7 +20,7 @@ from ...solver.package.section.schema import Ply
 from ..materials import Orthotropic, rotated
 from .curves import nearest_on_curve
 from .errors import SectionError
-from .mesh import SectionMesh
+from .mesh import OF_MESH, SectionMesh
 from .space import SectionSpace
 
 CONVENTIONS = ("contour", "cartesian")
@@ -107,8 +107,9 @@ def layup(spec: Mapping[str, Any], mesh: SectionMesh, space: SectionSpace, where
         )
     regions, names = spec["regions"], mesh.cells.regions
     _same_names(regions, names, where)
+    massless = spec["mesh"].get("degree") == OF_MESH
     table = {
-        name: elastic_from_dict(constants, f"{where}.materials.{name}")
+        name: elastic_from_dict(constants, f"{where}.materials.{name}", massless=massless)
         for name, constants in spec["materials"].items()
     }
     ply = np.full(space.weights.shape, -1)

@@ -27,6 +27,7 @@ __all__ = ["SectionError", "SectionMesh", "script_path", "section_mesh"]
 
 KEPT = 8  # meshes that a process keeps
 SOURCES = ("script", "file", "arrays")
+OF_MESH = "mesh"  # degree: the functions of the nodes that each cell has, for other codes
 MIXED = "mixed"  # cell_type of arrays with cells (c, 9), kind (c,) and layer_angle
 ARRAY_CELLS = {
     "triangle": ("triangle", 1),

@@ -14,6 +14,10 @@ from .guards import check_supported
 from .problem import ShellProblem
 
 LARGE = 0.1  # rad, rotation at the first load factor above which linear buckling is doubtful
+IN_PLANE = (
+    0.1  # motion out of the plane of a flat shell over the largest one, below which it is not
+)
+FLAT = 1e-6  # height of a flat shell over its size
 
 
 class Stressed:
@@ -109,5 +113,21 @@ def buckling(
                 "assumes small displacements up to buckling; the real load may be far below"
             )
             warnings.append({"code": "buckling-after-large-rotation", "message": text})
+        if len(first) and _moves_in_plane(problem.mesh.points_G, found[name].shapes[:, 0]):
+            text = (
+                f"load case {name}: the mode of the factor {first[0]:.4g} moves in the plane of "
+                "the shell: a column, or a rotation that supports hold at one node only (hold the "
+                "plane at two nodes); in_plane = false leaves such modes out"
+            )
+            warnings.append({"code": "buckles-in-plane", "message": text})
     equations.close()
     return found
+
+
+def _moves_in_plane(points_G: Array, shape: Array) -> bool:
+    """Whether a flat shell with nodes (n, 3) has a mode (6 n,) in its plane."""
+    away = points_G - points_G.mean(axis=0)
+    size, axes = np.linalg.svd(away, full_matrices=False)[1:]
+    motion = shape.reshape(-1, 6)[:, :3]
+    out = float(np.abs(motion @ axes[2]).max())
+    return bool(size[2] < FLAT * size[0] and out < IN_PLANE * np.abs(motion).max())

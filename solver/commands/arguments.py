@@ -9,6 +9,8 @@ from typing import NoReturn
 
 from ..errors import did_you_mean
 
+COMMAND = "COMMAND"  # what --help and messages call a command
+
 
 class CommandParser(argparse.ArgumentParser):
     """A parser that proposes the nearest command or option for one that does not exist."""
@@ -23,7 +25,7 @@ class CommandParser(argparse.ArgumentParser):
                 self.exit(2, f"error: {word!a}: expected a path whose bytes are UTF-8\n")
         options, rest = self.parse_known_args(words)
         if rest:
-            chosen = next((self._commands()[w] for w in words if w in self._commands()), self)
+            chosen = next((self.commands()[w] for w in words if w in self.commands()), self)
             known = chosen._option_string_actions
             unknown = next((word for word in rest if word.startswith("-")), rest[0])
             hint = did_you_mean(unknown, known) if unknown.startswith("-") else ""
@@ -32,11 +34,17 @@ class CommandParser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Print usage and message; exit with code 2."""
-        what, found, word = message.partition("invalid choice: ")
-        if found and "COMMAND" in what:
-            word = word.split("'")[1]
-            known = sorted(self._commands())
-            message = f"{word}: no such command{did_you_mean(word, known)}"
+        _, found, word = message.partition("invalid choice: ")
+        known = sorted(self.commands())
+        if known and (found or message.endswith(COMMAND)):
+            if not found:
+                message = "expected CASE.toml or a command"
+            elif os.path.exists(word := word.split("'")[1]):
+                message = (
+                    f"{word}: no case; expected CASE.toml, a folder with case.toml, or a command"
+                )
+            else:
+                message = f"{word}: no such command{did_you_mean(word, known)}"
             self.exit(2, f"error: {message}\nCommands: {', '.join(known)}\n")
         super().error(message)
 
@@ -48,7 +56,8 @@ class CommandParser(argparse.ArgumentParser):
                     command, text = action.choices[line.dest], line.help or ""
                     command.description = command.description or f"{text[:1].upper()}{text[1:]}."
 
-    def _commands(self) -> dict[str, "CommandParser"]:
+    def commands(self) -> dict[str, "CommandParser"]:
+        """Return the parsers of the commands by name."""
         for action in self._actions:
             if isinstance(action, argparse._SubParsersAction):
                 return dict(action.choices)

@@ -14,35 +14,50 @@ from .workspace import Work
 @lean
 def force_wrench(model: Model, work: Work, k: int, t: float) -> Wrench:
     """Wrench of force element k at time t, with the quantities and markers of `work`."""
-    along, size = model.quantities.along[k], 0.0
+    size = 0.0
     if model.force_law[k] >= 0:
         size, _, _ = law_at(model, model.force_law[k], t)
     elif model.quantities.force[k] >= 0:
         force_size(model.quantities, k, t, work.quantity, work.size[k])
         size = work.size[k, 0]
-    if along >= 0:  # the row of a coordinate: virtual work size g (v_1, w_1, v_2, w_2)
-        push = times3(size, triple(work.g[along, 6:9]))
-        turn = times3(size, triple(work.g[along, 9:12]))
-        return Wrench(push, turn, 0.0, size * work.quantity[2 * along + 1])
+    if model.quantities.along[k] >= 0:
+        return coordinate_wrench(model, work, k, size)
     one = work.motion[model.force_marker[k, 0]]
     two = work.motion[model.force_marker[k, 1]]
     return element_wrench(model.force_kind[k], one, two, model.force_parameters[k], size)
 
 
 @inlined
+def coordinate_wrench(model: Model, work: Work, k: int, size: float) -> Wrench:
+    """Wrench of force element k of a size along its coordinate.
+
+    By the row of the coordinate: virtual work size g (v_1, w_1, v_2, w_2).
+    """
+    along = model.quantities.along[k]
+    push = times3(size, triple(work.g[along, 6:9]))
+    turn = times3(size, triple(work.g[along, 9:12]))
+    return Wrench(push, turn, 0.0, size * work.quantity[2 * along + 1])
+
+
+@inlined
 def add_forces(model: Model, work: Work, t: float) -> None:
     """Add the force elements to f, their power and their stored energy."""
     for k in range(model.force_kind.shape[0]):
+        add_wrench(model, work, k, force_wrench(model, work, k, t))
+
+
+@inlined
+def add_wrench(model: Model, work: Work, k: int, wrench: Wrench) -> None:
+    """Add a wrench of force element k to f, its power and its stored energy."""
+    work.power[0] += wrench.power
+    work.power[1] += wrench.potential
+    _push(model, work, model.force_marker[k, 1], wrench.force, wrench.moment, 1.0)
+    if model.force_kind[k] < FIRST_LOAD:
         one = work.motion[model.force_marker[k, 0]]
         two = work.motion[model.force_marker[k, 1]]
-        wrench = force_wrench(model, work, k, t)
-        work.power[0] += wrench.power
-        work.power[1] += wrench.potential
-        _push(model, work, model.force_marker[k, 1], wrench.force, wrench.moment, 1.0)
-        if model.force_kind[k] < FIRST_LOAD:
-            arm = cross3(minus3(place(two), place(one)), wrench.force)
-            moment = sum3(wrench.moment, arm)
-            _push(model, work, model.force_marker[k, 0], wrench.force, moment, -1.0)
+        arm = cross3(minus3(place(two), place(one)), wrench.force)
+        moment = sum3(wrench.moment, arm)
+        _push(model, work, model.force_marker[k, 0], wrench.force, moment, -1.0)
 
 
 @inlined

@@ -7,6 +7,7 @@ direction, such as the speed of an impact where a joint meets its stop.
 import numpy as np
 
 from ..math.arrays import Array
+from ..math.hermite import Hermite
 from .evaluation import evaluate
 from .model import Model
 from .workspace import spare_work
@@ -34,42 +35,31 @@ def first_crossing(
     Returns `armed` before that instant, the event, and the instant [s]; -1 without one. Between
     ends of a step coordinates are cubics by values and rates.
     """
-    ready = list(armed)
+    ready = np.array(armed)
     before = beyond(model, float(t[0]), y[0])
     for i in range(1, len(t)):
         after, h = beyond(model, float(t[i]), y[i]), float(t[i] - t[i - 1])
+        gap = Hermite(0.0, 1.0, before[:, 0], h * before[:, 1], after[:, 0], h * after[:, 1])
+        passed = (gap(_PARTS) > 0.0) & ready
         found = [
-            (_root(before[e], after[e], h), e)
-            for e in range(len(ready))
-            if ready[e] and _reaches(before[e], after[e], h)
+            (_root(gap, e, int(passed[:, e].argmax())), e)
+            for e in np.flatnonzero(passed.any(axis=0)).tolist()
         ]
         if found:
             share, e = min(found)
-            return tuple(ready), e, float(t[i - 1]) + share * h
-        ready = [one or bool(gap < 0.0) for one, gap in zip(ready, after[:, 0], strict=True)]
+            return tuple(ready.tolist()), e, float(t[i - 1]) + share * h
+        ready |= after[:, 0] < 0.0
         before = after
-    return tuple(ready), -1, 0.0
+    return tuple(ready.tolist()), -1, 0.0
 
 
-def _cubic(before: Array, after: Array, h: float, s: Array) -> Array:
-    """Return values at parts s of a step."""
-    a, b, c, d = before[0], h * before[1], after[0], h * after[1]
-    return np.asarray(a + s * (b + s * (3 * (c - a) - 2 * b - d + s * (2 * (a - c) + b + d))))
-
-
-def _reaches(before: Array, after: Array, h: float) -> bool:
-    return bool(after[0] > 0.0 or (_cubic(before, after, h, _PARTS) > 0.0).any())
-
-
-def _root(before: Array, after: Array, h: float) -> float:
-    """Return the part of a step at which a coordinate first passes its level."""
-    values = _cubic(before, after, h, _PARTS)
-    k = int(np.argmax(values > 0.0)) if (values > 0.0).any() else len(_PARTS) - 1
-    low, high = (_PARTS[k - 1], _PARTS[k]) if k else (0.0, 0.0)
+def _root(gap: Hermite, e: int, k: int) -> float:
+    """Return the part of a step at which gap e first is positive; it is at part k of `_PARTS`."""
+    low, high = (float(_PARTS[k - 1]), float(_PARTS[k])) if k else (0.0, 0.0)
     for _ in range(60):
         middle = 0.5 * (low + high)
-        if _cubic(before, after, h, np.array(middle)) > 0.0:
+        if gap(middle)[e] > 0.0:
             high = middle
         else:
             low = middle
-    return float(high)
+    return high

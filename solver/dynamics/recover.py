@@ -72,15 +72,3 @@ def elastic_motion(place: Interface, q: Array, second_order: bool) -> tuple[Arra
         u = u + 0.5 * np.einsum("aij,ki,kj->ka", place.H_B, q, q, optimize=True)
         theta = theta + 0.5 * np.einsum("aij,ki,kj->ka", place.H_psi_B, q, q, optimize=True)
     return u, theta
-
-
-def node_positions(model: Model, body: int, y: Array, nodes_B: Array, shapes_B: Array) -> Array:
-    """Return global positions (k, n, 3) of nodes. Paper: Eq. (15).
-
-    First order in the modes, also for a stiffened body; for pictures.
-
-    nodes_B : (n, 3) rest positions; shapes_B : (m, n, 3) translations per unit mode
-    """
-    r, A, q = body_frames(model, body, y)
-    b = nodes_B[None] + np.einsum("km,mna->kna", q, shapes_B)
-    return r[:, None, :] + np.einsum("kab,knb->kna", A, b)

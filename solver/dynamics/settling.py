@@ -12,6 +12,7 @@ import numpy as np
 
 from ..math.compiled import inlined, lean
 from ..math.triple import Triple, dot3, minus3, sum3, times3, triple
+from .applied_forces import add_wrench, coordinate_wrench
 from .bodies.motion import axis
 from .measures import force_size
 from .model import Model
@@ -110,21 +111,7 @@ def move_forces(model: Model, work: Work, t: float, passed: int) -> bool:
     left[last, 0] = relax
     if differ:
         for k in q.reacting:
-            _add(model, work, k, relax * left[k, 0])
+            more = relax * left[k, 0]
+            work.size[k, 0] += more
+            add_wrench(model, work, k, coordinate_wrench(model, work, k, more))
     return differ
-
-
-@inlined
-def _add(model: Model, work: Work, k: int, more: float) -> None:
-    """Add `more` to the size of force element k, and what follows."""
-    along = model.quantities.along[k]
-    work.size[k, 0] += more
-    work.power[0] += more * work.quantity[2 * along + 1]
-    for side in range(2):
-        marker = model.force_marker[k, side]
-        body = model.marker_body[marker]
-        if body >= 0:
-            for b in range(model.plan.size[body]):
-                for a in range(6):
-                    push = more * work.g[along, 6 * side + a]
-                    work.f[body, b] += push * work.J_m[marker, a, b]

@@ -92,7 +92,7 @@ def _loss(indicators: Indicators, plan: Plan) -> Array:
 def _shapes(indicators: Indicators, plan: Plan, name: str, rich: Rich, allowed: float) -> int:
     """Return how many static shapes of a body keep the quasi-static response to `allowed`."""
     kept = rows_of(rich.package, plan.bodies[name].vibrations)
-    shapes = rich.rest(kept)
+    shapes = rich.rest(kept, stiffening=plan.stiffening)
     worth = rich.energies(shapes)
     eta, K = rich.eta, rich.package.stiffness
     mine = [j for j, mode in enumerate(indicators.modes) if mode.body == name]

@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import Any
 
 from ..package import ModalPackage
-from ..package.body.selection import vibrations
 from ..results import RunResult
 from ..run.execution import package_of, read_run
 from ..run.inputs_digest import inputs_sha256
 from ..run.outcome import RunSpec
 from ..run.timing import Stopwatch
 from .ladder import tried_models
+from .model import vibration_labels
 from .plan import read_plan, write_plan
 from .procedure import Answer, checked, flexible_names, plan_of
 from .words import entry, remarks
@@ -43,7 +43,7 @@ def read_planned(
             path,
             of_check.get("inputs_sha256"),
             whose,
-            f"make {spec.case}",
+            "run",
             allow_doubtful=allow_doubtful,
         )
     return spec, check
@@ -52,11 +52,6 @@ def read_planned(
 def plan_file(file: Path) -> Path:
     """Return where the plan of a run file is."""
     return file.parent.parent / "plans" / f"{file.stem}.toml"
-
-
-def labels(package: ModalPackage) -> tuple[str, ...]:
-    """Return the labels of the vibrations of a package."""
-    return tuple(package.mode_labels[i] for i in vibrations(package).tolist())
 
 
 def answered(
@@ -84,7 +79,10 @@ def answered(
     where = plan_file(file)
     digest = inputs_sha256(file) if digest is None else digest
     known = {
-        name: {"model": labels(spec.packages[name]), "check": labels(packages[name])}
+        name: {
+            "model": vibration_labels(spec.packages[name]),
+            "check": vibration_labels(packages[name]),
+        }
         for name in flexible_names(spec)
     }
     given = None

@@ -1,63 +1,83 @@
 """Vibrations that neither package has more of: where a check is blind.
 
-If the model of a plan has all vibrations of a kind that the package of the check has, the check
-adds none of this kind, and their difference does not show what both lack. What the highest one
-contributes is then taken as the size of that.
+A check that has all vibrations of a kind that its package has does not show what the package
+lacks. The package of the model has fewer of each kind, with static shapes of its own. The same
+check in this package differs from the check by the vibrations m + 1 to n of a kind. If the
+contributions decrease with a power p of the number of a vibration, those above n are
+
+    (sum over j > n of j^-p) / (sum over m < j <= n of j^-p)
+
+of this difference. Contributions to forces under loads that jump decrease with p = 2, those to
+motions under smooth loads with p = 4 and more. The estimate takes p = 3.
 """
 
 from collections.abc import Callable, Mapping
 
+import numpy as np
+
 from ..math.arrays import Array
+from .model import Rich, vibration_labels
 from .plan import Plan, kind_of
 from .trial import Trial, distance
 
+POWER = 3.0
+
 
 def exhausted(
-    plan: Plan, check: Plan, ranked: Mapping[str, tuple[str, ...]]
+    check: Plan, ranked: Mapping[str, tuple[str, ...]], package: Mapping[str, tuple[str, ...]]
 ) -> dict[str, tuple[str, ...]]:
-    """Return, by body, the highest vibration of each kind of which the check adds none.
+    """Return, by body, the kinds of which a check has all vibrations of its package.
 
-    Kinds that do not respond are left out; `ranked` has labels of those that do, by body. A kind
-    that the plan has none of is no such kind either.
+    Parameters
+    ----------
+    ranked : labels of the vibrations that respond, by body; other kinds are left out
+    package : labels of all vibrations of the packages of the check, by body
     """
     found = {}
-    for name, body in plan.bodies.items():
-        responding = {kind_of(label) for label in ranked[name]}
-        added = set(check.bodies[name].vibrations) - set(body.vibrations)
-        more = {kind_of(label) for label in added}
-        highest = {
-            kind_of(label): label
-            for label in sorted(body.vibrations, key=_number)
-            if kind_of(label) in responding - more
-        }
-        if highest:
-            found[name] = tuple(highest[kind] for kind in sorted(highest, reverse=True))
+    for name, body in check.bodies.items():
+        responding = dict.fromkeys(kind_of(label) for label in ranked[name])
+        left = {kind_of(label) for label in package[name] if label not in body.vibrations}
+        kinds = tuple(kind for kind in responding if kind not in left)
+        if kinds:
+            found[name] = kinds
     return found
 
 
 def unseen(
-    trial: Trial,
     check: Trial,
     ranked: Mapping[str, tuple[str, ...]],
+    packages: tuple[Mapping[str, Rich], Mapping[str, Rich]],
     metric: str,
     run: Callable[[Plan], Trial | None],
 ) -> tuple[Array | None, str]:
-    """Return what the highest vibrations contribute to the signals (o,), and their labels.
+    """Return what vibrations above those of the packages contribute to the signals (o,), and where.
 
-    None if the check has more of each kind.
+    None if the check does not have all vibrations of a kind.
+
+    Parameters
+    ----------
+    packages : rich packages of the model and of the check, by body
     """
-    plan = trial.plan
-    highest = exhausted(plan, check.plan, ranked)
-    if not highest:
+    model, finer = ({n: vibration_labels(r.package) for n, r in p.items()} for p in packages)
+    kinds = exhausted(check.plan, ranked, finer)
+    poor, share = check.plan, 0.0
+    for name, these in kinds.items():
+        if len(model[name]) < len(finer[name]):
+            poor = poor.with_body(name, mesh="model")
+            counts = [[_count(labels[name], kind) for labels in (model, finer)] for kind in these]
+            share = max([share, *(tail(m, n) for m, n in counts)])
+    if poor == check.plan:
         return None, ""
-    for name, labels in highest.items():
-        kept = tuple(label for label in plan.bodies[name].vibrations if label not in labels)
-        plan = plan.with_body(name, vibrations=kept)
-    other = run(plan)
-    words = ", ".join(f"{name} {', '.join(labels)}" for name, labels in highest.items())
-    return (distance(metric, other, trial) if other is not None else None), words
+    words = ", ".join(f"{' and '.join(these)} of {name}" for name, these in kinds.items())
+    other = run(poor)
+    return (None if other is None else share * distance(metric, other, check)), words
 
 
-def _number(label: str) -> int:
-    number = label.rpartition(" ")[2]
-    return int(number) if number.isdigit() else 0
+def tail(m: int, n: int) -> float:
+    """Return the contribution of vibrations above n, over that of m + 1 to n."""
+    known = float((np.arange(m + 1, n + 1) ** -POWER).sum())
+    return (n + 0.5) ** (1.0 - POWER) / (POWER - 1.0) / known if known else 0.0
+
+
+def _count(labels: tuple[str, ...], kind: str) -> int:
+    return sum(kind_of(label) == kind for label in labels)

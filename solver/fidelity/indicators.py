@@ -3,8 +3,9 @@
 Indicators plan, they certify nothing: a zero indicator is no evidence. The check run certifies.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -84,12 +85,22 @@ class Indicators:
 
 @dataclass(frozen=True)
 class Study:
-    """The base motion, the rich packages with their quasi-static response, the indicators."""
+    """The base motion, the rich packages with their quasi-static response, the indicators.
+
+    Attributes
+    ----------
+    of_check : returns the rich packages of the check, which indicators do not need
+    """
 
     base: Base
     model: dict[str, Rich]
-    check: dict[str, Rich]
+    of_check: Callable[[], dict[str, Rich]]
     indicators: Indicators
+
+    @cached_property
+    def check(self) -> dict[str, Rich]:
+        """The rich packages of the check."""
+        return self.of_check()
 
 
 def study(
@@ -106,12 +117,13 @@ def study(
     """
     base = base_motion(spec, names)
     fixed = fixed_packages(spec, base, names)
-    rich = {
-        kind: loaded(spec, base, {name: packages[name] for name in names}, fixed)
-        for kind, packages in (("model", spec.packages), ("check", check))
-    }
-    found = _indicators(spec, base, rich["model"], fixed, signals)
-    return Study(base, rich["model"], rich["check"], found)
+
+    def rich(packages: Mapping[str, ModalPackage]) -> dict[str, Rich]:
+        return loaded(spec, base, {name: packages[name] for name in names}, fixed)
+
+    model = rich(spec.packages)
+    found = _indicators(spec, base, model, fixed, signals)
+    return Study(base, model, partial(rich, check), found)
 
 
 def _indicators(

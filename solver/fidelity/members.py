@@ -6,9 +6,8 @@ from dataclasses import replace
 from ..package import ModalPackage
 from ..run.outcome import RunSpec
 from .base import base_motion
-from .execution import labels
 from .loaded import fixed_packages, loaded
-from .model import planned
+from .model import planned, vibration_labels
 from .plan import Plan
 from .procedure import Answer, checked, flexible_names, plan_of
 
@@ -27,7 +26,7 @@ def shared_plan(spec: RunSpec, check: Mapping[str, ModalPackage]) -> Answer:
 def of_model(plan: Plan, spec: RunSpec) -> Plan:
     """Return a plan with the modes that the packages of the model have."""
     for name, body in plan.bodies.items():
-        known = labels(spec.packages[name])
+        known = vibration_labels(spec.packages[name])
         kept = tuple(label for label in body.vibrations if label in known)
         plan = plan.with_body(name, vibrations=kept, mesh="model")
     return plan

@@ -1,6 +1,6 @@
 """The model and the check of a plan: packages with the chosen modes, and other solver settings."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -20,10 +20,10 @@ DAMPED = 0.2  # damping ratio of static shapes that do not ring: 1 would lag beh
 TIGHT = 3e-5  # tolerance of a check at most
 TIGHTEST = 2.5e-10
 TIGHTER = 4.0  # and so many times below that of the model
-SMALL = 1e-4  # singular value of a load shape that a check leaves out, relative to the largest
+SMALL = 1e-7  # singular value of a load shape that a check leaves out, relative to the largest
 # Of rich packages, which ask for every mode; the check tells what the mesh of a plan costs.
 REMARKS = ("static-modes-dependent", "mesh-coarse-for-modes")
-MOST_STATIC = 10  # static shapes of a check
+MOST_STATIC = 16  # static shapes of a check
 
 
 @dataclass(frozen=True)
@@ -33,18 +33,22 @@ class Rich:
     Attributes
     ----------
     eta : (k, m) K^-1 p at k output times
+    further : returns the response (s, m) to the loads that the deformation adds
     """
 
     package: ModalPackage
     eta: Array
+    further: Callable[[], Array]
 
-    def rest(self, kept: list[int]) -> Array:
+    def rest(self, kept: list[int], *, stiffening: bool = False) -> Array:
         """Static shapes (m, r) that the response needs beside the modes `kept`, largest first.
 
-        Left singular vectors in the norm of the strain energy, times their singular values.
+        Left singular vectors in the norm of the strain energy, times their singular values. With
+        geometric stiffening, the response to the loads that it adds is part of the response.
         """
         root = np.linalg.cholesky(self.package.stiffness).T
-        left = root @ self.eta.T
+        needed = np.concatenate([self.eta, self.further()]) if stiffening else self.eta
+        left = root @ needed.T
         if kept:
             Q = np.linalg.qr(root[:, kept])[0]
             left = left - Q @ (Q.T @ left)
@@ -54,6 +58,11 @@ class Rich:
     def energies(self, shapes: Array) -> Array:
         """Square roots of the strain energies of shapes (m, r), (r,)."""
         return np.asarray(np.sqrt((shapes * (self.package.stiffness @ shapes)).sum(axis=0)))
+
+
+def vibration_labels(package: ModalPackage) -> tuple[str, ...]:
+    """Return the labels of the vibrations of a package."""
+    return tuple(package.mode_labels[i] for i in vibrations(package).tolist())
 
 
 def rows(package: ModalPackage, labels: tuple[str, ...]) -> list[int]:
@@ -68,7 +77,7 @@ def body_package(
     package = _without_remarks(rich.package)
     if not kept and not static:
         return rigid(package)
-    shapes = rich.rest(kept)
+    shapes = rich.rest(kept, stiffening=stiffening)
     worth = rich.energies(shapes)
     whole = float(np.sqrt(((rich.eta @ package.stiffness) * rich.eta).sum()))
     chosen = shapes[:, : min(static, int(np.sum(worth > 1e-9 * whole)))]
@@ -110,10 +119,12 @@ def check_plan(
     more : vibrations that are added by rank; the lowest unused one, and that of each kind that
         responds, are added to them
     """
+    second = any(rich.package.second_order is not None for rich in check.values())
+    stiffening = plan.stiffening or second
     bodies = {}
     for name, body in plan.bodies.items():
         package = check[name].package
-        known = [package.mode_labels[i] for i in vibrations(package).tolist()]
+        known = vibration_labels(package)
         unused = [label for label in ranked[name] if label not in body.vibrations]
         added = [label for label in unused if label in known][:more]
         # The lowest of all, and of each kind that responds: the model's package has no more of it.
@@ -123,13 +134,12 @@ def check_plan(
         added += dict.fromkeys([*left[:1], *lowest.values()])
         kept = tuple(label for label in known if label in (*body.vibrations, *added))
         rich = check[name]
-        worth = rich.energies(rich.rest(rows(package, kept)))
+        worth = rich.energies(rich.rest(rows(package, kept), stiffening=stiffening))
         largest = float(np.linalg.norm(rich.energies(rich.rest([]))))
         static = min(int(np.sum(worth > SMALL * max(largest, 1e-300))), MOST_STATIC)
         bodies[name] = BodyPlan(kept, static, True, "check")
     rtol = max(min(TIGHT, plan.rtol / TIGHTER), TIGHTEST)
-    second = any(rich.package.second_order is not None for rich in check.values())
-    return Plan(bodies, plan.stiffening or second, rtol, plan.inputs_sha256)
+    return Plan(bodies, stiffening, rtol, plan.inputs_sha256)
 
 
 def planned(

@@ -4,6 +4,7 @@ from typing import Any
 
 from ..dynamics.model import Model
 from ..math.arrays import Array
+from ..math.hermite import Hermite
 from ..math.keys import Number
 from .compiled.alpha import advance_alpha
 from .compiled.alpha_workspace import new_alpha_workspace
@@ -11,7 +12,6 @@ from .compiled.step_control import Ends
 from .generic.advice import SHORTER, of_choice
 from .generic.alpha_scheme import FORMULATIONS, SPECTRAL_RADIUS, scheme
 from .generic.base import Dense
-from .generic.hermite import Hermite
 from .step_loop import StepLoop
 
 

@@ -124,14 +124,12 @@ class StepLoop(StrideMemory):
         if not keep:
             self._ends = Ends(np.empty(LOCATED), np.empty((LOCATED, self.n)))
         most, begun = min(most, LOCATED), self._mark()
-        found, taken = -1, 0
+        found = -1
         for _ in range(MOST_PASSES):
             code, reached = self._call(most, times, rows, filled, self._ends)
             self._take_over(code)
-            taken = self.counters.steps - begun[0]["counters"].steps
-            t = np.append(begun[0]["t"], self._ends.t[:taken])
-            y = np.concatenate((begun[0]["y"][None, :], self._ends.y[:taken]))
-            if found >= 0 and taken:
+            t, y = self._ends_since(begun)
+            if found >= 0 and len(t) > 1:
                 gap, rate = beyond(self._model, self.t, self.y)[found]
                 late = gap / rate if rate > 0.0 else 0.0
                 if abs(late) < NOTHING * max(1.0, abs(self.t)) or self.t < self._options.t_end:

@@ -32,11 +32,14 @@ class StrideMemory(Integrator):
 
     def steps_taken(self) -> Steps:
         """Return the steps of the last stride; valid up to the next."""
-        begun = self._begun[0]
+        return Steps(*self._ends_since(self._begun), self._stand)
+
+    def _ends_since(self, mark: Any) -> tuple[Array, Array]:
+        """Return times (k + 1,) and states (k + 1, n) of the k steps since `mark`, with its own."""
+        begun = mark[0]
         taken = self.counters.steps - begun["counters"].steps
         t = np.append(begun["t"], self._ends.t[:taken])
-        y = np.concatenate((begun["y"][None, :], self._ends.y[:taken]))
-        return Steps(t, y, self._stand)
+        return t, np.concatenate((begun["y"][None, :], self._ends.y[:taken]))
 
     def _stand(self, i: int) -> Integrator:
         """Stand after step i of the last stride, by taking the steps up to there again."""

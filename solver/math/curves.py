@@ -1,12 +1,11 @@
 """Curves y(x) through points, as piecewise polynomials like the laws of time."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
 
-from .arrays import Array
 from .laws import N_COEFFICIENT, Law, table
 
 Interpolation = Literal["linear", "cubic", "pchip"]
@@ -36,7 +35,7 @@ def curve(x: Sequence[float], y: Sequence[float], *, smooth: bool = True) -> Law
 
     Raises ValueError : fewer than two points, x not in ascending order, non-finite numbers.
     """
-    return _through(x, y, _natural if smooth and len(x) > 2 else None, "linear")
+    return _through(x, y, "natural" if smooth and len(x) > 2 else "linear", "linear")
 
 
 def curve_of_table(
@@ -50,42 +49,26 @@ def curve_of_table(
 
     Raises ValueError : fewer than two points, x not in ascending order, non-finite numbers.
     """
-    kinds = {"linear": None, "cubic": _not_a_knot, "pchip": _monotone}
-    return _through(x, y, kinds[interpolation], beyond)
-
-
-def _natural(x: Sequence[float], y: Sequence[float]) -> Array:
-    from scipy.interpolate import CubicSpline  # 0.1 s: only for curves
-
-    return np.asarray(CubicSpline(x, y, bc_type="natural").c[::-1].T)
-
-
-def _not_a_knot(x: Sequence[float], y: Sequence[float]) -> Array:
-    from scipy.interpolate import CubicSpline
-
-    return np.asarray(CubicSpline(x, y).c[::-1].T)
-
-
-def _monotone(x: Sequence[float], y: Sequence[float]) -> Array:
-    from scipy.interpolate import PchipInterpolator
-
-    return np.asarray(PchipInterpolator(x, y).c[::-1].T)
+    return _through(x, y, interpolation, beyond)
 
 
 def _through(
     x: Sequence[float],
     y: Sequence[float],
-    pieces: Callable[[Sequence[float], Sequence[float]], Array] | None,
+    interpolation: Interpolation | Literal["natural"],
     beyond: Extrapolation,
 ) -> Law:
-    """Return the pieces (n - 1, 4) of a function of the points, straight lines if None."""
     try:
-        inner = table(x, y, smooth=False)
+        inner = table(x, y, smooth=interpolation == "cubic")
     except ValueError as error:
         words = str(error).replace("times", "x").replace("values", "y")
         raise ValueError(words) from error
-    if pieces is not None:
-        inner.coefficients[:-1, :4] = pieces(x, y)
+    if interpolation in ("natural", "pchip"):
+        from scipy.interpolate import CubicSpline, PchipInterpolator  # 0.1 s: only for curves
+
+        natural = interpolation == "natural"
+        found = CubicSpline(x, y, bc_type="natural") if natural else PchipInterpolator(x, y)
+        inner.coefficients[:-1, :4] = found.c[::-1].T
     outer = np.zeros((2, N_COEFFICIENT))
     outer[:, 0] = y[0], y[-1]
     if beyond == "linear":

@@ -43,6 +43,7 @@ class BuiltMechanism:
     light: Callable[[], Model]  # the same with mass points of moderate mass (`heaviest` of `build`)
     force_names: list[str]  # in the order of the force elements of the model
     callers: tuple[str, ...] = ()  # forces whose values come from functions of the user
+    point_masses: tuple[tuple[int, float], ...] = ()  # marker and mass [kg] of each
 
 
 def build(
@@ -117,6 +118,7 @@ def build(
         light=lambda: build(mechanism, packages, stiffening=stiffening, heaviest=MODERATE).model,
         force_names=list(mechanism.forces),
         callers=tuple(s.owner for s in reader.found.states if s.inputs is not None),
+        point_masses=tuple(masses),
     )
 
 

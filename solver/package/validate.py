@@ -78,7 +78,7 @@ def validate(path: str | Path) -> list[Remark]:
                 return findings
             package = kind.load(file)
     except PackageError as error:
-        return [Remark("error", "/", str(error))]
+        return [Remark("error", "/", str(error).removeprefix(f"{path}: "))]
     content = kind.content(package)
     findings += content
     if not any(f.level == "error" for f in content):

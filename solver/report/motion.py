@@ -5,12 +5,13 @@ from typing import Any
 
 import numpy as np
 
-from ..math.arrays import Array
+from ..math.arrays import Array, IntArray
 from ..results import BodyGeometry, RunResult
 from .story import Story
 from .style import GREY, INK, WARNING, Canvas
 
 INSTANTS = 15
+MOST = 4000  # times that a path is drawn through
 AXES = "xyz"
 
 
@@ -22,7 +23,8 @@ def draw_motion(path: Path, story: Story) -> Path:
 
     result = story.result
     first, second = plane(result)
-    points = result.node_positions_G[:, :, [first, second]]
+    rows = _evenly(len(result.t), MOST)
+    points = result.node_positions_G[rows][:, :, [first, second]]
     canvas = Canvas(5.4, 5.2)
     (axes,) = canvas.panels(1)
     # Pale to dark in one hue: the order in time is also visible in black and white.
@@ -30,9 +32,9 @@ def draw_motion(path: Path, story: Story) -> Path:
     scale = Normalize(0.0, max(float(result.t[-1]), 1e-12))
     tip = travelling_point(points)
     axes.plot(points[:, tip, 0], points[:, tip, 1], color="#D55E00", linewidth=0.9, zorder=2)
-    chosen = np.unique(np.linspace(0, len(result.t) - 1, INSTANTS).round().astype(int))
+    chosen = _evenly(len(rows), INSTANTS)
     for k in chosen:
-        shade = fade(scale(result.t[k]))
+        shade = fade(scale(result.t[rows[k]]))
         start = 0
         for body in result.bodies:
             own = points[k, start : start + len(body.nodes_B)]
@@ -63,9 +65,15 @@ def draw_motion(path: Path, story: Story) -> Path:
     return canvas.save(path)
 
 
+def _evenly(count: int, most: int) -> IntArray:
+    """Return at most so many of `count` rows, evenly, with first and last."""
+    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
+
+
 def plane(result: RunResult) -> tuple[int, int]:
     """Return the two global axes along which the points spread most, in order x, y, z."""
-    spread = np.ptp(result.node_positions_G.reshape(-1, 3), axis=0)
+    some = result.node_positions_G[_evenly(len(result.t), MOST)]
+    spread = np.ptp(some.reshape(-1, 3), axis=0)
     drop = int(np.argmin(spread + np.array([2e-12, 1e-12, 0.0])))  # prefer x-y on a tie
     first, second = (axis for axis in range(3) if axis != drop)
     return first, second

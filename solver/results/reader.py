@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from ..errors import nearest
 from ..package.common.container import get_text, kind_of_file, open_file
 from ..package.common.identity import check_file_checksum, version_of
+from .nodes import drawn_by_views, positions_of_views
 from .schema import (
     FORMAT,
     FORMAT_VERSION,
@@ -64,6 +66,12 @@ def _load(path: Path, file: h5py.File) -> RunResult:
     def series(name: str) -> dict[str, np.ndarray]:
         return {item.name.rsplit("/", 1)[1]: item[()] for item in members(name)}
 
+    q = array("q")
+    bodies = tuple(_body(path, item) for item in members("bodies"))
+    if "node_positions_G" not in group and drawn_by_views(bodies):
+        nodes: Any = positions_of_views(q, bodies)
+    else:
+        nodes = array("node_positions_G")
     return RunResult(
         case=get_text(file, "case"),
         run=get_text(file, "run"),
@@ -77,26 +85,27 @@ def _load(path: Path, file: h5py.File) -> RunResult:
             )
             for item in members("signals")
         ),
-        q=array("q"),
+        q=q,
         v=array("v"),
         multipliers=array("multipliers"),
         energies=series("energies"),
-        bodies=tuple(
-            BodyGeometry(
-                name=item.name.rsplit("/", 1)[1],
-                view=read_view(path, item),
-                **{
-                    name: np.asarray(_get(path, item, name)[()])
-                    for name in ("nodes_B", "connectivity", "offsets", "cell_types")
-                },
-            )
-            for item in members("bodies")
-        ),
-        node_positions_G=array("node_positions_G"),
+        bodies=bodies,
+        node_positions_G=nodes,
         violations=series("violations"),
         node_deflection=array("node_deflection") if "node_deflection" in group else None,
         links=tuple(read_link(path, item) for item in members("joints")),
         provenance=json.loads(get_text(file, "provenance") or "{}"),
+    )
+
+
+def _body(path: Path, item: h5py.Group) -> BodyGeometry:
+    return BodyGeometry(
+        name=item.name.rsplit("/", 1)[1],
+        view=read_view(path, item),
+        **{
+            name: np.asarray(_get(path, item, name)[()])
+            for name in ("nodes_B", "connectivity", "offsets", "cell_types")
+        },
     )
 
 

@@ -10,7 +10,7 @@ from ..math.arrays import Array, IntArray
 from .view import BodyView, Link
 
 FORMAT = "plymotion result"
-FORMAT_VERSION = (1, 2)
+FORMAT_VERSION = (1, 3)
 
 ENERGIES = ("kinetic", "strain", "potential", "drive_work")
 ROUNDING = 1e3 * float(np.finfo(float).eps)  # of sums of energies, relative

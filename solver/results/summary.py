@@ -67,6 +67,8 @@ def read_summary(path: str | Path) -> dict[str, Any]:
     path = Path(path)
     try:
         summary = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise ResultError(f"{path}: no such file") from None
     except (OSError, ValueError) as error:
         raise ResultError(f"{path}: not a summary of a run: {error}") from error
     if not isinstance(summary, dict) or "run" not in summary:

@@ -1,4 +1,4 @@
-"""Surfaces of bodies for pictures: extruded beams, faces of meshes, spokes of rigid bodies."""
+"""Surfaces of bodies for pictures: extruded beams, faces of meshes, bars between nodes."""
 
 from collections.abc import Sequence
 

@@ -1,29 +1,34 @@
 """Write a result: one VTKHDF file with an animation for ParaView and all result arrays."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import h5py
 import numpy as np
 
 from ..math.arrays import Array, IntArray
-from ..math.rows import LongRows, spans
+from ..math.rows import LongRows
 from ..package.common.container import new_file, set_text
 from ..package.common.identity import write_file_checksum
+from .datasets import LARGE, PACKED, Datasets
+from .nodes import MOST_STORED, drawn_by_views
 from .schema import FORMAT, FORMAT_VERSION, BodyGeometry, ResultError, RunResult, check_result
 from .summary import plain
 from .view_file import write_link, write_view
 
-LARGE = 1_000_000  # size in bytes above which an array is compressed
 MULTIPLIER_UNIT = "N, N m"
 
 
-def write_result(path: str | Path, result: RunResult, *, max_frames: int = 200) -> None:
+def write_result(
+    path: str | Path, result: RunResult, *, max_frames: int = 200, all_positions: bool = False
+) -> None:
     """Write result.vtkhdf under a temporary name, then rename it.
 
     /results has every output time. The animation has at most `max_frames` of
-    them, including the first and the last.
+    them, including the first and the last. Positions of nodes that need more than
+    100 MB are left out of /results unless `all_positions` is set: readers compute them from
+    the coordinates (docs/adr/0044).
 
     Raises
     ------
@@ -44,13 +49,13 @@ def write_result(path: str | Path, result: RunResult, *, max_frames: int = 200) 
         set_text(file, "run", result.run)
         set_text(file, "units", "SI")
         set_text(file, "provenance", json.dumps(plain(result.provenance)))
-        _write_results(file.create_group("results"), result)
+        written = _write_results(file.create_group("results"), result, all_positions)
         chosen = frames(len(result.t), max_frames)
         deflection = None if result.node_deflection is None else result.node_deflection[chosen]
         points = result.node_positions_G[chosen]
         view = file.create_group("VTKHDF")
         write_animation(view, result.bodies, result.t[chosen], points, deflection)
-        write_file_checksum(file)
+        write_file_checksum(file, written)
 
 
 def frames(k: int, max_frames: int) -> IntArray:
@@ -58,60 +63,47 @@ def frames(k: int, max_frames: int) -> IntArray:
     return np.unique(np.linspace(0, k - 1, max(1, min(k, max_frames))).round().astype(int))
 
 
-def _write_results(group: h5py.Group, result: RunResult) -> None:
-    _put(group, "t", result.t, "s", "-", "output times")
-    _put(group, "q", result.q, "m, -, -", "G", "positions, Euler parameters, modal coordinates")
-    _put(group, "v", result.v, "m/s, rad/s, 1/s", "G, B", "velocities of bodies and modes")
-    _put(group, "multipliers", result.multipliers, MULTIPLIER_UNIT, "G", "Lagrange multipliers")
+def _write_results(
+    group: h5py.Group, result: RunResult, all_positions: bool
+) -> Mapping[str, Array | IntArray | LongRows]:
+    datasets = Datasets()
+    put = datasets.put
+    put(group, "t", result.t, "s", "-", "output times")
+    put(group, "q", result.q, "m, -, -", "G", "positions, Euler parameters, modal coordinates")
+    put(group, "v", result.v, "m/s, rad/s, 1/s", "G, B", "velocities of bodies and modes")
+    put(group, "multipliers", result.multipliers, MULTIPLIER_UNIT, "G", "Lagrange multipliers")
     for name, values in result.energies.items():
-        _put(group, f"energies/{name}", values, "J", "-", name.replace("_", " "))
+        put(group, f"energies/{name}", values, "J", "-", name.replace("_", " "))
     units = {"position": "m", "rotation": "rad", "velocity": "m/s"}
     for name, values in result.violations.items():
         text = f"largest constraint violation, {name}"
-        _put(group, f"violations/{name}", values, units.get(name, "-"), "-", text)
+        put(group, f"violations/{name}", values, units.get(name, "-"), "-", text)
     for index, signal in enumerate(result.signals):
-        item = _put(
+        item = put(
             group, f"signals/{signal.name}", signal.values, signal.unit, "-", signal.description
         )
         item.attrs["index"] = index
     for index, body in enumerate(result.bodies):
         sub = group.create_group(f"bodies/{body.name}")
         sub.attrs["index"] = index
-        _put(sub, "nodes_B", body.nodes_B, "m", "B", "rest positions of the drawn points")
-        _put(sub, "connectivity", body.connectivity, "-", "-", "rows of nodes_B, cell by cell")
-        _put(sub, "offsets", body.offsets, "-", "-", "start of each cell in connectivity")
-        _put(sub, "cell_types", body.cell_types, "-", "-", "VTK cell types")
+        put(sub, "nodes_B", body.nodes_B, "m", "B", "rest positions of the drawn points")
+        put(sub, "connectivity", body.connectivity, "-", "-", "rows of nodes_B, cell by cell")
+        put(sub, "offsets", body.offsets, "-", "-", "start of each cell in connectivity")
+        put(sub, "cell_types", body.cell_types, "-", "-", "VTK cell types")
         if body.view is not None:
             write_view(sub, body.view)
     for index, link in enumerate(result.links):
         sub = group.create_group(f"joints/{link.name}")
         sub.attrs["index"] = index
         write_link(sub, link)
-    text = "positions of all drawn points, bodies end to end"
-    _put(group, "node_positions_G", result.node_positions_G, "m", "G", text)
+    nodes = result.node_positions_G
+    if all_positions or nodes.nbytes <= MOST_STORED or not drawn_by_views(result.bodies):
+        text = "positions of all drawn points, bodies end to end"
+        put(group, "node_positions_G", nodes, "m", "G", text)
     if result.node_deflection is not None:
         text = "magnitude of the elastic displacement"
-        _put(group, "node_deflection", result.node_deflection, "m", "B", text)
-
-
-def _put(
-    group: h5py.Group,
-    name: str,
-    values: Array | IntArray | LongRows,
-    unit: str,
-    frame: str,
-    text: str,
-) -> h5py.Dataset:
-    squeeze = {"compression": "gzip", "shuffle": True} if values.nbytes > LARGE else {}
-    if isinstance(values, LongRows):
-        dataset = group.create_dataset(name, values.shape, float, chunks=True, **squeeze)
-        for first, end in spans(len(values), values.nbytes // (8 * len(values))):
-            dataset[first:end] = values.read(first, end)
-    else:
-        dataset = group.create_dataset(name, data=values, **squeeze)
-    for key, word in (("unit", unit), ("frame", frame), ("description", text)):
-        set_text(dataset, key, word)
-    return dataset
+        put(group, "node_deflection", result.node_deflection, "m", "B", text)
+    return datasets.written
 
 
 def write_animation(
@@ -163,7 +155,7 @@ def write_animation(
     for name in ("CellOffsets", "ConnectivityIdOffsets"):
         steps[name] = still[:, None]
     for name, values in moving.items():
-        squeeze = {"compression": "gzip", "shuffle": True} if values.nbytes > LARGE else {}
+        squeeze = PACKED if values.nbytes > LARGE else {}
         set_text(view.create_dataset(f"PointData/{name}", data=values, **squeeze), "unit", "m")
         steps[f"PointDataOffsets/{name}"] = np.arange(n_step, dtype=np.int64) * n
 

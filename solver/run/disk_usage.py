@@ -4,6 +4,7 @@ import os
 import shutil
 from pathlib import Path
 
+from ..results.nodes import MOST_STORED
 from .outcome import RunSpec
 
 WORTH_A_NOTE = 1_000_000_000  # bytes
@@ -25,8 +26,11 @@ def disk_note(spec: RunSpec, folder: Path) -> str:
     states = PER_BODY * bodies + 2 * sum(p.n_mode for p in spec.packages.values())
     points = sum(len(p.nodes_B) for p in spec.packages.values())
     points += RIGID_BODY * (bodies - len(spec.packages))
+    drawn = 8.0 * times * 3 * points
+    if mechanism.solver.node_positions == "auto" and drawn > MOST_STORED:
+        drawn = 0.0
     others = CONSTRAINTS * len(mechanism.joints) + OTHERS + len(mechanism.signals)
-    results = 8.0 * times * (states + 3 * points + others)
+    results = 8.0 * times * (states + others) + drawn
     passing = 8.0 * times * (states + others)
     if results < WORTH_A_NOTE:
         return ""

@@ -55,7 +55,7 @@ def read_run(file: Path, *, allow_doubtful: bool = False) -> RunSpec:
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise InputError(
             f"{file}: not a run file ({type(error).__name__}: {error}); expected one written by "
-            "`python -m plymotion.solver check`"
+            "`plymotion check`"
         ) from error
 
     def packages(run: str, entries: list[tuple[str, str, str | None]]) -> dict[str, ModalPackage]:
@@ -63,9 +63,7 @@ def read_run(file: Path, *, allow_doubtful: bool = False) -> RunSpec:
         for body, name, digest in entries:
             whose = f"bodies.{body} of case {case}, run {run}"
             path = file.parent.parent / name
-            found[body] = package_of(
-                path, digest, whose, f"make {case}", allow_doubtful=allow_doubtful
-            )
+            found[body] = package_of(path, digest, whose, "run", allow_doubtful=allow_doubtful)
         return found
 
     known = {
@@ -103,14 +101,14 @@ def _mechanism(table: dict[str, Any], where: str) -> "Mechanism":
 
 
 def package_of(
-    path: Path, expected: str | None, whose: str, remedy: str, *, allow_doubtful: bool = False
+    path: Path, expected: str | None, whose: str, kind: str, *, allow_doubtful: bool = False
 ) -> ModalPackage:
     """Read the package that a run file names.
 
     Parameters
     ----------
     expected : hash of the inputs that it must have been built from; None: any
-    whose, remedy : body and command, for messages
+    whose, kind : body, and kind of the file that names it ("run", "sweep"), for messages
     allow_doubtful : as in `read_package`
 
     Raises
@@ -120,12 +118,15 @@ def package_of(
     """
     path = path.resolve()
     shown = path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path
+    remedy = f"`plymotion packages` with the {kind} file builds it"
+    if expected is not None and not path.exists():
+        raise PackageError(f"{shown}: no such file; {remedy}")
     package = read_package(shown, allow_doubtful=allow_doubtful)
     found = package.provenance.get("inputs_sha256")
     if expected is not None and found != expected:
         raise PackageError(
             f"{shown}: built from other inputs than {whose} "
-            f"(inputs {str(found)[:12]}, expected {expected[:12]}): run `{remedy}`"
+            f"(inputs {str(found)[:12]}, expected {expected[:12]}); {remedy}"
         )
     return package
 
@@ -293,16 +294,17 @@ def run_file(
     if note := disk_note(spec, disk):
         print(f"{spec.run}: {note}", file=sys.stderr, flush=True)
     if planned is not None and spec.mechanism.fidelity is not None:
-        return _written(out, *planned(spec, digest), digest, clock, import_s)
+        return _written(out, spec, *planned(spec, digest), digest, clock, import_s)
     solving = Stopwatch()
     solved = _solved(spec, solving, progress, disk, allow_python=allow_python)
     with held():  # what is computed is kept
         found = _collected(spec, *solved, solving, disk)
-        return _written(out, *found, digest, clock, import_s)
+        return _written(out, spec, *found, digest, clock, import_s)
 
 
 def _written(
     out: Path,
+    spec: RunSpec,
     result: RunResult,
     summary: dict[str, Any],
     digest: str,
@@ -312,7 +314,8 @@ def _written(
     """Write result and summary of a run; return the summary."""
     clock.skip()
     out.mkdir(parents=True, exist_ok=True)
-    write_result(out / "result.vtkhdf", result)
+    every = spec.mechanism.solver.node_positions == "all"
+    write_result(out / "result.vtkhdf", result, all_positions=every)
     clock.lap("write")
     seconds = summary["cost"]["seconds"]
     seconds["import"] = import_s

@@ -14,11 +14,12 @@ from ..checks.judge import judge
 from ..checks.past import Past
 from ..dynamics import recover
 from ..math.arrays import Array
-from ..math.rows import LongRows, RowKeeper, columns, computed
+from ..math.rows import LongRows, RowKeeper, columns
 from ..mechanism import BuiltMechanism
 from ..package import ModalPackage
 from ..results import BodyGeometry, RunResult, Signal, signal_summary
 from ..results.codes.course import FEEDBACK
+from ..results.nodes import all_positions
 from ..signals import Sensor, fatigue_entry, recorded
 from ..strength.fatigue import Turning
 from ..strength.found import summary as strength_entry
@@ -176,14 +177,5 @@ def drawn_shapes(built: BuiltMechanism, y: Array) -> tuple[tuple[BodyGeometry, .
                 np.full(len(spokes), VTK_LINE, dtype=np.int64),
             )
         bodies.append(body)
-        places.append((i, nodes, shapes))
-
-    def points(first: int, end: int) -> Array:
-        some = y[first:end]
-        found = [
-            recover.node_positions(built.model, *place[:1], some, *place[1:]) for place in places
-        ]
-        return np.concatenate(found, axis=1)
-
-    shape = len(y), sum(len(body.nodes_B) for body in bodies), 3
-    return tuple(bodies), computed(y, shape, points)
+        places.append((int(built.model.pos_start[i]), nodes, shapes))
+    return tuple(bodies), all_positions(y, places)

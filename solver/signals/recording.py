@@ -26,6 +26,7 @@ class Recording:
         self.memory = {} if memory is None else memory
         self._motions: dict[int, Array] = {}
         self._carried: dict[Any, Array] = {}
+        self._shared: dict[Any, Array] = {}
 
     def carried(self, key: Any, compute: Callable[[Any], tuple[Array, Any]]) -> Array:
         """Return values (k, ...) that depend on those of the block before.
@@ -82,8 +83,22 @@ class Recording:
         Sum over the joint tables `rows` of the model, which have the same markers. Moments
         are about the marker of that side, 1 or 2.
         """
-        places = [2 * row + side - 1 for row in rows]
-        return np.asarray(self._loads[:, places].sum(axis=1))
+        return self.loads([2 * row + side - 1 for row in rows]).sum(axis=1)
+
+    def loads(self, places: list[int]) -> Array:
+        """Force and moment (k, n, 6) of places of `series.loaded_markers`, global [N, N m]."""
+        return np.asarray(self._loads[:, places])
+
+    def once(self, key: Any, compute: Callable[[], Array]) -> Array:
+        """Return values (k, ...) that several signals of these times need."""
+        if key not in self._shared:
+            self._shared[key] = compute()
+        return self._shared[key]
+
+    @property
+    def rates(self) -> Array:
+        """Rates (k, n) of the states."""
+        return self._along[0]
 
     @property
     def multipliers(self) -> Array:

@@ -7,10 +7,12 @@ import numpy as np
 
 from ..errors import InputError, few, nearest
 from ..math.arrays import Array, IntArray
+from ..mechanism import BuiltMechanism
 from ..package import ModalPackage
 from ..package.body.schema import BodyRecovery
 from ..package.section.schema import RESULTANTS, STRESSES, SectionRecovery
 from ..strength.beam_bodies import unit_stress_M
+from .cut import equilibrium_resultants
 from .recording import Recording
 
 if TYPE_CHECKING:
@@ -21,7 +23,7 @@ Look = Callable[[Recording], None]
 
 
 def resultant_values(
-    key: str, body: int, package: ModalPackage, signal: "ResultantSignal"
+    key: str, built: BuiltMechanism, body: int, package: ModalPackage, signal: "ResultantSignal"
 ) -> Values:
     """Return what gives a resultant (k,) [N or N m].
 
@@ -30,13 +32,13 @@ def resultant_values(
     InputError
         A package without resultants, a position outside its stations; `key` is that of the case.
     """
-    _, at = resultants_at(key, package, signal.x)
-    row = at[RESULTANTS.index(signal.component)]
-    return lambda recording: recording.modes(body) @ row
+    _, forces = _forces(key, built, body, package, signal)
+    row = RESULTANTS.index(signal.component)
+    return lambda recording: forces(recording)[:, row]
 
 
 def ply_stress_values(
-    key: str, body: int, package: ModalPackage, signal: "PlyStressSignal"
+    key: str, built: BuiltMechanism, body: int, package: ModalPackage, signal: "PlyStressSignal"
 ) -> tuple[Values, Look]:
     """Return what gives a stress (k,) in ply axes [Pa], and what looks at all times before.
 
@@ -45,27 +47,42 @@ def ply_stress_values(
     InputError
         See `resultant_values`; also a section without stresses, or an unknown region or ply.
     """
-    section, at = resultants_at(key, package, signal.x)
+    section, forces = _forces(key, built, body, package, signal)
     recovery = package.sections[section].recovery
     if recovery is None:
         name = package.sections[section].name
         raise InputError(f"{key}: section {name} of {package.body} has no recovery of stresses")
     points = _points(key, recovery, signal)
     component = STRESSES.index(signal.component)
-    rows = unit_stress_M(recovery)[points, component] @ at  # (p, m)
+    rows = unit_stress_M(recovery)[points, component]  # (p, 6)
 
     own = object()
 
     def look(recording: Recording) -> None:
-        highest = np.abs(recording.modes(body) @ rows.T).max(axis=0)
+        highest = np.abs(forces(recording) @ rows.T).max(axis=0)
         recording.memory[own] = np.maximum(recording.memory.get(own, 0.0), highest)
 
     def values(recording: Recording) -> Array:
         if own not in recording.memory:
             look(recording)
-        return recording.modes(body) @ rows[int(np.argmax(recording.memory[own]))]
+        return forces(recording) @ rows[int(np.argmax(recording.memory[own]))]
 
     return values, look
+
+
+def _forces(
+    key: str,
+    built: BuiltMechanism,
+    body: int,
+    package: ModalPackage,
+    signal: "ResultantSignal | PlyStressSignal",
+) -> tuple[int, Values]:
+    """Return the section at x, and what gives the resultants (k, 6) there."""
+    section, at = resultants_at(key, package, signal.x)
+    if signal.method == "equilibrium":
+        return section, equilibrium_resultants(key, built, body, package, signal.x)
+    own = object()
+    return section, lambda recording: recording.once(own, lambda: recording.modes(body) @ at.T)
 
 
 def resultants_at(key: str, package: ModalPackage, x: float) -> tuple[int, Array]:

@@ -148,10 +148,10 @@ def _measuring(
     if signal.kind == "strength_ratio" or signal.kind == "exposure":
         return "-", strength_values(key, *_body(built, signal.body), signal), None
     if signal.kind == "ply_stress":
-        return "Pa", *ply_stress_values(key, *_body(built, signal.body), signal)
+        return "Pa", *ply_stress_values(key, built, *_body(built, signal.body), signal)
     if signal.kind == "resultant":
         unit = "N" if signal.component.startswith("F") else "N m"
-        return unit, resultant_values(key, *_body(built, signal.body), signal), None
+        return unit, resultant_values(key, built, *_body(built, signal.body), signal), None
     vectors = point_values(built, name, signal)
     return POINT_UNITS[signal.kind], _component(vectors, signal.component), None
 

@@ -78,6 +78,7 @@ def test_shards_are_merged(tmp_path, alone, capsys):
             told = capsys.readouterr()
             assert "s: 7 of 20 members are in none of 2 shards" in told.err
             assert "7 pending" in told.out
+            assert "  0 computed in" in told.out
             assert not (out / "sweep.csv").exists()
     assert main(["merge", str(file), "--out", str(out), "--no-figures"]) == 3
     assert (out / "sweep.csv").is_file()

@@ -102,6 +102,7 @@ def test_a_plan_that_is_wrong_is_refused(folder, capsys, line, new, message):
     error = capsys.readouterr().err
     assert message in error
     assert "base.toml" in error
+    file.unlink()  # the other tests make their own
 
 
 def test_a_request_that_is_not_met_leaves_a_result(folder, capsys):

@@ -105,7 +105,10 @@ def test_a_member_that_needs_more_promotes_the_plan_of_all(tmp_path, capsys):
     assert sweep(file, "--jobs", "1") == 0
     told = capsys.readouterr().out
     assert PLAN_TOO_COARSE.name == "plan-too-coarse"
-    assert f"warning [{PLAN_TOO_COARSE.name}] the plan has not the accuracy at member 1: " in told
+    assert (
+        f"warning [{PLAN_TOO_COARSE.name}] the plan does not reach the accuracy at member 1: "
+        in told
+    )
     assert "2 computed" in told  # with the plan that was edited
     assert plan.read_text() == "\n".join(rigid)
 

@@ -1,10 +1,13 @@
 """Runs of many output times: the same results as in memory, in memory that does not grow."""
 
+import json
 import subprocess
 import sys
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import pytest
 from case_samples import HEAD, SOLVER, case_runs, rigid
@@ -14,8 +17,9 @@ from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.integrators.generic import output
 from plymotion.solver.math import rows
 from plymotion.solver.math.rows import LongRows, StoredRows
-from plymotion.solver.results import RunResult, read_result, write_result
-from plymotion.solver.run.execution import execute, read_run
+from plymotion.solver.results import RunResult, read_result, write_result, writer
+from plymotion.solver.results.datasets import blocks, chunk_shape
+from plymotion.solver.run.execution import execute, read_run, run_file
 
 SIGNALS = {
     "turn": {"kind": "joint", "joint": "elbow", "coordinate": "angle"},
@@ -82,6 +86,51 @@ def test_a_window_at_a_time_is_the_same_run(
     for name, signal in told["signals"].items():
         assert signal["max"] == pytest.approx(told_long["signals"][name]["max"], rel=1e-9), name
         assert signal["t_max"] == told_long["signals"][name]["t_max"], name
+
+
+def test_positions_that_are_left_out_follow_from_the_coordinates(
+    repository: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Beyond 100 MB (here 1 MB) the file has no positions of nodes; the reader computes them."""
+    file = case_runs(repository, "double-pendulum", tmp_path / "build") / "layup-1.json"
+    spec = read_run(file).changed({"solver.t_end": 0.1, "solver.output_step": 1e-4})
+    result, _ = execute(spec, progress=False)
+    assert result.node_positions_G.nbytes > 1_000_000
+    monkeypatch.setattr(writer, "MOST_STORED", 1_000_000)
+    sizes = {}
+    for name, every in (("auto", False), ("all", True)):
+        path = tmp_path / f"{name}.vtkhdf"
+        write_result(path, result, all_positions=every)
+        sizes[name] = path.stat().st_size
+        with h5py.File(path) as written:
+            assert ("node_positions_G" in written["results"]) == every
+        found = read_result(path)
+        assert isinstance(found.node_positions_G, LongRows) != every
+        assert np.array_equal(found.q, result.q)
+        np.testing.assert_allclose(found.node_positions_G, result.node_positions_G, atol=1e-14)
+    assert sizes["auto"] < sizes["all"] - 100_000
+    # A key of the case says it for a run.
+    table = json.loads(file.read_text())
+    for key, every in (("auto", False), ("all", True)):
+        changed = {"t_end": 0.1, "output_step": 1e-4, "node_positions": key}
+        table["mechanism"]["solver"] |= changed
+        file.with_name(f"{key}.json").write_text(json.dumps(table))
+        run_file(file.with_name(f"{key}.json"), tmp_path / key, progress=False)
+        with h5py.File(tmp_path / key / "result.vtkhdf") as written:
+            assert ("node_positions_G" in written["results"]) == every
+
+
+def test_chunks_are_written_once_with_all_their_rows() -> None:
+    """A chunk has 64 KiB and few columns; blocks are whole chunks, whatever the width."""
+    for shape in ((6_000_001,), (6_000_001, 22), (9000, 150, 3), (500, 40_000), (3, 7), (10, 0)):
+        chunk = chunk_shape(shape)
+        assert len(chunk) == len(shape)
+        assert all(1 <= c <= max(n, 1) for c, n in zip(chunk, shape, strict=True))
+        assert 8 * np.prod(chunk) <= 65536
+        parts = list(blocks(shape))
+        assert (parts[0][0], parts[-1][1]) == (0, shape[0])
+        assert all(one[1] == two[0] for one, two in pairwise(parts))
+        assert all((end - first) % chunk[0] == 0 for first, end in parts[:-1])
 
 
 def test_one_step_over_many_windows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,4 +1,4 @@
-"""Meshes of sections: the library's scripts, the user's files, refinement."""
+"""Meshes of sections: the library's scripts, refinement, walls and plies."""
 
 import shutil
 from collections.abc import Callable
@@ -8,35 +8,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from section_mesh_samples import CFRP, ISOTROPIC, SIZES, library, moments, nodes_of
 
-from plymotion.preprocess import fenicsx
-from plymotion.preprocess.fenicsx import gmsh
 from plymotion.preprocess.section import analyse
 from plymotion.preprocess.section.cells import KINDS as CELL_KINDS
-from plymotion.preprocess.section.cells import full_basis
-from plymotion.preprocess.section.curves import nearest_on_curve
-from plymotion.preprocess.section.mesh import SectionError, SectionMesh, section_mesh
+from plymotion.preprocess.section.mesh import section_mesh
 from plymotion.solver.inputs.section.shapes.library import SHAPES, expand, walls
 from plymotion.solver.math.arrays import Array
 
-ISOTROPIC = {"kind": "isotropic", "E": 1.0, "nu": 0.3, "rho": 1.0}
-CFRP = {
-    "kind": "orthotropic",
-    **{"E1": 1.42e11, "E2": 9.8e9, "E3": 9.8e9, "G12": 6e9, "G13": 6e9, "G23": 4.8e9},
-    **{"nu12": 0.42, "nu13": 0.42, "nu23": 0.42, "rho": 1600.0},
-}
-SIZES: dict[str, dict[str, Any]] = {
-    "rectangle": {"width": 0.06, "height": 0.015},
-    "strip": {"width": 0.06, "height": 0.002},
-    "split-rectangle": {"width": 0.1, "height": 0.08, "interface": 0.02},
-    "ellipse": {"radius_2": 0.02, "radius_3": 0.01},
-    "tube": {"outer_radius": 0.1, "wall": 0.01},
-    "box": {"width": 0.03, "height": 0.02, "wall": 0.001, "wall_left": 0.002, "wall_top": 0.0015},
-    "two-cell": {"width": 0.05, "height": 0.02, "web_position": 0.01, "wall": 0.001},
-    "i": {"height": 0.2, "top_width": 0.1, "bottom_width": 0.08, "wall": 0.01, "wall_web": 0.006},
-    "channel": {"height": 0.025, "top_width": 0.012, "bottom_width": 0.025, "wall": 0.0015},
-    "airfoil": {"contour": "naca4415", "chord": 0.3, "skin": 0.001, "webs": [0.2, 0.5]},
-}
 AREAS = {
     "rectangle": 0.06 * 0.015,
     "strip": 0.06 * 0.002,
@@ -48,27 +27,6 @@ AREAS = {
     "i": 0.1 * 0.01 + 0.08 * 0.01 + 0.18 * 0.006,
     "channel": 0.0015 * (0.025 + 0.0105 + 0.0235),
 }
-
-
-def library(name: str, **sizes: Any) -> SectionMesh:
-    return section_mesh(expand(name, {**SIZES[name], **sizes}), f"{name}.mesh")
-
-
-def moments(mesh: SectionMesh) -> Array:
-    """Area, first and second moments by quadrature on the cells' own map."""
-    ((kind, _),), (corners,) = mesh.cells.of_kinds, mesh.cells.shapes
-    points, weights = fenicsx.quadrature(CELL_KINDS[kind], 8)
-    values, slopes = full_basis(kind, points)
-    x, y = np.moveaxis(values @ corners, -1, 0)
-    jacobian = np.einsum("cka,qkg->cqag", corners, slopes)
-    dA = weights * np.abs(np.linalg.det(jacobian))
-    return np.array([np.sum(dA * f) for f in (1.0, x, y, x * x, y * y, x * y)])
-
-
-def nodes_of(mesh: SectionMesh, region: str) -> Array:
-    """Nodes of the cells of a region, (c, k, 2)."""
-    (corners,) = mesh.cells.shapes
-    return corners[mesh.cells.region == mesh.cells.regions.index(region)]
 
 
 @pytest.mark.parametrize("name", SHAPES)
@@ -202,229 +160,3 @@ def test_every_ply_ends_on_element_edges(name: str) -> None:
         "regions": regions,
     }
     assert analyse(spec, estimate=False).warnings == ()
-
-
-AIRFOILS: dict[str, dict[str, Any]] = {
-    "no web": {"webs": []},
-    "one thick web": {"webs": [0.3], "web": 0.004},
-    "two webs": {},
-    "three webs": {"webs": [0.15, 0.3, 0.6]},
-    "thick caps": {"cap": 0.004},
-    "thin caps": {"skin": 0.002, "cap": 0.001},
-    "thin rear": {"skin": 0.002, "skin_rear": 0.0005},
-    "thicker than the nose is round": {"contour": "naca0012", "skin": 0.006, "skin_rear": 0.001},
-    "as thick as the nose is round": {"contour": "naca0012", "skin": 0.0047, "skin_rear": 0.001},
-    "other origin": {"origin": 0.25},
-}
-
-
-@pytest.mark.parametrize("change", AIRFOILS.values(), ids=AIRFOILS.keys())
-def test_airfoil(change: dict[str, Any]) -> None:
-    """Whole, without slivers, and every node of the skin on a row at its depth."""
-    sizes = {**SIZES["airfoil"], **change}
-    spec = expand("airfoil", sizes)
-    mesh = section_mesh(spec, "airfoil.mesh")
-    assert mesh.warnings == ()
-    assert set(mesh.cells.regions) == {wall.region for wall in walls("airfoil", sizes)}
-    faces = np.concatenate([[0.0], spec["parameters"]["faces"]])
-    rows = np.sort(np.concatenate([faces, 0.5 * (faces[:-1] + faces[1:])]))
-    key = {"skin": "skin_front", "skin-front": "skin_front", "skin-rear": "skin_rear"}
-    for region in mesh.cells.regions:
-        if region.startswith("web"):
-            continue
-        x = nodes_of(mesh, region).reshape(-1, 2)
-        depth = np.linalg.norm(nearest_on_curve(mesh.curves["outer"], x) - x, axis=1)
-        thickness = spec["parameters"][key.get(region, "cap")]
-        assert depth.max() == pytest.approx(thickness, rel=5e-4)
-        off_row = np.abs(depth[:, None] - rows).min(axis=1)
-        assert off_row.max() < 5e-4 * thickness
-
-
-def test_webs_stand_where_they_are_asked_for() -> None:
-    mesh = library("airfoil", webs=[0.25, 0.6], web=[0.002, 0.003], origin=0.1)
-    for name, place, wall in (("web-1", 0.25, 0.002), ("web-2", 0.6, 0.003)):
-        x = nodes_of(mesh, name)[..., 0]
-        middle = 0.3 * (place - 0.1)
-        assert [x.min(), x.max()] == pytest.approx([middle - wall / 2, middle + wall / 2])
-
-
-def test_blunt_trailing_edge_is_kept() -> None:
-    """A trailing edge thicker than its skins is not cut off."""
-    outline = np.array(expand("airfoil", SIZES["airfoil"])["coordinates"])
-    outline[:, 1] += np.where(np.arange(len(outline)) < len(outline) / 2, 1, -1) * (
-        0.03 * outline[:, 0]
-    )
-    sharp = library("airfoil")
-    blunt = library("airfoil", contour=outline.tolist())
-    assert 0.27 < nodes_of(sharp, "skin-rear")[..., 0].max() < 0.295
-    assert nodes_of(blunt, "skin-rear")[..., 0].max() == pytest.approx(0.3, abs=1e-4)
-    assert np.ptp(blunt.curves["outer"][..., 0]) == pytest.approx(0.3, abs=3e-4)
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"skin": 0.025}, "skin_rear = 0.025: too thick, no hollow"),
-        ({"webs": [0.3, 0.98]}, "webs: the last one lies behind"),
-        ({"skin": 0.012, "webs": [0.03, 0.5], "skin_rear": 0.001}, "webs: .* no room"),
-        ({"skin": 0.012, "skin_rear": 0.001}, "skin_front = 0.012: too thick for the nose"),
-    ],
-)
-def test_airfoils_that_cannot_be(change: dict[str, Any], message: str) -> None:
-    with pytest.raises(SectionError, match=f"airfoil.py: {message}"):
-        section_mesh(expand("airfoil", {**SIZES["airfoil"], **change}), "airfoil.mesh")
-
-
-# A quarter of a ring, inner radius 1, outer 2: two regions, the outer arc named.
-RING = """
-DefineConstant[ n = {4, Name "Parameters/n"} ];
-Mesh.ElementOrder = ORDER;
-Mesh.SecondOrderIncomplete = INCOMPLETE;
-Point(1) = {0, 0, 0};
-For k In {0:2}
-  Point(10 + k) = {Cos(k * Pi / 4), Sin(k * Pi / 4), 0};
-  Point(20 + k) = {2 * Cos(k * Pi / 4), 2 * Sin(k * Pi / 4), 0};
-  Line(30 + k) = {10 + k, 20 + k};
-EndFor
-For k In {0:1}
-  Circle(10 + k) = {10 + k, 1, 11 + k};
-  Circle(20 + k) = {20 + k, 1, 21 + k};
-  Curve Loop(k + 1) = {30 + k, 20 + k, -(31 + k), -(10 + k)};
-  Plane Surface(k + 1) = {k + 1};
-  Transfinite Surface {k + 1};
-  RECOMBINE
-EndFor
-Transfinite Curve {10, 11, 20, 21, 30, 31, 32} = n + 1;
-Physical Surface("low") = {1};
-Physical Surface("high") = {2};
-Physical Curve("outer") = {20, 21};
-"""
-KINDS: dict[str, dict[str, Any]] = {
-    "triangle": {"ORDER": 1, "INCOMPLETE": 0, "RECOMBINE": ""},
-    "triangle6": {"ORDER": 2, "INCOMPLETE": 0, "RECOMBINE": ""},
-    "quad": {"ORDER": 1, "INCOMPLETE": 0, "RECOMBINE": "Recombine Surface {k + 1};"},
-    "quad8": {"ORDER": 2, "INCOMPLETE": 1, "RECOMBINE": "Recombine Surface {k + 1};"},
-    "quad9": {"ORDER": 2, "INCOMPLETE": 0, "RECOMBINE": "Recombine Surface {k + 1};"},
-}
-
-
-def ring_text(kind: str) -> str:
-    text = RING
-    for word, value in KINDS[kind].items():
-        text = text.replace(word, str(value))
-    return text
-
-
-def ring(folder: Path, kind: str) -> Path:
-    path = folder / f"{kind}.geo"
-    path.write_text(ring_text(kind))
-    return path
-
-
-def saved(script: Path, target: Path, **options: float) -> Path:
-    """Mesh a script with gmsh and save it, as a user would."""
-    with fenicsx.gmsh_session():
-        gmsh.clear()
-        gmsh.merge(str(script))
-        gmsh.model.mesh.generate(2)
-        for name, value in options.items():
-            gmsh.option.setNumber(f"Mesh.{name}", value)
-        gmsh.write(str(target))
-        gmsh.clear()
-    return target
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_user_script_and_saved_mesh_agree(kind: str, tmp_path: Path) -> None:
-    script = ring(tmp_path, kind)
-    by_script = section_mesh({"file": str(script)}, "ring")
-    degree = 2 if kind[-1].isdigit() else 1
-    assert by_script.cells.degree == degree
-    assert set(by_script.cells.regions) == {"low", "high"}
-    segments = by_script.curves["outer"]
-    assert segments.shape == (8, degree + 1, 2)
-    assert np.hypot(*segments.reshape(-1, 2).T) == pytest.approx(2.0)
-    for version, binary in ((2.2, 0), (4.1, 0), (4.1, 1)):
-        path = saved(script, tmp_path / f"{kind}.msh", MshFileVersion=version, Binary=binary)
-        by_file = section_mesh({"file": str(path)}, "ring")
-        assert by_file.cells.n_cell == by_script.cells.n_cell
-        assert moments(by_file) == pytest.approx(moments(by_script), rel=1e-12)
-        assert by_file.curves.keys() == {"outer"}
-        for region in ("low", "high"):
-            centre = [nodes_of(m, region).mean(axis=(0, 1)) for m in (by_file, by_script)]
-            assert centre[0] == pytest.approx(centre[1])
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_refined_script_follows_its_geometry(kind: str, tmp_path: Path) -> None:
-    script = ring(tmp_path, kind)
-    exact = pi * (4 - 1) / 4
-    areas = [
-        moments(section_mesh({"file": str(script), "parameters": {"n": n}}, "x"))[0]
-        for n in (4, 8, 16)
-    ]
-    errors = np.abs(np.array(areas) / exact - 1.0)
-    order = 2 if KINDS[kind]["ORDER"] == 1 else 4
-    assert np.all(np.log2(errors[:-1] / errors[1:]) > order - 0.3)
-
-
-def test_eight_and_nine_nodes_make_the_same_section(tmp_path: Path) -> None:
-    eight, nine = (section_mesh({"file": str(ring(tmp_path, k))}, "x") for k in ("quad8", "quad9"))
-    assert moments(eight) == pytest.approx(moments(nine), rel=1e-4)
-
-
-def test_parameters_lists_and_scale(tmp_path: Path) -> None:
-    script = ring(tmp_path, "quad9")
-    fine = section_mesh({"file": str(script), "parameters": {"n": 8}}, "x")
-    assert fine.cells.n_cell == 2 * 8 * 8
-    small = section_mesh({"file": str(script), "scale": 1e-3}, "x")
-    plain = section_mesh({"file": str(script)}, "x")
-    scales = np.array([2, 3, 3, 4, 4, 4])
-    assert moments(small) == pytest.approx(moments(plain) * 1e-3**scales, rel=1e-12)
-    assert small.curves["outer"] == pytest.approx(1e-3 * plain.curves["outer"])
-    with pytest.raises(SectionError, match="no parameter m"):
-        section_mesh({"file": str(script), "parameters": {"m": 8}}, "x")
-
-
-def test_script_with_a_macro_is_read_again_and_again(tmp_path: Path) -> None:
-    """gmsh reads a Macro once in a process."""
-    path = tmp_path / "macro.geo"
-    path.write_text(
-        'DefineConstant[ a = {1, Name "Parameters/a"} ];\nMacro Side\n'
-        "  l[] = Extrude {a, 0, 0} { Point{1}; Layers{2}; };\nReturn\n"
-        "Point(1) = {0, 0, 0};\nCall Side;\n"
-        "s[] = Extrude {0, 1, 0} { Line{l[1]}; Layers{2}; Recombine; };\n"
-        'Physical Surface("body") = {s[1]};\nPhysical Curve("foot") = {l[1]};\n'
-    )
-    for a in (1.0, 2.0, 3.0):
-        mesh = section_mesh({"file": str(path), "parameters": {"a": a}}, "x")
-        assert moments(mesh)[0] == pytest.approx(a)
-        assert np.ptp(mesh.curves["foot"][..., 0]) == pytest.approx(a)
-
-
-def test_arrays(tmp_path: Path) -> None:
-    """Arrays in the form that the solver writes for meshes of other programs."""
-    path = tmp_path / "part.npz"
-    np.savez(
-        path,
-        points=[[0.0, 0], [1, 0], [1, 1], [0, 1], [2, 0], [2, 1], [5, 5]],
-        cells=[[0, 1, 2, 3], [1, 4, 5, 2]],
-        cell_type="quad",
-        region=[1, 0],
-        region_names=["right", "left"],
-        lines=[[0, 1], [1, 4]],
-        curve=[0, 0],
-        curve_names=["foot"],
-    )
-    mesh = section_mesh({"arrays": str(path), "scale": 2.0}, "part")
-    assert nodes_of(mesh, "left")[..., 0].max() == 2.0
-    assert mesh.curves["foot"].shape == (2, 2, 2)
-    assert moments(mesh)[0] == pytest.approx(8.0)
-
-
-def test_equal_requests_share_a_mesh_until_the_file_changes(tmp_path: Path) -> None:
-    script = ring(tmp_path, "quad")
-    first = section_mesh({"file": str(script)}, "x")
-    assert section_mesh({"file": str(script)}, "another section") is first
-    script.write_text(ring_text("quad9"))
-    assert section_mesh({"file": str(script)}, "x").cells.degree == 2

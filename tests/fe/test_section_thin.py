@@ -5,6 +5,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from plymotion.preprocess.laminate.stack import Lamina, Laminate
+from plymotion.preprocess.laminate.stiffness import laminate_stiffness
 from plymotion.preprocess.materials import isotropic, material_from_dict
 from plymotion.preprocess.section import analyse
 from plymotion.preprocess.section.errors import SectionError
@@ -201,3 +203,51 @@ def test_a_material_that_locks_is_allowed_on_request(tmp_path: Any) -> None:
         analyse(spec)
     codes = [w["code"] for w in analyse({**spec, "allow": ["nearly-incompressible"]}).warnings]
     assert codes == ["degree-1-locks", "nearly-incompressible"]
+
+
+CARBON = {
+    "kind": "orthotropic", "E1": 142e9, "E2": 9.8e9, "E3": 9.8e9, "G12": 6e9, "G13": 6e9,
+    "G23": 4.8e9, "nu12": 0.3, "nu13": 0.3, "nu23": 0.42, "rho": 1.0,
+}  # fmt: skip
+
+
+def membrane_tube(A: Any) -> Any:
+    """K of a thin tube of radius 1 whose wall has the stiffness A (3, 3): a statically determinate
+    membrane without hoop force. Loads: columns of axial force and shear flow along y2."""
+    angle = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False)
+    x2, x3, none = np.cos(angle), np.sin(angle), 0.0 * angle
+    axial = np.stack([none + 0.5, none, none, none, x3, -x2]) / np.pi
+    flow = np.stack([none, x3, -x2, none - 0.5, none, none]) / np.pi
+    a = np.linalg.inv(A)[np.ix_([0, 2], [0, 2])]
+    loads = np.stack([axial, flow])
+    return np.linalg.inv(np.einsum("pis,pq,qjs->ij", loads, a, loads) * 2.0 * np.pi / 360)
+
+
+@pytest.mark.parametrize("angles", [[45.0], [45.0, -45.0], [0.0, 45.0, -45.0, 90.0]])
+@pytest.mark.parametrize("t", [1e-4, 1e-5])
+def test_laminated_tube(t: float, angles: list[float]) -> None:
+    """Plies of t R / 4 keep their places although the edges of the mesh are parabolas."""
+    ply = t / len(angles)
+    plies = [{"material": "m", "angle_deg": angle, "thickness": ply} for angle in angles]
+    sizes = {"outer_radius": 1.0 + 0.5 * t, "wall": t}
+    found = analyse(described("tube", sizes, {"m": CARBON}, plies))
+    material = material_from_dict(CARBON, "m")
+    laminate = Laminate(tuple(Lamina(material, angle, ply) for angle in angles))
+    expected = membrane_tube(laminate_stiffness(laminate).A)
+    error = scaled(found.K - expected, expected)
+    # the closed form lacks terms of the order t / R
+    assert (error <= scaled(np.asarray(found.error_estimate), expected) + 2.0 * t).all()
+    assert scaled(np.asarray(found.error_estimate), expected).max() < 5e-5
+    assert found.warnings == ()
+
+
+def test_estimate_contains_the_distance_from_circles() -> None:
+    """Field and mesh: the estimate is above the true error, whatever the degree."""
+    t = 0.01
+    for degree in (2, 3):
+        spec = described("tube", {"outer_radius": 1.0 + 0.5 * t, "wall": t}, degree=degree)
+        found = analyse(spec)
+        error = np.abs(np.diag(found.K) / tube(t) - 1.0)
+        estimate = np.diag(scaled(np.asarray(found.error_estimate), found.K))
+        assert (error <= 1.01 * estimate).all()
+        assert (estimate < 4.0 * error.max()).all()

@@ -17,6 +17,7 @@ from shell_specs import plate
 from plymotion.preprocess.shell.analysis import analyse
 from plymotion.preprocess.shell.errors import ShellError
 from plymotion.preprocess.shell.problem import ShellProblem
+from plymotion.solver.commands.shell.findings import case_findings
 
 Record = Callable[[str, Any], None]
 QUADS = {"element": "quadrilateral"}
@@ -284,6 +285,25 @@ def test_bent_prestress_is_warned_about() -> None:
     assert codes == ["buckling-after-large-rotation"]
     spec["loads"]["F"]["tip"]["force"] = [-1.0, 0.0, 0.0]
     assert not analyse(spec).warnings
+
+
+@pytest.mark.provokes("buckles-in-plane")
+def test_a_thick_plate_that_turns_in_its_plane_is_warned_about() -> None:
+    """Held in its plane at one node, a thick plate under dead loads turns there long before it
+    buckles; held at two, it buckles as in tables."""
+    stack = laminate("ply", [0, 90, 90, 0], 0.1, "5/6")
+    spec = compressed(8, stack, {"ply": lamina(3.0, 0.6, 0.5)}, SIMPLE, "x", QUADS)
+    spec["buckling"] = {"count": 1}
+    turning = analyse(spec)
+    assert [warning["code"] for warning in turning.warnings] == ["buckles-in-plane"]
+    spec["supports"]["middle"]["fixed"] = ["ux", "uy"]
+    spec["supports"]["level"] = {"at": "right-middle", "fixed": ["uy"]}
+    held = analyse(spec)
+    assert not held.warnings
+    assert turning.buckling is not None
+    assert held.buckling is not None
+    assert turning.buckling.factors[0] < 0.1 * held.buckling.factors[0]
+    assert case_findings(held)[0].imbalance < 1e-8  # of loads without a resultant
 
 
 def test_wrong_requests() -> None:

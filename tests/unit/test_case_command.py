@@ -123,6 +123,19 @@ def test_a_sweep_in_place_of_runs(pendulum, capsys):
     assert "step: 2 members, 2 finished" in capsys.readouterr().out
     assert _main(*words) == 0
     assert capsys.readouterr().out == "build/pendulum/sweeps/step: up to date\n"
+
+    # A sweep whose files are made anew leaves a finished run as it is.
+    for file in ("manifest.json", "sweeps/step.json", "sweeps/step/sweep.h5"):
+        (folder / file).unlink()
+    run = (pendulum.name, "--run", "short", "--packages", "packages", "--quiet")
+    assert _main(*run) == 0
+    assert _main(*words) == 0
+    capsys.readouterr()
+    assert _main(*run) == 0
+    assert capsys.readouterr().out == "build/pendulum/report.html: up to date\n"
+    (folder / "manifest.json").unlink()
+    assert _main(*run) == 0
+    assert (folder / "manifest.json").is_file()
     assert _main(pendulum.name, "--sweep", "stp", "--packages", "packages") == 2
     assert "--sweep stp: pendulum.toml has no such sweep; did you mean 'step'?" in (
         capsys.readouterr().err

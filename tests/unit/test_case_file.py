@@ -88,6 +88,18 @@ def test_bad_input_exits_with_2_and_writes_nothing(name, source, tmp_path, capsy
     assert not out.exists()
 
 
+def test_missing_tables_are_named_as_they_are_written(source, tmp_path):
+    file = tmp_path / "case.toml"
+    file.write_text('format = 1\ntitle = "A section"\n[mesh]\nshape = "box"\n')
+    with pytest.raises(
+        InputError, match=r"case\.toml: runs: missing; expected a table \[runs\.NAME\]"
+    ):
+        load_case(file)
+    file.write_text(re.sub(r"^\[solver\]\n(.+\n)+", "", source, flags=re.MULTILINE))
+    with pytest.raises(InputError, match=r"solver: missing; expected a table \[solver\]"):
+        load_case(file)
+
+
 def test_missing_file(tmp_path, capsys):
     assert main(["check", str(tmp_path / "case.toml")]) == 2
     assert "no such case file" in capsys.readouterr().err

@@ -1,33 +1,41 @@
-"""Where a check is blind: kinds of vibrations of which no package has more."""
+"""Where a check is blind: kinds of vibrations of which its package has no more."""
 
-from plymotion.solver.fidelity.exhausted import exhausted
+import numpy as np
+import pytest
+
+from plymotion.solver.fidelity.exhausted import POWER, exhausted, tail
 from plymotion.solver.fidelity.plan import BodyPlan, Plan, outline
 
 RANKED = {"arm": ("bending-xy 1", "bending-xy 2", "axial 1")}
+PACKAGE = {"arm": ("bending-xy 1", "bending-xy 2", "bending-xy 3", "axial 1", "torsion 1")}
 
 
-def plan(*labels):
+def check(*labels):
     return Plan({"arm": BodyPlan(labels, 2)}, True, 1e-5)
 
 
-def test_a_check_with_more_of_each_kind_is_not_blind():
-    check = plan("bending-xy 1", "bending-xy 2", "axial 1")
-    assert exhausted(plan("bending-xy 1"), check, RANKED) == {}
+def test_a_check_is_not_blind_if_its_package_has_more():
+    assert exhausted(check("bending-xy 1", "bending-xy 2"), RANKED, PACKAGE) == {}
 
 
-def test_the_highest_vibration_of_a_kind_that_the_check_has_no_more_of():
-    labels = [f"bending-xy {k}" for k in range(1, 11)]
-    check = plan(*labels, "axial 1")
-    assert exhausted(plan(*labels), check, RANKED) == {"arm": ("bending-xy 10",)}
-    assert exhausted(plan(*labels, "axial 1"), check, RANKED) == {
-        "arm": ("bending-xy 10", "axial 1")
-    }
+def test_kinds_of_which_a_check_has_all():
+    every = ("bending-xy 1", "bending-xy 2", "bending-xy 3")
+    assert exhausted(check(*every), RANKED, PACKAGE) == {"arm": ("bending-xy",)}
+    assert exhausted(check(*every, "axial 1"), RANKED, PACKAGE) == {"arm": ("bending-xy", "axial")}
 
 
 def test_kinds_that_do_not_respond_are_left_out():
-    labels = ("bending-xy 1", "torsion 1")
-    check = plan(*labels, "bending-xy 2")
-    assert exhausted(plan(*labels), check, RANKED) == {}
+    assert exhausted(check("torsion 1"), RANKED, PACKAGE) == {}
+
+
+@pytest.mark.parametrize(("m", "n"), [(4, 6), (2, 3), (4, 12)])
+def test_the_tail_of_contributions_that_decrease_with_the_power(m, n):
+    c = np.arange(1, 200001) ** -POWER
+    assert tail(m, n) == pytest.approx(c[n:].sum() / c[m:n].sum(), rel=2e-2)
+
+
+def test_no_tail_without_a_vibration_to_compare_with():
+    assert tail(4, 4) == 0.0
 
 
 def test_the_outline_of_a_plan():

@@ -54,6 +54,16 @@ def test_a_starter_runs_as_it_is(
         assert max(abs(s["max"]) for s in summary["signals"].values()) > 0.0
 
 
+def test_a_folder_of_a_case_does_not_hide_the_command_of_its_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """`plymotion new blade` makes such a folder."""
+    monkeypatch.chdir(tmp_path)
+    assert main(["new", "blade"]) == 0
+    assert main(["blade", "absent.yaml", "--check"]) == 2
+    assert "absent.yaml" in capsys.readouterr().err
+
+
 def test_the_case_of_the_first_steps_runs_without_findings(
     repository: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fenicsx: str
 ) -> None:

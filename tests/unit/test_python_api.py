@@ -14,6 +14,7 @@ import plymotion as pm
 from plymotion.solver.__main__ import main as command
 from plymotion.solver.commands.cases.report import report_case
 from plymotion.solver.commands.cases.turn import turn
+from plymotion.solver.inputs.case.schema import CaseFile, Mechanism
 
 SWING = (
     HEAD
@@ -123,12 +124,26 @@ def test_wrong_names_and_wrong_cases_say_so(swing):
         pm.run(swing, "mon")
     with pytest.raises(KeyError, match="no 'tipz' among the signals; did you mean 'tip_z'"):
         pm.run(swing, "base").signals["tipz"]
+    with pytest.raises(pm.InputError, match=r"gone/summary\.json: no such file"):
+        pm.Result.from_folder("gone")
     with pytest.raises(pm.InputError, match="letters, digits"):
         pm.Case("../above")
     case = pm.load(swing)
     case.bodies["rod"]["mas"] = 1.0
     with pytest.raises(pm.InputError, match=r"swing\.toml: bodies\.rod\.mas: unknown key"):
         pm.run(case, "base")
+
+
+def test_every_key_of_a_case_file_is_an_attribute_and_others_are_refused(swing):
+    case = pm.load(swing)
+    for key in {**CaseFile.model_fields, **Mechanism.model_fields}:
+        getattr(case, key)
+    assert case.fidelity is None, "to look at a key does not write it"
+    case.check()
+    case.gravity = (0.0, 0.0, -1.62)
+    assert case.check().runs["base"].gravity == [0.0, 0.0, -1.62]
+    with pytest.raises(AttributeError):
+        case.gravty = (0.0, 0.0, 0.0)
 
 
 def test_arithmetic_of_signals(swing):
@@ -141,10 +156,20 @@ def test_arithmetic_of_signals(swing):
     assert (abs(error) + 1.0).min == 1.0
     assert (error / 2.0).peak_to_peak == pytest.approx(0.5 * np.ptp(z - z_moon))
     assert np.array_equal((-error).values, z_moon - z)
+    assert np.array_equal((1.0 - error).values, 1.0 - error.values)
+    for number in (2.0, np.float64(2.0)):
+        assert np.array_equal((number * error).values, 2.0 * error.values)
+        assert (number + error).unit == "m"
     length = pm.norm(base.signals["tip_z"], base.signals["tip_z"])
     assert length.values == pytest.approx(np.sqrt(2.0) * np.abs(z))
     with pytest.raises(pm.InputError, match="expected the same unit, found m and m/s"):
         base.signals["tip_z"] - base.signals["speed"]
+    with pytest.raises(TypeError, match="unsupported operand"):
+        error * error
+    with pytest.raises(TypeError, match="unsupported operand"):
+        error + "1"
+    with pytest.raises(pm.InputError, match="expected at least one signal"):
+        pm.norm()
 
 
 def test_difference_ends_with_the_shorter_run(swing):
@@ -163,6 +188,7 @@ def test_notebooks_get_tables_and_pictures(swing):
         assert page.startswith("<table>")
         assert page.count("<table>") == page.count("</table>")
     assert result._repr_html_().count("<svg") == 2
+    assert result.signals._ipython_key_completions_() == ["tip_z", "speed"]
     low = json.loads((result.folder / "summary.json").read_text())["signals"]["tip_z"]["min"]
     assert f"{low:.6g}" in result._repr_html_()
 
@@ -213,6 +239,20 @@ def test_a_sweep_by_processes_needs_no_guard_in_the_script(swing, tmp_path, repo
     )
     assert done.returncode == 0, done.stderr
     assert "['finished', 'finished', 'finished']" in done.stdout
+
+
+def test_arguments_of_a_sweep_that_would_be_ignored_are_refused(swing):
+    with pytest.raises(pm.InputError, match="expected the name of a sweep, or vary="):
+        pm.sweep(swing)
+    with pytest.raises(pm.InputError, match="signals belongs to a new sweep; expected vary="):
+        pm.sweep(swing, "masses", signals=["tip_z"])
+    with pytest.raises(pm.InputError, match=r"bodies\.rod\.mass = 2: expected a list of values"):
+        pm.sweep(swing, run="base", vary={"bodies.rod.mass": 2})
+    found = pm.sweep(swing, run="base", vary={"bodies.rod.mass": range(1, 3)})
+    with pytest.raises(pm.InputError, match="no measure 'maxi'; did you mean 'max'"):
+        found.plot("tip_z", "maxi")
+    with pytest.raises(pm.InputError, match="tip_z: its values over time were not kept"):
+        _ = found.signals["tip_z"].history
 
 
 def test_wrong_sweeps_say_so(swing):

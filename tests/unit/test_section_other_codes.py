@@ -64,24 +64,108 @@ def test_vabs(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("1 1 2 3 4 0", "1 1 2 3 9 0", r"line 12: 9: expected a node of cell 1, .* to 6"),
-        ("1 1 2 3 4 0", "1 1 2 2 4 0", r"cell 1: expected 3 or 4 corners, and each node once"),
+        ("1 1 2 3 4 0", "1 1 2 3 9 0", r"line 12: 9: expected a node, one of the numbers 1 to 6"),
+        ("1 1 2 3 4 0", "1 1 2 2 4 0", r"line 12: cell 1: expected 3 or 4 corners, and each"),
         ("1 0 0 0\n0.1", "1 1 0 0\n0.1", r"oblique sections are not supported"),
         ("2 1\n1e9", "2 2\n1e9", r"the file ends before the constants"),
         ("0.1 0.2 0.3\n1500.\n", "", r"the file ends before the constants of material 2"),
-        ("6 2 2\n", "6 x 2\n", r"line 5: 'x': expected the number of cells"),
-        ("3 1 1\n", "2 1 1\n", r"node 3 has no position"),
-        (
-            "1 2 30.",
-            "1 3 30.",
-            r"3: expected the material of cell 1, a whole number from 1 up to 2",
-        ),
+        ("6 2 2\n", "6 x 2\n", r"line 5: 'x': expected .* the number of cells"),
+        ("3 1 1\n", "2 1 1\n", r"line 8: node 2 is also in line 7"),
+        ("1 2 30.", "1 3 30.", r"line 14: 3: expected the material of .*, one of 1, 2"),
+        ("1 2 30.", "7 2 30.", r"line 14: 7: expected a cell, one of the numbers 1 to 2"),
+        ("1 2 30.", "2 2 30.", r"line 15: orientation 2 is also in line 14"),
+        ("2 1\n1e9", "1 1\n1e9", r"line 19: material 1 was given before"),
+        ("2 1\n1e9", "2 5\n1e9", r"line 19: 5: expected the kind of material 2, 0, 1 or 2"),
+        ("1 0 0\n1 0 0 0", "1 0 0\n2 0 0 0", r"line 3: 2: expected the flag curved"),
+        ("6 2 1\n1 1", "6 2 nan\n1 1", r"line 11: 'nan': expected the number and values of a"),
     ],
 )
 def test_wrong_vabs_input(old: str, new: str, message: str, tmp_path: Path) -> None:
     assert old in SOUND
     with pytest.raises(InputError, match=message):
         read_vabs(vabs(tmp_path, SOUND.replace(old, new, 1)))
+
+
+NEW = """1 2   two layers, words without a sign of a comment
+! flags
+1 {second} 0 / Timoshenko
+0 0 1 1
+5 2 2
+70 0 0
+10 1 0
+
+20 1 1
+! the cells
+40 0 1
+50,2,0
+8 70 10 20 40 5*0
+3 10 50 20 6*0
+{cells}3 2 1.5D+1
+8 1 -90
+{layers}
+7 0
+0.7-2  .3  steel
+2700 ! rho
+{damped}{plastic}
+{end}"""
+PLASTIC = "4 1\n10 10\n10 4 4\n4 .1 .1 .1\n1.5d3"
+
+
+def new_layout(**changes: str) -> str:
+    parts = {"second": "0", "cells": "", "damped": "", "plastic": PLASTIC, "end": ""}
+    return NEW.format(**({**parts, "layers": "2 4 45.\n1 7 0.\n"} | changes))
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+@pytest.mark.parametrize(
+    ("changes", "asked"),
+    [
+        ({}, []),
+        ({"second": "1", "end": "0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 2 3 4\n"}, ["recovery"]),
+        ({"second": "2"}, ["recovery"]),
+        (
+            {
+                "second": "1",
+                "layers": "2 4 45. 0.01\n1 7 0. 0\n",
+                "damped": "0.1\n",
+                "plastic": PLASTIC + "\n0.2",
+            },
+            ["damping"],
+        ),
+    ],
+)
+def test_vabs_reads_rows_as_fortran_does(
+    changes: dict[str, str], asked: list[str], end: str, tmp_path: Path
+) -> None:
+    """Numbers with gaps, words after the numbers, rows over two lines, exponents and repeats."""
+    file = tmp_path / "part.vab"
+    file.write_bytes(b"\xef\xbb\xbf" + new_layout(**changes).replace("\n", end).encode())
+    assert is_of_another_code(file)
+    section = read_vabs(file)
+    assert section.nodes[:, :4].tolist() == [[0, 1, 2, 3], [1, 4, 2, ABSENT]]
+    assert section.points[4].tolist() == [2.0, 0.0]
+    assert section.theta1.tolist() == [[-90.0], [15.0]]
+    assert [section.plies[i] for i in section.ply] == [("material-7", 0.0), ("material-4", 45.0)]
+    assert section.materials["material-7"]["E"] == 0.007
+    assert section.materials["material-4"]["G23"] == 4.0
+    assert section.materials["material-4"]["rho"] == 1500.0
+    assert section.not_computed == ["trapeze", "vlasov", *asked]
+
+
+def test_vabs_without_layers(tmp_path: Path) -> None:
+    text = new_layout(layers="").replace("1 2   two", "1 0   two")
+    text = text.replace("3 2 1.5D+1\n8 1 -90", "3 4 1.5D+1\n8 7 -90")
+    section = read_vabs(vabs(tmp_path, text))
+    assert [section.plies[i] for i in section.ply] == [("material-7", 0.0), ("material-4", 0.0)]
+
+
+def test_old_vabs_format_with_recovery(tmp_path: Path) -> None:
+    text = SOUND.replace("\n1 0 0\n", "\n1 1 0\n", 1)
+    section = read_vabs(vabs(tmp_path, text + "0 0 0\n1 0 0\n0 1 0\n0 0 1\n5 6 7 8\n"))
+    assert section.not_computed == ["recovery"]
+    assert section.materials["material-2"]["rho"] == 1500.0
+    with pytest.raises(InputError, match=r"line 21: 'x': expected the constants of material 2"):
+        read_vabs(vabs(tmp_path, text.replace("4e8 5e8", "4e8 x")))
 
 
 def becas(folder: Path, **changes: str) -> Path:

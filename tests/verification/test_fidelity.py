@@ -12,7 +12,6 @@ from plymotion.solver.fidelity.metrics import difference, scales
 from plymotion.solver.fidelity.model import Rich, with_values
 from plymotion.solver.fidelity.procedure import Answer, checked, plan_of
 from plymotion.solver.fidelity.response import modal_loads
-from plymotion.solver.fidelity.trial import distance, tried
 from plymotion.solver.fidelity.words import answer_text, entry
 from plymotion.solver.mechanism import build
 from plymotion.solver.package.body.selection import selected
@@ -99,33 +98,8 @@ def test_the_base_motion_leaves_no_loads_on_the_frames() -> None:
     assert np.abs(p[:, :6]).max() < 1e-9 * np.abs(p[:, 6:]).max()
 
 
-@pytest.mark.parametrize("missing", ["vibration", "statics", "tolerance", "stiffening"])
-def test_the_check_sees_an_omission(missing: str) -> None:
-    """A plan that lacks one thing differs from its check by the true error, not by less."""
-    answer, exact = answer_of("soft"), truth("soft")
-    whole = replace(answer.plan, stiffening=True, rtol=1e-6)
-    for name, body in whole.bodies.items():
-        labels = ("bending-xy 1", "bending-xy 2", *body.vibrations)
-        whole = whole.with_body(name, vibrations=tuple(dict.fromkeys(labels)), static=3)
-    poor = {
-        "vibration": whole.with_body("link0", vibrations=(), static=0),
-        "statics": whole.with_body("link0", static=0),
-        "tolerance": replace(whole, rtol=1e-2),
-        "stiffening": replace(whole, stiffening=False),
-    }[missing]
-    study = answer.study
-    trial = tried(answer.spec, poor, study.model, study.check, answer.names)
-    assert answer.check is not None
-    estimate = distance("pointwise", trial, answer.check).max()
-    values = np.array([exact[signal] for signal in answer.names])
-    sizes = scales("pointwise", values)
-    true = (difference("pointwise", trial.signals, values) / sizes).max()
-    print(missing, estimate, true)
-    assert 0.5 <= estimate / true <= 2.0
-
-
 def test_an_impossible_request_is_refused_with_a_result() -> None:
-    table = pendulum(signals=["force"], accuracy=1e-7, budget=1.0)
+    table = pendulum(t_end=0.1, signals=["force"], accuracy=1e-7, budget=1.0)
     answer = checked(plan_of(*planned_run(table, "soft")))
     assert answer.verdict == "not met"
     assert answer.reason

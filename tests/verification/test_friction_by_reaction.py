@@ -249,3 +249,30 @@ def test_a_hinge_needs_a_radius(tmp_path):
     text = wheel(force("f", "friction", joint="axle", coefficient=0.1, rest_velocity=0.1))
     with pytest.raises(InputError, match=r"forces\.f\.radius: missing"):
         run(tmp_path, text, 0.1, 0.1)
+
+
+@pytest.mark.parametrize("solver", [RADAU, DEFAULT])
+def test_a_shaft_that_turns_and_slides_has_one_friction(tmp_path, solver):
+    """A thin tube on a shaft: against the velocity of the contact, whose direction stays.
+
+    Each component falls by its share of mu g; two frictions would stop both at mu g each.
+    """
+    mu, R, m, v, w = 0.2, 0.05, 3.0, 0.6, 16.0  # contact 0.6 m/s along, 0.8 m/s around
+    text = (
+        f"gravity = [0.0, -{G}, 0.0]\n[ground.O]\nposition = [0.0, 0.0, 0.0]\n"
+        + rigid("tube", m, [0.1, 0.1, m * R**2], {"a": (0, 0, 0)},
+                velocity=(0, 0, v), angular_velocity=(0, 0, w))
+        + '[joints.shaft]\nkind = "cylindrical"\nbetween = ["ground.O", "tube.a"]\n'
+        + "axis = [0.0, 0.0, 1.0]\n"
+        + '[signals.v]\nkind = "velocity"\nat = "tube.a"\ncomponent = "z"\n'
+        + '[signals.w]\nkind = "angular_velocity"\nat = "tube.a"\ncomponent = "z"\n'
+        + force("along", "friction", joint="shaft", coordinate="z", coefficient=mu, radius=R,
+                rest_velocity=1e-4)
+        + force("around", "friction", joint="shaft", coordinate="angle", coefficient=mu,
+                radius=R, rest_velocity=1e-4 / R)
+    )  # fmt: skip
+    t, s, summary = run(tmp_path, text, 0.6, 0.05, solver)
+    left = np.maximum(0.0, 1.0 - mu * G * t / 1.0)
+    np.testing.assert_allclose(s["v"], v * left, atol=1e-3)
+    np.testing.assert_allclose(s["w"], w * left, atol=1e-3 * w)
+    assert summary["checks"]["energy_drift_relative"] < 1e-3

@@ -18,7 +18,7 @@ from .stations import Station
 from .windio import Blade
 
 HEAD = """\
-# Beam body of the blade {name}, written by `plymotion blade`. In a case:
+# Beam body of {name}, written by `plymotion blade`. In a case:
 #   [bodies.blade]
 #   kind = "beam"
 #   table = "beam.csv"
@@ -53,4 +53,4 @@ def body_csv(blade: Blade, stations: Sequence[Station]) -> str:
         row += [A[i, j] for A in (one.K, one.M) for i, j in UPPER]
         row += [*trapeze_strains(one.K, read_section(station.file).recovery)]
         writer.writerow([repr(float(value) + 0.0) for value in row])
-    return HEAD.format(name=blade.file.stem) + stream.getvalue()
+    return HEAD.format(name=blade.file.name) + stream.getvalue()

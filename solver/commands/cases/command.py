@@ -48,6 +48,7 @@ def _done(file: Path, out: Path, options: argparse.Namespace, request: str) -> i
     """Do all stages; return the exit code."""
     # Here: these take 0.5 s to import, longer than a command with nothing to do.
     from ...inputs.case.load import load_case
+    from ...inputs.case.output_folder import MANIFEST
     from ...inputs.case.source_files import source_files
     from ...inputs.case.specs import write_case
     from .packages import named_packages
@@ -81,7 +82,8 @@ def _done(file: Path, out: Path, options: argparse.Namespace, request: str) -> i
     if code in (0, INCOMPLETE):
         used = [out / entry["file"] for entries in named.values() for entry in entries]
         inputs = [file, *source_files(case), *used]
-        note_finished(out, request, code, text, inputs, _results(out, runs, sweeps))
+        results = _results(out, runs, sweeps)
+        note_finished(out, request, code, text, inputs, results, shared=(MANIFEST,))
     return code
 
 

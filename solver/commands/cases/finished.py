@@ -8,7 +8,7 @@ import hashlib
 import json
 import os
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -38,7 +38,13 @@ def finished_before(out: Path, request: str) -> tuple[int, str] | None:
 
 
 def note_finished(
-    out: Path, request: str, code: int, text: str, inputs: Iterable[Path], results: Iterable[Path]
+    out: Path,
+    request: str,
+    code: int,
+    text: str,
+    inputs: Iterable[Path],
+    results: Iterable[Path],
+    shared: Collection[str] = (),
 ) -> None:
     """Remember a command.
 
@@ -46,6 +52,7 @@ def note_finished(
     ----------
     inputs : files that it depends on, besides the program
     results : files in `out` that it has made or used
+    shared : names of results that other commands add to: these must only be there
     """
     from ...package.common.temporary import write_text  # imports NumPy
 
@@ -56,7 +63,10 @@ def note_finished(
         "text": text,
         "program": _program(),
         "inputs": {str(file.absolute()): state_of(file) for file in inputs},
-        "results": {file.relative_to(out).as_posix(): state_of(file) for file in results},
+        "results": {
+            file.relative_to(out).as_posix(): None if file.name in shared else state_of(file)
+            for file in results
+        },
     }
     recent = dict(list(commands.items())[-MOST:])
     write_text(out / RECORD, json.dumps({"commands": recent}) + "\n")
@@ -71,7 +81,12 @@ def _commands(out: Path) -> dict[str, Any]:
 
 
 def _same(folder: Path, states: dict[str, Any]) -> bool:
-    return all(state_of(folder / name) == state for name, state in states.items())
+    return all(
+        state_of(folder / name) == state
+        if state is not None
+        else any(state_of(folder / name)[:1])  # there, and not empty
+        for name, state in states.items()
+    )
 
 
 def state_of(file: Path) -> list[int]:

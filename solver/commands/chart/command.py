@@ -26,6 +26,7 @@ def run_chart(options: argparse.Namespace) -> int:
     if answer.trial is None or answer.check is None or answer.estimate is None:
         raise InputError(f"{file}: no chart without a check: {answer.reason}")
     found = ladder(answer)
+    print(f"{'CPU time':>11}  {'error':>8}  model")
     for rung in (*found.front(), found.chosen, found.check):
         print(f"{rung.cpu:9.3f} s  {rung.error:8.1e}  {rung.name}")
     data = {**found.entry(), "plan": answer.plan.table()}

@@ -47,4 +47,4 @@ def read_spec(
         try:
             return read_run(out / "runs" / f"{name}.json"), build
         except PackageError as error:
-            raise PackageError(f"{error}; `make {case.name}` builds the packages") from None
+            raise PackageError(f"{error}; `plymotion {file}` builds the packages") from None

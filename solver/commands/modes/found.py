@@ -123,7 +123,9 @@ def _notes(states: States, state: State, space: StateSpace, modes: Modes) -> lis
         )
     if modes.unstable.any():
         growth = float(modes.growth.max())
-        notes.append(f"unstable: {int(modes.unstable.sum())} modes grow, at up to {growth:.4g} 1/s")
+        count = int(modes.unstable.sum())
+        words = "1 mode grows" if count == 1 else f"{count} modes grow"
+        notes.append(f"unstable: {words}, at up to {growth:.4g} 1/s")
     return notes
 
 

@@ -24,8 +24,12 @@ def add_new_command(commands: Any, run: Callable[[argparse.Namespace], int]) -> 
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("starter", metavar="STARTER", help=", ".join(STARTERS))
+    parser.add_argument("starter", metavar=f"{{{','.join(STARTERS)}}}", help="see below")
     parser.add_argument(
-        "folder", type=Path, nargs="?", metavar="DIR", help="new folder of the case (STARTER)"
+        "folder",
+        type=Path,
+        nargs="?",
+        metavar="DIR",
+        help="new folder of the case (default: named like the starter)",
     )
     parser.set_defaults(command=run)

@@ -1,5 +1,6 @@
 """The highest stresses and the strength ratios of every ply under given resultants."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -69,6 +70,16 @@ def ply_peaks(
     return peaks
 
 
+def weakest(peaks: Sequence[PlyPeak]) -> dict[str, PlyPeak]:
+    """The ply with the least margin by each criterion, of the plies that it judges."""
+    found: dict[str, PlyPeak] = {}
+    for peak in peaks:
+        for name, reserve in peak.reserves.items():
+            if name not in found or reserve.ratio < found[name].reserves[name].ratio:
+                found[name] = peak
+    return found
+
+
 def judged_peaks(
     section: SectionFile, F: Array, distance: float | None
 ) -> tuple[list[PlyPeak], list[dict[str, str]]]:
@@ -90,9 +101,8 @@ def corner_warnings(mesh: SectionMeshData, peaks: list[PlyPeak]) -> list[dict[st
     if not len(nodes):
         return []
     found = []
-    for name in dict.fromkeys(name for peak in peaks for name in peak.reserves):
-        least = min((p.reserves[name] for p in peaks if name in p.reserves), key=lambda r: r.ratio)
-        away = np.linalg.norm(mesh.nodes[nodes] - least.point, axis=1)
+    for name, peak in weakest(peaks).items():
+        away = np.linalg.norm(mesh.nodes[nodes] - peak.reserves[name].point, axis=1)
         nearest = int(np.argmin(away))
         if away[nearest] < sizes[nearest]:
             x2, x3 = mesh.nodes[nodes[nearest]]

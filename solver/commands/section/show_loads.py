@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from ...package.section.schema import RESULTANTS, STRESSES
-from .ply_peaks import PlyPeak, Reserve
+from .ply_peaks import PlyPeak, Reserve, weakest
 
 
 def load_text(
@@ -16,14 +16,14 @@ def load_text(
     )
     columns = [f"s{name}" for name in STRESSES]
     width = max([len("region"), *(len(_ply(peak)) for peak in peaks)])
-    head = f"{'ply':{width}}{'angle':>7}" + "".join(f"{name:>10}" for name in columns)
+    head = f"{'ply':{width}}{'angle':>7}" + "".join(f"{name:>11}" for name in columns)
     lines = [
         "Stresses of largest magnitude in each ply [MPa], in its axes, under",
         loads,
         head,
         *(
             f"{_ply(peak):{width}}{peak.ply.angle_deg:7.4g}"
-            + "".join(f"{value:10.4g}" for value in peak.stress_M / 1e6)
+            + "".join(f"{value:11.4g}" for value in peak.stress_M / 1e6)
             for peak in peaks
         ),
     ]
@@ -38,19 +38,18 @@ def _ply(peak: PlyPeak) -> str:
 def _margins(peaks: Sequence[PlyPeak], width: int) -> list[str]:
     without = sorted({peak.ply.material for peak in peaks if not peak.reserves})
     lines = [f"No margins for {', '.join(without)}: no strengths are given"] if without else []
-    names = list(dict.fromkeys(name for peak in peaks for name in peak.reserves))
-    if not names:
+    least = weakest(peaks)
+    if not least:
         return lines
     lines += [
         "Margins of safety: load factor at failure minus 1",
-        f"{'ply':{width}}{'angle':>7}" + "".join(f"{name:>14}" for name in names),
+        f"{'ply':{width}}{'angle':>7}" + "".join(f"{name:>14}" for name in least),
     ]
     for peak in peaks:
         if peak.reserves:
-            cells = "".join(f"{_margin(peak.reserves.get(name)):>14}" for name in names)
+            cells = "".join(f"{_margin(peak.reserves.get(name)):>14}" for name in least)
             lines.append(f"{_ply(peak):{width}}{peak.ply.angle_deg:7.4g}{cells}")
-    for name in names:
-        worst = min((p for p in peaks if name in p.reserves), key=lambda p: p.reserves[name].ratio)
+    for name, worst in least.items():
         reserve = worst.reserves[name]
         x2, x3 = reserve.point
         lines.append(

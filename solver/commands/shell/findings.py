@@ -11,6 +11,8 @@ from ...package.section.recovery_data import strengths
 from ...package.shell.schema import ShellFile, ShellLaminate
 from .ply_extremes import PlyExtreme, Reserve, ply_extremes
 
+ROUNDING = 1e-6  # of the stresses across the shell: resultants below are those of balanced loads
+
 
 @dataclass(frozen=True)
 class LaminatePlies:
@@ -63,7 +65,7 @@ def case_findings(shell: ShellFile) -> list[CaseFindings]:
                 float(np.degrees(np.linalg.norm(motion[:, 3:], axis=1).max(initial=0.0))),
                 load,
                 reactions,
-                imbalance(shell, load, reactions),
+                imbalance(shell, row, load, reactions),
                 [_plies(shell, row, number, known) for number in _used(shell)],
             )
         )
@@ -77,12 +79,18 @@ def total_reaction(shell: ShellFile, case: int) -> Array:
     return np.concatenate([force.sum(axis=0), moment.sum(axis=0)])
 
 
-def imbalance(shell: ShellFile, load: Array, reactions: Array) -> float:
-    """|load + reactions| over the larger of both, moments divided by the shell's size; 0 to 1."""
+def imbalance(shell: ShellFile, case: int, load: Array, reactions: Array) -> float:
+    """|load + reactions| over the larger of both, moments divided by the shell's size; 0 to 1.
+
+    Loads that balance each other have neither; the force of the stresses across the shell counts.
+    """
     size = float(np.linalg.norm(np.ptp(shell.mesh.nodes_G, axis=0)))
     size += float(np.linalg.norm(shell.mesh.nodes_G, axis=1).max())  # arms about the origin
     scale = np.repeat([1.0, 1.0 / size], 3)
-    largest = max(np.abs(load * scale).max(), np.abs(reactions * scale).max())
+    membrane = float(np.abs(shell.cases.resultants_E[case, :, :3]).max(initial=0.0))
+    largest = max(
+        np.abs(load * scale).max(), np.abs(reactions * scale).max(), ROUNDING * membrane * size
+    )
     rest = np.abs((load + reactions) * scale).max()
     return float(rest / largest) if largest > 0.0 else 0.0
 

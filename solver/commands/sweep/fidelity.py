@@ -124,7 +124,7 @@ def _lines(plan: Plan, answer: Answer, found: Mapping[int, Answer]) -> list[str]
         places = ["the base"] if answer.verdict != "met" else []
         places += [f"member {k}" for k in coarse]
         lines.append(
-            f"warning [{PLAN_TOO_COARSE.name}] the plan has not the accuracy at "
+            f"warning [{PLAN_TOO_COARSE.name}] the plan does not reach the accuracy at "
             f"{', '.join(places)}: {PLAN_TOO_COARSE.remedy}"
         )
     return lines

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from ...errors import InputError
-from ...fidelity.execution import labels
+from ...fidelity.model import vibration_labels
 from ...fidelity.plan import Plan as ModelPlan
 from ...fidelity.plan import read_plan
 from ...fidelity.procedure import flexible_names
@@ -37,5 +37,6 @@ def base_mechanism(plan: Plan) -> Mechanism:
 def known_vibrations(base: RunSpec) -> dict[str, dict[str, tuple[str, ...]]]:
     """Return the vibrations that a plan may name: members have packages of the model only."""
     return {
-        name: {"model": labels(base.packages[name]), "check": ()} for name in flexible_names(base)
+        name: {"model": vibration_labels(base.packages[name]), "check": ()}
+        for name in flexible_names(base)
     }

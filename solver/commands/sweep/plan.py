@@ -98,12 +98,11 @@ class Plan:
         """Read a package. Raises PackageError: unreadable, or built from other inputs."""
         entry = self.packages[number]
         whose = f"a member of sweep {self.name} of case {self.case}"
-        remedy = f"make {self.case}-sweep-{self.name}"
         return package_of(
             self.package_file(number),
             entry.get("inputs_sha256"),
             whose,
-            remedy,
+            "sweep",
             allow_doubtful=self.allow_doubtful,
         )
 
@@ -180,13 +179,12 @@ def read_plan(file: Path, *, allow_doubtful: bool = False) -> Plan:
         )
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise InputError(
-            f"{file}: not a sweep file ({error}); expected one written by "
-            "`python -m plymotion.solver check`"
+            f"{file}: not a sweep file ({error}); expected one written by `plymotion check`"
         ) from error
     if plan.packages and not any(plan.package_file(k).is_file() for k in range(len(plan.packages))):
         raise PackageError(
             f"{plan.package_file(0)}: no such file, nor any other package of the sweep: "
-            f"run `make {plan.case}-sweep-{plan.name}`"
+            f"`plymotion packages {file}` builds them"
         )
     return plan
 

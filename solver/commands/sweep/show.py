@@ -33,10 +33,13 @@ def tell(
     ]
     shown = os.path.relpath(file)
     print(f"{result.name}: {total} members, {', '.join(counts)}; {shown}{table}")
-    print(f"  {total - kept} computed in {seconds:.1f} s, {kept} kept from before")
+    computed = total - kept - result.count(PENDING)
+    print(f"  {computed} computed in {seconds:.1f} s, {kept} kept from before")
     for line in planned:
         print(f"  {line}")
-    others = [(k, row) for k, row in enumerate(result.rows) if row.status != FINISHED]
+    others = [
+        (k, row) for k, row in enumerate(result.rows) if row.status not in (FINISHED, PENDING)
+    ]
     for k, row in others[:TOLD]:
         values = zip(result.parameter_names, result.values[k], strict=True)
         where = ", ".join(f"{name} = {value:g}" for name, value in values)

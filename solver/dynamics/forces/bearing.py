@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ...errors import InputError
-from .contract import ROTATION, Number
+from .contract import BOTH, ROTATION, Number
 
 COEFFICIENT = "coefficient"
 _ARMS = ("radius", "collar_radius", "length")
@@ -31,23 +31,36 @@ BY_REACTION = (
         "radius",
         "m",
         "of the pin of a hinge; of a slider the arm at which it is held against rotation, "
-        "absent: the moment about its axis rubs nowhere",
+        "absent: no friction by the moment about its axis; in a cylindrical joint that of the "
+        "shaft: friction is then against its velocity along and around the axis together",
         above=0.0,
     ),
     Number(
         "collar_radius",
         "m",
-        "of the collar that takes the force along the axis of a hinge; absent: it rubs nowhere",
+        "of the collar that takes the force along the axis of a hinge; absent: no friction there",
         above=0.0,
     ),
     Number(
         "length",
         "m",
-        "of the bearing or guide, which takes moments across the axis at its ends; absent: they "
-        "rub nowhere",
+        "of the bearing or guide, which takes moments across the axis at its ends; absent: no "
+        "friction by them",
         above=0.0,
     ),
 )
+
+
+def slip(values: Mapping[str, Any]) -> str:
+    """Return the speed at which the contact slides as an expression, in the unit of the rate v.
+
+    A shaft that turns and moves along its axis has one contact: friction is against its whole
+    velocity. Its share along the coordinate is v over this speed, which is never zero.
+    """
+    if values[COEFFICIENT] is None or values["radius"] is None or not values[BOTH]:
+        return ""
+    other = "other / radius" if values[ROTATION] else "radius * other"
+    return f"sqrt(v ** 2 + ({other}) ** 2 + (1e-6 * rest_velocity) ** 2)"
 
 
 def by_reaction(values: Mapping[str, Any]) -> bool:
@@ -78,7 +91,8 @@ def contact(values: Mapping[str, Any]) -> str:
     if not rotation:
         if values["collar_radius"] is not None:
             raise InputError(".collar_radius: expected with the angle of a joint only")
-        return across if values["radius"] is None else f"{across} + twisting / radius"
+        free = values["radius"] is None or values[BOTH]  # no moment about the axis
+        return across if free else f"{across} + twisting / radius"
     if values["radius"] is None and values["collar_radius"] is None:
         raise InputError(".radius: missing; expected the radius of the pin, or collar_radius")
     if values["radius"] is None and values["length"] is not None:

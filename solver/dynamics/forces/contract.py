@@ -45,6 +45,8 @@ Key = Direction | Number | Three | OfTime
 # Entry of the values of a `CoordinateForce`: whether its coordinate is the angle (True) or the
 # displacement (False) of a joint about or along the axis that it holds; None: another.
 ROTATION = "rotation"
+# Likewise whether the joint leaves both free, so that its contact slides along and around.
+BOTH = "both"
 OF_ALL = ("one", "two", "parameters")  # first arguments of the kernels
 
 
@@ -124,7 +126,8 @@ class Terms:
     function), `states`, earlier `names`, and the time `t`. Along a coordinate of a joint that has a
     `ROTATION` they read its reaction on the second place too, drives left out: `radial` and
     `axial` force [N], `bending` and `twisting` moment about that place [N m], across and along the
-    axis of the joint, all of them 0 or above.
+    axis of the joint, all of them 0 or above. With `BOTH` they read `other` too, the
+    rate of z for a force along the angle, that of the angle for a force along z.
 
     Attributes
     ----------
@@ -248,6 +251,7 @@ def _check(kind: str, what: str, kernel: Callable[..., Any]) -> None:
 
 
 __all__ = [
+    "BOTH",
     "DAMPING",
     "FORCE",
     "N_ELEMENT_ROW",

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ...errors import InputError
-from .bearing import BY_REACTION, COEFFICIENT, by_reaction, contact
+from .bearing import BY_REACTION, COEFFICIENT, by_reaction, contact, slip
 from .contract import CoordinateForce, Number, Terms
 
 COULOMB = Number(
@@ -31,10 +31,10 @@ VISCOUS = Number(
 SLIDING = (COULOMB, STATIC, *BY_REACTION, STRIBECK, VISCOUS)
 
 
-def sliding(values: Mapping[str, Any], load: str) -> str:
-    """Return the friction of steady sliding at the rate v as an expression [N, N m].
+def sliding(values: Mapping[str, Any], load: str, speed: str = "v") -> str:
+    """Return the friction of steady sliding as an expression [N, N m].
 
-    load : of the contact, as an expression
+    load, speed : of the contact, as expressions
     """
     parts, falls = [], []
     by_load = f" * ({load})"
@@ -56,7 +56,7 @@ def sliding(values: Mapping[str, Any], load: str) -> str:
             ".stribeck_velocity: missing; expected the speed over which friction falls"
         )
     if falls:
-        parts.append(f"({' + '.join(falls)}) * exp(-(v / stribeck_velocity) ** 2)")
+        parts.append(f"({' + '.join(falls)}) * exp(-({speed} / stribeck_velocity) ** 2)")
     return " + ".join(parts)
 
 
@@ -64,7 +64,11 @@ def _terms(values: Mapping[str, Any]) -> Terms:
     load = contact(values) if by_reaction(values) else "0"
     if not (values["coulomb"] or values["static"] or values[COEFFICIENT]):
         raise InputError(": has no effect; expected coulomb or coefficient above 0")
-    return Terms(f"-({sliding(values, load)}) * tanh(v / rest_velocity) - viscous * v")
+    speed = slip(values)
+    if not speed:
+        return Terms(f"-({sliding(values, load)}) * tanh(v / rest_velocity) - viscous * v")
+    whole = f"({sliding(values, load, 'slip')}) * tanh(slip / rest_velocity)"
+    return Terms(f"-{whole} * v / slip - viscous * v", names={"slip": speed})
 
 
 FRICTION = CoordinateForce(

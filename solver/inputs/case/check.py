@@ -7,6 +7,7 @@ from ...dynamics.joints.table import JOINTS
 from ...errors import InputError, nearest
 from ...integrators.choice import treatment_of
 from ..common.material import check_materials
+from .beam_lines import is_plain
 from .beam_schema import BeamBody
 from .body_schema import RigidBody
 from .body_specs import BodySpec, BodySpecs
@@ -29,6 +30,7 @@ from .signals import (
     JointSignal,
     PointSignal,
     ReactionSignal,
+    SectionSignal,
     Signal,
     StrengthSignal,
 )
@@ -198,6 +200,12 @@ def _signal(
         return [
             f'{key}.body = "{signal.body}": expected a beam, this one is a shell: its plies have '
             'signals of kind "strength_ratio"'
+        ]
+    straight = isinstance(body, BeamBody) and is_plain(body)
+    if isinstance(signal, SectionSignal) and signal.method == "equilibrium" and not straight:
+        return [
+            f'{key}.method = "equilibrium": expected modes; {signal.body} is no straight beam '
+            "without twist"
         ]
     length = body.length if isinstance(body, BeamBody) else None
     if length and signal.x is not None and not 0.0 <= signal.x <= length:

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from ...dynamics.forces.contract import ROTATION, Terms
+from ...dynamics.forces.contract import BOTH, ROTATION, Terms
 from ...dynamics.forces.table import COORDINATE_FORCES
 from ...dynamics.joints.contract import ANGLE, Z
 from ...dynamics.joints.table import JOINTS
@@ -57,6 +57,8 @@ def force_terms(
     along = _along(key, force, mechanism)
     values = {k.name: getattr(force, k.name) for k in kind.keys}
     values[ROTATION] = _rotation(along, mechanism)
+    other = _other(along, mechanism)
+    values[BOTH] = other is not None
     try:
         terms = kind.terms(values)
     except InputError as error:
@@ -73,6 +75,8 @@ def force_terms(
             names[k.name] = expression(value, public, f"{key}.{k.name}")
     if values[ROTATION] is not None:
         names |= {of: load(Read("reaction", (along.names[0], of))) for of in REACTIONS}
+    if other is not None:
+        names["other"] = load(other)
     given = tuple(k.name for k in kind.keys if isinstance(k, Curve) and values[k.name] is not None)
     scope = CaseScope(mechanism, names, {k: _reader((name, k)) for k in given})
     inputs = tuple(
@@ -138,6 +142,17 @@ def _rotation(along: Read, mechanism: "Mechanism") -> bool | None:
     joint = JOINTS[mechanism.joints[along.names[0]].kind]
     guided = len(joint.removes) == len(joint.units) and {"x", "y"} <= set(joint.removes)
     return along.names[1] == "angle" if guided and set(joint.coordinates) <= {ANGLE, Z} else None
+
+
+def _other(along: Read, mechanism: "Mechanism") -> Read | None:
+    """Return the rate of the other coordinate of a joint that leaves one axis free; else None."""
+    if along.kind != "joint":
+        return None
+    name, coordinate = along.names
+    joint = JOINTS[mechanism.joints[name].kind]
+    if set(joint.coordinates) != {ANGLE, Z} or len(joint.units) != 4:  # a screw has five rows
+        return None
+    return Read("joint", (name, "z" if coordinate == "angle" else "angle"), rate=True)
 
 
 def _reader(curve: tuple[str, str]) -> Callable[..., Node]:

@@ -258,9 +258,12 @@ def _signal(
     if signal["kind"] in ("deflection", "rotation") and owner in divided:
         frame = divided[owner].frame(interface, signal.get("seen_from"))
         signal = {**signal, "seen_from": None, "frame": frame}
-    if signal.get("body") in divided:
-        segment, x = divided[signal["body"]].segment_at(signal["x"])
+    owner = str(signal.get("body"))
+    if owner in divided:
+        segment, x = divided[owner].segment_at(signal["x"])
         signal = {**signal, "body": segment, "x": x}
+        if signal.get("method") == "auto" and is_plain(divided[owner].body):
+            signal["method"] = "equilibrium"
     return dict(_renamed(signal, new))
 
 

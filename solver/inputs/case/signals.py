@@ -119,11 +119,22 @@ class ForceSignal(Measured):
     )
 
 
-class ResultantSignal(Measured):
+class SectionSignal(Measured):
+    """A signal of a section of a beam."""
+
+    method: Literal["auto", "modes", "equilibrium"] = Field(
+        default="auto",
+        description="how resultants are computed; modes: from the modal coordinates; equilibrium: "
+        "from loads, joints and inertia of the part beyond the section, for straight beams "
+        "without twist; auto: equilibrium for such beams in segments, else modes",
+    )
+
+
+class ResultantSignal(SectionSignal):
     """`[signals.NAME]` with kind = "resultant": force or moment in a beam's section.
 
-    On the face whose normal is the body's +x, in section axes; linear between the stations of the
-    package.
+    On the face whose normal is the body's +x, in section axes; by modes, linear between the
+    stations of the package.
     """
 
     kind: Literal["resultant"]
@@ -134,7 +145,7 @@ class ResultantSignal(Measured):
     )
 
 
-class PlyStressSignal(Measured):
+class PlyStressSignal(SectionSignal):
     """`[signals.NAME]` with kind = "ply_stress": stress in the axes of a ply."""
 
     kind: Literal["ply_stress"]

@@ -47,6 +47,12 @@ class _Integration(Table):
     most_outputs: int = Field(
         default=10_000_000, ge=1, description="outputs, t_end / output_step, that are not refused"
     )
+    node_positions: Literal["auto", "all"] = Field(
+        default="auto",
+        description="positions of all drawn points in /results of result.vtkhdf: auto: at every "
+        "output time if they need at most 100 MB, else left out, because they follow from the "
+        "coordinates; all: always",
+    )
     start: Literal["positions", "quasi-static", "equilibrium"] = Field(
         default="positions",
         description="positions: as given, with joints closed; quasi-static: likewise, in the "

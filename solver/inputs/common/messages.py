@@ -28,7 +28,7 @@ def _line(item: Any, model: type[BaseModel]) -> str:
         _, table = follow(model, item["loc"][:-1])
         return f"{key}: unknown key{nearest(str(path[-1]), _keys(table))}"
     if item["type"] == "missing":
-        return f"{key}: missing; expected a value"
+        return f"{key}: missing; expected {_expected(path, kind)}"
     if item["type"] in ("union_tag_not_found", "union_tag_invalid"):
         discriminator = str(item["ctx"]["discriminator"]).strip("'()")
         choices = members(kind)
@@ -47,6 +47,16 @@ def _line(item: Any, model: type[BaseModel]) -> str:
         return text
     hint = did_you_mean(str(item["input"]), get_args(kind)) if _one_of_words(kind) else ""
     return f"{key} = {_short(item.get('input'))}: {text.replace('input', 'value')}{hint}"
+
+
+def _expected(path: list[Any], kind: Any) -> str:
+    """Return what a missing key should have: a table, named tables or a value."""
+    named = get_origin(kind) is dict
+    if not named and not (isinstance(kind, type) and issubclass(kind, BaseModel)):
+        return "a value"
+    if not all(isinstance(part, str) for part in path):  # in a list
+        return "a table"
+    return f"a table [{printable('.'.join(path))}{'.NAME' if named else ''}]"
 
 
 def _one_of_words(kind: Any) -> bool:

@@ -7,7 +7,7 @@ from .becas_input import is_becas, read_becas
 from .per_cell import cell_section_spec
 from .vabs_input import read_vabs
 
-VABS = (".dat", ".sg", ".vabs")  # suffixes of VABS input
+VABS = (".dat", ".sg", ".vab", ".vabs")  # suffixes of VABS input
 
 
 def is_of_another_code(file: Path) -> bool:

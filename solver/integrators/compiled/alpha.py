@@ -28,7 +28,8 @@ from .alpha_stages import accept, correction_size, interpolate, local_error, pla
 from .alpha_workspace import AlphaWorkspace
 from .closing import close
 from .elements import element_residual
-from .pencil import factorise_pencil, freeze
+from .feedback import scale_feedback
+from .pencil import factorise_feedback, factorise_pencil, fed_back, freeze
 from .residual import inertia_residual
 from .stages import finite
 from .step_control import (
@@ -72,7 +73,7 @@ def advance_alpha(
     frozen, real, plan = workspace.frozen, workspace.real, model.plan
     n_pos, n_vel, n_c = model.n_pos, model.n_vel, model.n_constraint
     n_r = workspace.multipliers.shape[0]
-    fixed = options.fixed_step > 0.0
+    fixed, feeds = options.fixed_step > 0.0, model.quantities.feedback.shape[0] > 0
     tightest = np.inf
     for i in range(options.atol.shape[0]):
         tightest = min(tightest, options.atol[i])
@@ -99,6 +100,9 @@ def advance_alpha(
                 freeze(model, work, t_new, stage, frozen)
                 to_d = h * scheme.to_v
                 factorise_pencil(model, frozen, real, scheme.to_a, to_d, h * h)
+                if feeds:  # its rows are those of the pencil, times h^2
+                    scale_feedback(frozen.feedback, h * h)
+                    factorise_feedback(model, frozen, real, scheme.to_v / h)
                 counts[FACTORISATIONS] += 1
                 counts[JACOBIANS] += 1
                 for i in range(stage.shape[0]):
@@ -131,6 +135,8 @@ def advance_alpha(
                 else:
                     real.gamma[k] = -work.rows[k, PHI]
             solve(plan, plan.newton, real.factors, real.load, real.gamma, real.x, real.mu)
+            if feeds:
+                fed_back(model, frozen, real, scheme.to_v / h, real.x, workspace.zero)
             flatten(model, real.x, workspace.change, 0)
             for i in range(n_vel):
                 d_z = workspace.change[i]
@@ -148,6 +154,8 @@ def advance_alpha(
                 for k in range(n_c):
                     real.gamma[k] = -(work.rows[k, PHI] + work.left[k])
                 solve(plan, plan.newton, real.factors, workspace.zero, real.gamma, real.x, real.mu)
+                if feeds:
+                    fed_back(model, frozen, real, scheme.to_v / h, real.x, workspace.zero)
                 flatten(model, real.x, workspace.both, 0)
                 for i in range(n_vel):
                     workspace.shift[i] += workspace.both[i]

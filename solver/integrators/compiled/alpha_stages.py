@@ -8,6 +8,7 @@ from ...math.arrays import Array
 from ...math.compiled import inlined
 from ..generic.alpha_scheme import Scheme
 from .alpha_workspace import POWER, POWER_LAST, AlphaWorkspace
+from .pencil import fed_back
 from .residual import inertia_residual
 from .stages import norm
 from .step_control import TAKEN, Options
@@ -75,7 +76,7 @@ def local_error(
     """
     n_pos, n_vel, last, real = model.n_pos, model.n_vel, workspace.clock[TAKEN], workspace.real
     frozen, factors, plan = workspace.frozen, workspace.real.factors, model.plan
-    both = workspace.both
+    both, s, feeds = workspace.both, scheme.to_v / h, model.quantities.feedback.shape[0] > 0
     for i in range(n_vel):
         v_dd = (workspace.stage_rate[n_pos + i] - workspace.rate[n_pos + i]) / h
         both[n_pos + i] = -scheme.to_a * h**3 * scheme.error_q * v_dd
@@ -86,6 +87,8 @@ def local_error(
     )
     real.gamma[:] = 0.0
     solve(plan, plan.newton, factors, real.load, real.gamma, real.x, real.mu)
+    if feeds:
+        fed_back(model, frozen, real, s, real.x, workspace.zero)
     flatten(model, real.x, workspace.step, 0)
     if last > 0.0:
         for i in range(n_vel):
@@ -104,9 +107,13 @@ def local_error(
         inflate(model, workspace.change, 0, real.x)
         real.gamma[:] = 0.0
         solve(plan, plan.newton, factors, real.load, real.gamma, real.rho, real.mu)
+        if feeds:
+            fed_back(model, frozen, real, s, real.rho, workspace.zero)
         row_products(model, frozen.J, real.x, real.gamma)
         flatten(model, real.rho, workspace.change, 0)
         solve(plan, plan.newton, factors, workspace.zero, real.gamma, real.x, real.mu)
+        if feeds:
+            fed_back(model, frozen, real, s, real.x, workspace.zero)
         for i in range(model.n_body):
             j = model.vel_start[i]
             for k in range(plan.size[i]):

@@ -102,6 +102,20 @@ def freeze_feedback(model: Model, work: Work, t: float, feedback: Feedback) -> N
                     by_reactions[i, row] -= found[1] * reaction_slope(model, work, r, row)
 
 
+@lean
+def scale_feedback(feedback: Feedback, factor: float) -> None:
+    """Multiply the slopes by coordinates, for a pencil that is multiplied by `factor`.
+
+    Multipliers are those of that pencil: slopes by reactions stay.
+    """
+    fed = feedback.fed
+    for i in range(fed.shape[0]):
+        for j in range(fed.shape[1]):
+            for k in range(fed.shape[2]):
+                for b in range(fed.shape[3]):
+                    fed[i, j, k, b] *= factor
+
+
 @inlined
 def followed(s: complex, of: Array, x: Array, rho: Array, lagging: float) -> complex:
     """Return (by value + s by rate) x - lagging by rate rho of one row of `fed`."""

@@ -206,6 +206,24 @@ def factorise_feedback(model: Model, frozen: Frozen, pencil: Pencil, s: complex)
         )
 
 
+@inlined
+def fed_back(
+    model: Model, frozen: Frozen, pencil: Pencil, s: complex, x: Array, rho: Array
+) -> None:
+    """Add what forces with feedback do to the answer x (nb, n) and pencil.mu of the pencil."""
+    add_feedback(
+        model,
+        frozen.feedback,
+        frozen.auxiliary,
+        frozen.coupled,
+        s,
+        pencil.answers,
+        x,
+        rho,
+        pencil.mu,
+    )
+
+
 @lean
 def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> None:
     """Fill pencil.delta (n,) and mu (n_c,) with the answer to load, gamma and r.
@@ -271,17 +289,7 @@ def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> No
         gamma[k] = 0.0
     feeds = model.quantities.feedback.shape[0] > 0
     if feeds:
-        add_feedback(
-            model,
-            frozen.feedback,
-            frozen.auxiliary,
-            frozen.coupled,
-            s,
-            pencil.answers,
-            x,
-            rho,
-            pencil.mu,
-        )
+        fed_back(model, frozen, pencil, s, x, rho)
     move_states(model, frozen.auxiliary, frozen.coupled, frozen.J, r, rho, x, s, delta)
     if feeds:
         move_fed_states(model, frozen.feedback, frozen.auxiliary, s, x, rho, delta)

@@ -6,10 +6,10 @@ import numpy as np
 
 from ...errors import InputError
 from ...math.arrays import Array
+from ...math.hermite import Hermite
 from .alpha_scheme import check_formulation
 from .base import Dense
 from .constrained import ConstrainedSystem
-from .hermite import Hermite
 from .peer import Peer
 
 FORMULATIONS = ("ggl",)

@@ -34,7 +34,9 @@ class Anisotropic:
         return np.asarray(np.linalg.inv(self.stiffness_M), dtype=float)
 
 
-def elastic_from_dict(table: Mapping[str, Any], where: str) -> Orthotropic | Anisotropic:
+def elastic_from_dict(
+    table: Mapping[str, Any], where: str, *, massless: bool = False
+) -> Orthotropic | Anisotropic:
     """Material of a table; beside the kinds of `material_from_dict`, one with 21 constants.
 
     Parameters
@@ -42,13 +44,14 @@ def elastic_from_dict(table: Mapping[str, Any], where: str) -> Orthotropic | Ani
     table : {"kind": "anisotropic", "C": 21 numbers, "rho": number}, C the upper triangle of the
         stiffness row by row [Pa]; or any other table
     where : file and key of the table, for messages
+    massless : the density may be 0
 
     Raises
     ------
     MaterialError : unknown or missing key, no number, a stiffness that is not positive definite.
     """
     if not isinstance(table, Mapping) or table.get("kind") != "anisotropic":
-        return material_from_dict(table, where)
+        return material_from_dict(table, where, massless=massless)
     for key in table:
         if key not in KEYS:
             raise MaterialError(f"{where}.{key}: unknown key; expected {', '.join(KEYS)}")
@@ -59,7 +62,7 @@ def elastic_from_dict(table: Mapping[str, Any], where: str) -> Orthotropic | Ani
     if not all(isinstance(v, int | float) and math.isfinite(v) for v in values):
         raise MaterialError(f"{where}: expected finite numbers C [Pa] and rho [kg/m3]")
     rho = float(values[-1])
-    if not rho > 0.0:
+    if not (rho > 0.0 or (massless and rho == 0.0)):
         raise MaterialError(f"{where}.rho = {rho:g} kg/m3: expected a value above 0")
     C = of_upper(numbers)
     least = float(np.linalg.eigvalsh(C)[0])

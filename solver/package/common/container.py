@@ -6,7 +6,7 @@ variable-length text needs a 4 kB heap per file object and prevents reproducible
 
 import contextlib
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -130,10 +130,13 @@ def is_text(dataset: h5py.Dataset) -> bool:
     return h5py.check_string_dtype(dataset.dtype) is not None
 
 
-def content_sha256(group: h5py.Group, *preamble: str, without: str = "") -> str:
+def content_sha256(
+    group: h5py.Group, *preamble: str, without: str = "", known: Mapping[str, Any] | None = None
+) -> str:
     """Hash names, attributes and values of a group in a canonical order.
 
     An attribute of the group named `without` is left out. Data with two names are hashed with each.
+    Values of datasets whose paths are `known` are not read from the file again.
 
     The rule (docs/format.md repeats it for other writers): a sequence of items,
     each its length in bytes as decimal text, a colon, and the bytes. Items are
@@ -159,16 +162,17 @@ def content_sha256(group: h5py.Group, *preamble: str, without: str = "") -> str:
         item(kind.encode())
         item(np.ascontiguousarray(array, dtype=f"<{kind}").tobytes())
 
-    def dataset(data: h5py.Dataset) -> None:
+    def dataset(data: Any) -> None:
         """The same, a block of rows at a time: results may be larger than the memory."""
-        if not data.ndim or is_text(data) or 8 * data.size < AT_ONCE:
-            value(data[()])
+        size = int(np.prod(data.shape))
+        if not data.ndim or 8 * size < AT_ONCE:
+            value(data[()] if isinstance(data, h5py.Dataset) else np.asarray(data))
             return
         kind = "f8" if data.dtype.kind == "f" else "i8"
         item(",".join(map(str, data.shape)).encode())
         item(kind.encode())
-        digest.update(b"%d:" % (8 * data.size))
-        rows = max(1, AT_ONCE * len(data) // (8 * data.size))
+        digest.update(b"%d:" % (8 * size))
+        rows = max(1, AT_ONCE * len(data) // (8 * size))
         for first in range(0, len(data), rows):
             block = np.ascontiguousarray(data[first : first + rows], dtype=f"<{kind}")
             digest.update(block.tobytes())
@@ -185,8 +189,10 @@ def content_sha256(group: h5py.Group, *preamble: str, without: str = "") -> str:
                 continue
             item(_name_bytes(name))
             value(member.attrs[name])
-        if isinstance(member, h5py.Dataset):
-            dataset(member)
+        if isinstance(member, h5py.Dataset) and is_text(member):
+            value(member[()])
+        elif isinstance(member, h5py.Dataset):
+            dataset(known.get(path, member) if known else member)
     return digest.hexdigest()
 
 

@@ -1,6 +1,7 @@
 """Identity of a file: format, version and checksum."""
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -43,9 +44,9 @@ def _checksum(file: h5py.File, known: FileFormat) -> str:
     return content_sha256(file[known.group], get_text(file, known.title), get_text(file, "units"))
 
 
-def write_file_checksum(file: h5py.File) -> None:
-    """Write the checksum of a whole file, after all data."""
-    set_text(file, CHECKSUM, content_sha256(file, without=CHECKSUM))
+def write_file_checksum(file: h5py.File, known: Mapping[str, Any] | None = None) -> None:
+    """Write the checksum of a whole file, after all data; `known` as in `content_sha256`."""
+    set_text(file, CHECKSUM, content_sha256(file, without=CHECKSUM, known=known))
 
 
 def check_file_checksum(path: Path, file: h5py.File, error: type[Exception]) -> None:

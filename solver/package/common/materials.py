@@ -28,7 +28,7 @@ class Orthotropic:
     """An orthotropic material by its nine engineering constants.
 
     `nu12` is the contraction along 2 under tension along 1: eps_22 = -nu12 eps_11. Moduli in Pa,
-    density in kg/m3. Raises MaterialError if no elastic material can have these constants.
+    density in kg/m3, also 0. Raises MaterialError if no elastic material can have these constants.
     """
 
     E1: float
@@ -72,7 +72,9 @@ def isotropic(E: float, nu: float, rho: float) -> Orthotropic:
     return Orthotropic(E, E, E, G, G, G, nu, nu, nu, rho)
 
 
-def material_from_dict(table: Mapping[str, Any], where: str) -> Orthotropic:
+def material_from_dict(
+    table: Mapping[str, Any], where: str, *, massless: bool = False
+) -> Orthotropic:
     """Material of a table {"kind": "isotropic" | "orthotropic", constants}.
 
     Parameters
@@ -80,6 +82,7 @@ def material_from_dict(table: Mapping[str, Any], where: str) -> Orthotropic:
     table : E, nu, rho of an isotropic material, or the nine constants and rho of an orthotropic
         one; "name" and "strength" (see strength.py) are allowed and ignored
     where : file and key of the table, for messages
+    massless : the density may be 0
 
     Raises
     ------
@@ -108,11 +111,12 @@ def material_from_dict(table: Mapping[str, Any], where: str) -> Orthotropic:
     values = {key: _number(table, key, where) for key in keys}
     if kind == "isotropic":
         _check_isotropic(values["E"], values["nu"], where)
-        _check_positive("rho", values["rho"], where)
+        _check_density(values["rho"], where, massless)
         return isotropic(**values)
     for key in keys:
-        if key[0] != "n":
+        if key[0] in "EG":
             _check_positive(key, values[key], where)
+    _check_density(values["rho"], where, massless)
     _check_definite(values, where)
     return Orthotropic(**values)
 
@@ -140,11 +144,13 @@ def bond(A_BM: Array) -> Array:
 
 
 def check(material: Orthotropic, where: str) -> None:
-    """Raise MaterialError unless the constants are positive and the compliance is definite."""
+    """Raise MaterialError unless the constants are positive, but the density may be 0, and the
+    compliance is definite."""
     values = {field.name: float(getattr(material, field.name)) for field in fields(material)}
     for key, value in values.items():
-        if key[0] != "n":
+        if key[0] in "EG":
             _check_positive(key, value, where)
+    _check_density(values["rho"], where, massless=True)
     _check_definite(values, where)
 
 
@@ -180,6 +186,11 @@ def _check_isotropic(E: float, nu: float, where: str) -> None:
 def _check_positive(key: str, value: float, where: str) -> None:
     if not (value > 0.0 and math.isfinite(value)):
         raise MaterialError(f"{where}.{key} = {value:g} {_UNITS[key[0]]}: expected a value above 0")
+
+
+def _check_density(rho: float, where: str, massless: bool) -> None:
+    if not (massless and rho == 0.0):
+        _check_positive("rho", rho, where)
 
 
 def _number(table: Mapping[str, Any], key: str, where: str) -> float:

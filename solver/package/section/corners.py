@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from ...math.arrays import Array, IntArray
 from .schema import CORNERS, SectionMeshData
 
-MIDDLES = {22: 3, 23: 4, 28: 4}  # column of the first middle node
+MIDDLES = (22, 23, 28)  # VTK's cells with nodes in the middle of their sides, behind the corners
 ANGLE_DEG = 195.0  # inside the material, above which a corner counts
 WHOLE_DEG = 359.0  # above it a node lies inside the material
 

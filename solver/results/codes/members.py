@@ -14,7 +14,7 @@ PACKAGE = Code(
     "error",
     "the modal package of a member of a sweep cannot be read, or was built from other inputs",
     "none",
-    "run `make` for the sweep again",
+    "run `plymotion packages` with the sweep file",
 )
 WORKER_LOST = Code(
     "worker-lost",
@@ -34,10 +34,11 @@ DEFECT = Code(
 PLAN_TOO_COARSE = Code(
     "plan-too-coarse",
     "warning",
-    "the plan of a sweep with `[fidelity]`, made at its base, has not the accuracy there or at a "
-    "member that was drawn to check it",
+    "the plan of a sweep with `[fidelity]`, made at its base, does not reach the accuracy there or "
+    "at a member that was drawn to check it",
     "estimated error above 0.9 of `accuracy`",
-    "ask for a smaller `accuracy` or a larger `budget`, divide the sweep, or edit its `.plan.toml`",
+    "ask for less (a larger `accuracy`), allow a larger `budget`, divide the sweep, or edit its "
+    "`.plan.toml`",
 )
 
 CODES = (

@@ -129,6 +129,15 @@ SHELL_CODES = (
         0.1,
     ),
     _code(
+        "buckles-in-plane",
+        "the first buckling mode of a flat shell moves in its plane: a column, or supports that "
+        "hold the rotation about the normal at one node only",
+        "motion out of the plane below {limit:g} of the largest",
+        "hold the plane at two nodes; `in_plane = false` leaves such modes out, as tables of "
+        "plates do",
+        0.1,
+    ),
+    _code(
         "few-digits",
         "the equations are ill-conditioned, as those of a very thin shell or open section",
         "residual or difference of work and energy (shell), work on rigid motions (section) above "
@@ -211,9 +220,15 @@ SECTION_CODES = (
     _code(
         "model-not-computed",
         "the file of another code asks for a model that is not computed: trapeze effect, Vlasov's "
-        "theory, damping, thermal expansion",
+        "theory, damping, thermal expansion, recovery",
         "any such flag",
         "use the 6x6 stiffness and mass; run the other code for the rest",
+    ),
+    _code(
+        "no-density",
+        "a material of a file of another code has no density",
+        "density 0",
+        "give its density, or use the stiffness only",
     ),
     _code(
         "direction-reverses",

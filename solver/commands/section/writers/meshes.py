@@ -51,7 +51,8 @@ def write_vabs(section: SectionFile, file: Path) -> Path:
     for i, name in enumerate(names, start=1):
         table = recovery.materials[name]
         if table.get("kind") == "anisotropic":
-            C = elastic_from_dict(table, f"materials.{name}").stiffness_M[np.ix_(TO_VABS, TO_VABS)]
+            material = elastic_from_dict(table, f"materials.{name}", massless=True)
+            C = material.stiffness_M[np.ix_(TO_VABS, TO_VABS)]
             lines += [f"{i} 2", *(_row(C[j, j:]) for j in range(6)), f"{table['rho']:.17g}"]
             continue
         constants, rho = _constants(name, table)

@@ -12,6 +12,9 @@ STEP_DEG = 10.0  # angle of an element
 # Length of an element of an open tube over sqrt(thickness x radius), the length of the bending zone
 # at the ends of a thin curved wall.
 BENDING = 0.4
+# Largest distance between a parabolic edge and its circle, over the thickness of the thinnest ply:
+# points near the face of a ply must not count to its neighbour.
+ON_CIRCLE = 0.02
 
 
 def mesh(values: Values, plies: Plies) -> dict[str, Any]:
@@ -23,7 +26,7 @@ def mesh(values: Values, plies: Plies) -> dict[str, Any]:
             "an ellipse"
         )
     span, density = values["span_deg"], values["density"]
-    step = STEP_DEG / density
+    step = _step(plies["wall"], wall / radius) / density
     if span == 360.0:
         quarter = math.ceil(90.0 / step)
         columns = {
@@ -47,6 +50,18 @@ def mesh(values: Values, plies: Plies) -> dict[str, Any]:
             "rows": rows(faces(plies["wall"]), least, density=density),
         }
     }
+
+
+def _step(plies: list[float], wall: float) -> float:
+    """Angle of an element [deg] whose edges are close to circles, for a wall over the radius.
+
+    The distance of the edges from circles is (1 - cos phi)^2 / 8 for an angle of 2 phi.
+    """
+    if len(plies) < 2:
+        return STEP_DEG
+    thinnest = wall * min(plies) / math.fsum(plies)
+    rise = min(math.sqrt(8.0 * ON_CIRCLE * thinnest), 1.0)
+    return min(STEP_DEG, math.degrees(2.0 * math.acos(1.0 - rise)))
 
 
 SHAPE = Shape(

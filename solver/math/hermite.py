@@ -1,10 +1,10 @@
-"""Dense output of a step by its ends: the cubic that has their values and slopes."""
+"""The cubic between two times that has given values and slopes at both."""
 
 from typing import Any
 
 import numpy as np
 
-from ...math.arrays import Array
+from .arrays import Array
 
 
 class Hermite:

@@ -1,0 +1,67 @@
+"""What the figures of a report are made of: curves, plane of motion, outlines, energy balance."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from result_samples import swinging_rod
+
+from plymotion.solver.report.comparison import crossings, spread
+from plymotion.solver.report.motion import plane, segments, travelling_point
+from plymotion.solver.report.story import Story
+from plymotion.solver.results import BodyGeometry, Signal
+
+pytest.importorskip("matplotlib")
+
+
+def story(name: str, t: np.ndarray, values: np.ndarray) -> Story:
+    result = dataclasses.replace(
+        swinging_rod(k=len(t)), t=t, signals=(Signal("s", "m", "", values),)
+    )
+    return Story(name, name, {"completed": True}, result)
+
+
+def test_curves_that_cross_often_are_told_from_calm_ones() -> None:
+    t = np.linspace(0, 1, 1001)
+    calm = [story("a", t, np.sin(6 * t)), story("b", t, np.sin(6 * t) * 2 + 0.1)]
+    busy = [story("a", t, np.sin(60 * t)), story("b", t, np.sin(66 * t))]
+    assert crossings(calm, [s.signal("s") for s in calm]) <= 3
+    # sin(60t) - sin(66t) = -2 cos(63t) sin(3t): zeros at 63t = pi/2 + n pi, 20 of them in (0, 1)
+    assert crossings(busy, [s.signal("s") for s in busy]) == 20
+    assert spread([s.signal("s") for s in calm]) == pytest.approx(2.1, abs=0.01)
+
+
+def test_motion_is_drawn_in_the_plane_of_motion() -> None:
+    result = swinging_rod()
+    assert plane(result) == (0, 1)
+    turned = dataclasses.replace(result, node_positions_G=result.node_positions_G[:, :, [0, 2, 1]])
+    assert plane(turned) == (0, 2)
+
+
+def test_outermost_point_is_the_tip_of_the_rod() -> None:
+    result = swinging_rod()
+    assert travelling_point(result.node_positions_G[:, :9, :2]) == 8
+
+
+def test_outlines_of_cells() -> None:
+    own = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.0]])
+    body = BodyGeometry(
+        "b",
+        np.zeros((5, 3)),
+        np.array([0, 1, 2, 3, 0, 1, 4, 2]),
+        np.array([0, 4, 7, 8]),
+        np.array([9, 21, 1]),
+    )
+    quad, edge, point = segments(body, own)
+    np.testing.assert_array_equal(quad, own[[0, 1, 2, 3, 0]])
+    np.testing.assert_array_equal(edge, own[[0, 4, 1]])
+    np.testing.assert_array_equal(point, own[[2]])
+
+
+def test_energy_balance_notices_a_lost_joule() -> None:
+    result = swinging_rod()
+    leaky = {**result.energies, "kinetic": result.energies["kinetic"].copy()}
+    leaky["kinetic"][250:] -= 0.1
+    broken = dataclasses.replace(result, energies=leaky)
+    scale = max(leaky["kinetic"].max(), np.ptp(leaky["potential"]))
+    assert np.abs(broken.relative_balance).max() == pytest.approx(0.1 / scale, rel=1e-6)

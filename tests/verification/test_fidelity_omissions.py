@@ -1,0 +1,75 @@
+"""A plan that lacks something: its own check sees it, and says how much it costs."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from fidelity_samples import pendulum, planned_run
+
+from plymotion.solver.fidelity.metrics import difference, scales
+from plymotion.solver.fidelity.model import with_values
+from plymotion.solver.fidelity.plan import BodyPlan, Plan
+from plymotion.solver.fidelity.procedure import Answer, checked, plan_of
+from plymotion.solver.package.body.selection import selected
+from plymotion.solver.run.execution import execute
+
+ACCURACY = 2e-4
+SCENE = pendulum(signals=["tip_y", "bending"], accuracy=ACCURACY)
+LABELS = ("bending-xy 1", "bending-xy 2", "bending-xy 3")
+WHOLE = Plan({"link0": BodyPlan(LABELS, 4, True)}, True, 1e-7)
+# What is left out of the plan, or of the packages of its model.
+PLANS = {
+    "nothing": WHOLE,
+    "mode": WHOLE.with_body("link0", vibrations=LABELS[1:]),
+    "statics": WHOLE.with_body("link0", static=0),
+    "tolerance": replace(WHOLE, rtol=1e-2),
+    "stiffening": replace(WHOLE, stiffening=False),
+    "attachment": WHOLE,
+    "mesh": WHOLE,
+}
+PACKAGES = {"attachment": {"without": "attachment"}, "mesh": {"elements": 2}}
+
+
+@cache
+def truth() -> np.ndarray:
+    """Signals (o, k) with all modes of the package of the check in the plane, and rtol 1e-8."""
+    spec, check = planned_run(SCENE, "soft")
+    asked = [
+        {"kind": "bending-xy", "count": 6},
+        {"kind": "attachment", "at": "tip", "directions": ["x", "y", "rz"]},
+        {"kind": "static-inertia"},
+    ]
+    packages = {n: selected(package, asked) for n, package in check.items()}
+    solver = with_values(spec.mechanism.solver, rtol=1e-8, geometric_stiffening=True)
+    mechanism = with_values(spec.mechanism, solver=solver)
+    result, _ = execute(replace(spec, mechanism=mechanism, packages=packages), progress=False)
+    found = {signal.name: signal.values for signal in result.signals}
+    return np.array([found[name] for name in ("tip_y", "bending")])
+
+
+def judged(missing: str) -> tuple[Answer, float, float]:
+    """Return the answer for a plan that lacks something, its estimate and its true error."""
+    answer = plan_of(*planned_run(SCENE, "soft", **PACKAGES.get(missing, {})))
+    answer.plan = PLANS[missing]
+    answer = checked(answer, promote=False)
+    assert answer.trial is not None
+    assert answer.estimate is not None
+    sizes = scales("pointwise", truth())
+    true = difference("pointwise", answer.trial.signals, truth()) / sizes
+    return answer, float(answer.estimate.max()), float(true.max())
+
+
+def test_a_plan_that_lacks_nothing_is_accepted() -> None:
+    answer, estimate, true = judged("nothing")
+    assert answer.verdict == "met"
+    assert true <= estimate <= ACCURACY
+
+
+@pytest.mark.parametrize("missing", [name for name in PLANS if name != "nothing"])
+def test_an_omission_is_refused_with_its_size(missing: str) -> None:
+    answer, estimate, true = judged(missing)
+    print(missing, estimate, true)
+    assert true > ACCURACY
+    assert answer.verdict == "not met"
+    assert 0.5 <= estimate / true <= 2.0
