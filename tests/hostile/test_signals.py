@@ -43,11 +43,11 @@ def told(self, steps):
         r.told = True
         sys.stdout.write("stepping\\n"), sys.stdout.flush()
     return watch(self, steps)
-def writing(path, result):
+def writing(path, result, **more):
     if "--slow-disk" in sys.argv:
         print("writing", flush=True)
         time.sleep(1.0)
-    write(path, result)
+    write(path, result, **more)
 Monitors.__call__, r.write_result = told, writing
 work.SAVE_S = 0.0  # each row at once
 sys.exit(main([word for word in sys.argv[1:] if word != "--slow-disk"]))
