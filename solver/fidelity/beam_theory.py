@@ -112,9 +112,11 @@ def beam_theory(
 
 def walls_of(section: Any) -> Walls | None:
     """Return the walls of a section of the library; None of one that is described in a file."""
-    sizes = getattr(section, "values", None)
-    if not isinstance(sizes, Mapping):
+    if getattr(section, "shape", None) is None:
         return None
+    sizes = getattr(section, "values", None)
+    if not isinstance(sizes, Mapping):  # the record of a run file has sizes as attributes
+        sizes = {key: value for key, value in vars(section).items() if value is not None}
     across = [float(sizes[key]) for key in ACROSS if key in sizes]
     across += [2.0 * float(sizes[key]) for key in ROUND if key in sizes]
     keys = {wall.thickness for wall in walls(section.shape, sizes)} | {"wall"}

@@ -154,6 +154,11 @@ def checked(answer: Answer, *, promote: bool = True) -> Answer:
                 answer.estimate = np.hypot(answer.estimate, more)  # they peak at other times
                 estimate = float(answer.estimate.max(initial=0.0))
             answer.cpu["check"] += time.process_time() - now
+            if blind and more is None:
+                answer.verdict = "not met"
+                answer.reason = f"no package has more vibrations ({blind}), and no run shows what "
+                answer.reason += "is missing above them: the budget is used up"
+                return answer
         if estimate <= MARGIN * fidelity.accuracy:
             answer.verdict, answer.reason = "met", ""
             if fidelity.metric == "pointwise" and left() > 0.0:

@@ -141,15 +141,20 @@ def _model(plan: Plan) -> list[str]:
         if body.rigid:
             lines.append(f"  {name}: rigid")
             continue
-        kept = f"{len(body.vibrations)} vibrations"
+        kept = _counted(len(body.vibrations), "vibration")
         if body.vibrations:
             kept += f" ({', '.join(body.vibrations)})"
         ring = "undamped" if body.ringing else "damped"
-        shapes = f", {body.static} static shapes, {ring}" if body.static else ", no static shapes"
-        lines.append(f"  {name}: {kept}{shapes}; mesh of the {body.mesh}")
+        shapes = f", {_counted(body.static, 'static shape')}, {ring}"
+        mesh = {"model": "first package", "check": "second package, with the finer mesh"}[body.mesh]
+        lines.append(f"  {name}: {kept}{shapes if body.static else ', no static shapes'}; {mesh}")
     lines.append(f"  geometric stiffening: {'on' if plan.stiffening else 'off'}")
     lines.append(f"  rtol = {plan.rtol:.2g}")
     return lines
+
+
+def _counted(count: int, what: str) -> str:
+    return f"{count} {what}{'' if count == 1 else 's'}"
 
 
 def _omissions(answer: Answer) -> list[str]:

@@ -16,6 +16,7 @@ from ..dynamics.joints.table import DRIVES, NAMES, ROWS
 from ..dynamics.laws import law_at
 from ..dynamics.least_energy import least_energy
 from ..dynamics.model import Model
+from ..dynamics.scales import extent
 from ..dynamics.series import balance
 from ..errors import InputError, few
 from ..math.arrays import Array
@@ -24,6 +25,8 @@ from ..results.finding import Finding
 
 _POSITION_TOLERANCE = 1e-12
 _VELOCITY_TOLERANCE = 1e-9
+SPRUNG = 1e-5  # gap [rad, over the size] that tilted hinges leave, closed by deformation
+PREFERRED = 1e3  # of motion of frames over deformation, which counts as sqrt(J)
 _MAX_STEP = 0.5  # [m, rad] limit of one Newton correction, for rough initial positions
 _MAX_ITERATIONS = 60
 
@@ -105,20 +108,22 @@ def _describe(model: Model, residual: Array, names: list[str], words: tuple[str,
     return few((text for _, text in sorted(parts, reverse=True)), "; ")
 
 
-def _closed(model: Model, y: Array, t: float) -> Array:
-    """Return y after Newton's steps of least change of frame positions and orientations."""
-    elastic = np.zeros(model.n_vel, dtype=bool)
+def _closed(model: Model, y: Array, t: float, *, elastic: bool = False) -> Array:
+    """Return y after Newton's steps of least change of frame positions and orientations.
+
+    elastic : bodies deform where frames alone do not close the joints, with least strain energy
+    """
+    scale = np.full(model.n_vel, PREFERRED if elastic else 1.0)
     for i in range(model.n_body):
-        j = int(model.vel_start[i])
-        elastic[j + 6 : j + 6 + int(model.n_mode[i])] = True
+        j, m, k = int(model.vel_start[i]) + 6, int(model.n_mode[i]), int(model.square_start[i])
+        stiffness = np.diagonal(model.K_qq[k : k + m * m].reshape(m, m))
+        scale[j : j + m] = 1.0 / np.sqrt(np.maximum(stiffness, 1.0)) if elastic else 0.0
     y = y.copy()
     for _ in range(_MAX_ITERATIONS):
         if _open(model, y, t).max() < _POSITION_TOLERANCE:
             break  # without the dense Jacobian of a long chain
         equations = assemble(model, t, y)
-        J = equations.Phi_q[:, ~elastic]
-        step = np.zeros(model.n_vel)
-        step[~elastic] = np.linalg.lstsq(J, -equations.Phi, rcond=1e-10)[0]
+        step = scale * np.linalg.lstsq(equations.Phi_q * scale, -equations.Phi, rcond=1e-10)[0]
         step *= min(1.0, _MAX_STEP / max(np.max(np.abs(step)), 1e-300))
         y[: model.n_pos] = moved(model, y[: model.n_pos], step)
     return y
@@ -133,6 +138,9 @@ def _assembled(model: Model, y: Array, names: list[str], t: float) -> Array:
     """Close the joints; the error names those that stay open."""
     y = _closed(model, y, t)
     gap = _open(model, y, t)
+    if 1e3 * _POSITION_TOLERANCE < gap.max() < SPRUNG * min(1.0, extent(model, y)):
+        y = _closed(model, y, t, elastic=True)
+        gap = _open(model, y, t)
     if gap.max() > 1e3 * _POSITION_TOLERANCE:
         apart = _describe(model, gap, names, ("m apart", "rad twisted"))
         raise InputError(

@@ -51,7 +51,8 @@ def test_two_packages_are_specified_for_a_body(folder):
 def test_plan_prints_the_answer_and_run_delivers_the_check(folder, capsys):
     assert plan(folder) == 0
     text = capsys.readouterr().out
-    for words in ("Estimated error of tip", "Not checked", "The request is met", "rtol"):
+    expected = "Estimated error of tip", "Not checked", "The request is met", "rtol"
+    for words in (*expected, "Beam theory of link (width 40 mm"):
         assert words in text
     file = folder / "build/plans/base.toml"
     written = file.read_text()

@@ -1,7 +1,8 @@
-"""Lines of text files that cases name."""
+"""Text files: lines of those that cases name, TOML of another kind than expected."""
 
 import pytest
 
+from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case.laws import read_columns
 from plymotion.solver.inputs.case.python_code import PythonCode
 from plymotion.solver.inputs.common.text_file import numbered_lines
@@ -24,3 +25,14 @@ def test_code_of_a_controller_is_no_device(tmp_path):
     (tmp_path / "zero.py").symlink_to("/dev/zero")
     with pytest.raises(ValueError, match=r"zero\.py: cannot be read .expected a file"):
         PythonCode.model_validate({"file": "zero.py"}, context={"folder": tmp_path})
+
+
+def test_a_file_of_another_kind_is_one_message(capsys):
+    case, section = "cases/double-pendulum/case.toml", "cases/sections/square.toml"
+    for words, told in (
+        (["section", case], f"{case}: expected a section description, found a case file"),
+        (["shell", case], f"{case}: expected a shell description, found a case file"),
+        (["check", section], f"{section}: expected a case file, found a description for"),
+    ):
+        assert main(words) == 2
+        assert capsys.readouterr().err.count(told) == 1

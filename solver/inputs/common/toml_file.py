@@ -7,6 +7,10 @@ from typing import Any
 from ...errors import InputError
 
 LEVELS = 100  # of tables and lists in each other
+CASE = "case file"
+# Keys that only one kind of file has: one message about them says more than one about each key.
+DESCRIPTION = "description for `plymotion section` or `plymotion shell`"
+KEYS = {"runs": CASE, "joints": CASE, "regions": DESCRIPTION}
 
 
 def read_toml(file: Path, what: str) -> dict[str, Any]:
@@ -15,7 +19,7 @@ def read_toml(file: Path, what: str) -> dict[str, Any]:
     Raises
     ------
     InputError
-        No such file; not TOML.
+        No such file; not TOML; a file of another kind.
     """
     if file.exists() and not file.is_file():  # a folder, or a device that never ends
         raise InputError(f"{file}: no such {what}")
@@ -30,6 +34,9 @@ def read_toml(file: Path, what: str) -> dict[str, Any]:
         raise InputError(f"{file}: not valid TOML: {error}") from error
     if not _flat_enough(table):  # as a key of many dots
         raise InputError(too_deep)
+    kind = next((kind for key, kind in KEYS.items() if key in table), None)
+    if kind is not None and (kind == CASE) != (what == CASE):
+        raise InputError(f"{file}: expected a {what}, found a {kind}")
     return table
 
 

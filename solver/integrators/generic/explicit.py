@@ -18,7 +18,7 @@ SAFETY = 0.9
 # Of a step that was refused: the largest that follows, and its growth with each step. Where the
 # stability limits the steps, the error says so only beyond the limit (docs/adr/0037). Errors far
 # below one say that what was rough is over.
-CAUTION, RELAX, RELAX_FAR, FAR_BELOW = 0.9, 1.04, 2.0, 1e-3
+CAUTION, RELAX, RELAX_FAR, FAR_BELOW = 0.9, 1.02, 2.0, 1e-3
 STIFF_TESTS = 15  # in a row, before the hint is given
 TEST_EVERY = 25  # steps, while nothing looks stiff
 
