@@ -44,6 +44,8 @@ def draw_ladder(path: Path, found: Ladder, title: str) -> Path:
     """Draw error against CPU time: all models, their front, the chosen one, the check."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with house_style():
+        from matplotlib.ticker import LogFormatter
+
         canvas = Canvas(7.5, 4.6)
         (axis,) = canvas.panels(1, 1)
         shown = [rung for rung in found.rungs if rung.error > 0.0]
@@ -73,6 +75,9 @@ def draw_ladder(path: Path, found: Ladder, title: str) -> Path:
             fontsize=8,
             transform=axis.get_yaxis_transform(),
         )
+        for along in (axis.xaxis, axis.yaxis):
+            along.set_major_formatter(LogFormatter())  # 1e-3: formulas are not drawn as such
+            along.set_minor_formatter(LogFormatter())
         axis.set(xlabel="CPU time of a run [s]", ylabel="error / largest value")
         axis.set_title(title, color=INK)
         axis.legend(loc="upper right")
