@@ -11,8 +11,9 @@ from ..dynamics import series
 from ..dynamics.assembly import assemble_model
 from ..dynamics.bodies.marker import single_motion
 from ..dynamics.coordinates import moved, position_rates
-from ..dynamics.dense_equations import assemble
+from ..dynamics.dense_equations import assemble, energies
 from ..dynamics.derivative import derivative
+from ..dynamics.evaluation import measure_into, reads_reactions
 from ..dynamics.forces.table import KINDS as FORCE_KINDS
 from ..dynamics.independence import new_independence
 from ..dynamics.joints.table import KINDS, N_PARAMETER
@@ -22,6 +23,7 @@ from ..dynamics.model import Model, state_size
 from ..dynamics.projection import projected
 from ..dynamics.singular_value import difference, new_spectrum
 from ..dynamics.tables import ForceTable, JointTable, MarkerTable, rigid_body
+from ..dynamics.workspace import spare_work
 from ..integrators.closures import right_hand_side
 from ..integrators.compiled.pencil import factorise_pencil, new_frozen, new_pencil, solve_pencil
 from ..integrators.explicit_stepping import RungeKutta8Loop
@@ -31,6 +33,8 @@ from ..integrators.radau import Radau
 from ..integrators.step_loop import StepLoop
 from ..math.arrays import Array
 from ..math.compiled import COMPILED, statistics
+from ..math.expressions.program import value_at
+from ..math.expressions.tree import ONE
 from ..math.laws import polynomial
 from ..math.rotations import rotation_matrices, rotation_matrix, vectors_to_matrices
 from ..monitors.singularity import SingularityMonitor
@@ -111,6 +115,8 @@ def _compile_others() -> None:
     """Accelerations, projection, explicit methods, monitors, and calls outside of the loops."""
     model, y = _hinge()
     projected(model, 0.0, y)
+    reads_reactions(model)
+    measure_into(model, spare_work(model), y)
     _step_loop(RungeKutta8Loop)
     for made in (
         RungeKutta8Loop(model, 0.0, y, 1e-3),
@@ -133,6 +139,7 @@ def _compile_others() -> None:
     rotation_vectors(rotation_matrices(y[None, 3:7]))
     vectors_to_matrices(y[None, 7:10])
     law_at(model, -1, 0.0)
+    value_at(ONE)
 
 
 def _compile_evaluation() -> None:
@@ -146,7 +153,7 @@ def _compile_evaluation() -> None:
     y = np.zeros(state_size(model))
     y[3] = 1.0
     t, states = np.zeros(1), y[None]
-    assemble(model, 0.0, y)
+    energies(model, assemble(model, 0.0, y), y)
     series.balance(model, t, states)
     series.generalised_momenta(model, t, states)
     series.marker_loads(model, t, states, np.zeros((1, model.n_constraint)))
