@@ -27,6 +27,7 @@ from .commands.plan.options import add_plan_command
 from .commands.run.options import add_run_command
 from .commands.section.options import add_section_command
 from .commands.shell.options import add_shell_command
+from .commands.streams import complete, full_output, no_reader
 from .commands.sweep.options import add_merge_command, add_sweep_command
 from .errors import InputError, PackageError
 from .inputs.case.file import CASE_FILE
@@ -40,12 +41,13 @@ def main(arguments: list[str] | None = None) -> int:
     0 done; 2 wrong input, or errors found by `validate`; 3 a run, or members of a sweep,
     ended early and their results up to that time are kept, or the findings of a run call its
     results invalid; 70 a defect of the program; 130, 143, 129 ended by Ctrl-C, TERM or HUP, results
-    are kept.
+    are kept; 141 the reader of the output has gone.
     """
     if arguments is None:
         # Looking for garbage takes 0.04 s while modules are loaded, 0.03 s at the end.
         gc.set_threshold(50_000)
         atexit.register(gc.freeze)
+        complete()
     words = sys.argv[1:] if arguments is None else arguments
     # "plymotion solver sweep" is "plymotion sweep", as is "python -m plymotion.solver sweep".
     if words[:1] == ["solver"]:
@@ -67,18 +69,23 @@ def _guarded(options: argparse.Namespace) -> int:
     """Run a command; turn what it raises into a message and an exit code."""
     try:
         with scripts(allowed=not getattr(options, "no_scripts", False)):
-            return int(options.command(options))
+            code = int(options.command(options))
+            sys.stdout.flush()  # a full disk or a closed pipe is told here
+            return code
     except (InputError, PackageError) as error:
         if of_a_signal(error):
             return _nothing_written()
         for line in str(error).splitlines():
             print(f"error: {line}", file=sys.stderr)
         return 2
-    except BrokenPipeError:  # the reader of the output has closed the pipe, like `head`
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
+    except BrokenPipeError:
+        return no_reader()
     except OSError as error:
-        print(f"error: {error.filename or ''}: {error.strerror or error}", file=sys.stderr)
+        ended = full_output(error)
+        if ended is not None:
+            return ended
+        where = f"{error.filename}: " if error.filename else ""
+        print(f"error: {where}{error.strerror or error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         return _nothing_written()

@@ -5,7 +5,10 @@ import tomllib
 from pathlib import Path
 from typing import Any, cast, get_args
 
-from ...solver.errors import InputError, did_you_mean
+from numpy.linalg import LinAlgError
+from scipy.sparse.linalg import ArpackError
+
+from ...solver.errors import InputError, PackageError, did_you_mean
 from ...solver.package import ModalPackage
 from ...solver.package.common.table_form import SpecError, check_form
 from .free_body import FreeBody
@@ -36,6 +39,13 @@ def check_table(table: dict[str, Any], where: str) -> None:
         check_form(table, ImportFile)
     except SpecError as error:
         raise InputError(f"{where}: {error}") from error
+
+
+# What readers and the HDF5 library raise where a file is not what it should be.
+DAMAGE = (
+    *(ValueError, ArithmeticError, LookupError, MemoryError),
+    *(RuntimeError, AttributeError, TypeError),
+)
 
 
 def imported(
@@ -71,10 +81,25 @@ def imported(
     files = Files(table["files"], folder, where)
     tell(f"reading {kind}")
     reader = importlib.import_module(f"{__package__}.read.{kind.replace('-', '_')}")
-    found = reader.read(files)
+    try:
+        found = reader.read(files)
+    except (InputError, PackageError):
+        raise
+    except DAMAGE as error:
+        what = " ".join(str(error).split())[:200] or type(error).__name__
+        raise InputError(
+            f"{where}: {files.latest()}: damaged, or not as {kind} writes it ({what})"
+        ) from error
     reduction = cast(Reduction, {k: v for k, v in table.items() if k not in OWN_KEYS})
     if isinstance(found, FreeBody):
-        return reduce_body(found, reduction, tell)
+        try:
+            return reduce_body(found, reduction, tell)
+        except (ArpackError, LinAlgError, ArithmeticError, MemoryError) as error:
+            what = " ".join(str(error).split())[:200] or type(error).__name__
+            raise InputError(
+                f"{where}: no modes of these matrices are found ({what}); expected the stiffness "
+                "and mass of a body, all entries correct"
+            ) from error
     if tables is None:
         raise InputError(
             f'{where}: from = "{kind}": it has modes without matrices; make the package with '

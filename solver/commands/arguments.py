@@ -1,6 +1,7 @@
 """What the arguments of several subcommands share."""
 
 import argparse
+import contextlib
 import math
 import os
 from collections.abc import Sequence
@@ -16,6 +17,12 @@ class CommandParser(argparse.ArgumentParser):
 
     def parsed(self, words: Sequence[str]) -> argparse.Namespace:
         """Parse the words of a command line; what no command knows is an error."""
+        folder = ""
+        with contextlib.suppress(OSError):  # it may have been removed
+            folder = os.getcwd()
+        for word in (*words, folder):
+            if any("\ud800" <= letter <= "\udfff" for letter in word):
+                self.exit(2, f"error: {word!a}: expected a path whose bytes are UTF-8\n")
         options, rest = self.parse_known_args(words)
         if rest:
             chosen = next((self.commands()[w] for w in words if w in self.commands()), self)

@@ -1,5 +1,6 @@
 """Room on the disk that a run will take."""
 
+import os
 import shutil
 from pathlib import Path
 
@@ -13,7 +14,7 @@ CONSTRAINTS, OTHERS = 6, 8  # numbers of a joint; of time, energies, violations
 
 def nearest_folder(folder: Path) -> Path:
     """Return a folder, or the one above it that exists."""
-    whole = folder.resolve()
+    whole = Path(os.path.realpath(folder))  # Path.resolve raises where links form a loop
     return next(each for each in (whole, *whole.parents) if each.is_dir())
 
 

@@ -153,6 +153,19 @@ def test_no_file_reads_another_one(kind, tmp_path, way):
     assert name in str(told.value)
 
 
+def test_files_of_more_data_than_they_can_hold(kind, tmp_path):
+    """Reading the array would fill 8 GB of memory with one value: nothing of it is written."""
+    copy, name = _numbers(kind, tmp_path)
+    with h5py.File(copy, "r+") as file:
+        attributes = dict(file[name].attrs)
+        del file[name]
+        file.create_dataset(name, (10**9,), float, chunks=(1_000_000,))
+        file[name].attrs.update(attributes)
+    assert copy.stat().st_size < 1_000_000
+    with pytest.raises(REFUSED, match=f"{name}: 8000000000 bytes, more than this file can hold"):
+        kind[0].read(copy)
+
+
 def test_a_circle_of_groups_ends(kind, tmp_path):
     copy, name = _numbers(kind, tmp_path)
     group = name.partition("/")[0]

@@ -32,6 +32,12 @@ def _check(folder: Path, text: str | bytes) -> int:
 WRONG = {
     "nested": ("x = " + "[" * 500 + "]" * 500 + "\n" + CASE, "nested too deep"),
     "digits": (CASE.replace("mass = 1.0", "mass = " + "9" * 5000), "not valid TOML: .*4300 digits"),
+    "dots": ("x" + ".x" * 2_000 + " = 1\n" + CASE, "nested too deep; expected 100 levels"),
+    "hexadecimal digits": (
+        CASE.replace("mass = 1.0", "mass = 0x" + "f" * 5000),
+        "bodies.ball.mass = a number of thousands of digits: .*valid number",
+    ),
+    "long name": (CASE + f"[runs.{'r' * 240}]\n", "runs.r.* at most 100 characters"),
     "true": (CASE.replace("mass = 1.0", "mass = true"), "bodies.ball.mass = True: .*valid number"),
     "quoted": (CASE.replace("mass = 1.0", 'mass = "1"'), 'bodies.ball.mass = "1": .*valid number'),
     "inertia": (
@@ -64,6 +70,33 @@ def test_wrong_input_is_told(tmp_path, capsys, name):
     assert str(tmp_path / "case.toml") in told
     assert re.search(words, told), told
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="names of files are text there")
+@pytest.mark.parametrize("place", ["case", "out", "current"])
+def test_a_path_that_is_no_text_is_told(tmp_path, capsys, monkeypatch, place):
+    """In files of results, paths are UTF-8."""
+    odd = tmp_path / os.fsdecode(b"caf\xe9")
+    odd.mkdir()
+    case = (odd if place == "case" else tmp_path) / "case.toml"
+    case.write_text(CASE)
+    monkeypatch.chdir(odd if place == "current" else tmp_path)
+    with pytest.raises(SystemExit) as end:
+        main(["run", str(case), "--out", str(odd if place == "out" else tmp_path / "out")])
+    assert end.value.code == 2
+    assert r"caf\udce9" in (told := capsys.readouterr().err)
+    assert told.endswith(": expected a path whose bytes are UTF-8\n")
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="links need a right there")
+def test_a_loop_of_links_is_told(tmp_path, capsys):
+    assert _check(tmp_path, CASE) == 0
+    (tmp_path / "out/base").symlink_to("loop")
+    (tmp_path / "out/loop").symlink_to("base")
+    assert main(["run", str(tmp_path / "out/runs/base.json"), "--quiet"]) == 2
+    told = capsys.readouterr().err
+    assert re.search("out/base: (File exists|Too many levels of symbolic links)", told), told
 
 
 def test_limit_of_outputs_may_be_raised(tmp_path, capsys):

@@ -9,6 +9,7 @@ import sys
 import pytest
 from case_samples import HEAD, SOLVER, rigid
 from dask_cluster import until
+from hostile_profile import LONG as PROFILE
 from hostile_profile import WAIT_S, count
 from sweep_samples import FORCE, ball
 
@@ -42,11 +43,11 @@ def told(self, steps):
         r.told = True
         sys.stdout.write("stepping\\n"), sys.stdout.flush()
     return watch(self, steps)
-def writing(path, result):
+def writing(path, result, **more):
     if "--slow-disk" in sys.argv:
         print("writing", flush=True)
         time.sleep(1.0)
-    write(path, result)
+    write(path, result, **more)
 Monitors.__call__, r.write_result = told, writing
 work.SAVE_S = 0.0  # each row at once
 sys.exit(main([word for word in sys.argv[1:] if word != "--slow-disk"]))
@@ -241,7 +242,7 @@ sys.exit(main(sys.argv[2:]))
 """
 
 
-@pytest.mark.parametrize("number", SIGNALS)
+@pytest.mark.parametrize("number", SIGNALS if PROFILE == 2 else [signal.SIGTERM])
 def test_a_signal_while_figures_are_imported_is_no_missing_library(tmp_path, number):
     sweep = ball(tmp_path, f"{FORCE} = [0.0, 1.0]", 'signals = ["x"]')
     words = [str(int(number)), "sweep", str(sweep), "--quiet"]

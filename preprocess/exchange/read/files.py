@@ -40,6 +40,11 @@ class Files:
             self._hashes[key] = file_sha256(path)
         return path
 
+    def latest(self) -> str:
+        """Key and name of the file that was asked for last, for messages."""
+        key = next(reversed(self._hashes), "")
+        return f"files.{key} = {self.table[key]!r}" if key else "files"
+
     def __contains__(self, key: str) -> bool:
         return key in self.table
 
@@ -51,4 +56,4 @@ class Files:
 
 def text_lines(path: Path) -> list[str]:
     """Lines of a text file; bytes outside ASCII come from comments only."""
-    return path.read_text(encoding="utf-8", errors="replace").splitlines()
+    return path.read_text(encoding="utf-8-sig", errors="replace").splitlines()

@@ -1,5 +1,6 @@
 """Matrix Market files of K and M, CSV files of nodes, dofs and cells: for every other code."""
 
+import io
 from pathlib import Path
 
 import numpy as np
@@ -11,9 +12,10 @@ from ....solver.math.arrays import Array, IntArray
 from ..free_body import Cells, FreeBody
 from ..from_matrices import free_body
 from ..reduce import rows_of
-from .files import Files
+from .files import Files, text_lines
 
 KEYS = ("stiffness", "mass", "nodes", "dofs")
+MOST_ROWS = 100_000_000
 WORDS = (("x", "ux"), ("y", "uy"), ("z", "uz"), ("rx",), ("ry",), ("rz",))
 DIRECTIONS = {
     word: number for number, words in enumerate(WORDS, 1) for word in (*words, str(number))
@@ -35,16 +37,50 @@ def read(files: Files) -> FreeBody:
 
 def _matrix(path: Path) -> sp.csr_matrix:
     """A Matrix Market file; `symmetric` files hold one triangle and are completed."""
+    whole = _check_lines(path)
     try:
-        return sp.csr_matrix(scipy.io.mmread(path))
+        # SciPy reads beyond the end of a number that ends with the file.
+        source = path if whole else io.BytesIO(path.read_bytes() + b"\n")
+        return sp.csr_matrix(scipy.io.mmread(source))
     except (ValueError, TypeError, OverflowError) as error:
         raise InputError(f"{path}: expected a Matrix Market file ({error})") from error
+
+
+def _check_lines(path: Path) -> bool:
+    """Tell whether the last line is whole.
+
+    Raises InputError for what SciPy does not survive, or fills the memory with: no rows, fewer
+    lines than the file announces, a line of too few numbers.
+    """
+    with path.open("rb") as file:
+        words = file.readline().lower().split()
+        sparse = b"coordinate" in words
+        size: list[int] = []
+        own = {b"pattern": 0, b"complex": 2}.get(words[3] if len(words) > 3 else b"", 1)
+        least = own + 2 * sparse
+        line, lines = b"", 0
+        for number, line in enumerate(file, 2):
+            if line[:1] == b"%" or not line.strip():
+                continue
+            if not size:
+                size = [int(word) for word in line.split() if word.isdigit()]
+                if len(size) != 2 + sparse or not 0 < max(size[:2]) <= MOST_ROWS or 0 in size[:2]:
+                    raise InputError(f"{path}:{number}: no size of a matrix: {line[:60]!r}")
+                continue
+            lines += 1
+            if len(line.split(None, least)) < least:
+                raise InputError(f"{path}:{number}: expected {least} numbers, found {line[:60]!r}")
+    n, m = size[:2] or (0, 0)
+    expected = size[2] if len(size) > 2 else n * (n + 1) // 2 if b"symmetric" in words else n * m
+    if lines < expected:
+        raise InputError(f"{path}: truncated: expected {expected} lines of numbers, found {lines}")
+    return line.endswith(b"\n")
 
 
 def table_rows(path: Path, columns: str) -> list[tuple[int, list[str]]]:
     """Numbered lines of a CSV file, split; without comments, empty lines and a line of names."""
     rows = []
-    for number, line in enumerate(path.read_text(encoding="utf-8-sig").splitlines(), 1):
+    for number, line in enumerate(text_lines(path), 1):
         text = line.split("#")[0].replace(";", ",").strip()
         if text:
             rows.append((number, [part.strip() for part in text.split(",")]))

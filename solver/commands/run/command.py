@@ -133,7 +133,8 @@ def _outcome(task: _Task) -> Outcome:
     except (InputError, PackageError) as error:
         return Outcome(INPUT, errors=str(error).splitlines())
     except OSError as error:
-        return Outcome(INPUT, errors=[f"{error.filename or ''}: {error.strerror or error}"])
+        where = f"{error.filename}: " if error.filename else ""
+        return Outcome(INPUT, errors=[f"{where}{error.strerror or error}"])
     except KeyboardInterrupt:
         return Outcome(INTERRUPTED, errors=[f"{task.file}: interrupted, nothing written"])
     except Exception as error:

@@ -72,7 +72,10 @@ def printable(text: str) -> str:
 
 
 def _short(value: Any) -> str:
-    text = f'"{printable(value)}"' if isinstance(value, str) else repr(value)
+    try:
+        text = f'"{printable(value)}"' if isinstance(value, str) else repr(value)
+    except ValueError:  # an integer, or a list of one, in thousands of digits
+        return "a number of thousands of digits"
     return text if len(text) < 60 else text[:57] + "..."
 
 

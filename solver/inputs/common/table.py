@@ -14,7 +14,8 @@ def usable_path(text: str) -> str:
     return text
 
 
-Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_-]*$")]
+# Names become those of files, beside which temporary ones need room.
+Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_-]*$", max_length=100)]
 Word = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]  # of an expression
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
 FilePath = Annotated[str, AfterValidator(usable_path)]

@@ -7,12 +7,21 @@ from pathlib import Path
 
 import h5py
 
+SMALL = 200_000_000  # bytes that any file may have
+PACKED = 1100  # bytes of data in a byte of a file: more than gzip can pack
+
 
 def refuse_foreign_parts(path: Path, file: h5py.File, error: type[Exception]) -> None:
-    """Raise `error` for the first link, storage or source outside the file, or soft link."""
+    """Raise `error` for the first link, storage or source outside the file, or soft link.
+
+    Also for more data than a file of its size can hold: arrays that nobody has written, or packed
+    twice, would fill the memory with a single value.
+    """
     seen: set[int] = set()
+    room = max(SMALL, PACKED * path.stat().st_size)
 
     def visit(group: h5py.Group) -> None:
+        nonlocal room
         for name in group:
             link = group.get(name, getlink=True)
             where = f"{path}: {group.name.rstrip('/')}/{_text(name)}"
@@ -23,6 +32,11 @@ def refuse_foreign_parts(path: Path, file: h5py.File, error: type[Exception]) ->
             item = group.get(name)
             if isinstance(item, h5py.Dataset):
                 _dataset(where, item, error)
+                address = h5py.h5o.get_info(item.id).addr
+                room -= item.nbytes if address not in seen else 0
+                seen.add(address)
+                if room < 0:
+                    raise error(f"{where}: {item.nbytes} bytes, more than this file can hold")
             elif isinstance(item, h5py.Group):
                 address = h5py.h5o.get_info(item.id).addr
                 if address not in seen:

@@ -1,0 +1,140 @@
+"""Files of other codes that are cut off, or announce absurd counts: refused with words.
+
+In processes of their own: a library may end by a segmentation fault.
+"""
+
+import random
+import re
+import shutil
+import subprocess
+import sys
+
+import pytest
+from brick_model import brick
+from exchange_samples import exported, write_matrices
+from hostile_profile import LIMIT_S, count, tries
+
+from plymotion.solver.__main__ import main
+
+NUMBER = re.compile(rb"-?\d+(\.\d*)?([eEdD][+-]?\d+)?")
+VALUES = [
+    b"99999999999999999999",
+    b"4000000000",
+    b"-1",
+    b"0",
+    b"1e308",
+    b"1e999",
+    b"nan",
+    b"",
+    b"x",
+]
+VALUES += [b"\xff", b"1.5", b"1e", b"9" * 5000]
+TABLE = """
+format = 1
+body = "arm"
+from = "{source}"
+units = {{ length = "m", mass = "kg", time = "s" }}
+total_mass = 0.54
+reference = {{ kind = "clamped", at = "root" }}
+modes = [{{ kind = "lowest", count = 2 }}]
+interfaces.root = {{ nodes = [1], link = "average" }}
+interfaces.tip = {{ nodes = [2], link = "average" }}
+[files]
+{source} = "arm.{source}"
+{more}
+"""
+# Reads changed copies one after the other; tells the one that it is at.
+READING = """
+import contextlib, io, sys
+from pathlib import Path
+from plymotion.preprocess.exchange.__main__ import main
+for folder in sorted(Path(sys.argv[1]).iterdir()):
+    told = io.StringIO()
+    print(folder.name, flush=True)
+    with contextlib.redirect_stderr(told):
+        code = main(["import", str(folder / "arm.toml"), "--out", str(folder / "o.vtkhdf"),
+                     "--quiet", "--tables", str(folder / "tables")])
+    assert code in (0, 2, 4), code
+    assert code != 2 or str(folder) in told.getvalue(), told.getvalue()
+"""
+
+
+@pytest.fixture(scope="module")
+def sources(tmp_path_factory):
+    """Folders of files that can be imported, and the files of each that are changed."""
+    folder = tmp_path_factory.mktemp("exchange")
+    file = write_matrices(folder / "matrices", brick((0.5, 0.04, 0.01), (4, 1, 1), density=2700.0))
+    package = folder / "arm.vtkhdf"
+    assert main(["import", str(file), "--out", str(package), "--quiet"]) == 0
+    for source in ("uff", "med"):
+        (folder / source).mkdir()
+        exported(package, source, folder / source / f"arm.{source}")
+        more = 'masses = "arm_masses.csv"' if source == "uff" else ""
+        text = TABLE.format(source=source, more=more)
+        (folder / source / "arm.toml").write_text(text)
+    return {
+        folder / "matrices": ["K.mtx", "M.mtx", "nodes.csv", "dofs.csv", "cells.csv"],
+        folder / "uff": ["arm.uff", "arm_masses.csv"],
+        folder / "med": ["arm.med"],
+    }
+
+
+def _changed(content, chance):
+    """Cut off at any byte, or one number changed, or one line left out."""
+    kind = chance.choice(["cut", "number", "number", "line"])
+    if kind == "cut":
+        return content[: chance.randrange(len(content))]
+    if kind == "number":
+        found = list(NUMBER.finditer(content))
+        place = chance.choice(found[:20] if chance.random() < 0.5 else found)
+        return content[: place.start()] + chance.choice(VALUES) + content[place.end() :]
+    lines = content.split(b"\n")
+    del lines[chance.randrange(min(len(lines), 12))]
+    return b"\n".join(lines)
+
+
+def test_changed_files_of_other_codes(sources, tmp_path):
+    chance = random.Random(1)
+    number = tries(40, 400)
+    for k in range(number):
+        folder, names = chance.choice(list(sources.items()))
+        copy = tmp_path / "copies" / f"{k:04d}"
+        shutil.copytree(folder, copy)
+        file = copy / chance.choice(names)
+        file.write_bytes(_changed(file.read_bytes(), chance))
+    done = subprocess.run(
+        [sys.executable, "-c", READING, str(tmp_path / "copies")], capture_output=True, text=True
+    )
+    assert done.returncode == 0, (done.returncode, done.stdout.split()[-1], done.stderr[-2000:])
+    for _ in range(number):
+        count("import: a changed file of another code", "refused")
+
+
+ODD_MATRICES = {
+    "a number is cut off": "1 1 1.62e",
+    "a line is cut off": "1",
+    "entries": "60 60 4000000000\n1 1 1.0\n",
+    "rows": "4000000000 4000000000 1\n1 1 1.0\n",
+    "no rows": "0 60 0\n",
+}
+
+
+@pytest.mark.parametrize("name", ODD_MATRICES)
+def test_matrices_that_end_or_fill_the_memory_of_scipy(sources, tmp_path, name):
+    folder = next(iter(sources))
+    copy = tmp_path / "copy"
+    shutil.copytree(folder, copy)
+    size = "" if "\n" in ODD_MATRICES[name] else "60 60 966\n"
+    text = "%%MatrixMarket matrix coordinate real symmetric\n" + size + ODD_MATRICES[name]
+    (copy / "M.mtx").write_text(text)
+    done = subprocess.run(
+        [sys.executable, "-m", "plymotion", "import", "arm.toml", "-o", "o.vtkhdf", "--quiet"],
+        cwd=copy,
+        capture_output=True,
+        text=True,
+        timeout=30 * LIMIT_S,
+    )
+    assert done.returncode == 2, done.stderr
+    assert "M.mtx" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not (copy / "o.vtkhdf").exists()
