@@ -30,8 +30,9 @@ def uniform_box(mass: float, S_B: Array, J_B: Array) -> tuple[Array, Array]:
     c = S_B / mass
     about_centre = J_B - mass * (c @ c * np.eye(3) - np.outer(c, c))
     moments, axes = np.linalg.eigh(0.5 * (about_centre + about_centre.T))
-    squares = 6.0 * (moments.sum() - 2.0 * moments) / mass
-    return np.sqrt(np.maximum(squares, 0.0)), axes * np.sign(np.linalg.det(axes))
+    with np.errstate(over="ignore"):  # of masses near the smallest number
+        squares = 6.0 * (moments.sum() - 2.0 * moments) / mass
+    return np.sqrt(np.clip(squares, 0.0, 1e300)), axes * np.sign(np.linalg.det(axes))
 
 
 def rigid_surface(
