@@ -104,7 +104,8 @@ def analyse(
             better = _solve(richer, lay_richer, where, spec, measured=False)
             size = np.sqrt(np.diag(result.K))
             error = error_estimate(result.K, better.K, problem.space.degree)
-            error = error + edges * np.outer(size, size)
+            # of opposite sign: a coarse field is too stiff, a parabola inside its arc too soft
+            error = np.hypot(error, edges * np.outer(size, size))
         reversal = 0.0
         if error is not None and lay.reversing.any():
             # refinement moves the place of the reversal only slowly

@@ -29,15 +29,15 @@ class Outline:
 
 def section_outline(recovery: SectionRecovery) -> Outline | None:
     """Return the outline of a section; None if its points do not give closed loops."""
-    cells = _cells(recovery)
-    if any(len(cell) < 3 for cell in cells):
+    corners, following = _corners(recovery)
+    if len(corners) == 0:
         return None
-    shortest = min(float(np.linalg.norm(c - np.roll(c, 1, axis=0), axis=1).min()) for c in cells)
+    shortest = float(np.linalg.norm(corners - corners[following], axis=1).min())
     size = float(np.ptp(recovery.points, axis=0).max())
     if not shortest > SMALL * size:
         return None
-    points, rows = _joined(cells, SAME * shortest)
-    loops = _loops(rows)
+    points, rows = _joined(corners, SAME * shortest)
+    loops = _loops(rows, rows[following])
     if not loops:
         return None
     short = [_simplified(points, loop, STRAIGHT * size) for loop in loops]
@@ -48,23 +48,40 @@ def section_outline(recovery: SectionRecovery) -> Outline | None:
     loops = [np.asarray(part) for part in np.split(number, ends)]
     if len(loops) == 1:
         return Outline(points[used], tuple(loops), _clipped(points[used], loops[0]))
-    fans = [(row[0], row[k], row[k + 1]) for row in rows for k in range(1, len(row) - 1)]
     places = np.concatenate([points[used], points])
-    return Outline(places, tuple(loops), np.array(fans) + len(used))
+    return Outline(places, tuple(loops), _fans(rows, following) + len(used))
 
 
-def _cells(recovery: SectionRecovery) -> list[Array]:
-    """Corners of every cell, counterclockwise."""
+def _corners(recovery: SectionRecovery) -> tuple[Array, IntArray]:
+    """Return corners (n, 2) of all cells, counterclockwise, and the row of the following one.
+
+    Nothing if a cell has fewer than three.
+    """
     order = np.argsort(recovery.cell, kind="stable")
     _, counts = np.unique(recovery.cell, return_counts=True)
     points, weights = recovery.points[order], recovery.weights[order]
     if (counts == 4).all():
-        return list(_of_four(points.reshape(-1, 4, 2)))
-    ends = np.cumsum(counts)[:-1]
-    return [
-        _scaled(some, weight)
-        for some, weight in zip(np.split(points, ends), np.split(weights, ends), strict=True)
-    ]
+        corners = _of_four(points.reshape(-1, 4, 2)).reshape(-1, 2)
+    else:
+        ends = np.cumsum(counts)[:-1]
+        parts = zip(np.split(points, ends), np.split(weights, ends), strict=True)
+        cells = [_scaled(some, weight) for some, weight in parts]
+        counts = np.array([len(cell) for cell in cells])
+        if (counts < 3).any():
+            return np.zeros((0, 2)), np.zeros(0, dtype=np.int64)
+        corners = np.concatenate(cells)
+    ends = np.cumsum(counts)
+    following = np.arange(1, ends[-1] + 1)
+    following[ends - 1] = ends - counts
+    return corners, following
+
+
+def _fans(rows: IntArray, following: IntArray) -> IntArray:
+    """Triangles (f, 3) of all cells, from the first corner of each."""
+    last = np.flatnonzero(following <= np.arange(len(following)))
+    first = np.repeat(following[last], np.diff(last, prepend=-1))
+    k = np.flatnonzero((np.arange(len(rows)) > first) & (following > first))
+    return np.column_stack([rows[first[k]], rows[k], rows[following[k]]])
 
 
 def _of_four(points: Array) -> Array:
@@ -107,31 +124,30 @@ def _turn(a: Array, b: Array, c: Array) -> float:
     return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
 
 
-def _joined(cells: list[Array], near: float) -> tuple[Array, list[IntArray]]:
-    """Return common corners (p, 2), those nearer than `near`, and the rows of each cell."""
-    every = np.concatenate(cells)
-    grid = np.round(every / near).astype(np.int64)
+def _joined(corners: Array, near: float) -> tuple[Array, IntArray]:
+    """Return common corners (p, 2), those nearer than `near`, and the row of each corner (n,)."""
+    grid = np.round(corners / near).astype(np.int64)
     known: dict[tuple[int, int], int] = {}
-    rows: list[int] = []
-    points: list[Array] = []
-    for place, (i, j) in zip(every, grid.tolist(), strict=True):
-        around = ((i + a, j + b) for a in (0, -1, 1) for b in (0, -1, 1))
-        row = next((known[key] for key in around if key in known), None)
+    rows = np.empty(len(corners), dtype=np.int64)
+    chosen: list[int] = []
+    for n, (i, j) in enumerate(grid.tolist()):
+        row = known.get((i, j))
+        if row is None:  # a common corner may be rounded to another cell of the grid
+            around = ((i + a, j + b) for a in (0, -1, 1) for b in (0, -1, 1))
+            row = next((known[key] for key in around if key in known), None)
         if row is None:
-            row = known[i, j] = len(points)
-            points.append(place)
-        rows.append(row)
-    ends = np.cumsum([len(cell) for cell in cells])[:-1]
-    return np.array(points), np.split(np.array(rows), ends)
+            row = known[i, j] = len(chosen)
+            chosen.append(n)
+        rows[n] = row
+    return corners[chosen], rows
 
 
-def _loops(rows: list[IntArray]) -> list[IntArray]:
+def _loops(begin: IntArray, end: IntArray) -> list[IntArray]:
     """Return closed loops of the edges that one cell has, or nothing if they do not close."""
-    edges = {(int(a), int(b)) for row in rows for a, b in zip(row, np.roll(row, -1), strict=True)}
+    edges = set(zip(begin.tolist(), end.tolist(), strict=True))
     after: dict[int, list[int]] = {}
-    for a, b in sorted(edges):
-        if (b, a) not in edges and a != b:
-            after.setdefault(a, []).append(b)
+    for a, b in sorted(edge for edge in edges if edge[::-1] not in edges and edge[0] != edge[1]):
+        after.setdefault(a, []).append(b)
     loops = []
     while after:
         start = min(after)

@@ -40,7 +40,7 @@ def test_estimate_bounds_the_error(name: str, density: float, degree: int) -> No
 
 
 @pytest.mark.parametrize("name", ["07", "14"])
-@pytest.mark.parametrize(("degree", "least", "most"), [(2, 1.0, 3.4), (3, 0.95, 1.3)])
+@pytest.mark.parametrize(("degree", "least", "most"), [(2, 1.0, 2.6), (3, 0.9, 1.3)])
 def test_estimate_bounds_the_largest_error_of_curved_walls(
     name: str, degree: int, least: float, most: float
 ) -> None:
