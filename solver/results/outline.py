@@ -127,19 +127,24 @@ def _turn(a: Array, b: Array, c: Array) -> float:
 def _joined(corners: Array, near: float) -> tuple[Array, IntArray]:
     """Return common corners (p, 2), those nearer than `near`, and the row of each corner (n,)."""
     grid = np.round(corners / near).astype(np.int64)
-    known: dict[tuple[int, int], int] = {}
-    rows = np.empty(len(corners), dtype=np.int64)
+    grid -= grid.min(axis=0) - 1
+    wide = int(grid[:, 1].max()) + 2
+    keys, first, number = np.unique(
+        grid[:, 0] * wide + grid[:, 1], return_index=True, return_inverse=True
+    )
+    around = [i * wide + j for i in (0, -1, 1) for j in (0, -1, 1)]
+    known: dict[int, int] = {}
+    rows = np.empty(len(keys), dtype=np.int64)
     chosen: list[int] = []
-    for n, (i, j) in enumerate(grid.tolist()):
-        row = known.get((i, j))
-        if row is None:  # a common corner may be rounded to another cell of the grid
-            around = ((i + a, j + b) for a in (0, -1, 1) for b in (0, -1, 1))
-            row = next((known[key] for key in around if key in known), None)
+    for k in np.argsort(first).tolist():  # in the order of the corners
+        key = int(keys[k])
+        # rounding may put the same place into a neighbouring cell of the grid
+        row = next((known[key + step] for step in around if key + step in known), None)
         if row is None:
-            row = known[i, j] = len(chosen)
-            chosen.append(n)
-        rows[n] = row
-    return corners[chosen], rows
+            row = known[key] = len(chosen)
+            chosen.append(int(first[k]))
+        rows[k] = row
+    return corners[chosen], rows[number]
 
 
 def _loops(begin: IntArray, end: IntArray) -> list[IntArray]:

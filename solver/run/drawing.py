@@ -38,6 +38,7 @@ def with_views(
     states = np.asarray(y[times])
     reach = max((_size(body.nodes_B) for body in bodies), default=0.0)
     found = []
+    surfaces: dict[int, Surface] = {}  # by the identity of the package: bodies may share one
     for i, body in enumerate(bodies):
         package, first = built.packages.get(body.name), int(model.pos_start[i])
         mass = float(model.mass[i])
@@ -60,7 +61,9 @@ def with_views(
             )
         else:
             q = states[:, first + 7 : first + 7 + package.n_mode]
-            view = _flexible(package, first, q)
+            if id(package) not in surfaces:
+                surfaces[id(package)] = _surface(package)
+            view = _flexible(package, first, q, surfaces[id(package)])
         found.append(replace(body, view=view))
     return tuple(found)
 
@@ -91,7 +94,7 @@ def _side(built: BuiltMechanism, marker: int) -> Side:
     return Side(body, model.marker_x[marker], model.marker_A[marker], phi, psi)
 
 
-def _flexible(package: ModalPackage, first: int, q: Array) -> BodyView:
+def _flexible(package: ModalPackage, first: int, q: Array, surface: Surface) -> BodyView:
     sites = _stations(package, q) or _cells(package, q)
     known = {key: package.provenance[key] for key in PROVENANCE if key in package.provenance}
     return BodyView(
@@ -102,7 +105,7 @@ def _flexible(package: ModalPackage, first: int, q: Array) -> BodyView:
         labels=package.mode_labels or package.mode_kinds,
         mass=package.invariants.mass,
         centre_B=package.invariants.S0_B / package.invariants.mass,
-        surface=_surface(package),
+        surface=surface,
         sites=sites,
         provenance=known,
     )

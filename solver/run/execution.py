@@ -58,13 +58,18 @@ def read_run(file: Path, *, allow_doubtful: bool = False) -> RunSpec:
             "`plymotion check`"
         ) from error
 
+    # Segments of a body and other runs share files: each is read once.
+    read: dict[tuple[str, str | None], ModalPackage] = {}
+
     def packages(run: str, entries: list[tuple[str, str, str | None]]) -> dict[str, ModalPackage]:
-        found = {}
         for body, name, digest in entries:
-            whose = f"bodies.{body} of case {case}, run {run}"
-            path = file.parent.parent / name
-            found[body] = package_of(path, digest, whose, "run", allow_doubtful=allow_doubtful)
-        return found
+            if (name, digest) not in read:
+                whose = f"bodies.{body} of case {case}, run {run}"
+                path = file.parent.parent / name
+                read[name, digest] = package_of(
+                    path, digest, whose, "run", allow_doubtful=allow_doubtful
+                )
+        return {body: read[name, digest] for body, name, digest in entries}
 
     known = {
         name: RunSpec(case, name, other, packages(name, of_others[name]))

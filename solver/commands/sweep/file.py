@@ -239,14 +239,15 @@ def sweep_csv(result: SweepResult) -> str:
     names = zip(result.parameter_names, result.parameter_units, strict=True)
     head = ["member", *(f"{name} [{unit}]" if unit else name for name, unit in names)]
     head += ["status", "code", "t_end [s]"]
+    kept = {name: result.measures(name) for name in result.signal_units}  # looks at all rows
     for name, unit in result.signal_units.items():
         units = {"t_min": "s", "t_max": "s", DAMAGE: "-"}
-        head += [f"{name} {m} [{units.get(m, unit)}]" for m in result.measures(name)]
+        head += [f"{name} {m} [{units.get(m, unit)}]" for m in kept[name]]
     writer.writerow([*head, *CHECKS, *COST, "warnings", "message"])
     for k, row in enumerate(result.rows):
         line: list[Any] = [k, *result.values[k], row.status, row.code, _blank(row.t_end)]
-        for name in result.signal_units:
-            line += [_blank(row.signals.get(name, {}).get(m)) for m in result.measures(name)]
+        for name, measures in kept.items():
+            line += [_blank(row.signals.get(name, {}).get(m)) for m in measures]
         line += [_blank(row.checks.get(name)) for name in CHECKS]
         line += [_blank(row.cost.get(name)) for name in COST]
         writer.writerow([*line, " ".join(row.warnings), row.message])

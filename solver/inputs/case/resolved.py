@@ -1,7 +1,7 @@
 """The resolved mechanism of a run: plain data in a file, typed in the program."""
 
 from collections.abc import Mapping
-from copy import deepcopy
+from copy import copy
 from typing import Any
 
 from pydantic import ValidationError
@@ -31,13 +31,18 @@ def resolved(table: Mapping[str, Any], where: str) -> Mechanism:
 
 
 def put(table: dict[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a copy of plain data with other values at dotted keys; numbers are places of lists."""
-    found = deepcopy(table)
+    """Return plain data with other values at dotted keys; numbers are places of lists.
+
+    What does not change is shared with `table`.
+    """
+    found = copy(table)
     for key, value in changes.items():
         here: Any = found
         *way, last = key.split(".")
         for part in way:
-            here = here[int(part)] if isinstance(here, list) else here[part]
+            place: Any = int(part) if isinstance(here, list) else part
+            here[place] = copy(here[place])
+            here = here[place]
         here[int(last) if isinstance(here, list) else last] = value
     return found
 

@@ -3,7 +3,6 @@
 import ctypes
 import struct
 from collections.abc import Callable
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -12,20 +11,6 @@ from . import signatures
 from .structures import table_of
 
 _LETTERS = {"f8": "d", "i8": "q", "b1": "q", "c16": "dd"}
-
-
-@cache
-def usable() -> bool:
-    """Tell whether array objects begin as compiled code expects (ndarrayobject.h of NumPy)."""
-    array = np.zeros((2, 3))[:, ::2]
-    if tuple.__itemsize__ != 8 or not hasattr(ctypes, "PYFUNCTYPE"):
-        return False
-    head = (ctypes.c_int64 * 6).from_address(id(array))
-    if head[2] != array.ctypes.data or ctypes.c_int32.from_address(id(array) + 24).value != 2:
-        return False
-    lengths = (ctypes.c_int64 * 2).from_address(head[4])
-    strides = (ctypes.c_int64 * 2).from_address(head[5])
-    return tuple(lengths) == array.shape and tuple(strides) == array.strides
 
 
 def described(arguments: tuple[Any, ...]) -> tuple[Any, list[Any]]:

@@ -5,9 +5,12 @@ number, the words of a structure inside. Compiled code loads what it needs and i
 hundreds of words that the arrays of a model and its memory take. Python sees the tuple.
 """
 
+from functools import cache
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
+
+from .array_head import address_of
 
 Class = TypeVar("Class", bound=type)
 
@@ -55,6 +58,11 @@ def table_of(value: Any) -> Table:
     return found  # type: ignore[no-any-return]
 
 
+@cache
+def _text_of(dtype: np.dtype[Any], ndim: int) -> str:
+    return f"{dtype.str[1:]}[{ndim}]"
+
+
 def _describe(value: Any, words: list[int]) -> str:
     """Append the words of a structure; return its text."""
     cls = type(value)
@@ -64,9 +72,9 @@ def _describe(value: Any, words: list[int]) -> str:
             flags = field.flags
             if not (flags.c_contiguous and flags.aligned and field.dtype.isnative):
                 raise TypeError(f"{cls.__name__}.{name}: expected a contiguous array")
-            words.append(field.__array_interface__["data"][0])
+            words.append(address_of(field))
             words.extend(field.shape)
-            text = f"{field.dtype.str[1:]}[{field.ndim}]"
+            text = _text_of(field.dtype, field.ndim)
         elif hasattr(field, "is_structure"):
             text = _describe(field, words)
         else:

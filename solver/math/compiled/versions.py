@@ -38,7 +38,7 @@ def numba_version() -> str:
 @cache
 def check_versions() -> None:
     """Raise UnsupportedError for a Numba, or arrays of NumPy, that the machinery does not know."""
-    from .doors import usable
+    from .array_head import usable
 
     version = numba_version()
     numbers = tuple(int(n) for n in re.findall(r"\d+", version)[:2])
