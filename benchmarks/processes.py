@@ -1,5 +1,6 @@
 """Whole processes: processor time, wall time and peak memory, children included."""
 
+import json
 import os
 import subprocess
 import sys
@@ -7,6 +8,18 @@ import tempfile
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+
+# A new process counts the memory of the one that started it, until it has its own program, as its
+# peak. A small process in between starts the command, hands signals on and writes what it took.
+LAUNCHER = """
+import json, os, signal, sys
+child = os.posix_spawnp(sys.argv[2], sys.argv[2:], os.environ)
+for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+    signal.signal(number, lambda number, _: os.kill(child, number))
+_, status, used = os.wait4(child, 0)
+took = [status, used.ru_utime + used.ru_stime, used.ru_maxrss]
+os.write(int(sys.argv[1]), json.dumps(took).encode())
+"""
 
 
 @dataclass(frozen=True)
@@ -34,16 +47,21 @@ def cost_of(
     # as an installation: bytecode is kept
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
     with tempfile.TemporaryFile("w+") as words:
+        reading, writing = os.pipe()
+        launcher = [sys.executable, "-I", "-S", "-c", LAUNCHER, str(writing), *command]
         begin = time.perf_counter()
-        process = subprocess.Popen(command, env=environment, stdout=words, stderr=words, text=True)
+        process = subprocess.Popen(
+            launcher, env=environment, stdout=words, stderr=words, text=True, pass_fds=[writing]
+        )
+        os.close(writing)
         if watch is not None:
             watch(process)
-        _, status, used = os.wait4(process.pid, 0)
+        with open(reading, "rb") as stream:
+            status, cpu, peak = json.loads(stream.read())
         wall = time.perf_counter() - begin
-        process.returncode = os.waitstatus_to_exitcode(status)
+        process.wait()
         words.seek(0)
         told = words.read()
-        if process.returncode not in allowed:
+        if os.waitstatus_to_exitcode(status) not in allowed:
             raise RuntimeError(f"{' '.join(command)}: {told.strip()[-2000:]}")
-    # ru_maxrss is in kilobytes
-    return Cost(used.ru_utime + used.ru_stime, wall, used.ru_maxrss / 1024.0, told)
+    return Cost(cpu, wall, peak / 1024.0, told)  # ru_maxrss is in kilobytes

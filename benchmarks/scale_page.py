@@ -116,7 +116,7 @@ def _large(figures: Figures) -> list[str]:
         ["rows read and verified", f"{steps['verified']:.2f} s"],
         ["one saving of `sweep.h5`", f"{steps['saved']:.2f} s"],
         [
-            f"the loop that distributes portions, for {' and for '.join(lanes)} lanes",
+            f"the loop that distributes portions, for {' and for '.join(map(str, lanes))} lanes",
             " and ".join(f"{rate:,.0f}" for rate in lanes.values()) + " portions per second",
         ],
     ]
