@@ -1,13 +1,18 @@
 """Planned runs of small mechanisms, whose rich packages need no FEniCSx."""
 
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
 from beam_samples import reduced
 from stiffening_samples import rectangle
 
+from plymotion.solver.fidelity.model import with_values
 from plymotion.solver.inputs.case.rich import rich_bodies
 from plymotion.solver.inputs.case.schema import Mechanism
 from plymotion.solver.package import ModalPackage
+from plymotion.solver.package.body.selection import selected
+from plymotion.solver.run.execution import execute
 from plymotion.solver.run.outcome import RunSpec
 
 Table = dict[str, Any]
@@ -95,3 +100,18 @@ def planned_run(
                 body=name,
             ).package
     return RunSpec("sample", "planned", mechanism, packages[0]), packages[1]
+
+
+def true_signals(table: Table, side: str, rtol: float) -> dict[str, np.ndarray]:
+    """Signals with all vibrations and load shapes of the check in the plane, stiffened."""
+    spec, check = planned_run(table, side)
+    asked = [
+        {"kind": "bending-xy", "count": 6},
+        {"kind": "attachment", "at": "tip", "directions": ["x", "y", "rz"]},
+        {"kind": "static-inertia"},
+    ]
+    packages = {n: selected(package, asked) for n, package in check.items()}
+    solver = with_values(spec.mechanism.solver, rtol=rtol, geometric_stiffening=True)
+    mechanism = with_values(spec.mechanism, solver=solver)
+    result, _ = execute(replace(spec, mechanism=mechanism, packages=packages), progress=False)
+    return {signal.name: signal.values for signal in result.signals}

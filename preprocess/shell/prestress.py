@@ -14,9 +14,7 @@ from .guards import check_supported
 from .problem import ShellProblem
 
 LARGE = 0.1  # rad, rotation at the first load factor above which linear buckling is doubtful
-IN_PLANE = (
-    0.1  # motion out of the plane of a flat shell over the largest one, below which it is not
-)
+IN_PLANE = 0.1  # out of the plane over the largest motion: less is a motion in the plane
 FLAT = 1e-6  # height of a flat shell over its size
 
 

@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from ..math.arrays import Array, IntArray
+from ..math.arrays import Array
 from ..results import BodyGeometry, RunResult
+from ..results.writer import frames
 from .story import Story
 from .style import GREY, INK, WARNING, Canvas
 
@@ -23,7 +24,7 @@ def draw_motion(path: Path, story: Story) -> Path:
 
     result = story.result
     first, second = plane(result)
-    rows = _evenly(len(result.t), MOST)
+    rows = frames(len(result.t), MOST)
     points = result.node_positions_G[rows][:, :, [first, second]]
     canvas = Canvas(5.4, 5.2)
     (axes,) = canvas.panels(1)
@@ -32,7 +33,7 @@ def draw_motion(path: Path, story: Story) -> Path:
     scale = Normalize(0.0, max(float(result.t[-1]), 1e-12))
     tip = travelling_point(points)
     axes.plot(points[:, tip, 0], points[:, tip, 1], color="#D55E00", linewidth=0.9, zorder=2)
-    chosen = _evenly(len(rows), INSTANTS)
+    chosen = frames(len(rows), INSTANTS)
     for k in chosen:
         shade = fade(scale(result.t[rows[k]]))
         start = 0
@@ -65,14 +66,9 @@ def draw_motion(path: Path, story: Story) -> Path:
     return canvas.save(path)
 
 
-def _evenly(count: int, most: int) -> IntArray:
-    """Return at most so many of `count` rows, evenly, with first and last."""
-    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
-
-
 def plane(result: RunResult) -> tuple[int, int]:
     """Return the two global axes along which the points spread most, in order x, y, z."""
-    some = result.node_positions_G[_evenly(len(result.t), MOST)]
+    some = result.node_positions_G[frames(len(result.t), MOST)]
     spread = np.ptp(some.reshape(-1, 3), axis=0)
     drop = int(np.argmin(spread + np.array([2e-12, 1e-12, 0.0])))  # prefer x-y on a tie
     first, second = (axis for axis in range(3) if axis != drop)

@@ -1,21 +1,18 @@
 """Plans: rigid where that is enough, flexible where it is not, and checked by a richer run."""
 
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
-from fidelity_samples import pendulum, planned_run
+from fidelity_samples import pendulum, planned_run, true_signals
 
 from plymotion.solver.fidelity.horizon import horizon
 from plymotion.solver.fidelity.metrics import difference, scales
-from plymotion.solver.fidelity.model import Rich, with_values
+from plymotion.solver.fidelity.model import Rich
 from plymotion.solver.fidelity.procedure import Answer, checked, plan_of
 from plymotion.solver.fidelity.response import modal_loads
 from plymotion.solver.fidelity.words import answer_text, entry
 from plymotion.solver.mechanism import build
-from plymotion.solver.package.body.selection import selected
-from plymotion.solver.run.execution import execute
 
 SCENES = {
     "stiff": (pendulum(), "stiff"),
@@ -32,19 +29,8 @@ def answer_of(name: str) -> Answer:
 
 @cache
 def truth(name: str) -> dict[str, np.ndarray]:
-    """Signals with all vibrations and load shapes of the check in the plane, and rtol 1e-7."""
-    table, side = SCENES[name]
-    spec, check = planned_run(table, side)
-    asked = [
-        {"kind": "bending-xy", "count": 6},
-        {"kind": "attachment", "at": "tip", "directions": ["x", "y", "rz"]},
-        {"kind": "static-inertia"},
-    ]
-    packages = {n: selected(package, asked) for n, package in check.items()}
-    solver = with_values(spec.mechanism.solver, rtol=1e-7, geometric_stiffening=True)
-    mechanism = with_values(spec.mechanism, solver=solver)
-    result, _ = execute(replace(spec, mechanism=mechanism, packages=packages), progress=False)
-    return {signal.name: signal.values for signal in result.signals}
+    """Signals of a scene."""
+    return true_signals(*SCENES[name], 1e-7)
 
 
 def test_a_stiff_machine_is_rigid() -> None:
