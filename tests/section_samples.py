@@ -4,6 +4,8 @@ Without Poisson's ratio nothing strains across the beam, so that bending and she
 and torsion is a series (Timoshenko and Goodier, Theory of elasticity, art. 109).
 """
 
+import dataclasses
+
 import numpy as np
 
 from plymotion.solver.package.common.materials import bond, isotropic
@@ -197,3 +199,9 @@ def _unit_warping(nodes, half_2, half_3, K_diagonal):
         out[row, :, 0] = (0.3 * x - 0.5 * x**3 / half**2) / GA
     out[3, :, 0] = _series(x2, x3, half_2, half_3)[0] / K_diagonal[3]
     return out
+
+
+def with_recovery(**changes: object) -> SectionFile:
+    """The rectangle with other fields of its recovery data."""
+    section = rectangle()
+    return dataclasses.replace(section, recovery=dataclasses.replace(section.recovery, **changes))

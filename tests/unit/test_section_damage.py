@@ -14,7 +14,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from package_samples import cantilever, same
 from second_python import other_python
-from section_samples import rectangle
+from section_samples import rectangle, with_recovery
 
 from plymotion.solver.errors import PackageError
 from plymotion.solver.package import read_package, validate, write_package
@@ -34,11 +34,6 @@ def file(tmp_path: Path) -> Path:
 def with_mesh(**changes: object) -> SectionFile:
     section = rectangle()
     return dataclasses.replace(section, mesh=dataclasses.replace(section.mesh, **changes))
-
-
-def with_recovery(**changes: object) -> SectionFile:
-    section = rectangle()
-    return dataclasses.replace(section, recovery=dataclasses.replace(section.recovery, **changes))
 
 
 PLIES = rectangle().recovery.plies

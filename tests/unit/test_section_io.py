@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 import pyvista as pv
 from package_samples import same
-from section_samples import rectangle
+from section_samples import rectangle, with_recovery
 
 from plymotion.solver.package import validate
 from plymotion.solver.package.section.io import read_section, write_section
-from plymotion.solver.package.section.schema import RESULTANTS, SectionFile
+from plymotion.solver.package.section.schema import RESULTANTS
 from plymotion.solver.package.section.stress import cell_means, resultants, unit_stress
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -30,11 +30,6 @@ def file(tmp_path: Path) -> Path:
     path = tmp_path / "bar.vtkhdf"
     write_section(path, rectangle())
     return path
-
-
-def with_recovery(**changes: object) -> SectionFile:
-    section = rectangle()
-    return dataclasses.replace(section, recovery=dataclasses.replace(section.recovery, **changes))
 
 
 @pytest.mark.parametrize("cell", ["quad9", "triangle6"])
