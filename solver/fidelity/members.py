@@ -54,7 +54,7 @@ def member_spec(spec: RunSpec, plan: Plan) -> RunSpec:
     names = flexible_names(spec)
     base = base_motion(spec, names)
     packages = {name: spec.packages[name] for name in names}
-    rich = loaded(spec, base, packages, fixed_packages(spec, base, names))
+    rich = loaded(spec, base, packages, fixed_packages(spec, base, names)).rich
     return planned(spec, plan, rich, rich)
 
 

@@ -20,6 +20,7 @@ from .plan import BodyPlan, Plan, outline
 from .shares import Share, promoted, split
 from .trial import Trial, attempted, distance
 
+RUNS = ("model", "check", "split")  # what planning spends time on, after the plan
 ROUNDS = 4
 MARGIN = 0.9  # of the accuracy: estimate up to which a request counts as met
 SECOND_CHECK = 1.0 / 3.0  # of the accuracy: estimate from which a second check runs
@@ -85,10 +86,10 @@ def plan_of(spec: RunSpec, check: Mapping[str, ModalPackage]) -> Answer:
     """
     fidelity = spec.mechanism.fidelity
     assert fidelity is not None
-    begin = time.process_time()
     signals = fidelity.signals or list(spec.mechanism.signals)
     names = flexible_names(spec)
     found = study(spec, check, names, signals)
+    begin = time.process_time()
     kinds = {name: spec.mechanism.signals[name].kind for name in signals}
     least = {name: BodyPlan() for name in names}
     if found.base.reason:  # rigid bodies contradict each other
@@ -97,7 +98,7 @@ def plan_of(spec: RunSpec, check: Mapping[str, ModalPackage]) -> Answer:
             labels = tuple(spec.packages[name].mode_labels[i] for i in rows.tolist())
             least[name] = BodyPlan(labels, 6)
     plan, losses = chosen(found.indicators, found.model, fidelity.accuracy, kinds, least)
-    cpu = {"plan": time.process_time() - begin, "model": 0.0, "check": 0.0, "split": 0.0}
+    cpu = {**found.cpu, "plan": time.process_time() - begin, **dict.fromkeys(RUNS, 0.0)}
     return Answer(spec, signals, found, plan, losses, cpu)
 
 
@@ -108,7 +109,7 @@ def checked(answer: Answer, *, promote: bool = True) -> Answer:
     """
     fidelity = answer.spec.mechanism.fidelity
     assert fidelity is not None
-    begin, budget = time.process_time(), fidelity.budget - answer.cpu["plan"]
+    begin, budget = time.process_time(), fidelity.budget - sum(answer.cpu.values())
 
     def left() -> float:
         return budget - (time.process_time() - begin)

@@ -65,7 +65,7 @@ class SpinMonitor:
             i for i in range(self.model.n_body) if self.model.n_mode[i] > 0 and not stiffened[i]
         ]
         self._safe_spin = {i: self._spin_without_doubt(i) for i in self._flexible}
-        self._lost = {i: self._lost_by_axes(i) for i in self._flexible}
+        self._lost: dict[int, Array] = {}  # of bodies that spin fast
 
     def _spin_without_doubt(self, body: int) -> float:
         """Spin below which the margin is positive about any axis: no eigenvalues needed there."""
@@ -165,6 +165,10 @@ class SpinMonitor:
                 request = StopRequest(t, found.text, found.code)
         return request
 
+    def safe_spin(self, body: int) -> float:
+        """Spin of a body that is not critical about any axis [rad/s]; inf: none is."""
+        return self._safe_spin[body]
+
     def safe_spins(self) -> Array:
         """Spins below which a body needs no look, (nb,) [rad/s]; inf: none at any spin."""
         safe = np.full(self.model.n_body, np.inf)
@@ -181,6 +185,8 @@ class SpinMonitor:
             return None
         K, _ = self._matrices(body, np.zeros(3))
         w = w[doubtful]
+        if body not in self._lost:
+            self._lost[body] = self._lost_by_axes(body)
         lost = np.tensordot(w[:, :, None] * w[:, None, :], self._lost[body], 2)
         invalid = doubtful[np.linalg.eigvalsh(K - lost)[:, 0] <= 0.0]
         return int(invalid[0]) if invalid.size else None
