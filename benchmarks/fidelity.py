@@ -40,6 +40,7 @@ FOLDER = Path("build/benchmarks/fidelity")
 TRUTH_RTOL, TRUTH_ELEMENTS = 1e-9, 96
 # Brute force: vibrations of each kind, static shapes, stiffening, tolerance.
 GRID = ((0, 1, 3), (0, 4), (False, True), (1e-4,))
+FORMAT = 2  # of what is kept of a scene
 BUDGET = 10.0  # CPU s of a request
 # A sudden start excites all frequencies: a force at 1e-3 has no finite set of modes.
 START = "quasi-static"
@@ -74,13 +75,14 @@ def known(name: str) -> Table | None:
     if not file.is_file():
         return None
     kept: Table = json.loads(file.read_text(encoding="utf-8"))
-    return kept["measured"] if kept["case"] == toml(with_runs(SCENES[name])) else None
+    same = kept.get("format") == FORMAT and kept["case"] == toml(with_runs(SCENES[name]))
+    return kept["measured"] if same else None
 
 
 def keep(name: str, found: Table) -> None:
     """Keep the result of a scene."""
     file = FOLDER / name / "measured.json"
-    content = {"case": toml(with_runs(SCENES[name])), "measured": found}
+    content = {"format": FORMAT, "case": toml(with_runs(SCENES[name])), "measured": found}
     file.with_suffix(".part").write_text(json.dumps(content, indent=1), encoding="utf-8")
     file.with_suffix(".part").rename(file)
 

@@ -11,10 +11,8 @@ from ..package import ModalPackage
 from ..package.body.transform import changed_basis
 from ..run.outcome import RunSpec
 from .base import Base
-from .model import with_values
+from .model import FAINT, with_values
 from .response import SAMPLES, elastic_columns
-
-FAINT = 1e-8  # root of the strain energy of a mode that does not respond, of the largest
 
 
 def responding(

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from fidelity_samples import pendulum, planned_run, true_signals
 
+from plymotion.solver.fidelity.answer import Answer
 from plymotion.solver.fidelity.metrics import difference, scales
 from plymotion.solver.fidelity.plan import BodyPlan, Plan
-from plymotion.solver.fidelity.procedure import Answer, checked, plan_of
+from plymotion.solver.fidelity.procedure import checked, plan_of
 
 ACCURACY = 2e-4
 SCENE = pendulum(signals=["tip_y", "bending"], accuracy=ACCURACY)
