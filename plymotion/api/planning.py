@@ -47,7 +47,7 @@ class Plan:
     >>> plan = pm.plan(case, out="build/planned")
     >>> plan.met, plan.estimate["tip_x"] < 1e-3
     (True, True)
-    >>> plan.run({"gravity.2": -1.62})["tip_x"].final.round(1)
+    >>> round(plan.run({"gravity.2": -1.62})["tip_x"].final, 1)
     0.4
     >>> plan.check({"gravity.2": -1.62})["met"]
     True
@@ -83,6 +83,13 @@ class Plan:
         ------
         InputError
             A wrong key or value; a body that cannot be built.
+
+        >>> import plymotion as pm
+        >>> case = pm.load("pendulum.toml")
+        >>> case.fidelity = {"accuracy": 1e-3, "signals": ["tip_x"]}
+        >>> plan = pm.plan(case, out="build/planned")
+        >>> plan.run({"bodies.rod.mass": 3.0})["tip_z"].min < -0.9
+        True
         """
         changes = dict(changes or {})
         if _drawn(changes, self._checked):
