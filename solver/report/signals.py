@@ -5,6 +5,7 @@ from typing import Any
 
 from .elements import Cell, Row, figures, name_of, section, table
 from .story import Story
+from .table import number
 
 WORDS = {"min": "minimum", "max": "maximum"}
 HEAD = ["signal", "run", "unit", "final", "minimum", "at [s]", "maximum", "at [s]", "rms"]
@@ -46,9 +47,10 @@ def _jump(story: Story, name: str, found: dict[str, Any], end: str) -> str | Cel
     time = found.get(f"t_{end}")
     if time is None:
         return figures(None)
+    shown = number(time, 4)
     return Cell(
         f"<button type='button' class='time' data-run='{escape(story.name)}' "
-        f"data-time='{float(time)!r}' aria-label='show the {WORDS[end]} of {escape(name)}, "
-        f"{escape(story.title)}'>{float(time):.4g}</button>",
+        f"data-time='{float(time)!r}' aria-label='{shown} s: show the {WORDS[end]} of {escape(name)}, "
+        f"{escape(story.title)}'>{shown}</button>",
         float(time),
     )
