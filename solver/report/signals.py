@@ -48,9 +48,9 @@ def _jump(story: Story, name: str, found: dict[str, Any], end: str) -> str | Cel
     if time is None:
         return figures(None)
     shown = number(time, 4)
+    words = f"{shown} s: show the {WORDS[end]} of {escape(name)}, {escape(story.title)}"
     return Cell(
         f"<button type='button' class='time' data-run='{escape(story.name)}' "
-        f"data-time='{float(time)!r}' aria-label='{shown} s: show the {WORDS[end]} of {escape(name)}, "
-        f"{escape(story.title)}'>{shown}</button>",
+        f"data-time='{float(time)!r}' aria-label='{words}'>{shown}</button>",
         float(time),
     )
