@@ -8,8 +8,8 @@ the other: they fill the cores while the others wait.
 
 What fails is named at once: a test, or a target of a make inside. The output of each is printed in
 one piece when it ends; of those that fail, at the end. The last lines are a table of the wall and
-CPU times and the slowest tests of each target, read from what `pytest --durations` printed. The exit code is
-1 if a target fails, 130 after Ctrl-C.
+CPU times and the slowest tests of each target, read from what `pytest --durations` printed. The
+exit code is 1 if a target fails, 130 after Ctrl-C.
 """
 
 import os
