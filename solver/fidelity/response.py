@@ -140,26 +140,8 @@ def _solved(A: Array, b: Array, *, regular: bool) -> Array:
             return np.asarray(np.linalg.solve(A, b))
         except np.linalg.LinAlgError:
             pass
-<<<<<<< HEAD
     pairs = zip(A, b, strict=True)
     return np.array([np.linalg.lstsq(one, two, rcond=1e-10)[0] for one, two in pairs])
-=======
-    return np.asarray(np.linalg.lstsq(A, b, rcond=1e-10)[0])
-
-
-def _positive(M: Array) -> Array:
-    """Mass without the round-off that makes held directions negative."""
-    values, V = np.linalg.eigh(0.5 * (M + M.T))
-    return np.asarray((V * np.maximum(values, 1e-12 * values.max(initial=0.0))) @ V.T)
-
-
-def _inverse(A: Array) -> Array:
-    return np.asarray(np.linalg.inv(A))
-
-
-def _definite(M: Array, b: Array) -> Array:
-    return np.asarray(np.linalg.solve(_positive(M), b))
->>>>>>> main
 
 
 def response(base: Base, model: Model, p: Array, *, deformed: bool = False) -> Response:
