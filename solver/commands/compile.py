@@ -135,6 +135,7 @@ def _compile_others() -> None:
     moved(model, y[:7], y[7:13])
     single_motion(model, 1, y)
     series.marker_motions(model, 1, y[None])
+    series.marker_places(model, y)
     rotation_matrix(y[3:7])
     rotation_vectors(rotation_matrices(y[None, 3:7]))
     vectors_to_matrices(y[None, 7:10])
@@ -155,7 +156,7 @@ def _compile_evaluation() -> None:
     t, states = np.zeros(1), y[None]
     energies(model, assemble(model, 0.0, y), y)
     series.balance(model, t, states)
-    series.generalised_momenta(model, t, states)
+    series.momenta(model, states)
     series.marker_loads(model, t, states, np.zeros((1, model.n_constraint)))
     series.force_sizes(model, 0, t, states, np.zeros((1, model.n_constraint)))
     series.mass_matrices(model, 0, t, states)
