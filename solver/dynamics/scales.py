@@ -9,8 +9,8 @@ from .energy import stored_energies
 from .evaluation import evaluate
 from .joints.table import position_rows
 from .model import Model
-from .series import along_solution, marker_places
-from .workspace import PHI_T, spare_work
+from .series import along_solution, driven_speeds, marker_places
+from .workspace import spare_work
 
 SAMPLES = 65  # times at which drives are looked at
 # Pivots below which elimination leaves no digit. Above it orders of magnitude are right, and the
@@ -93,9 +93,6 @@ def _of_frames(model: Model, v: Array, length: float) -> float:
 def _of_drives(model: Model, y0: Array, t_end: float, length: float) -> float:
     if not (model.joint_law >= 0).any():
         return 0.0
-    work, largest = spare_work(model), 0.0
     arm = np.where(position_rows(model.joint_kind), 1.0, length)
-    for t in np.linspace(0.0, t_end, SAMPLES):
-        evaluate(model, work, float(t), y0)
-        largest = max(largest, float((np.abs(work.rows[:, PHI_T]) * arm).max()))
-    return largest
+    speeds = driven_speeds(model, np.linspace(0.0, t_end, SAMPLES), y0)
+    return float(np.fmax.reduce(np.abs(speeds) * arm, axis=None, initial=0.0))

@@ -24,7 +24,7 @@ from .evaluation import evaluate, evaluate_rates
 from .forces.table import FIRST_LOAD
 from .laws import law_at
 from .model import Model, state_size
-from .workspace import PHI, Work, spare_work
+from .workspace import PHI, PHI_T, Work, spare_work
 
 
 class Balance(NamedTuple):
@@ -92,6 +92,13 @@ def momenta(model: Model, y: Array) -> tuple[Array, Array]:
     own, found = np.zeros((len(y), model.n_vel)), np.zeros((len(y), model.n_body, 6))
     _momenta(model, spare_work(model), y, own, found)
     return own, found
+
+
+def driven_speeds(model: Model, t: Array, y: Array) -> Array:
+    """Return how fast laws of time move the constraints of one state y (n,), (k, n_c)."""
+    found = np.zeros((t.size, model.n_constraint))
+    _driven_speeds(model, spare_work(model), t, np.ascontiguousarray(y), found)
+    return found
 
 
 def mass_matrices(model: Model, i: int, t: Array, y: Array) -> Array:
@@ -232,6 +239,14 @@ def _momenta(model: Model, work: Work, y: Array, own: Array, found: Array) -> No
             spin = turned(work.A[i], triple(own[k, j + 3 : j + 6]))
             for c in range(3):
                 found[k, i, c], found[k, i, 3 + c] = linear[c], orbit[c] + spin[c]
+
+
+@lean
+def _driven_speeds(model: Model, work: Work, t: Array, y: Array, found: Array) -> None:
+    for k in range(t.shape[0]):
+        evaluate(model, work, t[k], y)
+        for i in range(model.n_constraint):
+            found[k, i] = work.rows[i, PHI_T]
 
 
 @lean
