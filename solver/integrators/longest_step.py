@@ -1,0 +1,29 @@
+"""The longest step that loads of short duration leave to an integrator."""
+
+import numpy as np
+
+from ..dynamics.model import Model
+from ..math.expressions.operations import TIME
+
+# A step that begins and ends at rest tells nothing of a pulse between its stages: the error
+# estimate is zero, and so is the reason to make the step shorter.
+PIECES = 3  # of a smooth step, which remains and is therefore seen
+MOST_STEPS = 2000  # that the pieces of a table may cost
+EXPRESSION = 200  # steps at least where an expression reads the time: its pulses are not known
+
+
+def longest_step(model: Model, t_end: float) -> float:
+    """Return the largest step [s] with which no pulse of a table is stepped over; or infinity.
+
+    It is the shortest piece of the tables of drives, loads and actuators, and `t_end / EXPRESSION`
+    where an expression reads the time.
+    """
+    timed = np.any(model.quantities.programs.code == TIME)
+    longest = t_end / EXPRESSION if timed else np.inf
+    for law in range(len(model.law_start) - 1):
+        times = model.law_time[model.law_start[law] : model.law_start[law + 1]]
+        if len(times) > PIECES:
+            within = times[times <= t_end]
+            shortest = float(np.diff(within).min(initial=np.inf))
+            longest = min(longest, max(shortest, t_end / MOST_STEPS))
+    return longest
