@@ -73,18 +73,19 @@ class SectionProblem:
         k: Array | None = None,
         doubtful: bool = False,
         measured: bool = True,
+        known: SectionStiffness | CentralSolutions | None = None,
     ) -> SectionStiffness | CentralSolutions:
         """The 6x6 stiffness for given stiffness at the points, (c, 1 or q, 6, 6) [Pa].
 
         `k` (3,) is the initial twist and curvature of the beam, None for a prismatic one.
         With `doubtful`, equations that appear to be singular are solved too. Without `measured`,
-        round-off is not measured.
+        round-off is not measured; for a `known` result of this problem it is measured only.
 
         If the condition of the equations requires it, they are solved with unknowns that suit thin
         walls, and their round-off is measured: the difference from the solution with coordinates
         that are changed in their last digit.
         """
-        result = self._solve(C, k, doubtful)
+        result = known or self._solve(C, k, doubtful)
         if self._growth <= WELL or not measured:
             return result
         noise = 1.0 + NOISE * np.random.default_rng(0).choice(

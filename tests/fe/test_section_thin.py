@@ -173,7 +173,7 @@ def test_shear_soft_is_not_incompressible() -> None:
     assert bulk_over_shear(material_from_dict(honeycomb, "m")) < 3.0
 
 
-@pytest.mark.provokes("nearly-incompressible", "degree-1-locks")
+@pytest.mark.provokes("nearly-incompressible", "degree-1-locks", "coarse-mesh")
 def test_a_material_that_locks_is_allowed_on_request(tmp_path: Any) -> None:
     file = tmp_path / "square.npz"
     x = np.linspace(-0.5, 0.5, 5)
@@ -202,7 +202,7 @@ def test_a_material_that_locks_is_allowed_on_request(tmp_path: Any) -> None:
     with pytest.raises(SectionError, match=r'incompressible .*lock; allow = \["nearly-inc'):
         analyse(spec)
     codes = [w["code"] for w in analyse({**spec, "allow": ["nearly-incompressible"]}).warnings]
-    assert codes == ["degree-1-locks", "nearly-incompressible"]
+    assert codes == ["degree-1-locks", "nearly-incompressible", "coarse-mesh"]
 
 
 CARBON = {
