@@ -62,9 +62,19 @@ class SectionProblem:
 
     @cached_property
     def _thin(self) -> SectionSpace | None:
-        """The space with differences across thin walls as unknowns."""
+        """The space with differences across thin walls and at their corners as unknowns."""
         unknowns = differences_across(self.space)
         return None if unknowns is None else self.space.expressed(unknowns)
+
+    @cached_property
+    def _thin_twisted(self) -> SectionSpace | None:
+        """The same without corners."""
+        unknowns = differences_across(self.space, corners=False)
+        return None if unknowns is None else self.space.expressed(unknowns)
+
+    def _thin_for(self, k: Array | None) -> SectionSpace | None:
+        """The space for thin walls of a prismatic or a twisted beam, made when it is needed."""
+        return self._thin if k is None else self._thin_twisted
 
     def solve(
         self,
@@ -110,14 +120,15 @@ class SectionProblem:
             try:
                 result = self._by(self.space, C, k, doubtful)
             except (fenicsx.FactorisationError, SectionError):
-                if self._thin is None:
+                if self._thin_for(k) is None:
                     raise
             else:
-                if self._growth <= WELL or self._thin is None:
+                if self._growth <= WELL or self._thin_for(k) is None:
                     return result
-        assert self._thin is not None
+        thin = self._thin_for(k)
+        assert thin is not None
         try:
-            better = self._by(self._thin, C, k, doubtful)
+            better = self._by(thin, C, k, doubtful)
         except fenicsx.FactorisationError:
             if result is None:
                 raise
