@@ -48,6 +48,7 @@ def write_plan(file: Path, plan: Plan, remarks: list[str]) -> None:
     lines = [*(f"# {remark}" for remark in remarks), "format = 1"]
     lines += [f'inputs_sha256 = "{plan.inputs_sha256}"', f"rtol = {plan.rtol:.6g}"]
     lines += [f"geometric_stiffening = {str(plan.stiffening).lower()}"]
+    lines += [] if plan.bodies else ["", "[bodies]"]
     for name, body in plan.bodies.items():
         names = ", ".join(f'"{label}"' for label in body.vibrations)
         lines += [

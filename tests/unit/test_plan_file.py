@@ -52,6 +52,11 @@ def test_a_plan_is_read_as_it_was_written(file):
     assert kept_plan(file, KNOWN, "digest") == PLAN
 
 
+def test_a_plan_of_rigid_bodies_has_no_bodies(file):
+    write_plan(file, Plan({}, False, 1e-4), [])
+    assert read_plan(file, {}) == Plan({}, False, 1e-4)
+
+
 def test_a_plan_of_other_inputs_is_not_looked_at(file):
     """Its bodies may be gone: a case that was changed needs a new plan, not a correct old one."""
     assert kept_plan(file, KNOWN, "digest") is None
