@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from ..errors import few
 from ..results.codes.course import REFUSED
 from ..results.finding import Finding
 from .finished import FinishedRun
@@ -28,6 +29,12 @@ def refusal_findings(run: FinishedRun) -> Iterator[Finding]:
         helps += (
             "; or, if this motion is a vibration of no interest, cutoff_frequency or damping of "
             "the body"
+        )
+    sticking = [n for n, f in run.mechanism.forces.items() if f.kind == "friction"]
+    if sticking and found.newton > found.rough:
+        helps = (
+            f"a larger rest_velocity of {few([f'forces.{name}' for name in sticking])}, at least "
+            f'rtol times the velocities of the motion; or kind = "bristle_friction"; or {helps}'
         )
     text = (
         f"{found.share:.0%} of {found.attempts} attempts at a step were refused{why}{cause}. "
