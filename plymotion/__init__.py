@@ -26,8 +26,10 @@ _PUBLIC = {
     "Section": "api.section",
     "Signal": "api.signal",
     "Sweep": "api.sweeping",
+    "Plan": "api.planning",
     "load": "api.case",
     "norm": "api.signal",
+    "plan": "api.planning",
     "run": "api.running",
     "sweep": "api.sweeping",
 }

@@ -1,5 +1,7 @@
 from .api.case import Case as Case
 from .api.case import load as load
+from .api.planning import Plan as Plan
+from .api.planning import plan as plan
 from .api.result import Result as Result
 from .api.running import run as run
 from .api.section import Section as Section

@@ -88,7 +88,12 @@ def _build_beam(spec: dict[str, Any]) -> ModalPackage:
         SectionData(name, result.line.K, result.line.mass)
         if result.recovery is None
         else SectionData(
-            name, result.line.K, result.line.mass, toml_text(table), thinned(result.recovery)
+            name,
+            result.line.K,
+            result.line.mass,
+            toml_text(table),
+            thinned(result.recovery),
+            result.end_compliance,
         )
         for name, result, table in zip(names, results, described, strict=True)
     ]

@@ -16,7 +16,13 @@ from pathlib import Path
 
 from plymotion import __version__
 
-from .commands.arguments import COMMAND, CommandParser, add_figures, add_no_scripts
+from .commands.arguments import (
+    COMMAND,
+    CommandParser,
+    add_case_options,
+    add_figures,
+    add_no_scripts,
+)
 from .commands.blade.options import add_blade_command
 from .commands.chart.options import add_chart_command
 from .commands.exchange.options import add_exchange_commands
@@ -29,10 +35,21 @@ from .commands.section.options import add_section_command
 from .commands.shell.options import add_shell_command
 from .commands.streams import complete, full_output, no_reader
 from .commands.sweep.options import add_merge_command, add_sweep_command
-from .errors import InputError, PackageError
+from .errors import InputError, PackageError, counted
 from .inputs.case.file import CASE_FILE
 from .inputs.scripts import scripts
 from .interrupts import INTERRUPTED, exit_code, heard, of_a_signal, starting
+
+EPILOG = """\
+examples:
+  plymotion new robot-arm                 a commented case, robot-arm/case.toml
+  plymotion robot-arm/case.toml           check, bodies, runs: build/robot-arm/report.html
+  plymotion run --help                    its options: --run, --out, --jobs, --coarse, ...
+
+exit code: 0 done; 2 something is wrong with the input; 3 a run or a member of a sweep ended early
+or is invalid, see the help of the command; 70 a defect of the program; 130, 143, 129 ended by
+Ctrl-C, TERM or HUP.
+"""
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -108,12 +125,16 @@ def parser() -> CommandParser:
     parser = CommandParser(
         prog="plymotion",
         usage="plymotion CASE.toml | plymotion COMMAND ...",
-        description="Flexible multibody dynamics with laminated members. "
+        description="Flexible multibody dynamics with laminated members.\n"
         "`plymotion CASE.toml` goes from a case file to its report; commands do parts of it.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"plymotion {__version__}")
     commands = parser.add_subparsers(required=True, metavar=COMMAND, prog="plymotion")
 
+    # In the order in which a user meets them: a case, its parts, packages, many runs, the rest.
+    add_new_command(commands, _new)
     check = commands.add_parser(
         "check", help="check a case file; with --out, write the input of the other commands"
     )
@@ -121,21 +142,11 @@ def parser() -> CommandParser:
     check.add_argument(
         "--out", type=Path, metavar="DIR", help="write case.json, bodies/, runs/, sweeps/ there"
     )
-    check.add_argument("--packages", type=Path, metavar="DIR", help="folder of ready packages")
-    check.add_argument("--coarse", action="store_true", help="apply the [coarse] variant")
+    add_case_options(check)
     add_no_scripts(check)
     check.add_argument("--reference", action="store_true", help="print docs/case-reference.md")
     check.set_defaults(command=_check)
-
-    add_new_command(commands, _new)
     add_run_command(commands, _run)
-    add_plan_command(commands, _plan)
-    add_chart_command(commands, _chart)
-
-    ahead = commands.add_parser("compile", help="compile the step loops before the first run")
-    ahead.add_argument("--all", action="store_true", help="also that of generalized-alpha")
-    ahead.set_defaults(command=_compile)
-
     report = commands.add_parser("report", help="write report.html and the table of a case")
     report.add_argument("folder", type=Path, metavar="DIR", help="folder of a case, build/CASE")
     add_figures(report)
@@ -148,15 +159,13 @@ def parser() -> CommandParser:
         help="also write RUN/motion.vtkhdf, for ParaView: surfaces with results in their cells",
     )
     report.set_defaults(command=_report)
-
-    info = commands.add_parser("info", help="show the content of a modal package")
-    info.add_argument("package", type=Path, metavar="PACKAGE", help="PACKAGE.vtkhdf")
-    info.set_defaults(command=_info)
-
-    validate = commands.add_parser("validate", help="check modal packages against docs/format.md")
-    validate.add_argument("package", type=Path, nargs="+", metavar="PACKAGE", help="PACKAGE.vtkhdf")
-    validate.set_defaults(command=_validate)
-
+    add_modes_command(commands, _modes)
+    add_plan_command(commands, _plan)
+    add_chart_command(commands, _chart)
+    add_section_command(commands, _section)
+    add_shell_command(commands, _shell)
+    add_blade_command(commands, _blade)
+    add_exchange_commands(commands, _import, _export)
     experimental = commands.add_parser(
         "experimental", help="make a modal package from measured modes (docs/modes.md)"
     )
@@ -167,21 +176,23 @@ def parser() -> CommandParser:
         "--out", type=Path, required=True, metavar="PACKAGE", help="PACKAGE.vtkhdf"
     )
     experimental.set_defaults(command=_experimental)
-
+    info = commands.add_parser("info", help="show the content of a modal package")
+    info.add_argument("package", type=Path, metavar="PACKAGE", help="PACKAGE.vtkhdf")
+    info.set_defaults(command=_info)
+    validate = commands.add_parser("validate", help="check modal packages against docs/format.md")
+    validate.add_argument("package", type=Path, nargs="+", metavar="PACKAGE", help="PACKAGE.vtkhdf")
+    validate.set_defaults(command=_validate)
+    add_packages_command(commands, _packages)
+    add_sweep_command(commands, _sweep)
+    add_merge_command(commands, _merge)
+    ahead = commands.add_parser("compile", help="compile the step loops before the first run")
+    ahead.add_argument("--all", action="store_true", help="also that of generalized-alpha")
+    ahead.set_defaults(command=_compile)
     completion = commands.add_parser(
         "completion", help="print the completion of commands and options for a shell"
     )
     completion.add_argument("shell", choices=["bash", "zsh"], help="see docs/runs.md")
     completion.set_defaults(command=_completion)
-
-    add_modes_command(commands, _modes)
-    add_exchange_commands(commands, _import, _export)
-    add_section_command(commands, _section)
-    add_blade_command(commands, _blade)
-    add_shell_command(commands, _shell)
-    add_packages_command(commands, _packages)
-    add_sweep_command(commands, _sweep)
-    add_merge_command(commands, _merge)
     parser.describe_commands()
     return parser
 
@@ -198,7 +209,7 @@ def _check(options: argparse.Namespace) -> int:
         raise InputError("check: no case file given; expected CASE.toml")
     case = load_case(options.case, coarse=options.coarse)
     if options.out is None:
-        print(f"{options.case}: {len(case.runs)} runs, no errors")
+        print(f"{options.case}: {counted(len(case.runs), 'run')}, no errors")
     else:
         write_case(case, options.out, options.packages)
     return 0

@@ -27,6 +27,11 @@ def few(words: Iterable[str], separator: str = ", ") -> str:
     return separator.join(every[:MOST_NAMED]) + more
 
 
+def counted(number: int, one: str, several: str = "") -> str:
+    """Return a number with its noun, "1 body"; `several` of it are `one` with an s by default."""
+    return f"{number} {one if number == 1 else several or one + 's'}"
+
+
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """Return "; did you mean 'x'?" for the known word closest to `word`, or nothing."""
     close = get_close_matches(word, sorted(known), n=1, cutoff=0.5)

@@ -91,6 +91,7 @@ def cantilever(n: int = 17, m: int = 4, length: float = 1.5) -> ModalPackage:
                 np.eye(6),
                 "plies = 3",
                 rectangle_recovery(0.06, 0.03, plies, materials),
+                np.diag([2e-10, 1e-9, 1e-9, 1e-6, 8e-7, 3e-7]),
             ),
         ),
         recovery=BodyRecovery(x, np.zeros(n, dtype=np.int64), resultants @ X, np.eye(3)),

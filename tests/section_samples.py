@@ -82,6 +82,7 @@ def rectangle(
         K=K,
         M=np.diag([DENSITY * area] * 3 + [inertia.sum(), *inertia]),
         initial_curvature=np.array([0.2, 0.0, 0.1]),
+        end_compliance=np.diag([2e-10, 1e-9, 1e-9, 1e-6, 8e-7, 3e-7]),
         error_estimate=1e-4 * np.sqrt(np.outer(K_diagonal, K_diagonal)) if estimate else None,
         shear_centre=np.zeros(2),
         tension_centre=np.zeros(2),

@@ -8,7 +8,7 @@ from scipy.sparse.linalg import spsolve
 
 from plymotion.preprocess.shell.choice import Choice
 from plymotion.preprocess.shell.quadrilaterals import Quadrilaterals, quadrilaterals
-from plymotion.preprocess.shell.side_factors import side_factors
+from plymotion.preprocess.shell.side_widths import width_ratios
 from plymotion.preprocess.shell.stiffness import element_stiffness
 from plymotion.preprocess.shell.triangles import Triangles, triangles
 from plymotion.solver.package.shell import elements
@@ -158,10 +158,10 @@ def quad_patch_error(
     whole, parts = cells[: len(cells) - cut], cells[len(cells) - cut :]
     halves = parts[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
     mixed = np.concatenate([whole, np.pad(halves, ((0, 0), (0, 1)), constant_values=-1)])
-    factors = side_factors(points, mixed)[: len(whole)]
+    ratios = width_ratios(points, mixed)[: len(whole)]
     if backwards:
-        whole, factors = whole[:, ::-1], factors[:, [2, 1, 0, 3]]
-    q = quadrilaterals(points, whole, A_GE[:, 0], backwards, factors)
+        whole, ratios = whole[:, ::-1], ratios[:, [2, 1, 0, 3]]
+    q = quadrilaterals(points, whole, A_GE[:, 0], backwards, ratios)
     K = assembled(element_stiffness(q, laminate, choice), whole, len(xy))
     if cut:
         t = triangles(points, halves, A_GE[:, 0])

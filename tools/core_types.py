@@ -64,18 +64,34 @@ def variables(core_type: str, numbers: Path | None) -> dict[str, str]:
     return changed
 
 
-def kernels(tests: Tests, core_type: str) -> frozenset[str]:
-    """Names of the kernels that the interpreter's copies of OpenBLAS really use; none if it has
-    no such copy, or if one of them does not know the type."""
+@dataclass(frozen=True)
+class Kernels:
+    """What the copies of OpenBLAS of an interpreter really use with a core type.
+
+    Attributes
+    ----------
+    names : of the kernels; none if there is no such copy, or if one does not know the type
+    rounding : digests of results (blas_digest.py); types with equal ones round alike. The names,
+        if they could not be computed
+    """
+
+    names: frozenset[str]
+    rounding: frozenset[str]
+
+
+def kernels(tests: Tests, core_type: str) -> Kernels:
+    """The kernels that tests use with a core type; the processor's own with an empty name."""
     done = subprocess.run(
-        [tests.python, "-c", f"import {tests.loads}"],
+        [tests.python, str(Path(__file__).with_name("blas_digest.py")), tests.loads],
         env={**os.environ, **(variables(core_type, None) if core_type else {}), **VERBOSE},
         capture_output=True,
         text=True,
     )
-    if done.returncode or "Core not found" in done.stderr:
-        return frozenset()
-    return frozenset(re.findall(r"^Core: (\w+)$", done.stderr, re.MULTILINE))
+    names = frozenset(re.findall(r"^Core: (\w+)$", done.stderr, re.MULTILINE))
+    if "Core not found" in done.stderr:
+        names = frozenset()
+    known = done.returncode == 0 and done.stdout
+    return Kernels(names, frozenset(done.stdout.split("\n")) - {""} if known else names)
 
 
 @dataclass(frozen=True)
@@ -85,23 +101,27 @@ class Choice:
     Attributes
     ----------
     own : names of the kernels that all tests use, the processor's unless the user says otherwise
-    types : core types whose kernels are others, each once
+    types : core types that round otherwise, each once
+    alike : core types that round like `own` or like one of `types`
     """
 
     own: frozenset[str]
     types: tuple[str, ...]
+    alike: tuple[str, ...] = ()
 
 
 def choice(tests: Tests) -> Choice:
     """The core types of this processor that differ for these tests."""
     own = kernels(tests, os.environ.get("OPENBLAS_CORETYPE", ""))
-    seen, types = [own, frozenset()], []
+    seen = {own.rounding}
+    types: list[str] = []
+    alike: list[str] = []
     for core_type in available(processor_flags()):
-        names = kernels(tests, core_type)
-        if names not in seen:
-            seen.append(names)
-            types.append(core_type)
-    return Choice(own, tuple(types))
+        found = kernels(tests, core_type)
+        if found.names:
+            (alike if found.rounding in seen else types).append(core_type)
+            seen.add(found.rounding)
+    return Choice(own.names, tuple(types), tuple(alike))
 
 
 def job(tests: Tests, core_type: str, after: Job | None = None) -> Job:
@@ -116,6 +136,8 @@ def summary(title: str, choice: Choice, results: list[Done]) -> str:
     if not choice.own:
         return f"{title}: NO CORE TYPES, it has no OpenBLAS that can choose its kernels"
     own = "+".join(sorted(choice.own))
+    if choice.alike:
+        own += f"; {', '.join(choice.alike)} give the same bits as one of these"
     if not choice.types:
         return f"{title}: NO CORE TYPES but {own}, no others are known of this processor"
     pairs = zip(choice.types, results, strict=True)

@@ -1,5 +1,8 @@
 """Run the FE tests on every available DOLFINx, two programs at a time, then compare the numbers.
 
+    fe_tests.py [ARGUMENT of pytest ...]
+    fe_tests.py --install         install what is missing, run nothing
+
 The distribution's packages and the wheel are the oldest and the newest supported
 version. Each one is installed if possible; otherwise the reason is printed. The tests record the
 numbers they computed in build/fe-numbers/, one file per version; equal inputs must give equal
@@ -117,6 +120,11 @@ def has_pytest(python: str) -> bool:
 
 def main(arguments: list[str]) -> int:
     """Run pytest with each version; exit code 1 if one fails, numbers differ, or none could run."""
+    if arguments == ["--install"]:
+        for _, report in ends():
+            if isinstance(report, dict):
+                has_pytest(report["python"])
+        return 0
     # Only numbers of this run are compared: an old file could hide a difference.
     for folder in (NUMBERS, KERNEL_NUMBERS):
         shutil.rmtree(folder, ignore_errors=True)

@@ -3,12 +3,13 @@
     phases.py MAKE TARGET[:CORES] ...
 
 A target runs as soon as its cores are free, the first ones first. CORES is 1 unless the argument
-says otherwise; a target with 0 runs beside others, one with more than there are runs alone.
+says otherwise; one with more than there are runs alone. Targets with 0 run beside others, one after
+the other: they fill the cores while the others wait.
 
 What fails is named at once: a test, or a target of a make inside. The output of each is printed in
-one piece when it ends; of those that fail, at the end. The last lines are a table of the wall times
-and the slowest tests of each target, read from what `pytest --durations` printed. The exit code is
-1 if a target fails, 130 after Ctrl-C.
+one piece when it ends; of those that fail, at the end. The last lines are a table of the wall and
+CPU times and the slowest tests of each target, read from what `pytest --durations` printed. The
+exit code is 1 if a target fails, 130 after Ctrl-C.
 """
 
 import os
@@ -43,13 +44,14 @@ def slowest(output: str) -> list[tuple[float, str]]:
 
 
 def table(results: list[Done], seconds: float) -> str:
-    """Wall time and slowest tests of each target, and the wall time of all."""
+    """Wall time, CPU time and slowest tests of each target, and the times of all."""
     lines = ["==== where the time went (wall s; targets run side by side)"]
     for done in results:
         result = "passed" if done.code == 0 else "FAILED"
-        lines.append(f"{done.job.title:<12} {result} in {done.seconds:.0f} s")
+        lines.append(f"{done.job.title:<12} {result} in {done.seconds:.0f} s, CPU {done.cpu:.0f} s")
         lines += [f"  {each:7.1f}  {test}" for each, test in slowest(done.output)]
-    lines.append(f"{'all':<12} in {seconds:.0f} s")
+    cpu = sum(done.cpu for done in results)
+    lines.append(f"{'all':<12} in {seconds:.0f} s, CPU {cpu:.0f} s")
     return "\n".join(lines)
 
 

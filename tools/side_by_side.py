@@ -20,7 +20,8 @@ class Job:
     ----------
     title : its name in messages
     command : program and arguments
-    cores : how many cores it uses; 0 if it runs beside others, more than there are if alone
+    cores : how many cores it uses, more than there are if it runs alone. Those with 0 run beside
+        others, one after the other
     environment : variables that differ from those of this process
     after : another job of the same call, which must have ended before
     """
@@ -34,12 +35,16 @@ class Job:
 
 @dataclass(frozen=True)
 class Done:
-    """What came of a job: exit code (127: it did not start), wall time [s] and all it wrote."""
+    """What came of a job: exit code (127: it did not start), wall time [s] and all it wrote.
+
+    `cpu` is the time [s] of its processes on the cores; 0 for those that were interrupted.
+    """
 
     job: Job
     code: int
     seconds: float
     output: str
+    cpu: float = 0.0
 
 
 @dataclass
@@ -49,6 +54,16 @@ class _Running:
     file: IO[bytes]
     start: float
     told: int = 0  # bytes of the file that lines() has returned
+    cpu: float = 0.0
+
+    def ended(self) -> bool:
+        """True if the process has ended."""
+        if self.process.returncode is None:
+            found, status, usage = os.wait4(self.process.pid, os.WNOHANG)
+            if found:
+                self.process.returncode = os.waitstatus_to_exitcode(status)
+                self.cpu = usage.ru_utime + usage.ru_stime
+        return self.process.returncode is not None
 
     def lines(self) -> list[str]:
         """The lines that were completed since the last call."""
@@ -64,7 +79,7 @@ class _Running:
         text = self.file.read().decode("utf-8", "replace")
         self.file.close()
         code = self.process.returncode
-        return Done(self.job, code, time.monotonic() - self.start, text)
+        return Done(self.job, code, time.monotonic() - self.start, text, self.cpu)
 
 
 def run_all(
@@ -102,7 +117,7 @@ def run_all(
                         ended(each)
                     else:
                         running.append(each)
-            finished = [one for one in running if one.process.poll() is not None]
+            finished = [one for one in running if one.ended()]
             if wrote is not None:
                 for one in running:
                     for line in one.lines():
@@ -128,6 +143,8 @@ def _fits(job: Job, running: list[Job], cores: int) -> bool:
     """True if there is room beside the jobs that run."""
     if job.cores > cores or any(one.cores > cores for one in running):
         return not running
+    if job.cores == 0:
+        return all(one.cores for one in running)
     return job.cores <= cores - sum(one.cores for one in running)
 
 

@@ -6,7 +6,7 @@ from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
-from ..solver.errors import InputError
+from ..solver.errors import InputError, counted
 from ..solver.inputs.case.file import case_file, case_name
 from ..solver.inputs.case.load import Case as CheckedCase
 from ..solver.inputs.case.load import checked_case
@@ -163,7 +163,7 @@ greater than 0
 
     def __repr__(self) -> str:
         counts = {group: len(self.table.get(group, {})) for group in COUNTED}
-        words = [f"{n} {_singular(group) if n == 1 else group}" for group, n in counts.items() if n]
+        words = [counted(n, _singular(group), group) for group, n in counts.items() if n]
         return f"<Case {self.name}: {', '.join(words)}>"
 
     def _repr_html_(self) -> str:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ..solver.errors import counted
 from ..solver.math.arrays import Array
 from ..solver.results import RunResult, read_result, read_summary
 from .frames import pandas
@@ -185,7 +186,7 @@ class Result:
 
     def __repr__(self) -> str:
         words = [f"{self.status} at t = {self.summary['t_end']:.4g} s"]
-        words.append(f"{len(self.summary['signals'])} signals")
+        words.append(counted(len(self.summary["signals"]), "signal"))
         if self.warnings:
             words.append(f"warnings: {', '.join(w['code'] for w in self.warnings)}")
         return f"<Result {self.case}/{self.run}: {', '.join(words)}>"

@@ -22,7 +22,7 @@ from ..solver.commands.sweep.file import SweepResult, read_sweep, result_of, swe
 from ..solver.commands.sweep.member import FINISHED
 from ..solver.commands.sweep.plan import read_plan
 from ..solver.commands.sweep.work import Work, settled
-from ..solver.errors import InputError, few, nearest
+from ..solver.errors import InputError, counted, few, nearest
 from ..solver.inputs.case.specs import write_case
 from ..solver.interrupts import INTERRUPTED
 from ..solver.math.arrays import Array
@@ -193,8 +193,8 @@ class Sweep:
     def __repr__(self) -> str:
         data, done = self.data, self.status.count(FINISHED)
         return (
-            f"<Sweep {data.case}/{data.name}: {len(data.rows)} members, {done} finished, "
-            f"over {', '.join(data.parameter_names)}>"
+            f"<Sweep {data.case}/{data.name}: {counted(len(data.rows), 'member')}, "
+            f"{done} finished, over {', '.join(data.parameter_names)}>"
         )
 
     def _repr_html_(self) -> str:

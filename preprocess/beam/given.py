@@ -21,6 +21,7 @@ class StationSection(NamedTuple):
     recovery: SectionRecovery | None  # None: given by its matrices
     dofs: int
     warnings: tuple[dict[str, str], ...]
+    end_compliance: Array | None = None  # (6, 6) of a uniform beam, see SectionFile
 
 
 def is_given(table: dict[str, Any]) -> bool:
@@ -38,7 +39,8 @@ def analysed_section(result: SectionFile, theory: str) -> StationSection:
     """Return a section from its analysis."""
     trapeze = trapeze_strains(section_stiffness(result.K, theory), result.recovery)
     line = LineSection(result.K, result.M, trapeze)
-    return StationSection(line, result.recovery, result.provenance["dofs"], tuple(result.warnings))
+    dofs, warnings = result.provenance["dofs"], tuple(result.warnings)
+    return StationSection(line, result.recovery, dofs, warnings, result.end_compliance)
 
 
 def _numbers(table: dict[str, Any], key: str, shape: tuple[int, ...]) -> Array:

@@ -162,6 +162,7 @@ def analyse(
         if result.space.over is not None:
             points = points.expressed(result.space.over)
         lay_points = layup(spec, problem.mesh, points, where)
+    of_ends = problem.end_compliance(result, lay.stiffness)
     seconds = time.perf_counter() - start
     return SectionFile(
         name=str(spec.get("name", "section")),
@@ -172,6 +173,7 @@ def analyse(
         tension_centre=tension_centre(result.K),
         mass_centre=mass_centre(M),
         initial_curvature=curvature_of(spec),
+        end_compliance=of_ends,
         mesh=mesh_data(problem.mesh, problem.space, lay),
         warping=nodal_displacements(result.space, unit_warping(result.space, result)),
         recovery=section_recovery(

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...solver.math.arrays import Array
 from .. import fenicsx
+from .end_effects import end_compliance
 from .errors import SectionError
 from .helical import CentralSolutions, central_solutions
 from .mesh import SectionMesh, section_mesh
@@ -99,6 +100,14 @@ class SectionProblem:
             round_off=np.abs(again.K - result.K),
             doubtful=self._growth > LARGEST_GROWTH,
         )
+
+    def end_compliance(self, result: SectionStiffness | CentralSolutions, C: Array) -> Array | None:
+        """See `end_effects`; None of twisted and curved beams. `C` is that of `result`."""
+        if isinstance(result, CentralSolutions):
+            return None
+        operators, solver = self._prismatic(result.space)
+        solver.factorise(operators.E(C))  # another material may have been solved since
+        return end_compliance(result, solver, C)
 
     def _solve(
         self, C: Array, k: Array | None, doubtful: bool

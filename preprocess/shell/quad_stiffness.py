@@ -10,7 +10,7 @@ from ...solver.math.arrays import Array
 from .choice import Choice
 from .membranes import MEMBRANES
 from .quadrilaterals import Quadrilaterals
-from .quads import QUADS, hybrid
+from .quads import QUADS, hybrid, internal
 from .rotation import own_displacements, to_G, together
 
 WARPED = 1e-9  # height over the size of a cell, above which it counts
@@ -20,7 +20,8 @@ def quad_stiffness(
     q: Quadrilaterals, A: Array, B: Array, D: Array, Ds: Array, choice: Choice
 ) -> Array:
     """Stiffness of quadrilaterals in G, (c, 24, 24) [N/m, N, N m]; A, B, D, Ds in E, (c|1, ..)."""
-    plate = QUADS[choice.quadrilateral].strains(q, D, Ds)
+    element = QUADS[choice.quadrilateral]
+    plate = element.strains(q, D, Ds)
     A_inverse: Array = np.asarray(np.linalg.inv(A), dtype=float)
     H = hybrid.flexibility(q, A_inverse)
     G = hybrid.stretching(q, MEMBRANES[choice.membrane].bow)
@@ -31,6 +32,8 @@ def quad_stiffness(
     K = np.swapaxes(G, 1, 2) @ np.linalg.solve(H, G)
     K_m = K[:, :12, :12] + hybrid.steadying(q, A)
     K_b = _weighted(q, D, plate.curvature) + _weighted(q, Ds, plate.shear)
+    if element.internal:
+        K_b -= internal.relief(q, D, Ds, plate.shear)
     K_mb = None
     if coupled:
         K_b += K[:, 12:, 12:]

@@ -47,7 +47,7 @@ class Quadrilaterals:
     weight : (c, 4) area of each point of `GAUSS` [m2]
     grad : (c, 4 points, 4, 2) gradients of N at these points, in E [1/m]
     inverse : (c, 4 points, 2, 2) derivatives of (xi, eta) by (x, y): [i, a] of xi_a by x_i
-    side_factor : (c, 4) factor of the ratio of shear to bending of each side (sides.py)
+    width_ratio : (c, 4) length over width, squared, of each side (side_widths.py)
     """
 
     xy_E: Array
@@ -59,7 +59,7 @@ class Quadrilaterals:
     weight: Array
     grad: Array
     inverse: Array
-    side_factor: Array
+    width_ratio: Array
 
     def __len__(self) -> int:
         return len(self.area)
@@ -79,7 +79,7 @@ def quadrilaterals(
     cells: IntArray,
     direction_G: Array,
     flip: Array | bool = False,
-    side_factor: Array | float = 1.0,
+    width_ratio: Array | float = 0.0,
 ) -> Quadrilaterals:
     """Geometry of quadrilaterals given by their corners; arguments as of `triangles`.
 
@@ -120,7 +120,7 @@ def quadrilaterals(
         weight=size,
         grad=grad,
         inverse=inverse,
-        side_factor=np.broadcast_to(np.asarray(side_factor, dtype=float), length.shape),
+        width_ratio=np.broadcast_to(np.asarray(width_ratio, dtype=float), length.shape),
     )
 
 

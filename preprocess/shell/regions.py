@@ -20,7 +20,7 @@ from .axes import cell_directions
 from .errors import ShellError
 from .mesh import ShellMesh
 from .quadrilaterals import Quadrilaterals, quadrilaterals
-from .side_factors import side_factors
+from .side_widths import width_ratios
 from .triangles import NORMAL, Triangles, triangles
 
 ALL = "all"
@@ -72,7 +72,7 @@ def read_regions(spec: Mapping[str, Any], mesh: ShellMesh, where: str) -> list[R
                 + did_you_mean(name, (*mesh.regions, ALL))
             )
     found = []
-    counts, factors = corner_counts(mesh.cells), side_factors(mesh.points_G, mesh.cells)
+    counts, ratios = corner_counts(mesh.cells), width_ratios(mesh.points_G, mesh.cells)
     for row, name in enumerate(mesh.regions):
         key = name if name in given else ALL
         if key not in given:
@@ -97,7 +97,7 @@ def read_regions(spec: Mapping[str, Any], mesh: ShellMesh, where: str) -> list[R
                 if count == 3:
                     geometry = triangles(mesh.points_G, nodes, direction, flip)
                 else:
-                    geometry = quadrilaterals(mesh.points_G, nodes, direction, flip, factors[cells])
+                    geometry = quadrilaterals(mesh.points_G, nodes, direction, flip, ratios[cells])
             except ShellError as error:
                 axes = [name for name in AXES if given[key].get(name) is not None]
                 at = f"{place}.{axes[0]}" if axes and NORMAL in str(error) else place

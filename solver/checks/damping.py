@@ -10,7 +10,9 @@ from ..math.arrays import Array
 from .finished import FinishedRun
 
 MOST = 400  # velocity coordinates: the eigenproblem of more would be felt
-OWN = 0.5  # share of the strain energy of a vibration that makes it that of a body
+# Share of the strain energy of a vibration that makes it one of a body: two like members of an arm
+# have half each, so that a larger share would pass over their bending.
+OWN = 0.25
 RIGID = 1e-10  # eigenvalue of motions without strain, over the largest
 
 
@@ -18,7 +20,7 @@ def loaded_damping(run: FinishedRun) -> list[dict[str, Any]]:
     """Return, of each damped body, its damping ratio in the mechanism and by itself.
 
     Entries: `body`; `frequency_hz` and `damping_ratio` of the lowest vibration of the mechanism
-    that is that of the body (more than half of the strain energy); `own_frequency_hz` and
+    that is one of the body (more than a quarter of the strain energy); `own_frequency_hz` and
     `own_damping_ratio` of the mode that has most of it, of the body by itself. Vibrations are those
     of the mechanism at the start: elastic bodies with their joints and masses, drives held, without
     springs, weight and spin. Empty above 400 velocity coordinates.

@@ -4,12 +4,17 @@ import argparse
 import contextlib
 import math
 import os
+import shlex
+import shutil
+import sys
 from collections.abc import Sequence
+from pathlib import Path
 from typing import NoReturn
 
 from ..errors import did_you_mean
 
 COMMAND = "COMMAND"  # what --help and messages call a command
+EXIT_CODE = "exit code: 0 done; 2 something is wrong with the input."
 
 
 class CommandParser(argparse.ArgumentParser):
@@ -49,12 +54,16 @@ class CommandParser(argparse.ArgumentParser):
         super().error(message)
 
     def describe_commands(self) -> None:
-        """Let `COMMAND --help` of each command begin with its line in the list of commands."""
+        """Let `COMMAND --help` begin with its line in the list of commands, and end with the exit
+        codes.
+        """
         for action in self._actions:
             if isinstance(action, argparse._SubParsersAction):
                 for line in action._choices_actions:
                     command, text = action.choices[line.dest], line.help or ""
                     command.description = command.description or f"{text[:1].upper()}{text[1:]}."
+                    if "exit code" not in (command.epilog or ""):
+                        command.epilog = f"{command.epilog or ''}\n{EXIT_CODE}".lstrip()
 
     def commands(self) -> dict[str, "CommandParser"]:
         """Return the parsers of the commands by name."""
@@ -62,6 +71,31 @@ class CommandParser(argparse.ArgumentParser):
             if isinstance(action, argparse._SubParsersAction):
                 return dict(action.choices)
         return {}
+
+
+def add_case_options(parser: argparse._ActionsContainer) -> None:
+    """Add --coarse and --packages to the arguments of a command that reads a case."""
+    parser.add_argument("--coarse", action="store_true", help="apply the [coarse] variant")
+    add_packages(parser)
+
+
+def add_packages(parser: argparse._ActionsContainer) -> None:
+    """Add --packages to the arguments of a command that reads a case."""
+    parser.add_argument(
+        "--packages",
+        type=Path,
+        metavar="DIR",
+        help="folder of ready packages: none is built, FEniCSx is not needed",
+    )
+
+
+def program() -> str:
+    """Return what the user types for `plymotion`: a path, unless the shell finds it by its name."""
+    started = sys.argv[0]
+    if os.path.basename(started) != "plymotion" or not os.path.isfile(started):
+        return "plymotion"
+    found = shutil.which("plymotion")
+    return "plymotion" if found and os.path.samefile(found, started) else shlex.quote(started)
 
 
 def add_figures(parser: argparse._ActionsContainer) -> None:

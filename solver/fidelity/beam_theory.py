@@ -1,12 +1,15 @@
-"""What beam theory leaves out of a body: indicators of the error of signals, by closed forms.
+"""What beam theory leaves out of a body: indicators of the error of signals.
 
-A beam has rigid cross-sections (apart from the warping of its section analysis). A shell of the
-same part has more: walls that vibrate on their own, warping that is restrained at the ends,
+A beam has rigid cross-sections (apart from the warping of its section analysis). A shell or solid
+of the same part has more: ends whose sections cannot warp, walls that vibrate on their own,
 cross-sections that become oval, waves that are not long against the width. Each indicator is an
-estimate of the order of the error; a shell is proposed only where one is above the accuracy.
+estimate of the order of the error; a shell or solid is proposed only where one is above the
+accuracy: a shell of a section with thin walls, else a solid.
 
+    ends         share of the strain energy that held ends take (section_ends.py), of any section
     walls        f_j^2 / f_wall^2 with the first frequency of the widest wall on its own
-    warping      d / L for torsion, with the decay length d of restrained warping
+    warping      d / L for torsion, with the decay length d of restrained warping; only if the
+                 package of a section has no data for `ends`
     ovalisation  change of the height of the bent section, relative
     waves        (b / l_j)^4, l_j = L / j the half wave of vibration j
 
@@ -24,6 +27,7 @@ from ..package.body.selection import vibrations
 from .indicators import Indicators
 from .model import Rich
 from .plan import BodyPlan, kind_of
+from .section_ends import share_of_ends
 from .section_walls import Walls, local_frequency, ovalisation, warping_decay
 
 if TYPE_CHECKING:
@@ -39,17 +43,17 @@ class BeamTheory:
 
     Attributes
     ----------
-    values : by name: "walls", "warping", "ovalisation", "waves"
+    values : by name: "ends", and of the shapes of the library "walls", "ovalisation", "waves";
+        "warping" without "ends"
+    walls : None of a section that is not of the library
     local_hz : first frequency of the widest wall on its own [Hz]
-    decay : decay length of restrained warping [m]
     """
 
     name: str
-    walls: Walls
+    walls: Walls | None
     length: float
     values: dict[str, float]
-    local_hz: float
-    decay: float
+    local_hz: float = 0.0
 
     def enough(self, accuracy: float) -> bool:
         """Tell whether all indicators are below the accuracy."""
@@ -57,17 +61,25 @@ class BeamTheory:
 
     def words(self, accuracy: float) -> str:
         """Return the indicators in words, and what follows from them."""
-        b, t = 1e3 * self.walls.width, 1e3 * self.walls.thickness
+        size, other = "", "a solid or shell body"
+        if self.walls is not None:
+            b, t = 1e3 * self.walls.width, 1e3 * self.walls.thickness
+            size = (
+                f"width {b:.3g} mm, thickness {t:.3g} mm, first frequency of a wall about "
+                f"{self.local_hz:.3g} Hz, "
+            )
+            other = "a shell body" if self.walls.thin else "a solid body (imported)"
         numbers = ", ".join(f"{name} {value:.1e}" for name, value in self.values.items())
         text = (
-            f"beam theory of {self.name} (width {b:.3g} mm, thickness {t:.3g} mm, length "
-            f"{1e3 * self.length:.4g} mm; first frequency of a wall about {self.local_hz:.3g} Hz, "
-            f"warping decays within {1e3 * self.decay:.3g} mm): indicated errors {numbers}"
+            f"beam theory of {self.name} ({size}length {1e3 * self.length:.4g} mm): "
+            f"estimated errors {numbers}"
         )
+        if self.walls is None:
+            text += "; walls, oval sections and short waves of a described section not checked"
         if self.enough(accuracy):
             return f"{text}; a beam is enough for {accuracy:g}"
         worst = [name for name, value in self.values.items() if value > accuracy]
-        return f"{text}; {' and '.join(worst)} above {accuracy:g}: a shell body is proposed"
+        return f"{text}; {' and '.join(worst)} above {accuracy:g}: {other} is proposed"
 
 
 def beam_theory(
@@ -77,37 +89,41 @@ def beam_theory(
     rich: Rich,
     indicators: Indicators,
 ) -> BeamTheory | None:
-    """Return the indicators of a body; None if it is no uniform beam of a known shape."""
+    """Return the indicators of a body; None if it is no uniform beam with an analysed section."""
     body = mechanism.bodies[name]
     package = rich.package
     if body.kind != "beam" or body.length is None or len(package.sections) != 1:
         return None
     found = walls_of(mechanism.sections[body.section]) if body.section is not None else None
-    if found is None:
+    ends = share_of_ends(package, rich.eta)
+    if found is None and ends is None:
         return None
-    section = package.sections[0]
     worth = {
         mode.label: float(value)
         for mode, value in zip(indicators.modes, indicators.worth({}), strict=True)
         if mode.body == name
     }
+    whole = max(worth.values(), default=0.0)
+    length, values = float(body.length), {} if ends is None else {"ends": whole * ends}
+    if found is None:
+        return BeamTheory(name, None, length, values)
+    section = package.sections[0]
     frequencies = dict(zip(package.mode_labels, package.frequencies.tolist(), strict=True))
     ratio = _across(mechanism, body)
     local = local_frequency(found, section.K, section.M, ratio)
-    decay, length = warping_decay(found, section.K), float(body.length)
     known = [package.mode_labels[i] for i in vibrations(package).tolist()]
     kept = [label for label in known if label in plan.vibrations]
-    whole = max(worth.values(), default=0.0)
-    torsion = max((v for label, v in worth.items() if kind_of(label) == "torsion"), default=0.0)
-    values = {
+    if ends is None:
+        torsion = max((v for label, v in worth.items() if kind_of(label) == "torsion"), default=0.0)
+        values["warping"] = torsion * min(1.0, warping_decay(found, section.K) / length)
+    values |= {
         "walls": sum(worth.get(n, 0.0) * min(1.0, (frequencies[n] / local) ** 2) for n in kept),
-        "warping": torsion * min(1.0, decay / length),
         "ovalisation": whole * ovalisation(found, _curvature(rich)),
         "waves": sum(
             worth.get(n, 0.0) * min(1.0, (found.width * _number(n) / length) ** 4) for n in kept
         ),
     }
-    return BeamTheory(name, found, length, values, local / (2.0 * np.pi), decay)
+    return BeamTheory(name, found, length, values, local / (2.0 * np.pi))
 
 
 def walls_of(section: Any) -> Walls | None:

@@ -8,12 +8,12 @@ from typing import Any
 from ..package import ModalPackage
 from ..results import RunResult
 from ..run.execution import package_of, read_run
-from ..run.inputs_digest import inputs_sha256
+from ..run.inputs_digest import inputs_sha256, plan_file, plan_sha256
 from ..run.outcome import RunSpec
 from ..run.timing import Stopwatch
 from .ladder import tried_models
 from .model import vibration_labels
-from .plan import read_plan, write_plan
+from .plan_file import kept_plan, write_plan
 from .procedure import Answer, checked, flexible_names, plan_of
 from .words import entry, remarks
 
@@ -49,11 +49,6 @@ def read_planned(
     return spec, check
 
 
-def plan_file(file: Path) -> Path:
-    """Return where the plan of a run file is."""
-    return file.parent.parent / "plans" / f"{file.stem}.toml"
-
-
 def answered(
     file: Path,
     *,
@@ -75,7 +70,6 @@ def answered(
     allow_doubtful : as in `read_package`
     """
     spec, packages = read_planned(file, spec, allow_doubtful=allow_doubtful)
-    answer = plan_of(spec, packages)
     where = plan_file(file)
     digest = inputs_sha256(file) if digest is None else digest
     known = {
@@ -85,10 +79,8 @@ def answered(
         }
         for name in flexible_names(spec)
     }
-    given = None
-    if where.is_file() and not again:
-        given = read_plan(where, known)
-        given = given if given.inputs_sha256 == digest else None
+    given = None if again else kept_plan(where, known, digest)
+    answer = plan_of(spec, packages)
     if given is not None:
         answer.plan = given
         return checked(answer, promote=False) if check else answer
@@ -117,5 +109,9 @@ def delivered(
     clock.lap("recover")
     summary["cost"]["seconds"] = clock.seconds
     tried = tried_models(answer)
-    summary["fidelity"] = {**entry(answer), "ladder": tried.entry() if tried else None}
+    summary["fidelity"] = {
+        **entry(answer),
+        "plan_sha256": plan_sha256(plan_file(file)),
+        "ladder": tried.entry() if tried else None,
+    }
     return result, summary

@@ -166,7 +166,7 @@ def _solved(A: Array, b: Array, *, regular: bool) -> Array:
 def _positive(M: Array) -> Array:
     """Mass without the round-off that makes held directions negative."""
     values, V = np.linalg.eigh(0.5 * (M + M.T))
-    return np.asarray((V * np.maximum(values, 1e-12 * values[-1])) @ V.T)
+    return np.asarray((V * np.maximum(values, 1e-12 * values.max(initial=0.0))) @ V.T)
 
 
 def _inverse(A: Array) -> Array:

@@ -18,6 +18,11 @@ class Walls:
     thickness: float
     hinged: bool = True  # at its edges, as walls that meet in corners are; a solid section is free
 
+    @property
+    def thin(self) -> bool:
+        """True if a shell is a model of the part: walls, or a strip, below a fifth of the width."""
+        return self.thickness < 0.2 * self.width
+
 
 def local_frequency(walls: Walls, K: Array, M: Array, across: float = 1.0) -> float:
     """Return the first frequency [rad/s] of a long wall: (k / b)^2 sqrt(D / (rho t)).

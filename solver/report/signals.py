@@ -3,16 +3,19 @@
 from html import escape
 from typing import Any
 
-from .elements import Row, figures, name_of, section, table
+from .elements import Cell, Row, figures, name_of, section, table
 from .story import Story
+from .table import number
 
-HEAD = ["signal", "run", "unit", "final", "minimum", "at [s]", "maximum", "at [s]", "rms", "peak"]
+WORDS = {"min": "minimum", "max": "maximum"}
+HEAD = ["signal", "run", "unit", "final", "minimum", "at [s]", "maximum", "at [s]", "rms"]
 
 
 def signals_section(stories: list[Story]) -> str:
     """Return a row for each signal and run, or nothing without signals.
 
-    The button of a row goes to the time of the largest magnitude.
+    The times of both extremes are buttons that go there: which of them is the worst depends on
+    the signal, of a strength ratio the minimum.
     """
     descriptions = {s.name: s.description for story in stories for s in story.result.signals}
     rows: list[Row] = []
@@ -28,11 +31,10 @@ def signals_section(stories: list[Story]) -> str:
                     escape(found.get("unit", "-")),
                     figures(found.get("final"), 5),
                     figures(found.get("min"), 4),
-                    figures(found.get("t_min"), 4),
+                    _jump(story, name, found, "min"),
                     figures(found.get("max"), 4),
-                    figures(found.get("t_max"), 4),
+                    _jump(story, name, found, "max"),
                     figures(found.get("rms"), 4),
-                    _jump(story, name, found),
                 ]
             )
     if not rows:
@@ -40,13 +42,15 @@ def signals_section(stories: list[Story]) -> str:
     return section("signals", "Signals", table("Final values and extremes of signals", HEAD, rows))
 
 
-def _jump(story: Story, name: str, found: dict[str, Any]) -> str:
-    """Return a button that shows the run at the time of the largest magnitude."""
-    if found.get("min") is None or found.get("max") is None:
-        return ""
-    time = found["t_max"] if abs(found["max"]) >= abs(found["min"]) else found["t_min"]
-    return (
-        f"<button type='button' class='small' data-run='{escape(story.name)}' "
-        f"data-time='{float(time)!r}' aria-label='show the peak of {escape(name)}, "
-        f"{escape(story.title)}'>show</button>"
+def _jump(story: Story, name: str, found: dict[str, Any], end: str) -> str | Cell:
+    """Return a button with the time of an extreme, which shows the run then."""
+    time = found.get(f"t_{end}")
+    if time is None:
+        return figures(None)
+    shown = number(time, 4)
+    words = f"{shown} s: show the {WORDS[end]} of {escape(name)}, {escape(story.title)}"
+    return Cell(
+        f"<button type='button' class='time' data-run='{escape(story.name)}' "
+        f"data-time='{float(time)!r}' aria-label='{words}'>{shown}</button>",
+        float(time),
     )

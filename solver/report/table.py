@@ -5,35 +5,59 @@ from typing import Any
 
 from ..results.verdict import verdict
 
+WIDTH = 100  # columns of the screen that tables of signals take
+VALUES = {"final": 5, "min": 4, "max": 4}  # of a signal, and their digits
+Signal = tuple[str, list[list[str]]]  # title, and values of each run
+
 
 def summary_table(summaries: list[dict[str, Any]]) -> str:
-    """Return two aligned tables: outcome of the runs, and values of their signals."""
+    """Return aligned tables: outcome of the runs, and values of their signals."""
     if not summaries:
         return "no runs"
     head = ["run", "completed", "t_end", "violation", "energy drift", "steps", "solve", "warnings"]
-    units = ["", "", "[s]", "[m]", "[-]", "", "[s]", ""]
-    runs = [head, units, *([s["run"], *_outcome(s)] for s in summaries)]
-    names = {n: t.get("unit", "") for s in summaries for n, t in s.get("signals", {}).items()}
-    top, below = ["run"], [""]
-    for name, unit in names.items():
-        top += [f"{name} [{unit}]", ""]
-        below += ["final", "max |.|"]
-    signals = [top, below]
-    for summary in summaries:
-        row = [summary["run"]]
-        for name in names:
-            row += list(signal_numbers(summary.get("signals", {}).get(name, {})))
-        signals.append(row)
-    tables = [aligned(runs, left=(0, 7))]
-    if names:
-        tables.append(aligned(signals, left=(0,)))
+    of_head = ["", "", "[s]", "[m]", "[-]", "", "[s]", ""]
+    outcomes = [head, of_head, *([s["run"], *_outcome(s)] for s in summaries)]
+    units = {n: t.get("unit", "") for s in summaries for n, t in s.get("signals", {}).items()}
+    signals = [
+        (f"{name} [{unit}]", [_values(s.get("signals", {}).get(name, {})) for s in summaries])
+        for name, unit in units.items()
+    ]
+    names = [summary["run"] for summary in summaries]
+    tables = [aligned(outcomes, left=(0, 7)), *_side_by_side(names, signals)]
     return "\n\n".join(tables)
 
 
-def signal_numbers(signal: dict[str, Any]) -> tuple[str, str]:
-    """Return final value and largest magnitude as text."""
-    ends = [abs(signal[key]) for key in ("min", "max") if signal.get(key) is not None]
-    return number(signal.get("final"), 5), number(max(ends) if ends else None, 4)
+def _values(signal: dict[str, Any]) -> list[str]:
+    """Return final, smallest and largest value as text."""
+    return [number(signal.get(key), digits) for key, digits in VALUES.items()]
+
+
+def _side_by_side(names: Sequence[str], signals: Sequence[Signal]) -> list[str]:
+    """Return tables of signals: as many beside each other as there is room for."""
+    tables: list[str] = []
+    shown = 0
+    while shown < len(signals):
+        end = shown + 1
+        found = _signal_table(names, signals[shown:end])
+        while end < len(signals):
+            wider = _signal_table(names, signals[shown : end + 1])
+            if len(wider.splitlines()[2]) > WIDTH:
+                break
+            found, end = wider, end + 1
+        tables.append(found)
+        shown = end
+    return tables
+
+
+def _signal_table(names: Sequence[str], signals: Sequence[Signal]) -> str:
+    top, below = ["run"], [""]
+    rows = [[name] for name in names]
+    for title, values in signals:
+        top += [title, "", ""]
+        below += VALUES
+        for row, found in zip(rows, values, strict=True):
+            row += found
+    return aligned([top, below, *rows], left=(0,))
 
 
 def number(value: float | None, digits: int = 3) -> str:
@@ -61,22 +85,26 @@ def _outcome(summary: dict[str, Any]) -> list[str]:
 
 
 def aligned(rows: Sequence[Sequence[str]], left: tuple[int, ...]) -> str:
-    """Return rows of cells as lines of equal columns; `left`: columns aligned to the left."""
-    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    # The name of a signal may extend over both of its columns.
-    for i, text in enumerate(rows[0][:-1]):
-        if text and not rows[0][i + 1]:
-            own = max(len(row[i]) for row in rows[1:])
-            widths[i] = max(own, len(text) - 2 - widths[i + 1])
-    lines = []
-    for k, row in enumerate(rows):
-        cells, i = [], 0
-        while i < len(row):
-            spans = k == 0 and i + 1 < len(row) and row[i] and not row[i + 1]
-            width = widths[i] + 2 + widths[i + 1] if spans else widths[i]
-            cells.append(row[i].ljust(width) if i in left else row[i].rjust(width))
-            i += 2 if spans else 1
+    """Return rows of cells as lines of equal columns; `left`: columns aligned to the left.
+
+    A cell of the first row extends over the empty cells after it. The second row ends the head.
+    """
+    widths = [max(len(row[i]) for row in rows[1:]) for i in range(len(rows[0]))]
+    heads = [i for i, text in enumerate(rows[0]) if text]
+    spans = [(first, end) for first, end in zip(heads, [*heads[1:], len(widths)], strict=True)]
+    for first, end in spans:
+        room = sum(widths[first:end]) + 2 * (end - first - 1)
+        widths[first] += max(0, len(rows[0][first]) - room)
+    top = []
+    for first, end in spans:
+        room = sum(widths[first:end]) + 2 * (end - first - 1)
+        top.append(rows[0][first].ljust(room) if first in left else rows[0][first].rjust(room))
+    lines = ["  ".join(top).rstrip()]
+    for row in rows[1:]:
+        cells = [
+            text.ljust(width) if i in left else text.rjust(width)
+            for i, (text, width) in enumerate(zip(row, widths, strict=True))
+        ]
         lines.append("  ".join(cells).rstrip())
-        if k == 1:
-            lines.append("-" * (sum(widths) + 2 * (len(widths) - 1)))
+    lines.insert(2, "-" * (sum(widths) + 2 * (len(widths) - 1)))
     return "\n".join(lines)

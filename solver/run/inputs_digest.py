@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -24,12 +25,40 @@ def inputs_sha256(file: Path) -> str:
     return digest.hexdigest()
 
 
+def plan_file(file: Path) -> Path:
+    """Return where the plan of a run file with `[fidelity]` is."""
+    return file.parent.parent / "plans" / f"{file.stem}.toml"
+
+
+def plan_sha256(plan: Path) -> str:
+    """Return the digest of what a plan says, without remarks and inputs; "" if it is no plan."""
+    try:
+        return text_sha256(plan.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return ""
+
+
+def text_sha256(plan: str) -> str:
+    """Return the digest of the text of a plan; see `plan_sha256`."""
+    table = tomllib.loads(plan)
+    table.pop("inputs_sha256", None)
+    return hashlib.sha256(json.dumps(table, sort_keys=True, default=str).encode()).hexdigest()
+
+
 def up_to_date(file: Path, out: Path) -> dict[str, Any] | None:
-    """Return the summary of a result that was not interrupted and has the inputs of a run file."""
+    """Return the summary of a result that was not interrupted and has the inputs of a run file.
+
+    The plan of a run with `[fidelity]`, which may be edited, is one of them.
+    """
     try:
         summary = read_summary(out / "summary.json")
     except ResultError:
         return None
     there = has_right_seal(out / "result.vtkhdf") and summary.get("status") != "interrupted"
     known = summary.get("inputs_sha256")
-    return summary if there and known and known == inputs_sha256(file) else None
+    if not (there and known and known == inputs_sha256(file)):
+        return None
+    planned = summary.get("fidelity")
+    if planned and planned.get("plan_sha256") != plan_sha256(plan_file(file)):
+        return None
+    return summary

@@ -88,18 +88,26 @@ def test_by_luck():
 
 
 def test_kernels_are_those_that_openblas_reports(core_types: ModuleType, tmp_path: Path) -> None:
-    """The chosen types have kernels of their own; an unknown type has none."""
+    """The chosen types round each in a way of their own; an unknown type has no kernels."""
     tests = some_tests(core_types, tmp_path, "")
-    assert core_types.kernels(tests, "NoSuchType") == frozenset()
+    assert core_types.kernels(tests, "NoSuchType").names == frozenset()
     found = core_types.choice(tests)
-    used = [core_types.kernels(tests, name) for name in found.types]
-    assert len({found.own, *used}) == 1 + len(used)
-    assert set(found.types) <= set(core_types.available(core_types.processor_flags()))
+    own = core_types.kernels(tests, "")
+    assert own == core_types.kernels(tests, "")  # the same bits each time
+    assert found.own == own.names
+    used = [core_types.kernels(tests, name).rounding for name in found.types]
+    assert len({own.rounding, *used}) == 1 + len(used)
+    alike = {core_types.kernels(tests, name).rounding for name in found.alike}
+    assert alike <= {own.rounding, *used}
+    every = core_types.available(core_types.processor_flags())
+    assert {*found.types, *found.alike} <= {*every}
     assert os.environ.get("OPENBLAS_VERBOSE") is None
 
 
 def test_nothing_run_is_said(core_types: ModuleType) -> None:
     none = core_types.Choice(frozenset(), ())
     assert "NO CORE TYPES" in core_types.summary("some", none, [])
+    alike = core_types.Choice(frozenset({"Haswell"}), (), ("Zen",))
+    assert "but Haswell; Zen give" in core_types.summary("some", alike, [])
     one = core_types.Choice(frozenset({"Haswell"}), ())
     assert "NO CORE TYPES but Haswell" in core_types.summary("some", one, [])

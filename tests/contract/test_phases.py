@@ -70,6 +70,29 @@ def test_a_job_of_no_core_runs_beside_others_but_not_beside_one_of_too_many(
     assert 2 not in beside[1]
 
 
+def test_jobs_of_no_core_run_one_after_the_other(side_by_side: ModuleType) -> None:
+    jobs = [job(side_by_side, "time.sleep(0.1)", cores) for cores in (2, 0, 0, 0)]
+    running: list[Any] = []
+    beside: list[list[int]] = []
+
+    def started(job: Any) -> None:
+        beside.append([other.cores for other in running])
+        running.append(job)
+
+    side_by_side.run_all(jobs, 2, started=started, ended=lambda done: running.remove(done.job))
+    assert [cores.count(0) for cores in beside] == [0] * 4
+
+
+def test_time_on_the_cores_counts_that_of_all_processes(side_by_side: ModuleType) -> None:
+    """Of the job and of what it starts; waiting takes none."""
+    busy = "end = time.process_time() + 0.3\nwhile time.process_time() < end: pass"
+    code = f"import subprocess; subprocess.run([sys.executable, '-c', {'import time; ' + busy!r}])"
+    jobs = [job(side_by_side, code), job(side_by_side, "time.sleep(0.5)")]
+    works, waits = side_by_side.run_all(jobs, 2)
+    assert works.cpu >= 0.3
+    assert 0.0 < waits.cpu < 0.3
+
+
 def test_results_tell_code_and_output(side_by_side: ModuleType) -> None:
     jobs = [
         job(side_by_side, "print('out', flush=True); print('err', file=sys.stderr); sys.exit(3)"),
@@ -115,7 +138,8 @@ def test_output_of_a_failure_comes_last_and_fails_all(tmp_path: Path, tools: Pat
     begin = [output.index(words) for words in ("one\ntwo\n", "three\n", "where the time went")]
     assert begin == sorted(begin)
     end = output[begin[-1] :]
-    assert re.search(r"^bad +FAILED in \d+ s\ngood +passed in \d+ s\n", end, re.MULTILINE)
+    times = r"in \d+ s, CPU \d+ s\n"
+    assert re.search(f"^bad +FAILED {times}good +passed {times}", end, re.MULTILINE)
     assert "    1.5  tests/test_a.py::test_long\nall " in end
 
 

@@ -76,4 +76,4 @@ def test_a_shipped_case_runs_outside_the_checkout(installed: Path, repository: P
 def test_a_starter_is_written_and_checked(installed: Path) -> None:
     assert _run(installed, "new", "panel").returncode == 0
     done = _run(installed, "check", "panel/case.toml")
-    assert (done.returncode, done.stdout) == (0, "panel/case.toml: 1 runs, no errors\n")
+    assert (done.returncode, done.stdout) == (0, "panel/case.toml: 1 run, no errors\n")

@@ -72,10 +72,13 @@ def strip(n: tuple[int, int], h: float, **cells: str) -> float:
 
 @pytest.mark.parametrize("h", [0.02, 0.1, 0.5])
 def test_narrow_strip_in_torsion(h: float) -> None:
-    # exact for one cell across: 1 + (h/b)^2/k in place of Mindlin's tanh
+    # bilinear rotations of one cell across: 1 + (h/b)^2/k in place of Mindlin's tanh
     lam = np.sqrt(10.0) / (2.0 * h)
-    one_cell = (1.0 + h**2 * 1.2) * (1.0 - np.tanh(lam) / lam)
-    assert strip((20, 1), h, **QUADS) == pytest.approx(one_cell, rel=0.015)
+    bilinear = (1.0 + h**2 * 1.2) * (1.0 - np.tanh(lam) / lam)
+    one_cell = strip((20, 1), h, **QUADS)
+    assert bilinear - 0.01 < one_cell < 1.0
+    if h == 0.5:  # cubic rotations; bilinear ones have 0.890
+        assert one_cell > 0.96
     assert strip((80, 8), h, **QUADS) == pytest.approx(1.0, rel=0.04)  # forces at corners
 
 
@@ -98,9 +101,8 @@ def curved_out(n: tuple[int, int], **cells: str) -> float:
 
 
 def test_curved_beam_out_of_its_plane() -> None:
-    coarse, fine = (curved_out(n, **QUADS) for n in ((12, 1), (48, 4)))
-    assert 0.95 < coarse < fine < 1.0
-    assert fine > 0.98
+    for n in ((6, 1), (12, 1), (48, 4)):
+        assert 0.98 < curved_out(n, **QUADS) < 1.0
     assert curved_out((12, 1)) < 0.9  # triangles
 
 

@@ -335,7 +335,9 @@ def test_table_is_aligned_and_complete() -> None:
     for line, (result, _) in zip(signals[3:], RUNS.values(), strict=True):
         numbers = [float(word) for word in line.split()[1:]]
         expected = [
-            value for s in result.signals for value in (s.values[-1], np.abs(s.values).max())
+            value
+            for s in result.signals
+            for value in (s.values[-1], s.values.min(), s.values.max())
         ]
         np.testing.assert_allclose(numbers, expected, rtol=5.1e-4)
 

@@ -12,6 +12,7 @@ from plymotion.preprocess.laminate import Lamina, Laminate, laminate_stiffness
 from plymotion.solver.__main__ import main
 from plymotion.solver.commands.shell.figures import feature_edges, magnification, view_axes
 from plymotion.solver.commands.shell.findings import case_findings, stacking
+from plymotion.solver.commands.shell.normals import normal_lines
 from plymotion.solver.commands.shell.show import shell_text
 from plymotion.solver.commands.shell.show_json import shell_json
 from plymotion.solver.package.shell.io import read_shell, write_shell
@@ -24,6 +25,7 @@ def test_screen_names_what_matters() -> None:
     assert lines[0] == "plate: Half and half"
     for part in (
         "6 nodes, 4 triangles in left, right",
+        "Normal e3       right: (0, 0, 1)",
         "4, bottom to top [0/90]s of cfrp",
         "symmetric, balanced",
         "at most 0.03 m, at (1, 0.5, 0) m",
@@ -36,6 +38,32 @@ def test_screen_names_what_matters() -> None:
         "warning [sliver-cells] two of them",
     ):
         assert part in text, part
+
+
+def test_normals_of_a_tube_in_words() -> None:
+    angle = 2.0 * np.pi * np.arange(8) / 8.0
+    ring = np.column_stack([0.0 * angle, np.cos(angle), np.sin(angle)])
+    i = np.arange(8)
+    j = (i + 1) % 8
+    middle = angle + np.pi / 8.0
+    e3 = np.column_stack([0.0 * angle, np.cos(middle), np.sin(middle)])
+    e1 = np.tile([1.0, 0.0, 0.0], (8, 1))
+    A_GE = np.stack([e1, np.cross(e3, e1), e3], axis=2)
+    tube = dataclasses.replace(
+        plate().mesh,
+        nodes_G=np.concatenate([ring, ring + np.eye(3)[0]]),
+        cells=np.column_stack([i, j, j + 8, i + 8]),
+        region=np.zeros(8, dtype=int),
+        regions=("wall",),
+        A_GE=A_GE,
+        area=np.ones(8),
+    )
+    for sign, words in ((1.0, "outwards"), (-1.0, "inwards")):
+        turned = A_GE * [1.0, sign, sign]
+        (line,) = normal_lines(dataclasses.replace(tube, A_GE=turned))
+        assert line.startswith(f"Normal e3       wall: {words}")
+    A_GE[:4, :, 1:] *= -1.0
+    assert "varies" in normal_lines(tube)[0]
 
 
 def test_large_rotations_are_told() -> None:

@@ -1,10 +1,15 @@
 """Indicators of what beam theory leaves out, on bodies where a beam is enough and where not."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from beam_samples import reduced
 from fidelity_samples import pendulum, planned_run
 
+from plymotion.solver.fidelity.model import with_values
 from plymotion.solver.fidelity.procedure import plan_of
+from plymotion.solver.fidelity.section_ends import share_of_ends
 from plymotion.solver.fidelity.section_walls import (
     Walls,
     local_frequency,
@@ -12,6 +17,8 @@ from plymotion.solver.fidelity.section_walls import (
     warping_decay,
 )
 from plymotion.solver.fidelity.words import answer_text, entry
+from plymotion.solver.inputs.case.section_schema import DescribedSection
+from plymotion.solver.package import ModalPackage
 
 E, NU, RHO = 70e9, 0.3, 2700.0
 
@@ -44,6 +51,53 @@ def test_ovalisation_grows_with_the_square_of_the_curvature() -> None:
     assert ovalisation(walls, 2e-3) == pytest.approx(4.0 * ovalisation(walls, 1e-3))
     assert ovalisation(walls, 1e-3) == pytest.approx((1e-3 * 0.1**2 / 1e-3) ** 2 / 32.0)
     assert ovalisation(walls, 1e3) == 1.0
+
+
+def with_ends(package: ModalPackage, length: float) -> ModalPackage:
+    """The package with a section whose held ends take this length of bending about x3."""
+    (section,) = package.sections
+    S = np.zeros((6, 6))
+    S[5, 5] = length / section.K[5, 5]
+    return replace(package, sections=(replace(section, end_compliance=S),))
+
+
+def test_a_held_end_takes_three_times_its_length_from_a_cantilever() -> None:
+    """Under a force at the tip the moment is F L at the end: F^2 L^2 d / B of F^2 L^3 / (3 B)."""
+    tip = [{"kind": "attachment", "at": "tip", "directions": ["y"]}]
+    K = np.diag([1e9, 1e9, 1e9, 1e3, 1e3, 25.0])
+    package = reduced({"kind": "clamped", "at": "root"}, tip, K=K, elements=16).package
+    q = np.array([[0.0], [1e-3], [-2e-3]])
+    assert share_of_ends(package, q) is None  # a section without the data
+    for length in (0.01, 0.02):
+        share = share_of_ends(with_ends(package, length), q)
+        assert share == pytest.approx(3.0 * length, rel=1e-3)
+    assert share_of_ends(with_ends(package, 0.01), 0.0 * q) == 0.0
+
+
+def test_a_solid_is_proposed_where_the_ends_take_too_much() -> None:
+    """The true difference of the deflection is that of a model with less compliance."""
+    table = pendulum(signals=["bending"], accuracy=1e-2)
+    spec, check = planned_run(table, "soft")
+    for length, text in ((1e-4, "a beam is enough"), (0.03, "a solid body (imported) is proposed")):
+        packages = {"link0": with_ends(spec.packages["link0"], length)}
+        (line,) = entry(plan_of(replace(spec, packages=packages), check))["theories"]
+        assert text in line
+        assert "estimated errors ends " in line
+        assert "warping" not in line
+
+
+def test_a_described_section_has_the_indicator_of_its_ends_alone() -> None:
+    table = pendulum(signals=["bending"], accuracy=1e-2)
+    spec, check = planned_run(table, "soft")
+    sections = {"bar": DescribedSection(description={"mesh": {}})}
+    described = replace(
+        spec,
+        mechanism=with_values(spec.mechanism, sections=sections),
+        packages={"link0": with_ends(spec.packages["link0"], 0.03)},
+    )
+    (line,) = entry(plan_of(described, check))["theories"]
+    assert "walls, oval sections and short waves of a described section not checked" in line
+    assert line.endswith("ends above 0.01: a solid or shell body is proposed")
 
 
 def words_of(section: dict[str, object]) -> tuple[list[str], str]:

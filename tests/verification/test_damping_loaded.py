@@ -70,6 +70,7 @@ def test_a_run_gives_both_ratios_and_the_rule_gives_the_ratio_that_was_asked_for
     assert entry["damping_ratio"] == pytest.approx(ZETA * ratio, rel=1e-6)
     assert entry["own_damping_ratio"] == pytest.approx(ZETA, rel=1e-9)
     assert "damping of beam: " in text
+    assert f"; damping_ratio = {ZETA / ratio:.2g} gives 1 % there" in text
     damped_beam(tmp_path, ZETA / ratio)
     found = modes_at(tmp_path, TEXT.format(mass=1.0), "start", capsys=capsys)
     (mode,) = [m for m in found["modes"] if m["angular_frequency"] > 0.0]

@@ -20,7 +20,7 @@ from plymotion.preprocess.shell.errors import ShellError
 from plymotion.preprocess.shell.mass import element_mass
 from plymotion.preprocess.shell.quadrilaterals import quadrilaterals
 from plymotion.preprocess.shell.resultants import element_resultants
-from plymotion.preprocess.shell.side_factors import side_factors
+from plymotion.preprocess.shell.side_widths import width_ratios
 from plymotion.preprocess.shell.stiffness import element_stiffness
 from plymotion.solver.package.shell.cells import area_vectors, centres, corner_areas, sides
 
@@ -152,15 +152,31 @@ def test_cells_without_a_shape_are_refused() -> None:
         quadrilaterals(points, np.array([[0, 1, 4, 3]]), np.array([0.0, 0, 1.0]))
 
 
-def test_one_factor_from_both_sides_and_none_beside_triangles() -> None:
+def test_internal_rotations_answer_to_shear_that_varies() -> None:
+    from plymotion.preprocess.shell.quadrilaterals import GAUSS
+    from plymotion.preprocess.shell.quads import internal
+
+    q, _ = one_quadrilateral()
+    laminate = coupled(0.5)
+    D, Ds = np.asarray(laminate.D)[None], np.asarray(laminate.Ds)[None]
+    even = np.broadcast_to(np.ones((2, 1)), (1, 4, 2, 12))
+    assert np.abs(internal.relief(q, D, Ds, even)).max() < 1e-14 * Ds.max()
+    # of gxz = eta: at most the energy of its part along f, (8/15)^2 / (32/105)
+    varying = np.zeros((1, 4, 2, 12))
+    varying[..., 0, 0] = GAUSS[:, 1]
+    assert internal.relief(q, 1e-9 * D, Ds, varying)[0, 0, 0] > 0.0
+    assert internal.relief(q, 1e9 * D, Ds, varying)[0, 0, 0] < 1e-6 * Ds.max()
+
+
+def test_one_ratio_from_both_sides_and_none_beside_triangles() -> None:
     points = np.array(
         [[0.0, 0, 0], [2, 0, 0], [4, 0, 0], [0, 1, 0], [2, 1, 0], [4, 1, 0], [5, 0, 0]]
     )
     cells = np.array([[0, 1, 4, 3], [1, 2, 5, 4], [2, 6, 5, -1]])
-    factors = side_factors(points, cells)
-    assert factors[0] == pytest.approx([5.0, 1.25, 5.0, 1.25])
-    assert factors[1] == pytest.approx([5.0, 1.0, 5.0, 1.25])
-    assert np.all(factors[2] == 1.0)
+    ratios = width_ratios(points, cells)
+    assert ratios[0] == pytest.approx([4.0, 0.25, 4.0, 0.25])
+    assert ratios[1] == pytest.approx([4.0, 0.0, 4.0, 0.25])
+    assert np.all(ratios[2] == 0.0)
 
 
 def test_tables_of_mixed_cells() -> None:

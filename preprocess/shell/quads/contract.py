@@ -31,7 +31,9 @@ class QuadPlate:
     ----------
     name : in `[elements]` of a shell description
     strains : see above
+    internal : whether cells have rotations of their own (internal.py)
     """
 
     name: str
     strains: Callable[[Quadrilaterals, Array, Array], QuadStrains]
+    internal: bool = False

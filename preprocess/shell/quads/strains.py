@@ -80,5 +80,7 @@ def edge_shear(q: Quadrilaterals, side: Array) -> Array:
 
 
 def side_ratio(q: Quadrilaterals, D: Array, Ds: Array) -> Array:
-    """`shear_ratio` of each side, times the factor of the side, (c, 4)."""
-    return shear_ratio(q, D, Ds) * q.side_factor
+    """Ratio phi_k of each side with the part of the width (side_widths.py), (c, 4)."""
+    length = shear_ratio(q, D, Ds)
+    width = length * q.width_ratio
+    return length + width * (1.0 + width)

@@ -51,14 +51,18 @@ def add_blade_command(commands: Any, run: Callable[[argparse.Namespace], int]) -
         "--at", type=_places, metavar="R,R,...", help="these stations, 0 at the root, 1 at the tip"
     )
     parser.add_argument(
-        "--out", "-o", type=Path, metavar="DIR", help="folder (default build/blades/<name>)"
+        "--out", "-o", type=Path, metavar="DIR", help="folder (default build/blades/NAME)"
     )
     parser.add_argument(
         "--to", choices=OF_BLADES, metavar="CODE", help="also files for beamdyn or hawc2"
     )
-    parser.add_argument("--jobs", type=whole_number, default=1, metavar="N", help="at a time")
+    parser.add_argument(
+        "--jobs", type=whole_number, default=1, metavar="N", help="stations at a time (default 1)"
+    )
     parser.add_argument("--no-estimate", action="store_true", help="skip the error estimate")
-    parser.add_argument("--check", action="store_true", help="write the stations only")
+    parser.add_argument(
+        "--check", action="store_true", help="write meshes and descriptions of the stations only"
+    )
     parser.add_argument("--quiet", action="store_true", help="no progress")
     parser.set_defaults(command=run)
 

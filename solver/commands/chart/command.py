@@ -5,11 +5,12 @@ import json
 from pathlib import Path
 
 from ...errors import InputError
-from ...fidelity.execution import answered, plan_file
+from ...fidelity.execution import answered
 from ...fidelity.ladder import Ladder, Rung, ladder
 from ...package.common.temporary import write_text
 from ...report.fidelity import ladder_file
 from ...report.style import GREY, INK, WARNING, Canvas, colour, house_style
+from ...run.inputs_digest import plan_file
 from ..plan.command import run_file_of
 
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..arguments import add_no_scripts
+from ..arguments import add_case_options, add_no_scripts
 
 TARGETS = ("exudyn", "uff", "med", "dmig", "mbdyn", "sid", "fmu")
 IMPORT = """\
@@ -25,8 +25,10 @@ def add_exchange_commands(commands: Any, run_import: Command, run_export: Comman
     into = commands.add_parser(
         "import", help="make a modal package from a body of another code", description=IMPORT
     )
-    into.add_argument("file", type=Path, metavar="FILE", help="import file")
-    into.add_argument("--from", dest="source", metavar="CODE", help="instead of its key `from`")
+    into.add_argument("file", type=Path, metavar="FILE", help="import file, TOML")
+    into.add_argument(
+        "--from", dest="source", metavar="CODE", help="the other code (default: its key `from`)"
+    )
     into.add_argument(
         "--out", "-o", type=Path, required=True, metavar="PACKAGE", help="PACKAGE.vtkhdf"
     )
@@ -40,20 +42,21 @@ def add_exchange_commands(commands: Any, run_import: Command, run_export: Comman
     )
     away.add_argument("--to", dest="target", required=True, choices=TARGETS, help="the format")
     away.add_argument(
-        "--out", "-o", type=Path, help="absent: beside the package; build/<case>/<run>.fmu"
+        "--out",
+        "-o",
+        type=Path,
+        metavar="FILE",
+        help="the new file (default: beside the package; of an FMU build/CASE/RUN.fmu)",
     )
     fmu = away.add_argument_group("with --to fmu")
-    fmu.add_argument("--run", metavar="NAME", help="the run; absent: the only one of the case")
+    fmu.add_argument("--run", metavar="NAME", help="the run (default: the only one of the case)")
     fmu.add_argument(
         "--inputs",
         nargs="*",
         metavar="KEY",
-        help="drives and forces that are inputs, such as joints.hinge.drive; absent: all. The "
+        help="drives and forces that are inputs, such as joints.hinge.drive (default: all); the "
         "others follow their laws in the case",
     )
-    fmu.add_argument("--coarse", action="store_true", help="apply the [coarse] variant")
-    fmu.add_argument(
-        "--packages", type=Path, metavar="DIR", help="ready packages: FEniCSx is not needed"
-    )
+    add_case_options(fmu)
     add_no_scripts(fmu)
     away.set_defaults(command=run_export)

@@ -20,8 +20,8 @@ def add_executor(group: Any, what: str) -> None:
     group.add_argument(
         "--executor",
         choices=KINDS,
-        help="processes of this machine (default), workers of a dask cluster, ranks of an MPI job; "
-        "see docs/scale.md",
+        help="local: processes of this machine (default); dask: workers of a cluster, with "
+        "--scheduler; mpi: ranks of an MPI job; see docs/scale.md",
     )
     group.add_argument(
         "--scheduler",

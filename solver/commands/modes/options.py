@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from ..arguments import numbers, whole_number
+from ..arguments import add_case_options, numbers, whole_number
 
 EPILOG = """\
 --at (default start):
@@ -19,7 +19,7 @@ EPILOG = """\
 
 The axis of a spin is that of --axis, of solver.spin in the case, or of the hinge to the ground.
 
-Writes to DIR: modes.json (all numbers), modes.png (shapes), mode-NN.vtkhdf (one period of a mode
+Writes modes.json (all numbers), modes.png (shapes), mode-NN.vtkhdf (one period of a mode
 for ParaView), linear.npz and linear.mat (A, B, C, D with names and units), with --response also
 response.csv and response.png. A range of speeds writes campbell.json, campbell.csv and campbell.png
 instead. Meaning and accuracy: docs/modes-about-a-state.md
@@ -45,12 +45,15 @@ def add_modes_command(commands: Any, run: Callable[[argparse.Namespace], int]) -
         "case",
         type=Path,
         metavar="FILE",
-        help="cases/<name>/case.toml or build/<case>/runs/RUN.json",
+        help="CASE.toml, or a run file, build/CASE/runs/RUN.json",
     )
     parser.add_argument("--run", metavar="NAME", help="run of the case (default: the first)")
     parser.add_argument("--at", default="start", metavar="STATE", help="state, see below")
     parser.add_argument(
-        "--axis", type=_vector, metavar="X,Y,Z", help="axis of the spin through the origin, global"
+        "--axis",
+        type=_vector,
+        metavar="X,Y,Z",
+        help="axis of the spin through the origin, global, such as 0,0,1 (default: see below)",
     )
     parser.add_argument(
         "--count",
@@ -88,14 +91,21 @@ def add_modes_command(commands: Any, run: Callable[[argparse.Namespace], int]) -
         "--input",
         action="append",
         metavar="NAME",
-        help="of --response (default: all), repeatable",
+        help="drive or load of --response (default: all); may be given several times",
     )
     parser.add_argument(
-        "--output", action="append", metavar="NAME", help="signal of --response (default: all)"
+        "--output",
+        action="append",
+        metavar="NAME",
+        help="signal of --response (default: all); may be given several times",
     )
-    parser.add_argument("--out", type=Path, metavar="DIR", help="folder of the results")
-    parser.add_argument("--packages", type=Path, metavar="DIR", help="folder of ready packages")
-    parser.add_argument("--coarse", action="store_true", help="apply the [coarse] variant")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="folder of the case (default build/CASE); results go to DIR/modes/RUN-STATE",
+    )
+    add_case_options(parser)
     parser.add_argument("--json", action="store_true", help="print modes.json, not the table")
     parser.add_argument("--quiet", action="store_true", help="no progress")
     parser.set_defaults(command=run)

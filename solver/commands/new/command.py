@@ -1,11 +1,13 @@
 """The command `plymotion new`: copy a starter case; no file is ever replaced."""
 
 import argparse
+import shlex
 from pathlib import Path
 
 from ...errors import InputError, nearest
 from ...inputs.case.file import CASE_FILE
 from ...package.common.temporary import write_text
+from ..arguments import program
 from .options import STARTERS
 
 HOME = Path(__file__).parent / "starters"
@@ -30,5 +32,5 @@ def run_new(options: argparse.Namespace) -> int:
     for source in sorted((HOME / name).iterdir()):
         write_text(folder / source.name, source.read_text(encoding="utf-8"))
     file = folder / CASE_FILE
-    print(f"{file}: {STARTERS[name]}\nNext: plymotion {file}")
+    print(f"{file}: {STARTERS[name]}\nNext: {program()} {shlex.quote(str(file))}")
     return 0

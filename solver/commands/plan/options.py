@@ -5,9 +5,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from ..arguments import add_packages
+
 EPILOG = """\
 The case needs [fidelity] (docs/fidelity.md). Packages that are out of date are built. The plan is
-written to build/<case>/plans/<run>.toml, where `plymotion run` finds it.
+written to DIR/plans/RUN.toml, where `plymotion run` finds it.
 
 exit code: 0 the request is met; 2 something is wrong with an input; 3 the request is not met.
 """
@@ -36,4 +38,4 @@ def add_case_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--out", type=Path, metavar="DIR", help="folder of the case (default: build/CASE)"
     )
-    parser.add_argument("--packages", type=Path, metavar="DIR", help="folder of ready packages")
+    add_packages(parser)

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..arguments import add_doubtful, add_figures, add_no_scripts, whole_number
+from ..arguments import add_case_options, add_doubtful, add_figures, add_no_scripts, whole_number
 
 EPILOG = """\
 `plymotion CASE.toml` is `plymotion run CASE.toml`: it checks the case, builds its bodies in the
@@ -35,13 +35,13 @@ def add_run_command(commands: Any, run: Callable[[argparse.Namespace], int]) -> 
         nargs="+",
         type=Path,
         metavar="FILE",
-        help="a case file, CASE.toml; or run files, build/<case>/runs/<run>.json",
+        help="a case file, CASE.toml; or run files, build/CASE/runs/RUN.json",
     )
     parser.add_argument(
         "--out",
         type=Path,
         metavar="DIR",
-        help="of a case: its folder (default build/<case>); of one run file: folder of its results",
+        help="of a case: its folder (default build/CASE); of one run file: folder of its results",
     )
     parser.add_argument(
         "--jobs",
@@ -67,10 +67,7 @@ def add_run_command(commands: Any, run: Callable[[argparse.Namespace], int]) -> 
         metavar="NAME",
         help="the members of this sweep, in place of the runs; may be given several times",
     )
-    case.add_argument("--coarse", action="store_true", help="apply the [coarse] variant")
-    case.add_argument(
-        "--packages", type=Path, metavar="DIR", help="ready packages: FEniCSx is not needed"
-    )
+    add_case_options(case)
     case.add_argument("--force", action="store_true", help="integrate runs that are up to date")
     add_no_scripts(case)
     case.add_argument("--no-report", action="store_true", help="no report.html")
@@ -80,7 +77,7 @@ def add_run_command(commands: Any, run: Callable[[argparse.Namespace], int]) -> 
         "--out-dir",
         type=Path,
         metavar="DIR",
-        help="folder for a folder per run (default: build/<case>, above the run files)",
+        help="folder for a folder per run (default: build/CASE, above the run files)",
     )
     several.add_argument(
         "--update", action="store_true", help="only runs whose inputs or solver have changed"

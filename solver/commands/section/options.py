@@ -17,8 +17,8 @@ FOLDER = Path("build") / "sections"
 DESCRIPTION = """\
 Stiffness, mass, centres and stresses of beam cross-sections. FILE is a description (TOML,
 docs/section-description.md), an input file of VABS (.dat, .sg), a folder of BECAS input, or a
-section file (.vtkhdf) to show again. FEniCSx is searched in
-$FENICSX_PYTHON, the Python that `make fenicsx` found, python3 and /usr/bin/python3.
+section file (.vtkhdf) to show again. It runs in the Python with FEniCSx:
+$FENICSX_PYTHON, the one that `make fenicsx` found, python3 or /usr/bin/python3.
 """
 EPILOG = """\
 Writes DIR/<name>/<name>.vtkhdf, a section file with mesh, plies, warping and stress recovery that

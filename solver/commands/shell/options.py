@@ -14,13 +14,13 @@ FOLDER = Path("build") / "shells"
 DESCRIPTION = """\
 Deflections, reactions, ply stresses and natural frequencies of laminated plates and shells. FILE
 is a description (TOML, docs/shell-description.md), or a shell file (.vtkhdf) to show again.
-FEniCSx is searched in $FENICSX_PYTHON, the Python that `make fenicsx` found, python3 and
+It runs in the Python with FEniCSx: $FENICSX_PYTHON, the one that `make fenicsx` found, python3 or
 /usr/bin/python3.
 """
 EPILOG = """\
 Writes DIR/<name>/<name>.vtkhdf, a shell file with mesh, laminates, displacements, resultants and
-modes that ParaView opens, and figures beside it. Files made from the same
-description and sources are not made again.
+modes that ParaView opens, and figures beside it. Files made from the same description and sources
+are not made again.
 
 exit code: 0 done; 2 wrong input, the other FILEs are made; 130 interrupted, complete files are
 kept.

@@ -8,6 +8,7 @@ from ...math.arrays import Array, IntArray
 from ...package.shell.cells import centres, corner_counts
 from ...package.shell.schema import SHELL_RESULTANTS, ShellFile, ShellLaminate
 from .findings import CaseFindings, case_findings, stacking
+from .normals import normal_lines
 from .ply_extremes import PlyExtreme
 
 ROUND_OFF = 1e-10  # of sqrt(K_ii K_jj): smaller entries are shown as 0
@@ -95,6 +96,7 @@ def _mesh(shell: ShellFile) -> list[str]:
         f"{'Mesh':16}{len(mesh.nodes_G)} nodes, {_cells(mesh.cells)} in "
         f"{_short(', '.join(mesh.regions), 50)}",
         f"{'Area, mass':16}{mesh.area.sum():.6g} m2, {of_cell @ mesh.area:.6g} kg",
+        *normal_lines(mesh),
     ]
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...fidelity.members import checked_member, joined, of_model, shared_plan
-from ...fidelity.plan import read_plan, write_plan
+from ...fidelity.plan_file import kept_plan, write_plan
 from ...fidelity.procedure import Answer
 from ...package import ModalPackage
 from ...package.common.temporary import write_text
@@ -42,8 +42,7 @@ def settle(plan: Plan) -> list[str]:
     base = _spec(plan, packages, plan.fidelity["base"], None)
     check = {**base.packages, **packages.named(plan.fidelity["base_check"])}
     digest = plan.digest()
-    given = read_plan(file, known_vibrations(base)) if file.is_file() else None
-    given = given if given is not None and given.inputs_sha256 == digest else None
+    given = kept_plan(file, known_vibrations(base), digest)
     record = _record(record_file(plan.file))
     if given is not None and record.get("plan") == given.table():
         return list(record["lines"])

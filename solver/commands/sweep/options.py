@@ -72,7 +72,7 @@ def _add_place(parser: argparse.ArgumentParser) -> None:
         "sweep", type=Path, metavar="SWEEP", help="build/CASE/sweeps/SWEEP.json, written by check"
     )
     parser.add_argument(
-        "--out", type=Path, metavar="DIR", help="folder (default build/<case>/sweeps/<name>)"
+        "--out", type=Path, metavar="DIR", help="folder (default build/CASE/sweeps/SWEEP)"
     )
 
 
@@ -82,5 +82,5 @@ def _add_shown(parser: argparse.ArgumentParser) -> None:
         "--figures",
         action=argparse.BooleanOptionalAction,
         default=True,
-        help="draw a figure for each signal",
+        help="draw a figure for each signal (default: yes)",
     )

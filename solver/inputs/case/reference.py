@@ -1,5 +1,7 @@
 """The reference page of the case file, generated from the schema."""
 
+import re
+
 from pydantic import BaseModel
 
 from ..common.material import MATERIAL_TABLES
@@ -55,21 +57,40 @@ _THEN: tuple[type[BaseModel], ...] = (
     Variation,
 )
 
+_TABLE = re.compile("`[^`]*`")
+_KIND = re.compile(r'kind = ("[^:]*")')
+
 
 def reference_page() -> str:
     """Return docs/case-reference.md."""
     out = [
         "# The case file",
         "",
-        "A case is `cases/<name>/case.toml`. This page is generated from solver/inputs/case "
-        "by `make docs`.",
+        "A case is a TOML file; in the repository it is `cases/<name>/case.toml`. This page is "
+        "generated from solver/inputs/case by `make docs`.",
         "",
         "A *run* is the case with some *variants* merged into it, in order: tables are merged, "
         "values and lists are replaced. Units are SI; degrees only in keys that end in `_deg`. "
         "Unknown keys are errors.",
         "",
     ]
-    return "\n".join([*out, *chapters(_FIRST), *_shapes(), *chapters(_THEN)])
+    found = [*chapters(_FIRST), *_shapes(), *chapters(_THEN)]
+    return "\n".join([*out, *_contents(found), *found])
+
+
+def _contents(lines: list[str]) -> list[str]:
+    """Return a list of links to the chapters on tables: one line for the kinds of a table."""
+    groups: dict[str, list[str]] = {}
+    for line in lines:
+        title, table = line.removeprefix("## "), _TABLE.search(line)
+        if title == line or not table:
+            continue
+        kind, (name, _, rest) = _KIND.search(title), title.partition(":")
+        label = kind[1].replace('"', "") if kind else name.removeprefix(table[0]).lstrip(", ")
+        anchor = re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-")
+        link = f"[{rest.strip() if not label or table[0] in label else label}](#{anchor})"
+        groups.setdefault(table[0], []).append(link)
+    return [*(f"- {name}: {'; '.join(links)}" for name, links in groups.items()), ""]
 
 
 def _shapes() -> list[str]:

@@ -91,8 +91,10 @@ class JointSignal(Measured):
 
 
 class ReactionSignal(Measured):
-    """`[signals.NAME]` with kind = "reaction": force or moment of a joint and its drives on a
-    body."""
+    """`[signals.NAME]` with kind = "reaction": force or moment of a joint on a body
+
+    With the forces and moments of its drives.
+    """
 
     kind: Literal["reaction"]
     joint: Name = Field(description="name of a joint")

@@ -96,11 +96,22 @@ def _type(kind: Any) -> str:
 
 
 def _bounds(info: FieldInfo) -> str:
-    words = [_bound(item) for item in (*info.metadata, *_inner(info.annotation))]
+    words = _words((*info.metadata, *_inner(info.annotation)))
     kind = _item(info.annotation)
     if kind is not None:
-        words += [f"each {_bound(item)}" for item in _inner(kind) if _bound(item)]
-    return ", ".join(word for word in words if word)
+        words += [f"each {word}" for word in _words(_inner(kind))]
+    return ", ".join(words)
+
+
+def _words(items: Iterable[Any]) -> list[str]:
+    """Return bounds as texts; a least and a largest length that are equal as one."""
+    found = [text for item in items if (text := _bound(item))]
+    for text in list(found):
+        most = text.replace("at least", "at most")
+        if most != text and most in found:
+            found[found.index(text)] = text.replace("at least", "exactly")
+            found.remove(most)
+    return found
 
 
 def _inner(kind: Any) -> list[Any]:

@@ -112,6 +112,10 @@ def content_findings(package: ModalPackage) -> list[Remark]:
     for section in package.sections:
         for name in ("K", "M"):
             finite(f"sections/{section.name}/{name}", getattr(section, name), error)
+        if section.end_compliance is not None:
+            path = f"sections/{section.name}/end_compliance"
+            finite(path, section.end_compliance, error)
+            symmetric(path, section.end_compliance, error)
         if section.recovery is not None:
             check_recovery(section.recovery, f"sections/{section.name}/", error)
     if package.recovery is not None:

@@ -66,6 +66,15 @@ SECTION_LAYOUT: tuple[DatasetSpec, ...] = (
     ),
     spec("M", "6, 6", F, "kg/m, kg, kg m", "section", "mass per length, same order"),
     spec("ply_table", "", T, "-", "-", "material and lay-up as TOML text"),
+    spec(
+        "end_compliance",
+        "6, 6",
+        F,
+        "m/N, 1/N, 1/(N m)",
+        "section",
+        "what the beam lacks of compliance at an end whose section is held, by resultants",
+        optional=True,
+    ),
 )
 
 

@@ -77,7 +77,8 @@ class Interface:
 class SectionData:
     """A beam cross-section of the body.
 
-    The equations of motion do not use it. With `recovery`, ply stresses follow from resultants.
+    The equations of motion do not use it. With `recovery`, ply stresses follow from resultants,
+    with `end_compliance` what the beam theory leaves out at held ends.
     """
 
     name: str
@@ -85,6 +86,7 @@ class SectionData:
     M: Array  # (6, 6), per length, same order of velocities
     ply_table: str = ""  # TOML text of material and lay-up
     recovery: SectionRecovery | None = None
+    end_compliance: Array | None = None  # (6, 6), see SectionFile
 
 
 @dataclass(frozen=True)

@@ -74,7 +74,8 @@ def _write_body(path: Path, group: h5py.Group, package: ModalPackage) -> None:
     for index, section in enumerate(package.sections):
         sub = _named_group(path, group, "sections", section.name, index)
         for spec in SECTION_LAYOUT:
-            write_dataset(path, sub, spec, getattr(section, spec.path), sizes)
+            if getattr(section, spec.path) is not None:
+                write_dataset(path, sub, spec, getattr(section, spec.path), sizes)
         if section.recovery is not None:
             packed = recovery_values(section.recovery, f"{path}: {sub.name}")
             for spec in RECOVERY_LAYOUT:

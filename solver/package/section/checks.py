@@ -56,6 +56,8 @@ def section_content_findings(section: SectionFile) -> list[Remark]:
     for name, matrix in (("K", section.K), ("M", section.M)):
         symmetric(name, matrix, error)
         _definite(name, matrix, error)
+    if section.end_compliance is not None:
+        symmetric("end_compliance", section.end_compliance, error)
     if section.error_estimate is not None and np.min(section.error_estimate) < 0.0:
         error("error_estimate", "expected values >= 0: an error estimate has no sign")
     _mesh(section, error)

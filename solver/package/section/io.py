@@ -85,6 +85,7 @@ def load_section(file: h5py.File) -> SectionFile:
         warping=data["warping"],
         recovery=recovery_from(data, f"{file.filename}: {group.name}"),
         initial_curvature=data.get("initial_curvature"),
+        end_compliance=data.get("end_compliance"),
         warnings=warnings_from(data),
         provenance=json_table(f"{file.filename}: provenance", get_text(file, "provenance", "{}")),
     )

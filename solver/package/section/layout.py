@@ -37,6 +37,16 @@ SECTION_FILE_LAYOUT: tuple[DatasetSpec, ...] = (
         "twist k1 and curvature k2, k3 of the reference line without load, absent: prismatic",
         optional=True,
     ),
+    spec(
+        "end_compliance",
+        "6, 6",
+        F,
+        "m/N, 1/N, 1/(N m)",
+        "section",
+        "what the beam lacks of compliance at an end whose section is held, by resultants; "
+        "absent: not computed",
+        optional=True,
+    ),
     spec("shear_centre", "2", F, "m", "section", "where a shear force does not twist the beam"),
     spec("tension_centre", "2", F, "m", "section", "where an axial force does not bend the beam"),
     spec("mass_centre", "2", F, "m", "section", "mass centre"),
@@ -88,6 +98,8 @@ def section_values(section: SectionFile, where: str = "section") -> dict[str, An
         values["error_estimate"] = section.error_estimate
     if section.initial_curvature is not None:
         values["initial_curvature"] = section.initial_curvature
+    if section.end_compliance is not None:
+        values["end_compliance"] = section.end_compliance
     for name in ("nodes", "connectivity", "offsets", "cell_types", "region", "regions", "ply"):
         values[f"mesh/{name}"] = getattr(mesh, name)
     for name in ("layer_direction", "fibre"):

@@ -82,5 +82,6 @@ class SectionFile:
     warping: Array  # (6, n, 3) displacement of the nodes per unit resultant, no rigid motion
     recovery: SectionRecovery
     initial_curvature: Array | None = None  # (3,) k1, k2, k3; None: prismatic  [rad/m]
+    end_compliance: Array | None = None  # (6, 6) lacking at a held end [m/N, 1/N, 1/(N m)]
     warnings: tuple[dict[str, str], ...] = ()  # {"code", "message"}
     provenance: dict[str, Any] = field(default_factory=dict)  # spec, dofs, seconds, versions, ...

@@ -20,7 +20,7 @@ from ...package.common.strengths import PlyStrength
 from .contract import Criterion
 from .ray import Verdict
 
-MODES = ("fibre", "matrix", "through thickness", "shear 23", "shear 13", "shear 12")
+MODES = ("fibre", "matrix", "through thickness", "23 shear", "13 shear", "12 shear")
 
 
 def tsai_hill(stress_M: Array, strength: PlyStrength) -> Verdict:

@@ -12,7 +12,7 @@ from ...package.common.strengths import PlyStrength
 from .contract import Criterion
 from .ray import Verdict, exposure
 
-MODES = ("fibre", "matrix", "through thickness", "shear 23", "shear 13", "shear 12")
+MODES = ("fibre", "matrix", "through thickness", "23 shear", "13 shear", "12 shear")
 
 
 def coefficients(strength: PlyStrength) -> tuple[Array, Array]:

@@ -1,0 +1,163 @@
+"""What a held end takes from the compliance of a beam, against solids with two rigid end faces."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+pytest.importorskip("plymotion.preprocess.fenicsx")
+
+import ufl
+from section_specs import rectangle_spec
+from solid_prism import held_compliance
+
+from plymotion.preprocess.materials import material_from_dict
+from plymotion.preprocess.section import analyse
+from plymotion.solver.fidelity.section_ends import OTHER_END
+from plymotion.solver.inputs.section.shapes.library import expand, walls
+
+Record = Callable[[str, Any], None]
+METAL = {"kind": "isotropic", "E": 70e9, "nu": 0.3, "rho": 2700.0}
+FOAM = {"kind": "isotropic", "E": 70e6, "nu": 0.3, "rho": 60.0}
+CARBON: dict[str, Any] = {
+    "kind": "orthotropic",
+    **{"E1": 129.2e9, "E2": 9.4e9, "E3": 9.4e9, "G12": 5.2e9, "G13": 4.3e9, "G23": 2.5e9},
+    **{"nu12": 0.3, "nu13": 0.3, "nu23": 0.22, "rho": 1550.0},
+}
+NAMES = "F1", "F2", "F3", "M1", "M2", "M3"
+
+
+def shape(name: str, sizes: dict[str, float], material: dict[str, Any]) -> dict[str, Any]:
+    """A section of the library, of one material."""
+    ply = {"material": "m", "angle_deg": 0.0}
+    return {
+        "name": name,
+        "convention": "contour",
+        "mesh": expand(name, sizes),
+        "materials": {"m": material},
+        "regions": {
+            wall.region: {"plies": [ply], "direction": dict(wall.direction)}
+            for wall in walls(name, sizes)
+        },
+    }
+
+
+def of_beam(section: Any, length: float) -> tuple[np.ndarray, np.ndarray]:
+    """Compliance (6, 6) of the tip of a beam, and what two held ends take from it."""
+    S, flexibility = section.end_compliance, np.linalg.inv(section.K)
+    points, weights = np.polynomial.legendre.leggauss(3)
+
+    def carried(rest: float) -> np.ndarray:
+        """Resultants at a distance from the tip, of those at the tip."""
+        T = np.eye(6)
+        T[4, 2], T[5, 1] = -rest, rest
+        return T
+
+    places = zip(0.5 * length * (1.0 + points), 0.5 * length * weights, strict=True)
+    whole = sum(w * carried(s).T @ flexibility @ carried(s) for s, w in places)
+    root = carried(length)
+    return np.asarray(whole), root.T @ S @ root + np.outer(OTHER_END, OTHER_END) * S
+
+
+def sandwich(face: float, core: float) -> dict[str, Any]:
+    """A sandwich 40 mm wide: faces of metal, core of foam [m]."""
+    plies = [
+        {"material": name, "angle_deg": 0.0, "thickness": t}
+        for name, t in (("metal", face), ("foam", core), ("metal", face))
+    ]
+    height = 2.0 * face + core
+    found = rectangle_spec(0.04, height, METAL)
+    layers = {"section": [face, core, face]}
+    found["mesh"] = expand("rectangle", {"width": 0.04, "height": height}, layers)
+    found["materials"] = {"metal": METAL, "foam": FOAM}
+    found["regions"]["section"]["plies"] = plies
+    return found
+
+
+def constant(material: dict[str, Any]) -> Callable[[Any], Any]:
+    C = material_from_dict(material, "m").stiffness_M
+    return lambda x: ufl.as_matrix(C.tolist())
+
+
+def layered(x: Any) -> Any:
+    metal, foam = (
+        ufl.as_matrix(material_from_dict(m, "m").stiffness_M.tolist()) for m in (METAL, FOAM)
+    )
+    inner = ufl.conditional(ufl.lt(abs(x[2]), 0.008), 1.0, 0.0)
+    return inner * foam + (1.0 - inner) * metal
+
+
+BARS: dict[str, Any] = {
+    "square, twice as long as wide": (
+        (0.08, 0.04, 0.04),
+        (16, 6, 6),
+        constant(METAL),
+        rectangle_spec(0.04, 0.04, METAL),
+    ),
+    "square, of carbon": (
+        (0.16, 0.04, 0.04),
+        (20, 6, 6),
+        constant(CARBON),
+        rectangle_spec(0.04, 0.04, CARBON),
+    ),
+    "strip": (
+        (0.12, 0.04, 0.004),
+        (24, 12, 2),
+        constant(METAL),
+        rectangle_spec(0.04, 0.004, METAL),
+    ),
+    "sandwich": ((0.1, 0.04, 0.02), (24, 4, 10), layered, sandwich(0.002, 0.016)),
+}
+
+
+@pytest.mark.parametrize("name", BARS)
+def test_held_ends_take_the_compliance_that_a_solid_lacks(name: str, record: Record) -> None:
+    """Each load on the tip: indicated within a factor of 3 of the difference of beam and solid."""
+    size, count, stiffness, spec = BARS[name]
+    section = analyse(spec, estimate=False)
+    whole, lost = of_beam(section, size[0])
+    solid = held_compliance(size, count, stiffness)
+    true = np.diag(whole - solid) / np.diag(whole)
+    indicated = np.diag(lost) / np.diag(whole)
+    seen = np.abs(true) > 2e-3
+    assert seen.sum() >= 3
+    ratio = indicated[seen] / true[seen]
+    assert np.all((ratio > 1.0 / 3.0) & (ratio < 3.0)), dict(zip(NAMES, ratio, strict=False))
+    record(f"end-effects/{name}", indicated)
+
+
+def test_the_indicated_share_grows_as_the_bar_gets_shorter() -> None:
+    """A square bar of 4, 2 and 1 widths under a force across it: so does the true one."""
+    section, shares = analyse(rectangle_spec(0.04, 0.04, METAL), estimate=False), []
+    for length in (0.16, 0.08, 0.04):
+        whole, lost = of_beam(section, length)
+        solid = held_compliance(
+            (length, 0.04, 0.04), (round(length / 0.005), 6, 6), constant(METAL)
+        )
+        shares.append((lost[2, 2] / whole[2, 2], 1.0 - solid[2, 2] / whole[2, 2]))
+    indicated, true = np.array(shares).T
+    assert np.all(np.diff(indicated) > 0.0)
+    assert np.all(np.diff(true) > 0.0)
+    assert np.all((indicated / true > 1.0 / 3.0) & (indicated / true < 3.0))
+
+
+def test_an_i_section_in_torsion_loses_vlasovs_length() -> None:
+    """S / compliance = sqrt(E I_w / (G J)), with I_w = I_3 h^2 / 4 of the middle lines."""
+    b, h, t = 0.1, 0.196, 0.004
+    sizes = {"height": h + t, "top_width": b, "bottom_width": b, "wall": t}
+    section = analyse(shape("i", sizes, METAL), estimate=False)
+    I_w, J = 2.0 * t * b**3 / 12.0 * h**2 / 4.0, (2.0 * b + h) * t**3 / 3.0
+    vlasov = np.sqrt(2.0 * (1.0 + METAL["nu"]) * I_w / J)
+    assert section.end_compliance is not None
+    found = section.end_compliance[3, 3] * section.K[3, 3]
+    assert found == pytest.approx(vlasov, rel=0.03)
+
+
+def test_ends_of_a_round_tube_in_torsion_take_nothing() -> None:
+    """Its section does not warp."""
+    section = analyse(shape("tube", {"outer_radius": 0.05, "wall": 0.002}, METAL), estimate=False)
+    assert section.end_compliance is not None
+    length = np.diag(section.end_compliance) * np.diag(section.K)
+    assert abs(length[3]) < 1e-9
+    assert length[0] > 1e-4  # Poisson's contraction is held

@@ -1,0 +1,105 @@
+"""Laminated plates against Ritz series (tests/plate_peer.py): shear, mixed loads, spin at a hub."""
+
+from typing import Any
+
+import numpy as np
+import plate_peer
+import pytest
+from body_specs import shell_body
+from plate_peer import X, Y
+from shell_model import laminate
+from shell_specs import CFRP, plate
+
+from plymotion.preprocess.body import build_body
+from plymotion.preprocess.shell.analysis import analyse
+from plymotion.preprocess.shell.problem import ShellProblem
+
+H = 2e-3
+CLAMPED = {field: (1, 1, 1, 1) for field in range(5)}
+# symmetric laminates do not move in their plane when they buckle
+SIMPLE = {**CLAMPED, X: (0, 0, 1, 1), Y: (1, 1, 0, 0)}
+CANTILEVER = {field: (1, 0, 0, 0) for field in range(5)}
+EDGES = {"left": (-1, 0), "right": (1, 0), "bottom": (0, -1), "top": (0, 1)}
+
+
+def shell(angles: list[float], n: tuple[int, int], a: float, b: float) -> dict[str, Any]:
+    spec = plate(n, H, a, b)
+    spec["mesh"]["element"] = "quadrilateral"
+    spec["materials"] = {"cfrp": CFRP}
+    spec["laminates"] = {"skin": laminate("cfrp", angles, H, "5/6")}
+    spec["regions"] = {"all": {"laminate": "skin", "axis": [1.0, 0.0, 0.0]}}
+    return spec
+
+
+def stiffness(spec: dict[str, Any]) -> Any:
+    found = ShellProblem(spec).regions[0].stiffness
+    C = np.zeros((8, 8))
+    C[:6, :6], C[6:, 6:] = found.ABD, found.Ds
+    return C
+
+
+# [60] has bending and twisting coupled; tension across the compression; shear of both signs
+CASES = [
+    ([60.0], (-1.0, 0.5, 0.0), False),
+    ([45.0, -45.0, -45.0, 45.0], (0.0, 0.0, 1.0), False),
+    ([45.0, -45.0, -45.0, 45.0], (-0.5, -0.5, -1.0), True),
+]
+
+
+@pytest.mark.parametrize(("angles", "N", "clamped"), CASES)
+def test_buckling_of_laminates(angles: list[float], N: Any, clamped: bool) -> None:
+    a, b = 0.3, 0.2
+    found = []
+    for k in (1, 2):
+        spec = shell(angles, (18 * k, 12 * k), a, b)
+        supports: dict[str, Any] = {
+            "flat": {"at": "plate", "fixed": ["uz", "rx", "ry"], "only": "loads"},
+            "middle": {"at": "centre", "fixed": ["ux", "uy"]},
+            "level": {"at": "right-middle", "fixed": ["uy"]},
+        }
+        loads = {}
+        for edge, (x, y) in EDGES.items():
+            turn = ["rx", "ry"] if clamped else ["rx" if x else "ry"]
+            supports[edge] = {"at": edge, "fixed": ["uz", *turn], "only": "modes"}
+            force = [N[0] * x + N[2] * y, N[2] * x + N[1] * y, 0.0]
+            loads[edge] = {"at": edge, "force_per_length": force}
+        spec |= {"supports": supports, "loads": {"N": loads}}
+        spec["buckling"] = {"count": 1, "in_plane": False}
+        answer = analyse(spec).buckling
+        assert answer is not None
+        found.append(float(answer.factors[0]))
+    held = CLAMPED if clamped else SIMPLE
+    exact = plate_peer.Plate(stiffness(spec), a, b, held).first_factor(N)
+    # from above, of second order
+    assert exact < found[1] < 1.03 * exact
+    assert found[0] - exact == pytest.approx(4.0 * (found[1] - exact), rel=0.25)
+
+
+SPINS = [([45.0, -45.0, -45.0, 45.0], 0.4, 0.2, 0.1), ([0.0, 90.0], 0.3, 0.3, 0.0)]
+
+
+@pytest.mark.parametrize(("angles", "a", "b", "hub"), SPINS)
+def test_spinning_laminates_at_a_hub(angles: list[float], a: float, b: float, hub: float) -> None:
+    spec = shell(angles, (24, 12), a, b)
+    C = stiffness(spec)
+    parts = ("mesh", "materials", "laminates", "regions")
+    package = build_body(
+        shell_body(
+            body="plate",
+            shell={key: spec[key] for key in parts},
+            modes=[{"kind": "lowest", "count": 8}],
+            interfaces={"root": {"at": "left"}, "tip": {"at": "right", "link": "average"}},
+            second_order=True,
+        )
+    )
+    second = package.second_order
+    assert second is not None
+    peer = plate_peer.Plate(C, a, b, CANTILEVER)
+    unit = np.sqrt(C[3, 3] / (CFRP["rho"] * H * a**4))
+    for spin in (0.0, 2.0 * unit, 5.0 * unit):
+        K = package.stiffness - spin**2 * (
+            second.Z1_B[0, 0] + hub * second.Z0_B[0]
+            + second.Z1_B[1, 1] - 0.5 * b * second.Z0_B[1]
+        )  # fmt: skip
+        found = np.sqrt(np.linalg.eigvalsh(K)[:2])
+        assert found == pytest.approx(peer.spinning(CFRP["rho"], H, spin, hub), rel=5e-3)
