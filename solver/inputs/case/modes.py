@@ -14,7 +14,6 @@ from ...package.body.specification import (
 )
 from ..common.table import Name, Table
 
-
 DEFAULT_PLACE = "root"  # of a clamped frame
 
 
