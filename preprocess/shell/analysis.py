@@ -26,7 +26,7 @@ from .frequencies import natural_modes
 from .guards import check_supported, drilling_warning, zero_energy_warnings
 from .loads import resultant
 from .mesh import ShellMesh
-from .prestress import Stressed, buckling
+from .prestress import Stressed, buckled, buckling, check_stable
 from .probes import probe_values, read_probes
 from .problem import ShellProblem
 from .spec import mode_count
@@ -167,10 +167,15 @@ def _modes(
         warnings.append(drilling_warning(len(drilling)))
     free_motions = np.array([*rigid, *drilling]).reshape(-1, freedom.n_dof).T
     begin(f"{count} modes, {freedom.n_free} unknowns")
-    K = stressed.stiffness(table.get("prestress"), f"{problem.where}.frequencies.prestress")
+    case, where = table.get("prestress"), f"{problem.where}.frequencies.prestress"
+    K = stressed.stiffness(case, where)
+    if case is not None and not free_motions.size:
+        check_stable(freedom.reduced(K), problem, case, where)
     found = natural_modes(K, problem.M, freedom, count, free_motions, problem.team)
     warnings += zero_energy_warnings(found.n_zero, len(rigid))
     values = np.where(np.arange(len(found.values)) < found.n_zero, 0.0, found.values)
+    if case is not None and (values < 0.0).any():
+        raise buckled(case, where)
     return ShellModes(
         np.sqrt(values),
         _of_file(mesh, found.shapes),

@@ -135,7 +135,7 @@ def mesh_of(plain: PlainMesh, where: str = "mesh") -> ShellMesh:
         tag = wrong[0] + 1 if plain.named is None else plain.named.tags[wrong[0]]
         raise ShellError(
             f"{where}: node {tag} at {plain.points[wrong[0]].tolist()}: expected three finite "
-            f"coordinates; {wrong.size} nodes have none"
+            f"coordinates; wrong nodes: {wrong.size}"
         )
     if plain.cell != "triangle":
         return _in_file_order(plain, where)

@@ -8,6 +8,7 @@ import scipy.sparse as sp
 
 from ...solver.errors import did_you_mean
 from ...solver.math.arrays import Array
+from .. import fenicsx
 from .buckling import Buckling, LoadFactors
 from .errors import ShellError
 from .guards import check_supported
@@ -65,6 +66,27 @@ class Stressed:
                 + did_you_mean(case, self.names)
             )
         return self.names.index(case)
+
+
+def check_stable(K: sp.csr_matrix, problem: ShellProblem, case: str, where: str) -> None:
+    """Raise ShellError if the shell has buckled under the stresses of a load case.
+
+    K : (n, n) its stiffness of the free degrees of freedom, without free motions
+    """
+    try:
+        negative = fenicsx.negative_pivots(K, problem.team)
+    except fenicsx.InertiaError as error:
+        raise ShellError(f"{where} = {case!r}: {error}") from error
+    if negative:
+        raise buckled(case, where)
+
+
+def buckled(case: str | None, where: str) -> ShellError:
+    """The error of a shell that does not vibrate about its prestress."""
+    return ShellError(
+        f"{where} = {case!r}: the shell has buckled under this load case and does not vibrate; "
+        "expected a smaller load: its load factor, which `--buckling` gives, has to be above 1"
+    )
 
 
 def buckling(

@@ -24,6 +24,7 @@ from ..dynamics.projection import projected
 from ..dynamics.singular_value import difference, new_spectrum
 from ..dynamics.tables import ForceTable, JointTable, MarkerTable, rigid_body
 from ..dynamics.workspace import spare_work
+from ..inputs.case.sources import solver_sha256
 from ..integrators.closures import right_hand_side
 from ..integrators.compiled.pencil import factorise_pencil, new_frozen, new_pencil, solve_pencil
 from ..integrators.explicit_stepping import RungeKutta8Loop
@@ -32,7 +33,7 @@ from ..integrators.generic import RungeKutta8, integrate
 from ..integrators.radau import Radau
 from ..integrators.step_loop import StepLoop
 from ..math.arrays import Array
-from ..math.compiled import COMPILED, statistics
+from ..math.compiled import COMPILED, content, statistics, store
 from ..math.expressions.program import value_at
 from ..math.expressions.tree import ONE
 from ..math.laws import polynomial
@@ -63,7 +64,20 @@ def compile_ahead(*, everything: bool = False) -> str:
                 count, can_be_kept = done.result()
                 made, kept = made + count, kept and can_be_kept
     words = f"step loop ready in {time.perf_counter() - begin:.1f} s, {made} functions compiled"
+    if kept:
+        store.write(_done(), {"name": "compiled ahead"}, b"")
     return words if kept else f"{words}; no folder for them can be written: not kept"
+
+
+def compile_once() -> None:
+    """Call `compile_ahead` unless it was called before, with these sources and this Numba."""
+    if COMPILED and store.read(_done()) is None:
+        compile_ahead()
+
+
+def _done() -> str:
+    """Return the key of the entry that tells that all functions are in the cache."""
+    return content.digest("compiled ahead", solver_sha256(), content.environment())
 
 
 def _statistics_of(part: Callable[[], None]) -> tuple[int, bool]:
@@ -135,6 +149,7 @@ def _compile_others() -> None:
     moved(model, y[:7], y[7:13])
     single_motion(model, 1, y)
     series.marker_motions(model, 1, y[None])
+    series.marker_places(model, y)
     rotation_matrix(y[3:7])
     rotation_vectors(rotation_matrices(y[None, 3:7]))
     vectors_to_matrices(y[None, 7:10])
@@ -155,7 +170,8 @@ def _compile_evaluation() -> None:
     t, states = np.zeros(1), y[None]
     energies(model, assemble(model, 0.0, y), y)
     series.balance(model, t, states)
-    series.generalised_momenta(model, t, states)
+    series.momenta(model, states)
     series.marker_loads(model, t, states, np.zeros((1, model.n_constraint)))
     series.force_sizes(model, 0, t, states, np.zeros((1, model.n_constraint)))
     series.mass_matrices(model, 0, t, states)
+    series.driven_speeds(model, t, states[0])

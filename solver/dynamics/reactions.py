@@ -7,7 +7,6 @@ import numpy as np
 from ..math.arrays import Array
 from ..math.rotations import rotation_matrices
 from . import series
-from .bodies.motion import AXES, PLACE
 from .energy import first_moments
 from .model import GROUND, Model
 from .scales import extent
@@ -28,38 +27,21 @@ def joint_reactions(model: Model, t: Array, y: Array, multipliers: Array) -> Arr
     return series.marker_loads(model, t, y, multipliers)[:, :n].reshape(len(y), -1, 2, 6)
 
 
-def momenta(model: Model, t: Array, y: Array) -> Array:
-    """Return linear momentum and angular momentum about the global origin, (k, nb, 6).
-
-    They follow from the mass matrix alone; point masses belong to the bodies that carry them.
-    """
-    p = series.generalised_momenta(model, t, y)
-    found = np.zeros((len(y), model.n_body, 6))
-    for i in range(model.n_body):
-        a, j = int(model.pos_start[i]), int(model.vel_start[i])
-        A = rotation_matrices(y[:, a + 3 : a + 7])
-        found[:, i, :3] = p[:, j : j + 3]
-        found[:, i, 3:] = np.cross(y[:, a : a + 3], p[:, j : j + 3])
-        found[:, i, 3:] += np.einsum("kab,kb->ka", A, p[:, j + 3 : j + 6])
-    return found
-
-
-def momentum_rates(model: Model, t: Array, y: Array, rates: Array) -> Array:
-    """Return the rates of `momenta` along the solution, (k, nb, 6), by finite differences.
+def momentum_rates(model: Model, y: Array, rates: Array) -> Array:
+    """Return the rates of the momenta of bodies along the solution, (k, nb, 6), by differences.
 
     They depend on forces and multipliers only through the accelerations, which are part of
     `rates` = dy/dt (k, n). All coordinates are moved along their rates. Momenta are polynomials of
     low degree in them, except for the norm of the Euler parameters, and a body rotates by
     thousandths of a radian.
     """
-    turning = np.ones(len(y))
-    for i in range(model.n_body):
-        a = int(model.pos_start[i]) + 3
-        turning = np.maximum(turning, np.linalg.norm(rates[:, a : a + 4], axis=1))
+    parameters = np.asarray(model.pos_start)[:, None] + np.arange(3, 7)
+    turning = np.linalg.norm(rates[:, parameters], axis=2).max(axis=1, initial=1.0)
     h = (2e-3 / turning)[:, None]
     found = np.zeros((len(y), model.n_body, 6))
     for s, weight in DIFFERENCE:
-        found += weight * momenta(model, t, y + s * h * rates)
+        _, moved = series.momenta(model, y + s * h * rates)
+        found += weight * moved
     return found / h[:, :, None]
 
 
@@ -70,26 +52,22 @@ def acting(model: Model, t: Array, y: Array, multipliers: Array) -> tuple[Array,
     weight, force elements, loads and reactions.
     """
     total, scale = np.zeros((2, len(y), model.n_body, 6))
-
-    def add(body: int, x: Array, force: Array, moment: Array) -> None:
-        wrench = np.concatenate([force, np.cross(x, force) + moment], axis=1)
-        total[:, body] += wrench
-        scale[:, body] += np.abs(wrench)
-
-    nothing = np.zeros((len(y), 3))
     for i in range(model.n_body):
         a, m = int(model.pos_start[i]), int(model.n_mode[i])
         A = rotation_matrices(y[:, a + 3 : a + 7])
         first = first_moments(model, i, y[:, a + 7 : a + 7 + m])
         arm = model.mass[i] * y[:, a : a + 3] + np.einsum("kab,kb->ka", A, first)
-        weight = nothing + model.mass[i] * model.gravity_G
-        add(i, nothing, weight, np.cross(arm, model.gravity_G))
-    loads = series.marker_loads(model, t, y, multipliers)
-    for place, marker in enumerate(series.loaded_markers(model).tolist()):
-        body = int(model.marker_body[marker])
-        if body != GROUND:
-            motion, _ = series.marker_motions(model, marker, y)
-            add(body, motion[:, PLACE:AXES], loads[:, place, :3], loads[:, place, 3:])
+        total[:, i, :3] = model.mass[i] * model.gravity_G
+        total[:, i, 3:] = np.cross(arm, model.gravity_G)
+    scale += np.abs(total)
+    loads, origins = series.loads_of_markers(model, t, y, multipliers)
+    loads[:, :, 3:] += np.cross(origins, loads[:, :, :3])
+    bodies = model.marker_body[series.loaded_markers(model)]
+    order = np.argsort(bodies, kind="stable")[np.count_nonzero(bodies == GROUND) :]
+    if order.size:
+        loaded, first_row = np.unique(bodies[order], return_index=True)
+        total[:, loaded] += np.add.reduceat(loads[:, order], first_row, axis=1)
+        scale[:, loaded] += np.add.reduceat(np.abs(loads[:, order]), first_row, axis=1)
     return total, scale
 
 
@@ -105,10 +83,11 @@ def momentum_balance(model: Model, t: Array, y: Array) -> MomentumBalance:
     """Compare forces with the change of momentum for each body at states y (k, n)."""
     rates, multipliers = series.along_solution(model, t, y)
     total, scale = acting(model, t, y, multipliers)
-    error = np.abs(momentum_rates(model, t, y, rates) - total)
+    error = np.abs(momentum_rates(model, y, rates) - total)
     # In free flight there is no load: what is left is round-off of the inertia terms.
     v = y[:, model.n_pos : model.n_pos + model.n_vel]
-    energy = 0.5 * float(np.abs(v * series.generalised_momenta(model, t, y)).sum(axis=1).max())
+    momenta, _ = series.momenta(model, y)
+    energy = 0.5 * float(np.abs(v * momenta).sum(axis=1).max())
     least = LOADED * energy * np.array([1.0 / extent(model, y[0]), 1.0])
     largest = np.maximum(scale.reshape(-1, 2, 3).max(axis=(0, 2)), np.maximum(least, 1e-300))
     relative = error.reshape(-1, 2, 3).max(axis=(0, 2)) / largest

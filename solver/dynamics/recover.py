@@ -34,11 +34,14 @@ class History:
 
 def history(model: Model, t: Array, y: Array) -> History:
     """Evaluate multipliers, energies and constraint violations at states y (k, n)."""
-    _, multipliers = series.along_solution(model, t, y)
-    Phi, Phi_d, energy = series.balance(model, t, y)
-    distance = position_rows(model.joint_kind)
+    return history_of(model, y, series.along(model, t, y))
+
+
+def history_of(model: Model, y: Array, along: series.Along) -> History:
+    """Return the history of states y (k, n) in which the equations were evaluated."""
+    (Phi, Phi_d, energy), distance = along.balance, position_rows(model.joint_kind)
     return History(
-        multipliers=multipliers,
+        multipliers=along.multipliers,
         energies={
             "kinetic": energy[:, 0],
             "strain": energy[:, 1],

@@ -8,9 +8,9 @@ from ..math.arrays import Array
 from .energy import stored_energies
 from .evaluation import evaluate
 from .joints.table import position_rows
-from .model import GROUND, Model
-from .series import along_solution, marker_motions
-from .workspace import PHI_T, spare_work
+from .model import Model
+from .series import along_solution, driven_speeds, marker_places
+from .workspace import spare_work
 
 SAMPLES = 65  # times at which drives are looked at
 # Pivots below which elimination leaves no digit. Above it orders of magnitude are right, and the
@@ -52,11 +52,9 @@ def shape_sizes(model: Model, i: int) -> Array:
 
 def extent(model: Model, y0: Array) -> float:
     """Return the size of a mechanism in state y0 (n,), the length of `scales` [m]."""
-    points = [y0[a : a + 3] for a in model.pos_start]
-    for k, body in enumerate(model.marker_body):
-        at = model.marker_x[k] if body == GROUND else marker_motions(model, k, y0[None])[0][0, :3]
-        points.append(at)
-    box = float(np.linalg.norm(np.ptp(np.array(points), axis=0)))
+    frames = y0[np.asarray(model.pos_start)[:, None] + np.arange(3)]
+    points = np.concatenate([frames, marker_places(model, y0)])
+    box = float(np.linalg.norm(np.ptp(points, axis=0)))
     held = model.mass > 0.0
     square = np.trace(model.T00[held], axis1=1, axis2=2) / model.mass[held]
     return max(box, float(np.sqrt(square.max(initial=0.0)))) or 1.0
@@ -95,9 +93,6 @@ def _of_frames(model: Model, v: Array, length: float) -> float:
 def _of_drives(model: Model, y0: Array, t_end: float, length: float) -> float:
     if not (model.joint_law >= 0).any():
         return 0.0
-    work, largest = spare_work(model), 0.0
     arm = np.where(position_rows(model.joint_kind), 1.0, length)
-    for t in np.linspace(0.0, t_end, SAMPLES):
-        evaluate(model, work, float(t), y0)
-        largest = max(largest, float((np.abs(work.rows[:, PHI_T]) * arm).max()))
-    return largest
+    speeds = driven_speeds(model, np.linspace(0.0, t_end, SAMPLES), y0)
+    return float(np.fmax.reduce(np.abs(speeds) * arm, axis=None, initial=0.0))

@@ -11,10 +11,11 @@ import numpy as np
 from ..math.arrays import Array, IntArray
 from ..math.compiled import lean
 from ..math.rotations import rotation_into
-from ..math.triple import cross3, minus3
+from ..math.triple import cross3, minus3, triple, turned
 from .applied_forces import force_wrench
+from .bodies.floating_frame import evaluate_bodies
 from .bodies.marker import move_marker
-from .bodies.motion import N_MOTION, place, stand
+from .bodies.motion import N_MOTION, PLACE, place, stand
 from .constraint_rows import n_coupling
 from .dependence import REGULAR, is_tree
 from .derivative import by_blocks, dense_derivative_into, derivative_into
@@ -23,7 +24,7 @@ from .evaluation import evaluate, evaluate_rates
 from .forces.table import FIRST_LOAD
 from .laws import law_at
 from .model import Model, state_size
-from .workspace import PHI, Work, spare_work
+from .workspace import PHI, PHI_T, Work, spare_work
 
 
 class Balance(NamedTuple):
@@ -34,10 +35,24 @@ class Balance(NamedTuple):
     energies: Array  # (k, 3) kinetic, strain, potential [J]
 
 
+class Along(NamedTuple):
+    """The equations of motion in k states."""
+
+    rates: Array  # (k, n) dy/dt
+    multipliers: Array  # (k, n_c)
+    balance: Balance
+
+
 def along_solution(
     model: Model, t: Array, y: Array, regular_above: float = REGULAR
 ) -> tuple[Array, Array]:
-    """Return dy/dt (k, n) and the multipliers (k, n_c). Paper: Eq. (14).
+    """Return dy/dt (k, n) and the multipliers (k, n_c); see `along`."""
+    rates, multipliers, _ = along(model, t, y, regular_above)
+    return rates, multipliers
+
+
+def along(model: Model, t: Array, y: Array, regular_above: float = REGULAR) -> Along:
+    """Return rates, multipliers, constraints and energies of states. Paper: Eq. (14).
 
     The rates are those that are integrated. Multipliers of redundant constraints are those of
     least norm; with the augmented Lagrangian, those of the equations without it, so that the
@@ -47,37 +62,42 @@ def along_solution(
     matrices, in the third power of the number of bodies.
     """
     t, y = _contiguous(t, y)
-    rates, multipliers = np.zeros(y.shape), np.zeros((t.size, model.n_constraint))
-    regular, work = np.zeros(t.size), spare_work(model)
-    if by_blocks(model):
-        _derivatives(model, work, t, y, rates, multipliers, regular)
+    found, regular = _evaluated(model, t, y, solve=by_blocks(model))
     # Rows that nearly depend on each other: elimination loses digits that pivoting keeps.
     doubtful = regular < regular_above
     if model.redundant == 0 and doubtful.any() and is_tree(model):
         doubtful[:] = False
     if model.penalty > 0.0 and model.beta > 0.0:
         doubtful[:] = True
-    spare = np.zeros(state_size(model))
+    work, spare = spare_work(model), np.zeros(state_size(model))
     for k in np.flatnonzero(doubtful).tolist():
-        into = rates[k] if model.penalty == 0.0 else spare
-        multipliers[k] = dense_derivative_into(model, work, float(t[k]), y[k], into)
-    return rates, multipliers
+        into = found.rates[k] if model.penalty == 0.0 else spare
+        found.multipliers[k] = dense_derivative_into(model, work, float(t[k]), y[k], into)
+    return found
 
 
 def balance(model: Model, t: Array, y: Array) -> Balance:
     """Return constraints and energies."""
-    t, y = _contiguous(t, y)
-    Phi, Phi_d = np.zeros((t.size, model.n_constraint)), np.zeros((t.size, model.n_constraint))
-    energies = np.zeros((t.size, 3))
-    _balances(model, spare_work(model), t, y, Phi, Phi_d, energies)
-    return Balance(Phi, Phi_d, energies)
+    found, _ = _evaluated(model, *_contiguous(t, y), solve=False)
+    return found.balance
 
 
-def generalised_momenta(model: Model, t: Array, y: Array) -> Array:
-    """Return M v, (k, n_vel)."""
-    t, y = _contiguous(t, y)
-    found = np.zeros((t.size, model.n_vel))
-    _momenta(model, spare_work(model), t, y, found)
+def momenta(model: Model, y: Array) -> tuple[Array, Array]:
+    """Return M v (k, n_vel), and the momenta of the bodies (k, nb, 6) [kg m/s, kg m2/s].
+
+    The latter are linear momentum and angular momentum about the global origin, global components.
+    They follow from the mass matrix alone; point masses belong to the bodies that carry them.
+    """
+    y = np.ascontiguousarray(y, dtype=float)
+    own, found = np.zeros((len(y), model.n_vel)), np.zeros((len(y), model.n_body, 6))
+    _momenta(model, spare_work(model), y, own, found)
+    return own, found
+
+
+def driven_speeds(model: Model, t: Array, y: Array) -> Array:
+    """Return how fast laws of time move the constraints of one state y (n,), (k, n_c)."""
+    found = np.zeros((t.size, model.n_constraint))
+    _driven_speeds(model, spare_work(model), t, np.ascontiguousarray(y), found)
     return found
 
 
@@ -104,10 +124,25 @@ def marker_loads(model: Model, t: Array, y: Array, multipliers: Array) -> Array:
     which do the same virtual work; multipliers (k, n_c). A load from outside acts on the second
     marker alone. Couplings of coordinates act on the markers of all their terms, which come last.
     """
-    t, y = _contiguous(t, y)
-    found = np.zeros((t.size, loaded_markers(model).size, 6))
-    _loads(model, spare_work(model), t, y, np.ascontiguousarray(multipliers), found)
+    return loads_of_markers(model, t, y, multipliers)[0]
+
+
+def marker_places(model: Model, y: Array) -> Array:
+    """Return the origins of all markers (nk, 3) in one state y (n,), global [m]."""
+    found = np.array(model.marker_x)  # those of the ground
+    J_m = np.zeros((6, model.plan.widest))
+    _places(model, np.ascontiguousarray(y), np.zeros((3, 3)), np.zeros(N_MOTION), J_m, found)
     return found
+
+
+def loads_of_markers(model: Model, t: Array, y: Array, multipliers: Array) -> tuple[Array, Array]:
+    """Return the loads of `marker_loads`, and the origins of their markers (k, n, 3) [m]."""
+    t, y = _contiguous(t, y)
+    markers = loaded_markers(model)
+    loads, origins = np.zeros((t.size, markers.size, 6)), np.zeros((t.size, markers.size, 3))
+    multipliers = np.ascontiguousarray(multipliers)
+    _loads(model, spare_work(model), markers, t, y, multipliers, loads, origins)
+    return loads, origins
 
 
 def force_sizes(model: Model, force: int, t: Array, y: Array, multipliers: Array) -> Array:
@@ -135,19 +170,46 @@ def marker_motions(model: Model, k: int, y: Array) -> tuple[Array, Array]:
     return motion, J_m
 
 
+def _evaluated(model: Model, t: Array, y: Array, *, solve: bool) -> tuple[Along, Array]:
+    """Evaluate states, and `solve` for rates and multipliers; return least pivots (k,) too."""
+    k, n_c = t.size, model.n_constraint
+    rates, multipliers, regular = np.zeros(y.shape), np.zeros((k, n_c)), np.zeros(k)
+    terms = Balance(np.zeros((k, n_c)), np.zeros((k, n_c)), np.zeros((k, 3)))
+    work = spare_work(model)
+    _evaluations(model, work, t, y, solve, rates, multipliers, regular, *terms)
+    return Along(rates, multipliers, terms), regular
+
+
 def _contiguous(t: Array, y: Array) -> tuple[Array, Array]:
     return np.ascontiguousarray(t, dtype=float), np.ascontiguousarray(y, dtype=float)
 
 
 @lean
-def _derivatives(
-    model: Model, work: Work, t: Array, y: Array, rates: Array, multipliers: Array, regular: Array
+def _evaluations(
+    model: Model,
+    work: Work,
+    t: Array,
+    y: Array,
+    solve: bool,
+    rates: Array,
+    multipliers: Array,
+    regular: Array,
+    Phi: Array,
+    Phi_d: Array,
+    energies: Array,
 ) -> None:
     for k in range(t.shape[0]):
-        derivative_into(model, work, t[k], y[k], rates[k])
-        regular[k] = work.factors.regular[0]
+        if solve:
+            derivative_into(model, work, t[k], y[k], rates[k])
+            regular[k] = work.factors.regular[0]
+            for i in range(model.n_constraint):
+                multipliers[k, i] = work.multipliers[i]
+        else:
+            evaluate(model, work, t[k], y[k])
+        evaluate_rates(model, work, y[k])
         for i in range(model.n_constraint):
-            multipliers[k, i] = work.multipliers[i]
+            Phi[k, i], Phi_d[k, i] = work.rows[i, PHI], work.left[i]
+        energies_into(model, work, y[k], energies[k])
 
 
 @lean
@@ -166,22 +228,25 @@ def _sizes(
 
 
 @lean
-def _balances(
-    model: Model, work: Work, t: Array, y: Array, Phi: Array, Phi_d: Array, energies: Array
-) -> None:
-    for k in range(t.shape[0]):
-        evaluate(model, work, t[k], y[k])
-        evaluate_rates(model, work, y[k])
-        for i in range(model.n_constraint):
-            Phi[k, i], Phi_d[k, i] = work.rows[i, PHI], work.left[i]
-        energies_into(model, work, y[k], energies[k])
+def _momenta(model: Model, work: Work, y: Array, own: Array, found: Array) -> None:
+    for k in range(y.shape[0]):
+        evaluate_bodies(model, work, y[k])
+        momenta_into(model, work, y[k], own[k])
+        for i in range(model.n_body):
+            a, j = model.pos_start[i], model.vel_start[i]
+            linear = triple(own[k, j : j + 3])
+            orbit = cross3(triple(y[k, a : a + 3]), linear)
+            spin = turned(work.A[i], triple(own[k, j + 3 : j + 6]))
+            for c in range(3):
+                found[k, i, c], found[k, i, 3 + c] = linear[c], orbit[c] + spin[c]
 
 
 @lean
-def _momenta(model: Model, work: Work, t: Array, y: Array, found: Array) -> None:
+def _driven_speeds(model: Model, work: Work, t: Array, y: Array, found: Array) -> None:
     for k in range(t.shape[0]):
-        evaluate(model, work, t[k], y[k])
-        momenta_into(model, work, y[k], found[k])
+        evaluate(model, work, t[k], y)
+        for i in range(model.n_constraint):
+            found[k, i] = work.rows[i, PHI_T]
 
 
 @lean
@@ -194,13 +259,25 @@ def _masses(model: Model, work: Work, i: int, t: Array, y: Array, found: Array) 
 
 
 @lean
-def _loads(model: Model, work: Work, t: Array, y: Array, multipliers: Array, found: Array) -> None:
+def _loads(
+    model: Model,
+    work: Work,
+    markers: IntArray,
+    t: Array,
+    y: Array,
+    multipliers: Array,
+    found: Array,
+    origins: Array,
+) -> None:
     n_joint, q = model.joint_kind.shape[0], model.quantities
     first = n_joint - n_coupling(model)
     for k in range(t.shape[0]):
         for i in range(model.n_constraint):
             work.multipliers[i] = multipliers[k, i]
         evaluate(model, work, t[k], y[k])
+        for i in range(markers.shape[0]):
+            for a in range(3):
+                origins[k, i, a] = work.motion[markers[i], PLACE + a]
         for c in range(n_joint - first):
             push = multipliers[k, model.joint_row[first + c]]
             for term in range(q.coupling_start[c], q.coupling_start[c + 1]):
@@ -235,3 +312,15 @@ def _motions(model: Model, marker: int, y: Array, A: Array, motion: Array, J_m: 
     for k in range(y.shape[0]):
         rotation_into(y[k, p : p + 4], A)
         move_marker(model, marker, y[k], A, motion[k], J_m[k])
+
+
+@lean
+def _places(model: Model, y: Array, A: Array, motion: Array, J_m: Array, found: Array) -> None:
+    for k in range(model.marker_body.shape[0]):
+        body = model.marker_body[k]
+        if body >= 0:
+            p = model.pos_start[body] + 3
+            rotation_into(y[p : p + 4], A)
+            move_marker(model, k, y, A, motion, J_m)
+            for a in range(3):
+                found[k, a] = motion[PLACE + a]

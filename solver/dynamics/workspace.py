@@ -146,11 +146,15 @@ def new_work(model: Model) -> Work:
 
 
 def spare_work(model: Model) -> Work:
-    """Return memory for evaluations that are over when the caller returns; one for each model."""
-    found = model.__dict__.get("_spare")
-    if found is None:
-        found = model.__dict__["_spare"] = new_work(model)
-    return found  # type: ignore[no-any-return]
+    """Return memory for evaluations that are over when the caller returns.
+
+    One for each plan: models that differ in numbers only share it.
+    """
+    own = model.marker_x, model.marker_A, model.added_direction  # what `new_work` fills in
+    known = model.plan.__dict__.get("_spare")
+    if known is None or any(one is not other for one, other in zip(known[0], own, strict=True)):
+        known = model.plan.__dict__["_spare"] = own, new_work(model)
+    return known[1]  # type: ignore[no-any-return]
 
 
 @lean

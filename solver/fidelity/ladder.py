@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..math.arrays import Array
+from ..math.front import front
 from ..package.body.selection import vibrations
 from .metrics import difference, scales
 from .plan import BodyPlan, Plan
@@ -42,11 +43,7 @@ class Ladder:
 
     def front(self) -> list[Rung]:
         """Return the models that no other one beats in both time and error."""
-        found: list[Rung] = []
-        for rung in sorted(self.rungs, key=lambda r: (r.cpu, r.error)):
-            if not found or rung.error < found[-1].error:
-                found.append(rung)
-        return found
+        return [self.rungs[i] for i in front([(r.cpu, r.error) for r in self.rungs])]
 
 
 def tried_models(answer: Answer) -> Ladder | None:

@@ -9,7 +9,7 @@ from ..dynamics.dense_equations import accelerations, assemble
 from ..dynamics.derivative import by_blocks, dense_derivative_into, derivative_into
 from ..dynamics.model import Model, state_size
 from ..dynamics.projection import projected
-from ..dynamics.workspace import new_work
+from ..dynamics.workspace import spare_work
 from ..math.arrays import Array
 from .generic.base import Derivative
 from .generic.constrained import ConstrainedSystem
@@ -17,7 +17,7 @@ from .generic.constrained import ConstrainedSystem
 
 def right_hand_side(model: Model) -> Derivative:
     """Return f(t, y) -> dy/dt of the index-1 system, each time in the same array."""
-    work, out = new_work(model), np.empty(state_size(model))
+    work, out = spare_work(model), np.empty(state_size(model))
     fill = derivative_into if by_blocks(model) else dense_derivative_into
 
     def rate(t: float, y: Array) -> Array:
@@ -29,7 +29,7 @@ def right_hand_side(model: Model) -> Derivative:
 
 def projection(model: Model) -> Callable[[float, Array], Array | None]:
     """Return project(t, y) -> state on the constraints; None if none is near."""
-    work = new_work(model)
+    work = spare_work(model)
 
     def nearest(t: float, y: Array) -> Array | None:
         out, reached = projected(model, t, y, work)

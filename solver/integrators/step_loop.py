@@ -13,7 +13,7 @@ from ..dynamics.crossings import NOTHING, beyond, first_crossing
 from ..dynamics.dependence import is_tree
 from ..dynamics.derivative import by_blocks, derivative_into
 from ..dynamics.model import Model
-from ..dynamics.workspace import new_work, spare_work
+from ..dynamics.workspace import spare_work
 from ..math.arrays import Array
 from ..math.compiled import COMPILED
 from .closures import right_hand_side
@@ -80,13 +80,13 @@ class StepLoop(StrideMemory):
             float(self.fixed_step or 0.0),
             self._closes(),
         )
-        work, rate = new_work(model), np.zeros(self.n)
+        work, rate = spare_work(model), np.zeros(self.n)
         if self.status == "running":
             with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
                 derivative_into(model, work, self.t, self.y, rate)
             self.counters.evaluations += 1
         self._h_next = float(self._h_next)  # the loops are compiled for numbers of one kind
-        self._workspace = self._begin(rate, work.multipliers)
+        self._workspace = self._begin(rate, work.multipliers.copy())
         self._evaluated = self.counters.evaluations
         self._forget()
         self._instants = Instants(model, self.t_end)
@@ -173,7 +173,7 @@ class StepLoop(StrideMemory):
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             derivative_into(self._model, work, self.t, self.y, rate)
         self._evaluated += 1
-        self._restart(rate, work.multipliers)
+        self._restart(rate, work.multipliers.copy())
         self._stop_at_next(self.t)
 
     def _stop_at_next(self, t: float) -> None:

@@ -64,14 +64,14 @@ class SpinMonitor:
         self._flexible = [
             i for i in range(self.model.n_body) if self.model.n_mode[i] > 0 and not stiffened[i]
         ]
-        self._safe_spin = {i: self._spin_without_doubt(i) for i in self._flexible}
         self._lost = {i: self._lost_by_axes(i) for i in self._flexible}
+        self._safe_spin = {i: self._spin_without_doubt(i) for i in self._flexible}
 
     def _spin_without_doubt(self, body: int) -> float:
         """Spin below which the margin is positive about any axis: no eigenvalues needed there."""
         K, _ = self._matrices(body, np.zeros(3))
         # About three orthogonal axes the lost stiffness adds up to twice the whole w^2 (phi.phi).
-        largest = 0.5 * sum(self._matrices(body, axis)[1] for axis in np.eye(3))
+        largest = 0.5 * np.einsum("aajk->jk", self._lost[body])
         inverse = np.linalg.inv(np.linalg.cholesky(K))
         top = float(np.linalg.eigvalsh(inverse @ largest @ inverse.T)[-1])
         return 1.0 / np.sqrt(top) if top > 0 else np.inf

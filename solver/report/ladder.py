@@ -5,6 +5,8 @@ from collections.abc import Iterable, Mapping
 from html import escape
 from typing import Any
 
+from ..math.front import front
+
 WIDTH, HEIGHT = 640, 330
 LEFT, RIGHT, TOP, BOTTOM = 62, 14, 14, 44
 SYMBOLS = {"model": "fid-model", "chosen": "fid-chosen", "check": "fid-check"}
@@ -27,8 +29,9 @@ def chart(found: Mapping[str, Any], title: str) -> str:
     sizes = [p[1] for p in shown] + [v for v in (found["asked"], found["estimate"]) if v > 0.0]
     y = _Axis(sizes, HEIGHT - BOTTOM, TOP)
     parts = [*_grid(x, y)]
-    front = " ".join(f"{x(p[0]):.1f},{y(p[1]):.1f}" for p in _front(shown))
-    parts.append(f"<polyline class='fid-front' fill='none' points='{front}'/>")
+    best = [shown[i] for i in front([p[:2] for p in shown])]
+    line = " ".join(f"{x(p[0]):.1f},{y(p[1]):.1f}" for p in best)
+    parts.append(f"<polyline class='fid-front' fill='none' points='{line}'/>")
     asked = y(found["asked"])
     parts.append(_level("fid-asked", LEFT, WIDTH - RIGHT, asked))
     parts.append(
@@ -65,15 +68,6 @@ class _Axis:
     def decades(self) -> list[int]:
         """Powers of ten within the axis."""
         return list(range(math.ceil(self.low), math.floor(self.high) + 1))
-
-
-def _front(points: list[tuple[float, float, str, str]]) -> list[tuple[float, float, str, str]]:
-    """Return the points that no other one beats in both time and error."""
-    found: list[tuple[float, float, str, str]] = []
-    for point in sorted(points):
-        if not found or point[1] < found[-1][1]:
-            found.append(point)
-    return found
 
 
 def _grid(x: _Axis, y: _Axis) -> list[str]:

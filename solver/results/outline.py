@@ -132,26 +132,28 @@ def _joined(corners: Array, near: float) -> tuple[Array, IntArray]:
     keys, first, number = np.unique(
         grid[:, 0] * wide + grid[:, 1], return_index=True, return_inverse=True
     )
-    around = [i * wide + j for i in (0, -1, 1) for j in (0, -1, 1)]
-    known: dict[int, int] = {}
+    around = np.array([i * wide + j for i in (0, -1, 1) for j in (0, -1, 1) if i or j])
+    # rounding may put the same place into a neighbouring cell of the grid
+    beside = np.searchsorted(keys, keys[:, None] + around).clip(max=len(keys) - 1)
+    beside[keys[beside] != keys[:, None] + around] = -1
+    chosen = np.arange(len(keys))
+    order = np.argsort(first)  # of the corners
+    for k in order[(beside[order] >= 0).any(axis=1)].tolist():
+        near_by = [n for n in beside[k].tolist() if n >= 0 and first[n] < first[k]]
+        chosen[k] = next((n for n in near_by if chosen[n] == n), k)
+    kept = order[chosen[order] == order]
     rows = np.empty(len(keys), dtype=np.int64)
-    chosen: list[int] = []
-    for k in np.argsort(first).tolist():  # in the order of the corners
-        key = int(keys[k])
-        # rounding may put the same place into a neighbouring cell of the grid
-        row = next((known[key + step] for step in around if key + step in known), None)
-        if row is None:
-            row = known[key] = len(chosen)
-            chosen.append(int(first[k]))
-        rows[k] = row
-    return corners[chosen], rows[number]
+    rows[kept] = np.arange(len(kept))
+    return corners[first[kept]], rows[chosen][number]
 
 
 def _loops(begin: IntArray, end: IntArray) -> list[IntArray]:
     """Return closed loops of the edges that one cell has, or nothing if they do not close."""
-    edges = set(zip(begin.tolist(), end.tolist(), strict=True))
+    many = int(max(begin.max(), end.max())) + 1
+    edges = np.unique((begin * many + end)[begin != end])
+    outer = edges[~np.isin(edges % many * many + edges // many, edges, assume_unique=True)]
     after: dict[int, list[int]] = {}
-    for a, b in sorted(edge for edge in edges if edge[::-1] not in edges and edge[0] != edge[1]):
+    for a, b in zip((outer // many).tolist(), (outer % many).tolist(), strict=True):
         after.setdefault(a, []).append(b)
     loops = []
     while after:

@@ -1,6 +1,7 @@
 """Surfaces of bodies for pictures: extruded beams, faces of meshes, bars between nodes."""
 
 from collections.abc import Sequence
+from itertools import groupby
 
 import numpy as np
 
@@ -80,20 +81,11 @@ def extruded(
     ends, starts : (n,) sites of each node as end of an element and as start of one
     """
     parts, n = Parts(), len(nodes_B)
-    for e in range(n - 1):
-        outline = outlines[min(e, len(outlines) - 1)]
-        flat = np.column_stack([np.zeros(len(outline.points)), outline.points])
-        one, two = flat @ axes_B[e].T, flat @ axes_B[e + 1].T
-        for loop in outline.loops:
-            count = len(loop)
-            first = parts.points(
-                np.repeat([e, e + 1], count), np.concatenate([one[loop], two[loop]])
-            )
-            k = first + np.arange(count)
-            there = np.roll(k, -1)
-            corners = np.column_stack([k, k + count, there + count, there])
-            site = np.tile([starts[e], ends[e + 1], ends[e + 1], starts[e]], (count, 1))
-            parts.quads(corners, site, sides=0b0001 if count <= FLAT else 0)
+    sites = np.column_stack([starts[:-1], ends[1:]])
+    own = [outlines[min(e, len(outlines) - 1)] for e in range(n - 1)]
+    for _, some in groupby(range(n - 1), lambda e: id(own[e])):  # elements of one outline
+        e = np.array(list(some))
+        _add_tubes(parts, _tube(own[e[0]]), e, axes_B, sites[e])
     for node, outline, turn, own in (
         (0, outlines[0], (0, 2, 1), starts[0]),
         (n - 1, outlines[-1], (0, 1, 2), ends[n - 1]),
@@ -104,6 +96,33 @@ def extruded(
         face = first + rows.reshape(-1, 3)[:, turn]
         parts.triangles(face, np.zeros(len(face), dtype=np.int64), np.full(face.shape, own))
     return parts.surface()
+
+
+def _tube(outline: Outline) -> Surface:
+    """Return the walls between nodes 0 and 1, offsets in section axes; sites are those numbers."""
+    parts = Parts()
+    for loop in outline.loops:
+        count = len(loop)
+        flat = np.column_stack([np.zeros(count), outline.points[loop]])
+        k = parts.points(np.repeat([0, 1], count), np.concatenate([flat, flat])) + np.arange(count)
+        there = np.roll(k, -1)
+        corners = np.column_stack([k, k + count, there + count, there])
+        site = np.tile([0, 1, 1, 0], (count, 1))
+        parts.quads(corners, site, sides=0b0001 if count <= FLAT else 0)
+    return parts.surface()
+
+
+def _add_tubes(parts: Parts, tube: Surface, e: IntArray, axes_B: Array, sites: IntArray) -> None:
+    """Add a tube for each of the elements e (k,), which follow each other; sites (k, 2)."""
+    at = tube.offset_B @ axes_B[e[0] : e[-1] + 2].transpose(0, 2, 1)
+    offset_B = np.where(tube.node[:, None] == 0, at[:-1], at[1:])
+    first = parts.points((e[:, None] + tube.node).ravel(), offset_B)
+    of_each = first + len(tube.node) * np.arange(len(e))
+    parts.triangles(
+        (of_each[:, None, None] + tube.triangles).reshape(-1, 3),
+        np.tile(tube.edges, len(e)),
+        sites[:, tube.site].reshape(-1, 3),
+    )
 
 
 def faces(

@@ -42,6 +42,6 @@ def histories_of(
         prepared = prepare(other.mechanism, other.packages, names, allow_python=allow_python)
         finished = integrated(prepared)
         blocks = list(recorded(prepared.measured, finished.model, finished.blocks))
-        values = {name: np.concatenate([v[name] for *_, v in blocks]) for name in names}
-        found[run] = np.concatenate([t for t, *_ in blocks]), values
+        values = {name: np.concatenate([v[name] for _, v in blocks]) for name in names}
+        found[run] = np.concatenate([r.t for r, _ in blocks]), values
     return found

@@ -80,9 +80,9 @@ def collect(
     )
     past = Past(within=finished.in_play)
     turning = {name: Turning() for name, sensor in sensors.items() if sensor.life is not None}
-    for some, states, values in recorded(sensors, model, finished.blocks):
-        history = recover.history(model, some, states)
-        past.take(some, history)
+    for block, values in recorded(sensors, model, finished.blocks):
+        history = recover.history_of(model, block.y, block.along)
+        past.take(block.t, history)
         kept["", "multipliers"].append(history.multipliers)
         for name, found in turning.items():
             found.take(values[name] * sensors[name].scale)

@@ -71,7 +71,7 @@ class Recording:
         if body < 0:
             return np.zeros((len(self.t), 3))
         j = self.model.n_pos + int(self.model.vel_start[body])
-        own = self._along[0][:, j : j + 6 + int(self.model.n_mode[body])]
+        own = self.rates[:, j : j + 6 + int(self.model.n_mode[body])]
         motion, J_m = series.marker_motions(self.model, marker, self.y)
         return np.asarray(
             np.einsum("kan,kn->ka", J_m[:, :3], own) + motion[:, ACCELERATION:SPIN_RATE]
@@ -98,19 +98,19 @@ class Recording:
     @property
     def rates(self) -> Array:
         """Rates (k, n) of the states."""
-        return self._along[0]
+        return self.along.rates
 
     @property
     def multipliers(self) -> Array:
         """Multipliers (k, n_c) of the constraints."""
-        return self._along[1]
+        return self.along.multipliers
 
     @cached_property
-    def _along(self) -> tuple[Array, Array]:
-        """Rates (k, n) and multipliers (k, n_c)."""
-        return series.along_solution(self.model, self.t, self.y)
+    def along(self) -> series.Along:
+        """Rates, multipliers, constraints and energies."""
+        return series.along(self.model, self.t, self.y)
 
     @cached_property
     def _loads(self) -> Array:
         """Force and moment of every joint on its two sides, (k, 2 nj, 6), and of force elements."""
-        return series.marker_loads(self.model, self.t, self.y, self._along[1])
+        return series.marker_loads(self.model, self.t, self.y, self.multipliers)

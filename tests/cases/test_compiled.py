@@ -102,6 +102,16 @@ def found(ahead, repository, tmp_path_factory):
     return {name: row for name, *row in rows}
 
 
+def test_what_is_in_the_cache_is_not_compiled_ahead_again(ahead):
+    _python(
+        "from plymotion.solver.commands import compile\n"
+        "def again():\n"
+        "    raise AssertionError('called again')\n"
+        "compile.compile_ahead = again\n"
+        "compile.compile_once()\n"
+    )
+
+
 @pytest.mark.parametrize("name", RUNS)
 def test_a_run_compiles_nothing(name, found):
     missed, loaded, numba = found[name]

@@ -274,6 +274,9 @@ def test_constant_loads_and_frequencies_fall_together() -> None:
     assert free is not None
     assert loaded is not None
     assert loaded.frequencies[0] ** 2 == pytest.approx(0.5 * free.frequencies[0] ** 2, rel=2e-3)
+    # 1 N/m is far above the critical load
+    with pytest.raises(ShellError, match=r"prestress = 'N': the shell has buckled"):
+        analyse({**spec, "frequencies": {"count": 1, "prestress": "N"}})
 
 
 @pytest.mark.provokes("buckling-after-large-rotation")

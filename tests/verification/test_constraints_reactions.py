@@ -92,7 +92,7 @@ def test_a_wrong_multiplier_is_noticed():
     model, y = prepared(sample, Treatment("baumgarte"))
     t, states = np.zeros(1), y[None]
     along, multipliers = along_solution(model, t, states)
-    rates = momentum_rates(model, t, states, along)
+    rates = momentum_rates(model, states, along)
     right, _ = acting(model, t, states, multipliers)
     wrong, _ = acting(model, t, states, multipliers * (1 + 1e-6))
     assert np.abs(rates - right).max() < 1e-10

@@ -10,7 +10,8 @@ from typing import Any
 from plymotion import __version__
 
 from ...errors import InputError, PackageError
-from ...inputs.case.resolved import put, resolved
+from ...inputs.case.dotted_keys import put
+from ...inputs.case.resolved import resolved
 from ...inputs.case.schema import Mechanism
 from ...inputs.case.segments import in_segments
 from ...inputs.case.sources import solver_sha256

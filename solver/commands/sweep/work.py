@@ -90,10 +90,10 @@ class Work:
 
 
 def _compute(executor: Executor, portions: Portions) -> None:
-    if isinstance(executor, Local) and COMPILED:  # once, before all workers do
-        from ..compile import compile_ahead
+    if isinstance(executor, Local) and COMPILED:  # before all workers do
+        from ..compile import compile_once
 
-        compile_ahead()
+        compile_once()
     distribute(executor, portions)
 
 

@@ -1,13 +1,13 @@
 """The resolved mechanism of a run: plain data in a file, typed in the program."""
 
 from collections.abc import Mapping
-from copy import copy
 from typing import Any
 
 from pydantic import ValidationError
 
 from ...errors import InputError
 from ..common.messages import lines
+from .dotted_keys import put
 from .laws import RESOLVED
 from .outputs import output_findings
 from .schema import Mechanism
@@ -27,23 +27,6 @@ def resolved(table: Mapping[str, Any], where: str) -> Mechanism:
         raise InputError("\n".join(lines(error, Mechanism, where))) from error
     if wrong := output_findings(found):
         raise InputError("\n".join(f"{where}: {line}" for line in wrong))
-    return found
-
-
-def put(table: dict[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return plain data with other values at dotted keys; numbers are places of lists.
-
-    What does not change is shared with `table`.
-    """
-    found = copy(table)
-    for key, value in changes.items():
-        here: Any = found
-        *way, last = key.split(".")
-        for part in way:
-            place: Any = int(part) if isinstance(here, list) else part
-            here[place] = copy(here[place])
-            here = here[place]
-        here[int(last) if isinstance(here, list) else last] = value
     return found
 
 

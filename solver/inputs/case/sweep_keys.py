@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from copy import copy
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -135,16 +134,6 @@ def _reads(key: str, text: str, sweep: Sweep, parameters: Mapping[str, float]) -
     return names
 
 
-def split_key(key: str) -> list[str]:
-    """Return the parts of a dotted key of a case.
-
-    After a colon it is a key of a description: "sections.tube:laminates.wall.angles_deg.1" is
-    the change "laminates.wall.angles_deg.1" of the table sections.tube.
-    """
-    owner, colon, inner = key.partition(":")
-    return [*owner.split("."), *(["changes", inner] if colon else [])]
-
-
 def unit_at(mechanism: "Mechanism", key: str, folder: Path) -> str:
     """Return the unit of the number at a key, "" for none.
 
@@ -200,27 +189,6 @@ def _unit(model: BaseModel, key: str, shown: str) -> str:
         what = {str: "text", bool: "true or false", list: "a list"}.get(type(here), "a table")
         raise Misplaced(f"{shown}: expected the key of a number, this is {what}")
     return unit
-
-
-def changed(table: dict[str, Any], defaults: Any, changes: Mapping[str, float]) -> dict[str, Any]:
-    """Return a copy of a mechanism's table, as the user wrote it, with numbers at dotted keys.
-
-    `defaults` is the complete mechanism, for lists that the user omitted.
-    """
-    found = dict(table)
-    for key, value in changes.items():
-        *way, last = split_key(key)
-        here: Any = found
-        there: Any = defaults
-        for part in way:
-            there = there[int(part)] if isinstance(there, list) else there[part]
-            place: Any = int(part) if isinstance(here, list) else part
-            if isinstance(here, dict):
-                here.setdefault(part, there if isinstance(there, list) else {})
-            here[place] = copy(here[place])  # what does not change is shared with `table`
-            here = here[place]
-        here[int(last) if isinstance(here, list) else last] = value
-    return found
 
 
 def differences(base: Any, other: Any, way: tuple[str, ...] = ()) -> Iterator[tuple[str, Any]]:

@@ -13,11 +13,12 @@ from ..common import lines
 from ..common.messages import bare_lines
 from .body_specs import BodySpec, BodySpecs
 from .combining import needed, with_parts
+from .dotted_keys import put
 from .laws import FOLDER
 from .parts import in_parts
 from .schema import Mechanism
 from .sharing import sharing
-from .sweep_keys import Misplaced, Parameter, changed, changes_of, parameters_of, unit_at
+from .sweep_keys import Misplaced, Parameter, changes_of, parameters_of, unit_at
 from .sweeps import Sweep
 
 NUMBER = re.compile(r"-?\d+(\.\d*)?(e[-+]?\d+)?")
@@ -151,7 +152,7 @@ class _Maker:
                         if key not in known:
                             known[key] = self._has(base, key)
                     changes = {key: v for key, v in changes.items() if known[key]}
-                table = changed(merged, defaults, changes)
+                table = put(merged, changes, defaults)
                 member = Mechanism.model_validate(table, context=context)
             except Misplaced as error:
                 problems.add(k, values, [str(error)])

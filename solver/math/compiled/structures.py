@@ -15,6 +15,7 @@ from .array_head import address_of
 Class = TypeVar("Class", bound=type)
 
 _NUMBERS = {int: "i8", float: "f8", bool: "b1"}
+_PLAIN = 0x101  # flags of arrays: contiguous, aligned
 _PACKED = {"i8": np.int64, "b1": np.int64, "f8": np.float64}
 
 
@@ -60,7 +61,8 @@ def table_of(value: Any) -> Table:
 
 @cache
 def _text_of(dtype: np.dtype[Any], ndim: int) -> str:
-    return f"{dtype.str[1:]}[{ndim}]"
+    """Return what an array is; nothing if its numbers are not in the order of this machine."""
+    return f"{dtype.str[1:]}[{ndim}]" if dtype.isnative else ""
 
 
 def _describe(value: Any, words: list[int]) -> str:
@@ -69,14 +71,15 @@ def _describe(value: Any, words: list[int]) -> str:
     fields = []
     for name, field in zip(cls._fields, value, strict=True):
         if isinstance(field, np.ndarray):
-            flags = field.flags
-            if not (flags.c_contiguous and flags.aligned and field.dtype.isnative):
+            text = _text_of(field.dtype, field.ndim)
+            if field.flags.num & _PLAIN != _PLAIN or not text:
                 raise TypeError(f"{cls.__name__}.{name}: expected a contiguous array")
             words.append(address_of(field))
             words.extend(field.shape)
-            text = _text_of(field.dtype, field.ndim)
-        elif hasattr(field, "is_structure"):
-            text = _describe(field, words)
+        elif hasattr(field, "is_structure"):  # models that differ in numbers share most of theirs
+            table = table_of(field)
+            text = table.text
+            words.extend(table.words.view(np.uint64).tolist())
         else:
             text = _NUMBERS.get(cls.__annotations__[name], "")
             if not text:

@@ -162,9 +162,7 @@ class Stepper:
     def _measured(self) -> Array:
         """Return the outputs at the present time, (n,)."""
         block = np.array([self.t]), self.y[None]
-        _, _, found = next(
-            recorded(self.outputs, self._prepared.model, lambda: [block], self._memory)
-        )
+        _, found = next(recorded(self.outputs, self._prepared.model, lambda: [block], self._memory))
         return np.array([found[name][0] for name in self.outputs])
 
 

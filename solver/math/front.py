@@ -1,0 +1,17 @@
+"""Points that no other one beats in two measures at once."""
+
+from collections.abc import Sequence
+
+
+def front(points: Sequence[tuple[float, float]]) -> list[int]:
+    """Return the indices of the points that no other one beats in both numbers, by the first one.
+
+    Parameters
+    ----------
+    points : pairs of which less is better, as CPU time [s] and error
+    """
+    found: list[int] = []
+    for i in sorted(range(len(points)), key=points.__getitem__):
+        if not found or points[i][1] < points[found[-1]][1]:
+            found.append(i)
+    return found
