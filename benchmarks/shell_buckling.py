@@ -21,7 +21,7 @@ from pathlib import Path
 
 import numpy as np
 import shell_calculix
-from shell_benchmarks import cantilever
+from shell_cantilevers import cantilever
 from shell_layups import PLATES
 
 from plymotion.preprocess.shell.analysis import analyse

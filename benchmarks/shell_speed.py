@@ -16,7 +16,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from shell_benchmarks import box, cantilever
+from shell_cantilevers import box, cantilever
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx.petsc import petsc_matrix, sorted_csr

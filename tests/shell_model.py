@@ -1,5 +1,6 @@
 """A shell problem described in Python, solved by preprocess/shell, and what is read from it."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -160,3 +161,7 @@ class Solved:
         found = self.problem.resultants(self.statics.displacements)[0, cells]
         operators = stress_operators(region.laminate.laminate)
         return np.asarray(np.einsum("plij,cj->cpli", operators, found))
+
+
+# A problem and how its numbers are read from the solution.
+Problem = tuple[Model, Callable[[Any], Any]]

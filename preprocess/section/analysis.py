@@ -10,12 +10,11 @@ import numpy as np
 from ...solver.package.section.schema import SectionFile
 from .. import fenicsx
 from .adaptive import indicators, worst_cells
-from .errors import SectionError
-from .estimate import error_estimate, error_of_edges, scaled
+from .estimate import error_of_edges, scaled
 from .guards import (
-    ALLOWED,
     REVERSAL,
     check_degree,
+    coarse_warnings,
     condition_warnings,
     density_warnings,
     not_computed_warnings,
@@ -24,19 +23,18 @@ from .guards import (
 )
 from .helical import CentralSolutions
 from .inertia import mass_centre, mass_matrix
-from .layers import Layup, layup
-from .mesh import OF_MESH
+from .layers import layup
 from .mesh_data import mesh_data, nodal_displacements
 from .problem import SectionProblem, section_problem
 from .recovery import section_recovery, unit_strains, unit_warping
 from .refine import refined
 from .shape_along import curvature_of, curvature_warnings, taper_error
+from .solution import Solved, compared, degree_of, resolved, solve
 from .space import SectionSpace
 from .spec import check_spec
-from .timoshenko import SectionStiffness, shear_centre, tension_centre
+from .timoshenko import shear_centre, tension_centre
 from .twist import TwistedStrains
 
-DEGREE = 2  # of the warping field
 MOST_STEPS = 25  # of refinement
 MOST_DOFS = 400_000  # limit of refinement: a larger problem takes minutes and gigabytes
 
@@ -79,37 +77,37 @@ def analyse(
     begin = progress or (lambda _line: None)
     allow = tuple(spec.get("allow", ()))
     steps: list[dict[str, float | None]] = []
-    problem = section_problem(spec["mesh"], where, _degree(spec), team)
+    problem = section_problem(spec["mesh"], where, degree_of(spec), team)
     # cells of another code are the section itself; others keep their edges when they are refined
-    edges = 0.0 if _degree(spec) is None else error_of_edges(problem.mesh.cells)
+    edges = 0.0 if degree_of(spec) is None else error_of_edges(problem.mesh.cells)
     while True:
         begin(f"mesh, refined {len(steps)} times" if steps else "mesh")
         lay = layup(spec, problem.mesh, problem.space, where)
         warnings = [
             *problem.mesh.warnings,
             *lay.warnings,
-            *check_degree(problem.space, lay, where, allow, given=_degree(spec) is None),
+            *check_degree(problem.space, lay, where, allow, given=degree_of(spec) is None),
             *not_computed_warnings(spec.get("not_computed", ())),
             *density_warnings(lay),
         ]
         begin(f"warping, {problem.space.n_dof} dofs")
-        result = _solve(problem, lay, where, spec)
-        warnings += [*solvability_warnings(result), *condition_warnings(result)]
-        warnings += curvature_warnings(result)
-        error = None
+        solved = Solved(problem, lay, solve(problem, lay, where, spec))
         if estimate or accuracy is not None:
             begin("error estimate")
-            richer = _richer(problem, spec, where, first=not steps)
-            lay_richer = layup(spec, richer.mesh, richer.space, where)
-            better = _solve(richer, lay_richer, where, spec, measured=False)
+            solved = compared(solved, spec, where, first=not steps)
+            if curvature_of(spec) is not None and "degree" not in spec["mesh"]:
+                solved = resolved(solved, spec, where)
+        problem, lay, result, error = solved.problem, solved.lay, solved.result, solved.error
+        warnings += [*solvability_warnings(result), *condition_warnings(result)]
+        warnings += curvature_warnings(result)
+        if error is not None:
             size = np.sqrt(np.diag(result.K))
-            error = error_estimate(result.K, better.K, problem.space.degree)
             # of opposite sign: a coarse field is too stiff, a parabola inside its arc too soft
             error = np.hypot(error, edges * np.outer(size, size))
         reversal = 0.0
         if error is not None and lay.reversing.any():
             # refinement moves the place of the reversal only slowly
-            turned = _solve(problem, lay.reversed_there(), where, spec, measured=False)
+            turned = solve(problem, lay.reversed_there(), where, spec, measured=False)
             other = np.abs(turned.K - result.K)
             error, reversal = error + other, float(scaled(other, result.K).max())
             limit = REVERSAL if accuracy is None else accuracy
@@ -137,7 +135,9 @@ def analyse(
                 }
             )
             break
-        eta = indicators(problem, result, richer, better, lay_richer.stiffness)
+        richer = solved.richer
+        assert richer is not None
+        eta = indicators(problem, result, richer.problem, richer.result, richer.lay.stiffness)
         cells = refined(problem.mesh.cells, worst_cells(eta))
         cost = problem.space.n_dof * cells.n_cell / problem.mesh.cells.n_cell
         if cost > MOST_DOFS or len(steps) > MOST_STEPS:
@@ -151,6 +151,7 @@ def analyse(
             break
         degree = problem.space.degree
         problem = SectionProblem(replace(problem.mesh, cells=cells), degree, team)
+    warnings += coarse_warnings(solved.error, result.K)
     begin("recovery")
     density = lay.density
     if isinstance(result, CentralSolutions):
@@ -192,40 +193,3 @@ def analyse(
             "versions": fenicsx.versions(),
         },
     )
-
-
-def _solve(
-    problem: SectionProblem,
-    lay: Layup,
-    where: str,
-    spec: Mapping[str, Any],
-    *,
-    measured: bool = True,
-) -> SectionStiffness | CentralSolutions:
-    doubtful = ALLOWED[1] in spec.get("allow", ())
-    try:
-        k = curvature_of(spec)
-        return problem.solve(lay.stiffness, k=k, doubtful=doubtful, measured=measured)
-    except fenicsx.FactorisationError as error:
-        hint = ""
-        if isinstance(error, fenicsx.SingularError):
-            hint = f'; allow = ["{ALLOWED[1]}"] solves it anyway'
-        raise SectionError(f"{where}: {error}{hint}") from error
-    except SectionError as error:
-        raise SectionError(f"{where}: {error}") from error
-
-
-def _degree(spec: Mapping[str, Any]) -> int | None:
-    """Degree of the warping; None: the functions of the nodes of the mesh."""
-    degree = spec["mesh"].get("degree", DEGREE)
-    return None if degree == OF_MESH else int(degree)
-
-
-def _richer(
-    problem: SectionProblem, spec: Mapping[str, Any], where: str, *, first: bool
-) -> SectionProblem:
-    """The problem with one degree more; that of a mesh without refinement is kept for others."""
-    degree = problem.space.degree + 1
-    if first:
-        return section_problem(spec["mesh"], where, degree, problem.team)
-    return SectionProblem(problem.mesh, degree, problem.team)

@@ -5,10 +5,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...solver.errors import few
+from ...solver.math.arrays import Array
 from ...solver.package.common.anisotropic import Anisotropic
 from ..materials import Orthotropic
 from .cells import CellMesh
 from .errors import SectionError
+from .estimate import scaled
 from .helical import CentralSolutions
 from .layers import Layup
 from .space import SectionSpace
@@ -20,6 +22,7 @@ from .warping import SOLVABILITY
 LOCKING = 9.0
 INCOMPRESSIBLE = 5000.0
 REVERSAL = 1e-3  # relative change of K by the sense of layer directions that is worth a warning
+COARSE = 0.05  # estimated error of K, scaled, that is worth a warning
 ALLOWED = ("nearly-incompressible", "ill-conditioned")  # what `allow` may list
 
 
@@ -119,6 +122,21 @@ def condition_warnings(result: SectionStiffness | CentralSolutions) -> list[dict
             "code": "ill-conditioned",
             "message": "the equations of the warping are nearly singular; the estimate contains "
             "their round-off as far as a second solution shows it",
+        }
+    ]
+
+
+def coarse_warnings(error: Array | None, K: Array) -> list[dict[str, str]]:
+    """Warning if the estimated error (6, 6) of the stiffness is large."""
+    if error is None or scaled(error, K).max() <= COARSE:
+        return []
+    share = scaled(error, K)
+    i, j = np.unravel_index(int(np.argmax(share)), share.shape)
+    return [
+        {
+            "code": "coarse-mesh",
+            "message": f"the estimated error of K{i + 1}{j + 1} is {share[i, j]:.2g} of "
+            "sqrt(K_ii K_jj): use a finer mesh (density) or a higher mesh.degree",
         }
     ]
 

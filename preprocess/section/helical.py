@@ -26,6 +26,7 @@ from .warping import LARGEST_GROWTH, unknowns_at_nodes
 
 TOLERANCE = 1e-15  # of the residual of the preconditioned equations
 ENOUGH = 1e-7  # residual that round-off leaves at most; K is wrong by its square
+SLOW = 0.05  # reduction of the residual by a round that suggests the other solver
 STEPS, ROUNDS = 24, 6  # of GMRES in a round, rounds
 
 
@@ -153,8 +154,9 @@ def _iterated(
         now = float(np.linalg.norm(residual)) / goal
         if not now < 0.5 * left:
             break
+        slow = solver is simple and now > max(SLOW * left, ENOUGH)
         best, left = (W, S_e), now
-        if left < TOLERANCE:
+        if left < TOLERANCE or slow:
             break
         dW, dS = simple.unpacked(_solved(operator, residual, max(TOLERANCE / left, 1e-10)))
         W, S_e = W + dW, S_e + dS

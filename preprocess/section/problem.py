@@ -63,9 +63,19 @@ class SectionProblem:
 
     @cached_property
     def _thin(self) -> SectionSpace | None:
-        """The space with differences across thin walls as unknowns."""
+        """The space with differences across thin walls and at their corners as unknowns."""
         unknowns = differences_across(self.space)
         return None if unknowns is None else self.space.expressed(unknowns)
+
+    @cached_property
+    def _thin_twisted(self) -> SectionSpace | None:
+        """The same without corners."""
+        unknowns = differences_across(self.space, corners=False)
+        return None if unknowns is None else self.space.expressed(unknowns)
+
+    def _thin_for(self, k: Array | None) -> SectionSpace | None:
+        """The space for thin walls of a prismatic or a twisted beam, made when it is needed."""
+        return self._thin if k is None else self._thin_twisted
 
     def solve(
         self,
@@ -74,18 +84,19 @@ class SectionProblem:
         k: Array | None = None,
         doubtful: bool = False,
         measured: bool = True,
+        known: SectionStiffness | CentralSolutions | None = None,
     ) -> SectionStiffness | CentralSolutions:
         """The 6x6 stiffness for given stiffness at the points, (c, 1 or q, 6, 6) [Pa].
 
         `k` (3,) is the initial twist and curvature of the beam, None for a prismatic one.
         With `doubtful`, equations that appear to be singular are solved too. Without `measured`,
-        round-off is not measured.
+        round-off is not measured; for a `known` result of this problem it is measured only.
 
         If the condition of the equations requires it, they are solved with unknowns that suit thin
         walls, and their round-off is measured: the difference from the solution with coordinates
         that are changed in their last digit.
         """
-        result = self._solve(C, k, doubtful)
+        result = known or self._solve(C, k, doubtful)
         if self._growth <= WELL or not measured:
             return result
         noise = 1.0 + NOISE * np.random.default_rng(0).choice(
@@ -118,14 +129,15 @@ class SectionProblem:
             try:
                 result = self._by(self.space, C, k, doubtful)
             except (fenicsx.FactorisationError, SectionError):
-                if self._thin is None:
+                if self._thin_for(k) is None:
                     raise
             else:
-                if self._growth <= WELL or self._thin is None:
+                if self._growth <= WELL or self._thin_for(k) is None:
                     return result
-        assert self._thin is not None
+        thin = self._thin_for(k)
+        assert thin is not None
         try:
-            better = self._by(self._thin, C, k, doubtful)
+            better = self._by(thin, C, k, doubtful)
         except fenicsx.FactorisationError:
             if result is None:
                 raise

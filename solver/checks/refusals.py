@@ -2,12 +2,12 @@
 
 from collections.abc import Iterator
 
+from ..errors import few
 from ..results.codes.course import REFUSED
 from ..results.finding import Finding
 from .finished import FinishedRun
 from .stalls import named_motion
 
-HEAVY = 1e6  # point masses over the mass of their flexible body
 WORTH_A_WORD = 100  # attempts: a shorter run costs nothing
 
 
@@ -30,27 +30,14 @@ def refusal_findings(run: FinishedRun) -> Iterator[Finding]:
             "; or, if this motion is a vibration of no interest, cutoff_frequency or damping of "
             "the body"
         )
-    heavy = _heavy(run) if found.newton > found.rough else ""
-    if heavy:
-        helps = f"the point masses on {heavy} as rigid bodies with a fixed or spherical joint"
+    sticking = [n for n, f in run.mechanism.forces.items() if f.kind == "friction"]
+    if sticking and found.newton > found.rough:
+        helps = (
+            f"a larger rest_velocity of {few([f'forces.{name}' for name in sticking])}, at least "
+            f'rtol times the velocities of the motion; or kind = "bristle_friction"; or {helps}'
+        )
     text = (
         f"{found.share:.0%} of {found.attempts} attempts at a step were refused{why}{cause}. "
         f"What helps: {helps}"
     )
     yield REFUSED.finding(text, body=body, value=found.share)
-
-
-def _heavy(run: FinishedRun) -> str:
-    """Return the flexible body whose point masses are the heaviest over its own mass, if `HEAVY`.
-
-    They are part of its mass matrix, and turn with its frame: the matrix of a step, frozen at one
-    orientation, misses their ratio times the rotation.
-    """
-    model, built = run.built.model, run.built
-    ratios = {
-        name: float(model.mass[i]) / built.packages[name].invariants.mass
-        for i, name in enumerate(built.body_names)
-        if name in built.packages and built.packages[name].invariants.mass > 0.0
-    }
-    name = max(ratios, key=lambda body: ratios[body], default="")
-    return name if name and ratios[name] > HEAVY else ""

@@ -54,6 +54,8 @@ def named_motion(built: BuiltMechanism, component: int) -> tuple[str, str]:
         return "", "unknown"
     starts = np.asarray(model.vel_start) + model.n_pos if velocity else np.asarray(model.pos_start)
     i = int(np.searchsorted(starts, component, side="right")) - 1
+    if i >= len(built.body_names):
+        return "", "that of a virtual body"
     name, frame = built.body_names[i], 6 if velocity else 7
     k = component - int(starts[i])
     if k < 3:

@@ -77,7 +77,8 @@ class BeamTheory:
         if self.walls is None:
             text += "; walls, oval sections and short waves of a described section not checked"
         if self.enough(accuracy):
-            return f"{text}; a beam is enough for {accuracy:g}"
+            known = "" if self.walls is not None else "as far as checked, "
+            return f"{text}; {known}a beam is enough for {accuracy:g}"
         worst = [name for name, value in self.values.items() if value > accuracy]
         return f"{text}; {' and '.join(worst)} above {accuracy:g}: {other} is proposed"
 

@@ -12,6 +12,7 @@ from ..math.arrays import Array
 from .closures import constrained_system, projection, right_hand_side
 from .explicit_stepping import ExplicitLoop
 from .generic import Integrator
+from .longest_step import longest_step
 from .table import INTEGRATORS
 from .tolerances import ToleranceKeys, blocks, tolerances
 
@@ -111,9 +112,12 @@ def make_integrator(
         "atol": tolerances(model, y0, solver, rtol),
         "block_starts": blocks(model),
     }
-    for key, step in (("max_step", solver.max_step), ("fixed_step", fixed_step)):
-        if step is not None:
-            options[key] = step
+    if fixed_step is not None:
+        options["fixed_step"] = fixed_step
+    elif solver.max_step is not None:
+        options["max_step"] = solver.max_step
+    else:
+        options["max_step"] = longest_step(model, solver.t_end)
     if functions:
         options["functions"] = functions
     options |= {key.name: getattr(solver, key.name) for key in kind.keys}

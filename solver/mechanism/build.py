@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import compress
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,7 +19,7 @@ from .joints import BuiltJoint, joint_tables
 from .measured import Reader
 from .modal_start import modal_values
 from .places import Places
-from .virtual import VirtualBodies, through_virtual_bodies
+from .virtual import HEAVY, VirtualBodies, through_virtual_bodies
 
 if TYPE_CHECKING:
     from ..inputs.case.schema import Mechanism
@@ -43,7 +44,7 @@ class BuiltMechanism:
     light: Callable[[], Model]  # the same with mass points of moderate mass (`heaviest` of `build`)
     force_names: list[str]  # in the order of the force elements of the model
     callers: tuple[str, ...] = ()  # forces whose values come from functions of the user
-    point_masses: tuple[tuple[int, float], ...] = ()  # marker and mass [kg] of each
+    point_masses: tuple[tuple[int, float], ...] = ()  # marker and mass [kg], not of virtual bodies
 
 
 def build(
@@ -74,8 +75,9 @@ def build(
         (places.marker(f"masses.{name}.at", mass.at, np.eye(3)), mass.mass)
         for name, mass in mechanism.masses.items()
     ]
+    own = [bodies[places.markers[k].body].invariants.mass for k, _ in masses]
+    heavy = [0.0 < HEAVY * body < m for (_, m), body in zip(masses, own, strict=True)]
     if heaviest < np.inf:
-        own = [bodies[places.markers[k].body].invariants.mass for k, _ in masses]
         masses = [
             (k, min(m, heaviest * body) if body > 0.0 else m)
             for (k, m), body in zip(masses, own, strict=True)
@@ -96,6 +98,11 @@ def build(
     virtual = VirtualBodies([], places.markers, joints)
     if mechanism.solver.attachment == "virtual":
         virtual = through_virtual_bodies(bodies, places.markers, joints)
+    if any(heavy):
+        apart = list(compress(masses, heavy))
+        names = [f"masses.{name}" for name in compress(mechanism.masses, heavy)]
+        virtual = virtual.with_masses(bodies, names, apart)
+        masses = [each for each in masses if each not in apart]
     model = assemble_model(
         bodies + virtual.bodies,
         virtual.markers,

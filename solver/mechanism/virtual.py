@@ -1,4 +1,6 @@
-"""Virtual bodies: massless rigid bodies between an interface of a flexible body and its joints.
+"""Virtual bodies: rigid bodies that constraints fix to an interface of a body.
+
+Massless ones stand between an interface of a flexible body and its joints.
 
 The paper (section 2.2) writes joints between rigid bodies only. Six constraints fix a virtual body
 to the interface, and the joint is attached to the virtual body. A marker has the same six
@@ -8,6 +10,11 @@ body has twelve more unknowns for every interface: six coordinates and six multi
 The mass matrix is then singular, but the saddle-point matrix is not: the motion of a virtual body
 follows from its flexible body by the six constraints, and M is positive definite on all motions
 that the constraints allow.
+
+A point mass that is much heavier than its body is a virtual body as well. As a part of the body it
+would be in its mass matrix, which turns with the body's frame: Newton's matrix of an implicit step,
+frozen at one orientation, then misses the mass ratio times the rotation within the step, and the
+iteration diverges. The force between the body and the virtual body is an unknown of the iteration.
 """
 
 from collections.abc import Sequence
@@ -18,6 +25,8 @@ import numpy as np
 from ..dynamics.model import GROUND, Model
 from ..dynamics.tables import Body, JointTable, MarkerTable, rigid_body
 from ..math.arrays import Array
+
+HEAVY = 1e3  # a point mass over its body, from which on it is a virtual body
 
 
 @dataclass(frozen=True)
@@ -41,8 +50,28 @@ class VirtualBodies:
         first = model.n_body - len(self.carriers)
         for k, (body, _) in enumerate(self.carriers):
             i, j = int(model.vel_start[body]), int(model.vel_start[first + k])
-            scale[j : j + 6] = scale[i : i + 6]
+            if model.mass[first + k] == 0.0:
+                scale[j : j + 3] = scale[i : i + 3]
+            scale[j + 3 : j + 6] = scale[i + 3 : i + 6]
         return model._replace(inertia_scale=scale)
+
+    def with_masses(
+        self, bodies: Sequence[Body], names: Sequence[str], masses: Sequence[tuple[int, float]]
+    ) -> "VirtualBodies":
+        """Return the tables with each mass (marker, [kg]) as a virtual body, fixed to its marker.
+
+        `bodies` are those of the mechanism without virtual ones.
+        """
+        new: list[Body] = []
+        ties: list[JointTable] = []
+        markers, carriers = list(self.markers), list(self.carriers)
+        for name, (k, mass) in zip(names, masses, strict=True):
+            number = len(bodies) + len(self.bodies) + len(new)
+            new.append(rigid_body(name, mass, np.zeros(3), np.zeros((3, 3))))
+            carriers.append((markers[k].body, markers[k].x))
+            markers += [replace(markers[k], A=np.eye(3)), MarkerTable(number, np.zeros(3))]
+            ties.append(JointTable(name, "fixed", len(markers) - 2, len(markers) - 1))
+        return VirtualBodies(self.bodies + new, markers, self.joints + ties, carriers)
 
 
 def through_virtual_bodies(

@@ -133,12 +133,21 @@ class SpinMonitor:
             "natural frequency of the body in its frame, with the masses that it carries "
             f"({critical:.4g} rad/s). A linear body has no stiffness at this speed: results after "
             "this time are invalid. Set geometric_stiffening = true, use a stiffer or shorter "
-            "body, or reduce the speed. "
+            f"body, or reduce the speed{self._feedback()}. "
             'on_invalid = "warn" continues the run'
         )
         spin = float(np.linalg.norm(w))
         self.findings.append(SPIN.finding(text, body=name, t=t, value=spin))
         return self.findings[-1]
+
+    def _feedback(self) -> str:
+        """Another cause of motion that is too fast, where there is one."""
+        if not (self.model.quantities.period > 0.0).any():
+            return ""
+        return (
+            "; if a sampled controller moves it, compare with a shorter sample_time: its loop may "
+            "be unstable"
+        )
 
     def at_start(self, t: float, y: Array) -> Finding | None:
         """Check the start; return what is found if the run should not begin."""

@@ -31,6 +31,7 @@ LIMITS = {
     "sliver-elements": ("preprocess/section/mesh_checks.py", "LEAST_SINE"),
     "nearly-incompressible": ("preprocess/section/guards.py", "INCOMPRESSIBLE"),
     "ill-conditioned": ("preprocess/section/problem.py", "LARGEST_GROWTH"),
+    "coarse-mesh": ("preprocess/section/guards.py", "COARSE"),
     "stress-at-corner": ("solver/package/section/corners.py", "ANGLE_DEG"),
     "direction-reverses": ("preprocess/section/guards.py", "REVERSAL"),
     "strongly-curved": ("preprocess/section/shape_along.py", "STRONG"),

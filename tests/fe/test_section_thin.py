@@ -86,6 +86,26 @@ def test_strip(t: float) -> None:
     assert found.warnings == ()
 
 
+@pytest.mark.one_end
+def test_box_with_very_thin_walls() -> None:
+    """Corners make its equations worse than those of a tube: GJ of Bredt, EA, EI."""
+    t, b, h = 1e-5, 1.0, 0.5
+    wall = {"plies": [{"material": "m"}], "direction": {"vector": [1.0, 0.0]}}
+    spec = {
+        "mesh": expand("box", {"width": b + t, "height": h + t, "wall": t}),
+        "materials": {"m": {"kind": "isotropic", "E": 1.0, "nu": NU, "rho": 1.0}},
+        "regions": {name: wall for name in ("top", "right", "bottom", "left")},
+    }
+    found = analyse(spec)
+    GJ = 4.0 * (b * h) ** 2 / (2.0 * (b + h)) * G * t
+    EI = t * h**2 * (h / 6.0 + b / 2.0)
+    assert 1.0 / np.linalg.inv(found.K)[3, 3] == pytest.approx(GJ, rel=2e-5)
+    assert found.K[0, 0] == pytest.approx(2.0 * (b + h) * t, rel=1e-8)
+    assert found.K[4, 4] == pytest.approx(EI, rel=1e-6)
+    assert found.provenance["round_off"] < 1e-6
+    assert found.warnings == ()
+
+
 def test_both_kinds_of_unknowns_give_the_same_stiffness() -> None:
     """Where both are accurate: a wall of 1/30."""
     spec = described("rectangle", {"width": 1.0, "height": 1.0 / 30.0})
@@ -173,7 +193,7 @@ def test_shear_soft_is_not_incompressible() -> None:
     assert bulk_over_shear(material_from_dict(honeycomb, "m")) < 3.0
 
 
-@pytest.mark.provokes("nearly-incompressible", "degree-1-locks")
+@pytest.mark.provokes("nearly-incompressible", "degree-1-locks", "coarse-mesh")
 def test_a_material_that_locks_is_allowed_on_request(tmp_path: Any) -> None:
     file = tmp_path / "square.npz"
     x = np.linspace(-0.5, 0.5, 5)
@@ -202,7 +222,7 @@ def test_a_material_that_locks_is_allowed_on_request(tmp_path: Any) -> None:
     with pytest.raises(SectionError, match=r'incompressible .*lock; allow = \["nearly-inc'):
         analyse(spec)
     codes = [w["code"] for w in analyse({**spec, "allow": ["nearly-incompressible"]}).warnings]
-    assert codes == ["degree-1-locks", "nearly-incompressible"]
+    assert codes == ["degree-1-locks", "nearly-incompressible", "coarse-mesh"]
 
 
 CARBON = {

@@ -344,6 +344,28 @@ def test_estimate_and_refinement_with_curvature() -> None:
     assert error < 1e-5 < scaled(found.K - exact, exact).max()
 
 
+@pytest.mark.one_end
+@pytest.mark.provokes("coarse-mesh")
+def test_thin_twisted_strip_is_raised_in_degree() -> None:
+    """Quadratic fields in long cells stretch where the wall only bends: K33 is twice too large."""
+    spec = described(initial_curvature=[0.3, 0.0, 0.0])
+    sizes = {"width": 1.0, "height": 1e-3, "density": 0.5}
+    mesh = expand("rectangle", sizes)
+    coarse = analyse({**spec, "mesh": {**mesh, "degree": 2}})
+    found = analyse({**spec, "mesh": mesh})
+    (warning,) = coarse.warnings
+    assert warning["code"] == "coarse-mesh"
+    assert found.warnings == ()
+    assert found.provenance["degree"] > 2
+    assert found.error_estimate is not None
+    assert scaled(found.error_estimate, found.K).max() < 0.01
+    # degree 4 with twice as many columns and rows: K22, K33, K66 over those of the flat strip
+    flat = np.array([70e6 / 2.6, 70e6 / 2.6, 70e6 / 12.0])
+    assert np.diag(found.K)[[1, 2, 5]] / flat == pytest.approx(
+        np.array([4.876e-06, 8.149e-06, 2.305e-04]), rel=1e-3
+    )
+
+
 @pytest.mark.provokes("strongly-curved")
 def test_strong_curvature() -> None:
     (warning,) = analyse(described(initial_curvature=[0.0, 0.0, 12.0]), estimate=False).warnings

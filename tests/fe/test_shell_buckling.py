@@ -10,9 +10,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from shell_benchmarks import cantilever, lamina
+from shell_cantilevers import cantilever
 from shell_model import SCRIPTS, isotropic, laminate
 from shell_specs import plate
+from shell_squares import lamina
 
 from plymotion.preprocess.shell.analysis import analyse
 from plymotion.preprocess.shell.errors import ShellError

@@ -6,7 +6,8 @@ Distorted: inner nodes shifted at random by up to a quarter of a cell.
 
 import numpy as np
 import pytest
-from shell_benchmarks import expected, in_plane, numbers
+from shell_benchmarks import expected, numbers
+from shell_squares import in_plane
 
 DISTORTED = {"distortion": 0.25}
 MESHES = {"regular": {}, "distorted": DISTORTED}

@@ -24,6 +24,9 @@ LOADS: dict[str, tuple[Any, float]] = {
     "torsion": ((0.0, 0.0, -1.0 / (2.0 * np.pi * R**2)), 0.0),
 }
 
+# Buckling and frequencies under loads with both DOLFINx: test_shell_buckling.py.
+pytestmark = pytest.mark.one_end
+
 
 def stiffness(spec: dict[str, Any]) -> tuple[Any, Any]:
     """ABD (6, 6) and Ds (2, 2) of the wall."""

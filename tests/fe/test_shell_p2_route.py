@@ -6,9 +6,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from shell_benchmarks import box, cross_ply, expected, numbers, scordelis, tolerances, twisted_beam
+from shell_benchmarks import expected, numbers, tolerances
+from shell_cantilevers import box
 from shell_meshes import shell_mesh
 from shell_model import Model
+from shell_obstacle_course import scordelis, twisted_beam
+from shell_squares import cross_ply
 from shell_ufl import UflShell, ufl
 
 from plymotion.preprocess.laminate import laminate_from_dict, laminate_stiffness

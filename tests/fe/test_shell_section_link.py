@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from shell_benchmarks import BOX_MATERIAL, BOXES, WALL
+from shell_layups import BOX_MATERIAL, BOXES, WALL
 from shell_model import laminate
 from shell_specs import METAL, SCRIPTS, plate
 

@@ -116,7 +116,7 @@ def test_a_case_knows_description_and_mesh(case: Path) -> None:
     ("old", "new", "words"),
     [
         ('"plate.toml"', '"plat.toml"', "bodies.plate.shell"),
-        ('root = { at = "left" }', 'foot = { at = "left" }', 'bodies.plate.reference.at = "root"'),
+        ('root = { at = "left" }', 'foot = { at = "left" }', 'reference.at = "root" (the default)'),
         ('{ at = "left" }', '{ at = "left", link = "average" }', "carries the body frame"),
         ('kind = "lowest", count = 4', 'kind = "torsion", count = 4', "modes[0].kind"),
         ('kind = "lowest", count = 4', 'kind = "spinning-xz", count = 4', "modes[0].kind"),

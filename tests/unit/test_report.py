@@ -82,7 +82,7 @@ RUNS = {
             "completed": False,
             "warnings": [
                 {"code": "run-stopped", "message": "stopped at 0.7 s because <k> & more"},
-                {"code": "run-stopped", "message": "and a second time"},
+                {"code": "run-stopped", "message": "and a second time", "t": 0.5},
             ],
         },
     ),
@@ -236,6 +236,7 @@ def test_page_tells_outcome_numbers_and_warnings_in_full(case_dir: Path) -> None
     text = (case_dir / "report.html").read_text()
     assert "Swinging rods &lt;long &amp; short&gt;" in text
     assert "2 of 3 runs completed" in text
+    assert "data-run='broken' data-time='0.5'>show" in text  # of its own run
     assert "stopped at 0.7 s because &lt;k&gt; &amp; more" in text
     assert "and a second time" in text
     final = RUNS["long"][0].signals[0].values[-1]

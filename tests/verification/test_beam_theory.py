@@ -90,14 +90,16 @@ def test_a_described_section_has_the_indicator_of_its_ends_alone() -> None:
     table = pendulum(signals=["bending"], accuracy=1e-2)
     spec, check = planned_run(table, "soft")
     sections = {"bar": DescribedSection(description={"mesh": {}})}
-    described = replace(
-        spec,
-        mechanism=with_values(spec.mechanism, sections=sections),
-        packages={"link0": with_ends(spec.packages["link0"], 0.03)},
-    )
-    (line,) = entry(plan_of(described, check))["theories"]
-    assert "walls, oval sections and short waves of a described section not checked" in line
-    assert line.endswith("ends above 0.01: a solid or shell body is proposed")
+    mechanism = with_values(spec.mechanism, sections=sections)
+    for length, text in (
+        (1e-4, "as far as checked, a beam is enough for 0.01"),
+        (0.03, "ends above 0.01: a solid or shell body is proposed"),
+    ):
+        packages = {"link0": with_ends(spec.packages["link0"], length)}
+        described = replace(spec, mechanism=mechanism, packages=packages)
+        (line,) = entry(plan_of(described, check))["theories"]
+        assert "walls, oval sections and short waves of a described section not checked" in line
+        assert line.endswith(text)
 
 
 def words_of(section: dict[str, object]) -> tuple[list[str], str]:

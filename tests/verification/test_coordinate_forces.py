@@ -209,6 +209,15 @@ def test_stick_and_slip_with_default_settings(tmp_path):
     assert summary["warnings"] == []
 
 
+@pytest.mark.provokes("steps-refused")
+def test_friction_too_steep_for_the_tolerance_is_told(tmp_path):
+    """At a rest velocity of 1e-8 of the motion's; the remedy of the finding works."""
+    steep = stick_slip("friction", rest_velocity=1e-9)
+    summary = run(tmp_path, steep, 20.0, 0.05, DEFAULT)[2]
+    (finding,) = [w for w in summary["warnings"] if w["code"] == "steps-refused"]
+    assert "a larger rest_velocity of forces.f" in finding["message"]
+
+
 def test_steady_sliding_of_the_bristle(tmp_path):
     """At a constant speed its friction is Fc + (Fs - Fc) exp(-(v / vs)^2) + s2 v."""
     text = carriage(

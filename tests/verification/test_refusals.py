@@ -1,14 +1,10 @@
 """Attempts at a step of radau that are refused: few, and explained where they are many."""
 
-import shutil
-
 import numpy as np
 import pytest
-from case_samples import case_runs, rigid
+from case_samples import case_runs
 
 from plymotion.solver.checks.stalls import named_motion
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.generic import integrate
 from plymotion.solver.run.execution import execute, read_run
@@ -65,44 +61,19 @@ def test_many_refusals_are_explained(runs, case, run, t_end, rtol, reason):
     assert helped["cost"]["evaluations"] < 1.1 * cost["evaluations"]
 
 
-@pytest.mark.provokes("steps-refused")
-def test_heavy_point_masses_are_better_bodies(repository, runs, tmp_path):
-    """1e9 kg at the tip of the hand: Newton's iteration fails often; the remedy of the finding."""
-    keys = {"t_end": 0.05, "output_step": 0.01, "integrator": "radau", "rtol": 1e-4}
+@pytest.mark.parametrize("ratio", [1e5, 1e9])
+def test_a_heavy_point_mass_is_no_reason(runs, ratio):
+    """The mass at the tip of the hand: in the mass matrix of the hand it failed Newton's iteration
+    in 19 % of the attempts at 1e5 times the mass of the hand, in 43 % of 10,879 at 1e9.
+    """
+    keys = {"t_end": 0.2, "output_step": 0.01, "integrator": "radau", "rtol": 1e-4}
     changes = {f"solver.{k}": v for k, v in keys.items()} | {
         "joints.shoulder.drive": None,
         "bodies.arm.angular_velocity": [0.0, 0.0, 0.0],
         "solver.on_invalid": "warn",
+        "masses.M2.mass": 0.73 * ratio,
     }
     spec = read_run(runs["double-pendulum"] / "isotropic.json")
-    _, summary = execute(spec.changed({**changes, "masses.M2.mass": 1e9}), progress=False)
-    (finding,) = [w for w in summary["warnings"] if w["code"] == "steps-refused"]
-    assert "the point masses on hand as rigid bodies" in finding["message"]
-
-    text = (repository / "cases/double-pendulum/case.toml").read_text()
-    text = text[: text.index("[sweeps.")].replace(
-        '[masses.M2]\nmass = 3.0\nat = "hand.tip"\n',
-        rigid("load", 1e9, 1e6, {"c": (0, 0, 0)}, position=(1.22, 0, 0))
-        + '[joints.load]\nkind = "spherical"\nbetween = ["hand.tip", "load.c"]\n',
-    )
-    folder = tmp_path / "case"
-    shutil.copytree(repository / "cases/double-pendulum", folder)
-    (folder / "case.toml").write_text(text)
-    packages = repository / "tests/packages/double-pendulum"
-    write_case(load_case(folder / "case.toml"), tmp_path / "build", packages)
-    spec = read_run(tmp_path / "build/runs/isotropic.json")
-    _, helped = execute(spec.changed(changes | {"solver.t_end": 0.2}), progress=False)
-    assert helped["cost"]["rejected"] < 0.2 * helped["cost"]["steps"]
-    assert helped["cost"]["steps"] < 300
-
-
-def test_a_vibration_at_the_length_of_the_steps_refuses_few(runs):
-    """Its error swings with its phase: steps that grew after each small error were refused in more
-    than 20 % of the attempts (docs/adr/0037).
-    """
-    keys = {"t_end": 0.4, "rtol": 1e-6, "integrator": "radau", "constraints": "projection"}
-    spec = read_run(runs["exchange"] / "beam.json")
-    _, summary = execute(spec.changed({f"solver.{k}": v for k, v in keys.items()}), progress=False)
-    cost = summary["cost"]
-    assert cost["steps"] > 1000
-    assert cost["rejected"] < 0.12 * (cost["rejected"] + cost["steps"])
+    _, summary = execute(spec.changed(changes), progress=False)
+    assert summary["cost"]["rejected"] < 0.1 * summary["cost"]["steps"]
+    assert summary["cost"]["steps"] < 300

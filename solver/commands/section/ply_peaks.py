@@ -96,22 +96,32 @@ def judged_peaks(
 
 
 def corner_warnings(mesh: SectionMeshData, peaks: list[PlyPeak]) -> list[dict[str, str]]:
-    """Warning if a least margin lies in a cell at a re-entrant corner: it depends on the mesh."""
+    """Warning if least margins lie in cells at re-entrant corners: they depend on the mesh."""
     nodes, sizes = reentrant_corners(mesh)
     if not len(nodes):
         return []
     found = []
     for name, peak in weakest(peaks).items():
-        away = np.linalg.norm(mesh.nodes[nodes] - peak.reserves[name].point, axis=1)
+        reserve = peak.reserves[name]
+        away = np.linalg.norm(mesh.nodes[nodes] - reserve.point, axis=1)
         nearest = int(np.argmin(away))
         if away[nearest] < sizes[nearest]:
-            x2, x3 = mesh.nodes[nodes[nearest]]
-            found.append(
-                {
-                    "code": "stress-at-corner",
-                    "message": f"the least margin by {name} lies {away[nearest]:.3g} m from the "
-                    f"re-entrant corner at ({x2:.4g}, {x3:.4g}): a finer mesh gives a smaller one; "
-                    "choose a distance with --corner-distance",
-                }
-            )
-    return found
+            found.append((reserve.ratio, away[nearest], nodes[nearest], name))
+    if not found:
+        return []
+    _, away_least, node, _ = min(found)
+    x2, x3 = mesh.nodes[node]
+    names = [name for *_, name in found]
+    least = (
+        f"the least margins by {', '.join(names)} lie"
+        if names[1:]
+        else f"the least margin by {names[0]} lies"
+    )
+    return [
+        {
+            "code": "stress-at-corner",
+            "message": f"{least} at a re-entrant corner, the worst {away_least:.3g} m from "
+            f"({x2:.4g}, {x3:.4g}): a finer mesh gives a smaller one; choose a distance with "
+            "--corner-distance",
+        }
+    ]

@@ -58,7 +58,9 @@ class LoadTable(TimeTable):
     """
 
     interpolation: Literal["spline", "linear"] = Field(
-        default="spline", description="cubic spline, or straight lines"
+        default="spline",
+        description="cubic spline, or straight lines; a spline through a short pulse goes far "
+        "beyond its values afterwards: take linear",
     )
 
 

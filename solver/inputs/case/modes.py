@@ -14,6 +14,8 @@ from ...package.body.specification import (
 )
 from ..common.table import Name, Table
 
+DEFAULT_PLACE = "root"  # of a clamped frame
+
 
 class Reference(Table):
     """`[bodies.NAME.reference]`: how the body frame is tied to the deformed body."""
@@ -34,7 +36,7 @@ class Reference(Table):
     @classmethod
     def _at_root(cls, table: Any) -> Any:
         if isinstance(table, dict) and table.get("kind", "clamped") == "clamped":
-            return {"at": "root", **table}
+            return {"at": DEFAULT_PLACE, **table}
         return table
 
     @model_validator(mode="after")
@@ -140,11 +142,12 @@ def check_modes(
         for i, mode in enumerate(modes)
         if isinstance(mode, AttachmentChoice)
     ]
-    found = [
-        f'{where} = "{place}": no such interface{nearest(place, fractions)}'
-        for where, place in asked
-        if place not in fractions
-    ]
+    found = []
+    for where, place in asked:
+        if place not in fractions:
+            default = where.endswith("reference.at") and place == DEFAULT_PLACE
+            told = " (the default)" if default else ""
+            found.append(f'{where} = "{place}"{told}: no such interface{nearest(place, fractions)}')
     found += [
         f'{key}.modes[{i}].kind = "{mode.kind}": expected reference.kind "clamped" or "chord" with '
         "it: a mean axis carries its first load"

@@ -94,7 +94,11 @@ class _Integration(Table):
         "scales",
     )
     max_step: float | None = Field(
-        default=None, gt=0, description="largest step", json_schema_extra=unit("s")
+        default=None,
+        gt=0,
+        description="largest step; default: the shortest interval of the tables of drives and "
+        "loads, at least t_end / 2000; t_end / 200 where an expression reads the time; else none",
+        json_schema_extra=unit("s"),
     )
 
 

@@ -90,8 +90,9 @@ def _head(records: Records) -> _Head:
     k1, k2, k3 = records.reals(3, "k1, k2, k3") if flags[0] else (0.0, 0.0, 0.0)
     if flags[1] and records.reals(2, "the cosines of the oblique section") != [1.0, 0.0]:
         raise InputError(
-            f"{records.file}, line {records.line}: oblique sections are not supported: expected "
-            "the flag oblique 0, and nodes and layers of the section normal to the beam"
+            f"{records.file}, line {records.line}: oblique sections are not supported, "
+            "because the 6x6 belongs to the section normal to the beam: project the nodes along "
+            "the beam onto that section, turn the layers with it, and set the flag oblique to 0"
         )
     models = [name for name, on in zip(FLAGS[2:], flags[2:], strict=True) if on]
     return _Head(by_layer, n_layer, second, thermal, models, (k1, k2, k3))

@@ -3,7 +3,8 @@
 const COLOURS = ['--c0', '--c1', '--c2', '--c3', '--c4', '--c5', '--c6'];
 const charts = [];
 
-// place: element; lines: [{ label, x, y, stopped }]; options: { height, xLabel, yLabel, log, timed }
+// place: element; lines: [{ label, x, y, stopped }]
+// options: { height, xLabel, yLabel, log, least, timed }; least: exponent below which nothing is told apart
 function drawChart(place, lines, options) {
   const joined = lines.length > 1 ? uPlot.join(lines.map((line) => [line.x, line.y])) : [lines[0].x, lines[0].y];
   const axis = {
@@ -16,7 +17,7 @@ function drawChart(place, lines, options) {
   };
   // Decades on a linear axis: the logarithmic axes of uPlot do not end below 1e-16.
   const show = options.log ? (v) => digits(v === null ? v : 10 ** v, 5) : (v) => digits(v, 5);
-  const shown = options.log ? joined.map((values, i) => (i ? Array.from(values, decade) : values)) : joined;
+  const shown = options.log ? joined.map((values, i) => (i ? Array.from(values, (v) => decade(v, options.least)) : values)) : joined;
   const short = (_, splits) => splits.map((v) => (v === null ? '' : digits(v, 6)));
   const settings = {
     width: widthFor(place),
@@ -26,7 +27,7 @@ function drawChart(place, lines, options) {
     scales: { x: { time: false }, y: {} },
     axes: [
       { ...axis, label: options.xLabel, values: short, space: 60 },
-      { ...axis, label: options.yLabel, values: options.log ? powers : short, incrs: options.log ? [1, 2, 5, 10, 20] : undefined, size: 64 },
+      { ...axis, label: options.yLabel, values: options.log ? powers : short, incrs: options.log ? [1, 2, 5, 10, 20] : undefined, size: room },
     ],
     series: [
       { label: options.xLabel, value: (_, v) => digits(v, 5) },
@@ -53,8 +54,12 @@ function drawChart(place, lines, options) {
   return plot;
 }
 
-const decade = (v) => (v === null || v === undefined || v === 0 || Number.isNaN(v) ? null : Math.log10(Math.abs(v)));
+const decade = (v, least = -Infinity) =>
+  v === null || v === undefined || v === 0 || Number.isNaN(v) ? null : Math.max(Math.log10(Math.abs(v)), least);
 const powers = (_, splits) => splits.map((v) => (v === null ? '' : `1e${v}`));
+
+// Width of the numbers on the vertical axis [pixels], so that none covers the label.
+const room = (_, texts) => Math.max(64, 20 + 7.5 * Math.max(0, ...(texts || []).map((text) => `${text}`.length)));
 
 const widthFor = (place) => Math.max(place.clientWidth, 240);
 

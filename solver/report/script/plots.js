@@ -1,6 +1,7 @@
 // The plots of the page: figures of the case with all their runs, then balances of one run.
 
 const TIME = 'time [s]';
+const ROUNDING = -18; // exponent below which errors are rounding alone: they would fill the scale
 
 function addPlot(list, title, lines, yLabel, options = {}) {
   const place = element('div', { class: 'chart', role: 'img', 'aria-label': `${title}: plot over time` });
@@ -82,5 +83,5 @@ function showBalances(place, run) {
   addPlot(place, 'Energies', run.energies.map((series) => lineOf(run, series, series.text)), 'energy [J]');
   const used = (group, words) => group.map((series) => lineOf(run, series, words(series))).filter((line) => line.y.some((v) => v));
   const errors = [...used(run.balance, () => 'energy balance [-]'), ...used(run.violations, (series) => `constraint, ${series.text} [${series.unit}]`)];
-  if (errors.length) addPlot(place, 'Errors', errors, 'error', { log: true });
+  if (errors.length) addPlot(place, 'Errors', errors, 'error', { log: true, least: ROUNDING });
 }

@@ -218,6 +218,14 @@ SECTION_CODES = (
         195.0,
     ),
     _code(
+        "coarse-mesh",
+        "the estimated error of the stiffness is large, as that of a very thin twisted strip in "
+        "shear and in bending in its plane",
+        "estimate above {limit:g} of sqrt(K_ii K_jj)",
+        "use a finer mesh (`density`), `--accuracy`, or `mesh.degree = 3`",
+        0.05,
+    ),
+    _code(
         "model-not-computed",
         "the file of another code asks for a model that is not computed: trapeze effect, Vlasov's "
         "theory, damping, thermal expansion, recovery",

@@ -1,0 +1,95 @@
+"""Solutions of a section with a field of some degree and with one more, and their difference."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from ...solver.math.arrays import Array
+from .. import fenicsx
+from .adaptive import Result
+from .errors import SectionError
+from .estimate import error_estimate, scaled
+from .guards import ALLOWED
+from .layers import Layup, layup
+from .mesh import OF_MESH
+from .problem import SectionProblem, section_problem
+from .shape_along import curvature_of
+
+DEGREE = 2  # of the warping field
+# A thin twisted wall bends without stretching, which low degrees cannot represent in long cells.
+MOST_DEGREE = 4  # to which a twisted section is raised
+RESOLVED = 0.01  # estimate, scaled, above which it is
+
+
+@dataclass(frozen=True)
+class Solved:
+    """A section solved with a field of some degree, and with one degree more."""
+
+    problem: SectionProblem
+    lay: Layup
+    result: Result
+    richer: "Solved | None" = None
+    error: Array | None = None  # estimate (6, 6) by the difference, in units of K
+
+
+def compared(solved: Solved, spec: Mapping[str, Any], where: str, *, first: bool) -> Solved:
+    """With the solution of one degree more, and the estimate."""
+    problem = _richer(solved.problem, spec, where, first=first)
+    lay = layup(spec, problem.mesh, problem.space, where)
+    richer = Solved(problem, lay, solve(problem, lay, where, spec, measured=False))
+    error = error_estimate(solved.result.K, richer.result.K, solved.problem.space.degree)
+    return replace(solved, richer=richer, error=error)
+
+
+def resolved(solved: Solved, spec: Mapping[str, Any], where: str) -> Solved:
+    """With as many degrees more as a twisted section requires."""
+    while solved.error is not None and solved.problem.space.degree < MOST_DEGREE:
+        if scaled(solved.error, solved.result.K).max() <= RESOLVED:
+            break
+        richer = solved.richer
+        assert richer is not None
+        try:
+            result = solve(richer.problem, richer.lay, where, spec, known=richer.result)
+            solved = compared(replace(richer, result=result), spec, where, first=False)
+        except SectionError:  # round-off of the higher degree
+            break
+    return solved
+
+
+def solve(
+    problem: SectionProblem,
+    lay: Layup,
+    where: str,
+    spec: Mapping[str, Any],
+    *,
+    measured: bool = True,
+    known: Result | None = None,
+) -> Result:
+    """Solve a problem; a `known` result is only measured. Errors name the section."""
+    doubtful = ALLOWED[1] in spec.get("allow", ())
+    try:
+        k = curvature_of(spec)
+        return problem.solve(lay.stiffness, k=k, doubtful=doubtful, measured=measured, known=known)
+    except fenicsx.FactorisationError as error:
+        hint = ""
+        if isinstance(error, fenicsx.SingularError):
+            hint = f'; allow = ["{ALLOWED[1]}"] solves it anyway'
+        raise SectionError(f"{where}: {error}{hint}") from error
+    except SectionError as error:
+        raise SectionError(f"{where}: {error}") from error
+
+
+def degree_of(spec: Mapping[str, Any]) -> int | None:
+    """Degree of the warping; None: the functions of the nodes of the mesh."""
+    degree = spec["mesh"].get("degree", DEGREE)
+    return None if degree == OF_MESH else int(degree)
+
+
+def _richer(
+    problem: SectionProblem, spec: Mapping[str, Any], where: str, *, first: bool
+) -> SectionProblem:
+    """The problem with one degree more; that of a mesh without refinement is kept for others."""
+    degree = problem.space.degree + 1
+    if first:
+        return section_problem(spec["mesh"], where, degree, problem.team)
+    return SectionProblem(problem.mesh, degree, problem.team)
