@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..math.arrays import Array
+from ..math.compiled import lean
 from .constraints.augmented_lagrangian import augmented_lagrangian
 from .constraints.baumgarte import stabilised
 from .constraints.minimum_norm import minimum_norm
@@ -40,19 +41,9 @@ def assemble(model: Model, t: float, y: Array) -> Equations:
 def dense(model: Model, work: Work) -> Equations:
     """Return the last evaluation as dense arrays."""
     n_vel, n_c = model.n_vel, model.n_constraint
-    M, f = np.zeros((n_vel, n_vel)), np.empty(n_vel)
-    Phi_q = np.zeros((n_c, n_vel))
-    rows, plan = work.rows, model.plan
-    for i in range(model.n_body):
-        j = model.vel_start[i]
-        for a in range(plan.size[i]):
-            f[j + a] = work.f[i, a]
-            for b in range(a + 1):
-                M[j + a, j + b] = M[j + b, j + a] = work.M[i, a, b]
-        for p in range(plan.row_start[i], plan.row_start[i + 1]):
-            row, column = plan.body_row[p], p - plan.row_start[i]
-            for a in range(plan.size[i]):
-                Phi_q[row, j + a] += work.J[i, a, column]
+    M, f, Phi_q = np.zeros((n_vel, n_vel)), np.empty(n_vel), np.zeros((n_c, n_vel))
+    _dense_into(model, work, M, f, Phi_q)
+    rows = work.rows
     return Equations(
         M,
         f,
@@ -64,6 +55,41 @@ def dense(model: Model, work: Work) -> Equations:
         work.power[:1].copy(),
         work.power[1:].copy(),
     )
+
+
+@lean
+def _dense_into(model: Model, work: Work, M: Array, f: Array, Phi_q: Array) -> None:
+    """Fill the mass matrix, the loads and the Jacobian, which is zero before."""
+    plan = model.plan
+    for i in range(model.n_body):
+        j, begin = model.vel_start[i], plan.row_start[i]
+        for a in range(plan.size[i]):
+            f[j + a] = work.f[i, a]
+            for b in range(a + 1):
+                M[j + a, j + b] = M[j + b, j + a] = work.M[i, a, b]
+        for p in range(begin, plan.row_start[i + 1]):
+            for a in range(plan.size[i]):
+                Phi_q[plan.body_row[p], j + a] += work.J[i, a, p - begin]
+
+
+def masses_and_jacobians(model: Model, t: Array, y: Array) -> tuple[Array, Array]:
+    """Return mass matrices (k, n_vel, n_vel) and Jacobians (k, n_c, n_vel) of states y (k, n)."""
+    k, n = len(t), model.n_vel
+    M, Phi_q = np.zeros((k, n, n)), np.zeros((k, model.n_constraint, n))
+    work = spare_work(model)
+    work.multipliers[:] = 0.0
+    t, y = np.ascontiguousarray(t, dtype=float), np.ascontiguousarray(y, dtype=float)
+    _all_dense(model, work, t, y, M, np.empty(n), Phi_q)
+    return M, Phi_q
+
+
+@lean
+def _all_dense(
+    model: Model, work: Work, t: Array, y: Array, M: Array, f: Array, Phi_q: Array
+) -> None:
+    for k in range(t.shape[0]):
+        evaluate(model, work, t[k], y[k])
+        _dense_into(model, work, M[k], f, Phi_q[k])
 
 
 def constraint_rates(model: Model, equations: Equations, y: Array) -> Array:

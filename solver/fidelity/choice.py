@@ -41,19 +41,19 @@ def chosen(
     by = max(by, MOTION_RTOL * float(indicators.amplified.max(initial=0.0)))
     rtol = min(max(accuracy / by, LEAST_RTOL), MOST_RTOL)
     plan = Plan(dict(least), stiffening, rtol)
-    loss = _loss(indicators, plan)
+    omitted = _omitted(indicators, plan)
+    loss = indicators.loss(omitted.sum(axis=2))
     while loss.max(initial=0.0) > SHARE * accuracy:
-        best: tuple[float, Plan, Array] | None = None
-        for kind, candidate in _additions(indicators, plan):
-            after = _loss(indicators, candidate)
-            gain = float(np.maximum(loss, SHARE * accuracy).sum())
-            gain -= float(np.maximum(after, SHARE * accuracy).sum())
-            gain = gain / COST[kind]
-            if best is None or gain > best[0]:
-                best = gain, candidate, after
-        if best is None:
+        additions = list(_additions(indicators, plan, omitted))
+        if not additions:
             break
-        plan, loss = best[1], best[2]
+        lost = omitted.sum(axis=2) - np.array([gained for _, _, gained in additions])
+        after = indicators.loss(lost)  # (additions, o)
+        gain = np.maximum(loss, SHARE * accuracy).sum()
+        gain = gain - np.maximum(after, SHARE * accuracy).sum(axis=1)
+        best = int(np.argmax(gain / np.array([COST[kind] for kind, _, _ in additions])))
+        plan, loss = additions[best][1], after[best]
+        omitted = _omitted(indicators, plan)
     for name, body in plan.bodies.items():
         if body.static:
             count = _shapes(indicators, plan, name, rich[name], SHAPE_SHARE * accuracy)
@@ -61,32 +61,39 @@ def chosen(
     return plan, loss
 
 
-def _additions(indicators: Indicators, plan: Plan) -> Iterator[tuple[str, Plan]]:
-    for mode in indicators.modes:
-        body = plan.bodies[mode.body]
-        if mode.vibration and mode.label not in body.vibrations:
-            yield (
-                "vibration",
-                plan.with_body(mode.body, vibrations=(*body.vibrations, mode.label)),
-            )
-    for name, body in plan.bodies.items():
-        if not body.static:
-            yield "static", plan.with_body(name, static=1)
-        elif not body.ringing:
-            yield "ringing", plan.with_body(name, ringing=True)
-
-
-def _loss(indicators: Indicators, plan: Plan) -> Array:
+def _additions(
+    indicators: Indicators, plan: Plan, omitted: Array
+) -> Iterator[tuple[str, Plan, Array]]:
+    """Return kind, plan and regained contributions (o, k) of each addition to a plan."""
     parts = indicators.effects
-    lost = np.zeros(parts.base.shape)
     for j, mode in enumerate(indicators.modes):
         body = plan.bodies[mode.body]
-        if (mode.vibration and mode.label in body.vibrations) or (body.static and body.ringing):
-            continue
-        lost += parts.response[:, :, j]
-        if body.static:
-            lost -= parts.static[:, :, j]
-    return indicators.loss(lost)
+        if mode.vibration and mode.label not in body.vibrations:
+            more = plan.with_body(mode.body, vibrations=(*body.vibrations, mode.label))
+            yield "vibration", more, omitted[:, :, j]
+    for name, body in plan.bodies.items():
+        left = [
+            j
+            for j, mode in enumerate(indicators.modes)
+            if mode.body == name and mode.label not in body.vibrations
+        ]
+        if not body.static:
+            more = plan.with_body(name, static=1)
+            yield "static", more, parts.static[:, :, left].sum(axis=2)
+        elif not body.ringing:
+            more = plan.with_body(name, ringing=True)
+            yield "ringing", more, omitted[:, :, left].sum(axis=2)
+
+
+def _omitted(indicators: Indicators, plan: Plan) -> Array:
+    """Return the contributions of the modes (o, k, m) that a plan leaves out."""
+    parts = indicators.effects
+    kept, static = np.zeros((2, len(indicators.modes)), dtype=bool)
+    for j, mode in enumerate(indicators.modes):
+        body = plan.bodies[mode.body]
+        of_plan = mode.vibration and mode.label in body.vibrations
+        kept[j], static[j] = of_plan or (body.static and body.ringing), body.static > 0
+    return np.where(kept, 0.0, parts.response - np.where(static, parts.static, 0.0))
 
 
 def _shapes(indicators: Indicators, plan: Plan, name: str, rich: Rich, allowed: float) -> int:

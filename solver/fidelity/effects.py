@@ -44,6 +44,11 @@ class Effects:
     response: Array
     static: Array
 
+    @cached_property
+    def whole(self) -> Array:
+        """Signals (o, k) of the linear response."""
+        return np.asarray(self.base + self.response.sum(axis=2))
+
 
 def effects(found: Response, sensors: Mapping[str, Sensor], kinds: Mapping[str, str]) -> Effects:
     """Return the contributions of all modes to the signals, which have these kinds."""
@@ -66,15 +71,13 @@ def effects(found: Response, sensors: Mapping[str, Sensor], kinds: Mapping[str, 
         if not wanted:
             continue
         response, quasi = by_order[order]
-        for j in range(m):
-            size = float(np.abs(response[:, j]).max(initial=0.0))
-            if size == 0.0:
-                continue
-            slopes = _slopes(found, [sensors[names[o]] for o in wanted], j, order, size)
-            for o, slope in zip(wanted, slopes, strict=True):
-                over_time = np.interp(found.t, found.t[found.at], slope)
-                whole[o, :, j] = over_time * response[:, j]
-                static[o, :, j] = over_time * quasi[:, j]
+        size = np.abs(response).max(axis=0, initial=0.0)
+        moving = np.flatnonzero(size > 0.0)
+        slopes = _slopes(found, [sensors[names[o]] for o in wanted], moving, order, size[moving])
+        over_time = _interpolated(found, slopes)
+        for o, slope in zip(wanted, over_time, strict=True):
+            whole[o][:, moving] = slope * response[:, moving]
+            static[o][:, moving] = slope * quasi[:, moving]
     return Effects(base, whole, static)
 
 
@@ -92,23 +95,42 @@ def _rates(found: Response, rows: IntArray) -> tuple[Array, Array]:
     return rates, base.multipliers[rows]
 
 
-def _slopes(found: Response, sensors: list[Sensor], j: int, order: int, size: float) -> list[Array]:
-    """Derivatives of signals by mode j (order 0), its rate or its acceleration, at the samples."""
-    model, rows, motion = found.model, found.at, found.motions[:, :, j]
-    moving = motion[:, : model.n_vel]
-    largest = float(np.abs(moving).max())
-    step = min(size, MOST_MOVED / max(largest, 1e-300)) if order == 0 else size
-    sides = []
-    for sign in (1.0, -1.0):
-        y, (rates, multipliers) = found.y[rows].copy(), _rates(found, rows)
-        change = np.ascontiguousarray(sign * step * moving)
-        if order == 0:
-            move_rows(model, y, change)
-        elif order == 1:
-            y[:, model.n_pos : model.n_pos + model.n_vel] += change
-        else:
-            rates[:, model.n_pos : model.n_pos + model.n_vel] += change
-            multipliers = multipliers + sign * step * motion[:, model.n_vel :]
-        recording = PerturbedRecording(model, found.t[rows], y, rates, multipliers)
-        sides.append([sensor.values(recording) for sensor in sensors])
-    return [(up - down) / (2.0 * step) for up, down in zip(*sides, strict=True)]
+def _slopes(
+    found: Response, sensors: list[Sensor], modes: IntArray, order: int, size: Array
+) -> Array:
+    """Derivatives (o, s, m) of signals by m modes (order 0), their rates or their accelerations.
+
+    `size` (m,) of their changes. All changes of a sample follow each other in one recording, so
+    that angles stay on one branch.
+    """
+    model, rows, n = found.model, found.at, found.model.n_vel
+    motions = found.motions[:, :, modes].transpose(0, 2, 1)  # (s, m, n_vel + n_c)
+    step = np.array(size)
+    if order == 0:
+        largest = np.abs(motions[:, :, :n]).max(axis=(0, 2), initial=0.0)
+        step = np.minimum(size, MOST_MOVED / np.maximum(largest, 1e-300))
+    sides = np.stack([motions, -motions], axis=2) * step[:, None, None]
+    change = np.ascontiguousarray(sides.reshape(-1, sides.shape[-1]))
+    each = np.repeat(rows, 2 * len(modes))
+    y, (rates, multipliers) = found.y[each], _rates(found, each)
+    if order == 0:
+        move_rows(model, y, np.ascontiguousarray(change[:, :n]))
+    elif order == 1:
+        y[:, model.n_pos : model.n_pos + n] += change[:, :n]
+    else:
+        rates[:, model.n_pos : model.n_pos + n] += change[:, :n]
+        multipliers = multipliers + change[:, n:]
+    recording = PerturbedRecording(model, found.t[each], y, rates, multipliers)
+    values = np.array([sensor.values(recording) for sensor in sensors])
+    values = values.reshape(len(sensors), len(rows), len(modes), 2)
+    return np.asarray((values[..., 0] - values[..., 1]) / (2.0 * step))
+
+
+def _interpolated(found: Response, values: Array) -> Array:
+    """Values (o, s, m) at the samples, linear between them at all output times, (o, k, m)."""
+    t, known = found.t, found.t[found.at]
+    if len(known) == 1:
+        return np.repeat(values, len(t), axis=1)
+    i = np.clip(np.searchsorted(known, t, side="right") - 1, 0, len(known) - 2)
+    share = ((t - known[i]) / (known[i + 1] - known[i]))[:, None]
+    return np.asarray((1.0 - share) * values[:, i] + share * values[:, i + 1])

@@ -11,10 +11,11 @@ from ..run.execution import package_of, read_run
 from ..run.inputs_digest import inputs_sha256, plan_file, plan_sha256
 from ..run.outcome import RunSpec
 from ..run.timing import Stopwatch
+from .answer import Answer
 from .ladder import tried_models
 from .model import vibration_labels
 from .plan_file import kept_plan, write_plan
-from .procedure import Answer, checked, flexible_names, plan_of
+from .procedure import checked, flexible_names, plan_of
 from .words import entry, remarks
 
 

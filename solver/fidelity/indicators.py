@@ -3,9 +3,10 @@
 Indicators plan, they certify nothing: a zero indicator is no evidence. The check run certifies.
 """
 
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 
@@ -13,19 +14,17 @@ from ..math.arrays import Array
 from ..mechanism import build
 from ..package import ModalPackage
 from ..package.body.selection import vibrations
-from ..package.body.transform import changed_basis
 from ..run.outcome import RunSpec
 from ..signals import sensors
 from .base import Base, base_motion
 from .effects import Effects, effects
-from .loaded import fixed_packages, linear, loaded
+from .loaded import Loaded, fixed_packages, loaded
 from .metrics import difference, scales
 from .model import Rich
-from .response import elastic_columns, response
+from .responding import linear
+from .response import response
 from .stiffening import spins, stiffening_loss
 from .tolerance import amplified_errors
-
-FAINT = 1e-8  # root of the strain energy of a mode that does not respond, of the largest
 
 
 @dataclass(frozen=True)
@@ -62,8 +61,8 @@ class Indicators:
     amplified: Array
 
     def loss(self, lost: Array) -> Array:
-        """Return the error (o,) that lost contributions (o, k) cause, of the scale."""
-        whole = self.effects.base + self.effects.response.sum(axis=2)
+        """Return the error (..., o) that lost contributions (..., o, k) cause, of the scale."""
+        whole = self.effects.whole
         return difference(self.metric, whole, whole - lost) / self.scale
 
     def worth(self, static: Mapping[str, bool]) -> Array:
@@ -90,12 +89,14 @@ class Study:
     Attributes
     ----------
     of_check : returns the rich packages of the check, which indicators do not need
+    cpu : seconds of the base motion and of the indicators
     """
 
     base: Base
     model: dict[str, Rich]
     of_check: Callable[[], dict[str, Rich]]
     indicators: Indicators
+    cpu: dict[str, float]
 
     @cached_property
     def check(self) -> dict[str, Rich]:
@@ -115,60 +116,45 @@ def study(
     names : flexible bodies that the plan is about
     signals : names of the signals that must be accurate
     """
+    begin = time.process_time()
     base = base_motion(spec, names)
+    moved = time.process_time()
     fixed = fixed_packages(spec, base, names)
 
-    def rich(packages: Mapping[str, ModalPackage]) -> dict[str, Rich]:
+    def of(packages: Mapping[str, ModalPackage]) -> Loaded:
         return loaded(spec, base, {name: packages[name] for name in names}, fixed)
 
-    model = rich(spec.packages)
-    found = _indicators(spec, base, model, fixed, signals)
-    return Study(base, model, partial(rich, check), found)
+    model = of(spec.packages)
+    found = _indicators(spec, base, model, signals)
+    cpu = {"base": moved - begin, "indicators": time.process_time() - moved}
+    return Study(base, model.rich, lambda: of(check).rich, found, cpu)
 
 
-def _indicators(
-    spec: RunSpec,
-    base: Base,
-    rich: Mapping[str, Rich],
-    fixed: Mapping[str, ModalPackage],
-    signals: list[str],
-) -> Indicators:
+def _indicators(spec: RunSpec, base: Base, model: Loaded, signals: list[str]) -> Indicators:
     fidelity = spec.mechanism.fidelity
     assert fidelity is not None
-    faint = {
-        name: np.sqrt(np.diag(one.package.stiffness)) * np.abs(one.eta).max(axis=0, initial=0.0)
-        for name, one in rich.items()
-    }
-    largest = max((float(f.max(initial=0.0)) for f in faint.values()), default=0.0)
-    kept = {name: np.flatnonzero(f > FAINT * largest) for name, f in faint.items()}
-    packages = {
-        name: changed_basis(one.package, np.eye(one.package.n_mode)[:, kept[name]])
-        for name, one in rich.items()
-    }
-    built = build(linear(spec), {**fixed, **packages})
-    p = np.zeros((len(base.t), built.model.n_vel))
-    modes: list[Mode] = []
-    columns = elastic_columns(built.model)
-    for i, name in enumerate(built.body_names):
-        if name in rich:
-            package = rich[name].package
-            p[:, columns[i]] = (rich[name].eta @ package.stiffness)[:, kept[name]]
+    built, modes = model.built, []
+    for name in built.body_names:
+        if name in model.rich:
+            package = model.rich[name].package
             moving = set(vibrations(package).tolist())
-            modes += [Mode(name, package.mode_labels[j], j in moving) for j in kept[name].tolist()]
+            modes += [
+                Mode(name, package.mode_labels[j], j in moving) for j in model.modes[name].tolist()
+            ]
     deformed = spec.mechanism.solver.start != "positions"
-    found = response(base, built.model, p, deformed=deformed)
+    found = response(base, built.model, model.p, deformed=deformed)
     wanted = {name: spec.mechanism.signals[name] for name in signals}
     kinds = {name: signal.kind for name, signal in wanted.items()}
     measured = sensors(built, spec.mechanism.signals, wanted=wanted)
     parts = effects(found, measured, kinds)
-    scale = scales(fidelity.metric, parts.base + parts.response.sum(axis=2))
+    scale = scales(fidelity.metric, parts.whole)
     stiffened = np.zeros(len(signals))
-    if any(package.second_order is not None for package in packages.values()):
-        again = build(linear(spec, stiffening=True), {**fixed, **packages})
+    if any(built.packages[name].second_order is not None for name in model.rich):
+        again = build(linear(spec, stiffening=True), built.packages)
         second = sensors(again, spec.mechanism.signals, wanted=wanted)
         lost = stiffening_loss(found, again, measured, second, parts)
         stiffened = np.abs(lost).max(axis=1) / scale
-    spin = spins(built, found, list(rich))
+    spin = spins(built, found, list(model.rich))
     amplified = amplified_errors(found, parts, scale)
     return Indicators(
         list(signals), fidelity.metric, scale, modes, parts, stiffened, spin, amplified

@@ -8,9 +8,9 @@ import numpy as np
 from ..math.arrays import Array
 from ..math.front import front
 from ..package.body.selection import vibrations
+from .answer import Answer
 from .metrics import difference, scales
 from .plan import BodyPlan, Plan
-from .procedure import Answer
 from .trial import Trial, attempted
 
 COUNTS = (1, 2, 4)  # vibrations of each kind

@@ -5,11 +5,12 @@ from dataclasses import replace
 
 from ..package import ModalPackage
 from ..run.outcome import RunSpec
+from .answer import Answer
 from .base import base_motion
 from .loaded import fixed_packages, loaded
 from .model import planned, vibration_labels
 from .plan import Plan
-from .procedure import Answer, checked, flexible_names, plan_of
+from .procedure import checked, flexible_names, plan_of
 
 
 def shared_plan(spec: RunSpec, check: Mapping[str, ModalPackage]) -> Answer:
@@ -54,7 +55,7 @@ def member_spec(spec: RunSpec, plan: Plan) -> RunSpec:
     names = flexible_names(spec)
     base = base_motion(spec, names)
     packages = {name: spec.packages[name] for name in names}
-    rich = loaded(spec, base, packages, fixed_packages(spec, base, names))
+    rich = loaded(spec, base, packages, fixed_packages(spec, base, names)).rich
     return planned(spec, plan, rich, rich)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from ..math.arrays import Array
 from ..package import ModalPackage
 from ..package.body.selection import axial_load, inertia_loads, vibrations, with_statics
-from ..package.body.transform import rigid
+from ..package.body.transform import changed_basis, rigid
 from ..run.outcome import RunSpec
 from .plan import BodyPlan, Plan, kind_of
 
@@ -22,6 +22,10 @@ TIGHTEST = 2.5e-10
 # So many times below that of the model. With 4, both runs missed the same high vibrations: joint
 # forces of slider-cranks had four times the error that the check showed.
 TIGHTER = 30.0
+FAINT = 1e-8  # root of the strain energy of a mode that does not respond, of the largest
+# Vibrations that a check would leave out: it takes them too. A second check for their sake took as
+# long as the first one, and the budget was used up before the request could be accepted.
+FEW = 3
 SMALL = 1e-7  # singular value of a load shape that a check leaves out, relative to the largest
 # Of rich packages, which ask for every mode; the check tells what the mesh of a plan costs.
 REMARKS = ("static-modes-dependent", "mesh-coarse-for-modes")
@@ -49,13 +53,21 @@ class Rich:
         geometric stiffening, the response to the loads that it adds is part of the response.
         """
         root = np.linalg.cholesky(self.package.stiffness).T
-        needed = np.concatenate([self.eta, self.further()]) if stiffening else self.eta
-        left = root @ needed.T
+        left = root @ self._needed(stiffening=stiffening).T
         if kept:
             Q = np.linalg.qr(root[:, kept])[0]
             left = left - Q @ (Q.T @ left)
         U, s, _ = np.linalg.svd(left, full_matrices=False)
         return np.asarray(np.linalg.solve(root, U * s))
+
+    def _needed(self, *, stiffening: bool) -> Array:
+        return np.concatenate([self.eta, self.further()]) if stiffening else self.eta
+
+    def responding(self, *, stiffening: bool) -> Array:
+        """Columns (m, r) of the unit matrix: the modes that respond."""
+        largest = np.abs(self._needed(stiffening=stiffening)).max(axis=0, initial=0.0)
+        size = np.sqrt(np.diag(self.package.stiffness)) * largest
+        return np.eye(len(size))[:, size > FAINT * float(size.max(initial=0.0))]
 
     def energies(self, shapes: Array) -> Array:
         """Square roots of the strain energies of shapes (m, r), (r,)."""
@@ -103,6 +115,10 @@ def model_packages(
     found = {}
     for name, body in plan.bodies.items():
         rich = (check if body.mesh == "check" else model)[name]
+        if body.whole:
+            basis = rich.responding(stiffening=plan.stiffening)
+            found[name] = changed_basis(_without_remarks(rich.package), basis)
+            continue
         kept = rows(rich.package, body.vibrations)
         found[name] = body_package(
             rich, kept, body.static, ringing=body.ringing, stiffening=plan.stiffening
@@ -119,7 +135,7 @@ def check_plan(
     ----------
     ranked : labels of the vibrations of each body, by their indicators, largest first
     more : vibrations that are added by rank; the lowest unused one, and that of each kind that
-        responds, are added to them
+        responds, are added to them, and the rest of these kinds if they are few
     """
     second = any(rich.package.second_order is not None for rich in check.values())
     stiffening = plan.stiffening or second
@@ -134,6 +150,8 @@ def check_plan(
         kinds = {kind_of(label) for label in ranked[name]}
         lowest = {kind_of(label): label for label in reversed(left) if kind_of(label) in kinds}
         added += dict.fromkeys([*left[:1], *lowest.values()])
+        rest = [x for x in left if x not in added and kind_of(x) in kinds]
+        added += rest if len(rest) <= FEW else []
         kept = tuple(label for label in known if label in (*body.vibrations, *added))
         rich = check[name]
         worth = rich.energies(rich.rest(rows(package, kept), stiffening=stiffening))

@@ -17,12 +17,14 @@ class BodyPlan:
     ringing : the static shapes are undamped; otherwise they have a damping ratio that suppresses
         their vibrations
     mesh : "model" or "check": package that its modes come from
+    whole : it has all modes of the package that respond; of delivered runs only
     """
 
     vibrations: tuple[str, ...] = ()
     static: int = 0
     ringing: bool = False
     mesh: str = "model"
+    whole: bool = False
 
     @property
     def rigid(self) -> bool:

@@ -7,7 +7,7 @@ modes respond by
     M_q qdd + D qd + K q = p,       quasi-static part eta = K^-1 p.
 
 Resonance and the coupling of neighbours are in it. M_q is that of some output times, constant
-between them. Newmark's method with gamma = 0.55 damps what the output times do not resolve.
+between them.
 """
 
 from dataclasses import dataclass
@@ -15,14 +15,14 @@ from functools import cached_property
 
 import numpy as np
 
-from ..dynamics.dense_equations import assemble
+from ..dynamics.dense_equations import masses_and_jacobians
 from ..dynamics.model import Model, state_size
 from ..dynamics.residual import residuals
 from ..math.arrays import Array, IntArray
 from .base import Base
+from .newmark import newmark
 
 SAMPLES = 32  # output times at which masses and sensitivities are computed
-GAMMA = 0.55
 
 
 def embedded(base: Base, model: Model) -> tuple[Array, Array]:
@@ -49,10 +49,14 @@ def elastic_columns(model: Model) -> list[IntArray]:
     ]
 
 
-def modal_loads(base: Base, model: Model) -> Array:
-    """Return the loads (k, n_vel) that the base motion leaves in a model with more modes."""
+def modal_loads(base: Base, model: Model, rows: IntArray | None = None) -> Array:
+    """Return the loads (k, n_vel) that the base motion leaves in a model with more modes.
+
+    At all output times, or at some `rows`.
+    """
     y, a = embedded(base, model)
-    return residuals(model, base.t, y, a, base.multipliers)
+    at = slice(None) if rows is None else rows
+    return residuals(model, base.t[at], y[at], a[at], base.multipliers[at])
 
 
 @dataclass(frozen=True)
@@ -99,24 +103,19 @@ class Response:
 
         The motion has the rigid coordinates and multipliers that follow the modes.
         """
-        model, elastic = self.model, self.elastic
-        stiff = np.setdiff1d(np.arange(model.n_vel), elastic)
-        n, c, m = len(stiff), model.n_constraint, len(elastic)
-        masses, motions = (
-            np.zeros((len(self.at), m, m)),
-            np.zeros((len(self.at), model.n_vel + c, m)),
-        )
-        for s, k in enumerate(self.at.tolist()):
-            found = assemble(model, float(self.t[k]), self.y[k])
-            A = np.zeros((n + c, n + c))
-            A[:n, :n] = found.M[np.ix_(stiff, stiff)]
-            A[n:, :n] = found.Phi_q[:, stiff]
-            A[:n, n:] = found.Phi_q[:, stiff].T
-            right = np.concatenate([found.M[np.ix_(stiff, elastic)], found.Phi_q[:, elastic]])
-            follow = -_solved(A, right, regular=self.base.model.redundant == 0)
-            masses[s] = found.M[np.ix_(elastic, elastic)] + right.T @ follow
-            motions[s, stiff], motions[s, model.n_vel :] = follow[:n], follow[n:]
-            motions[s, elastic] = np.eye(m)
+        model, e, rows = self.model, self.elastic, self.at
+        r = np.setdiff1d(np.arange(model.n_vel), e)
+        M, Phi_q = masses_and_jacobians(model, self.t[rows], self.y[rows])
+        n, c, s = len(r), model.n_constraint, len(rows)
+        A = np.zeros((s, n + c, n + c))
+        A[:, :n, :n], A[:, n:, :n] = M[:, r[:, None], r], Phi_q[:, :, r]
+        A[:, :n, n:] = A[:, n:, :n].transpose(0, 2, 1)
+        right = np.concatenate([M[:, r[:, None], e], Phi_q[:, :, e]], axis=1)
+        follow = -_solved(A, right, regular=self.base.model.redundant == 0)
+        masses = M[:, e[:, None], e] + right.transpose(0, 2, 1) @ follow
+        motions = np.zeros((s, model.n_vel + c, len(e)))
+        motions[:, r], motions[:, model.n_vel :] = follow[:, :n], follow[:, n:]
+        motions[:, e] = np.eye(len(e))
         return masses, motions
 
     @property
@@ -130,51 +129,19 @@ class Response:
 
         From rest, undeformed or (`deformed`) in the quasi-static shape.
         """
-        masses, K, D = self._blocks[0], self.K, self.D
-        t, p = self.t, self.p
-        q, v, a = (np.zeros(p.shape) for _ in range(3))
-        beta = 0.25 * (GAMMA + 0.5) ** 2
-        segment = np.searchsorted(self.at, np.arange(len(t)), side="right") - 1
-        solver: Array = np.zeros((0, 0))
-        known = (-1, 0.0)
-        if self.deformed:
-            q[0] = self.eta[0]
-        a[0] = _definite(masses[0], p[0] - K @ q[0])
-        for k in range(1, len(t)):
-            h = float(t[k] - t[k - 1])
-            here = (int(segment[k]), round(h, 12))
-            if here != known:
-                known = here
-                solver = _inverse(_positive(masses[here[0]]) + GAMMA * h * D + beta * h * h * K)
-            q_p = q[k - 1] + h * v[k - 1] + (0.5 - beta) * h * h * a[k - 1]
-            v_p = v[k - 1] + (1.0 - GAMMA) * h * a[k - 1]
-            a[k] = solver @ (p[k] - K @ q_p - D @ v_p)
-            q[k] = q_p + beta * h * h * a[k]
-            v[k] = v_p + GAMMA * h * a[k]
-        return q, v, a
+        start = self.eta[0] if self.deformed else None
+        return newmark(self.t, self.p, self._blocks[0], self.at, self.K, self.D, start)
 
 
 def _solved(A: Array, b: Array, *, regular: bool) -> Array:
+    """Return A^-1 b of all samples; the solution of least norm where A is singular."""
     if regular:
         try:
             return np.asarray(np.linalg.solve(A, b))
         except np.linalg.LinAlgError:
             pass
-    return np.asarray(np.linalg.lstsq(A, b, rcond=1e-10)[0])
-
-
-def _positive(M: Array) -> Array:
-    """Mass without the round-off that makes held directions negative."""
-    values, V = np.linalg.eigh(0.5 * (M + M.T))
-    return np.asarray((V * np.maximum(values, 1e-12 * values.max(initial=0.0))) @ V.T)
-
-
-def _inverse(A: Array) -> Array:
-    return np.asarray(np.linalg.inv(A))
-
-
-def _definite(M: Array, b: Array) -> Array:
-    return np.asarray(np.linalg.solve(_positive(M), b))
+    pairs = zip(A, b, strict=True)
+    return np.array([np.linalg.lstsq(one, two, rcond=1e-10)[0] for one, two in pairs])
 
 
 def response(base: Base, model: Model, p: Array, *, deformed: bool = False) -> Response:

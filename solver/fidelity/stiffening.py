@@ -13,6 +13,8 @@ from ..signals import Recording, Sensor
 from .effects import Effects
 from .response import Response, elastic_columns
 
+PARALLEL = 1.0 - 1e-12  # cosine of axes that are the same
+
 
 def stiffening_loss(
     found: Response,
@@ -32,7 +34,7 @@ def stiffening_loss(
     turned = np.zeros((len(rows), len(found.elastic)))
     for i, columns in enumerate(elastic_columns(model)):
         if len(columns) and again.model.second_start[i + 1] > again.model.second_start[i]:
-            Kg = geometric_stiffness(model, again.model, i, t, y)
+            Kg = geometric_stiffness(model, again.model, i, t, y, (one.rates, one.multipliers))
             own = np.searchsorted(found.elastic, columns)
             turned[:, own] = np.einsum("sij,sj->si", Kg, found.eta[rows][:, own])
     extra = np.linalg.solve(found.K, turned.T).T  # (s, m)
@@ -50,10 +52,15 @@ def spins(built: BuiltMechanism, found: Response, names: list[str]) -> dict[str,
     for i, name in enumerate(built.body_names):
         if name not in names or not built.model.n_mode[i]:
             continue
-        ratios = [0.0]
-        for k in found.at.tolist():
-            w = spin.spin(i, found.y[k])
-            if np.linalg.norm(w) > 0.0:
-                ratios.append(float(np.linalg.norm(w) / spin.critical_spin(i, w)))
-        out[name] = max(ratios)
+        w = np.array([spin.spin(i, found.y[k]) for k in found.at.tolist()])
+        speed = np.linalg.norm(w, axis=1)
+        largest, seen = 0.0, np.zeros((0, 3))
+        for k in np.argsort(-speed, kind="stable").tolist():
+            if speed[k] <= largest * spin.safe_spin(i):  # that of any axis is higher
+                break
+            axis = w[k] / speed[k]
+            if not (np.abs(seen @ axis) > PARALLEL).any():  # it was faster about this one
+                largest = max(largest, float(speed[k] / spin.critical_spin(i, axis)))
+                seen = np.vstack([seen, axis])
+        out[name] = largest
     return out

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from .answer import Answer
 from .beam_theory import beam_theory
 from .plan import Plan
-from .procedure import Answer
 
 NOT_CHECKED = (
     "the cross-sections and materials of the bodies: both packages have the same",
@@ -54,6 +54,7 @@ def entry(answer: Answer) -> dict[str, Any]:
         "base": answer.study.base.reason or "rigid",
         "horizon": answer.horizon,
         "theories": theories(answer),
+        "beyond_theory": answer.beyond,
         "not_checked": not_checked(answer),
     }
 
@@ -115,7 +116,11 @@ def answer_text(answer: Answer) -> str:
             lines.append(f"Estimated error of {name}: {value:.1e}")
         words = {"met": "The request is met", "not met": "The request is NOT met"}
         reason = f": {answer.reason}" if answer.reason else ""
-        lines.append(f"{words[answer.verdict]}{reason}. The result of the check is delivered.")
+        delivered = "check" if answer.finest is None else "run with all modes of the packages"
+        lines.append(
+            f"{words[answer.verdict]}{reason}. The result of the {delivered} is delivered."
+        )
+    lines += [f"Beyond the theory of both runs: {text}." for text in answer.beyond]
     if answer.horizon is not None:
         lines.append(
             f"After t = {answer.horizon:.4g} s the motion is too sensitive for this accuracy: a "

@@ -14,14 +14,21 @@ from ..math.arrays import Array
 from ..math.rotations import rotation_matrices
 
 
-def geometric_stiffness(model: Model, tables: Model, i: int, t: Array, y: Array) -> Array:
+def geometric_stiffness(
+    model: Model,
+    tables: Model,
+    i: int,
+    t: Array,
+    y: Array,
+    along: tuple[Array, Array] | None = None,
+) -> Array:
     """Return the geometric stiffness (k, m, m) of body i at times t (k,) and states y (k, n) [N m].
 
     `tables` is a model of the same mechanism whose body i is of second order; accelerations and
-    joint forces are those of `model`.
+    joint forces are those of `model`, `along` its rates and multipliers if they are known.
     """
     m, a, j = int(model.n_mode[i]), int(model.pos_start[i]), int(model.vel_start[i])
-    rates, multipliers = series.along_solution(model, t, y)
+    rates, multipliers = along or series.along_solution(model, t, y)
     v_d = rates[:, model.n_pos + j :]
     A = rotation_matrices(y[:, a + 3 : a + 7])
     w = y[:, model.n_pos + j + 3 : model.n_pos + j + 6]

@@ -174,6 +174,10 @@ class SpinMonitor:
                 request = StopRequest(t, found.text, found.code)
         return request
 
+    def safe_spin(self, body: int) -> float:
+        """Spin of a body that is not critical about any axis [rad/s]; inf: none is."""
+        return self._safe_spin[body]
+
     def safe_spins(self) -> Array:
         """Spins below which a body needs no look, (nb,) [rad/s]; inf: none at any spin."""
         safe = np.full(self.model.n_body, np.inf)

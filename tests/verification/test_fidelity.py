@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from fidelity_samples import pendulum, planned_run, true_signals
 
+from plymotion.solver.fidelity.answer import Answer
 from plymotion.solver.fidelity.horizon import horizon
 from plymotion.solver.fidelity.metrics import difference, scales
 from plymotion.solver.fidelity.model import Rich
-from plymotion.solver.fidelity.procedure import Answer, checked, plan_of
+from plymotion.solver.fidelity.procedure import checked, plan_of
 from plymotion.solver.fidelity.response import modal_loads
 from plymotion.solver.fidelity.words import answer_text, entry
 from plymotion.solver.mechanism import build

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from fidelity_samples import Table, pendulum, planned_run, true_signals
 
+from plymotion.solver.fidelity.answer import Answer
 from plymotion.solver.fidelity.metrics import difference, scales
 from plymotion.solver.fidelity.plan import BodyPlan, Plan
-from plymotion.solver.fidelity.procedure import Answer, checked, plan_of
+from plymotion.solver.fidelity.procedure import checked, plan_of
 
 ACCURACY = 5e-5
 SIGNALS = ["tip_y", "bending"]

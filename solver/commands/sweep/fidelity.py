@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from ...fidelity.answer import Answer
 from ...fidelity.members import checked_member, joined, of_model, shared_plan
 from ...fidelity.plan_file import kept_plan, write_plan
-from ...fidelity.procedure import Answer
 from ...package import ModalPackage
 from ...package.common.temporary import write_text
 from ...results.codes.members import PLAN_TOO_COARSE

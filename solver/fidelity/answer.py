@@ -1,0 +1,53 @@
+"""What is known of a plan: its model, its check, the verdict, the run that is delivered."""
+
+from dataclasses import dataclass, field
+
+from ..math.arrays import Array
+from ..run.outcome import RunSpec
+from .indicators import Study
+from .plan import Plan
+from .shares import Share
+from .trial import Trial
+
+
+@dataclass
+class Answer:
+    """A plan with what is known of it.
+
+    Attributes
+    ----------
+    losses : (o,) by the indicators, of the scale
+    estimate : (o,) by the check; None: not checked
+    verdict : "planned", "met", "not met"
+    horizon : time at which a change of 1e-6 has grown to the accuracy [s]; None: not in the run
+    tried : name of the promotion, CPU time and signals (o, k) of each run on the way
+    finest : of a request that is not met, the run with all modes of the package of the check
+    beyond : where the delivered run leaves the range of the theory, in words
+    delivered : the finest run, or that of the check, or of the model if there is none
+    """
+
+    spec: RunSpec
+    names: list[str]
+    study: Study
+    plan: Plan
+    losses: Array
+    cpu: dict[str, float]
+    estimate: Array | None = None
+    verdict: str = "planned"
+    shares: list[Share] = field(default_factory=list)
+    trial: Trial | None = None
+    check: Trial | None = None
+    finest: Trial | None = None
+    rounds: int = 0
+    reason: str = ""
+    horizon: float | None = None
+    tried: list[tuple[str, float, Array]] = field(default_factory=list)
+    beyond: list[str] = field(default_factory=list)
+
+    @property
+    def delivered(self) -> Trial | None:
+        """The run whose result is delivered."""
+        for trial in (self.finest, self.check, self.trial):
+            if trial is not None and trial.complete:
+                return trial
+        return self.check or self.trial

@@ -1,0 +1,169 @@
+"""Runs of the model of a plan and of its check, within the budget of the request."""
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from .answer import Answer
+from .beyond import stopped
+from .exhausted import unseen
+from .horizon import horizon
+from .model import check_plan
+from .plan import Plan, outline
+from .shares import promoted, split
+from .trial import Trial, attempted, distance
+
+MARGIN = 0.9  # of the accuracy: estimate up to which a request counts as met
+SECOND_CHECK = 1.0 / 3.0  # of the accuracy: estimate from which a second check runs
+
+
+@dataclass
+class Checking:
+    """Checks the plan of an answer and promotes it.
+
+    Attributes
+    ----------
+    accuracy, metric : of the request
+    budget : CPU seconds
+    """
+
+    answer: Answer
+    accuracy: float
+    metric: str
+    budget: float
+    begin: float = field(default_factory=time.process_time)
+
+    def __post_init__(self) -> None:
+        indicators = self.answer.study.indicators
+        self.ranked = {name: indicators.ranked(name) for name in self.answer.plan.bodies}
+        self._known: list[Trial] = []  # of the last split: one of them may be the next model
+
+    def left(self) -> float:
+        """CPU seconds that are left of the budget."""
+        return self.budget - (time.process_time() - self.begin)
+
+    @contextmanager
+    def _timed(self, part: str) -> Iterator[None]:
+        begin = time.process_time()
+        yield
+        cpu = self.answer.cpu
+        cpu[part] = cpu.get(part, 0.0) + time.process_time() - begin
+
+    def run(self, plan: Plan) -> Trial | None:
+        """Run a plan; None if it cannot be assembled or, after the first check, without budget."""
+        answer = self.answer
+        for trial in self._known:
+            if trial.plan == plan:
+                return trial
+        if self.left() <= 0.0 and answer.check is not None:
+            return None
+        study = answer.study
+        found = attempted(answer.spec, plan, study.model, study.check, answer.names)
+        if found is not None and found.complete:
+            answer.tried.append((outline(plan), found.cpu, found.signals))
+            self._known.append(found)
+        return found
+
+    def settled(self) -> bool:
+        """Run model and check; tell whether the request is met, or nothing can help."""
+        answer = self.answer
+        with self._timed("model"):
+            answer.trial = self.run(answer.plan) or answer.trial  # the first whatever the budget
+        with self._timed("check"):
+            wanted = check_plan(answer.plan, self.ranked, answer.study.check)
+            if answer.check is None or answer.check.plan != wanted:
+                answer.check = self.run(wanted) or answer.check
+        answer.rounds += 1
+        answer.verdict = "not met"
+        if answer.check is None:
+            answer.reason = "no check: the budget is used up, or its model cannot be assembled"
+            return True
+        if answer.trial is None:
+            answer.reason = "the model of the plan cannot be assembled"
+            return True
+        answer.estimate = distance(self.metric, answer.trial, answer.check)
+        if self.accuracy * SECOND_CHECK < self._estimate <= MARGIN * self.accuracy:
+            self._second()
+        early = stopped(answer.check, "check") or stopped(answer.trial, "model")
+        answer.reason = early or f"the check differs by {self._estimate:.2g}"
+        return self._met() if self._estimate <= MARGIN * self.accuracy else False
+
+    @property
+    def _estimate(self) -> float:
+        assert self.answer.estimate is not None
+        return float(self.answer.estimate.max(initial=0.0))
+
+    def _second(self) -> None:
+        """Compare with a richer check; keep the larger estimate and deliver the richer run."""
+        answer = self.answer
+        assert answer.trial is not None
+        assert answer.estimate is not None
+        with self._timed("check"):
+            wanted = check_plan(answer.plan, self.ranked, answer.study.check, more=4)
+            second = self.run(replace(wanted, rtol=0.3 * wanted.rtol))
+        if second is not None and second.complete:
+            answer.check = second
+            again = distance(self.metric, answer.trial, second)
+            answer.estimate = np.maximum(answer.estimate, again)
+
+    def _met(self) -> bool:
+        """Estimate what both packages lack; tell whether this settles the request."""
+        answer = self.answer
+        assert answer.trial is not None
+        assert answer.check is not None
+        assert answer.estimate is not None
+        with self._timed("check"):
+            both = answer.study.model, answer.study.check
+            more, blind = unseen(answer.check, self.ranked, both, self.metric, self.run)
+        lacking = f"no package has more vibrations ({blind})"
+        if blind and more is None:
+            answer.reason = f"{lacking}, and no run shows what is missing above them: the budget "
+            answer.reason += "is used up"
+            return True
+        if more is not None:
+            answer.estimate = np.hypot(answer.estimate, more)  # they peak at other times
+        if self._estimate > MARGIN * self.accuracy:
+            answer.reason = (
+                f"{lacking}; with what is missing above them the error is about "
+                f"{self._estimate:.2g}"
+            )
+            # More of the packages does not help if they lack too much.
+            return more is not None and float(more.max()) > MARGIN * self.accuracy
+        answer.verdict, answer.reason = "met", ""
+        if self.metric == "pointwise" and self.left() > 0.0:
+            with self._timed("horizon"):
+                answer.horizon = horizon(answer.trial, answer.names, self.accuracy)
+        return True
+
+    def promote(self) -> bool:
+        """Promote what has the largest shares of the difference; False if nothing is left."""
+        answer = self.answer
+        assert answer.trial is not None
+        assert answer.check is not None
+        self._known.clear()
+        with self._timed("split"):
+            answer.shares = split(answer.trial, answer.check, self.ranked, self.metric, self.run)
+        more = promoted(answer.plan, answer.check.plan, self.ranked, answer.shares, self._estimate)
+        changed = more != answer.plan
+        answer.plan = more
+        return changed
+
+    def refuse(self) -> None:
+        """Run all modes of the packages of the check, if the budget allows as much as a check.
+
+        Load shapes that the base motion does not need stand for vibrations above those of the
+        package: joint forces of the shaken cantilever have half the error.
+        """
+        answer = self.answer
+        if answer.check is None or not answer.check.complete or self.left() < answer.check.cpu:
+            return
+        plan = answer.check.plan
+        for name in plan.bodies:
+            plan = plan.with_body(name, whole=True)
+        if plan == answer.check.plan:  # rigid bodies alone
+            return
+        with self._timed("check"):
+            answer.finest = self.run(plan)

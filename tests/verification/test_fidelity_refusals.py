@@ -1,0 +1,92 @@
+"""What a request gets that is not met or leaves the theory, and what a check takes for it."""
+
+from dataclasses import replace
+
+import numpy as np
+from fidelity_samples import pendulum, planned_run
+
+from plymotion.solver.dynamics.dense_equations import assemble, masses_and_jacobians
+from plymotion.solver.fidelity.model import check_plan, vibration_labels
+from plymotion.solver.fidelity.plan import BodyPlan, Plan, kind_of
+from plymotion.solver.fidelity.procedure import checked, plan_of
+from plymotion.solver.fidelity.responding import telling_times
+from plymotion.solver.fidelity.words import answer_text, entry
+
+
+def short(**fidelity):
+    return planned_run(pendulum(t_end=0.1, signals=["force"], **fidelity), "soft")
+
+
+def test_a_refusal_delivers_all_modes_that_respond():
+    answer = plan_of(*short(accuracy=1e-3))
+    answer.plan = Plan({"link0": BodyPlan()}, False, 1e-4)
+    answer = checked(answer, promote=False)
+    assert answer.verdict == "not met"
+    assert answer.check is not None
+    assert answer.finest is not None
+    assert answer.delivered is answer.finest
+    package = answer.finest.spec.packages["link0"]
+    assert package.n_mode > answer.check.spec.packages["link0"].n_mode
+    eta = answer.study.check["link0"].eta
+    assert package.n_mode == np.sum(np.abs(eta).max(axis=0) > 0.0)  # zero: do not respond
+    assert "run with all modes of the packages is delivered" in answer_text(answer)
+
+
+def test_no_further_run_without_budget():
+    answer = plan_of(*short(accuracy=1e-3, budget=1e-3))
+    answer.plan = Plan({"link0": BodyPlan()}, False, 1e-4)
+    answer = checked(answer, promote=False)
+    assert answer.finest is None
+    assert answer.delivered is answer.check
+
+
+def test_a_check_takes_the_last_few_vibrations():
+    """All of the kinds that respond if at most three would be left; not if more would."""
+    answer = plan_of(*short(accuracy=1e-3))
+    package = answer.study.check["link0"].package
+    ranked = {"link0": answer.study.indicators.ranked("link0")}
+    kinds = {kind_of(label) for label in ranked["link0"]}
+    every = {label for label in vibration_labels(package) if kind_of(label) in kinds}
+    small = replace(answer.plan, bodies={"link0": BodyPlan(ranked["link0"][:1], 2)})
+    large = replace(answer.plan, bodies={"link0": BodyPlan(ranked["link0"][:4], 2)})
+    few, many = (
+        set(check_plan(plan, ranked, answer.study.check).bodies["link0"].vibrations)
+        for plan in (small, large)
+    )
+    assert every - few
+    assert every <= many
+
+
+def test_a_body_that_turns_far_is_told_with_the_segments_it_needs():
+    table = pendulum(t_end=0.3, speed=3.0, signals=["tip_x"], accuracy=1e-1)
+    answer = checked(plan_of(*planned_run(table, "soft", 73e9 / 60)))
+    assert answer.verdict == "met"  # of this theory
+    assert "divide the beam by segments = 2" in answer.beyond[0]
+    assert entry(answer)["beyond_theory"] == answer.beyond
+    assert f"Beyond the theory of both runs: {answer.beyond[0]}." in answer_text(answer)
+
+
+def test_modes_across_the_plane_of_a_motion_do_not_respond():
+    answer = plan_of(*short())
+    labels = {mode.label for mode in answer.study.indicators.modes}
+    assert {"bending-xy 1", "axial 1"} <= labels
+    assert not any(label.startswith(("bending-xz", "torsion")) for label in labels)
+
+
+def test_telling_times_have_the_peak_of_a_short_load():
+    base = plan_of(*short()).study.base
+    between = 7  # no multiple of the regular steps
+    peak = base.accelerations.copy()
+    peak[between, 1] = 2.0 * np.abs(peak[:, 1]).max() + 1.0
+    assert between not in telling_times(base)
+    assert between in telling_times(replace(base, accelerations=peak))
+
+
+def test_mass_matrices_of_many_states_are_those_of_each():
+    base = plan_of(*short()).study.base
+    rows = [0, 50, 200]
+    M, Phi_q = masses_and_jacobians(base.model, base.t[rows], base.y[rows])
+    for found, jacobian, k in zip(M, Phi_q, rows, strict=True):
+        one = assemble(base.model, float(base.t[k]), base.y[k])
+        assert np.array_equal(found, one.M)
+        assert np.array_equal(jacobian, one.Phi_q)
