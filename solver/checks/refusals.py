@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from ..dynamics.forces.table import FORCES
 from ..errors import few
 from ..results.codes.course import REFUSED
 from ..results.finding import Finding
@@ -30,12 +31,15 @@ def refusal_findings(run: FinishedRun) -> Iterator[Finding]:
             "; or, if this motion is a vibration of no interest, cutoff_frequency or damping of "
             "the body"
         )
-    sticking = [n for n, f in run.mechanism.forces.items() if f.kind == "friction"]
-    if sticking and found.newton > found.rough:
-        helps = (
-            f"a larger rest_velocity of {few([f'forces.{name}' for name in sticking])}, at least "
-            f'rtol times the velocities of the motion; or kind = "bristle_friction"; or {helps}'
-        )
+    if found.newton > found.rough:
+        advice = {
+            name: FORCES[force.kind].steep
+            for name, force in run.mechanism.forces.items()
+            if FORCES[force.kind].steep
+        }
+        for change in dict.fromkeys(advice.values()):
+            names = few([f"forces.{name}" for name, of in advice.items() if of == change])
+            helps = f"for {names} {change}; or {helps}"
     text = (
         f"{found.share:.0%} of {found.attempts} attempts at a step were refused{why}{cause}. "
         f"What helps: {helps}"

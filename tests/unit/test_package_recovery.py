@@ -43,7 +43,7 @@ def test_a_package_without_recovery_is_as_before(tmp_path: Path) -> None:
     assert validate(tmp_path / "a.vtkhdf") == []
     with h5py.File(tmp_path / "a.vtkhdf") as file:
         assert "recovery" not in file["modal_package"]
-        assert set(file[SECTION]) == {"K", "M", "ply_table"}
+        assert set(file[SECTION]) == {"K", "M", "end_compliance", "ply_table"}
 
 
 def test_old_package_has_no_recovery(repository: Path) -> None:

@@ -215,7 +215,7 @@ def test_friction_too_steep_for_the_tolerance_is_told(tmp_path):
     steep = stick_slip("friction", rest_velocity=1e-9)
     summary = run(tmp_path, steep, 20.0, 0.05, DEFAULT)[2]
     (finding,) = [w for w in summary["warnings"] if w["code"] == "steps-refused"]
-    assert "a larger rest_velocity of forces.f" in finding["message"]
+    assert "for forces.f a larger rest_velocity" in finding["message"]
 
 
 def test_steady_sliding_of_the_bristle(tmp_path):

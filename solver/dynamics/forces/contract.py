@@ -82,12 +82,14 @@ class ForceElement:
     kind : name in tables and in the case file
     meaning, remark : title and text for docs/case-reference.md; no full stop behind the title
     order : place in the manual and in lists; those of equal order follow by name
+    steep : what a user can change where Newton's iteration does not converge because of this kind
     """
 
     kind: str
     meaning: str
     remark: str = ""
     order: int = 100
+    steep: str = ""
 
 
 @dataclass(frozen=True)

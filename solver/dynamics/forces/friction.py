@@ -89,4 +89,6 @@ FRICTION = CoordinateForce(
     ),
     terms=_terms,
     order=7,
+    steep="a larger rest_velocity, at least rtol times the velocities of the motion, or kind "
+    "bristle_friction instead",
 )
