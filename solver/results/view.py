@@ -10,7 +10,9 @@ the node per unit mode, r and A position and rotation of the body. Pictures are 
 modal coordinates alone; no field is stored for each time.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 from ..math.arrays import Array, IntArray
@@ -57,9 +59,14 @@ class BodyView:
     labels: tuple[str, ...]  # (m,) names of the modes
     mass: float  # [kg]
     centre_B: Array  # (3,) mass centre                          [m]
-    surface: Surface
+    draw: Callable[[], Surface]  # makes the surface: a run that shows none has no cost of it
     sites: Sites | None = None
     provenance: dict[str, Any] = field(default_factory=dict)  # of the package
+
+    @cached_property
+    def surface(self) -> Surface:
+        """Surface of the body."""
+        return self.draw()
 
 
 @dataclass(frozen=True)

@@ -73,11 +73,12 @@ def read_view(path: Path, group: h5py.Group) -> BodyView | None:
         if "sites" in group:
             plies = tuple(json.loads(get_text(group["sites"], "plies")))
             sites = Sites(**_arrays(group["sites"], SITES), plies=plies)
+        surface = Surface(**_arrays(group["surface"], SURFACE))
         return BodyView(
             first_position=int(group.attrs["first_position"]),
             labels=tuple(json.loads(get_text(group, "labels"))),
             mass=float(group.attrs["mass"]),
-            surface=Surface(**_arrays(group["surface"], SURFACE)),
+            draw=lambda: surface,
             sites=sites,
             provenance=json.loads(get_text(group, "provenance")),
             **_arrays(group, BODY),

@@ -1,6 +1,8 @@
 """What pictures of a run need: surface, modes and resultants of every body, and the joints."""
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -38,7 +40,8 @@ def with_views(
     states = np.asarray(y[times])
     reach = max((_size(body.nodes_B) for body in bodies), default=0.0)
     found = []
-    surfaces: dict[int, Surface] = {}  # by the identity of the package: bodies may share one
+    # By the identity of the package: bodies may share one.
+    surfaces: dict[int, Callable[[], Surface]] = {}
     for i, body in enumerate(bodies):
         package, first = built.packages.get(body.name), int(model.pos_start[i])
         mass = float(model.mass[i])
@@ -55,14 +58,14 @@ def with_views(
                 labels=(),
                 mass=mass,
                 centre_B=centre_B,
-                surface=rigid_surface(
-                    body.nodes_B, centre_B, edges, axes_B, width, reach or np.inf
+                draw=partial(
+                    rigid_surface, body.nodes_B, centre_B, edges, axes_B, width, reach or np.inf
                 ),
             )
         else:
             q = states[:, first + 7 : first + 7 + package.n_mode]
             if id(package) not in surfaces:
-                surfaces[id(package)] = _surface(package)
+                surfaces[id(package)] = cache(partial(_surface, package))
             view = _flexible(package, first, q, surfaces[id(package)])
         found.append(replace(body, view=view))
     return tuple(found)
@@ -94,7 +97,7 @@ def _side(built: BuiltMechanism, marker: int) -> Side:
     return Side(body, model.marker_x[marker], model.marker_A[marker], phi, psi)
 
 
-def _flexible(package: ModalPackage, first: int, q: Array, surface: Surface) -> BodyView:
+def _flexible(package: ModalPackage, first: int, q: Array, draw: Callable[[], Surface]) -> BodyView:
     sites = _stations(package, q) or _cells(package, q)
     known = {key: package.provenance[key] for key in PROVENANCE if key in package.provenance}
     return BodyView(
@@ -105,7 +108,7 @@ def _flexible(package: ModalPackage, first: int, q: Array, surface: Surface) -> 
         labels=package.mode_labels or package.mode_kinds,
         mass=package.invariants.mass,
         centre_B=package.invariants.S0_B / package.invariants.mass,
-        surface=surface,
+        draw=draw,
         sites=sites,
         provenance=known,
     )

@@ -140,6 +140,13 @@ def stressed(strength: PlyStrength | YieldStrength, stress: np.ndarray) -> RunRe
         np.array([7]),
         np.zeros((1, 3), dtype=np.int64),
     )
+    nothing = Surface(
+        none,
+        np.zeros((0, 3)),
+        np.zeros((0, 3), dtype=np.int64),
+        none,
+        np.zeros((0, 3), dtype=np.int64),
+    )
     bodies = []
     for body in rod.bodies:
         n, held = len(body.nodes_B), body.name == "rod"
@@ -154,15 +161,7 @@ def stressed(strength: PlyStrength | YieldStrength, stress: np.ndarray) -> RunRe
                     labels=tuple("abcdef") if held else (),
                     mass=1.0,
                     centre_B=np.zeros(3),
-                    surface=triangle
-                    if held
-                    else Surface(
-                        none,
-                        np.zeros((0, 3)),
-                        np.zeros((0, 3), dtype=np.int64),
-                        none,
-                        np.zeros((0, 3), dtype=np.int64),
-                    ),
+                    draw=(lambda: triangle) if held else (lambda: nothing),
                     sites=sites if held else None,
                 ),
             )
