@@ -12,7 +12,7 @@ modal coordinates alone; no field is stored for each time.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 from ..math.arrays import Array, IntArray
@@ -67,6 +67,14 @@ class BodyView:
     def surface(self) -> Surface:
         """Surface of the body."""
         return self.draw()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what another process gets: the surface, not how to make it."""
+        return vars(self) | {"draw": partial(_made, self.surface)}
+
+
+def _made(surface: Surface) -> Surface:
+    return surface
 
 
 @dataclass(frozen=True)
