@@ -4,6 +4,7 @@ from typing import Any
 
 from plymotion.solver.package.body.specification import DIRECTIONS
 
+SHELL_PARTS = ("mesh", "materials", "laminates", "regions", "elements", "stiffeners")
 CLAMPED = {"kind": "clamped", "at": "root"}
 
 
@@ -36,6 +37,21 @@ def shell_body(**entries: Any) -> dict[str, Any]:
     plain = {"link": "rigid", "rotation_deg": [0.0, 0.0, 0.0]}
     spec["interfaces"] = {name: plain | table for name, table in spec["interfaces"].items()}
     return _with_directions(spec)
+
+
+def shell_parts(shell: dict[str, Any]) -> dict[str, Any]:
+    """The tables of a shell that its body has too: no supports, loads or results."""
+    return {key: shell[key] for key in SHELL_PARTS if key in shell}
+
+
+def panel_body(shell: dict[str, Any], n_mode: int, **entries: Any) -> dict[str, Any]:
+    """The body of a plate: root at its left edge, tip at its right one, which may deform."""
+    return shell_body(
+        shell=shell_parts(shell),
+        modes=[{"kind": "lowest", "count": n_mode}],
+        interfaces={"root": {"at": "left"}, "tip": {"at": "right", "link": "average"}},
+        **entries,
+    )
 
 
 def _with_directions(spec: dict[str, Any]) -> dict[str, Any]:

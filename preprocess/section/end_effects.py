@@ -20,7 +20,7 @@ from ...solver.math.arrays import Array
 from .errors import SectionError
 from .recovery import unit_displacements
 from .timoshenko import SectionStiffness
-from .warping import WarpingSolver
+from .warping import WarpingSolver, motions_of_beam
 
 STEPS = 2
 DEPENDENT = 1e-10  # energy of a combination of columns that is left out, of the largest
@@ -61,10 +61,8 @@ def _decaying_fields(
     result: SectionStiffness, solver: WarpingSolver, C: Array
 ) -> tuple[Array, Array, Array]:
     """E, H and M (m, m) of the columns of X, those of W first, without resultants."""
-    space, zero, one = result.space, 0.0 * result.space.x2, 1.0 + 0.0 * result.space.x2
-    translations = (one, zero, zero), (zero, one, zero), (zero, zero, one)
-    rotations = (zero, -space.x3, space.x2), (space.x3, zero, zero), (-space.x2, zero, zero)
-    rigid = space.strain_along_beam(space.displacements(*translations, *rotations))
+    space = result.space
+    rigid = space.strain_along_beam(motions_of_beam(space))
     of_rigid = C @ rigid
     A = space.work(of_rigid, rigid)
 

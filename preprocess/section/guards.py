@@ -128,9 +128,11 @@ def condition_warnings(result: SectionStiffness | CentralSolutions) -> list[dict
 
 def coarse_warnings(error: Array | None, K: Array) -> list[dict[str, str]]:
     """Warning if the estimated error (6, 6) of the stiffness is large."""
-    if error is None or scaled(error, K).max() <= COARSE:
+    if error is None:
         return []
     share = scaled(error, K)
+    if share.max() <= COARSE:
+        return []
     i, j = np.unravel_index(int(np.argmax(share)), share.shape)
     return [
         {

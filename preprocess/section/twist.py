@@ -19,6 +19,7 @@ from ...solver.math.rotations import skew
 from .errors import SectionError
 from .operators import AT_A_TIME
 from .space import ALONG_BEAM, BY_SLOPE, SectionSpace
+from .warping import motions_of_beam
 
 
 class TwistedStrains:
@@ -40,10 +41,7 @@ class TwistedStrains:
     @cached_property
     def Z(self) -> Array:
         """Rigid motions (n_dof, 6) whose change along the beam is a unit beam strain."""
-        x2, x3 = self.space.x2, self.space.x3
-        return self.space.displacements(
-            (1, 0, 0), (0, 1, 0), (0, 0, 1), (0, -x3, x2), (x3, 0, 0), (-x2, 0, 0)
-        )
+        return motions_of_beam(self.space)
 
     def strain_in_section(self, W: Array) -> Array:
         """G_k W at the points, (c, q, 6, m), for displacement columns W (n_dof, m)."""

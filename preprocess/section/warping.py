@@ -44,6 +44,14 @@ def rigid_fields(space: SectionSpace) -> Array:
     return space.displacements((1, 0, 0), (0, 1, 0), (0, 0, 1), (0, -space.x3, space.x2))
 
 
+def motions_of_beam(space: SectionSpace) -> Array:
+    """Rigid motions (n_dof, 6) whose change along the beam is a unit beam strain."""
+    x2, x3 = space.x2, space.x3
+    return space.displacements(
+        (1, 0, 0), (0, 1, 0), (0, 0, 1), (0, -x3, x2), (x3, 0, 0), (-x2, 0, 0)
+    )
+
+
 def unknowns_at_nodes(space: SectionSpace) -> tuple[NDArray[np.int64], Array]:
     """Unknowns that are displacements of nodes, (w,), and their positions (w, 2) [m]."""
     x = np.stack([space.x2, space.x3], axis=1)

@@ -81,7 +81,7 @@ def check_stable(K: sp.csr_matrix, problem: ShellProblem, case: str, where: str)
         raise buckled(case, where)
 
 
-def buckled(case: str | None, where: str) -> ShellError:
+def buckled(case: str, where: str) -> ShellError:
     """The error of a shell that does not vibrate about its prestress."""
     return ShellError(
         f"{where} = {case!r}: the shell has buckled under this load case and does not vibrate; "

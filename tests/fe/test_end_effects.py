@@ -10,6 +10,7 @@ pytest.importorskip("plymotion.preprocess.fenicsx")
 
 import ufl
 from section_specs import rectangle_spec
+from shell_specs import CFRP, METAL
 from solid_prism import held_compliance
 
 from plymotion.preprocess.materials import material_from_dict
@@ -18,13 +19,7 @@ from plymotion.solver.fidelity.section_ends import OTHER_END
 from plymotion.solver.inputs.section.shapes.library import expand, walls
 
 Record = Callable[[str, Any], None]
-METAL = {"kind": "isotropic", "E": 70e9, "nu": 0.3, "rho": 2700.0}
 FOAM = {"kind": "isotropic", "E": 70e6, "nu": 0.3, "rho": 60.0}
-CARBON: dict[str, Any] = {
-    "kind": "orthotropic",
-    **{"E1": 129.2e9, "E2": 9.4e9, "E3": 9.4e9, "G12": 5.2e9, "G13": 4.3e9, "G23": 2.5e9},
-    **{"nu12": 0.3, "nu13": 0.3, "nu23": 0.22, "rho": 1550.0},
-}
 NAMES = "F1", "F2", "F3", "M1", "M2", "M3"
 
 
@@ -98,8 +93,8 @@ BARS: dict[str, Any] = {
     "square, of carbon": (
         (0.16, 0.04, 0.04),
         (20, 6, 6),
-        constant(CARBON),
-        rectangle_spec(0.04, 0.04, CARBON),
+        constant(CFRP),
+        rectangle_spec(0.04, 0.04, CFRP),
     ),
     "strip": (
         (0.12, 0.04, 0.004),

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from body_specs import shell_body
+from body_specs import panel_body
 from flexible_samples import momenta, simulate, total_energy
 from shell_specs import CFRP, plate
 
@@ -20,21 +20,13 @@ pytestmark = pytest.mark.one_end
 
 def panel(mass_form: str, reference: dict[str, Any]) -> dict[str, Any]:
     """An unsymmetric laminate off its mesh, so that nothing decouples."""
-    shell = plate((10, 4), 1.0, 0.5, 0.2)
     plies = [{"material": "cfrp", "angle_deg": a, "thickness": 5e-4} for a in (30.0, -15.0, 75.0)]
-    return shell_body(
-        body="panel",
-        shell={
-            "mesh": shell["mesh"],
-            "materials": {"cfrp": CFRP},
-            "laminates": {"skin": {"plies": plies, "offset": "bottom"}},
-            "regions": {"all": {"laminate": "skin", "axis": [1.0, 0.0, 0.0]}},
-        },
-        mass_form=mass_form,
-        reference=reference,
-        modes=[{"kind": "lowest", "count": 3}],
-        interfaces={"root": {"at": "left"}, "tip": {"at": "right", "link": "average"}},
-    )
+    shell = plate((10, 4), 1.0, 0.5, 0.2) | {
+        "materials": {"cfrp": CFRP},
+        "laminates": {"skin": {"plies": plies, "offset": "bottom"}},
+        "regions": {"all": {"laminate": "skin", "axis": [1.0, 0.0, 0.0]}},
+    }
+    return panel_body(shell, 3, body="panel", mass_form=mass_form, reference=reference)
 
 
 def fly(package: ModalPackage, *, stiffening: bool = False) -> Array:

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import plate_peer
 import pytest
-from body_specs import shell_body
+from body_specs import panel_body
 from plate_peer import X, Y
 from shell_model import laminate
 from shell_specs import CFRP, plate
@@ -82,16 +82,7 @@ SPINS = [([45.0, -45.0, -45.0, 45.0], 0.4, 0.2, 0.1), ([0.0, 90.0], 0.3, 0.3, 0.
 def test_spinning_laminates_at_a_hub(angles: list[float], a: float, b: float, hub: float) -> None:
     spec = shell(angles, (24, 12), a, b)
     C = stiffness(spec)
-    parts = ("mesh", "materials", "laminates", "regions")
-    package = build_body(
-        shell_body(
-            body="plate",
-            shell={key: spec[key] for key in parts},
-            modes=[{"kind": "lowest", "count": 8}],
-            interfaces={"root": {"at": "left"}, "tip": {"at": "right", "link": "average"}},
-            second_order=True,
-        )
-    )
+    package = build_body(panel_body(spec, 8, body="plate", second_order=True))
     second = package.second_order
     assert second is not None
     peer = plate_peer.Plate(C, a, b, CANTILEVER)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from body_specs import shell_body
+from body_specs import panel_body
 from shell_benchmarks import expected, numbers
 from shell_specs import CFRP, box, plate
 
@@ -213,15 +213,7 @@ def test_body_of_quadrilaterals(tmp_path: Path) -> None:
     shell["laminates"] = {"skin": {"plies": plies}}
     shell["regions"] = {"all": {"laminate": "skin", "axis": [1.0, 0.0, 0.0]}}
     shell["mesh"] |= QUADS
-    parts = ("mesh", "materials", "laminates", "regions")
-    package = build_body(
-        shell_body(
-            body="wing",
-            shell={key: shell[key] for key in parts},
-            modes=[{"kind": "lowest", "count": 3}],
-            interfaces={"root": {"at": "left"}, "tip": {"at": "right", "link": "average"}},
-        )
-    )
+    package = build_body(panel_body(shell, 3, body="wing"))
     write_package(tmp_path / "wing.vtkhdf", package)
     assert [f for f in validate(tmp_path / "wing.vtkhdf") if f.level != "note"] == []
     assert set(package.cell_types) == {9}

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from body_specs import shell_body
+from body_specs import shell_body, shell_parts
 from shell_specs import CFRP, METAL, box, plate
 
 from plymotion.preprocess.body import build_body
@@ -21,7 +21,6 @@ from plymotion.preprocess.shell.supports import read_supports
 from plymotion.solver.package import read_package, write_package
 from plymotion.solver.package.body.second_order import modal_mass_at
 
-PARTS = ("mesh", "materials", "laminates", "regions", "elements", "stiffeners")
 QUADS = {"element": "quadrilateral"}
 LENGTH, WIDTH, THICKNESS = 1.0, 0.02, 0.005
 WRIGHT = {1.0: 3.6817, 2.0: 4.1373, 3.0: 4.7973, 4.0: 5.5850, 5.0: 6.4495, 10.0: 11.2023}
@@ -29,7 +28,7 @@ WRIGHT = {1.0: 3.6817, 2.0: 4.1373, 3.0: 4.7973, 4.0: 5.5850, 5.0: 6.4495, 10.0:
 
 def body(shell: dict[str, Any], ends: tuple[str, str], **changes: Any) -> dict[str, Any]:
     entries = {
-        "shell": {key: shell[key] for key in PARTS if key in shell},
+        "shell": shell_parts(shell),
         "modes": [{"kind": "lowest", "count": 4}],
         "interfaces": {"root": {"at": ends[0]}, "tip": {"at": ends[1]}},
         "second_order": True,

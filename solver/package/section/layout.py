@@ -94,12 +94,9 @@ def section_values(section: SectionFile, where: str = "section") -> dict[str, An
         "warping": section.warping,
         **warning_values(section.warnings),
     }
-    if section.error_estimate is not None:
-        values["error_estimate"] = section.error_estimate
-    if section.initial_curvature is not None:
-        values["initial_curvature"] = section.initial_curvature
-    if section.end_compliance is not None:
-        values["end_compliance"] = section.end_compliance
+    for name in ("error_estimate", "initial_curvature", "end_compliance"):
+        if getattr(section, name) is not None:
+            values[name] = getattr(section, name)
     for name in ("nodes", "connectivity", "offsets", "cell_types", "region", "regions", "ply"):
         values[f"mesh/{name}"] = getattr(mesh, name)
     for name in ("layer_direction", "fibre"):
