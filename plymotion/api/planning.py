@@ -10,10 +10,9 @@ from typing import Any
 
 from ..solver.commands.cases.packages import build_needed
 from ..solver.commands.cases.turn import turn
-from ..solver.errors import InputError, nearest
+from ..solver.errors import InputError
 from ..solver.fidelity.execution import answered, read_planned
 from ..solver.fidelity.members import checked_member, member_spec, of_model
-from ..solver.fidelity.procedure import Answer
 from ..solver.fidelity.words import answer_text
 from ..solver.inputs.case.specs import write_case
 from ..solver.package.common.temporary import write_text
@@ -22,7 +21,7 @@ from ..solver.run.execution import execute, read_run
 from .case import Case, as_case
 from .names import ByName
 from .plain import plain
-from .running import folder_of, only_run
+from .running import folder_of, run_named
 from .signal import Signal
 
 CHECKED = 0.05  # of the designs, drawn at random
@@ -60,12 +59,11 @@ class Plan:
         self._packages, self._checked = packages, checked
         file = self._written(case, folder, check=True)
         answer = answered(file)
-        spec, of_check = read_planned(file)
-        self._plan = of_model(answer.plan, spec)  # designs have no package of the check
+        self._plan = of_model(answer.plan, answer.spec)  # designs have no package of the check
         if self._plan != answer.plan:
-            answer = checked_member(spec, of_check, self._plan)
+            answer = checked_member(*read_planned(file), self._plan)
         self.text, self.met = answer_text(answer), answer.verdict == "met"
-        self.estimate = _estimate(answer)
+        self.estimate = answer.estimates
         self.checks: list[dict[str, Any]] = []
 
     def run(self, changes: Mapping[str, Any] | None = None) -> ByName[Signal]:
@@ -124,7 +122,7 @@ class Plan:
         found = {
             "changes": changes,
             "met": answer.verdict == "met",
-            "estimate": _estimate(answer),
+            "estimate": answer.estimates,
             "reason": answer.reason,
         }
         self.checks.append(found)
@@ -189,19 +187,11 @@ signals
     if not 0.0 <= checked <= 1.0:
         raise InputError(f"plan(): checked = {checked}: expected from 0 to 1")
     runs = case.check(sweeps=()).runs
-    run = run or only_run(case.name, runs)
-    if run not in runs:
-        raise InputError(f"{case.name} has no run {run!r}{nearest(str(run), runs)}")
+    run = run_named(case.name, run, runs)
     if runs[run].fidelity is None:
         raise InputError(f"{case.name}, run {run}: expected [fidelity] with accuracy and signals")
     folder = folder_of(case, out)
     return Plan(case, run, folder, None if packages is None else Path(packages).resolve(), checked)
-
-
-def _estimate(answer: Answer) -> dict[str, float]:
-    if answer.estimate is None:
-        return {}
-    return dict(zip(answer.names, answer.estimate.tolist(), strict=True))
 
 
 def _drawn(changes: Mapping[str, Any], share: float) -> bool:

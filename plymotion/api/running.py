@@ -60,9 +60,7 @@ def run(
     """
     case = as_case(case)
     checked = case.check(coarse=coarse, sweeps=())
-    run = run or only_run(case.name, checked.runs)
-    if run not in checked.runs:
-        raise InputError(f"{case.name} has no run {run!r}{nearest(str(run), checked.runs)}")
+    run = run_named(case.name, run, checked.runs)
     folder = folder_of(case, out, coarse=coarse)
     with turn(folder, quiet=not progress):
         write_case(checked, folder, None if packages is None else Path(packages))
@@ -77,6 +75,15 @@ def run(
 def folder_of(case: Case, out: str | Path | None, *, coarse: bool = False) -> Path:
     """Return the folder of the results of a case."""
     return Path(out) if out is not None else Path("build") / (case.name + "-coarse" * coarse)
+
+
+def run_named(name: str, run: str | None, runs: Iterable[str]) -> str:
+    """Return a run that a case has; None: its only one. Raises InputError."""
+    known = list(runs)
+    run = run or only_run(name, known)
+    if run not in known:
+        raise InputError(f"{name} has no run {run!r}{nearest(str(run), known)}")
+    return run
 
 
 def only_run(name: str, runs: Iterable[str]) -> str:

@@ -45,6 +45,13 @@ class Answer:
     beyond: list[str] = field(default_factory=list)
 
     @property
+    def estimates(self) -> dict[str, float]:
+        """Estimated errors by signal; infinite if a run ended early; none: not checked."""
+        if self.estimate is None:
+            return {}
+        return dict(zip(self.names, self.estimate.tolist(), strict=True))
+
+    @property
     def delivered(self) -> Trial | None:
         """The run whose result is delivered."""
         for trial in (self.finest, self.check, self.trial):

@@ -12,8 +12,9 @@ from ..mechanism import BuiltMechanism, build
 from ..package import ModalPackage
 from ..run.outcome import RunSpec
 from .base import Base
-from .responding import by_body, energy, linear, quasi_static, responding, with_modes
-from .response import SAMPLES, embedded
+from .model import energy
+from .responding import by_body, linear, quasi_static, responding, with_modes
+from .response import embedded, samples
 
 PROBES = 4  # output times at which the modes that the loads act on are found
 
@@ -45,7 +46,7 @@ class Further:
 
     @cached_property
     def _all(self) -> dict[str, Array]:
-        rows = np.unique(np.linspace(0, len(self.base.t) - 1, SAMPLES).astype(np.int64))
+        rows = samples(self.base)
         modes = self._responding(rows)
         packages = with_modes({n: self.packages[n] for n in modes}, modes)
         built = build(linear(self.spec, stiffening=True), {**self.packages, **packages})

@@ -84,6 +84,11 @@ def rows(package: ModalPackage, labels: tuple[str, ...]) -> list[int]:
     return [i for i in vibrations(package).tolist() if package.mode_labels[i] in labels]
 
 
+def energy(package: ModalPackage, q: Array) -> float:
+    """Return the root of the sum of q' K q over rows of q (k, m)."""
+    return float(np.sqrt(((q @ package.stiffness) * q).sum()))
+
+
 def body_package(
     rich: Rich, kept: list[int], static: int, *, ringing: bool, stiffening: bool
 ) -> ModalPackage:
@@ -93,7 +98,7 @@ def body_package(
         return rigid(package)
     shapes = rich.rest(kept, stiffening=stiffening)
     worth = rich.energies(shapes)
-    whole = float(np.sqrt(((rich.eta @ package.stiffness) * rich.eta).sum()))
+    whole = energy(package, rich.eta)
     chosen = shapes[:, : min(static, int(np.sum(worth > 1e-9 * whole)))]
     loads = package.stiffness @ chosen
     if stiffening and static:

@@ -74,7 +74,7 @@ def kept_plan(file: Path, known: Known, digest: str) -> Plan | None:
         return None
     table = read_toml(file, "plan")
     _typed(f"{file}: ", table, {"inputs_sha256": str})
-    return read_plan(file, known) if table["inputs_sha256"] == digest else None
+    return plan_of_table(file, table, known) if table["inputs_sha256"] == digest else None
 
 
 def read_plan(file: Path, known: Known) -> Plan:

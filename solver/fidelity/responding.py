@@ -12,7 +12,7 @@ from ..package.body.transform import changed_basis
 from ..run.outcome import RunSpec
 from .base import Base
 from .model import FAINT, with_values
-from .response import SAMPLES, elastic_columns
+from .response import elastic_columns, samples
 
 
 def responding(
@@ -49,19 +49,13 @@ def telling_times(base: Base) -> IntArray:
     model = base.model
     velocities = base.y[:, model.n_pos : model.n_pos + model.n_vel]
     histories = np.column_stack([base.accelerations, velocities, base.multipliers])
-    regular = np.linspace(0, len(base.t) - 1, SAMPLES).astype(np.int64)
-    return np.unique(np.concatenate([regular, np.abs(histories).argmax(axis=0)]))
+    return np.unique(np.concatenate([samples(base), np.abs(histories).argmax(axis=0)]))
 
 
 def by_body(built: BuiltMechanism, p: Array) -> dict[str, Array]:
     """Return the part (k, m) of loads (k, n_vel) on the modes of each body."""
     columns = elastic_columns(built.model)
     return {name: p[:, columns[i]] for i, name in enumerate(built.body_names)}
-
-
-def energy(package: ModalPackage, q: Array) -> float:
-    """Return the root of the sum of q' K q over rows of q (k, m)."""
-    return float(np.sqrt(((q @ package.stiffness) * q).sum()))
 
 
 def quasi_static(package: ModalPackage, p: Array) -> Array:

@@ -25,6 +25,11 @@ from .newmark import newmark
 SAMPLES = 32  # output times at which masses and sensitivities are computed
 
 
+def samples(base: Base) -> IntArray:
+    """Return SAMPLES output times (s,) in equal steps."""
+    return np.unique(np.linspace(0, len(base.t) - 1, SAMPLES).astype(np.int64))
+
+
 def embedded(base: Base, model: Model) -> tuple[Array, Array]:
     """Return states (k, n) and accelerations (k, n_vel) of the base in a model with more modes."""
     k = len(base.t)
@@ -156,5 +161,4 @@ def response(base: Base, model: Model, p: Array, *, deformed: bool = False) -> R
         D[part, part] = model.D_qq[two : two + n * n].reshape(n, n)
         at += n
     y, _ = embedded(base, model)
-    samples = np.unique(np.linspace(0, len(base.t) - 1, SAMPLES).astype(np.int64))
-    return Response(base, model, y, p[:, elastic], K, D, samples, deformed)
+    return Response(base, model, y, p[:, elastic], K, D, samples(base), deformed)

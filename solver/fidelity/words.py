@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from ..errors import counted
 from .answer import Answer
 from .beam_theory import beam_theory
 from .plan import Plan
@@ -36,16 +37,13 @@ def entry(answer: Answer) -> dict[str, Any]:
     fidelity = answer.spec.mechanism.fidelity
     assert fidelity is not None
     indicators = answer.study.indicators
-    estimate = answer.estimate
     return {
         "asked": fidelity.accuracy,
         "metric": fidelity.metric,
         "scale": dict(zip(answer.names, indicators.scale.tolist(), strict=True)),
         "plan": answer.plan.table(),
         "losses": dict(zip(answer.names, answer.losses.tolist(), strict=True)),
-        "estimate": None
-        if estimate is None
-        else {n: _finite(e) for n, e in zip(answer.names, estimate.tolist(), strict=True)},
+        "estimate": estimate_entry(answer),
         "shares": [share.entry() for share in answer.shares],
         "rounds": answer.rounds,
         "cpu": dict(answer.cpu),
@@ -70,8 +68,11 @@ def theories(answer: Answer) -> list[str]:
     return [one.words(fidelity.accuracy) for one in found if one is not None]
 
 
-def _finite(value: float) -> float | None:
-    return value if np.isfinite(value) else None
+def estimate_entry(answer: Answer) -> dict[str, float | None] | None:
+    """Return the estimated errors by signal; None: not checked, or of a run that ended early."""
+    if answer.estimate is None:
+        return None
+    return {name: e if np.isfinite(e) else None for name, e in answer.estimates.items()}
 
 
 def fidelity_line(found: Mapping[str, Any]) -> str:
@@ -112,7 +113,7 @@ def answer_text(answer: Answer) -> str:
     if answer.estimate is None:
         lines.append(f"Not checked{': ' + answer.reason if answer.reason else ''}.")
     else:
-        for name, value in zip(answer.names, answer.estimate.tolist(), strict=True):
+        for name, value in answer.estimates.items():
             lines.append(f"Estimated error of {name}: {value:.1e}")
         words = {"met": "The request is met", "not met": "The request is NOT met"}
         reason = f": {answer.reason}" if answer.reason else ""
@@ -146,20 +147,16 @@ def _model(plan: Plan) -> list[str]:
         if body.rigid:
             lines.append(f"  {name}: rigid")
             continue
-        kept = _counted(len(body.vibrations), "vibration")
+        kept = counted(len(body.vibrations), "vibration")
         if body.vibrations:
             kept += f" ({', '.join(body.vibrations)})"
         ring = "undamped" if body.ringing else "damped"
-        shapes = f", {_counted(body.static, 'static shape')}, {ring}"
+        shapes = f", {counted(body.static, 'static shape')}, {ring}"
         mesh = {"model": "first package", "check": "second package, with the finer mesh"}[body.mesh]
         lines.append(f"  {name}: {kept}{shapes if body.static else ', no static shapes'}; {mesh}")
     lines.append(f"  geometric stiffening: {'on' if plan.stiffening else 'off'}")
     lines.append(f"  rtol = {plan.rtol:.2g}")
     return lines
-
-
-def _counted(count: int, what: str) -> str:
-    return f"{count} {what}{'' if count == 1 else 's'}"
 
 
 def _omissions(answer: Answer) -> list[str]:

@@ -6,11 +6,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from ...fidelity.answer import Answer
 from ...fidelity.members import checked_member, joined, of_model, shared_plan
 from ...fidelity.plan_file import kept_plan, write_plan
+from ...fidelity.words import estimate_entry
 from ...package import ModalPackage
 from ...package.common.temporary import write_text
 from ...results.codes.members import PLAN_TOO_COARSE
@@ -97,16 +96,10 @@ def _member(
 
 
 def _entry(answer: Answer) -> dict[str, Any]:
-    estimate = None if answer.estimate is None else answer.estimate.tolist()
     return {
         "verdict": answer.verdict,
         "reason": answer.reason,
-        "estimate": None
-        if estimate is None
-        else {
-            name: value if np.isfinite(value) else None
-            for name, value in zip(answer.names, estimate, strict=True)
-        },
+        "estimate": estimate_entry(answer),
     }
 
 
