@@ -4,16 +4,15 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from plymotion.solver.math.front import front as on_front
+
 Curve = Sequence[Sequence[float]]  # pairs of error [m] and processor time [s]
 
 
 def front(curve: Curve) -> list[tuple[float, float]]:
     """Points that no other beats in both error and time, the coarsest first."""
-    kept: list[tuple[float, float]] = []
-    for error, cpu in sorted((float(e), float(c)) for e, c in curve):
-        if not kept or cpu < kept[-1][1]:
-            kept.append((error, cpu))
-    return kept[::-1]
+    points = [(float(error), float(cpu)) for error, cpu in curve]
+    return [points[i] for i in reversed(on_front(points))]
 
 
 def cpu_at(curve: Curve, error: float) -> float:

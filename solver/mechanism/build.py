@@ -99,10 +99,9 @@ def build(
     if mechanism.solver.attachment == "virtual":
         virtual = through_virtual_bodies(bodies, places.markers, joints)
     if any(heavy):
-        apart = list(compress(masses, heavy))
         names = [f"masses.{name}" for name in compress(mechanism.masses, heavy)]
-        virtual = virtual.with_masses(bodies, names, apart)
-        masses = [each for each in masses if each not in apart]
+        virtual = virtual.with_masses(bodies, names, list(compress(masses, heavy)))
+        masses = [mass for mass, apart in zip(masses, heavy, strict=True) if not apart]
     model = assemble_model(
         bodies + virtual.bodies,
         virtual.markers,

@@ -62,16 +62,18 @@ class VirtualBodies:
 
         `bodies` are those of the mechanism without virtual ones.
         """
-        new: list[Body] = []
-        ties: list[JointTable] = []
-        markers, carriers = list(self.markers), list(self.carriers)
+        found = VirtualBodies([*self.bodies], [*self.markers], [*self.joints], [*self.carriers])
         for name, (k, mass) in zip(names, masses, strict=True):
-            number = len(bodies) + len(self.bodies) + len(new)
-            new.append(rigid_body(name, mass, np.zeros(3), np.zeros((3, 3))))
-            carriers.append((markers[k].body, markers[k].x))
-            markers += [replace(markers[k], A=np.eye(3)), MarkerTable(number, np.zeros(3))]
-            ties.append(JointTable(name, "fixed", len(markers) - 2, len(markers) - 1))
-        return VirtualBodies(self.bodies + new, markers, self.joints + ties, carriers)
+            found.add(name, mass, self.markers[k], len(bodies) + len(found.bodies))
+        return found
+
+    def add(self, name: str, mass: float, marker: MarkerTable, number: int) -> None:
+        """Append a virtual body of a mass [kg], body `number` of the model, fixed to a marker."""
+        self.bodies.append(rigid_body(name, mass, np.zeros(3), np.zeros((3, 3))))
+        self.carriers.append((marker.body, marker.x))
+        self.markers.extend([replace(marker, A=np.eye(3)), MarkerTable(number, np.zeros(3))])
+        last = len(self.markers) - 1
+        self.joints.append(JointTable(name, "fixed", last - 1, last))
 
 
 def through_virtual_bodies(
@@ -81,10 +83,7 @@ def through_virtual_bodies(
 
     All joints of one interface share a virtual body, as in section 2.2 of the paper.
     """
-    all_markers = list(markers)
-    virtual: list[Body] = []
-    carriers: list[tuple[int, Array]] = []
-    ties: list[JointTable] = []
+    found = VirtualBodies([], [*markers], [])
     number: dict[tuple[int, bytes, bytes], int] = {}  # interface -> its virtual body
     moved: dict[int, int] = {}  # marker on a flexible body -> marker on its virtual body
 
@@ -95,20 +94,15 @@ def through_virtual_bodies(
         if k not in moved:
             interface = (marker.body, marker.x.tobytes(), marker.phi.tobytes())
             if interface not in number:
-                number[interface] = len(bodies) + len(virtual)
-                name = f"{bodies[marker.body].name} (virtual {len(virtual) + 1})"
-                virtual.append(rigid_body(name, 0.0, np.zeros(3), np.zeros((3, 3))))
-                carriers.append((marker.body, marker.x))
-                all_markers.append(replace(marker, A=np.eye(3)))
-                all_markers.append(MarkerTable(number[interface], np.zeros(3)))
-                last = len(all_markers) - 1
-                ties.append(JointTable(name, "fixed", last - 1, last))
-            all_markers.append(MarkerTable(number[interface], np.zeros(3), marker.A))
-            moved[k] = len(all_markers) - 1
+                number[interface] = len(bodies) + len(found.bodies)
+                name = f"{bodies[marker.body].name} (virtual {len(found.bodies) + 1})"
+                found.add(name, 0.0, marker, number[interface])
+            found.markers.append(MarkerTable(number[interface], np.zeros(3), marker.A))
+            moved[k] = len(found.markers) - 1
         return moved[k]
 
     own = [
         replace(j, marker_1=on_virtual_body(j.marker_1), marker_2=on_virtual_body(j.marker_2))
         for j in joints
     ]
-    return VirtualBodies(virtual, all_markers, own + ties, carriers)
+    return replace(found, joints=own + found.joints)

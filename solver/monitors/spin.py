@@ -24,7 +24,10 @@ class CarriedMass:
 
 
 def carried_masses(model: Model) -> list[CarriedMass]:
-    """Rigid bodies fixed at the interfaces of flexible bodies; point masses are in T11 already."""
+    """Rigid bodies fixed at the interfaces of flexible bodies.
+
+    Heavy point masses are such bodies (mechanism/virtual.py); T11 has the others.
+    """
     found = []
     for joint in np.flatnonzero(np.isin(model.joint_kind, RIGID)):
         for side in (0, 1):

@@ -77,3 +77,15 @@ def test_a_heavy_point_mass_is_no_reason(runs, ratio):
     _, summary = execute(spec.changed(changes), progress=False)
     assert summary["cost"]["rejected"] < 0.1 * summary["cost"]["steps"]
     assert summary["cost"]["steps"] < 300
+
+
+def test_a_vibration_at_the_length_of_the_steps_refuses_few(runs):
+    """Its error swings with its phase: steps that grew after each small error were refused in more
+    than 20 % of the attempts (docs/adr/0037).
+    """
+    keys = {"t_end": 0.4, "rtol": 1e-6, "integrator": "radau", "constraints": "projection"}
+    spec = read_run(runs["exchange"] / "beam.json")
+    _, summary = execute(spec.changed({f"solver.{k}": v for k, v in keys.items()}), progress=False)
+    cost = summary["cost"]
+    assert cost["steps"] > 1000
+    assert cost["rejected"] < 0.12 * (cost["rejected"] + cost["steps"])
