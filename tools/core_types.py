@@ -90,8 +90,8 @@ def kernels(tests: Tests, core_type: str) -> Kernels:
     names = frozenset(re.findall(r"^Core: (\w+)$", done.stderr, re.MULTILINE))
     if "Core not found" in done.stderr:
         names = frozenset()
-    known = done.returncode == 0 and done.stdout
-    return Kernels(names, frozenset(done.stdout.split("\n")) - {""} if known else names)
+    digests = frozenset(() if done.returncode else done.stdout.split())
+    return Kernels(names, digests or names)
 
 
 @dataclass(frozen=True)

@@ -91,14 +91,12 @@ def aligned(rows: Sequence[Sequence[str]], left: tuple[int, ...]) -> str:
     """
     widths = [max(len(row[i]) for row in rows[1:]) for i in range(len(rows[0]))]
     heads = [i for i, text in enumerate(rows[0]) if text]
-    spans = [(first, end) for first, end in zip(heads, [*heads[1:], len(widths)], strict=True)]
-    for first, end in spans:
-        room = sum(widths[first:end]) + 2 * (end - first - 1)
-        widths[first] += max(0, len(rows[0][first]) - room)
     top = []
-    for first, end in spans:
-        room = sum(widths[first:end]) + 2 * (end - first - 1)
-        top.append(rows[0][first].ljust(room) if first in left else rows[0][first].rjust(room))
+    for first, end in zip(heads, [*heads[1:], len(widths)], strict=True):
+        text, room = rows[0][first], sum(widths[first:end]) + 2 * (end - first - 1)
+        widths[first] += max(0, len(text) - room)
+        room = max(room, len(text))
+        top.append(text.ljust(room) if first in left else text.rjust(room))
     lines = ["  ".join(top).rstrip()]
     for row in rows[1:]:
         cells = [

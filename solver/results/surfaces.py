@@ -86,7 +86,7 @@ def extruded(
     for _, some in groupby(range(n - 1), lambda e: id(own[e])):  # elements of one outline
         e = np.array(list(some))
         _add_tubes(parts, _tube(own[e[0]]), e, axes_B, sites[e])
-    for node, outline, turn, own in (
+    for node, outline, turn, site in (
         (0, outlines[0], (0, 2, 1), starts[0]),
         (n - 1, outlines[-1], (0, 1, 2), ends[n - 1]),
     ):
@@ -94,7 +94,7 @@ def extruded(
         flat = np.column_stack([np.zeros(len(used)), outline.points[used]])
         first = parts.points(np.full(len(used), node), flat @ axes_B[node].T)
         face = first + rows.reshape(-1, 3)[:, turn]
-        parts.triangles(face, np.zeros(len(face), dtype=np.int64), np.full(face.shape, own))
+        parts.triangles(face, np.zeros(len(face), dtype=np.int64), np.full(face.shape, site))
     return parts.surface()
 
 

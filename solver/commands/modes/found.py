@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ...dynamics.spinning import Spin
-from ...errors import InputError
+from ...errors import InputError, counted
 from ...linearisation.constancy import change_when_turned
 from ...linearisation.modes import Modes, modes_of
 from ...linearisation.participation import Participation, participation, whirl_rates
@@ -124,7 +124,7 @@ def _notes(states: States, state: State, space: StateSpace, modes: Modes) -> lis
     if modes.unstable.any():
         growth = float(modes.growth.max())
         count = int(modes.unstable.sum())
-        words = "1 mode grows" if count == 1 else f"{count} modes grow"
+        words = counted(count, "mode grows", "modes grow")
         notes.append(f"unstable: {words}, at up to {growth:.4g} 1/s")
     return notes
 
