@@ -147,10 +147,11 @@ def with_runs(scene: Table) -> Table:
 
 
 def loaded(body: str, place: str, scene: Table) -> bool:
-    """Tell whether a joint or a mass acts at an interface."""
+    """Tell whether a joint, a mass or a force acts at an interface."""
     key = f"{body}.{place}"
     joints = [text for joint in scene["joints"].values() for text in joint["between"]]
-    return key in joints or key in [mass["at"] for mass in scene.get("masses", {}).values()]
+    acting = [*scene.get("masses", {}).values(), *scene.get("forces", {}).values()]
+    return key in joints or key in [each["at"] for each in acting]
 
 
 def truth(name: str) -> tuple[np.ndarray, float]:
