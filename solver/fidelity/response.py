@@ -22,12 +22,18 @@ from ..math.arrays import Array, IntArray
 from .base import Base
 from .newmark import newmark
 
-SAMPLES = 32  # output times at which masses and sensitivities are computed
+LEAST_SAMPLES, MOST_SAMPLES = 12, 32  # output times of masses and sensitivities
+TURN = 0.3  # of a body between them, in the mean [rad]
 
 
 def samples(base: Base) -> IntArray:
-    """Return SAMPLES output times (s,) in equal steps."""
-    return np.unique(np.linspace(0, len(base.t) - 1, SAMPLES).astype(np.int64))
+    """Return output times (s,) in equal steps, the more the further a body turns."""
+    model, turned = base.model, 0.0
+    for first in (model.n_pos + model.vel_start + 3).tolist():
+        speed = np.linalg.norm(base.y[:, first : first + 3], axis=1)
+        turned = max(turned, float(np.trapezoid(speed, base.t)))
+    count = 1 + int(np.clip(np.ceil(turned / TURN), LEAST_SAMPLES - 1, MOST_SAMPLES - 1))
+    return np.unique(np.linspace(0, len(base.t) - 1, count).astype(np.int64))
 
 
 def embedded(base: Base, model: Model) -> tuple[Array, Array]:
