@@ -14,7 +14,14 @@ HELD = 1e-12  # of the largest mass: a direction that joints hold has none
 
 
 def newmark(
-    t: Array, p: Array, masses: Array, at: IntArray, K: Array, D: Array, start: Array | None
+    t: Array,
+    p: Array,
+    masses: Array,
+    at: IntArray,
+    K: Array,
+    D: Array,
+    start: Array | None,
+    rate: Array | None = None,
 ) -> tuple[Array, Array, Array]:
     """Return coordinates, rates and accelerations (k, m) at times t (k,), from rest.
 
@@ -23,6 +30,7 @@ def newmark(
     p : (k, m)
     masses, at : (s, m, m) and the s rows of t from which each holds; K, D : (m, m)
     start : (m,) coordinates in which the motion starts, in equilibrium; None: zero
+    rate : (m,) rates of the start, with `start`; None: zero
     """
     q, v, a = (np.zeros(p.shape) for _ in range(3))
     if not p.size:
@@ -31,6 +39,8 @@ def newmark(
         a[0] = np.linalg.solve(_positive(masses[0]), p[0])
     else:
         q[0] = start
+        if rate is not None:
+            v[0] = rate
     # The matrix of a step changes with the mass and, rarely, with the step.
     h = np.diff(t, prepend=t[:1])
     segment = np.searchsorted(at, np.arange(len(t)), side="right") - 1

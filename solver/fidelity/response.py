@@ -21,6 +21,7 @@ from ..dynamics.residual import residuals
 from ..math.arrays import Array, IntArray
 from .base import Base
 from .newmark import newmark
+from .ringing import ringing
 
 LEAST_SAMPLES, MOST_SAMPLES = 12, 32  # output times of masses and sensitivities
 TURN = 0.3  # of a body between them, in the mean [rad]
@@ -140,8 +141,15 @@ class Response:
 
         From rest, undeformed or (`deformed`) in the quasi-static shape.
         """
-        start = self.eta[0] if self.deformed else None
-        return newmark(self.t, self.p, self._blocks[0], self.at, self.K, self.D, start)
+        t, masses = self.t, self._blocks[0]
+        if not (self.deformed and self.p.size and len(t) > 2):
+            start = self.eta[0] if self.deformed else None
+            return newmark(t, self.p, masses, self.at, self.K, self.D, start)
+        moving = np.gradient(self.eta[:3], t[:3], axis=0, edge_order=2)[0]
+        rings = ringing(masses[0], self.K, self.D, moving, float(t[1] - t[0]))
+        smooth = newmark(t, self.p, masses, self.at, self.K, self.D, self.eta[0], rings.rate)
+        q, v, a = (one + two for one, two in zip(smooth, rings.history(t - t[0]), strict=True))
+        return q, v, a
 
 
 def _solved(A: Array, b: Array, *, regular: bool) -> Array:
