@@ -48,9 +48,9 @@ def figures(found: Table) -> list[str]:
     costs = [found[f"{part}_median"] for part in ("indicators_over_rigid", "planning_over_rigid")]
     lines += [
         "",
-        f"Indicators take {costs[0]:.1f} rigid runs in the median, planning with the base motion and "
-        f"the choice {costs[1]:.1f}.",
-        f"All rounds of planning together take {found['all_rounds_ratio_median']:.2f} of all modes.",
+        f"Indicators take {costs[0]:.1f} rigid runs in the median, planning with the base motion "
+        f"and the choice {costs[1]:.1f}.",
+        f"All rounds of planning take {found['all_rounds_ratio_median']:.2f} of all modes.",
         "A tighter request gave a worse delivered result, which misses, "
         f"{found['worse_when_tighter']} times;",
         f"by more than the truth can tell, {found['worse_beyond_doubt']} times.",
