@@ -128,7 +128,8 @@ def test_a_member_that_cannot_be_assembled_fails_alone(tmp_path, capsys):
         )
         + '[signals.y]\nkind = "position"\nat = "left.b"\ncomponent = "y"\n'
         + SOLVER.format(t_end=0.1, step=0.1, more="")
-        + '[sweeps.s]\nrun = "base"\n[sweeps.s.vary]\n"ground.b.position.0" = [1.2, 2.5, 1.6, 2.6]\n'
+        + '[sweeps.s]\nrun = "base"\n[sweeps.s.vary]\n'
+        + '"ground.b.position.0" = [1.2, 2.5, 1.6, 2.6]\n'
     )
     file = checked(tmp_path, text) / "s.json"
     assert sweep(file) == 3
