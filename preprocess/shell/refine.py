@@ -1,0 +1,135 @@
+"""A mesh of half the cell size: every cell becomes four, new nodes lie on the curved surface.
+
+A curved surface is known from its nodes only. A quadratic function fitted to the nodes around a
+cell gives the distance of its side's middle from the chord. Neighbours whose normals differ by more
+than `FOLD` belong to another surface; the curve in which two surfaces meet lies on both.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy.sparse as sp
+
+from ...solver.math.arrays import Array, IntArray
+from ...solver.package.shell.cells import NONE, corner_counts, sides
+from .mesh import ShellMesh
+
+FOLD = 0.75  # least cosine between normals of one smooth surface: 41 deg
+FLAT = 1e-8  # of the largest eigenvalue: a direction in which the nodes around a cell do not extend
+ONE_SURFACE = 0.1  # the same for the normals of the cells at a side: below, they are of one surface
+
+
+class Refined(NamedTuple):
+    """A finer mesh, and the values at its nodes of functions that are linear along sides."""
+
+    mesh: ShellMesh
+    from_coarse: sp.csr_matrix  # (n_fine, n)
+
+
+def refined(mesh: ShellMesh) -> Refined:
+    """The mesh with twice as many cells along every side; the old nodes come first."""
+    n, cells = mesh.n_node, mesh.cells
+    ends, owner = sides(cells)
+    pairs, side = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)
+    side = side.ravel()
+    first = np.concatenate([[0], np.cumsum(corner_counts(cells))])[:-1]
+    middles = 0.5 * mesh.points_G[pairs].sum(axis=1) + _heights(mesh, ends, owner, side)
+    three = np.flatnonzero(corner_counts(cells) == 3)
+    four = np.flatnonzero(corner_counts(cells) == 4)
+    m3 = n + side[first[three, None] + np.arange(3)]
+    m4 = n + side[first[four, None] + np.arange(4)]
+    c3, c4 = cells[three, :3], cells[four] if len(four) else np.zeros((0, 4), dtype=np.int64)
+    centre = n + len(pairs) + np.arange(len(four))
+    centres = 0.5 * middles[m4 - n].sum(axis=1) - 0.25 * mesh.points_G[c4].sum(axis=1)
+    small = [m3, *(np.stack([c3[:, i], m3[:, i], m3[:, i - 1]], axis=1) for i in range(3))]
+    whole = [np.stack([c4[:, i], m4[:, i], centre, m4[:, i - 1]], axis=1) for i in range(4)]
+    fine_cells = np.concatenate(small)
+    if cells.shape[1] == 4:
+        beside = np.pad(fine_cells, ((0, 0), (0, 1)), constant_values=NONE)
+        fine_cells = np.concatenate([beside, *whole])
+    region = mesh.region[np.concatenate([*[three] * 4, *[four] * 4])]
+    points = np.concatenate([mesh.points_G, middles, centres])
+    fine = ShellMesh(
+        space=None,
+        points_G=points,
+        cells=fine_cells,
+        region=region,
+        regions=mesh.regions,
+        curves={name: _halves(curve, pairs, n) for name, curve in mesh.curves.items()},
+        marks=mesh.marks,
+        node_tags=np.arange(1, len(points) + 1),
+        file_nodes=np.arange(len(points)),
+        file_cells=np.arange(len(fine_cells)),
+    )
+    return Refined(fine, _interpolation(n, pairs, c4))
+
+
+def _halves(curve: IntArray, pairs: IntArray, n: int) -> IntArray:
+    """The edges (s, 2) of a curve as (2 s, 2), in the same sense."""
+    key = np.sort(curve, axis=1) @ [n, 1]
+    middle = n + np.searchsorted(pairs @ [n, 1], key)
+    return np.stack([curve[:, 0], middle, middle, curve[:, 1]], axis=1).reshape(-1, 2)
+
+
+def _interpolation(n: int, pairs: IntArray, four: IntArray) -> sp.csr_matrix:
+    """Means of the ends of sides and of the corners of quadrilaterals, (n_fine, n)."""
+    blocks = [sp.identity(n, format="csr")]
+    for nodes in (pairs, four):
+        m, k = nodes.shape
+        entries = (np.full(m * k, 1.0 / k), (np.repeat(np.arange(m), k), nodes.ravel()))
+        blocks.append(sp.csr_matrix(entries, shape=(m, n)))
+    return sp.csr_matrix(sp.vstack(blocks))
+
+
+def _heights(mesh: ShellMesh, ends: IntArray, owner: IntArray, side: IntArray) -> Array:
+    """From the chord to the surface in the middle of each side, (sides, 3) [m].
+
+    Parameters
+    ----------
+    ends, owner : (s, 2), (s,) sides of all cells and their cells
+    side : (s,) number of the common side
+    """
+    axes, curvature = _curvatures(mesh)
+    along = np.einsum("sij,sj->si", axes[owner], np.diff(mesh.points_G[ends], axis=1)[:, 0])[:, :2]
+    height = -0.125 * np.einsum("si,sij,sj->s", along, curvature[owner], along)
+    normal = axes[owner, 2]
+    count = side.max() + 1
+    A, b = np.zeros((count, 3, 3)), np.zeros((count, 3))
+    np.add.at(A, side, normal[:, :, None] * normal[:, None, :])
+    np.add.at(b, side, height[:, None] * normal)
+    inverse = np.linalg.pinv(A, rcond=ONE_SURFACE, hermitian=True)
+    return np.asarray(np.einsum("sij,sj->si", inverse, b))
+
+
+def _curvatures(mesh: ShellMesh) -> tuple[Array, Array]:
+    """Axes (c, 3, 3) of each cell as rows; second derivatives (c, 2, 2) of its surface [1/m]."""
+    areas = mesh.area_vectors_G
+    normal = areas / np.linalg.norm(areas, axis=1, keepdims=True)
+    e1 = mesh.points_G[mesh.cells[:, 1]] - mesh.points_G[mesh.cells[:, 0]]
+    e1 -= normal * (e1 * normal).sum(axis=1, keepdims=True)
+    e1 /= np.linalg.norm(e1, axis=1, keepdims=True)
+    axes = np.stack([e1, np.cross(normal, e1), normal], axis=1)
+    cell, node = _around(mesh, normal)
+    size = np.sqrt(np.linalg.norm(areas, axis=1))
+    away = (mesh.points_G[node] - mesh.centres_G[cell]) / size[cell, None]
+    x, y, z = np.einsum("kij,kj->ik", axes[cell], away)
+    terms = np.stack([np.ones_like(x), x, y, 0.5 * x * x, x * y, 0.5 * y * y], axis=1)
+    A, b = np.zeros((len(areas), 6, 6)), np.zeros((len(areas), 6))
+    np.add.at(A, cell, terms[:, :, None] * terms[:, None, :])
+    np.add.at(b, cell, terms * z[:, None])
+    fitted = np.einsum("cij,cj->ci", np.linalg.pinv(A, rcond=FLAT, hermitian=True), b)
+    second = fitted[:, [3, 4, 4, 5]].reshape(-1, 2, 2)
+    return axes, second / size[:, None, None]
+
+
+def _around(mesh: ShellMesh, normal: Array) -> tuple[IntArray, IntArray]:
+    """Pairs of a cell and a node of it or of a neighbour of the same surface, each once."""
+    c = len(mesh.cells)
+    row, column = np.nonzero(mesh.cells != NONE)
+    corner = mesh.cells[row, column]
+    at = sp.csr_matrix((np.ones(len(row)), (row, corner)), shape=(c, mesh.n_node))
+    near = sp.coo_matrix(at @ at.T)
+    smooth = np.abs((normal[near.row] * normal[near.col]).sum(axis=1)) > FOLD
+    entries = (np.ones(smooth.sum()), (near.row[smooth], near.col[smooth]))
+    found = sp.coo_matrix(sp.csr_matrix(entries, shape=(c, c)) @ at)
+    return found.row, found.col
