@@ -18,9 +18,9 @@ from .. import fenicsx
 from .assembly import DOFS
 from .buckling import LoadFactors
 from .errors import ShellError
+from .finer_surface import Refined, refined
 from .prestress import Stressed
 from .problem import ShellProblem
-from .refine import Refined, refined
 from .statics import solve_cases
 
 STEPS = 3  # of the Krylov space

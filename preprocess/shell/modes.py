@@ -94,6 +94,6 @@ def of_file(mesh: ShellMesh, u: Array) -> Array:
 def _coarse(what: str, error: float) -> dict[str, str]:
     text = (
         f"{what} is about {100.0 * abs(error):.2g} % too {'high' if error > 0.0 else 'low'} "
-        "by its mesh; use smaller cells"
+        "by its mesh; use smaller cells: refine = 1 in [mesh]"
     )
     return {"code": "shell-mesh-coarse", "message": text}

@@ -125,7 +125,7 @@ SHELL_CODES = (
         "shell-mesh-coarse",
         "the mesh of a shell is coarse for its load factors, or for its frequencies under load",
         "estimated relative error of the first one above {limit:g}",
-        "use smaller cells, or the value without the error",
+        "use smaller cells (`refine = 1` in `[mesh]`), or the value without the error",
         0.05,
     ),
     _code(

@@ -1,10 +1,11 @@
-"""A mesh of half the cell size: every cell becomes four, new nodes lie on the curved surface.
+"""A mesh of half the cell size on the curved surface, and functions of the coarse mesh on it.
 
 A curved surface is known from its nodes only. A quadratic function fitted to the nodes around a
 cell gives the distance of its side's middle from the chord. Neighbours whose normals differ by more
 than `FOLD` belong to another surface; the curve in which two surfaces meet lies on both.
 """
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +13,9 @@ import scipy.sparse as sp
 
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.shell.cells import NONE, corner_counts, sides
-from .mesh import ShellMesh
+from ..fenicsx import NamedNodes, PlainMesh
+from .mesh import ShellMesh, in_file_order
+from .refinement import split
 
 FOLD = 0.75  # least cosine between normals of one smooth surface: 41 deg
 FLAT = 1e-8  # of the largest eigenvalue: a direction in which the nodes around a cell do not extend
@@ -29,46 +32,19 @@ class Refined(NamedTuple):
 def refined(mesh: ShellMesh) -> Refined:
     """The mesh with twice as many cells along every side; the old nodes come first."""
     n, cells = mesh.n_node, mesh.cells
+    kind = "triangle" if cells.shape[1] == 3 else "mixed"
+    named = NamedNodes(np.arange(1, n + 1), mesh.curves, mesh.marks)
+    straight = split(PlainMesh(mesh.points_G, cells, kind, 1, mesh.region, mesh.regions, {}, named))
     ends, owner = sides(cells)
     pairs, side = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)
-    side = side.ravel()
-    first = np.concatenate([[0], np.cumsum(corner_counts(cells))])[:-1]
-    middles = 0.5 * mesh.points_G[pairs].sum(axis=1) + _heights(mesh, ends, owner, side)
-    three = np.flatnonzero(corner_counts(cells) == 3)
+    heights = _heights(mesh, ends, owner, side.ravel())
+    # four sides that meet at a centre: half the sum of their middles less a quarter of the corners
     four = np.flatnonzero(corner_counts(cells) == 4)
-    m3 = n + side[first[three, None] + np.arange(3)]
-    m4 = n + side[first[four, None] + np.arange(4)]
-    c3, c4 = cells[three, :3], cells[four] if len(four) else np.zeros((0, 4), dtype=np.int64)
-    centre = n + len(pairs) + np.arange(len(four))
-    centres = 0.5 * middles[m4 - n].sum(axis=1) - 0.25 * mesh.points_G[c4].sum(axis=1)
-    small = [m3, *(np.stack([c3[:, i], m3[:, i], m3[:, i - 1]], axis=1) for i in range(3))]
-    whole = [np.stack([c4[:, i], m4[:, i], centre, m4[:, i - 1]], axis=1) for i in range(4)]
-    fine_cells = np.concatenate(small)
-    if cells.shape[1] == 4:
-        beside = np.pad(fine_cells, ((0, 0), (0, 1)), constant_values=NONE)
-        fine_cells = np.concatenate([beside, *whole])
-    region = mesh.region[np.concatenate([*[three] * 4, *[four] * 4])]
-    points = np.concatenate([mesh.points_G, middles, centres])
-    fine = ShellMesh(
-        space=None,
-        points_G=points,
-        cells=fine_cells,
-        region=region,
-        regions=mesh.regions,
-        curves={name: _halves(curve, pairs, n) for name, curve in mesh.curves.items()},
-        marks=mesh.marks,
-        node_tags=np.arange(1, len(points) + 1),
-        file_nodes=np.arange(len(points)),
-        file_cells=np.arange(len(fine_cells)),
-    )
-    return Refined(fine, _interpolation(n, pairs, c4))
-
-
-def _halves(curve: IntArray, pairs: IntArray, n: int) -> IntArray:
-    """The edges (s, 2) of a curve as (2 s, 2), in the same sense."""
-    key = np.sort(curve, axis=1) @ [n, 1]
-    middle = n + np.searchsorted(pairs @ [n, 1], key)
-    return np.stack([curve[:, 0], middle, middle, curve[:, 1]], axis=1).reshape(-1, 2)
+    of_cell = np.zeros((len(cells), 3))
+    np.add.at(of_cell, owner, 0.5 * heights[side.ravel()])
+    above = np.concatenate([np.zeros((n, 3)), heights, of_cell[four]])
+    fine = in_file_order(replace(straight, points=straight.points + above), "finer mesh")
+    return Refined(fine, _interpolation(n, pairs, cells[four]))
 
 
 def _interpolation(n: int, pairs: IntArray, four: IntArray) -> sp.csr_matrix:

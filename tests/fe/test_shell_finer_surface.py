@@ -10,8 +10,8 @@ from shell_specs import SCRIPTS, plate
 
 from plymotion.preprocess.shell import discretisation
 from plymotion.preprocess.shell.analysis import analyse
+from plymotion.preprocess.shell.finer_surface import refined
 from plymotion.preprocess.shell.mesh import ShellMesh, shell_mesh
-from plymotion.preprocess.shell.refine import refined
 
 # No DOLFINx function is called but that of the numbering, which all tests of shells call.
 pytestmark = pytest.mark.one_end
