@@ -2,8 +2,9 @@
 
 Frozen on 2026-11-22, in the commit that added this file: before any of them was run, and before
 the rules of the planner were changed again. They are held back like HELD of fidelity_scenes.py.
-The truth of `blade-pulse` stops: the blade is beyond the theory. It stays in the list;
-`blade-push`, shorter and thicker, was added after it and frozen in the same way.
+`blade-push`, shorter and thicker, was added after the others and frozen in the same way: the truth
+of `blade-pulse` had stopped at a buckling load. Its push was a cubic spline then, which went far
+beyond its points after the push; tables of loads are straight lines now (docs/adr/0049).
 """
 
 from math import acos, atan2, cos, degrees, hypot, pi, sin
