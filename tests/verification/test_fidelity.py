@@ -16,9 +16,9 @@ from plymotion.solver.fidelity.words import answer_text, entry
 from plymotion.solver.mechanism import build
 
 SCENES = {
-    "stiff": (pendulum(), "stiff"),
-    "soft": (pendulum(), "soft"),
-    "bending": (pendulum(signals=["bending"]), "stiff"),
+    "stiff": (pendulum(t_end=0.2), "stiff"),
+    "soft": (pendulum(t_end=0.2), "soft"),
+    "bending": (pendulum(t_end=0.2, signals=["bending"]), "stiff"),
 }
 
 
