@@ -12,16 +12,18 @@ from ..dynamics.constraints.scaling import scaled_jacobian
 from ..dynamics.coordinates import moved
 from ..dynamics.dense_equations import Equations, accelerations, assemble
 from ..dynamics.freedom import clearly_independent
-from ..dynamics.joints.table import DRIVES, NAMES, ROWS
+from ..dynamics.joints.table import DRIVES, NAMES
 from ..dynamics.laws import law_at
 from ..dynamics.least_energy import least_energy
 from ..dynamics.model import Model
-from ..dynamics.scales import extent
+from ..dynamics.scales import SAMPLES, extent
 from ..dynamics.series import balance
 from ..errors import InputError, few
 from ..math.arrays import Array
 from ..results.codes.course import REDUNDANT, SINGULAR_START
 from ..results.finding import Finding
+from .gaps import described_gaps, rows_of
+from .locked import require_movable
 
 _POSITION_TOLERANCE = 1e-12
 _VELOCITY_TOLERANCE = 1e-9
@@ -89,25 +91,6 @@ def consistent_state(model: Model, start: Start, joint_names: list[str], t: floa
     return started(model, t, y)
 
 
-def _rows(model: Model, joint: int) -> slice:
-    return slice(int(model.joint_row[joint]), int(model.joint_row[joint + 1]))
-
-
-def _describe(model: Model, residual: Array, names: list[str], words: tuple[str, str]) -> str:
-    """List the joints with residuals, largest first."""
-    parts = []
-    for k, name in enumerate(names):
-        r = residual[_rows(model, k)]
-        units = ROWS[NAMES[model.joint_kind[k]]]
-        distance = np.array([unit == "d" for unit in units])
-        shift, turn = float(np.linalg.norm(r[distance])), float(np.linalg.norm(r[~distance]))
-        if max(shift, turn) > 1e-9:
-            parts.append(
-                (max(shift, turn), f"{name}: {shift:.4g} {words[0]}, {turn:.4g} {words[1]}")
-            )
-    return few((text for _, text in sorted(parts, reverse=True)), "; ")
-
-
 def _closed(model: Model, y: Array, t: float, *, elastic: bool = False) -> Array:
     """Return y after Newton's steps of least change of frame positions and orientations.
 
@@ -142,7 +125,7 @@ def _assembled(model: Model, y: Array, names: list[str], t: float) -> Array:
         y = _closed(model, y, t, elastic=True)
         gap = _open(model, y, t)
     if gap.max() > 1e3 * _POSITION_TOLERANCE:
-        apart = _describe(model, gap, names, ("m apart", "rad twisted"))
+        apart = described_gaps(model, gap, names, ("m apart", "rad twisted"))
         raise InputError(
             "the mechanism cannot be assembled from the given positions; joints left open: "
             f"{apart}. "
@@ -167,19 +150,22 @@ def _at_another_root(model: Model, y: Array, joint: int, t: float) -> bool:
     return drive.side(one.A, two.A, f) < 0.0
 
 
-def redundancy(model: Model, y: Array, names: list[str], t: float = 0.0) -> Redundancy:
+def redundancy(
+    model: Model, y: Array, names: list[str], t: float = 0.0, t_end: float | None = None
+) -> Redundancy:
     """Count the redundant constraint equations at a consistent state y.
 
     The rank is computed at the start and at a position close to it. In a singular starting position
-    the rank is lower than in general.
+    the rank is lower than in general. Drives are looked at until `t_end`; None: at t.
 
     Raises
     ------
     InputError
-        Joints and drives contradict each other; names them.
+        Joints and drives contradict each other, or lock the mechanism (locked.py); names them.
     """
     if model.n_constraint == 0 or clearly_independent(model, y, t):
         return Redundancy(0, [], False)
+    require_movable(model, y, names, np.linspace(t, t if t_end is None else t_end, SAMPLES))
     equations = assemble(model, t, y)
     here = _Rank(equations, model.inertia_scale, RANK_TOLERANCE)
     general = here
@@ -197,7 +183,7 @@ def redundancy(model: Model, y: Array, names: list[str], t: float = 0.0) -> Redu
     residual = equations.Phi_q @ state - equations.gamma
     size = max(1.0, float(np.max(np.abs(equations.gamma))))
     if np.max(np.abs(residual)) > _VELOCITY_TOLERANCE * size:
-        off = _describe(model, residual, names, ("m/s2", "rad/s2"))
+        off = described_gaps(model, residual, names, ("m/s2", "rad/s2"))
         raise InputError(
             f"joints and drives contradict each other in their accelerations: {off}; "
             f"{count} of {model.n_constraint} constraint equations are redundant, among "
@@ -233,7 +219,7 @@ class _Rank:
 
 def _involved(model: Model, rank: _Rank, names: list[str]) -> list[str]:
     weight = np.abs(rank.left).max(axis=1, initial=0.0)
-    return [name for k, name in enumerate(names) if weight[_rows(model, k)].max() > 1e-6]
+    return [name for k, name in enumerate(names) if weight[rows_of(model, k)].max() > 1e-6]
 
 
 def _nearby(model: Model, y: Array, rank: _Rank, t: float) -> Array | None:
@@ -266,7 +252,8 @@ def _velocities(model: Model, start: Start, y: Array, names: list[str], t: float
     residual = equations.Phi_q @ v + equations.Phi_t
     scale = max(1.0, float(np.max(np.abs(v), initial=0.0)))
     if n_c and np.max(np.abs(residual)) > _VELOCITY_TOLERANCE * scale:
-        off = _describe(model, residual, names, ("m/s", "rad/s"))
+        require_movable(model, y, names, np.array([t]))
+        off = described_gaps(model, residual, names, ("m/s", "rad/s"))
         raise InputError(
             f"initial velocities contradict the joints and drives: {off}; "
             "give fewer velocities or consistent values"

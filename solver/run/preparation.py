@@ -133,7 +133,7 @@ def prepare(
     names = built.joint_names, built.body_names
     spin = given_spin(solver)
     y0 = starting_state(built.model, built.start, solver.start, *names, spin, built.light)
-    found = redundancy(built.model, y0, built.joint_names)
+    found = redundancy(built.model, y0, built.joint_names, t_end=solver.t_end)
     built = replace(built, model=treated(built.model, treatment)._replace(redundant=found.count))
     spins = SpinMonitor(built.model, built.body_names, stop=solver.on_invalid == "stop")
     passage = SingularityMonitor(

@@ -7,12 +7,15 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import InputError
+from ...inputs.case.file import CASE_FILE
 from ...package.common.temporary import write_text
 from ..described.screen import USER_ERROR
 from ..section.command import run_section
 from ..section.options import add_section_command
 from .body import body_csv
+from .case import write_blade_case
 from .export import write_for
+from .spin import spin_blade
 from .station import write_station
 from .stations import analysed, station_csv, station_text
 from .windio import Blade, read_blade
@@ -53,6 +56,11 @@ def run_blade(options: argparse.Namespace) -> int:
     print(f"{out}/blade.csv, beam.csv: {complete} stations")
     for file in write_for(options.to, blade, stations, out) if options.to else ():
         print(file)
+    if complete > 1:
+        case = write_blade_case(blade, stations, out)
+        print(f"{case}: the blade on its hub; plymotion modes {case} --at spin=0:1:0.1")
+    if options.spin:
+        spin_blade(options.spin, blade, stations, out / CASE_FILE, quiet=options.quiet)
     return code
 
 

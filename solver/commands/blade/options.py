@@ -6,7 +6,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from ...errors import InputError
 from ..arguments import numbers, whole_number
+from ..modes.place import at_of
 from ..section.codes import OF_BLADES
 
 DESCRIPTION = """\
@@ -20,7 +22,9 @@ Writes in DIR:
   sections/  a section file of each station (.vtkhdf), and summary.csv
   blade.csv  span, chord, twist, 6x6 stiffness and mass of each station
   beam.csv   the blade as a body of a case: kind = "beam", table = "beam.csv"
+  case.toml  this body on the turning hub of the file: plymotion modes DIR/case.toml --at spin=...
   blade_*    with --to: stiffness, mass and geometry for another code
+  with --spin: frequencies.csv (at rest, with estimated errors), campbell.csv, .json and .png
 
 Axes of a section: x2 from the reference axis to the leading edge along the chord, x3 to the suction
 side, x1 to the tip. The matrices are about the reference axis, without twist. Stations that are up
@@ -28,6 +32,9 @@ to date are not analysed again, so an interrupted command continues where it sto
 
 exit code: 0 done; 2 wrong input, or a station that cannot be analysed (the others are); 130
 interrupted, complete files are kept.
+
+example:
+  plymotion blade IEA-15-240-RWT.yaml --stations 50 --jobs 2 --to beamdyn --spin 0:0.8:0.1 -o blade
 """
 
 
@@ -57,6 +64,12 @@ def add_blade_command(commands: Any, run: Callable[[argparse.Namespace], int]) -
         "--to", choices=OF_BLADES, metavar="CODE", help="also files for beamdyn or hawc2"
     )
     parser.add_argument(
+        "--spin",
+        type=_speeds,
+        metavar="FIRST:LAST:STEP",
+        help="also frequencies over the speed of the rotor [rad/s], or rpm: 0:12:1rpm",
+    )
+    parser.add_argument(
         "--jobs", type=whole_number, default=1, metavar="N", help="stations at a time (default 1)"
     )
     parser.add_argument("--no-estimate", action="store_true", help="skip the error estimate")
@@ -65,6 +78,16 @@ def add_blade_command(commands: Any, run: Callable[[argparse.Namespace], int]) -
     )
     parser.add_argument("--quiet", action="store_true", help="no progress")
     parser.set_defaults(command=run)
+
+
+def _speeds(text: str) -> str:
+    """The text as it is, if `plymotion modes --at spin=` can read it."""
+    try:
+        at_of(f"spin={text}")
+    except InputError as error:
+        words = str(error).rpartition("; ")[0] or str(error)
+        raise argparse.ArgumentTypeError(words.removeprefix("--at spin=")) from error
+    return text
 
 
 def _places(text: str) -> list[float]:

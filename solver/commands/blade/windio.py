@@ -17,6 +17,7 @@ from scipy.interpolate import PchipInterpolator
 
 from ...errors import InputError, nearest
 from ...math.arrays import Array
+from .hub import NO_HUB, Hub, read_hub
 
 NEAR = 1e-9  # of the span: distance that is round-off
 
@@ -98,6 +99,7 @@ class Blade:
     span: tuple[float, ...]  # grid of the file's chord
     height: Along = STRAIGHT  # [m] of the chord line over the reference axis, to the suction side
     glue: str = ""  # material of the trailing edge's adhesive; "": the file has none
+    hub: Hub = NO_HUB
     left_out: tuple[str, ...] = ()  # what the file has and the model does not: key and words
 
 
@@ -142,6 +144,7 @@ def read_blade(file: Path) -> Blade:
         if "section_offset_x" in shape
         else STRAIGHT,
         glue=str((structure.get("trailing_edge_adhesive") or {}).get("material", "")),
+        hub=read_hub(table),
         left_out=tuple(_left_out(structure)),
     )
 

@@ -149,6 +149,8 @@ def _options(mesh: dict[str, Any], table: Mesh) -> dict[str, Any]:
         mesh["scale"] = table.scale
     if table.element is not None:
         mesh["element"] = table.element
+    if table.refine:
+        mesh["refine"] = table.refine
     return mesh
 
 
