@@ -23,6 +23,7 @@ LIMITS = {
     "cst-in-plane-bending": ("preprocess/shell/guards.py", "ACROSS"),
     "dst-thick": ("preprocess/shell/plates/dst.py", "SHEAR_RATIO_LIMIT"),
     "laminate-unsymmetric": ("preprocess/laminate/report.py", "COUPLED"),
+    "shell-mesh-coarse": ("preprocess/shell/modes.py", "COARSE"),
     "buckling-after-large-rotation": ("preprocess/shell/prestress.py", "LARGE"),
     "buckles-in-plane": ("preprocess/shell/prestress.py", "IN_PLANE"),
     "laminate-unbalanced": ("preprocess/laminate/report.py", "COUPLED"),
