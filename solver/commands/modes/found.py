@@ -1,6 +1,7 @@
 """Modes about a state, with everything that is reported about them."""
 
 from dataclasses import dataclass, replace
+from itertools import compress
 from typing import Any
 
 import numpy as np
@@ -117,6 +118,14 @@ def _notes(states: States, state: State, space: StateSpace, modes: Modes) -> lis
         notes.append(
             f"the state is no equilibrium: {told} still changes. --at t=TIME takes a time after it "
             "has settled"
+        )
+    period = state.model.quantities.period
+    if (period > 0.0).any():
+        held = {n.partition(".")[0] for n in compress(states.built.state_names, period > 0.0)}
+        notes.append(
+            f"{few(sorted(held))}: sampled, so its output is held and the modes are those without "
+            "its feedback; without sample_time they contain it, but for its delay of half a sample "
+            "time"
         )
     bent = _bent(states, state)
     if bent:
