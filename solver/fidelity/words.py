@@ -120,8 +120,12 @@ def answer_text(answer: Answer) -> str:
     if answer.estimate is None:
         lines.append(f"Not checked{': ' + answer.reason if answer.reason else ''}.")
     else:
+        zero = dict.fromkeys(answer.names, False)
+        if answer.check is not None:
+            zero = dict(zip(answer.names, ~answer.check.signals.any(axis=1), strict=True))
         for name, value in answer.estimates.items():
-            lines.append(f"Estimated error of {name}: {value:.1e}")
+            size = ", the signal is zero" if zero[name] else ""
+            lines.append(f"Estimated error of {name}: {value:.1e}{size}")
         words = {"met": "The request is met", "not met": "The request is NOT met"}
         reason = f": {answer.reason}" if answer.reason else ""
         delivered = "check" if answer.finest is None else "run with all modes of the packages"

@@ -112,7 +112,7 @@ def _words(found: Mapping[str, Any]) -> str:
             f"From t = {found['horizon']:.4g} s on, a change of the masses by 1e-6 has grown to "
             "the accuracy: the estimate holds for this very run only."
         )
-    lines += found.get("theories", [])
+    lines += [f"{text[0].upper()}{text[1:]}." for text in found.get("theories", [])]
     return "".join(f"<p>{escape(line)}</p>" for line in lines)
 
 

@@ -1,6 +1,6 @@
-"""A mechanism of rigid bodies: a plan has the tolerance alone."""
+"""Plans of special scenes: rigid bodies alone, signals that are zero."""
 
-from fidelity_samples import Table, pendulum
+from fidelity_samples import Table, pendulum, planned_run
 
 from plymotion.solver.fidelity.procedure import checked, plan_of
 from plymotion.solver.fidelity.words import answer_text, entry
@@ -29,3 +29,13 @@ def test_the_tolerance_is_chosen_and_checked() -> None:
     assert "all bodies are rigid, the tolerance alone is chosen" in text
     assert "stiffening" not in text
     assert len(entry(answer)["not_checked"]) == 1
+
+
+def test_a_signal_across_the_plane_of_motion_is_zero() -> None:
+    """It is rounding, to which no model is accurate."""
+    table = pendulum(t_end=0.1, signals=["across"], accuracy=1e-3)
+    table["signals"]["across"] = {"kind": "position", "at": "link0.tip", "component": "z"}
+    answer = checked(plan_of(*planned_run(table)))
+    assert answer.verdict == "met"
+    assert answer.plan.bodies["link0"].rigid
+    assert "Estimated error of across: 0.0e+00, the signal is zero" in answer_text(answer)
