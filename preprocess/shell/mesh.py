@@ -146,7 +146,7 @@ def mesh_of(plain: PlainMesh, where: str = "mesh") -> ShellMesh:
             f"coordinates; wrong nodes: {wrong.size}"
         )
     if plain.cell != "triangle":
-        return _in_file_order(plain, where)
+        return in_file_order(plain, where)
     labelled = fenicsx.labelled_mesh(plain)
     space = fenicsx.vector_space(labelled.mesh, 1, 6)
     file_cells = np.argsort(fenicsx.original_cells(labelled.mesh))
@@ -181,7 +181,8 @@ def mesh_of(plain: PlainMesh, where: str = "mesh") -> ShellMesh:
     )
 
 
-def _in_file_order(plain: PlainMesh, where: str) -> ShellMesh:
+def in_file_order(plain: PlainMesh, where: str) -> ShellMesh:
+    """The mesh of cells of degree 1 with the numbering of its file, without DOLFINx's space."""
     nodes, named = np.arange(len(plain.points)), plain.named
     curves = {} if named is None else named.curves
     marks = {} if named is None else named.points

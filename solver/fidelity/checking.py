@@ -1,12 +1,12 @@
 """Runs of the model of a plan and of its check, within the budget of the request."""
 
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from ..run.timing import work_s
 from .answer import Answer
 from .beyond import stopped
 from .exhausted import unseen
@@ -35,7 +35,7 @@ class Checking:
     accuracy: float
     metric: str
     budget: float
-    begin: float = field(default_factory=time.process_time)
+    begin: float = field(default_factory=work_s)
 
     def __post_init__(self) -> None:
         indicators = self.answer.study.indicators
@@ -44,14 +44,14 @@ class Checking:
 
     def left(self) -> float:
         """CPU seconds that are left of the budget."""
-        return self.budget - (time.process_time() - self.begin)
+        return self.budget - (work_s() - self.begin)
 
     @contextmanager
     def _timed(self, part: str) -> Iterator[None]:
-        begin = time.process_time()
+        begin = work_s()
         yield
         cpu = self.answer.cpu
-        cpu[part] = cpu.get(part, 0.0) + time.process_time() - begin
+        cpu[part] = cpu.get(part, 0.0) + work_s() - begin
 
     def run(self, plan: Plan) -> Trial | None:
         """Run a plan; None if it cannot be assembled or, after the first check, without budget."""

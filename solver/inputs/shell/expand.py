@@ -9,8 +9,8 @@
      "elements": {...}, "stiffeners": {...}, "links": {...},
      "supports": {"root": {"at": "root", "fixed": ["ux", "uy", "uz", "rx", "ry", "rz"]}},
      "loads": {"pull": {"tip": {"at": "tip", "force": [1.0, 0.0, 0.0]}}},
-     "probes": {...}, "frequencies": {"count": 6, "free": false},
-     "buckling": {"count": 4, "in_plane": true}}
+     "probes": {...}, "frequencies": {"count": 6, "free": false, "error": false},
+     "buckling": {"count": 4, "in_plane": true, "error": true}}
 
 Plain JSON, SI and degrees; paths are relative to the working directory, plies one by one from
 bottom to top. Materials and laminates that no region uses are omitted.
@@ -97,7 +97,9 @@ def shell_spec(table: dict[str, Any], file: Path) -> dict[str, Any]:
         "probes": _plain(description.probes),
     }
     if description.frequencies is not None:
-        spec["frequencies"] = description.frequencies.model_dump(exclude_none=True)
+        asked = description.frequencies
+        estimated = asked.prestress is not None if asked.error is None else asked.error
+        spec["frequencies"] = {**asked.model_dump(exclude_none=True), "error": estimated}
     if description.buckling is not None:
         spec["buckling"] = description.buckling.model_dump(exclude_none=True)
     return spec

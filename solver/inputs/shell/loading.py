@@ -168,6 +168,11 @@ class Frequencies(Table):
     prestress: str | None = Field(
         default=None, description="name of a load case: the modes of the shell under its stresses"
     )
+    error: bool | None = Field(
+        default=None,
+        description="whether to estimate the errors of the mesh, by a mesh of half the cell size; "
+        "absent: with `prestress`",
+    )
 
 
 class Buckling(Table):
@@ -184,4 +189,8 @@ class Buckling(Table):
         default=True,
         description="false: without the work of the prestress on rotations about the normal, as "
         "in tables of plates",
+    )
+    error: bool = Field(
+        default=True,
+        description="whether to estimate the errors of the mesh, by a mesh of half the cell size",
     )
