@@ -122,7 +122,8 @@ def answer_text(answer: Answer) -> str:
     else:
         zero = dict.fromkeys(answer.names, False)
         if answer.check is not None:
-            zero = dict(zip(answer.names, ~answer.check.signals.any(axis=1), strict=True))
+            moves = [bool(signal.any()) for signal in answer.check.signals]
+            zero = {name: not moved for name, moved in zip(answer.names, moves, strict=True)}
         for name, value in answer.estimates.items():
             size = ", the signal is zero" if zero[name] else ""
             lines.append(f"Estimated error of {name}: {value:.1e}{size}")
