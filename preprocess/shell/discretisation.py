@@ -25,7 +25,7 @@ from .statics import solve_cases
 
 STEPS = 3  # of the Krylov space
 REST = 4.0 / 3.0  # error of the coarser mesh over the difference, second order
-MOST = 600_000  # unknowns of the finer mesh, above which there is no estimate
+MOST = 300_000  # unknowns of the finer mesh, above which there is no estimate
 DEPENDENT = 1e-13  # of the largest eigenvalue of a Gram matrix of unit vectors
 
 

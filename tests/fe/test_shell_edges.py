@@ -106,10 +106,8 @@ def test_a_square_pushed_by_a_displacement(sides_held: bool) -> None:
     _, materials = isotropic(1.0, nu, h)
     along = ["uy"] if sides_held else []
     supports = {
-        "left": {"at": "left", "fixed": ["ux", "uz", "rx"]},
-        "right": {"at": "right", "fixed": ["ux", "uz", "rx"]},
-        "bottom": {"at": "bottom", "fixed": [*along, "uz", "ry"]},
-        "top": {"at": "top", "fixed": [*along, "uz", "ry"]},
+        "ends": {"at": ["left", "right"], "fixed": ["ux", "uz", "rx"]},
+        "sides": {"at": ["bottom", "top"], "fixed": [*along, "uz", "ry"]},
         "level": {"at": "centre", "fixed": ["uy"]},
     }
     pushed = {"push": {"end": {"at": "right", "motion": {"ux": -1e-3}}}}

@@ -97,3 +97,34 @@ def test_spinning_laminates_at_a_hub(angles: list[float], a: float, b: float, hu
         )  # fmt: skip
         found = np.sqrt(np.linalg.eigvalsh(K)[:2])
         assert found == pytest.approx(peer.spinning(CFRP["rho"], H, spin, hub), rel=5e-3)
+
+
+# isotropic square, nu = 0.3: f1 and f2 by series, times sqrt(rho h a^4/D); spin times the same
+SQUARES = {
+    (0.0, 0.0): (3.4707, 8.4969),
+    (0.0, 2.0): (4.1006, 8.9675),
+    (0.0, 10.0): (11.1934, 16.6248),
+    (1.0, 2.0): (4.8029, 9.2968),
+    (1.0, 10.0): (16.5988, 20.5775),
+}
+
+
+def test_spinning_isotropic_square() -> None:
+    """Flap and twist of a square cantilever at a hub of radius 0 and a, 12 modes at rest."""
+    a, h = 0.3, 3e-3
+    spec = plate((16, 16), h, a, a)
+    spec["mesh"]["element"] = "quadrilateral"
+    C, rho = stiffness(spec), next(iter(spec["materials"].values()))["rho"]
+    package = build_body(panel_body(spec, 12, body="plate", second_order=True))
+    second = package.second_order
+    assert second is not None
+    peer = plate_peer.Plate(C, a, a, CANTILEVER)
+    unit = np.sqrt(C[3, 3] / (rho * h * a**4))
+    for (hub, spin), known in SQUARES.items():
+        exact = peer.spinning(rho, h, spin * unit, hub * a) / unit
+        assert exact == pytest.approx(known, rel=2e-5)
+        stiffening = second.Z1_B[0, 0] + hub * a * second.Z0_B[0]
+        stiffening = stiffening + second.Z1_B[1, 1] - 0.5 * a * second.Z0_B[1]
+        K = package.stiffness - (spin * unit) ** 2 * stiffening
+        found = np.sqrt(np.linalg.eigvalsh(K)[:2]) / unit
+        assert found == pytest.approx(exact, rel=2e-3)

@@ -97,9 +97,9 @@ def shell_spec(table: dict[str, Any], file: Path) -> dict[str, Any]:
         "probes": _plain(description.probes),
     }
     if description.frequencies is not None:
-        asked = description.frequencies
-        estimated = asked.prestress is not None if asked.error is None else asked.error
-        spec["frequencies"] = {**asked.model_dump(exclude_none=True), "error": estimated}
+        asked = description.frequencies.model_dump(exclude_none=True)
+        estimated = {"error": True} if "prestress" in asked else {}
+        spec["frequencies"] = {**estimated, **asked}
     if description.buckling is not None:
         spec["buckling"] = description.buckling.model_dump(exclude_none=True)
     return spec

@@ -48,7 +48,9 @@ class Link(Table):
 class Support(Table):
     """`[supports.NAME]`: degrees of freedom fixed to 0."""
 
-    at: str = Field(description="physical point, curve or surface, or a link")
+    at: str | Annotated[list[str], Field(min_length=1)] = Field(
+        description="physical point, curve or surface, names of several of one kind, or a link"
+    )
     fixed: (
         Literal["all", "symmetry-x", "symmetry-y", "symmetry-z"]
         | Annotated[list[Freedom], Field(min_length=1)]
