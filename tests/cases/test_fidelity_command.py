@@ -84,15 +84,7 @@ def test_two_processes_make_the_same_plan(folder, tmp_path):
         out = tmp_path / str(number)
         words = ["plan", str(folder / "case.toml"), "--out", str(out), "--json"]
         done = subprocess.run(
-            [
-                sys.executable,
-                "-m",
-                "plymotion",
-                "plan",
-                *words,
-                "--packages",
-                str(folder / "packages"),
-            ],
+            [sys.executable, "-m", "plymotion", *words, "--packages", str(folder / "packages")],
             env=os.environ | {"PYTHONHASHSEED": str(number), "PYTHONPATH": str(ROOT)},
             capture_output=True,
             text=True,
