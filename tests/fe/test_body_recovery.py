@@ -206,7 +206,7 @@ def test_package_with_recovery_is_sound_small_and_judged_without_fe_code(tmp_pat
     assert [f for f in validate(path) if f.level != "note"] == []
     assert path.stat().st_size < 300_000
     read = read_package(path)
-    t = np.linspace(0.0, 0.1, 5)
+    t = np.array([0.02, 0.1])
     q = 1e-3 * np.sin(read.frequencies * t[:, None]) / (read.frequencies / read.frequencies[0]) ** 2
     found = body_strength(read, t, q)
     assert found is not None
