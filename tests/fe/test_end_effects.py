@@ -126,6 +126,7 @@ def test_held_ends_take_the_compliance_that_a_solid_lacks(name: str, record: Rec
     record(f"end-effects/{name}", indicated)
 
 
+@pytest.mark.one_end
 def test_the_indicated_share_grows_as_the_bar_gets_shorter() -> None:
     """A square bar of 4, 2 and 1 widths under a force across it: so does the true one."""
     section, shares = analyse(rectangle_spec(0.04, 0.04, METAL), estimate=False), []
