@@ -2,7 +2,9 @@
 
 import gc
 import os
+import signal
 import sys
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -65,10 +67,21 @@ class FailuresAtOnce:
 
 @pytest.hookimpl(trylast=True)
 def pytest_configure(config: pytest.Config) -> None:
-    """In the process that writes to the terminal; workers of xdist do not."""
+    """Name failures in the process that writes to the terminal; workers of xdist do not."""
+    _hear_ctrl_c()
     terminal = config.pluginmanager.get_plugin("terminalreporter")
     if terminal is not None:
         config.pluginmanager.register(FailuresAtOnce(terminal))
+
+
+def _hear_ctrl_c() -> None:
+    """Take Ctrl-C back that a shell lets a command in the background (`&`) ignore.
+
+    Processes that the tests start and interrupt would ignore it as well.
+    """
+    ignored = signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    if ignored and threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_collection_modifyitems(items: "list[pytest.Item]") -> None:

@@ -3,7 +3,6 @@
 Indicators plan, they certify nothing: a zero indicator is no evidence. The check run certifies.
 """
 
-import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,6 +14,7 @@ from ..mechanism import build
 from ..package import ModalPackage
 from ..package.body.selection import vibrations
 from ..run.outcome import RunSpec
+from ..run.timing import work_s
 from ..signals import sensors
 from .base import Base, base_motion
 from .effects import Effects, effects
@@ -116,9 +116,9 @@ def study(
     names : flexible bodies that the plan is about
     signals : names of the signals that must be accurate
     """
-    begin = time.process_time()
+    begin = work_s()
     base = base_motion(spec, names)
-    moved = time.process_time()
+    moved = work_s()
     fixed = fixed_packages(spec, base, names)
 
     def of(packages: Mapping[str, ModalPackage]) -> Loaded:
@@ -126,7 +126,7 @@ def study(
 
     model = of(spec.packages)
     found = _indicators(spec, base, model, signals)
-    cpu = {"base": moved - begin, "indicators": time.process_time() - moved}
+    cpu = {"base": moved - begin, "indicators": work_s() - moved}
     return Study(base, model.rich, lambda: of(check).rich, found, cpu)
 
 

@@ -69,7 +69,7 @@ def test_plan_prints_the_answer_and_run_delivers_the_check(folder, capsys):
     tried = found["ladder"]
     assert len(tried["rungs"]) >= 2
     assert tried["chosen"]["error"] <= found["estimate"]["tip"] * (1.0 + 1e-9)
-    assert read_result(folder / "build/base/result.vtkhdf").t[-1] == pytest.approx(0.3)
+    assert read_result(folder / "build/base/result.vtkhdf").t[-1] == pytest.approx(0.1)
 
 
 def test_an_edited_plan_is_checked_and_kept(folder):

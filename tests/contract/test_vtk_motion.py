@@ -7,12 +7,11 @@ import h5py
 import numpy as np
 import pytest
 import pyvista as pv
+from case_samples import short_run
 from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import PackageError
-from plymotion.solver.inputs.case.load import load_case
-from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.math.rotations import rotation_matrix
 from plymotion.solver.package import read_package
 from plymotion.solver.package.common.container import get_text
@@ -28,15 +27,7 @@ RADIUS, WALL, LENGTH = 0.025, 6 * 0.125e-3, 0.6  # m, of the upper arm
 def folder(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The robot arm, 0.2 s of it, with its animation."""
     made = tmp_path_factory.mktemp("case")
-    packages = repository / "tests/packages/robot-arm"
-    write_case(load_case(repository / "cases/robot-arm/case.toml"), made, packages)
-    file = made / "runs/base.json"
-    table = json.loads(file.read_text())
-    table["mechanism"]["solver"]["t_end"] = 0.2
-    table["mechanism"]["signals"] = {}
-    table["other_runs"] = {}
-    file.write_text(json.dumps(table))
-    assert main(["run", str(file), "--quiet"]) == 0
+    short_run(repository, "robot-arm", "base", made, 0.2, signals={})
     case = json.loads((made / "case.json").read_text())
     (made / "case.json").write_text(json.dumps(case | {"figures": {}}))
     assert main(["report", str(made), "--vtk"]) == 0

@@ -10,33 +10,18 @@ import pytest
 pytest.importorskip("plymotion.preprocess.fenicsx")
 
 import ufl
-from section_specs import rectangle_spec
+from section_specs import library_spec, rectangle_spec
 from shell_specs import CFRP, METAL
 from solid_prism import held_compliance
 
 from plymotion.preprocess.materials import material_from_dict
 from plymotion.preprocess.section import analyse
 from plymotion.solver.fidelity.section_ends import OTHER_END
-from plymotion.solver.inputs.section.shapes.library import expand, walls
+from plymotion.solver.inputs.section.shapes.library import expand
 
 Record = Callable[[str, Any], None]
 FOAM = {"kind": "isotropic", "E": 70e6, "nu": 0.3, "rho": 60.0}
 NAMES = "F1", "F2", "F3", "M1", "M2", "M3"
-
-
-def shape(name: str, sizes: dict[str, float], material: dict[str, Any]) -> dict[str, Any]:
-    """A section of the library, of one material."""
-    ply = {"material": "m", "angle_deg": 0.0}
-    return {
-        "name": name,
-        "convention": "contour",
-        "mesh": expand(name, sizes),
-        "materials": {"m": material},
-        "regions": {
-            wall.region: {"plies": [ply], "direction": dict(wall.direction)}
-            for wall in walls(name, sizes)
-        },
-    }
 
 
 def of_beam(section: Any, length: float) -> tuple[np.ndarray, np.ndarray]:
@@ -144,7 +129,7 @@ def test_an_i_section_in_torsion_loses_vlasovs_length() -> None:
     """S / compliance = sqrt(E I_w / (G J)), with I_w = I_3 h^2 / 4 of the middle lines."""
     b, h, t = 0.1, 0.196, 0.004
     sizes = {"height": h + t, "top_width": b, "bottom_width": b, "wall": t}
-    section = analyse(shape("i", sizes, METAL), estimate=False)
+    section = analyse(library_spec("i", sizes, METAL), estimate=False)
     I_w, J = 2.0 * t * b**3 / 12.0 * h**2 / 4.0, (2.0 * b + h) * t**3 / 3.0
     vlasov = np.sqrt(2.0 * (1.0 + METAL["nu"]) * I_w / J)
     assert section.end_compliance is not None
@@ -154,7 +139,9 @@ def test_an_i_section_in_torsion_loses_vlasovs_length() -> None:
 
 def test_ends_of_a_round_tube_in_torsion_take_nothing() -> None:
     """Its section does not warp."""
-    section = analyse(shape("tube", {"outer_radius": 0.05, "wall": 0.002}, METAL), estimate=False)
+    section = analyse(
+        library_spec("tube", {"outer_radius": 0.05, "wall": 0.002}, METAL), estimate=False
+    )
     assert section.end_compliance is not None
     length = np.diag(section.end_compliance) * np.diag(section.K)
     assert abs(length[3]) < 1e-9
