@@ -26,17 +26,24 @@ else:
     settings.load_profile("plymotion")
 
 
-# Half of the time of the tests without FEniCSx is spent in these files: they start programs,
-# compile, kill, or integrate for long. `make check` leaves them to `make test`.
+# More than half of the time of the tests without FEniCSx is spent in these files: they start
+# programs, compile, kill, or integrate for long. `make check` leaves them to `make test`.
 SLOW = {
     "cases": {
-        *("compiled", "default_settings", "executors", "fidelity_command", "long_output"),
-        *("report_page", "report_strength_page", "sweep", "sweep_interrupted"),
+        *("compiled", "default_settings", "docs_followed", "executors", "fidelity_command"),
+        *(
+            "fidelity_sweep",
+            "long_output",
+            "report_page",
+            "report_strength_page",
+            "sweep",
+            "sweep_interrupted",
+        ),
     },
-    "contract": {"packages_cli", "recipes", "section_cli", "shell_cli", "wheel"},
+    "contract": {"core_types", "packages_cli", "recipes", "section_cli", "shell_cli", "wheel"},
     "hostile": {
-        *("changed_inputs", "faults", "killed_compilers", "make_commands"),
-        *("make_recovers", "signals"),
+        *("changed_inputs", "disk_full", "exchange_files", "faults", "killed_compilers"),
+        *("make_commands", "make_recovers", "signals"),
     },
     "unit": {
         "blade",
@@ -48,7 +55,7 @@ SLOW = {
     },
     "verification": {
         *("complex_steps", "constraints_redundant", "constraints_singular", "fidelity"),
-        *("segments", "shipped_body"),
+        *("fidelity_omissions", "segments", "shipped_body"),
     },
 }
 

@@ -83,6 +83,8 @@ def effects(found: Response, sensors: Mapping[str, Sensor], kinds: Mapping[str, 
         response, quasi = by_order[order]()
         size = np.abs(response).max(axis=0, initial=0.0)
         moving = np.flatnonzero(size > 0.0)
+        if not moving.size:
+            continue
         slopes = _slopes(found, [sensors[names[o]] for o in wanted], moving, order, size[moving])
         over_time = _interpolated(found, slopes)
         for o, slope in zip(wanted, over_time, strict=True):

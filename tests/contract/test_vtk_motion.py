@@ -110,7 +110,7 @@ def test_strength_ratio_is_that_of_all_points_of_the_section(
             exact = body_strength(package, result.t[row : row + 1], q)
             assert exact is not None
             ratio = np.asarray(grid.cell_data["strength_ratio"])
-            lowest = ratio[grid.cell_data["body_id"] == number].min()
+            lowest = np.nanmin(ratio[grid.cell_data["body_id"] == number])
             # Governing points only (docs/report.md): never below, and at most 0.5 % above.
             assert 1.0 - 1e-6 < lowest / exact.governing.ratio < 1.005
 
@@ -128,7 +128,10 @@ def test_strain_energy_is_that_of_the_modes(player: Player, result: RunResult) -
         own = np.asarray(grid.cell_data["strain_energy"])[grid.cell_data["body_id"] == number]
         assert own.max() == pytest.approx(density.max(), rel=1e-6)
         corner = view.surface.site
-        np.testing.assert_allclose(own, density[corner].max(axis=1), rtol=1e-5)
+        part = corner.min(axis=1) >= 0  # not the sphere of a point mass, which has no stress
+        assert part.sum() > 1000
+        np.testing.assert_allclose(own[part], density[corner[part]].max(axis=1), rtol=1e-5)
+        assert not own[~part].any()
 
 
 def test_the_file_tells_units_names_and_where_it_comes_from(folder: Path) -> None:
