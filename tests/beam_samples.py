@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from plymotion.preprocess.beam.section_mass import SectionMass
 from plymotion.preprocess.beam.spec import read_spec
 from plymotion.preprocess.beam.stations import Stations
 from plymotion.preprocess.modes import Modes
-from plymotion.solver.package import Interface, ModalPackage, SectionData
+from plymotion.solver.package import Interface, ModalPackage, SectionData, write_package
 from plymotion.solver.package.body.invariants import rigid_motions
 
 CHORD = {"kind": "chord", "at": ["root", "tip"]}
@@ -106,3 +107,10 @@ def reduced(
 def with_all_modes(reference: dict[str, Any], elements: int = 4, **changes: Any) -> Beam:
     count = 6 * (elements + 1) - 6
     return reduced(reference, [{"kind": "lowest", "count": count}], elements=elements, **changes)
+
+
+def clamped_file(folder: Path, count: int) -> ModalPackage:
+    """Write beam.vtkhdf, a clamped beam with `count` modes of bending, into a folder; return it."""
+    package = reduced(CLAMPED, [{"kind": "bending-xy", "count": count}]).package
+    write_package(folder / "beam.vtkhdf", package)
+    return package

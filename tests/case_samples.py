@@ -1,9 +1,11 @@
 """Case files of rigid bodies in a few lines, run to their signals."""
 
+import json
 from pathlib import Path
 
 import numpy as np
 
+from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
 from plymotion.solver.run.execution import execute, read_run
@@ -49,6 +51,22 @@ def case_runs(repository: Path, name: str, folder: Path, *, coarse: bool = False
     case = load_case(repository / "cases" / name / "case.toml", coarse=coarse)
     write_case(case, folder, repository / "tests/packages" / name)
     return folder / "runs"
+
+
+def short_run(
+    repository: Path, name: str, run: str, folder: Path, t_end: float, **changes: object
+) -> None:
+    """Check a case of the repository into a folder, and compute the begin of one of its runs.
+
+    `changes` are other parts of the mechanism, such as signals.
+    """
+    file = case_runs(repository, name, folder) / f"{run}.json"
+    table = json.loads(file.read_text())
+    table["mechanism"] |= changes
+    table["mechanism"]["solver"]["t_end"] = t_end
+    table["other_runs"] = {}
+    file.write_text(json.dumps(table))
+    assert main(["run", str(file), "--quiet"]) == 0
 
 
 def run_case(file: Path, **solver):

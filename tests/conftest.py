@@ -2,7 +2,9 @@
 
 import gc
 import os
+import signal
 import sys
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -24,17 +26,24 @@ else:
     settings.load_profile("plymotion")
 
 
-# Half of the time of the tests without FEniCSx is spent in these files: they start programs,
-# compile, kill, or integrate for long. `make check` leaves them to `make test`.
+# More than half of the time of the tests without FEniCSx is spent in these files: they start
+# programs, compile, kill, or integrate for long. `make check` leaves them to `make test`.
 SLOW = {
     "cases": {
-        *("compiled", "default_settings", "executors", "fidelity_command", "long_output"),
-        *("report_page", "report_strength_page", "sweep", "sweep_interrupted"),
+        *("compiled", "default_settings", "docs_followed", "executors", "fidelity_command"),
+        *(
+            "fidelity_sweep",
+            "long_output",
+            "report_page",
+            "report_strength_page",
+            "sweep",
+            "sweep_interrupted",
+        ),
     },
-    "contract": {"packages_cli", "recipes", "section_cli", "shell_cli", "wheel"},
+    "contract": {"core_types", "packages_cli", "recipes", "section_cli", "shell_cli", "wheel"},
     "hostile": {
-        *("changed_inputs", "faults", "killed_compilers", "make_commands"),
-        *("make_recovers", "signals"),
+        *("changed_inputs", "disk_full", "exchange_files", "faults", "killed_compilers"),
+        *("make_commands", "make_recovers", "signals"),
     },
     "unit": {
         "blade",
@@ -46,7 +55,7 @@ SLOW = {
     },
     "verification": {
         *("complex_steps", "constraints_redundant", "constraints_singular", "fidelity"),
-        *("segments", "shipped_body"),
+        *("fidelity_omissions", "segments", "shipped_body"),
     },
 }
 
@@ -65,10 +74,21 @@ class FailuresAtOnce:
 
 @pytest.hookimpl(trylast=True)
 def pytest_configure(config: pytest.Config) -> None:
-    """In the process that writes to the terminal; workers of xdist do not."""
+    """Name failures in the process that writes to the terminal; workers of xdist do not."""
+    _hear_ctrl_c()
     terminal = config.pluginmanager.get_plugin("terminalreporter")
     if terminal is not None:
         config.pluginmanager.register(FailuresAtOnce(terminal))
+
+
+def _hear_ctrl_c() -> None:
+    """Take Ctrl-C back that a shell lets a command in the background (`&`) ignore.
+
+    Processes that the tests start and interrupt would ignore it as well.
+    """
+    ignored = signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    if ignored and threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_collection_modifyitems(items: "list[pytest.Item]") -> None:

@@ -62,11 +62,12 @@ def matrices(
         slope_x, slope_s = d[:, W, 0], d[:, W, 1] - q[:, V] / R
         e = np.stack(rows, axis=1)
         g = np.stack([slope_x + q[:, X], slope_s + q[:, Y]], axis=1)
-        K = K + np.einsum("q,qia,ij,qjb->ab", weight, e, C, e, optimize=True)
-        K = K + np.einsum("q,qia,ij,qjb->ab", weight, g, Ds, g, optimize=True)
+        for strain, stiffness in ((e, C), (g, Ds)):
+            weighted = (weight[:, None, None] * strain).reshape(-1, strain.shape[-1])
+            K = K + weighted.T @ (stiffness @ strain).reshape(weighted.shape)
 
         def product(a: Any, b: Any) -> Any:
-            both = np.einsum("q,qa,qb->ab", weight, a, b)
+            both = a.T @ (weight[:, None] * b)
             return 0.5 * (both + both.T)
 
         G = G + N[0] * product(slope_x, slope_x) + N[1] * product(slope_s, slope_s)

@@ -19,7 +19,7 @@ ground.origin = { position = [0.0, 0.0, 0.0] }
 masses.load = { mass = 1.0, at = "link.tip" }
 signals.tip = { kind = "position", at = "link.tip", component = "y" }
 signals.force = { kind = "reaction", joint = "hinge", quantity = "force", component = "x" }
-solver = { t_end = 0.3, output_step = 0.002 }
+solver = { t_end = 0.1, output_step = 0.002 }
 fidelity = { accuracy = 1e-2, signals = ["tip"] }
 
 [bodies.link]

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from plymotion.solver.inputs.section.shapes.library import expand
+from plymotion.solver.inputs.section.shapes.library import expand, walls
 
 
 def rectangle_spec(
@@ -16,4 +16,19 @@ def rectangle_spec(
         "mesh": expand("rectangle", {"width": width, "height": height}),
         "materials": {"m": material},
         "regions": {"section": {"plies": [ply], "direction": {"vector": [1.0, 0.0]}}},
+    }
+
+
+def library_spec(name: str, sizes: dict[str, float], material: dict[str, Any]) -> dict[str, Any]:
+    """A section of the library, of one material."""
+    ply = {"material": "m", "angle_deg": 0.0}
+    return {
+        "name": name,
+        "convention": "contour",
+        "mesh": expand(name, sizes),
+        "materials": {"m": material},
+        "regions": {
+            wall.region: {"plies": [ply], "direction": dict(wall.direction)}
+            for wall in walls(name, sizes)
+        },
     }

@@ -105,9 +105,19 @@ def plate() -> ShellFile:
             residual=np.array([1e-14, 0.0]),
         ),
         probes=ShellProbes(("tip", "tip"), ("uz", "N11"), np.array([[0.025, 3e4], [0.0, 0.0]])),
-        modes=ShellModes(np.array([0.0, 50.0, 120.0]), shapes, np.zeros((3, 4, 8)), 1),
+        modes=ShellModes(
+            np.array([0.0, 50.0, 120.0]),
+            shapes,
+            np.zeros((3, 4, 8)),
+            1,
+            np.array([0.0, 0.02, 0.04]),
+        ),
         buckling=ShellBuckling(
-            np.array([0, 0]), np.array([2.5, 7.0]), shapes[1:], np.array([-3.0, 0.0])
+            np.array([0, 0]),
+            np.array([2.5, 7.0]),
+            shapes[1:],
+            np.array([-3.0, 0.0]),
+            np.array([0.25, -0.01]),
         ),
         warnings=({"code": "sliver-cells", "message": "two of them"},),
         provenance={"spec": {"title": "Half and half"}, "dofs": 36, "seconds": 0.25},

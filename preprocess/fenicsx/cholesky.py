@@ -1,11 +1,12 @@
 """Factorisation of symmetric positive definite matrices."""
 
+import weakref
 from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 
-from .petsc import PETSC_ERRORS, destroy, reason, sorted_csr, use_mumps
+from .petsc import PETSC_ERRORS, destroy, destroy_dropped, reason, sorted_csr, use_mumps
 from .regular import LARGEST_GROWTH, RandomLoad
 from .stack import HAS_MUMPS, Array, PETSc
 from .team import ALONE, Team
@@ -23,11 +24,13 @@ class Cholesky:
     """A factorised symmetric positive definite matrix; `update` reuses the symbolic part.
 
     A team of processes factorises together a matrix that each of them has completely. The first
-    solve after a factorisation checks it with an additional column.
+    solve after a factorisation checks it with an additional column. The memory of the factors is
+    freed with the object, or earlier by `close`.
     """
 
     def __init__(self, A: Any, team: Team = ALONE, largest_growth: float = LARGEST_GROWTH) -> None:
         A = sorted_csr(A)
+        destroy_dropped(team)
         self.largest_growth = largest_growth
         self.growth = 0.0  # of a random load, by the last factorisation that was checked
         self.A = sp.csr_matrix((A.data.copy(), A.indices, A.indptr), shape=A.shape)
@@ -51,6 +54,10 @@ class Cholesky:
         use_mumps(self._pc, A.shape[0])
         if not HAS_MUMPS:
             self._pc.setFactorOrdering(ord_type="nd")
+        self._factor = PETSc.Mat()
+        self._held = [self._factor, self._pc, self._mat]
+        if team.size == 1:  # the processes of a team must destroy at the same time
+            weakref.finalize(self, _destroy_all, self._held).atexit = False
         self._factorise()
 
     def update(self, A: Any) -> None:
@@ -96,14 +103,15 @@ class Cholesky:
 
     def close(self) -> None:
         """Free the memory of the factors; no further solves are possible."""
-        destroy(self._factor, self._pc, self._mat)
+        destroy(*self._held)
 
     def _factorise(self) -> None:
         try:
             self._pc.setUp()
         except PETSC_ERRORS as error:
             raise FactorisationError(f"the matrix cannot be factorised: {reason(error)}") from error
-        self._factor = self._pc.getFactorMatrix()
+        destroy(self._factor)  # a reference; PETSc may have made a new factor
+        self._factor = self._held[0] = self._pc.getFactorMatrix()
         if HAS_MUMPS:
             status = self._factor.getMumpsInfog(1)
             negative = self._factor.getMumpsInfog(12)
@@ -143,7 +151,12 @@ class Cholesky:
         out = PETSc.Mat().createDense(size, array=found, comm=comm)
         out.assemble()
         self._factor.matSolve(rhs, out)
+        destroy(rhs, out)
         return self._team.stacked(found)
+
+
+def _destroy_all(objects: list[Any]) -> None:
+    destroy(*objects)
 
 
 def cholesky(A: Any, team: Team = ALONE, largest_growth: float = LARGEST_GROWTH) -> Cholesky:

@@ -38,13 +38,20 @@ def petsc_matrix(A: sp.csr_matrix, *, spd: bool, team: Team = ALONE) -> Any:
 
 
 def destroy(*objects: Any) -> None:
-    """Destroy PETSc objects that Python still references.
+    """Destroy PETSc objects; the processes of a team must do this at the same time.
 
-    Some versions keep an object and its factors after the last Python name has gone
-    out of scope, because a getter of a part creates another reference.
+    Since 3.18, PETSc keeps objects that Python has dropped, until `destroy_dropped`. Some versions
+    also keep an object because a getter of a part creates another reference.
     """
     for one in objects:
         one.destroy()
+
+
+def destroy_dropped(team: Team) -> None:
+    """Destroy objects that Python has dropped on all processes of a team."""
+    cleanup = getattr(PETSc, "garbage_cleanup", None)  # PETSc 3.18 and later
+    if cleanup is not None:
+        cleanup(team.comm)
 
 
 def sorted_csr(A: Any) -> sp.csr_matrix:

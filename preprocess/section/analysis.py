@@ -149,8 +149,9 @@ def analyse(
                 }
             )
             break
-        degree = problem.space.degree
-        problem = SectionProblem(replace(problem.mesh, cells=cells), degree, team)
+        degree, mesh = problem.space.degree, replace(problem.mesh, cells=cells)
+        del problem, lay, result, solved, richer  # their memory serves the next step
+        problem = SectionProblem(mesh, degree, team)
     warnings += coarse_warnings(solved.error, result.K)
     begin("recovery")
     density = lay.density

@@ -107,7 +107,8 @@ def central_solutions(
     if not left < ENOUGH:
         raise SectionError(
             f"initial_curvature: the iteration for the warping does not converge (residual "
-            f"{left:.1e}); is the product of curvature and size of the section too large?"
+            f"{left:.1e}): the product of curvature and size of the section is too large, or cells "
+            "of a very thin wall are much narrower than others"
         )
     return _solution(equations, *unknowns, simple.growth)
 

@@ -17,7 +17,9 @@ from .shape_along import curvature_of
 
 DEGREE = 2  # of the warping field
 # A thin twisted wall bends without stretching, which low degrees cannot represent in long cells.
-MOST_DEGREE = 4  # to which a twisted section is raised
+MOST_DEGREE = 6  # to which a twisted section is raised
+LARGE = 20_000  # unknowns of a section that is raised to no more than 4
+MOST_OF_LARGE = 4
 RESOLVED = 0.01  # estimate, scaled, above which it is
 
 
@@ -48,6 +50,9 @@ def resolved(solved: Solved, spec: Mapping[str, Any], where: str) -> Solved:
             break
         richer = solved.richer
         assert richer is not None
+        space = richer.problem.space
+        if space.degree > MOST_OF_LARGE and space.n_dof > LARGE:
+            break
         try:
             result = solve(richer.problem, richer.lay, where, spec, known=richer.result)
             solved = compared(replace(richer, result=result), spec, where, first=False)

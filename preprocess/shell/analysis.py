@@ -10,26 +10,23 @@ import numpy as np
 from ...solver.math.arrays import Array
 from ...solver.package.shell.cells import NONE
 from ...solver.package.shell.schema import (
-    ShellBuckling,
     ShellCases,
     ShellFile,
     ShellLaminate,
     ShellMeshData,
-    ShellModes,
     ShellPlaces,
     ShellProbes,
 )
 from .. import fenicsx
 from ..laminate import report, stress_operators
-from .freedom import Freedom
-from .frequencies import natural_modes
-from .guards import check_supported, drilling_warning, zero_energy_warnings
+from .discretisation import FinerMesh
+from .guards import check_supported
 from .loads import resultant
 from .mesh import ShellMesh
-from .prestress import Stressed, buckled, buckling, check_stable
+from .modes import of_file, shell_buckling, shell_modes
+from .prestress import Stressed
 from .probes import probe_values, read_probes
 from .problem import ShellProblem
-from .spec import mode_count
 from .statics import solve_cases
 
 Progress = Callable[[str], None]
@@ -70,8 +67,9 @@ def analyse(
     warnings = [*problem.warnings, *warnings]
     cases, probes, u = _cases(problem, warnings, begin)
     stressed = Stressed(problem, cases.names, u)
-    modes = _modes(problem, stressed, warnings, begin) if "frequencies" in spec else None
-    buckling = _buckling(problem, stressed, cases, warnings, begin)
+    finer = FinerMesh(problem, begin)
+    modes = shell_modes(stressed, finer, warnings, begin)
+    buckling = shell_buckling(stressed, finer, warnings, begin)
     return ShellFile(
         name=str(spec.get("name", "shell")),
         mesh=_mesh_data(problem, [laminate.name for laminate in laminates]),
@@ -108,21 +106,12 @@ def _cases(
     spec, freedom, mesh = problem.spec, problem.freedom, problem.mesh
     probes = read_probes(problem)
     names = tuple(spec.get("loads", {}))
-    forces = np.zeros((freedom.n_dof, len(names)))
-    for column, name in enumerate(names):
-        forces[:, column] = problem.loads.case(spec["loads"][name], f"{problem.where}.loads.{name}")
+    forces, given = problem.loads.columns(spec.get("loads", {}), problem.where)
     u, energy, residual = np.zeros_like(forces), np.zeros(len(names)), np.zeros(len(names))
     reactions = np.zeros((len(names), len(problem.supports), 6))
     if names:
         check_supported(freedom, *problem.free_motions(freedom))
         begin(f"load cases, {freedom.n_free} unknowns")
-        given = np.stack(
-            [
-                problem.loads.given(spec["loads"][name], f"{problem.where}.loads.{name}")
-                for name in names
-            ],
-            axis=1,
-        )
         solved = solve_cases(problem.K, freedom, forces, names, problem.team, given)
         u, energy, residual = solved.displacements, solved.energy, solved.residual
         warnings += solved.warnings
@@ -138,7 +127,7 @@ def _cases(
     resultants = problem.resultants(u)
     cases = ShellCases(
         names=names,
-        displacements_G=_of_file(mesh, u),
+        displacements_G=of_file(mesh, u),
         resultants_E=resultants[:, mesh.file_cells],
         link_motions_G=np.moveaxis(u.reshape(len(u) // 6, 6, len(names))[mesh.n_node :], 2, 0),
         loads_G=resultant(mesh, freedom, forces, np.zeros(3)).T,
@@ -152,66 +141,6 @@ def _cases(
         probe_values(probes, u, resultants),
     )
     return cases, told, u
-
-
-def _modes(
-    problem: ShellProblem, stressed: Stressed, warnings: Warnings, begin: Progress
-) -> ShellModes:
-    table = problem.spec["frequencies"]
-    count = mode_count(table, f"{problem.where}.frequencies")
-    mesh, freedom = problem.mesh, problem.modes_freedom
-    if table.get("free", False):
-        freedom = Freedom(mesh, problem.links, flat=problem.flat)
-    rigid, drilling = problem.free_motions(freedom)
-    if drilling:
-        warnings.append(drilling_warning(len(drilling)))
-    free_motions = np.array([*rigid, *drilling]).reshape(-1, freedom.n_dof).T
-    begin(f"{count} modes, {freedom.n_free} unknowns")
-    case, where = table.get("prestress"), f"{problem.where}.frequencies.prestress"
-    K = stressed.stiffness(case, where)
-    if case is not None and not free_motions.size:
-        check_stable(freedom.reduced(K), problem, case, where)
-    found = natural_modes(K, problem.M, freedom, count, free_motions, problem.team)
-    warnings += zero_energy_warnings(found.n_zero, len(rigid))
-    values = np.where(np.arange(len(found.values)) < found.n_zero, 0.0, found.values)
-    if case is not None and (values < 0.0).any():
-        raise buckled(case, where)
-    return ShellModes(
-        np.sqrt(values),
-        _of_file(mesh, found.shapes),
-        problem.resultants(found.shapes)[:, mesh.file_cells],
-        found.n_zero,
-    )
-
-
-def _buckling(
-    problem: ShellProblem,
-    stressed: Stressed,
-    cases: ShellCases,
-    warnings: Warnings,
-    begin: Progress,
-) -> ShellBuckling | None:
-    if "buckling" not in problem.spec:
-        return None
-    begin("buckling")
-    found = buckling(stressed, problem.spec["buckling"], f"{problem.where}.buckling", warnings)
-    rows = [cases.names.index(name) for name in found]
-    return ShellBuckling(
-        case=np.repeat(rows, [len(f.values) for f in found.values()]).astype(np.int64),
-        factors=np.concatenate([np.zeros(0), *(f.values for f in found.values())]),
-        shapes_G=np.concatenate(
-            [
-                np.zeros((0, problem.mesh.n_node, 6)),
-                *(_of_file(problem.mesh, f.shapes) for f in found.values()),
-            ]
-        ),
-        reversed=np.array([found[name].reversed if name in found else 0.0 for name in cases.names]),
-    )
-
-
-def _of_file(mesh: ShellMesh, u: Array) -> Array:
-    """Displacements (n_dof, m) of the nodes in the order of the mesh file, (m, n, 6)."""
-    return np.moveaxis(u.reshape(len(u) // 6, 6, u.shape[1])[mesh.file_nodes], 2, 0)
 
 
 def _laminates(problem: ShellProblem) -> tuple[list[ShellLaminate], Warnings]:

@@ -75,6 +75,17 @@ class Loads:
                 out[region.cells, : intensity.shape[1]] += float(entry["pressure"]) * intensity
         return out
 
+    def columns(self, cases: Mapping[str, Any], where: str) -> tuple[Array, Array]:
+        """Forces and given displacements of all load cases, (n_dof, l) each."""
+        both = np.zeros((2, self.freedom.n_dof, len(cases)))
+        for column, (name, table) in enumerate(cases.items()):
+            place = f"{where}.loads.{name}"
+            both[0, :, column], both[1, :, column] = (
+                self.case(table, place),
+                self.given(table, place),
+            )
+        return both[0], both[1]
+
     def given(self, table: Mapping[str, Any], where: str) -> Array:
         """Prescribed displacements of fixed degrees of freedom, (n_dof,) [m, rad].
 

@@ -26,9 +26,10 @@ from ..fenicsx import NamedNodes, PlainMesh
 from ..python_script import load_script
 from .errors import ShellError
 from .pairing import paired
+from .refinement import finer_parameters, split
 
 KEPT = 8  # meshes that a process keeps
-KEYS = ("file", "parameters", "scale", "element", "sha256")
+KEYS = ("file", "parameters", "scale", "element", "refine", "sha256")
 ELEMENTS = ("triangle", "quadrilateral")
 
 
@@ -78,10 +79,11 @@ def shell_mesh(spec_mesh: Mapping[str, Any], where: str) -> ShellMesh:
     Parameters
     ----------
     spec_mesh : {"file": "part.msh" | "part.geo" | "part.py", "parameters": {...}, "scale": 1.0,
-        "element": "quadrilateral"}.
+        "element": "quadrilateral", "refine": 1}.
         A .geo has DefineConstant entries "Parameters/<key>"; a .py has build(gmsh, parameters)
         that fills the current model and may leave meshing to the caller. With this element, pairs
-        of triangles become quadrilaterals.
+        of triangles become quadrilaterals. `refine` makes the mesh finer so many times, each time
+        with four cells for one (refinement.py).
     where : file and key of the description, for messages
 
     Raises
@@ -101,6 +103,9 @@ def shell_mesh(spec_mesh: Mapping[str, Any], where: str) -> ShellMesh:
             f"{where}.element = {element!r}: expected one of {', '.join(ELEMENTS)}"
             + did_you_mean(str(element), ELEMENTS)
         )
+    refine = spec_mesh.get("refine", 0)
+    if isinstance(refine, bool) or not isinstance(refine, int) or refine < 0:
+        raise ShellError(f"{where}.refine = {refine!r}: expected an integer of at least 0")
     content = hashlib.sha256(path.read_bytes()).hexdigest()
     table = canonical(spec_mesh)
     try:
@@ -113,12 +118,15 @@ def shell_mesh(spec_mesh: Mapping[str, Any], where: str) -> ShellMesh:
 def _made(table: str, file: str, content: str) -> ShellMesh:
     del content  # part of the cache key: a changed file gives another entry
     spec, path = json.loads(table), Path(file)
-    plain = _read(path, spec.get("parameters", {}))
+    plain, left = _read(path, spec.get("parameters", {}), spec.get("refine", 0))
     element = spec.get("element")
     if element == "quadrilateral" and plain.cell == "triangle" and plain.degree == 1:
         plain = paired(plain)
     if element == "triangle" and plain.cell != "triangle":
         raise ShellError('element = "triangle", but the mesh has quadrilaterals; remove `element`')
+    if plain.degree == 1:
+        for _ in range(left):
+            plain = split(plain)
     scale = float(spec.get("scale", 1.0))
     return mesh_of(replace(plain, points=scale * plain.points), str(path))
 
@@ -138,7 +146,7 @@ def mesh_of(plain: PlainMesh, where: str = "mesh") -> ShellMesh:
             f"coordinates; wrong nodes: {wrong.size}"
         )
     if plain.cell != "triangle":
-        return _in_file_order(plain, where)
+        return in_file_order(plain, where)
     labelled = fenicsx.labelled_mesh(plain)
     space = fenicsx.vector_space(labelled.mesh, 1, 6)
     file_cells = np.argsort(fenicsx.original_cells(labelled.mesh))
@@ -173,7 +181,8 @@ def mesh_of(plain: PlainMesh, where: str = "mesh") -> ShellMesh:
     )
 
 
-def _in_file_order(plain: PlainMesh, where: str) -> ShellMesh:
+def in_file_order(plain: PlainMesh, where: str) -> ShellMesh:
+    """The mesh of cells of degree 1 with the numbering of its file, without DOLFINx's space."""
     nodes, named = np.arange(len(plain.points)), plain.named
     curves = {} if named is None else named.curves
     marks = {} if named is None else named.points
@@ -226,16 +235,21 @@ def _from_arrays(path: Path) -> PlainMesh:
     )
 
 
-def _read(path: Path, parameters: Mapping[str, Any]) -> PlainMesh:
+def _read(path: Path, parameters: Mapping[str, Any], refine: int) -> tuple[PlainMesh, int]:
+    """The mesh, and how often its cells have yet to be split."""
     if path.suffix == ".npz":
-        return _from_arrays(path)
+        return _from_arrays(path), refine
     if path.suffix == ".geo":
-        return fenicsx.run_script(path, parameters, gdim=3)
+        return fenicsx.run_script(path, parameters, gdim=3), refine
     if path.suffix != ".py":
-        return fenicsx.open_mesh(path, gdim=3)
+        return fenicsx.open_mesh(path, gdim=3), refine
+    script = load_script(path)
+    finer = finer_parameters(script, parameters, refine) if refine else None
+    if finer is not None:
+        parameters, refine = finer, 0
     with fenicsx.gmsh_session() as gmsh:
         gmsh.clear()
-        build = getattr(load_script(path), "build", None)
+        build = getattr(script, "build", None)
         if build is None or len(inspect.signature(build).parameters) < 2:
             raise ShellError(f"{path}: expected a function build(gmsh, parameters)")
         try:
@@ -246,4 +260,4 @@ def _read(path: Path, parameters: Mapping[str, Any]) -> PlainMesh:
             gmsh.model.mesh.generate(2)
         plain = fenicsx.plain_from_model(str(path), 3)
         gmsh.clear()
-        return plain
+        return plain, refine

@@ -12,12 +12,12 @@ import numpy as np
 
 from ...solver.errors import did_you_mean, few
 from ...solver.math.arrays import IntArray
-from ...solver.package.shell.cells import corner_counts
+from ...solver.package.shell.cells import NONE, corner_counts
 from ..laminate import LaminateSpec, LaminateStiffness, laminate_from_dict, laminate_stiffness
 from ..materials import Orthotropic, material_from_dict
 from .axes import KEYS as AXES
 from .axes import cell_directions
-from .errors import ShellError
+from .errors import CellError, ShellError
 from .mesh import ShellMesh
 from .quadrilaterals import Quadrilaterals, quadrilaterals
 from .side_widths import width_ratios
@@ -98,12 +98,25 @@ def read_regions(spec: Mapping[str, Any], mesh: ShellMesh, where: str) -> list[R
                     geometry = triangles(mesh.points_G, nodes, direction, flip)
                 else:
                     geometry = quadrilaterals(mesh.points_G, nodes, direction, flip, ratios[cells])
-            except ShellError as error:
+            except CellError as error:
                 axes = [name for name in AXES if given[key].get(name) is not None]
-                at = f"{place}.{axes[0]}" if axes and NORMAL in str(error) else place
-                raise ShellError(f"{at}: {error}") from error
+                at = f"{place}.{axes[0]}" if axes and error.fault == NORMAL else place
+                raise ShellError(f"{at}: {_where_in_file(mesh, cells, error)}") from error
             found.append(Region(name, cells, nodes, geometry, laminate_name, laminate, stiffness))
     return found
+
+
+def _where_in_file(mesh: ShellMesh, cells: IntArray, error: CellError) -> str:
+    """The fault of some of the cells, with number and place of the first as the mesh file has
+    them."""
+    first = cells[error.rows[0]]
+    nodes = mesh.cells[first][mesh.cells[first] != NONE]
+    x, y, z = mesh.points_G[nodes].mean(axis=0)
+    tags = ", ".join(str(tag) for tag in mesh.node_tags[nodes])
+    return (
+        f"{len(error.rows)} of {len(cells)} {error.kind}: each {error.fault}; the first has the "
+        f"nodes {tags}, at ({x:.4g}, {y:.4g}, {z:.4g}) m"
+    )
 
 
 def _laminate(

@@ -9,8 +9,9 @@
  "supports": {"root": {"at": "root", "fixed": "all"}},
  "loads": {"pull": {"tip": {"at": "end", "force": [1.0, 0.0, 0.0]}}},
  "probes": {"tip": {"at": "end", "what": "uz"}},
- "frequencies": {"count": 6, "free": false, "prestress": "pull"},
- "buckling": {"count": 4, "cases": ["pull"], "constant": "weight", "in_plane": true}}
+ "frequencies": {"count": 6, "free": false, "prestress": "pull", "error": true},
+ "buckling": {"count": 4, "cases": ["pull"], "constant": "weight", "in_plane": true,
+              "error": true}}
 
 SI and degrees; docs/shell-description.md explains each key.
 """
@@ -53,7 +54,7 @@ ENTRIES = {
 }
 
 
-BUCKLING = ("count", "cases", "constant", "in_plane")
+BUCKLING = ("count", "cases", "constant", "in_plane", "error")
 
 
 class Elements(NamedTuple):
@@ -81,7 +82,7 @@ def check_spec(spec: Mapping[str, Any], where: str) -> None:
             raise ShellError(f"{where}.loads.{case} = {loads!r}: expected a table of loads")
         for name, entry in loads.items():
             check_keys(entry, LOAD, f"{where}.loads.{case}.{name}", ShellError)
-    modes = ("count", "free", "prestress")
+    modes = ("count", "free", "prestress", "error")
     check_keys(spec.get("frequencies", {}), modes, f"{where}.frequencies", ShellError)
     check_keys(spec.get("buckling", {}), BUCKLING, f"{where}.buckling", ShellError)
 

@@ -9,7 +9,7 @@ from ...solver.errors import did_you_mean
 from ...solver.math.arrays import Array, IntArray
 from .assembly import DOFS
 from .errors import ShellError
-from .groups import group
+from .groups import united
 from .links import Link
 from .mesh import ShellMesh
 
@@ -38,7 +38,8 @@ class Support(NamedTuple):
 def read_supports(
     table: Mapping[str, Any], mesh: ShellMesh, links: Sequence[Link], where: str
 ) -> list[Support]:
-    """The supports of a specification: {name: {at, fixed, only}}; `at` is a group or a link.
+    """The supports of a specification: {name: {at, fixed, only}}; `at` is a group, several of
+    one kind, or a link.
 
     Raises ShellError for an unknown group or component, and for a support on the reference point of
     an average link.
@@ -48,8 +49,8 @@ def read_supports(
     for name, entry in table.items():
         place = f"{where}.{name}"
         components = fixed_components(entry.get("fixed"), f"{place}.fixed")
-        at = str(entry.get("at"))
-        if at in rows:
+        at = entry.get("at", "")
+        if isinstance(at, str) and at in rows:
             link = links[rows[at]]
             if link.kind != "rigid":
                 raise ShellError(
@@ -58,7 +59,7 @@ def read_supports(
                 )
             nodes, point = np.array([mesh.n_node + rows[at]]), link.point_G
         else:
-            of = group(mesh, at, f"{place}.at")
+            of = united(mesh, at, f"{place}.at")
             nodes, point = of.nodes, of.centre_G
         dofs = np.sort((DOFS * nodes[:, None] + components).ravel())
         only = entry.get("only")

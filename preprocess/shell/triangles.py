@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...solver.math.arrays import Array, IntArray
-from .errors import ShellError
+from .errors import CellError
 
 START, END = (0, 1, 2), (1, 2, 0)  # corners of the three sides
 # Integration points in area coordinates, weight area / 3 each: exact up to degree 2.
@@ -121,11 +121,11 @@ def projected_axes(e3: Array, direction_G: Array) -> tuple[Array, BoolArray]:
 
 
 def refuse(wrong: BoolArray, fault: str, cells: IntArray) -> None:
-    """Raise `ShellError` with the first wrong cells, if any."""
+    """Raise `CellError` with the first wrong cells, if any."""
     if not wrong.any():
         return
     found = np.flatnonzero(wrong)
     listed = ", ".join(f"{i} (nodes {', '.join(map(str, cells[i]))})" for i in found[:NAMED])
     more = f" and {len(found) - NAMED} more" if len(found) > NAMED else ""
     kind = "triangles" if cells.shape[1] == 3 else "quadrilaterals"
-    raise ShellError(f"each of these {kind} {fault}: {listed}{more}")
+    raise CellError(f"each of these {kind} {fault}: {listed}{more}", kind, fault, found)

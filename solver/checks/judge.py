@@ -9,6 +9,7 @@ from . import (
     completion,
     constraints,
     energy,
+    materials,
     modes,
     momentum,
     motion,
@@ -18,6 +19,7 @@ from . import (
     start,
     stiffening,
     strength,
+    tables,
 )
 from .finished import FinishedRun
 
@@ -28,6 +30,8 @@ CHECKS: tuple[Check, ...] = (
     completion.completion_findings,
     stalls.stall_findings,
     start.start_findings,
+    materials.material_findings,
+    tables.table_findings,
     refusals.refusal_findings,
     constraints.constraint_findings,
     energy.energy_findings,

@@ -11,7 +11,7 @@ from .energy import first_moments
 from .model import GROUND, Model
 from .scales import extent
 
-LOADED = 1e-6  # least load, over that which the kinetic energy stands for
+LOADED = 1e-3  # least load, over that which the kinetic energy stands for
 
 # Central differences, exact for polynomials up to the sixth degree.
 DIFFERENCE = ((-3, -1 / 60), (-2, 3 / 20), (-1, -3 / 4), (1, 3 / 4), (2, -3 / 20), (3, 1 / 60))

@@ -7,11 +7,12 @@ estimate of the order of the error; a shell or solid is proposed only where one 
 accuracy: a shell of a section with thin walls, else a solid.
 
     ends         share of the strain energy that held ends take (section_ends.py), of any section
-    walls        f_j^2 / f_wall^2 with the first frequency of the widest wall on its own
+    walls        change of the frequency of vibration j by that of the widest wall on its own
     warping      d / L for torsion, with the decay length d of restrained warping; only if the
                  package of a section has no data for `ends`
-    ovalisation  change of the height of the bent section, relative
-    waves        (b / l_j)^4, l_j = L / j the half wave of vibration j
+    ovalisation  loss of the bending stiffness of the bent section, relative
+    waves        restrained warping of vibration j, whose half wave l_j = L / j is not long against
+                 the width; of packages with data for `ends`
 
 Each is multiplied by what the vibrations contribute to the signals.
 """
@@ -27,8 +28,15 @@ from ..package.body.selection import vibrations
 from .indicators import Indicators
 from .model import Rich
 from .plan import BodyPlan, kind_of
-from .section_ends import share_of_ends
-from .section_walls import Walls, local_frequency, ovalisation, warping_decay
+from .section_ends import held_lengths, share_of_ends
+from .section_walls import (
+    Walls,
+    local_frequency,
+    ovalisation,
+    short_waves,
+    walls_carried,
+    warping_decay,
+)
 
 if TYPE_CHECKING:
     from ..inputs.case.schema import Mechanism
@@ -44,7 +52,7 @@ class BeamTheory:
     Attributes
     ----------
     values : by name: "ends", and of the shapes of the library "walls", "ovalisation", "waves";
-        "warping" without "ends"
+        "warping" without "ends" and "waves"
     walls : None of a section that is not of the library
     local_hz : first frequency of the widest wall on its own [Hz]
     """
@@ -118,12 +126,15 @@ def beam_theory(
         torsion = max((v for label, v in worth.items() if kind_of(label) == "torsion"), default=0.0)
         values["warping"] = torsion * min(1.0, warping_decay(found, section.K) / length)
     values |= {
-        "walls": sum(worth.get(n, 0.0) * min(1.0, (frequencies[n] / local) ** 2) for n in kept),
-        "ovalisation": whole * ovalisation(found, _curvature(rich)),
-        "waves": sum(
-            worth.get(n, 0.0) * min(1.0, (found.width * _number(n) / length) ** 4) for n in kept
-        ),
+        "walls": sum(worth.get(n, 0.0) * walls_carried(frequencies[n] / local) for n in kept),
+        "ovalisation": whole * ovalisation(found, _curvature(rich), ratio),
     }
+    held = held_lengths(package)
+    if held is not None:
+        lengths = dict(zip(package.mode_labels, held.tolist(), strict=True))
+        values["waves"] = sum(
+            worth.get(n, 0.0) * short_waves(found, lengths[n], length / _number(n)) for n in kept
+        )
     return BeamTheory(name, found, length, values, local / (2.0 * np.pi))
 
 

@@ -1,12 +1,12 @@
 """Runs of the model of a plan and of its check, within the budget of the request."""
 
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from ..run.timing import work_s
 from .answer import Answer
 from .beyond import stopped
 from .exhausted import unseen
@@ -14,6 +14,7 @@ from .horizon import horizon
 from .model import check_plan
 from .plan import Plan, outline
 from .shares import promoted, split
+from .shell_mesh import mesh_error
 from .trial import Trial, attempted, distance
 
 MARGIN = 0.9  # of the accuracy: estimate up to which a request counts as met
@@ -34,7 +35,7 @@ class Checking:
     accuracy: float
     metric: str
     budget: float
-    begin: float = field(default_factory=time.process_time)
+    begin: float = field(default_factory=work_s)
 
     def __post_init__(self) -> None:
         indicators = self.answer.study.indicators
@@ -43,14 +44,14 @@ class Checking:
 
     def left(self) -> float:
         """CPU seconds that are left of the budget."""
-        return self.budget - (time.process_time() - self.begin)
+        return self.budget - (work_s() - self.begin)
 
     @contextmanager
     def _timed(self, part: str) -> Iterator[None]:
-        begin = time.process_time()
+        begin = work_s()
         yield
         cpu = self.answer.cpu
-        cpu[part] = cpu.get(part, 0.0) + time.process_time() - begin
+        cpu[part] = cpu.get(part, 0.0) + work_s() - begin
 
     def run(self, plan: Plan) -> Trial | None:
         """Run a plan; None if it cannot be assembled or, after the first check, without budget."""
@@ -132,11 +133,35 @@ class Checking:
             )
             # More of the packages does not help if they lack too much.
             return more is not None and float(more.max()) > MARGIN * self.accuracy
+        if reason := self._meshes():
+            answer.reason = reason
+            return True
         answer.verdict, answer.reason = "met", ""
         if self.metric == "pointwise" and self.left() > 0.0:
             with self._timed("horizon"):
                 answer.horizon = horizon(answer.trial, answer.names, self.accuracy)
         return True
+
+    def _meshes(self) -> str:
+        """Add the error of the meshes of shells to the estimate; say what is too much, or ""."""
+        answer = self.answer
+        assert answer.trial is not None
+        assert answer.estimate is not None
+        bodies = answer.spec.mechanism.bodies
+        shells = [name for name in answer.plan.bodies if bodies[name].kind == "shell"]
+        with self._timed("check"):
+            error, names = mesh_error(answer.trial, shells, self.metric, self.run)
+        if not names:
+            return ""
+        if error is None:
+            return f"no run shows the error of the mesh of {names}: the budget is used up"
+        answer.estimate = np.hypot(answer.estimate, error)
+        if self._estimate <= MARGIN * self.accuracy:
+            return ""
+        return (
+            f"the two meshes of {names} differ by {float(error.max()):.2g}; `refine` of the body "
+            "makes both finer"
+        )
 
     def promote(self) -> bool:
         """Promote what has the largest shares of the difference; False if nothing is left."""

@@ -3,7 +3,6 @@
 Indicators plan, they certify nothing: a zero indicator is no evidence. The check run certifies.
 """
 
-import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,6 +14,7 @@ from ..mechanism import build
 from ..package import ModalPackage
 from ..package.body.selection import vibrations
 from ..run.outcome import RunSpec
+from ..run.timing import work_s
 from ..signals import sensors
 from .base import Base, base_motion
 from .effects import Effects, effects
@@ -23,6 +23,7 @@ from .metrics import difference, scales
 from .model import Rich
 from .responding import linear
 from .response import response
+from .rounding import without_rounding
 from .stiffening import spins, stiffening_loss
 from .tolerance import amplified_errors
 
@@ -116,9 +117,9 @@ def study(
     names : flexible bodies that the plan is about
     signals : names of the signals that must be accurate
     """
-    begin = time.process_time()
+    begin = work_s()
     base = base_motion(spec, names)
-    moved = time.process_time()
+    moved = work_s()
     fixed = fixed_packages(spec, base, names)
 
     def of(packages: Mapping[str, ModalPackage]) -> Loaded:
@@ -126,7 +127,7 @@ def study(
 
     model = of(spec.packages)
     found = _indicators(spec, base, model, signals)
-    cpu = {"base": moved - begin, "indicators": time.process_time() - moved}
+    cpu = {"base": moved - begin, "indicators": work_s() - moved}
     return Study(base, model.rich, lambda: of(check).rich, found, cpu)
 
 
@@ -147,7 +148,8 @@ def _indicators(spec: RunSpec, base: Base, model: Loaded, signals: list[str]) ->
     kinds = {name: signal.kind for name, signal in wanted.items()}
     measured = sensors(built, spec.mechanism.signals, wanted=wanted)
     parts = effects(found, measured, kinds)
-    scale = scales(fidelity.metric, parts.whole)
+    whole = without_rounding(parts.whole, list(kinds.values()), built.model, found.y[0])
+    scale = scales(fidelity.metric, whole)
     stiffened = np.zeros(len(signals))
     if any(built.packages[name].second_order is not None for name in model.rich):
         again = build(linear(spec, stiffening=True), built.packages)

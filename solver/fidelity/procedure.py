@@ -1,11 +1,11 @@
 """From an accuracy to a delivered result: plan, run of the model, check, promotion, refusal."""
 
-import time
 from collections.abc import Mapping
 
 from ..package import ModalPackage
 from ..package.body.selection import vibrations
 from ..run.outcome import RunSpec
+from ..run.timing import work_s
 from .answer import Answer
 from .beyond import beyond_theory
 from .checking import Checking
@@ -41,7 +41,7 @@ def plan_of(spec: RunSpec, check: Mapping[str, ModalPackage]) -> Answer:
     signals = fidelity.signals or list(spec.mechanism.signals)
     names = flexible_names(spec)
     found = study(spec, check, names, signals)
-    begin = time.process_time()
+    begin = work_s()
     kinds = {name: spec.mechanism.signals[name].kind for name in signals}
     least = {name: BodyPlan() for name in names}
     if found.base.reason:  # rigid bodies contradict each other
@@ -50,7 +50,7 @@ def plan_of(spec: RunSpec, check: Mapping[str, ModalPackage]) -> Answer:
             labels = tuple(spec.packages[name].mode_labels[i] for i in rows.tolist())
             least[name] = BodyPlan(labels, 6)
     plan, losses = chosen(found.indicators, found.model, fidelity.accuracy, kinds, least)
-    cpu = {**found.cpu, "plan": time.process_time() - begin, **dict.fromkeys(RUNS, 0.0)}
+    cpu = {**found.cpu, "plan": work_s() - begin, **dict.fromkeys(RUNS, 0.0)}
     return Answer(spec, signals, found, plan, losses, cpu)
 
 

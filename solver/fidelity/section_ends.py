@@ -38,3 +38,20 @@ def share_of_ends(package: ModalPackage, q: Array) -> float | None:
     energy = np.einsum("ki,ij,kj->k", q, package.stiffness, q)
     largest = float(energy.max(initial=0.0))
     return float(min(1.0, max(0.0, lost.max(initial=0.0)) / largest)) if largest > 0.0 else 0.0
+
+
+def held_lengths(package: ModalPackage) -> Array | None:
+    """Return the length that a held end takes from a beam under the loads of each mode, (m,) [m].
+
+    The sums of F' S F over those of F' K^-1 F along the beam, with its resultants F in the mode.
+    None without the data, as in `share_of_ends`.
+    """
+    recovery = package.recovery
+    if recovery is None or len(package.sections) != 1:
+        return None
+    section = package.sections[0]
+    if section.end_compliance is None:
+        return None
+    F, C = recovery.resultants_E, np.linalg.inv(section.K)  # (s, 6, m)
+    taken, whole = (np.einsum("sim,ij,sjm->m", F, A, F) for A in (section.end_compliance, C))
+    return np.maximum(taken, 0.0) / np.maximum(whole, np.finfo(float).tiny)

@@ -1,6 +1,5 @@
 """Runs of a plan: its signals, its cost, its result; and the comparison of two runs."""
 
-import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -13,10 +12,12 @@ from ..math.arrays import Array
 from ..run.integration import integrated
 from ..run.outcome import RunSpec, collect
 from ..run.preparation import Prepared, prepare
+from ..run.timing import work_s
 from ..signals import Recording
 from .metrics import difference, scales
 from .model import Rich, planned
 from .plan import Plan
+from .rounding import without_rounding
 
 
 @dataclass(frozen=True)
@@ -57,14 +58,16 @@ def tried(
     InputError
         The model of the plan cannot be assembled.
     """
-    begin = time.process_time()
+    begin = work_s()
     own = planned(spec, plan, model, check)
     prepared = prepare(own.mechanism, own.packages)
     finished = integrated(prepared)
     solution = finished.solution
     recording = Recording(finished.model, solution.t, solution.y)
     signals = np.array([prepared.measured[name].values(recording) for name in names])
-    cpu = time.process_time() - begin
+    kinds = [spec.mechanism.signals[name].kind for name in names]
+    signals = without_rounding(signals, kinds, finished.model, solution.y[0])
+    cpu = work_s() - begin
     return Trial(plan, own, prepared, finished, signals, solution.status == "finished", cpu)
 
 

@@ -6,10 +6,12 @@ from typing import Literal
 
 import numpy as np
 
+from . import laws
 from .laws import N_COEFFICIENT, Law, table
 
 Interpolation = Literal["linear", "cubic", "pchip"]
 Extrapolation = Literal["linear", "constant"]
+KINDS: dict[str, laws.Interpolation] = {"cubic": "spline", "pchip": "pchip"}  # as laws name them
 
 
 @dataclass(frozen=True)
@@ -59,16 +61,14 @@ def _through(
     beyond: Extrapolation,
 ) -> Law:
     try:
-        inner = table(x, y, smooth=interpolation == "cubic")
+        inner = table(x, y, KINDS.get(interpolation, "linear"))
     except ValueError as error:
         words = str(error).replace("times", "x").replace("values", "y")
         raise ValueError(words) from error
-    if interpolation in ("natural", "pchip"):
-        from scipy.interpolate import CubicSpline, PchipInterpolator  # 0.1 s: only for curves
+    if interpolation == "natural":
+        from scipy.interpolate import CubicSpline  # 0.1 s: only for curves
 
-        natural = interpolation == "natural"
-        found = CubicSpline(x, y, bc_type="natural") if natural else PchipInterpolator(x, y)
-        inner.coefficients[:-1, :4] = found.c[::-1].T
+        inner.coefficients[:-1, :4] = CubicSpline(x, y, bc_type="natural").c[::-1].T
     outer = np.zeros((2, N_COEFFICIENT))
     outer[:, 0] = y[0], y[-1]
     if beyond == "linear":

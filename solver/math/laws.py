@@ -7,14 +7,16 @@ piece has no end, and the first is also valid before its beginning.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from .arrays import Array, IntArray
 from .compiled import jit
 
+Interpolation = Literal["linear", "pchip", "spline"]
 N_COEFFICIENT = 8  # a polynomial of degree 7
+PLACES = 33  # of a piece at which its values are compared with those of its ends
 SINE_PIECES = 32  # pieces of a sine ramp: acceleration accurate to 1e-11 of its mean
 
 
@@ -114,10 +116,13 @@ def _sine_rise(speed: float, times: Array, offset: float) -> list[list[float]]:
     return out
 
 
-def table(times: Sequence[float], values: Sequence[float], *, smooth: bool = True) -> Law:
-    """Through points: a cubic spline (two continuous derivatives), or straight lines.
+def table(
+    times: Sequence[float], values: Sequence[float], interpolation: Interpolation = "spline"
+) -> Law:
+    """Through points: straight lines, a monotone cubic (Fritsch and Carlson), or a cubic spline.
 
-    After the last time the last value is kept.
+    The spline (not-a-knot) has two continuous derivatives and may leave the range of the values;
+    the monotone cubic has one and does not. After the last time the last value is kept.
 
     Raises ValueError : fewer than two points, times not in ascending order, non-finite numbers.
     """
@@ -133,10 +138,29 @@ def table(times: Sequence[float], values: Sequence[float], *, smooth: bool = Tru
         raise ValueError(
             f"times[{i}] = {t[i]:g}: expected more than {t[i - 1]:g}, times must ascend"
         )
-    if smooth:
-        from scipy.interpolate import CubicSpline  # 0.1 s: only for tables
-
-        pieces = CubicSpline(t, f).c[::-1].T
-    else:
+    if interpolation == "linear":
         pieces = np.column_stack([f[:-1], np.diff(f) / np.diff(t)])
+    else:
+        from scipy.interpolate import CubicSpline, PchipInterpolator  # 0.1 s: only for tables
+
+        pieces = (CubicSpline if interpolation == "spline" else PchipInterpolator)(t, f).c[::-1].T
     return _pieces([*t[:-1], t[-1]], [*pieces, [f[-1]]])
+
+
+def overshoot(law: Law, values: Sequence[float], first: int = 0) -> float:
+    """Return how far a curve goes beyond the range of its points, over that range.
+
+    Parameters
+    ----------
+    values : of the points, of which neighbours bound the pieces `first`, `first + 1`, ... of `law`
+    """
+    low, high = min(values), max(values)
+    if not low < high:
+        return 0.0
+    lengths = np.diff(law.times)[first : first + len(values) - 1]
+    s = lengths[:, None] * np.linspace(0.0, 1.0, PLACES)
+    pieces = law.coefficients[first : first + len(values) - 1]
+    found = np.zeros_like(s)
+    for i in range(N_COEFFICIENT - 1, -1, -1):
+        found = found * s + pieces[:, i, None]
+    return float(max(found.max() - high, low - found.min()) / (high - low))

@@ -29,8 +29,8 @@ def law_of(given: "RotationDrive | TranslationDrive | LoadLaw") -> Law:
         step = given.smooth_step
         return laws.smooth_step(step.value, step.duration, step.start)
     if given.table is not None:
-        smooth = getattr(given.table, "interpolation", "spline") == "spline"
-        return laws.table(given.table.times or [], given.table.values or [], smooth=smooth)
+        points = given.table.times or [], given.table.values or []
+        return laws.table(*points, given.table.interpolation)
     # Keys that only some of the tables have.
     keys = {key: getattr(given, key, None) for key in ("constant", "ramp", "speed")}
     offset = getattr(given, "angle", 0.0) or getattr(given, "displacement", 0.0)

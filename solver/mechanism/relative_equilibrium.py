@@ -27,6 +27,7 @@ _CONSISTENT = 1e-9  # velocities that joints contradict, relative to the largest
 _NEUTRAL = 1e-6  # [1/s2] stiffness over inertia that is treated as zero
 _DIFFERENCE = 1e-6  # [m, rad, modes]
 _ITERATIONS = 40
+_PATIENCE = 8  # iterations in which what is unbalanced must fall by a hundredth
 _LEAST_STEP = 1.0 / 256.0  # of the spin, in the continuation from rest
 _TURNS = (1.0, 2.5)  # [rad] angles at which loads are compared
 
@@ -79,11 +80,23 @@ def after_turn(model: Model, y: Array, spin: Spin, t: float, angle: float) -> St
 
 
 class _Turning:
-    """A mechanism in given positions that turns at a spin."""
+    """A mechanism in given positions that turns at a spin.
 
-    def __init__(self, model: Model, positions: Array, spin: Spin, t: float, angle: float = 0.0):
+    ready : the model has the drives of the spin already
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        positions: Array,
+        spin: Spin,
+        t: float,
+        angle: float = 0.0,
+        *,
+        ready: bool = False,
+    ) -> None:
         self.positions, self.spin, self.t = positions, spin, t
-        self.model = _with_spin(model, positions, spin, t, angle)
+        self.model = model if ready else _with_spin(model, positions, spin, t, angle)
         self.v = spin_velocities(model, positions, spin)
         self.y = started(self.model, t, resting(model, positions, self.v))
 
@@ -137,7 +150,7 @@ def _with_spin(model: Model, positions: Array, spin: Spin, t: float, angle: floa
 
 def _newton(model: Model, positions: Array, spin: Spin, t: float) -> tuple[Array | None, Array]:
     """Return positions of equilibrium, or None and the unbalanced accelerations (n_vel,)."""
-    largest, push = 0.0, np.zeros(model.n_vel)
+    largest, push, sizes = 0.0, np.zeros(model.n_vel), [np.inf] * _PATIENCE
     for _ in range(_ITERATIONS):
         here = _Turning(model, positions, spin, t)
         equations, g = here.evaluated()
@@ -148,6 +161,9 @@ def _newton(model: Model, positions: Array, spin: Spin, t: float) -> tuple[Array
         size = float(np.linalg.norm(unbalanced))
         if np.max(np.abs(push), initial=0.0) <= _TOLERANCE * max(largest, 1e-12):
             return positions, push
+        if size > 0.99 * sizes[-_PATIENCE]:
+            break  # the spin is to grow in steps
+        sizes.append(size)
         K = _stiffness(model, here, equations, g, free)
         step = limited(free.Z @ _solved(K, unbalanced))
         for _ in range(12):
@@ -177,7 +193,9 @@ def _stiffness(
     K = np.zeros((free.Z.shape[1], free.Z.shape[1]))
 
     def force(positions: Array) -> Array:
-        there, found = _Turning(model, positions, here.spin, here.t).evaluated()
+        # Rates of drives are of no effect here: multipliers are held.
+        near = _Turning(here.model, positions, here.spin, here.t, ready=True)
+        there, found = near.evaluated()
         return np.asarray(found - there.Phi_q.T @ multipliers)
 
     for k, z in enumerate(free.Z.T):

@@ -1,9 +1,9 @@
 """What pictures of a run need: surface, modes and resultants of every body, and the joints."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache, partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,22 +18,32 @@ from ..package.section.recovery_data import strengths
 from ..results import BodyGeometry
 from ..results.outline import Outline, section_outline
 from ..results.rigid import rigid_surface, uniform_box
+from ..results.spheres import Ball, with_spheres
 from ..results.surfaces import LINES, extruded, faces, frames_along, spokes, square
 from ..results.view import BodyView, Link, Side, Sites, Surface
 from ..strength.beam_bodies import unit_stress_M
 from ..strength.governing import Points, governing_points
 from ..strength.shell_bodies import cell_centres
 
+if TYPE_CHECKING:
+    from ..inputs.case.schema import Mechanism
+
 GLYPH = 0.012  # width of a bar without a known section, over the length of the body
 TIMES = 40  # that the governing points of a section are chosen from
 
 
 def with_views(
-    bodies: tuple[BodyGeometry, ...], built: BuiltMechanism, y: Array | LongRows
+    bodies: tuple[BodyGeometry, ...],
+    built: BuiltMechanism,
+    y: Array | LongRows,
+    balls: Mapping[int, Sequence[Ball]],
 ) -> tuple[BodyGeometry, ...]:
     """Return the drawn bodies with what they need to be shown in motion.
 
+    Parameters
+    ----------
     y : (k, n_pos + n_vel) states at the output times
+    balls : point masses by the number of their body
     """
     model = built.model
     times = np.unique(np.linspace(0, len(y) - 1, TIMES).round().astype(int))
@@ -46,7 +56,9 @@ def with_views(
         package, first = built.packages.get(body.name), int(model.pos_start[i])
         mass = float(model.mass[i])
         if package is None:
-            edges, axes_B = uniform_box(mass, model.S0[i], model.J0[i])
+            own, S_B, J_B = _without_points(built, i)
+            edges, axes_B = uniform_box(own, S_B, J_B)
+            box_B = S_B / own if own > 0.0 else np.zeros(3)
             # Beside a large neighbour, a small body is still to be seen.
             width = 2.0 * GLYPH * (max(_size(body.nodes_B), 0.5 * reach) or 0.1)
             centre_B = model.S0[i] / mass if mass else np.zeros(3)
@@ -59,7 +71,7 @@ def with_views(
                 mass=mass,
                 centre_B=centre_B,
                 draw=partial(
-                    rigid_surface, body.nodes_B, centre_B, edges, axes_B, width, reach or np.inf
+                    rigid_surface, body.nodes_B, box_B, edges, axes_B, width, reach or np.inf
                 ),
             )
         else:
@@ -67,8 +79,38 @@ def with_views(
             if id(package) not in surfaces:
                 surfaces[id(package)] = cache(partial(_surface, package))
             view = _flexible(package, first, q, surfaces[id(package)])
+        if i in balls:
+            draw = partial(_with_balls, view.draw, body.nodes_B, balls[i], reach)
+            view = replace(view, draw=draw)
         found.append(replace(body, view=view))
     return tuple(found)
+
+
+def point_masses(mechanism: "Mechanism", built: BuiltMechanism) -> dict[int, list[Ball]]:
+    """Return place [m] and mass [kg] of the point masses of a case by the number of their body."""
+    found: dict[int, list[Ball]] = {}
+    for mass in mechanism.masses.values():
+        body, place = built.places[mass.at]
+        found.setdefault(body, []).append((place.position_B, mass.mass))
+    return found
+
+
+def _with_balls(
+    draw: Callable[[], Surface], nodes_B: Array, balls: Sequence[Ball], reach: float
+) -> Surface:
+    return with_spheres(draw(), nodes_B, balls, reach)
+
+
+def _without_points(built: BuiltMechanism, body: int) -> tuple[float, Array, Array]:
+    """Return mass, first moment and inertia of a body about its origin, without point masses."""
+    model = built.model
+    mass, S, J = float(model.mass[body]), model.S0[body].copy(), model.J0[body].copy()
+    for marker, m in built.point_masses:
+        if model.marker_body[marker] == body:
+            x = model.marker_x[marker]
+            mass, S = mass - m, S - m * x
+            J -= m * (x @ x * np.eye(3) - np.outer(x, x))
+    return mass, S, J
 
 
 def _size(nodes_B: Array) -> float:

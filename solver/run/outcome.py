@@ -23,7 +23,7 @@ from ..results.nodes import all_positions
 from ..signals import Sensor, fatigue_entry, recorded
 from ..strength.fatigue import Turning
 from ..strength.found import summary as strength_entry
-from .drawing import links, with_views
+from .drawing import links, point_masses, with_views
 from .provenance import provenance
 
 if TYPE_CHECKING:
@@ -99,7 +99,8 @@ def collect(
         for name, sensor in sensors.items()
     )
     geometry, points = drawn_shapes(finished.built, y)
-    geometry = with_views(geometry, finished.built, y)
+    balls = point_masses(finished.mechanism, finished.built)
+    geometry = with_views(geometry, finished.built, y, balls)
     result = RunResult(
         case=spec.case,
         run=spec.run,

@@ -11,6 +11,14 @@ from ..math.compiled import statistics
 PHASES = ("import", "load", "build", "integrate", "monitors", "recover", "write")
 
 
+def work_s() -> float:
+    """Return the CPU seconds of this process, without those of loading compiled functions.
+
+    These are compiled once for each release: planning with a budget must not pay for that.
+    """
+    return time.process_time() - statistics.load_s
+
+
 class Stopwatch:
     """CPU seconds of this process by phase."""
 

@@ -14,6 +14,7 @@ from . import criteria_of
 
 SAMPLES = 240  # resultants that the points are chosen from
 FEW = 24  # points that are all kept
+AT_ONCE = 2**14  # stresses, so that what the criteria compute stays in the cache
 
 
 class Points(NamedTuple):
@@ -40,12 +41,15 @@ def governing_points(points: Points, resultants_E: Array, q: Array) -> IntArray:
     time, site = np.divmod(chosen, len(resultants_E))
     sample = np.einsum("njm,nm->nj", resultants_E[site], q[time])
     sample = sample[np.abs(sample).max(axis=1) > 0.0]
-    stress = np.einsum("pij,tj->tpi", points.stress_M[own], sample, optimize=True)
     kept = [own[:1]]
     for strength in dict.fromkeys(points.strengths.values()):
         plies = [ply for ply, each in points.strengths.items() if each == strength]
-        rows = np.flatnonzero(np.isin(points.ply[own], plies))
-        for criterion in criteria_of(strength) if len(sample) else ():
-            exposure = criterion.assess(stress[:, rows], strength).exposure
-            kept.append(own[rows[np.argmax(exposure, axis=1)]])
+        rows = own[np.isin(points.ply[own], plies)]
+        unit = np.moveaxis(points.stress_M[rows], 2, 0).reshape(sample.shape[1], -1)
+        step = max(1, AT_ONCE // len(rows))
+        for first in range(0, len(sample), step):
+            stress = (sample[first : first + step] @ unit).reshape(-1, len(rows), 6)
+            for criterion in criteria_of(strength):
+                exposure = criterion.assess(stress, strength).exposure
+                kept.append(rows[np.argmax(exposure, axis=1)])
     return np.unique(np.concatenate(kept))

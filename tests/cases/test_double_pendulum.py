@@ -28,12 +28,19 @@ def reference(repository):
     return tomllib.loads(file.read_text())
 
 
-@pytest.fixture
-def build(repository, tmp_path, monkeypatch):
+@pytest.fixture(scope="module")
+def checked(repository, tmp_path_factory):
     """A build folder of the case that uses the shipped packages."""
+    folder = tmp_path_factory.mktemp("checked")
+    write_case(load_case(repository / CASE), folder, repository / SHIPPED)
+    return folder
+
+
+@pytest.fixture
+def build(checked, tmp_path, monkeypatch):
+    """A copy of it for one test."""
     monkeypatch.chdir(tmp_path)
-    write_case(load_case(repository / CASE), tmp_path, repository / SHIPPED)
-    return tmp_path
+    return Path(shutil.copytree(checked, tmp_path, dirs_exist_ok=True))
 
 
 def _edited(build: Path, repository: Path, *changes: tuple[str, str]) -> Path:

@@ -1,15 +1,13 @@
 """The report of the antenna panel in Chromium: bodies at the same place, and a rigid body."""
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from case_samples import short_run
 from chromium import SOFTWARE, Browser
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.inputs.case.load import load_case
-from plymotion.solver.inputs.case.specs import write_case
 
 COUNT = """(() => {
   const { view, drawView } = plymotion;
@@ -35,13 +33,7 @@ COUNT = """(() => {
 def browser(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
     """The antenna panel at its start, both panels folded on each other."""
     folder = tmp_path_factory.mktemp("case")
-    packages = repository / "tests/packages/antenna-panel"
-    write_case(load_case(repository / "cases/antenna-panel/case.toml"), folder, packages)
-    file = folder / "runs/deployment.json"
-    table = json.loads(file.read_text())
-    table["mechanism"]["solver"]["t_end"] = 0.01
-    file.write_text(json.dumps(table))
-    assert main(["run", str(file), "--quiet"]) == 0
+    short_run(repository, "antenna-panel", "deployment", folder, 0.01)
     assert main(["report", str(folder)]) == 0
     with Browser(folder / "profile", *SOFTWARE) as opened:
         opened.open(folder / "report.html")

@@ -128,19 +128,22 @@ def test_a_member_that_cannot_be_assembled_fails_alone(tmp_path, capsys):
         )
         + '[signals.y]\nkind = "position"\nat = "left.b"\ncomponent = "y"\n'
         + SOLVER.format(t_end=0.1, step=0.1, more="")
-        + '[sweeps.s]\nrun = "base"\n[sweeps.s.vary]\n"ground.b.position.0" = [1.2, 2.5, 1.6]\n'
+        + '[sweeps.s]\nrun = "base"\n[sweeps.s.vary]\n'
+        + '"ground.b.position.0" = [1.2, 2.5, 1.6, 2.6]\n'
     )
     file = checked(tmp_path, text) / "s.json"
     assert sweep(file) == 3
     found = result(file)
-    assert [row.status for row in found.rows] == ["finished", "failed", "finished"]
+    assert [row.status for row in found.rows] == ["finished", "failed", "finished", "failed"]
     assert found.rows[1].code == "input"
     assert "cannot be assembled" in found.rows[1].message
     np.testing.assert_allclose(
         found.signal("y", "final")[[0, 2]], [np.sqrt(1 - 0.36), 0.6], atol=1e-8
     )
     assert np.isnan(found.signal("y", "final")[1])
-    assert "failed [input] ground.b.position.0 = 2.5" in capsys.readouterr().out
+    out = capsys.readouterr().out
+    assert "failed [input] 2 members, first ground.b.position.0 = 2.5: " in out
+    assert out.count("cannot be assembled") == 1
 
 
 def test_spin_beyond_a_linear_body_stops_a_member(repository, tmp_path):

@@ -74,8 +74,7 @@ pytestmark = pytest.mark.usefixtures("fenicsx")
 def cluster(tmp_path_factory):
     pytest.importorskip("distributed", reason="dask.distributed is not installed")
     found = Cluster(tmp_path_factory.mktemp("cluster"))
-    found.worker()
-    found.worker()
+    found.worker()  # several: tests/cases/test_executors.py
     yield found
     found.close()
 

@@ -61,7 +61,7 @@ key = "laminates.all.angles_deg"
 values = {values}
 """
 MARK = "PLYMOTION_TEST"
-MANY = 12  # sections of a batch that is stopped after the fourth
+MANY = 16  # sections of a batch that is stopped after the third: about 0.1 s each
 
 
 pytestmark = pytest.mark.usefixtures("fenicsx")
@@ -286,7 +286,7 @@ def test_stopped_batch_goes_on_where_it_was(
 ) -> None:
     values = [[3 * i] for i in range(MANY)]
     (folder / "study.toml").write_text(STUDY.format(values=values))
-    batch = ("--batch", "study.toml", "--out", "out")
+    batch = ("--batch", "study.toml", "--out", "out", "--no-estimate")
     made = (folder / "out").glob
     with subprocess.Popen(
         command(*batch, "--jobs", "2"),
@@ -296,7 +296,7 @@ def test_stopped_batch_goes_on_where_it_was(
         cwd=folder,
         env={**os.environ, MARK: mark},
     ) as process:
-        until(lambda: len(list(made("*/bar-*.vtkhdf"))) > 3)
+        until(lambda: len(list(made("*/bar-*.vtkhdf"))) > 2)
         process.send_signal(number)
         _, errors = process.communicate(timeout=60)
     if number == signal.SIGINT:
@@ -308,7 +308,7 @@ def test_stopped_batch_goes_on_where_it_was(
     else:
         until(lambda: not processes(mark), 20.0)
     kept = {path: path.stat().st_mtime_ns for path in made("*/bar-*.vtkhdf")}
-    assert 3 < len(kept) < MANY
+    assert 2 < len(kept) < MANY
     for path in kept:
         read_section(path)
 
@@ -325,14 +325,14 @@ def test_lost_worker_takes_only_its_section_with_it(folder: Path, mark: str) -> 
     values = [[3 * i] for i in range(MANY)]
     (folder / "study.toml").write_text(STUDY.format(values=values))
     with subprocess.Popen(
-        command("--batch", "study.toml", "--out", "out", "--json"),
+        command("--batch", "study.toml", "--out", "out", "--no-estimate", "--json"),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
         cwd=folder,
         env={**os.environ, MARK: mark},
     ) as process:
-        until(lambda: len(list((folder / "out").glob("*/bar-*.vtkhdf"))) > 3)
+        until(lambda: len(list((folder / "out").glob("*/bar-*.vtkhdf"))) > 2)
         (worker,) = (pid for pid, line in processes(mark).items() if "preprocess section" in line)
         os.kill(worker, signal.SIGKILL)
         output, errors = process.communicate(timeout=120)

@@ -199,6 +199,7 @@ def test_tension_of_a_wide_strip_is_that_of_laminate_theory() -> None:
         assert np.abs(found[:, 2:]).max() < 1e-3 * np.abs(expected).max()
 
 
+@pytest.mark.one_end
 def test_package_with_recovery_is_sound_small_and_judged_without_fe_code(tmp_path: Path) -> None:
     package = build_body(body_spec(BOX, [{"kind": "lowest", "count": 6}]))
     path = tmp_path / "arm.vtkhdf"
@@ -206,7 +207,7 @@ def test_package_with_recovery_is_sound_small_and_judged_without_fe_code(tmp_pat
     assert [f for f in validate(path) if f.level != "note"] == []
     assert path.stat().st_size < 300_000
     read = read_package(path)
-    t = np.linspace(0.0, 0.1, 5)
+    t = np.array([0.02, 0.1])
     q = 1e-3 * np.sin(read.frequencies * t[:, None]) / (read.frequencies / read.frequencies[0]) ** 2
     found = body_strength(read, t, q)
     assert found is not None

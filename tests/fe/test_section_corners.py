@@ -52,7 +52,7 @@ def test_corners(name: str, count: int) -> None:
 @pytest.mark.one_end
 def test_margins_at_a_distance_do_not_depend_on_the_mesh() -> None:
     """A box under torsion; hanging nodes of the refined mesh are no corners."""
-    coarse, fine = section("box"), section("box", accuracy=2e-6)
+    coarse, fine = section("box"), section("box", accuracy=2e-5)
     assert fine.provenance["dofs"] > 2 * coarse.provenance["dofs"]
     assert len(reentrant_corners(fine.mesh)[0]) == 4
     least: dict[float | None, list[float]] = {}

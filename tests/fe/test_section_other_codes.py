@@ -113,6 +113,30 @@ def solved(file: Path, folder: Path) -> Any:
     return analyse(spec_of_another_code(file, folder), estimate=False)
 
 
+def clockwise(row: list[int]) -> list[int]:
+    """The nodes of a row of a VABS file in the other sense of rotation."""
+    order = (0, 2, 1, 3, 6, 5, 4, 7, 8) if row[3] == 0 else (0, 3, 2, 1, 7, 6, 5, 4, 8)
+    return [row[k] for k in order]
+
+
+def test_cells_numbered_clockwise(tmp_path: Path) -> None:
+    """The sense of rotation of the nodes of a cell has no meaning; every second cell is turned."""
+    points, cells = mesh_of(0.3)
+    text = vabs_text(points, cells, new=True)
+    turned_over = text
+    for cell in cells[::2]:
+        row = nine_numbers(cell)
+        old, new = (" ".join(map(str, nodes)) for nodes in (row, clockwise(row)))
+        assert f" {old}\n" in turned_over
+        turned_over = turned_over.replace(f" {old}\n", f" {new}\n")
+    found = []
+    for name, content in (("one", text), ("two", turned_over)):
+        file = tmp_path / f"{name}.sg"
+        file.write_text(content)
+        found.append(solved(file, tmp_path).K)
+    assert relative(*found) < 1e-12
+
+
 @pytest.mark.parametrize("new", [True, False])
 @pytest.mark.parametrize(("shear", "bulge"), [(0.0, 0.0), (0.3, 0.0), (0.0, 1.0)])
 def test_vabs_mesh(new: bool, shear: float, bulge: float, tmp_path: Path) -> None:

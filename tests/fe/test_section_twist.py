@@ -349,7 +349,7 @@ def test_estimate_and_refinement_with_curvature() -> None:
 def test_thin_twisted_strip_is_raised_in_degree() -> None:
     """Quadratic fields in long cells stretch where the wall only bends: K33 is twice too large."""
     spec = described(initial_curvature=[0.3, 0.0, 0.0])
-    sizes = {"width": 1.0, "height": 1e-3, "density": 0.5}
+    sizes = {"width": 1.0, "height": 1e-3, "density": 0.35}
     mesh = expand("rectangle", sizes)
     coarse = analyse({**spec, "mesh": {**mesh, "degree": 2}})
     found = analyse({**spec, "mesh": mesh})
@@ -364,6 +364,25 @@ def test_thin_twisted_strip_is_raised_in_degree() -> None:
     assert np.diag(found.K)[[1, 2, 5]] / flat == pytest.approx(
         np.array([4.876e-06, 8.149e-06, 2.305e-04]), rel=1e-3
     )
+
+
+@pytest.mark.one_end
+def test_very_thin_twisted_strip_needs_a_high_degree_and_one_row() -> None:
+    """t/b = 1e-5: rows across do not change a digit, and degrees up to 6 meet the estimate."""
+    mesh = expand("rectangle", {"width": 1.0, "height": 1e-5})
+    one_row = {**mesh, "parameters": {**mesh["parameters"], "rows": [1.0]}}
+    spec = described(initial_curvature=[0.3, 0.0, 0.0])
+    found = analyse({**spec, "mesh": one_row})
+    assert found.warnings == ()
+    assert found.provenance["degree"] > 4
+    assert found.error_estimate is not None
+    assert scaled(found.error_estimate, found.K).max() < 0.01
+    finer = analyse({**spec, "mesh": {**one_row, "degree": 6}}, estimate=False)
+    assert (scaled(found.K - finer.K, finer.K) <= 1.1 * scaled(found.error_estimate, found.K)).all()
+    two_rows = {**mesh, "parameters": {**mesh["parameters"], "rows": [0.5, 1.0]}}
+    meshes = [{**one, "degree": 4} for one in (one_row, two_rows)]
+    K = [analyse({**spec, "mesh": one}, estimate=False).K for one in meshes]
+    assert scaled(K[1] - K[0], K[0]).max() < 1e-6
 
 
 @pytest.mark.provokes("strongly-curved")

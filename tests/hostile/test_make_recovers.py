@@ -23,12 +23,17 @@ TARGETS = ("one", "one-sweep-s")
 DONE = "build/one/report.html: up to date\nbuild/one/sweeps/s: up to date\n"
 
 
+_seconds: dict[str, float] = {}  # what make takes on this machine, busy as it is
+
+
 @pytest.fixture(scope="module")
 def project(repository, tmp_path_factory):
     """A case whose runs and sweep are done."""
     project = Project(repository, tmp_path_factory.mktemp("make") / "project")
     project.case("one", CASE)
+    begin = time.monotonic()
     done = project.make(*TARGETS)
+    _seconds["whole"] = time.monotonic() - begin
     assert done.returncode == 0, done.stdout
     return project
 
@@ -71,9 +76,6 @@ def test_lost_and_empty_files(project, names):
             count("make: a file is missing or empty", "recovered")
 
 
-_seconds: dict[str, float] = {}  # what make takes on this machine, busy as it is
-
-
 def _undo(project):
     for name in ("report.html", "sweeps/s/sweep.csv", "finished.json"):
         (project.folder / "build/one" / name).unlink(missing_ok=True)
@@ -84,11 +86,11 @@ def _undo(project):
 @pytest.mark.parametrize("share", [0.4] if LONG == 1 else [0.1, 0.2, 0.3, 0.4, 0.5, 0.7, 0.9])
 def test_killed_at_any_time(project, share):
     """All processes at once, as the machine's power."""
-    if "whole" not in _seconds:
+    if LONG == 2 and "again" not in _seconds:
         _undo(project)
         begin = time.monotonic()
         assert project.make(*TARGETS).returncode == 0
-        _seconds["whole"] = time.monotonic() - begin
+        _seconds["whole"] = _seconds["again"] = time.monotonic() - begin
     _undo(project)
     process = subprocess.Popen(
         ["make", "-j1", "-o", ".venv/installed", "-o", "build/compiled", *TARGETS],

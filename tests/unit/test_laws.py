@@ -55,11 +55,11 @@ def test_ramp_reaches_its_speed():
 
 def test_table_passes_its_points_and_holds_the_last():
     times, values = [0.0, 0.3, 0.5, 1.1], [1.0, -1.0, 2.0, 0.5]
-    for smooth in (True, False):
-        law = laws.table(times, values, smooth=smooth)
+    for interpolation in ("linear", "pchip", "spline"):
+        law = laws.table(times, values, interpolation)
         assert [value(law, t)[0] for t in times] == pytest.approx(values)
         assert value(law, 5.0) == pytest.approx([0.5, 0.0, 0.0])
-    assert value(laws.table(times, values, smooth=False), 0.4) == pytest.approx([0.5, 15.0, 0.0])
+    assert value(laws.table(times, values, "linear"), 0.4) == pytest.approx([0.5, 15.0, 0.0])
 
 
 @pytest.mark.parametrize(

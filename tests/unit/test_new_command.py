@@ -1,7 +1,6 @@
 """`plymotion new`: each starter case runs as it is; nothing is ever replaced."""
 
 import json
-import re
 import sys
 from pathlib import Path
 
@@ -103,21 +102,6 @@ def test_a_folder_of_a_case_does_not_hide_the_command_of_its_name(
     assert main(["new", "blade"]) == 0
     assert main(["blade", "absent.yaml", "--check"]) == 2
     assert "absent.yaml" in capsys.readouterr().err
-
-
-def test_the_case_of_the_first_steps_runs_without_findings(
-    repository: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fenicsx: str
-) -> None:
-    monkeypatch.setenv("FENICSX_PYTHON", fenicsx)
-    monkeypatch.chdir(tmp_path)
-    page = (repository / "docs/first-steps.md").read_text("utf-8")
-    source = re.search(r"```toml\n(.*?)```", page, re.DOTALL)
-    assert source is not None
-    Path("arm.toml").write_text(source[1], "utf-8")
-    assert main(["arm.toml", "--quiet", "--no-report"]) == 0
-    summary = json.loads(Path("build/arm/base/summary.json").read_text("utf-8"))
-    assert summary["completed"]
-    assert summary["warnings"] == []
 
 
 def test_nothing_is_replaced(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -3,12 +3,12 @@
 import dataclasses
 import os
 import subprocess
-from collections.abc import Callable
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+from damaged_files import Change, alter, refused, replaced
 from package_samples import cantilever, same
 from second_python import other_python
 
@@ -151,22 +151,15 @@ def test_writer_refuses_interface_names_that_hdf5_cannot_hold(tmp_path: Path, na
         write_package(tmp_path / "a.vtkhdf", bad)
 
 
-def refused(path: Path) -> str:
-    with pytest.raises(PackageError) as caught:
-        read_package(path)
-    assert str(path) in str(caught.value)
-    return str(caught.value)
-
-
 def test_missing_file(tmp_path: Path) -> None:
-    assert "no such file" in refused(tmp_path / "none.vtkhdf")
+    assert "no such file" in refused(read_package, tmp_path / "none.vtkhdf")
 
 
 @pytest.mark.parametrize("kept", [0.999, 0.5, 0.01])
 def test_truncated_file(file: Path, kept: float) -> None:
     raw = file.read_bytes()
     file.write_bytes(raw[: int(len(raw) * kept)])
-    assert "truncated" in refused(file)
+    assert "truncated" in refused(read_package, file)
 
 
 @pytest.mark.parametrize(
@@ -180,7 +173,7 @@ def test_truncated_file(file: Path, kept: float) -> None:
 )
 def test_file_that_is_not_hdf5(file: Path, raw: bytes, words: str) -> None:
     file.write_bytes(raw)
-    message = refused(file)
+    message = refused(read_package, file)
     assert "not an HDF5 file" in message
     assert words in message
 
@@ -199,15 +192,14 @@ def test_foreign_hdf5_is_named(file: Path, groups: list[str], words: str) -> Non
     with h5py.File(file, "w") as h5:
         for group in groups:
             h5.create_group(group)
-    message = refused(file)
+    message = refused(read_package, file)
     assert "attribute format: expected 'plymotion modal package'" in message
     assert words in message
 
 
-def altered(file: Path, change: Callable[[h5py.File], None]) -> str:
-    with h5py.File(file, "r+") as h5:
-        change(h5)
-    return refused(file)
+def altered(file: Path, *changes: Change, seal: bool = True) -> str:
+    alter(file, *changes, seal=seal)
+    return refused(read_package, file)
 
 
 def test_newer_major_version_is_refused(file: Path) -> None:
@@ -230,14 +222,6 @@ def test_missing_dataset_names_the_nearest_one(file: Path) -> None:
     assert "did you mean 'modes/stifness'" in message
 
 
-def replace(path: str, data: object) -> Callable[[h5py.File], None]:
-    def change(h5: h5py.File) -> None:
-        del h5[f"{DATA}/{path}"]
-        h5[f"{DATA}/{path}"] = data
-
-    return change
-
-
 @pytest.mark.parametrize(
     ("path", "data", "words"),
     [
@@ -251,7 +235,7 @@ def replace(path: str, data: object) -> Callable[[h5py.File], None]:
     ],
 )
 def test_wrong_shape_or_type(file: Path, path: str, data: object, words: str) -> None:
-    message = altered(file, replace(path, data))
+    message = altered(file, replaced(f"{DATA}/{path}", data))
     assert f"{DATA}/{path}: " in message
     assert words in message
 
@@ -284,9 +268,7 @@ def test_altered_unit_fails_the_checksum(file: Path) -> None:
 def test_numbers_that_cannot_be_used_without_checksum(
     file: Path, path: str, data: object, words: str
 ) -> None:
-    with h5py.File(file, "r+") as h5:
-        del h5.attrs["content_sha256"]
-    message = altered(file, replace(path, data))
+    message = altered(file, replaced(f"{DATA}/{path}", data), seal=False)
     assert f"{DATA}/{path}: " in message
     assert words in message
 

@@ -5,6 +5,7 @@ import pytest
 
 from plymotion.solver.math.rotations import vector_to_matrix
 from plymotion.solver.results.rigid import rigid_surface, uniform_box
+from plymotion.solver.results.spheres import with_spheres
 
 EDGES = np.array([0.3, 0.5, 1.2])  # m
 MASS = 7.0
@@ -53,3 +54,24 @@ def test_a_flywheel_does_not_fill_the_picture() -> None:
     edges, axes = uniform_box(1.0, np.zeros(3), np.diag([50.0, 50.0, 90.0]))
     surface = rigid_surface(np.zeros((1, 3)), np.zeros(3), edges, axes, width=0.01, reach=1.0)
     assert np.ptp(surface.offset_B @ axes, axis=0).max() == pytest.approx(1.2)
+
+
+def test_point_masses_are_spheres_about_their_places() -> None:
+    nodes = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    bare = rigid_surface(nodes, np.zeros(3), np.full(3, 0.2), np.eye(3), 0.02, 1.0)
+    place, n = np.array([1.0, 0.1, 0.0]), len(bare.node)
+    drawn = with_spheres(bare, nodes, [(place, 1.0), (nodes[0], 1e9)], 2.0)
+    points = nodes[drawn.node] + drawn.offset_B
+    np.testing.assert_array_equal(points[:n], nodes[bare.node] + bare.offset_B)
+    one, two = np.split(points[n:], 2)
+    of_steel = (3.0 / (4.0 * np.pi * 7850.0)) ** (1.0 / 3.0)
+    np.testing.assert_allclose(np.linalg.norm(one - place, axis=1), of_steel, rtol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(two, axis=1), 0.1, rtol=1e-12)  # not larger
+    a, b, c = (points[drawn.triangles[len(bare.triangles) :, k]] for k in range(3))
+    outward = np.cross(b - a, c - a)
+    middle = (a + b + c) / 3.0
+    centre = np.where(middle[:, :1] > 0.5, place, nodes[0])
+    assert np.einsum("fa,fa->f", outward, middle - centre).min() > -1e-15
+    volume = np.einsum("fa,fa->f", outward, a - centre).sum() / 6.0
+    spheres = 4.0 / 3.0 * np.pi * (of_steel**3 + 0.1**3)
+    assert 0.8 * spheres < volume < spheres

@@ -245,6 +245,46 @@ def test_errors_come_together(box):
         assert word in found
 
 
+STRIP = """
+format = 1
+title = "strip"
+{along}
+[mesh]
+shape = "strip"
+width = {width}
+height = {height}
+{rows}
+[materials.m]
+kind = "isotropic"
+E = 70e9
+nu = 0.3
+rho = 2700.0
+[regions.section]
+material = "m"
+"""
+TWIST = "initial_curvature = [0.3, 0.0, 0.0]"
+
+
+@pytest.mark.parametrize(
+    ("along", "width", "height", "rows", "columns_and_rows"),
+    [
+        (TWIST, 1.0, 1e-3, "", (None, 2)),
+        (TWIST, 1e-3, 1.0, "", (2, None)),
+        (TWIST, 1.0, 1e-3, "elements_3 = 5", (None, 5)),
+        ("", 1.0, 1e-3, "", (None, 10)),
+        (TWIST, 1.0, 0.1, "", (None, 10)),
+    ],
+)
+def test_thin_twisted_strips_have_two_elements_across(
+    tmp_path, along, width, height, rows, columns_and_rows
+):
+    file = tmp_path / "strip.toml"
+    file.write_text(STRIP.format(along=along, width=width, height=height, rows=rows))
+    parameters = load_section(file, tmp_path)["mesh"]["parameters"]
+    for key, expected in zip(("columns", "rows"), columns_and_rows, strict=True):
+        assert len(parameters[key]) == expected or (expected is None and len(parameters[key]) > 20)
+
+
 def test_missing_file(tmp_path):
     with pytest.raises(InputError, match="no such section description"):
         describe(tmp_path / "box.toml")

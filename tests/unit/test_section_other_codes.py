@@ -7,7 +7,7 @@ import pytest
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.section.becas_input import read_becas
-from plymotion.solver.inputs.section.other_codes import is_of_another_code
+from plymotion.solver.inputs.section.other_codes import is_of_another_code, spec_of_another_code
 from plymotion.solver.inputs.section.per_cell import ABSENT, QUADRILATERAL, TRIANGLE
 from plymotion.solver.inputs.section.vabs_input import read_vabs
 
@@ -190,6 +190,39 @@ def test_becas(tmp_path: Path) -> None:
     assert section.plies[section.ply[0]] == ("material-1", 30.0)
 
 
+def test_becas_as_matlab_reads_numbers(tmp_path: Path) -> None:
+    numbers = "1.0D+09, 2d9, 3e9, 4e8, 5e8, 6e8, 0.1, 0.2, 0.3, 1500 % carbon\n"
+    section = read_becas(becas(tmp_path, MATPROPS=numbers))
+    assert section.materials["material-1"]["E2"] == 2e9
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("1500.", "-1500.", r"line 19: material 2.rho = -1500 kg/m3: expected 0 or more"),
+        ("70e9 0.3", "70e9 0.5", r"line 16: material 1.nu = 0.5"),
+        ("0.1 0.2 0.3", "0.1 3.2 0.3", r"line 19: material 2"),
+        ("1e9 2e9", "0. 2e9", r"line 19: material 2.E1 = 0 Pa: expected a value above 0"),
+    ],
+)
+def test_impossible_materials_are_named_by_line(
+    old: str, new: str, message: str, tmp_path: Path
+) -> None:
+    with pytest.raises(InputError, match=message):
+        spec_of_another_code(vabs(tmp_path, SOUND.replace(old, new)), tmp_path)
+    unused = SOUND.replace(old, new).replace("1 2 30.", "1 1 30.")
+    if "material 2" in message:  # without cells
+        assert spec_of_another_code(vabs(tmp_path, unused), tmp_path)["materials"].keys() == {
+            "material-1"
+        }
+
+
+def test_impossible_materials_of_becas_are_named(tmp_path: Path) -> None:
+    numbers = "1e9 2e9 3e9 4e8 5e8 6e8 0.1 0.2 0.3 -1\n"
+    with pytest.raises(InputError, match=r"MATPROPS.in: material-1.rho = -1 kg/m3: expected 0 or"):
+        spec_of_another_code(becas(tmp_path, MATPROPS=numbers), tmp_path)
+
+
 @pytest.mark.parametrize(
     ("name", "text", "message"),
     [
@@ -198,6 +231,11 @@ def test_becas(tmp_path: Path) -> None:
         ("EMAT", "1 1 0 0\n", r"EMAT.in: no row for cell 2"),
         ("EMAT", "1 2 0 0\n2 1 0 0\n", r"EMAT.in: material 2: expected a row of MATPROPS.in"),
         ("N2D", "a b c\n", r"N2D.in: expected rows of numbers"),
+        ("N2D", "10 0 0\n20 1 nan\n", r"N2D.in: row 2: expected finite numbers"),
+        ("N2D", "10 0 0\n10.5 1 0\n", r"N2D.in: row 2: expected whole numbers"),
+        ("N2D", "10 0 0\n10 1 0\n", r"N2D.in: number 10 is there twice"),
+        ("E2D", "1 10 20 30 40\n1 20 50 30 30\n", r"E2D.in: number 1 is there twice"),
+        ("EMAT", "1 1.5 0 0\n2 1 0 0\n", r"EMAT.in: row 1: expected whole numbers"),
     ],
 )
 def test_wrong_becas_input(name: str, text: str, message: str, tmp_path: Path) -> None:

@@ -178,6 +178,9 @@ def test_command_shows_a_file_again(
     parts = ("bending", "nothing", "mode-1", "mode-2", "bending-buckling")
     figures = {f"plate-{name}.png" for name in parts}
     assert "Load factors    bending: 2.5, 7; load reversed -3" in text
+    assert "Mesh error      +2, +4 %, estimated" in text
+    assert "Mesh error      +25, -1 %, estimated" in text
+    assert "factors without it 2, 7.0707" in text
     assert {file.name for file in tmp_path.glob("*.png")} == figures
     assert all(name in text for name in (*figures, "plate.vtkhdf (unchanged)"))
     before = {file: file.stat().st_mtime_ns for file in tmp_path.glob("*.png")}

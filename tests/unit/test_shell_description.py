@@ -58,6 +58,20 @@ def messages(file: Path) -> list[str]:
     return [line.removeprefix(f"{file}: ") for line in lines]
 
 
+def test_errors_by_the_mesh_where_stresses_matter(plate: Path) -> None:
+    text = plate.read_text()
+    assert "[frequencies]" in text
+    case = next(iter(load_shell(plate)["loads"]))
+    added = f'[frequencies]\nprestress = "{case}"'
+    for line, expected in (("", True), ("\nerror = false", False)):
+        plate.write_text(text.replace("[frequencies]", added + line) + "\n[buckling]\n")
+        spec = load_shell(plate)
+        assert spec["frequencies"]["error"] is expected
+        assert spec["buckling"]["error"] is True
+    plate.write_text(text)
+    assert "error" not in load_shell(plate)["frequencies"]
+
+
 def test_the_plate_of_the_manual(plate: Path) -> None:
     spec = load_shell(plate)
     assert json.loads(json.dumps(spec)) == spec

@@ -11,6 +11,7 @@ import pytest
 from ply_stresses import shell_file_ply_stress
 from shell_file_samples import plate
 
+from plymotion.solver.commands.shell.show import shell_text
 from plymotion.solver.errors import PackageError
 from plymotion.solver.package.shell.io import read_shell, write_shell
 from plymotion.solver.package.shell.layout import SHELL_LAYOUT, shell_values
@@ -41,6 +42,22 @@ def test_round_trip(file: Path) -> None:
             dataset = raw["shell"][spec.path]
             assert dataset.attrs["unit"].decode() == spec.unit
             assert dataset.attrs["description"]
+
+
+def test_without_errors_by_the_mesh(tmp_path: Path) -> None:
+    """As of files of format 1.1."""
+    shell = plate()
+    assert shell.modes is not None
+    assert shell.buckling is not None
+    modes = dataclasses.replace(shell.modes, error=None)
+    buckling = dataclasses.replace(shell.buckling, error=None)
+    write_shell(tmp_path / "a.vtkhdf", dataclasses.replace(shell, modes=modes, buckling=buckling))
+    found = read_shell(tmp_path / "a.vtkhdf")
+    assert found.modes is not None
+    assert found.buckling is not None
+    assert found.modes.error is None
+    assert found.buckling.error is None
+    assert "not estimated" in shell_text(found)
 
 
 def test_without_load_cases_or_modes(tmp_path: Path) -> None:

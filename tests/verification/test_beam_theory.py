@@ -9,11 +9,12 @@ from fidelity_samples import pendulum, planned_run
 
 from plymotion.solver.fidelity.model import with_values
 from plymotion.solver.fidelity.procedure import plan_of
-from plymotion.solver.fidelity.section_ends import share_of_ends
+from plymotion.solver.fidelity.section_ends import held_lengths, share_of_ends
 from plymotion.solver.fidelity.section_walls import (
     Walls,
     local_frequency,
     ovalisation,
+    short_waves,
     warping_decay,
 )
 from plymotion.solver.fidelity.words import answer_text, entry
@@ -46,11 +47,40 @@ def test_warping_of_an_i_section_decays_as_vlasov_says() -> None:
     assert expected > 3.0 * h  # a solid section has less than its own height
 
 
-def test_ovalisation_grows_with_the_square_of_the_curvature() -> None:
-    walls = Walls(0.1, 1e-3)
-    assert ovalisation(walls, 2e-3) == pytest.approx(4.0 * ovalisation(walls, 1e-3))
-    assert ovalisation(walls, 1e-3) == pytest.approx((1e-3 * 0.1**2 / 1e-3) ** 2 / 32.0)
+def test_ovalisation_is_that_of_brazier_for_a_tube() -> None:
+    """M = E I kappa (1 - 3/2 zeta), zeta = (1 - nu^2) (kappa R^2 / t)^2."""
+    R, t, kappa = 0.05, 1e-3, 1e-2
+    brazier = 1.5 * (1.0 - NU**2) * (kappa * R**2 / t) ** 2
+    walls = Walls(2.0 * R, t)
+    assert ovalisation(walls, kappa) == pytest.approx(brazier, rel=0.03)
+    assert ovalisation(walls, kappa, across=0.1) == pytest.approx(10.0 * brazier, rel=0.03)
     assert ovalisation(walls, 1e3) == 1.0
+    strip = Walls(2.0 * R, t, hinged=False)  # loses the curvature across at most
+    assert ovalisation(strip, kappa) < 0.05 * brazier
+    assert ovalisation(strip, 1e3) == pytest.approx(1.0 / (1.0 - NU**2) - 1.0)
+
+
+def test_short_waves_restrain_the_warping_of_torsion_as_vlasov_says() -> None:
+    """A strip twists with G J + E Gamma (pi / l)^2, Gamma = (b t)^3 / 144."""
+    b, t = 0.1, 4e-3
+    GJ, stiffness = E / (2.0 * (1.0 + NU)) * b * t**3 / 3.0, E * (b * t) ** 3 / 144.0
+    held = np.sqrt(stiffness / GJ)
+    for half_wave in (0.2, 0.5, 1.0):
+        exact = np.sqrt(1.0 + stiffness / GJ * (np.pi / half_wave) ** 2) - 1.0
+        assert short_waves(Walls(b, t), held, half_wave) == pytest.approx(exact, rel=0.5)
+
+
+def test_the_length_that_a_held_end_takes_from_a_mode() -> None:
+    """Bending about x3 has it; torsion does not."""
+    asked = [{"kind": kind, "count": 1} for kind in ("bending-xy", "torsion")]
+    K = np.diag([1e9, 1e9, 1e9, 1e3, 1e3, 25.0])
+    package = reduced({"kind": "clamped", "at": "root"}, asked, K=K, elements=16).package
+    assert held_lengths(package) is None
+    found = held_lengths(with_ends(package, 0.02))
+    assert found is not None
+    lengths = dict(zip(package.mode_labels, found, strict=True))
+    assert lengths["bending-xy 1"] == pytest.approx(0.02, rel=1e-3)
+    assert abs(lengths["torsion 1"]) < 1e-3 * 0.02
 
 
 def with_ends(package: ModalPackage, length: float) -> ModalPackage:

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from beam_samples import CLAMPED, reduced
+from beam_samples import clamped_file
 from case_samples import run_text
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError
-from plymotion.solver.package import write_package
 
 CLAMP = """
 [ground.root]
@@ -28,9 +27,7 @@ component = "y"
 
 @pytest.fixture
 def beam(tmp_path):
-    package = reduced(CLAMPED, [{"kind": "bending-xy", "count": 2}]).package
-    write_package(tmp_path / "beam.vtkhdf", package)
-    return package
+    return clamped_file(tmp_path, 2)
 
 
 def tip(package, k):

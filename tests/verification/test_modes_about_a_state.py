@@ -5,6 +5,7 @@ import tomllib
 import numpy as np
 import pytest
 from case_samples import rigid
+from coordinate_samples import carriage, force
 from modes_samples import modes_at, rates
 
 POINT = 1e-9  # inertia of what should be a mass point [kg m2]
@@ -158,3 +159,17 @@ def test_ziegler_flutters_beyond_its_critical_load(table, tmp_path, capsys, shar
     found = modes_at(tmp_path, text, "start", capsys=capsys)
     assert any(m["damping_ratio"] < -1e-6 for m in found["modes"]) is unstable
     assert any("unstable" in note for note in found["notes"]) is unstable
+
+
+def test_a_sampled_controller_is_held_and_a_note_says_so(tmp_path, capsys):
+    """Mass, spring and damper; without sample_time the controller is a stiffness and a damper."""
+    keys = {"setpoint": "0", "proportional": 300.0, "derivative": 4.0}
+    spring = force("spring", "coordinate_force", joint="rail", expression="-100 * x - 2 * v")
+    for period, note in ((0.001, True), (None, False)):
+        sampled = {} if period is None else {"sample_time": period}
+        text = carriage(spring, force("c", "controller", joint="rail", **keys, **sampled))
+        found = modes_at(tmp_path, text, "equilibrium", capsys=capsys)
+        k, c = (100.0, 2.0) if note else (400.0, 6.0)
+        assert rates(found) == pytest.approx([np.sqrt(k - 0.25 * c**2)], rel=1e-6)
+        told = [n for n in found["notes"] if n.startswith("c: sampled, so its output is held")]
+        assert len(told) == note

@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from beam_samples import CLAMPED, reduced
+from beam_samples import clamped_file
 from case_samples import run_text
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.package import write_package
 from plymotion.solver.package.body.invariants import inertia_at_rest
 
 ARM = """
@@ -37,9 +36,7 @@ QUASI = 'start = "quasi-static"'
 
 @pytest.fixture
 def beam(tmp_path):
-    package = reduced(CLAMPED, [{"kind": "bending-xy", "count": 3}]).package
-    write_package(tmp_path / "beam.vtkhdf", package)
-    return package
+    return clamped_file(tmp_path, 3)
 
 
 def test_a_clamped_beam_under_its_weight_is_at_rest(beam, tmp_path):

@@ -141,3 +141,33 @@ def test_other_beams_are_refused() -> None:
     assert any(
         'method = "equilibrium": expected modes; beam is no straight beam' in t for t in told
     )
+
+
+@pytest.mark.parametrize("arc_deg", [0.0, 60.0])
+def test_resultants_by_modes_in_segments_miss_a_sixth_over_n_squared(arc_deg: float) -> None:
+    """Weight on a cantilever, straight or curved: the share of the largest moment that is missing.
+
+    The shapes of inertia loads, `static-inertia`, contain it.
+    """
+    line = {"line": {"arc_deg": arc_deg, "axis": [0.0, 0.0, 1.0]}} if arc_deg else {}
+    stiff = {"t_end": 1e-3, "output_step": 1e-3, "start": "equilibrium"}
+    theta = np.radians(arc_deg)
+    along = 0.5 * L if not arc_deg else L / theta**2 * (1.0 - np.cos(theta))  # arms of the weight
+    across = 0.0 if not arc_deg else L / theta * (1.0 - np.sin(theta) / theta)
+
+    def error(segments: int, modes: list[dict[str, Any]]) -> float:
+        table = cantilever(
+            segments,
+            L,
+            body={"modes": modes, **line},
+            gravity=[0.0, 0.0, -G],
+            signals=cuts("modes", [0.0]),
+        )
+        M1, M2 = found(table | {"solver": stiff})[0, 0, [3, 4]]
+        # Their size: the axes of an element are those of its chord.
+        return float(np.hypot(M1, M2) / (MU * G * L * np.hypot(along, across)) - 1.0)
+
+    for n in (2, 4):
+        assert error(n, []) == pytest.approx(-1.0 / (6.0 * n**2), rel=0.02)
+        # What is left is that of the polygon of the elements.
+        assert abs(error(n, [{"kind": "static-inertia"}])) < (6e-3 / n**2 if arc_deg else 1e-6)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ...errors import InputError
 from ...inputs.case.specs import dump
 from ...math.arrays import Array
 from ...package.common.temporary import write_text
@@ -35,7 +36,10 @@ def run_modes(options: argparse.Namespace) -> int:
     )
     folder: Path = options.out or build / "modes" / f"{spec.run}-{_label(options.at)}"
     axis = None if options.axis is None else np.array(options.axis)
-    states = States(spec)
+    try:
+        states = States(spec)
+    except InputError as error:
+        raise InputError(f"{options.case}, run {spec.run}: {error}") from error
     if at.kind == "spin" and at.speeds is not None and at.speeds.size > 1:
         return _campbell(options, states, at.speeds, axis, folder)
     found = find_modes(states, states.at(at, axis))

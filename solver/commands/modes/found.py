@@ -1,12 +1,14 @@
 """Modes about a state, with everything that is reported about them."""
 
 from dataclasses import dataclass, replace
+from itertools import compress
 from typing import Any
 
 import numpy as np
 
+from ...dynamics.recover import body_frames
 from ...dynamics.spinning import Spin
-from ...errors import InputError, counted
+from ...errors import InputError, counted, few
 from ...linearisation.constancy import change_when_turned
 from ...linearisation.modes import Modes, modes_of
 from ...linearisation.participation import Participation, participation, whirl_rates
@@ -21,6 +23,7 @@ from .state import State, States
 _AT_REST = 1e-6  # accelerations of a state called an equilibrium, of those by loads
 _TURNS = (0.8, 1.6)  # [rad] angles at which equations are compared
 _CONSTANT = 1e-5  # change of the equations, over the eigenvalues, that counts as none
+_BENT = 0.03  # [rad] elastic rotation of an interface without a note
 _ACCURATE = 1e-4  # estimated error of the differences without a note
 
 
@@ -116,6 +119,21 @@ def _notes(states: States, state: State, space: StateSpace, modes: Modes) -> lis
             f"the state is no equilibrium: {told} still changes. --at t=TIME takes a time after it "
             "has settled"
         )
+    period = state.model.quantities.period
+    if (period > 0.0).any():
+        held = {n.partition(".")[0] for n in compress(states.built.state_names, period > 0.0)}
+        notes.append(
+            f"{few(sorted(held))}: sampled, so its output is held and the modes are those without "
+            "its feedback; without sample_time they contain it, but for its delay of half a sample "
+            "time"
+        )
+    bent = _bent(states, state)
+    if bent:
+        notes.append(
+            f"{few(bent)}: deformed in this state so far that interfaces turn by more than "
+            f"{_BENT:g} rad relative to the body frame. The elastic law is that of the undeformed "
+            "body, and frequencies may be a per cent off; a beam divided by `segments` has less"
+        )
     if space.error > _ACCURATE:
         notes.append(
             f"the accelerations are not smooth about this state (differences agree to "
@@ -127,6 +145,19 @@ def _notes(states: States, state: State, space: StateSpace, modes: Modes) -> lis
         words = counted(count, "mode grows", "modes grow")
         notes.append(f"unstable: {words}, at up to {growth:.4g} 1/s")
     return notes
+
+
+def _bent(states: States, state: State) -> list[str]:
+    """Return the flexible bodies whose interfaces turn by more than _BENT in a state."""
+    built, found = states.built, []
+    for i, name in enumerate(built.body_names):
+        package = built.packages.get(name)
+        if package is not None and state.model.n_mode[i] == package.n_mode:
+            _, _, q = body_frames(state.model, i, state.y[None])
+            linear = [place.psi_B @ q[0] for place in package.interfaces]
+            if max((float(np.linalg.norm(turn)) for turn in linear), default=0.0) > _BENT:
+                found.append(name)
+    return found
 
 
 def entries(found: Found, body_names: list[str]) -> list[dict[str, Any]]:

@@ -130,7 +130,11 @@ def _outcome(task: _Task) -> Outcome:
             allow_python=task.allow_python,
             allow_doubtful=task.doubtful,
         )
-    except (InputError, PackageError) as error:
+    except InputError as error:
+        lines = str(error).splitlines()
+        named = any(str(task.file) in line for line in lines)
+        return Outcome(INPUT, errors=lines if named else [f"{task.file}: {x}" for x in lines])
+    except PackageError as error:  # names the file of the package
         return Outcome(INPUT, errors=str(error).splitlines())
     except OSError as error:
         where = f"{error.filename}: " if error.filename else ""

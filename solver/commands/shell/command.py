@@ -62,7 +62,10 @@ def _with_buckling(spec: dict[str, Any], file: Path, count: int | None) -> dict[
         return spec
     if not spec["loads"]:
         raise InputError(f"{file}: --buckling needs a load case, [loads.CASE.NAME]")
-    return {**spec, "buckling": {"in_plane": True, **spec.get("buckling", {}), "count": count}}
+    return {
+        **spec,
+        "buckling": {"in_plane": True, "error": True, **spec.get("buckling", {}), "count": count},
+    }
 
 
 def figures_of(shell: ShellFile, file: Path) -> list[Path]:

@@ -157,7 +157,11 @@ def _view(
     order = np.argsort(depth, kind="stable")  # the farthest first
     lines = LineCollection(list(before[edges, :2]), colors=GREY, linewidths=0.7)
     axes.add_collection(lines, autolim=False)
-    corners = [after[cell[cell != NONE], :2] for cell in cells[order]]
+    places = after[:, :2]
+    if np.any(cells == NONE):
+        corners: Any = [places[cell[cell != NONE]] for cell in cells[order]]
+    else:  # an array is drawn in half of the time
+        corners = places[cells[order]]
     surface = PolyCollection(corners, array=shades[order], cmap="viridis")
     surface.set(edgecolors="face", linewidths=0.2)
     axes.add_collection(surface, autolim=False)

@@ -190,7 +190,20 @@ def _modes(shell: ShellFile) -> list[str]:
         label = "Frequencies" if first == 0 else ""
         some = "".join(f"{value:12.6g}" for value in elastic[first : first + 6])
         lines.append(f"{label:16}{some.lstrip() if first == 0 else some[2:]} Hz")
+    if modes.error is not None:
+        error = modes.error[modes.n_zero :]
+        lines += _mesh_error(elastic, error, "frequencies", " Hz")
     return lines
+
+
+def _mesh_error(values: Array, error: Array, name: str, unit: str = "") -> list[str]:
+    """Estimated errors of values, and the values without them."""
+    shown = ", ".join(f"{100.0 * e:+.2g}" for e in error)
+    limits = ", ".join(f"{value:.5g}" for value in values / (1.0 + error))
+    return [
+        f"{'Mesh error':16}{shown} %, estimated",
+        f"{'':16}{name} without it {limits}{unit}",
+    ]
 
 
 def _buckling(shell: ShellFile) -> list[str]:
@@ -203,8 +216,12 @@ def _buckling(shell: ShellFile) -> list[str]:
         if len(factors) or back:
             listed = ", ".join(f"{factor:.6g}" for factor in factors) or "none"
             lines.append(f"{'Load factors':16}{name}: {listed}{back}")
+            if found.error is not None and len(factors):
+                lines += _mesh_error(factors, found.error[found.case == row], "factors")
         elif row not in found.case:
             lines.append(f"{'Load factors':16}{name}: none, no buckling under this load")
+    if found.error is None and len(found.factors):
+        lines.append(f"{'Mesh error':16}not estimated")
     return lines
 
 

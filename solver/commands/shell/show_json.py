@@ -3,6 +3,7 @@
 import math
 from typing import Any
 
+from ...math.arrays import Array
 from ...package.shell.cells import centres
 from ...package.shell.schema import SHELL_STRESSES, ShellFile, ShellLaminate
 from .findings import CaseFindings, case_findings, stacking
@@ -33,16 +34,22 @@ def shell_json(shell: ShellFile) -> dict[str, Any]:
     if modes is not None:
         table["frequencies_hz"] = modes.frequencies_hz[modes.n_zero :].tolist()
         table["zero_modes"] = modes.n_zero
+        table["frequency_errors"] = _listed(modes.error, slice(modes.n_zero, None))
     if shell.buckling is not None:
         case = shell.buckling.case
         table["load_factors"] = {
             name: {
                 "factors": shell.buckling.factors[case == row].tolist(),
+                "errors": _listed(shell.buckling.error, case == row),
                 "reversed": float(shell.buckling.reversed[row]) or None,
             }
             for row, name in enumerate(shell.cases.names)
         }
     return table
+
+
+def _listed(error: Array | None, rows: Array | slice) -> list[float] | None:
+    return None if error is None else error[rows].tolist()
 
 
 def _laminate(laminate: ShellLaminate) -> dict[str, Any]:

@@ -1,14 +1,16 @@
 """What became of the members of a sweep, on the screen."""
 
 import os
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
 from ...results.codes import CODES
 from .file import SweepResult
-from .member import FAILED, FINISHED, PENDING, STOPPED
+from .member import FAILED, FINISHED, PENDING, STOPPED, Row
 
-TOLD = 10  # members that did not finish
+TOLD = 10  # kinds of messages of members that did not finish
+NUMBER = re.compile(r"[-+]?\d+\.?\d*(?:e[-+]?\d+)?")
 
 
 def tell(
@@ -37,16 +39,16 @@ def tell(
     print(f"  {computed} computed in {seconds:.1f} s, {kept} kept from before")
     for line in planned:
         print(f"  {line}")
-    others = [
-        (k, row) for k, row in enumerate(result.rows) if row.status not in (FINISHED, PENDING)
-    ]
-    for k, row in others[:TOLD]:
-        values = zip(result.parameter_names, result.values[k], strict=True)
+    groups = _alike(result.rows)
+    for members in groups[:TOLD]:
+        row = result.rows[members[0]]
+        values = zip(result.parameter_names, result.values[members[0]], strict=True)
         where = ", ".join(f"{name} = {value:g}" for name, value in values)
         code = f" [{row.code}]" if row.code else ""
-        print(f"  {row.status}{code} {where}: {row.message}")
-    if len(others) > TOLD:
-        print(f"  ... and {len(others) - TOLD} more")
+        many = f"{len(members)} members, first " if len(members) > 1 else ""
+        print(f"  {row.status}{code} {many}{where}: {row.message}")
+    if len(groups) > TOLD:
+        print(f"  ... and {sum(map(len, groups[TOLD:]))} more members")
     doubts: dict[str, int] = {}
     for row in result.rows:
         for code in row.warnings:
@@ -54,3 +56,13 @@ def tell(
     for code, count in sorted(doubts.items()):
         level = CODES[code].level if code in CODES else "warning"
         print(f"  {level} [{code}] in {count} of {total} members")
+
+
+def _alike(rows: Sequence[Row]) -> list[list[int]]:
+    """Return the members that did not finish, in groups whose messages differ in numbers only."""
+    found: dict[tuple[str, str, str], list[int]] = {}
+    for k, row in enumerate(rows):
+        if row.status not in (FINISHED, PENDING):
+            words = NUMBER.sub("#", row.message)
+            found.setdefault((row.status, row.code, words), []).append(k)
+    return list(found.values())

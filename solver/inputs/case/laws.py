@@ -19,10 +19,7 @@ FOLDER, RESOLVED = "folder", "resolved"
 
 
 class TimeTable(Table):
-    """`table` of a law: points of a cubic spline.
-
-    After the last time the last value is kept.
-    """
+    """Points of a law of time."""
 
     file: FilePath | None = Field(
         default=None,
@@ -51,16 +48,29 @@ class TimeTable(Table):
         return self
 
 
+class DriveTable(TimeTable):
+    """`table` of a drive: points of a smooth curve.
+
+    After the last time the last value is kept.
+    """
+
+    interpolation: Literal["spline", "pchip"] = Field(
+        default="spline",
+        description="cubic spline, with a continuous acceleration; or a cubic that does not go "
+        "beyond the values (pchip), whose acceleration jumps at the points",
+    )
+
+
 class LoadTable(TimeTable):
     """`table` of a load or actuator.
 
-    As in a drive, with a choice of the interpolation.
+    After the last time the last value is kept.
     """
 
-    interpolation: Literal["spline", "linear"] = Field(
-        default="spline",
-        description="cubic spline, or straight lines; a spline through a short pulse goes far "
-        "beyond its values afterwards: take linear",
+    interpolation: Literal["linear", "pchip", "spline"] = Field(
+        default="linear",
+        description="straight lines; a smooth cubic that does not go beyond the values (pchip); or "
+        "a cubic spline, for smooth data only: it goes far beyond the values of a short pulse",
     )
 
 
@@ -130,7 +140,7 @@ class RotationDrive(_Law):
         description="c0, c1, ... of angle = c0 + c1 t + c2 t^2 + ...",
         json_schema_extra=unit("rad, rad/s, ..."),
     )
-    table: TimeTable | None = Field(default=None, description="angles [rad] at given times")
+    table: DriveTable | None = Field(default=None, description="angles [rad] at given times")
     smooth_step: SmoothStep | None = Field(default=None, description="from 0 to an angle")
     expression: str | None = Field(
         default=None,
@@ -160,7 +170,7 @@ class TranslationDrive(_Law):
         description="c0, c1, ... of displacement = c0 + c1 t + c2 t^2 + ...",
         json_schema_extra=unit("m, m/s, ..."),
     )
-    table: TimeTable | None = Field(default=None, description="displacements [m] at given times")
+    table: DriveTable | None = Field(default=None, description="displacements [m] at given times")
     smooth_step: SmoothStep | None = Field(default=None, description="from 0 to a displacement")
     expression: str | None = Field(
         default=None,
@@ -195,7 +205,7 @@ LAW_TABLES: tuple[type[Table], ...] = (
     LoadLaw,
     Ramp,
     SmoothStep,
-    TimeTable,
+    DriveTable,
     LoadTable,
 )
 

@@ -74,6 +74,8 @@ def _rich(name: str, body: BeamBody | ShellBody, mechanism: Mechanism, which: in
     content = {**body.model_dump(), "modes": tables}
     if body.kind == "beam":
         content["elements"] = max(body.elements, LEAST_ELEMENTS) * (FINER if which else 1)
+    elif which:
+        content["refine"] = body.refine + 1
     return type(body).model_validate(content)
 
 

@@ -6,6 +6,7 @@ from pydantic import Field
 
 from ...package.body.specification import MassForm, ShellLinkKind
 from ..common.table import FilePath, Name, Table, Vector, unit
+from ..shell.description import MOST_REFINED, REFINE
 from .body_schema import DAMPING, Deformed
 from .modes import Modes, Reference
 from .reduction import Reducible
@@ -48,6 +49,9 @@ class ShellBody(Reducible, Deformed):
     )
     parameters: dict[str, bool | float | str | list[float]] = Field(
         default={}, description="of the mesh's script, over those of the description"
+    )
+    refine: int = Field(
+        default=0, ge=0, le=MOST_REFINED, description=f"{REFINE}; added to that of the description"
     )
     changes: dict[str, Any] = Field(default={}, description=CHANGES)
     mass_form: MassForm = Field(

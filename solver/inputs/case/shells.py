@@ -85,6 +85,10 @@ def _shell(body: ShellBody, folder: Path) -> Any:
     if body.parameters and isinstance(table.get("mesh"), dict):
         parameters = {**table["mesh"].get("parameters", {}), **body.parameters}
         table["mesh"] = {**table["mesh"], "parameters": parameters}
+    if body.refine and isinstance(table.get("mesh"), dict):
+        refine = table["mesh"].get("refine", 0)
+        if isinstance(refine, int):  # what is wrong with another value is said below
+            table["mesh"] = {**table["mesh"], "refine": refine + body.refine}
     # a description alone must request a result
     spec = shell_spec({**table, "frequencies": {}}, file)
     del spec["elements"]["mass_form"]  # the body's

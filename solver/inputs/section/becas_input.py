@@ -10,6 +10,7 @@ x and y are x2 and x3, z is x1. The fibre plane angle turns x to the layer direc
 angle turns the fibre from z towards it.
 """
 
+import io
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from ...math.arrays import Array, IntArray
 from .per_cell import ABSENT, MOST_NODES, QUADRILATERAL, TRIANGLE, CellSection
 from .vabs_input import ORTHOTROPIC
 
+AS_MATLAB = str.maketrans({",": " ", "d": "e", "D": "e"})
 FILES = ("N2D.in", "E2D.in", "EMAT.in", "MATPROPS.in")
 
 
@@ -41,6 +43,8 @@ def read_becas(folder: Path) -> CellSection:
     _columns(folder / FILES[1], cell, (5, 9))
     _columns(folder / FILES[2], orientation, (4,))
     _columns(folder / FILES[3], constants, (10,))
+    for name, table, whole in zip(FILES[:3], (node, cell, orientation), (1, None, 2), strict=True):
+        _numbered(folder / name, table[:, :whole])
     numbers = node[:, 0].astype(np.int64)
     order = np.argsort(numbers)
     nodes, kind = _cells(folder, cell, numbers, order)
@@ -64,7 +68,15 @@ def read_becas(folder: Path) -> CellSection:
         for i, values in enumerate(constants, start=1)
     }
     return CellSection(
-        folder, node[:, 1:], nodes, kind, of_cells[:, 3:], ply, list(plies), materials
+        folder,
+        node[:, 1:],
+        nodes,
+        kind,
+        of_cells[:, 3:],
+        ply,
+        list(plies),
+        materials,
+        places={name: f"{folder / FILES[3]}: {name}" for name in materials},
     )
 
 
@@ -77,10 +89,25 @@ def _material(folder: Path, number: float, count: int) -> str:
 
 
 def _table(file: Path) -> Array:
+    """Numbers of a file; commas may part them, and exponents may have a D, as MATLAB reads them."""
     try:
-        return np.loadtxt(file, ndmin=2, comments=("%", "#", "!"))
+        text = file.read_text(encoding="utf-8-sig").translate(AS_MATLAB)
+        table = np.loadtxt(io.StringIO(text), ndmin=2, comments=("%", "#", "!"))
     except (OSError, ValueError) as error:
         raise InputError(f"{file}: expected rows of numbers: {error}") from error
+    for row in np.flatnonzero(~np.isfinite(table).all(axis=1)):
+        raise InputError(f"{file}: row {row + 1}: expected finite numbers")
+    return table
+
+
+def _numbered(file: Path, table: Array) -> None:
+    """Raise InputError unless the numbers are whole, and those of the first column differ."""
+    for row, values in enumerate(table):
+        if (values != np.round(values)).any():
+            raise InputError(f"{file}: row {row + 1}: expected whole numbers")
+    numbers, count = np.unique(table[:, 0], return_counts=True)
+    if (count > 1).any():
+        raise InputError(f"{file}: number {numbers[count > 1][0]:g} is there twice")
 
 
 def _columns(file: Path, table: Array, expected: tuple[int, ...]) -> None:

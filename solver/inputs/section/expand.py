@@ -79,7 +79,13 @@ def section_spec(table: dict[str, Any], file: Path, folder: Path = BUILD) -> dic
     regions: dict[str, Any] = {}
     try:
         if isinstance(description.mesh, ShapeMesh):
-            mesh, regions = shape_mesh(description.mesh, description.regions, stacks, file.parent)
+            mesh, regions = shape_mesh(
+                description.mesh,
+                description.regions,
+                stacks,
+                file.parent,
+                curved=description.initial_curvature is not None,
+            )
         else:
             mesh, regions = file_mesh(description, stacks, file.parent, folder)
     except InputError as error:

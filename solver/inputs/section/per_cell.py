@@ -13,6 +13,8 @@ import numpy as np
 
 from ...errors import InputError
 from ...math.arrays import Array, IntArray
+from ...package.common.anisotropic import elastic_from_dict
+from ...package.common.materials import MaterialError
 from .mesh_arrays import write_npz
 
 TRIANGLE, QUADRILATERAL = 0, 1
@@ -36,6 +38,7 @@ class CellSection:
     materials : constants by name, as in a description
     curvature : (3,) initial twist and curvature [rad/m]
     not_computed : models that the file asks for and that are not computed
+    places : file, and line or row, of each material, for messages
     """
 
     file: Path
@@ -49,6 +52,7 @@ class CellSection:
     curvature: tuple[float, float, float] = (0.0, 0.0, 0.0)
     title: str = ""
     not_computed: list[str] = field(default_factory=list)
+    places: dict[str, str] = field(default_factory=dict)
 
 
 def cell_section_spec(section: CellSection, folder: Path) -> dict[str, Any]:
@@ -60,7 +64,8 @@ def cell_section_spec(section: CellSection, folder: Path) -> dict[str, Any]:
     Raises
     ------
     InputError
-        A ply without cells is left out; cells without a ply, or nodes that do not exist.
+        Cells without a ply, nodes that do not exist, impossible constants of a material in use.
+        A ply without cells is left out.
     """
     if section.nodes.max() >= len(section.points):
         raise InputError(f"{section.file}: a cell has a node that does not exist")
@@ -85,6 +90,11 @@ def cell_section_spec(section: CellSection, folder: Path) -> dict[str, Any]:
             "direction": {"cells": True},
         }
     used_materials = {section.plies[row][0] for row in used}
+    for name in sorted(used_materials):  # others may have any numbers
+        try:
+            elastic_from_dict(section.materials[name], section.places[name], massless=True)
+        except MaterialError as error:
+            raise InputError(str(error)) from error
     spec: dict[str, Any] = {
         "name": section.file.stem,
         "title": section.title or section.file.name,

@@ -110,7 +110,7 @@ def _section(records: Records, head: _Head, *, damping: bool) -> CellSection:
     layers = None
     if head.by_layer and head.n_layer:
         layers = NumberedRows.read(records, head.n_layer, 2 + damping, "layer")
-    materials = _materials(records, n_material, damping, head.thermal == 3)
+    materials, lines = _materials(records, n_material, damping, head.thermal == 3)
     if layers is not None:
         of_cells = layers.rows_of(turned.values[:, 0], turned.lines, "a layer")
         source, rows = layers, layers.values[:, :2]
@@ -138,6 +138,10 @@ def _section(records: Records, head: _Head, *, damping: bool) -> CellSection:
         {f"material-{number}": table for number, table in materials.items()},
         head.k,
         not_computed=models,
+        places={
+            f"material-{number}": f"{records.file}, line {line}: material {number}"
+            for number, line in lines.items()
+        },
     )
 
 
@@ -171,9 +175,10 @@ def _theta1(given: Array, kind: IntArray) -> Array:
 
 def _materials(
     records: Records, count: int, damping: bool, thermal: bool
-) -> dict[int, dict[str, Any]]:
-    """Constants of each material by its number."""
+) -> tuple[dict[int, dict[str, Any]], dict[int, int]]:
+    """Constants of each material by its number, and the line where they begin."""
     materials: dict[int, dict[str, Any]] = {}
+    lines: dict[int, int] = {}
     for _ in range(count):
         number, kind = records.wholes(["the number of a material", "its kind, 0, 1 or 2"])
         where = f"material {number}"
@@ -181,6 +186,7 @@ def _materials(
             raise records.wrong(records.line, kind, f"the kind of {where}, 0, 1 or 2")
         if number in materials:
             raise InputError(f"{records.file}, line {records.line}: {where} was given before")
+        lines[number] = records.line
         constants = records.reals(CONSTANTS[kind], f"the constants of {where}")
         rho = records.reals(1, f"the density of {where}")[0]
         if damping:
@@ -188,7 +194,7 @@ def _materials(
         if thermal:
             records.reals(EXPANSIONS[kind], f"the expansions of {where}")
         materials[number] = _constants(kind, constants) | {"rho": rho}
-    return materials
+    return materials, lines
 
 
 def _constants(kind: int, constants: list[float]) -> dict[str, Any]:

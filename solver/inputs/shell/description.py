@@ -19,6 +19,12 @@ from .loading import Buckling, Frequencies, Link, Load, Probe, Support
 
 Factor = Annotated[float, Field(gt=0)]
 Row = Annotated[list[float], Field(min_length=6, max_length=6)]
+MOST_REFINED = 6
+REFINE = (
+    "makes the mesh finer so many times, each time with four cells for one: a script of "
+    "meshes/shells gets twice its counts of cells, cells of other meshes are split at the middles "
+    "of their straight sides"
+)
 Matrix = Annotated[list[Row], Field(min_length=6, max_length=6)]
 Offset = Literal["mid", "top", "bottom"] | float
 
@@ -46,6 +52,7 @@ class Mesh(Table):
         description="quadrilateral: pairs of triangles become quadrilaterals, as far as their "
         "angles allow; triangle: a mesh with others is an error; absent: the cells of the mesh",
     )
+    refine: int = Field(default=0, ge=0, le=MOST_REFINED, description=REFINE)
 
 
 class Ply(LayUpPly):

@@ -9,8 +9,8 @@
      "elements": {...}, "stiffeners": {...}, "links": {...},
      "supports": {"root": {"at": "root", "fixed": ["ux", "uy", "uz", "rx", "ry", "rz"]}},
      "loads": {"pull": {"tip": {"at": "tip", "force": [1.0, 0.0, 0.0]}}},
-     "probes": {...}, "frequencies": {"count": 6, "free": false},
-     "buckling": {"count": 4, "in_plane": true}}
+     "probes": {...}, "frequencies": {"count": 6, "free": false, "error": false},
+     "buckling": {"count": 4, "in_plane": true, "error": true}}
 
 Plain JSON, SI and degrees; paths are relative to the working directory, plies one by one from
 bottom to top. Materials and laminates that no region uses are omitted.
@@ -97,7 +97,9 @@ def shell_spec(table: dict[str, Any], file: Path) -> dict[str, Any]:
         "probes": _plain(description.probes),
     }
     if description.frequencies is not None:
-        spec["frequencies"] = description.frequencies.model_dump(exclude_none=True)
+        asked = description.frequencies.model_dump(exclude_none=True)
+        estimated = {"error": True} if "prestress" in asked else {}
+        spec["frequencies"] = {**estimated, **asked}
     if description.buckling is not None:
         spec["buckling"] = description.buckling.model_dump(exclude_none=True)
     return spec
@@ -149,6 +151,8 @@ def _options(mesh: dict[str, Any], table: Mesh) -> dict[str, Any]:
         mesh["scale"] = table.scale
     if table.element is not None:
         mesh["element"] = table.element
+    if table.refine:
+        mesh["refine"] = table.refine
     return mesh
 
 

@@ -48,7 +48,9 @@ class Link(Table):
 class Support(Table):
     """`[supports.NAME]`: degrees of freedom fixed to 0."""
 
-    at: str = Field(description="physical point, curve or surface, or a link")
+    at: str | Annotated[list[str], Field(min_length=1)] = Field(
+        description="physical point, curve or surface, names of several of one kind, or a link"
+    )
     fixed: (
         Literal["all", "symmetry-x", "symmetry-y", "symmetry-z"]
         | Annotated[list[Freedom], Field(min_length=1)]
@@ -168,6 +170,11 @@ class Frequencies(Table):
     prestress: str | None = Field(
         default=None, description="name of a load case: the modes of the shell under its stresses"
     )
+    error: bool | None = Field(
+        default=None,
+        description="whether to estimate the errors of the mesh, by a mesh of half the cell size; "
+        "absent: with `prestress`",
+    )
 
 
 class Buckling(Table):
@@ -184,4 +191,8 @@ class Buckling(Table):
         default=True,
         description="false: without the work of the prestress on rotations about the normal, as "
         "in tables of plates",
+    )
+    error: bool = Field(
+        default=True,
+        description="whether to estimate the errors of the mesh, by a mesh of half the cell size",
     )

@@ -63,13 +63,14 @@ def elastic_from_dict(
         raise MaterialError(f"{where}: expected finite numbers C [Pa] and rho [kg/m3]")
     rho = float(values[-1])
     if not (rho > 0.0 or (massless and rho == 0.0)):
-        raise MaterialError(f"{where}.rho = {rho:g} kg/m3: expected a value above 0")
+        least = "0 or more" if massless else "a value above 0"
+        raise MaterialError(f"{where}.rho = {rho:g} kg/m3: expected {least}")
     C = of_upper(numbers)
-    least = float(np.linalg.eigvalsh(C)[0])
-    if not least > 0.0:
+    lowest = float(np.linalg.eigvalsh(C)[0])
+    if not lowest > 0.0:
         raise MaterialError(
             f"{where}.C: expected a positive definite stiffness, its least eigenvalue is "
-            f"{least:.3g} Pa"
+            f"{lowest:.3g} Pa"
         )
     return Anisotropic(C, rho)
 

@@ -189,7 +189,9 @@ def _check_positive(key: str, value: float, where: str) -> None:
 
 
 def _check_density(rho: float, where: str, massless: bool) -> None:
-    if not (massless and rho == 0.0):
+    if massless and not rho >= 0.0:
+        raise MaterialError(f"{where}.rho = {rho:g} kg/m3: expected 0 or more")
+    if not massless:
         _check_positive("rho", rho, where)
 
 

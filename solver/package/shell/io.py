@@ -77,6 +77,7 @@ def _load(file: h5py.File) -> ShellFile:
             data["modes/shapes_G"],
             data["modes/resultants_E"],
             int(data["modes/n_zero"]),
+            data.get("modes/error"),
         )
     return ShellFile(
         name=get_text(file, SHELL_FILE.title),
@@ -93,7 +94,10 @@ def _load(file: h5py.File) -> ShellFile:
         ),
         probes=ShellProbes(data["probes/names"], data["probes/quantities"], data["probes/values"]),
         modes=modes,
-        buckling=ShellBuckling(**{name: data[f"buckling/{name}"] for name in BUCKLING})
+        buckling=ShellBuckling(
+            **{name: data[f"buckling/{name}"] for name in BUCKLING},
+            error=data.get("buckling/error"),
+        )
         if "buckling/factors" in data
         else None,
         warnings=warnings_from(data),

@@ -69,10 +69,14 @@ SHELL_LAYOUT: tuple[DatasetSpec, ...] = (
     spec("modes/shapes_G", "m, n, 6", F, "m, rad", "G", "unit modal mass", optional=True),
     spec("modes/resultants_E", "m, c, 8", F, "N/m, N", "E", "as of cases", optional=True),
     spec("modes/n_zero", "", I, "-", "-", "modes without strain energy, the first", optional=True),
+    spec(
+        "modes/error", "m", F, "-", "-", "relative, by the mesh; too high: above 0", optional=True
+    ),
     spec("buckling/case", "b2", I, "-", "-", "load case of each factor, as row", optional=True),
     spec("buckling/factors", "b2", F, "-", "-", "load factors of buckling", optional=True),
     spec("buckling/shapes_G", "b2, n, 6", F, "m, rad", "G", "largest motion 1 m", optional=True),
     spec("buckling/reversed", "l", F, "-", "-", "factor of the reversed load", optional=True),
+    spec("buckling/error", "b2", F, "-", "-", "as of modes", optional=True),
     *WARNINGS_LAYOUT,
 )
 
@@ -139,6 +143,9 @@ def shell_values(shell: ShellFile, where: str = "shell") -> dict[str, Any]:
     if shell.buckling is not None:
         for name in BUCKLING:
             values[f"buckling/{name}"] = getattr(shell.buckling, name)
+    for of, found in (("modes", shell.modes), ("buckling", shell.buckling)):
+        if found is not None and found.error is not None:
+            values[f"{of}/error"] = found.error
     return values
 
 

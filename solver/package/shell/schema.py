@@ -14,7 +14,7 @@ import numpy as np
 from ...math.arrays import Array, IntArray
 
 SHELL_FORMAT = "plymotion shell"
-SHELL_FORMAT_VERSION = (1, 1)
+SHELL_FORMAT_VERSION = (1, 2)
 
 SHELL_RESULTANTS = ("N11", "N22", "N12", "M11", "M22", "M12", "T1", "T2")
 SHELL_MOTIONS = ("ux", "uy", "uz", "rx", "ry", "rz")
@@ -104,6 +104,7 @@ class ShellModes:
     shapes_G: Array  # (m, n, 6)                            [m, rad]
     resultants_E: Array  # (m, c, 8)                        [N/m, N]
     n_zero: int  # the first ones have no strain energy
+    error: Array | None = None  # (m,) relative, by the mesh, above 0: too high; None: not estimated
 
     @property
     def frequencies_hz(self) -> Array:
@@ -119,6 +120,7 @@ class ShellBuckling:
     factors: Array  # (b,) above 0, ascending in each case  [-]
     shapes_G: Array  # (b, n, 6), largest displacement 1     [m, rad]
     reversed: Array  # (l,) smallest factor below 0 of each case; 0: none, or not asked for [-]
+    error: Array | None = None  # (b,) relative, by the mesh, above 0: too high; None: not estimated
 
 
 @dataclass(frozen=True)

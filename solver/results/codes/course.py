@@ -46,6 +46,23 @@ LOADED_START = Code(
     "without acceleration (`smooth_step`, `ramp`); none if a sudden release is meant",
     limit=0.05,
 )
+MATERIAL_UNITS = Code(
+    "material-units",
+    "warning",
+    "modulus and density of a material do not fit together: they may be in other units than Pa and "
+    "kg/m3",
+    "sqrt(E / rho) below 20 or above 50 000 m/s; gels are slower, and materials of less than 0.001 "
+    "of the stiffness and density of others (voids) are not judged",
+    "correct the numbers: 70 GPa is 70e9, 1.6 g/cm3 is 1600",
+)
+TABLE_OVERSHOOTS = Code(
+    "table-overshoots",
+    "note",
+    "the cubic spline through the points of a table goes far beyond their values",
+    "excess above {limit:g} of the range of the values",
+    '`interpolation = "linear"` or `"pchip"`; more points',
+    limit=0.05,
+)
 LOCKED = Code(
     "mechanism-locked",
     "warning",
@@ -135,6 +152,8 @@ CODES = (
     REDUNDANT,
     SINGULAR_START,
     LOADED_START,
+    MATERIAL_UNITS,
+    TABLE_OVERSHOOTS,
     LOCKED,
     CONSTRAINT_DRIFT,
     FEEDBACK,

@@ -122,6 +122,13 @@ SHELL_CODES = (
         "use the default elements",
     ),
     _code(
+        "shell-mesh-coarse",
+        "the mesh of a shell is coarse for its load factors, or for its frequencies under load",
+        "estimated relative error of the first one above {limit:g}",
+        "use smaller cells (`refine = 1` in `[mesh]`), or the value without the error",
+        0.05,
+    ),
+    _code(
         "buckling-after-large-rotation",
         "the shell has turned far before it buckles: linear buckling assumes that it has not",
         "rotation at the first load factor above {limit:g} rad",

@@ -9,6 +9,7 @@ from ....errors import InputError, nearest
 from ..description import Region
 from ..mesh_table import ShapeMesh
 from .library import Wall, expand, shape, walls
+from .solid import few_across
 
 ALL = "all"  # every wall or region without its own table
 ADD_UP = 1e-6  # relative difference of plies and wall due to rounding
@@ -23,6 +24,7 @@ def shape_mesh(
     folder: Path,
     *,
     where: str = "mesh",
+    curved: bool = False,
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return mesh and regions of the specification.
 
@@ -35,6 +37,7 @@ def shape_mesh(
     stacks : plies of each region; a region with another error may be missing
     folder : base of relative paths
     where : key of the shape, for messages
+    curved : the beam has an initial twist or curvature
 
     Raises
     ------
@@ -68,6 +71,8 @@ def shape_mesh(
         raise InputError("\n".join(found))
     if len(expanded) < len(of_shape):  # reported elsewhere
         return {}, {}
+    if curved and "elements_3" in {p.key for p in shape(mesh.shape).parameters}:
+        few_across(values)
     layers = {
         name: [ply.get("thickness", 1.0) for ply in region["plies"]]
         for name, region in expanded.items()

@@ -20,6 +20,7 @@ COUNTS = (
 STACK = {"vector": [1.0, 0.0]}  # plies parallel to x2, the outermost on top
 
 
+THIN = 99.0  # slenderness of a rectangle that is a wall
 SLENDER = 50.0  # sides of more slender rectangles are graded to the thickness at their ends
 
 
@@ -51,6 +52,16 @@ def counts(values: Values) -> tuple[int, int]:
         for key, default in zip(("elements_2", "elements_3"), defaults, strict=True)
     )
     return n_2, n_3
+
+
+def few_across(values: dict[str, Any]) -> None:
+    """Set two elements across a thin rectangle of a twisted beam, if their number is not given.
+
+    Such a wall bends without stretching. That needs a high degree along it, and no cells across.
+    """
+    width, height = values.get("width"), values.get("height")
+    if width and height and slenderness(values) >= THIN:
+        values.setdefault("elements_3" if width > height else "elements_2", 2)
 
 
 def count(key: str, value: Any) -> int | None:

@@ -1,0 +1,135 @@
+"""Causes of the differences between our matrices of the IEA-15-240-RWT blade and those of its file.
+
+    PYTHONPATH=.:benchmarks python benchmarks/blade_trials.py IEA-15-240-RWT.yaml DIR 0.5,0.7,0.9
+
+The lay-up is changed in one respect at a time, and the stations are analysed again. Ours over
+theirs: mass, EA, EI flap and edge, GJ, shear stiffness across the webs (flapwise, K33); the
+difference of the mass centres in per cent of the chord. Stations are those of the file's matrices.
+Needs FEniCSx.
+"""
+
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import yaml
+from blade_matrices import mass_centre, numbers, theirs
+
+from plymotion.solver.__main__ import main as plymotion
+from plymotion.solver.commands.blade.station import write_station
+from plymotion.solver.commands.blade.windio import Along, Blade, Layer, read_blade
+from plymotion.solver.commands.section.results import read_results
+
+Change = Callable[[Blade], Blade]
+R = np.linspace(0.0, 1.0, 401)
+EDGE = 0.72  # [m] width of a trailing-edge reinforcement inboard
+END = 0.76  # r from which it fades in the file
+AROUND = 2.05  # arc of a thin section over its chord
+
+
+def layers(blade: Blade, words: str, change: Callable[[Layer], Layer]) -> Blade:
+    """The blade with changed layers: those of the shell or of webs whose name has the words."""
+    return replace(blade, layers=tuple(change(n) if words in n.name else n for n in blade.layers))
+
+
+def thicker(words: str, factor: float) -> Change:
+    def change(layer: Layer) -> Layer:
+        t = layer.thickness
+        return replace(layer, thickness=Along(t.grid, factor * t.values))
+
+    return lambda blade: layers(blade, words, change)
+
+
+def edge(blade: Blade) -> Blade:
+    """Reinforcements of the trailing edge at least 1 mm thick, and as wide as inboard."""
+    width = np.array([EDGE / (AROUND * blade.chord.at(r)) for r in R])
+
+    def change(layer: Layer) -> Layer:
+        thick = Along(R, np.array([max(layer.thickness.at(r), 1e-3) for r in R]))
+        start, end = (np.array([arc.at(r) for r in R]) for arc in (layer.start, layer.end))
+        out = R > END
+        end = np.where(out & (end < 0.5), np.maximum(end, width), end)
+        start = np.where(out & (start > 0.5), np.minimum(start, 1.0 - width), start)
+        return replace(layer, thickness=thick, start=Along(R, start), end=Along(R, end))
+
+    return layers(blade, "TE_reinforcement", change)
+
+
+def around(words: str) -> Change:
+    """A skin from edge to edge."""
+    ends = {key: Along(R[[0, -1]], np.full(2, arc)) for key, arc in (("start", 0.0), ("end", 1.0))}
+    return lambda blade: layers(blade, words, lambda layer: replace(layer, **ends))
+
+
+def webs_moved(blade: Blade) -> Blade:
+    """Webs 1 % of the arc nearer to the trailing edge."""
+
+    def moved(arc: Along, by: float) -> Along:
+        return Along(arc.grid, arc.values + by)
+
+    webs = (replace(w, start=moved(w.start, -0.01), end=moved(w.end, 0.01)) for w in blade.webs)
+    return replace(blade, webs=tuple(webs))
+
+
+def glue_of_glass(blade: Blade) -> Blade:
+    return replace(blade, glue="glass_triax")
+
+
+def webs(factor: float) -> list[Change]:
+    """Thicker skins of the webs."""
+    return [thicker(f"_skin{side}", factor) for side in ("LE", "TE")]
+
+
+ALL_SKINS = [around("Shell_skin"), around("Shell_skin_inner")]
+TRIALS: dict[str, list[Change]] = {
+    "as in the file": [],
+    "edge closed by triaxial glass": [glue_of_glass],
+    "half of the foam, panels and webs": [thicker("_filler", 0.5)],
+    "webs 1 % of the arc aft": [webs_moved],
+    "caps 4 % thinner": [thicker("Spar_Cap", 0.96)],
+    "reinforcement of the edge": [edge],
+    "inner skin around the edge": [around("Shell_skin_inner")],
+    "both, and the outer skin": [edge, *ALL_SKINS],
+    "the same, webs 1.3 times": [edge, *ALL_SKINS, *webs(1.3)],
+    "the same, webs 1.6 times": [edge, *ALL_SKINS, *webs(1.6)],
+}
+
+
+def main(file: Path, folder: Path, places: list[float]) -> None:
+    with file.open(encoding="utf-8") as stream:
+        table = yaml.load(stream, Loader=yaml.CSafeLoader)["components"]["blade"]
+    grid, K_theirs, M_theirs = theirs(table)
+    blade = read_blade(file)
+    jobs = []
+    for n, (trial, changes) in enumerate(TRIALS.items()):
+        changed = blade
+        for change in changes:
+            changed = change(changed)
+        for r in places:
+            name = f"t{n:02d}-r{round(1e4 * r):05d}"
+            write_station(changed, r, name, folder / "stations")
+            jobs.append((trial, r, name))
+    listed = folder / "stations" / "stations.txt"
+    listed.write_text("".join(f"{name}.toml\n" for *_, name in jobs), encoding="utf-8")
+    words = ["section", "--batch", str(listed), "--out", str(folder), "--no-estimate", "--quiet"]
+    if plymotion(words):
+        raise SystemExit("a section failed")
+    for r in places:
+        k = int(np.abs(grid - r).argmin())
+        print(f"| r = {r:g} | mass | EA | EI flap | EI edge | GJ | K33 | mass centre |")
+        print("|---|---|---|---|---|---|---|---|")
+        for trial, at, name in jobs:
+            if at != r:
+                continue
+            one = read_results(folder / name / f"{name}.vtkhdf")
+            ratios = numbers(one.K, one.M) / numbers(K_theirs[k], M_theirs[k])
+            cells = [*ratios, one.K[2, 2] / K_theirs[k][2, 2]]
+            shift = (mass_centre(one.M) - mass_centre(M_theirs[k]))[0] / blade.chord.at(r)
+            text = " | ".join(f"{x:.3f}" for x in cells)
+            print(f"| {trial} | {text} | {100.0 * shift:.1f} % |")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), Path(sys.argv[2]), [float(r) for r in sys.argv[3].split(",")])

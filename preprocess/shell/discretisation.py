@@ -1,0 +1,161 @@
+"""Estimated discretisation errors of load factors and frequencies, from a mesh of half the cells.
+
+The elements are of second order: of the difference of two meshes, a third is left in the finer one.
+On the finer mesh the known shapes are improved by a block Krylov space of few vectors, which costs
+one factorisation and a few solutions; the prestress is computed there as well.
+"""
+
+from collections.abc import Callable, Mapping
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+import scipy.sparse as sp
+
+from ...solver.math.arrays import Array
+from .. import fenicsx
+from .assembly import DOFS
+from .buckling import LoadFactors
+from .errors import ShellError
+from .finer_surface import Refined, refined
+from .prestress import Stressed
+from .problem import ShellProblem
+from .statics import solve_cases
+
+STEPS = 3  # of the Krylov space
+REST = 4.0 / 3.0  # error of the coarser mesh over the difference, second order
+MOST = 300_000  # unknowns of the finer mesh, above which there is no estimate
+DEPENDENT = 1e-13  # of the largest eigenvalue of a Gram matrix of unit vectors
+
+
+class FinerMesh:
+    """The same shell on a mesh of half the cell size, made when it is needed.
+
+    Parameters
+    ----------
+    coarse : the shell on its own mesh
+    begin : called with one line when it is made
+    """
+
+    def __init__(self, coarse: ShellProblem, begin: Callable[[str], None]) -> None:
+        self._coarse, self._begin = coarse, begin
+
+    @cached_property
+    def _refined(self) -> Refined:
+        return refined(self._coarse.mesh)
+
+    @property
+    def unknowns(self) -> int:
+        """Number of degrees of freedom of its nodes."""
+        return DOFS * self._refined.mesh.n_node
+
+    @cached_property
+    def problem(self) -> ShellProblem:
+        """Its model."""
+        coarse = self._coarse
+        self._begin(f"errors, from a mesh of half the cell size: {self.unknowns} unknowns")
+        return ShellProblem(coarse.spec, coarse.where, coarse.team, self._refined.mesh)
+
+    @cached_property
+    def stressed(self) -> Stressed:
+        """The shell with its load cases."""
+        problem, freedom = self.problem, self.problem.freedom
+        cases = problem.spec.get("loads", {})
+        forces, given = problem.loads.columns(cases, problem.where)
+        names = tuple(cases)
+        if not names:
+            return Stressed(problem, names, forces)
+        solved = solve_cases(problem.K, freedom, forces, names, problem.team, given)
+        return Stressed(problem, names, solved.displacements)
+
+    def shapes(self, coarse: Array) -> Array:
+        """Displacements (n_dof, m) of nodes and reference points from those of the coarse mesh."""
+        nodes = self._refined.from_coarse
+        n = nodes.shape[1]
+        table = coarse.reshape(-1, DOFS, coarse.shape[1])
+        fine = (nodes @ table[:n].reshape(n, -1)).reshape(-1, DOFS, coarse.shape[1])
+        return np.concatenate([fine, table[n:]]).reshape(-1, coarse.shape[1])
+
+
+def load_factor_errors(
+    finer: FinerMesh, table: Mapping[str, Any], found: Mapping[str, LoadFactors]
+) -> dict[str, Array] | None:
+    """Relative errors (m,) of load factors, above 0 if a factor is too high, by load case.
+
+    None if the finer mesh is too large, or has no stiffness left under the constant load.
+
+    Parameters
+    ----------
+    table : of `buckling`, see prestress.py
+    found : load factors and shapes of each case on the coarse mesh
+    """
+    if finer.unknowns > MOST:
+        return None
+    in_plane, freedom = table.get("in_plane", True), finer.problem.modes_freedom
+    where, errors = f"{finer.problem.where}.buckling", {}
+    try:
+        equations = _Equations(finer, table.get("constant"), f"{where}.constant", in_plane)
+    except (ShellError, fenicsx.FactorisationError):
+        return None
+    for name, factors in found.items():
+        Kg = finer.stressed.geometric(name, f"{where}.cases", in_plane)
+        mu = equations.largest(freedom.reduced(-Kg), factors.shapes)
+        errors[name] = _error(factors.values, 1.0 / mu)
+    equations.factor.close()
+    return errors
+
+
+def frequency_errors(
+    finer: FinerMesh, case: str | None, values: Array, shapes: Array
+) -> Array | None:
+    """Relative errors (m,) of frequencies [rad/s] of a supported shell under a load case.
+
+    None if the finer mesh is too large, or has buckled. `shapes` are (n_dof, m).
+    """
+    if finer.unknowns > MOST:
+        return None
+    problem = finer.problem
+    try:
+        equations = _Equations(finer, case, f"{problem.where}.frequencies.prestress")
+    except (ShellError, fenicsx.FactorisationError):
+        return None
+    mu = equations.largest(problem.modes_freedom.reduced(problem.M), shapes)
+    equations.factor.close()
+    return _error(values, 1.0 / np.sqrt(mu))
+
+
+class _Equations:
+    """G x = mu K x on the finer mesh, K the stiffness under a load case.
+
+    Raises ShellError, FactorisationError : K is not definite.
+    """
+
+    def __init__(
+        self, finer: FinerMesh, case: str | None, where: str, in_plane: bool = True
+    ) -> None:
+        self._finer, self._freedom = finer, finer.problem.modes_freedom
+        self._K = self._freedom.reduced(finer.stressed.stiffness(case, where, in_plane))
+        self.factor = fenicsx.cholesky(self._K, finer.problem.team)
+
+    def largest(self, G: sp.csr_matrix, coarse: Array) -> Array:
+        """The largest mu, (m,) descending, in the Krylov space of m coarse shapes (n_dof, m)."""
+        X, K, blocks = self._finer.shapes(coarse)[self._freedom.free], self._K, []
+        count = X.shape[1]
+        if not count:
+            return np.zeros(0)
+        for _ in range(STEPS):
+            X = self.factor.solve(np.asarray(G @ X))
+            X = X / np.sqrt(np.einsum("nm,nm->m", X, K @ X))
+            blocks.append(X)
+        S = np.concatenate(blocks, axis=1)
+        size, axes = scipy.linalg.eigh(S.T @ (K @ S))
+        kept = size > DEPENDENT * size[-1]
+        basis = S @ (axes[:, kept] / np.sqrt(size[kept]))
+        mu = scipy.linalg.eigvalsh(basis.T @ (G @ basis), basis.T @ (K @ basis))
+        return np.asarray(mu[::-1][:count])
+
+
+def _error(coarse: Array, fine: Array) -> Array:
+    difference = REST * (coarse - fine)
+    return np.asarray(difference / (coarse - difference))
