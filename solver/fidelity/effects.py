@@ -68,11 +68,11 @@ def effects(found: Response, sensors: Mapping[str, Sensor], kinds: Mapping[str, 
             for o, name in enumerate(names)
             if (kinds[name] in of if of else kinds[name] not in BY_RATES + BY_ACCELERATIONS)
         ]
-        if not wanted:
-            continue
         response, quasi = by_order[order]
         size = np.abs(response).max(axis=0, initial=0.0)
         moving = np.flatnonzero(size > 0.0)
+        if not wanted or not moving.size:
+            continue
         slopes = _slopes(found, [sensors[names[o]] for o in wanted], moving, order, size[moving])
         over_time = _interpolated(found, slopes)
         for o, slope in zip(wanted, over_time, strict=True):

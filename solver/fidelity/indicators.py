@@ -23,6 +23,7 @@ from .metrics import difference, scales
 from .model import Rich
 from .responding import linear
 from .response import response
+from .rounding import without_rounding
 from .stiffening import spins, stiffening_loss
 from .tolerance import amplified_errors
 
@@ -147,7 +148,8 @@ def _indicators(spec: RunSpec, base: Base, model: Loaded, signals: list[str]) ->
     kinds = {name: signal.kind for name, signal in wanted.items()}
     measured = sensors(built, spec.mechanism.signals, wanted=wanted)
     parts = effects(found, measured, kinds)
-    scale = scales(fidelity.metric, parts.whole)
+    whole = without_rounding(parts.whole, list(kinds.values()), built.model, found.y[0])
+    scale = scales(fidelity.metric, whole)
     stiffened = np.zeros(len(signals))
     if any(built.packages[name].second_order is not None for name in model.rich):
         again = build(linear(spec, stiffening=True), built.packages)

@@ -17,6 +17,7 @@ from ..signals import Recording
 from .metrics import difference, scales
 from .model import Rich, planned
 from .plan import Plan
+from .rounding import without_rounding
 
 
 @dataclass(frozen=True)
@@ -64,6 +65,8 @@ def tried(
     solution = finished.solution
     recording = Recording(finished.model, solution.t, solution.y)
     signals = np.array([prepared.measured[name].values(recording) for name in names])
+    kinds = [spec.mechanism.signals[name].kind for name in names]
+    signals = without_rounding(signals, kinds, finished.model, solution.y[0])
     cpu = work_s() - begin
     return Trial(plan, own, prepared, finished, signals, solution.status == "finished", cpu)
 

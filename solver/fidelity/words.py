@@ -10,15 +10,17 @@ from .answer import Answer
 from .beam_theory import beam_theory
 from .plan import Plan
 
+JOINTS = "the joints: rigid, with the friction and clearance that the case describes"
 NOT_CHECKED = (
     "the cross-sections and materials of the bodies: both packages have the same",
-    "the joints: rigid, without friction and clearance",
+    JOINTS,
     "the theory: beams and shells of small strain in both runs; geometrically exact theories "
     "may differ pointwise by more than 1e-3 in vibrating signals",
 )
 BETWEEN = (
     "the surface of shells between the nodes of mesh files: finer meshes split their flat cells"
 )
+NONE = 1e-9  # indicated cost that is not printed
 MEASURED = "bodies from files: one package, so its mesh and its modes"
 
 
@@ -27,7 +29,7 @@ def not_checked(answer: Answer) -> list[str]:
     bodies = answer.spec.mechanism.bodies
     files = [name for name in answer.plan.bodies if bodies[name].kind == "package"]
     shells = [name for name in answer.plan.bodies if bodies[name].kind == "shell"]
-    found = list(NOT_CHECKED)
+    found = list(NOT_CHECKED) if answer.plan.bodies else [JOINTS]
     if files:
         found.append(f"{MEASURED} ({', '.join(files)})")
     if shells:
@@ -111,13 +113,20 @@ def answer_text(answer: Answer) -> str:
     if answer.study.base.reason:
         lines += [f"The bodies cannot all be rigid: {answer.study.base.reason}", ""]
     lines += _model(answer.plan)
-    lines += ["", *_omissions(answer), ""]
+    if omissions := _omissions(answer):
+        lines += ["", *omissions]
+    lines.append("")
     lines += [f"{text[0].upper()}{text[1:]}." for text in theories(answer)]
     if answer.estimate is None:
         lines.append(f"Not checked{': ' + answer.reason if answer.reason else ''}.")
     else:
+        zero = dict.fromkeys(answer.names, False)
+        if answer.check is not None:
+            moves = [bool(signal.any()) for signal in answer.check.signals]
+            zero = {name: not moved for name, moved in zip(answer.names, moves, strict=True)}
         for name, value in answer.estimates.items():
-            lines.append(f"Estimated error of {name}: {value:.1e}")
+            size = ", the signal is zero" if zero[name] else ""
+            lines.append(f"Estimated error of {name}: {value:.1e}{size}")
         words = {"met": "The request is met", "not met": "The request is NOT met"}
         reason = f": {answer.reason}" if answer.reason else ""
         delivered = "check" if answer.finest is None else "run with all modes of the packages"
@@ -145,6 +154,11 @@ def answer_text(answer: Answer) -> str:
 
 
 def _model(plan: Plan) -> list[str]:
+    if not plan.bodies:
+        return [
+            "Model: all bodies are rigid, the tolerance alone is chosen",
+            f"  rtol = {plan.rtol:.2g}",
+        ]
     lines = ["Model:"]
     for name, body in plan.bodies.items():
         if body.rigid:
@@ -167,6 +181,8 @@ def _omissions(answer: Answer) -> list[str]:
     indicators, plan = answer.study.indicators, answer.plan
     static = {name: body.static > 0 for name, body in plan.bodies.items()}
     worth = indicators.worth(static)
+    if not plan.bodies:
+        return []
     lines = ["Indicated cost of what the model leaves out (of the largest value of a signal):"]
     for name, body in plan.bodies.items():
         mine = [
@@ -176,10 +192,9 @@ def _omissions(answer: Answer) -> list[str]:
             and mode.label not in body.vibrations
             and (mode.vibration or not body.static)
         ]
-        left = sorted(mine, reverse=True)[:3]
-        if left:
-            text = ", ".join(f"{label} {value:.1e}" for value, label in left)
-            lines.append(f"  {name}: {text}")
+        left = [(value, label) for value, label in sorted(mine, reverse=True)[:3] if value > NONE]
+        text = ", ".join(f"{label} {value:.1e}" for value, label in left)
+        lines.append(f"  {name}: {text or 'nothing that responds'}")
     if not plan.stiffening:
         worst = float(indicators.stiffening.max(initial=0.0))
         lines.append(f"  geometric stiffening: {worst:.1e}")

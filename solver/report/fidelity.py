@@ -85,10 +85,16 @@ def _details(story: Story) -> str:
         parts.append(_shares(found["shares"]))
     if found.get("ladder"):
         parts.append(chart(found["ladder"], story.title))
+        drawn = found["ladder"]["check"]["error"] > 0.0
+        richest = (
+            "square: the check. Errors are differences from the richest model."
+            if drawn
+            else "errors are differences from the check, which is not drawn itself. "
+            "<code>plymotion chart</code> compares it with a richer model."
+        )
         parts.append(
             "<p>Circles: models that were tried; line: their front; diamond: the chosen model, "
-            "with its estimate as a bar; square: the check, whose result is delivered. Errors are "
-            "differences from the richest run.</p>"
+            f"with its estimate as a bar; {richest}</p>"
         )
     items = "".join(f"<li>{escape(text)}</li>" for text in found["not_checked"])
     parts.append(f"<p>Not checked:</p><ul>{items}</ul>")
@@ -106,7 +112,7 @@ def _words(found: Mapping[str, Any]) -> str:
             f"From t = {found['horizon']:.4g} s on, a change of the masses by 1e-6 has grown to "
             "the accuracy: the estimate holds for this very run only."
         )
-    lines += found.get("theories", [])
+    lines += [f"{text[0].upper()}{text[1:]}." for text in found.get("theories", [])]
     return "".join(f"<p>{escape(line)}</p>" for line in lines)
 
 

@@ -1,6 +1,9 @@
 """`plymotion plan` and `plymotion run` of a case with [fidelity], with packages built here."""
 
 import json
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -11,6 +14,8 @@ from plymotion.solver.__main__ import main
 from plymotion.solver.report.build import make_report
 from plymotion.solver.results import read_result, read_summary
 from plymotion.solver.run.inputs_digest import up_to_date
+
+ROOT = Path(__file__).resolve().parent.parent.parent
 
 
 @pytest.fixture(scope="module")
@@ -70,6 +75,25 @@ def test_plan_prints_the_answer_and_run_delivers_the_check(folder, capsys):
     assert len(tried["rungs"]) >= 2
     assert tried["chosen"]["error"] <= found["estimate"]["tip"] * (1.0 + 1e-9)
     assert read_result(folder / "build/base/result.vtkhdf").t[-1] == pytest.approx(0.1)
+
+
+def test_two_processes_make_the_same_plan(folder, tmp_path):
+    """And the same estimates, to the last digit; only the times differ."""
+    found = []
+    for number in range(2):
+        out = tmp_path / str(number)
+        words = ["plan", str(folder / "case.toml"), "--out", str(out), "--json"]
+        done = subprocess.run(
+            [sys.executable, "-m", "plymotion", *words, "--packages", str(folder / "packages")],
+            env=os.environ | {"PYTHONHASHSEED": str(number), "PYTHONPATH": str(ROOT)},
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        answer = json.loads(done.stdout)
+        del answer["cpu"]
+        found.append((answer, (out / "plans/base.toml").read_text()))
+    assert found[0] == found[1]
 
 
 def test_an_edited_plan_is_checked_and_kept(folder):

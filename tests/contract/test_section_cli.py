@@ -61,7 +61,7 @@ key = "laminates.all.angles_deg"
 values = {values}
 """
 MARK = "PLYMOTION_TEST"
-MANY = 10  # sections of a batch that is stopped after the third
+MANY = 16  # sections of a batch that is stopped after the third: about 0.1 s each
 
 
 pytestmark = pytest.mark.usefixtures("fenicsx")

@@ -3,6 +3,7 @@
 import argparse
 import json
 from pathlib import Path
+from typing import Any
 
 from ...errors import InputError
 from ...fidelity.execution import answered
@@ -12,6 +13,8 @@ from ...report.fidelity import ladder_file
 from ...report.style import GREY, INK, WARNING, Canvas, colour, house_style
 from ...run.inputs_digest import plan_file
 from ..plan.command import run_file_of
+
+NAMES = 6.5  # size of the names of models [pt]
 
 
 def run_chart(options: argparse.Namespace) -> int:
@@ -36,13 +39,17 @@ def run_chart(options: argparse.Namespace) -> int:
         options.figure or plan_file(file).with_suffix(".png"),
         found,
         f"{answer.spec.case}, {answer.spec.run}: {', '.join(answer.names)}",
+        delivered=answer.finest is None,
     )
     print(f"Chart: {path}")
     return 0
 
 
-def draw_ladder(path: Path, found: Ladder, title: str) -> Path:
-    """Draw error against CPU time: all models, their front, the chosen one, the check."""
+def draw_ladder(path: Path, found: Ladder, title: str, *, delivered: bool = True) -> Path:
+    """Draw error against CPU time: all models, their front, the chosen one, the check.
+
+    `delivered` tells whether the result of the check is delivered, not that of a finer run.
+    """
     path.parent.mkdir(parents=True, exist_ok=True)
     with house_style():
         from matplotlib.ticker import LogFormatter
@@ -53,18 +60,13 @@ def draw_ladder(path: Path, found: Ladder, title: str) -> Path:
         axis.loglog(*_points(shown), "o", color=GREY, markersize=4, label="models")
         front = [rung for rung in found.front() if rung.error > 0.0]
         axis.loglog(*_points(front), "-", color=GREY, linewidth=1.0, label="front")
-        for rung in front:
-            axis.annotate(
-                rung.name, (rung.cpu, rung.error), (4, 4), textcoords="offset points", fontsize=6.5
-            )
         chosen = found.chosen
         axis.loglog(*_points([chosen]), "D", color=colour(0), markersize=8, label="chosen")
         axis.loglog(
             [chosen.cpu], [found.estimate], "_", color=colour(0), markersize=16, label="estimate"
         )
-        axis.loglog(
-            *_points([found.check]), "s", color=colour(2), markersize=8, label="check, delivered"
-        )
+        label = "check, delivered" if delivered else "check"
+        axis.loglog(*_points([found.check]), "s", color=colour(2), markersize=8, label=label)
         axis.axhline(found.asked, color=WARNING, linewidth=1.0)
         axis.text(
             0.99,
@@ -81,8 +83,27 @@ def draw_ladder(path: Path, found: Ladder, title: str) -> Path:
             along.set_minor_formatter(LogFormatter())
         axis.set(xlabel="CPU time of a run [s]", ylabel="error / largest value")
         axis.set_title(title, color=INK)
-        axis.legend(loc="upper right")
+        axis.legend(loc="lower left", markerscale=0.7)  # the front goes from upper left down
+        _name(axis, front)
         return canvas.save(path)
+
+
+def _name(axis: Any, rungs: list[Rung]) -> None:
+    """Write the names of models beside their points, as far as they do not cover each other."""
+    points = 72.0 / axis.figure.dpi
+    known: list[tuple[float, float, float]] = []
+    for rung in sorted(rungs, key=lambda rung: rung.cpu):
+        x, y = points * axis.transData.transform((rung.cpu, rung.error))
+        end = x + 0.6 * NAMES * len(rung.name)
+        if all(abs(y - height) > 1.3 * NAMES or x > last or end < at for at, last, height in known):
+            known.append((x, end, y))
+            axis.annotate(
+                rung.name,
+                (rung.cpu, rung.error),
+                (4, 4),
+                textcoords="offset points",
+                fontsize=NAMES,
+            )
 
 
 def _points(rungs: list[Rung]) -> tuple[list[float], list[float]]:
