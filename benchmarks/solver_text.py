@@ -22,8 +22,8 @@ def write_tables(found: dict[str, Any], document: Path) -> None:
     }.items():
         if found.get(name):
             text = lines(found[name])
-            machine = _machine(found.get("load", {}).get(name))
-            replace_between(document, name.replace("_", " "), [*text, "", machine])
+            on = machine(found.get("load", {}).get(name))
+            replace_between(document, name.replace("_", " "), [*text, "", on])
 
 
 def _row(cells: list[str]) -> str:
@@ -204,7 +204,7 @@ def _ensemble(found: dict[str, Any]) -> list[str]:
     return _table(["ensemble", "measured"], rows)
 
 
-def _machine(load: list[float] | None) -> str:
+def machine(load: list[float] | None) -> str:
     model = platform.machine()
     cpuinfo = Path("/proc/cpuinfo")
     if cpuinfo.exists():

@@ -28,6 +28,7 @@ from .stride_memory import StrideMemory
 CHUNK = 200 if COMPILED else 5
 MOST_KEPT = 500_000  # numbers of the steps of one call
 LOCATED, MOST_PASSES = 64, 12  # steps between looks for events; passes to locate one
+SETTLED = 1e-6  # part of a step: change of an instant that may be noise
 TROUBLE = {
     codes.NEWTON: "the Newton iteration does not converge (or constraints contradict)",
     codes.TOO_ROUGH: "the local error exceeds the tolerance",
@@ -124,8 +125,8 @@ class StepLoop(StrideMemory):
         if not keep:
             self._ends = Ends(np.empty(LOCATED), np.empty((LOCATED, self.n)))
         most, begun = min(most, LOCATED), self._mark()
-        found = -1
-        for _ in range(MOST_PASSES):
+        found, last = -1, np.inf
+        for passes_left in range(MOST_PASSES - 1, -1, -1):
             code, reached = self._call(most, times, rows, filled, self._ends)
             self._take_over(code)
             t, y = self._ends_since(begun)
@@ -134,7 +135,11 @@ class StepLoop(StrideMemory):
                 late = gap / rate if rate > 0.0 else 0.0
                 if abs(late) < NOTHING * max(1.0, abs(self.t)) or self.t < self._options.t_end:
                     break
-                at = self.t - late
+                # what Newton's iteration leaves of a step: it differs from pass to pass
+                noise = abs(late) < SETTLED * self.h and abs(late) > 0.5 * last
+                if noise or passes_left == 0:
+                    break
+                at, last = self.t - late, abs(late)
             else:
                 armed, found, at = first_crossing(self._model, t, y, self._armed)
                 if found < 0:

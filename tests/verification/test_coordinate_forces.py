@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from case_samples import rigid
 from coordinate_samples import DEFAULT, RADAU, Raw, carriage, force, prepared, run, wheel
 from scipy.special import gamma
 
@@ -209,13 +210,28 @@ def test_stick_and_slip_with_default_settings(tmp_path):
     assert summary["warnings"] == []
 
 
+def test_steep_friction_refuses_few_steps(tmp_path):
+    """At a rest velocity of 1e-8 of the motion's: each step towards the corner of the law began
+    with a length at which the last one had nearly failed.
+    """
+    steep = stick_slip("friction", rest_velocity=1e-9)
+    cost = run(tmp_path, steep, 20.0, 0.05, DEFAULT)[2]["cost"]
+    assert cost["rejected"] < 0.2 * (cost["rejected"] + cost["steps"])
+
+
 @pytest.mark.provokes("steps-refused")
 def test_friction_too_steep_for_the_tolerance_is_told(tmp_path):
-    """At a rest velocity of 1e-8 of the motion's; the remedy of the finding works."""
-    steep = stick_slip("friction", rest_velocity=1e-9)
-    summary = run(tmp_path, steep, 20.0, 0.05, DEFAULT)[2]
+    """Two pins with friction at a loose tolerance: the finding names the forces."""
+    ends = {"a": (-0.5, 0, 0), "b": (0.5, 0, 0)}
+    text = "gravity = [0.0, -9.81, 0.0]\n[ground.O]\nposition = [0.0, 0.0, 0.0]\n"
+    for k, (one, two) in enumerate((("ground.O", "rod0.a"), ("rod0.b", "rod1.a"))):
+        text += rigid(f"rod{k}", 1.0, (0.001, 0.08, 0.08), ends, position=(k + 0.5, 0, 0))
+        text += f'[joints.pin{k}]\nkind = "revolute"\nbetween = ["{one}", "{two}"]\n'
+        text += force(f"f{k}", "friction", joint=f"pin{k}", coulomb=0.5, rest_velocity=1e-3)
+    solver = 'integrator = "radau"\nrtol = 1e-3'
+    summary = run(tmp_path, text, 10.0, 0.01, solver)[2]
     (finding,) = [w for w in summary["warnings"] if w["code"] == "steps-refused"]
-    assert "for forces.f a larger rest_velocity" in finding["message"]
+    assert "for forces.f0, forces.f1 a larger rest_velocity" in finding["message"]
 
 
 def test_steady_sliding_of_the_bristle(tmp_path):

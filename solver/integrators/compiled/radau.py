@@ -36,6 +36,7 @@ from .step_control import (
     EVALUATIONS,
     FACTORISATIONS,
     GOES_ON,
+    GROWTH,
     ILL,
     JACOBIANS,
     LIMIT,
@@ -62,8 +63,12 @@ from .tableau import MU, NU, C
 
 MAX_ITERATIONS = 10
 DIVERGES = 10.0  # the second correction over the first
-# Of a step whose iteration failed: the largest that follows, and its growth with each step.
-CAUTION, RELAX = 0.8, 2.0
+# A step that the limit after a refusal allows, over the limit.
+CAUTION = 0.8
+# After a step whose iteration failed: the next attempt, and those after more failures in a row;
+# growth of the limit, which begins with one, from step to step, and the largest.
+SHORTER, MUCH_SHORTER = 0.5, 0.2
+FASTER, FASTEST = 0.1, 2.0
 # Of a step that was too rough: at h w = 1 the error of a vibration swings with its phase, and a
 # step that grows after a small one is refused. Errors far below one say that the vibration is over.
 RELAX_ROUGH, RELAX_OVER, OVER = 1.02, 1.2, 0.01
@@ -100,7 +105,7 @@ def advance(
     fixed = options.fixed_step > 0.0
     most = 2 * MAX_ITERATIONS if fixed else MAX_ITERATIONS
     tolerance = max(2e-15 / options.rtol, min(0.01, options.rtol**0.5))
-    taken, stored, ringing = 0, 0.0, False
+    taken, failures, stored, ringing = 0, 0, 0.0, False
     if w_c > 0.0:
         stored = energy(model, work, clock[TIME], workspace.y, workspace.cutoff.parts)
     while clock[TIME] < options.t_end:
@@ -225,8 +230,9 @@ def advance(
 
         if counts[TROUBLE] != NONE:
             if counts[TROUBLE] == NEWTON:
-                factor = 0.5
-                clock[LIMIT] = h
+                failures += 1
+                factor = SHORTER if failures == 1 else MUCH_SHORTER
+                clock[LIMIT], clock[GROWTH] = h * factor / CAUTION, 1.0
                 workspace.blamed[largest_component(stage, workspace.weight)] += (
                     1  # of the last correction
                 )
@@ -259,12 +265,13 @@ def advance(
             factor *= min(1.0, h / clock[TAKEN] * (clock[ERROR_LAST] / error) ** 0.25)
         limit = CAUTION * min(clock[LIMIT], clock[ROUGH])
         clock[NEXT] = min(h * max(MIN_FACTOR, min(MAX_FACTOR, factor)), limit)
-        clock[LIMIT] *= RELAX
+        clock[LIMIT] *= clock[GROWTH]
+        clock[GROWTH] = min(FASTEST, clock[GROWTH] + FASTER)
         clock[ROUGH] *= RELAX_ROUGH if error > OVER else RELAX_OVER
         clock[ERROR_LAST] = error
         count_step(clock, counts, h, t_new)
         keep_end(ends, taken, t_new, workspace.y)
-        taken += 1
+        taken, failures = taken + 1, 0
         while filled < times.shape[0] and times[filled] <= t_new:
             row = rows[filled]
             interpolate(workspace, (times[filled] - t) / h, row)

@@ -9,9 +9,9 @@ from ...math.compiled import inlined, structure
 ARRIVED, PAUSED, TOO_SMALL, NOT_FINITE, REFUSED, GOES_ON = 0, 1, 2, 3, 4, 5
 # Entries of `clock`: time, next step, last step; its error and Newton's rate of convergence; step
 # of the last iteration that failed; frequency above which errors do not count [rad/s], 0: none;
-# last step that was too rough.
+# last step that was too rough; growth of the limit with the next step, after an iteration failed.
 TIME, NEXT, TAKEN = 0, 1, 2
-ERROR_LAST, RATE, LIMIT, CUTOFF, ROUGH = 3, 4, 5, 6, 7
+ERROR_LAST, RATE, LIMIT, CUTOFF, ROUGH, GROWTH = 3, 4, 5, 6, 7, 8
 # Entries of `counts`.
 STEPS, REJECTED, EVALUATIONS, FACTORISATIONS, BAD, TROUBLE = 0, 1, 2, 3, 4, 5
 JACOBIANS = 6
