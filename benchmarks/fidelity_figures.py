@@ -34,7 +34,9 @@ def totals(scenes: Table) -> Table:
         "indicators_over_rigid_median": median(indicators),
         "planning_over_rigid_median": median(plans),  # with the rigid run and the choice
         "delivered_met": sum(bool(r["delivered"] <= r["accuracy"]) for r in requests),
-        "worse_when_tighter": worse_when_tighter(scenes),
+        "worse_when_tighter": worse_when_tighter(scenes, doubts=0.0),
+        # The error of either result is known to the doubt of the truth.
+        "worse_beyond_doubt": worse_when_tighter(scenes, doubts=2.0),
     }
 
 
@@ -55,8 +57,11 @@ def by(key: str, scenes: Table) -> dict[str, Table]:
     return found
 
 
-def worse_when_tighter(scenes: Table) -> int:
-    """Count tighter requests whose delivered result is worse and does not meet the looser one."""
+def worse_when_tighter(scenes: Table, doubts: float) -> int:
+    """Count tighter requests that are not met and whose delivered result is worse.
+
+    Worse by more than so many `doubts` of the truth of the signal.
+    """
     count = 0
     for scene in scenes.values():
         for output in {r["output"] for r in scene["requests"]}:
@@ -64,8 +69,9 @@ def worse_when_tighter(scenes: Table) -> int:
                 (r for r in scene["requests"] if r["output"] == output),
                 key=lambda r: -float(r["accuracy"]),
             )
+            least = doubts * scene["doubt"][output]
             for loose, tight in pairwise(mine):
-                worse = tight["delivered"] > loose["delivered"]
+                worse = tight["delivered"] > loose["delivered"] + least
                 count += bool(worse and tight["delivered"] > tight["accuracy"])
     return count
 

@@ -45,6 +45,24 @@ def figures(found: Table) -> list[str]:
     for key, row in {**found["outputs"], **found["accuracies"]}.items():
         counts = row["requests"], row["accepted"], row["met"], row["delivered_met"]
         lines.append(f"| {key} | {' | '.join(map(str, counts))} |")
+    costs = [found[f"{part}_median"] for part in ("indicators_over_rigid", "planning_over_rigid")]
+    lines += [
+        "",
+        f"Indicators take {costs[0]:.1f} rigid runs in the median, planning with the base motion "
+        f"and the choice {costs[1]:.1f}.",
+        f"All rounds of planning take {found['all_rounds_ratio_median']:.2f} of all modes.",
+        "A tighter request gave a worse delivered result, which misses, "
+        f"{found['worse_when_tighter']} times;",
+        f"by more than the truth can tell, {found['worse_beyond_doubt']} times.",
+        "",
+        "How far the truth can tell each signal, of its largest value:",
+        "",
+        "| scene | tip | deflection | force | moment |",
+        "|---|---|---|---|---|",
+    ]
+    for name, scene in found["scenes"].items():
+        doubts = " | ".join(f"{value:.0e}" for value in scene["doubt"].values())
+        lines.append(f"| {name} | {doubts} |")
     return lines
 
 

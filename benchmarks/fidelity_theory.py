@@ -21,9 +21,6 @@ from fidelity_scenes import HELD, SCENES
 from plymotion.solver.fidelity.execution import read_planned
 from plymotion.solver.fidelity.metrics import difference, scales
 from plymotion.solver.fidelity.procedure import checked, plan_of
-from plymotion.solver.inputs.case import load_case
-from plymotion.solver.inputs.case.specs import write_case
-from plymotion.solver.run.execution import execute, read_run
 
 THIRD = (
     "one-link", "one-link-soft", "resonance", "off-resonance", "spin-up", "spin-up-short",
@@ -114,20 +111,7 @@ def segmented(name: str, count: int) -> np.ndarray:
         **scene["solver"], "start": fidelity.START, "rtol": 1e-7, "geometric_stiffening": True
     }  # fmt: skip
     case = {**scene, "bodies": bodies, "solver": solver, "runs": {"base": {}}}
-    text, file = toml(case), folder / "signals.npz"
-    if file.is_file() and str((known := np.load(file))["case"]) == text:
-        return known["signals"]
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "case.toml").write_text(text, encoding="utf-8")
-    write_case(load_case(folder / "case.toml"), folder)
-    fidelity.packages(folder)
-    result, summary = execute(read_run(folder / "runs" / "base.json"), progress=False)
-    if not summary["completed"]:
-        raise RuntimeError(f"{name} in {count} segments stopped: {summary['message']}")
-    signals = {signal.name: signal.values for signal in result.signals}
-    found = np.array([signals[output] for output in OUTPUTS])
-    np.savez(file, signals=found, case=text)
-    return found
+    return fidelity.kept_run(folder, toml(case), f"{name} in {count} segments")
 
 
 if __name__ == "__main__":

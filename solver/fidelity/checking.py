@@ -9,9 +9,10 @@ import numpy as np
 from ..run.timing import work_s
 from .answer import Answer
 from .beyond import stopped
-from .exhausted import unseen
+from .choice import accuracy_over_rtol
+from .exhausted import power_of, unseen
 from .horizon import horizon
-from .model import check_plan
+from .model import TIGHTER, TIGHTER_AMPLIFIED, check_plan
 from .plan import Plan, outline
 from .shares import promoted, split
 from .shell_mesh import mesh_error
@@ -39,6 +40,11 @@ class Checking:
 
     def __post_init__(self) -> None:
         indicators = self.answer.study.indicators
+        signals = self.answer.spec.mechanism.signals
+        kinds = {name: signals[name].kind for name in self.answer.names}
+        by_kind, by_size = accuracy_over_rtol(indicators, kinds)
+        self.tighter = TIGHTER_AMPLIFIED if by_size > by_kind else TIGHTER
+        self.powers = np.array([power_of(kinds[name]) for name in self.answer.names])
         self.ranked = {name: indicators.ranked(name) for name in self.answer.plan.bodies}
         self._known: list[Trial] = []  # of the last split: one of them may be the next model
 
@@ -68,13 +74,17 @@ class Checking:
             self._known.append(found)
         return found
 
+    def _check_plan(self, more: int = 2) -> Plan:
+        check = self.answer.study.check
+        return check_plan(self.answer.plan, self.ranked, check, more, self.tighter)
+
     def settled(self) -> bool:
         """Run model and check; tell whether the request is met, or nothing can help."""
         answer = self.answer
         with self._timed("model"):
             answer.trial = self.run(answer.plan) or answer.trial  # the first whatever the budget
         with self._timed("check"):
-            wanted = check_plan(answer.plan, self.ranked, answer.study.check)
+            wanted = self._check_plan()
             if answer.check is None or answer.check.plan != wanted:
                 answer.check = self.run(wanted) or answer.check
         answer.rounds += 1
@@ -103,7 +113,7 @@ class Checking:
         assert answer.trial is not None
         assert answer.estimate is not None
         with self._timed("check"):
-            wanted = check_plan(answer.plan, self.ranked, answer.study.check, more=4)
+            wanted = self._check_plan(more=4)
             second = self.run(replace(wanted, rtol=0.3 * wanted.rtol))
         if second is not None and second.complete:
             answer.check = second
@@ -118,7 +128,9 @@ class Checking:
         assert answer.estimate is not None
         with self._timed("check"):
             both = answer.study.model, answer.study.check
-            more, blind = unseen(answer.check, self.ranked, both, self.metric, self.run)
+            more, blind = unseen(
+                answer.check, self.ranked, both, self.metric, self.run, self.powers
+            )
         lacking = f"no package has more vibrations ({blind})"
         if blind and more is None:
             answer.reason = f"{lacking}, and no run shows what is missing above them: the budget "

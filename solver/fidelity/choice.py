@@ -15,6 +15,9 @@ STIFFENING_SHARE = 0.25  # of the accuracy: loss from which stiffening is on
 STIFFENING_SPIN = 0.5  # of the first clamped frequency: spin from which it is on
 SHAPE_SHARE = 0.1  # of the accuracy, for static shapes that are left out
 COST = {"vibration": 1.0, "static": 1.5, "ringing": 6.0}  # of an addition, relative
+# Damped static shapes damp the vibrations that joints couple them with: a frequency changes by
+# little, but the phase by more with every period. The indicators take modes one by one.
+DAMPED_ABOVE = 3e-4
 MOTIONS = ("position", "velocity", "angular_velocity", "orientation", "joint")
 MOTION_RTOL, OTHER_RTOL = 3.0, 30.0  # accuracy over tolerance, by the kind of signal
 
@@ -37,8 +40,7 @@ def chosen(
     stiffening = bool(
         (indicators.stiffening > STIFFENING_SHARE * accuracy).any() or spin > STIFFENING_SPIN
     )
-    by = MOTION_RTOL if all(kinds[n] in MOTIONS for n in indicators.names) else OTHER_RTOL
-    by = max(by, MOTION_RTOL * float(indicators.amplified.max(initial=0.0)))
+    by = max(accuracy_over_rtol(indicators, kinds))
     rtol = min(max(accuracy / by, LEAST_RTOL), MOST_RTOL)
     plan = Plan(dict(least), stiffening, rtol)
     omitted = _omitted(indicators, plan)
@@ -54,11 +56,20 @@ def chosen(
         best = int(np.argmax(gain / np.array([COST[kind] for kind, _, _ in additions])))
         plan, loss = additions[best][1], after[best]
         omitted = _omitted(indicators, plan)
+    tight = any(kinds[name] not in MOTIONS for name in indicators.names)
     for name, body in plan.bodies.items():
         if body.static:
             count = _shapes(indicators, plan, name, rich[name], SHAPE_SHARE * accuracy)
-            plan = plan.with_body(name, static=max(count, least[name].static))
+            ringing = body.ringing or (tight and accuracy < DAMPED_ABOVE)
+            plan = plan.with_body(name, static=max(count, least[name].static), ringing=ringing)
     return plan, loss
+
+
+def accuracy_over_rtol(indicators: Indicators, kinds: Mapping[str, str]) -> tuple[float, float]:
+    """Return the accuracy over the tolerance of a plan: by the kinds of the signals, and by the
+    size of the deflections that they follow from."""
+    by = MOTION_RTOL if all(kinds[n] in MOTIONS for n in indicators.names) else OTHER_RTOL
+    return by, MOTION_RTOL * float(indicators.amplified.max(initial=0.0))
 
 
 def _additions(

@@ -24,9 +24,15 @@ class PerturbedRecording(Recording):
         super().__init__(model, t, y)
         self._given = rates, multipliers
 
-    @cached_property
-    def _along(self) -> tuple[Array, Array]:
-        return self._given
+    @property
+    def rates(self) -> Array:
+        """The given rates (k, n)."""
+        return self._given[0]
+
+    @property
+    def multipliers(self) -> Array:
+        """The given multipliers (k, n_c)."""
+        return self._given[1]
 
 
 @dataclass(frozen=True)
@@ -60,18 +66,24 @@ def effects(found: Response, sensors: Mapping[str, Sensor], kinds: Mapping[str, 
     plain = _recording(found, np.arange(k, dtype=np.int64))
     for o, name in enumerate(names):
         base[o] = sensors[name].values(plain)
-    eta_v = np.gradient(eta, found.t, axis=0) if k > 1 else np.zeros_like(eta)
-    by_order = ((q, eta), (v, eta_v), (a, np.zeros_like(a)))
+    nothing = np.zeros_like(eta)
+    by_order = (
+        lambda: (q, eta),
+        lambda: (v, np.gradient(eta, found.t, axis=0) if k > 1 else nothing),
+        lambda: (a, nothing),
+    )
     for order, of in enumerate(((), BY_RATES, BY_ACCELERATIONS)):
         wanted = [
             o
             for o, name in enumerate(names)
             if (kinds[name] in of if of else kinds[name] not in BY_RATES + BY_ACCELERATIONS)
         ]
-        response, quasi = by_order[order]
+        if not wanted:
+            continue
+        response, quasi = by_order[order]()
         size = np.abs(response).max(axis=0, initial=0.0)
         moving = np.flatnonzero(size > 0.0)
-        if not wanted or not moving.size:
+        if not moving.size:
             continue
         slopes = _slopes(found, [sensors[names[o]] for o in wanted], moving, order, size[moving])
         over_time = _interpolated(found, slopes)

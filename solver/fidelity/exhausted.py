@@ -8,7 +8,7 @@ contributions decrease with a power p of the number of a vibration, those above 
     (sum over j > n of j^-p) / (sum over m < j <= n of j^-p)
 
 of this difference. Contributions to forces under loads that jump decrease with p = 2, those to
-motions under smooth loads with p = 4 and more. The estimate takes p = 3.
+motions under smooth loads with p = 4 and more. The estimate takes p = 3, and 2.5 for joint forces.
 """
 
 from collections.abc import Callable, Mapping
@@ -20,7 +20,12 @@ from .model import Rich, vibration_labels
 from .plan import Plan, kind_of
 from .trial import Trial, distance
 
-POWER = 3.0
+POWER, POWER_OF_REACTIONS = 3.0, 2.5
+
+
+def power_of(kind: str) -> float:
+    """Return the power by which contributions of vibrations to a kind of signal decrease."""
+    return POWER_OF_REACTIONS if kind == "reaction" else POWER
 
 
 def exhausted(
@@ -49,6 +54,7 @@ def unseen(
     packages: tuple[Mapping[str, Rich], Mapping[str, Rich]],
     metric: str,
     run: Callable[[Plan], Trial | None],
+    powers: Array,
 ) -> tuple[Array | None, str]:
     """Return what vibrations above those of the packages contribute to the signals (o,), and where.
 
@@ -57,15 +63,17 @@ def unseen(
     Parameters
     ----------
     packages : rich packages of the model and of the check, by body
+    powers : (o,) of the number of a vibration, by which its contribution decreases
     """
     model, finer = ({n: vibration_labels(r.package) for n, r in p.items()} for p in packages)
     kinds = exhausted(check.plan, ranked, finer)
-    poor, share = check.plan, 0.0
+    poor, share = check.plan, np.zeros(len(powers))
     for name, these in kinds.items():
         if len(model[name]) < len(finer[name]):
             poor = poor.with_body(name, mesh="model")
             counts = [[_count(labels[name], kind) for labels in (model, finer)] for kind in these]
-            share = max([share, *(tail(m, n) for m, n in counts)])
+            for m, n in counts:
+                share = np.maximum(share, [tail(m, n, p) for p in powers])
     if poor == check.plan:
         return None, ""
     words = ", ".join(f"{' and '.join(these)} of {name}" for name, these in kinds.items())
@@ -73,10 +81,10 @@ def unseen(
     return (None if other is None else share * distance(metric, other, check)), words
 
 
-def tail(m: int, n: int) -> float:
+def tail(m: int, n: int, power: float = POWER) -> float:
     """Return the contribution of vibrations above n, over that of m + 1 to n."""
-    known = float((np.arange(m + 1, n + 1) ** -POWER).sum())
-    return (n + 0.5) ** (1.0 - POWER) / (POWER - 1.0) / known if known else 0.0
+    known = float((np.arange(m + 1, n + 1) ** -power).sum())
+    return (n + 0.5) ** (1.0 - power) / (power - 1.0) / known if known else 0.0
 
 
 def _count(labels: tuple[str, ...], kind: str) -> int:

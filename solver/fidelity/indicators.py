@@ -10,7 +10,6 @@ from functools import cached_property
 import numpy as np
 
 from ..math.arrays import Array
-from ..mechanism import build
 from ..package import ModalPackage
 from ..package.body.selection import vibrations
 from ..run.outcome import RunSpec
@@ -21,7 +20,6 @@ from .effects import Effects, effects
 from .loaded import Loaded, fixed_packages, loaded
 from .metrics import difference, scales
 from .model import Rich
-from .responding import linear
 from .response import response
 from .rounding import without_rounding
 from .stiffening import spins, stiffening_loss
@@ -151,8 +149,8 @@ def _indicators(spec: RunSpec, base: Base, model: Loaded, signals: list[str]) ->
     whole = without_rounding(parts.whole, list(kinds.values()), built.model, found.y[0])
     scale = scales(fidelity.metric, whole)
     stiffened = np.zeros(len(signals))
-    if any(built.packages[name].second_order is not None for name in model.rich):
-        again = build(linear(spec, stiffening=True), built.packages)
+    again = model.stiffened
+    if again is not None:
         second = sensors(again, spec.mechanism.signals, wanted=wanted)
         lost = stiffening_loss(found, again, measured, second, parts)
         stiffened = np.abs(lost).max(axis=1) / scale

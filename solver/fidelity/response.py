@@ -21,13 +21,20 @@ from ..dynamics.residual import residuals
 from ..math.arrays import Array, IntArray
 from .base import Base
 from .newmark import newmark
+from .ringing import ringing
 
-SAMPLES = 32  # output times at which masses and sensitivities are computed
+LEAST_SAMPLES, MOST_SAMPLES = 12, 32  # output times of masses and sensitivities
+TURN = 0.3  # of a body between them, in the mean [rad]
 
 
 def samples(base: Base) -> IntArray:
-    """Return SAMPLES output times (s,) in equal steps."""
-    return np.unique(np.linspace(0, len(base.t) - 1, SAMPLES).astype(np.int64))
+    """Return output times (s,) in equal steps, the more the further a body turns."""
+    model, turned = base.model, 0.0
+    for first in (model.n_pos + model.vel_start + 3).tolist():
+        speed = np.linalg.norm(base.y[:, first : first + 3], axis=1)
+        turned = max(turned, float(np.trapezoid(speed, base.t)))
+    count = 1 + int(np.clip(np.ceil(turned / TURN), LEAST_SAMPLES - 1, MOST_SAMPLES - 1))
+    return np.unique(np.linspace(0, len(base.t) - 1, count).astype(np.int64))
 
 
 def embedded(base: Base, model: Model) -> tuple[Array, Array]:
@@ -134,8 +141,15 @@ class Response:
 
         From rest, undeformed or (`deformed`) in the quasi-static shape.
         """
-        start = self.eta[0] if self.deformed else None
-        return newmark(self.t, self.p, self._blocks[0], self.at, self.K, self.D, start)
+        t, masses = self.t, self._blocks[0]
+        if not (self.deformed and self.p.size and len(t) > 2):
+            start = self.eta[0] if self.deformed else None
+            return newmark(t, self.p, masses, self.at, self.K, self.D, start)
+        moving = np.gradient(self.eta[:3], t[:3], axis=0, edge_order=2)[0]
+        rings = ringing(masses[0], self.K, self.D, moving, float(t[1] - t[0]))
+        smooth = newmark(t, self.p, masses, self.at, self.K, self.D, self.eta[0], rings.rate)
+        q, v, a = (one + two for one, two in zip(smooth, rings.history(t - t[0]), strict=True))
+        return q, v, a
 
 
 def _solved(A: Array, b: Array, *, regular: bool) -> Array:

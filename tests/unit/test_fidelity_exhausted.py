@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from plymotion.solver.fidelity.exhausted import POWER, exhausted, tail
+from plymotion.solver.fidelity.exhausted import exhausted, power_of, tail
 from plymotion.solver.fidelity.plan import BodyPlan, Plan, outline
 
 RANKED = {"arm": ("bending-xy 1", "bending-xy 2", "axial 1")}
@@ -29,9 +29,10 @@ def test_kinds_that_do_not_respond_are_left_out():
 
 
 @pytest.mark.parametrize(("m", "n"), [(4, 6), (2, 3), (4, 12)])
-def test_the_tail_of_contributions_that_decrease_with_the_power(m, n):
-    c = np.arange(1, 200001) ** -POWER
-    assert tail(m, n) == pytest.approx(c[n:].sum() / c[m:n].sum(), rel=2e-2)
+@pytest.mark.parametrize("kind", ["deflection", "reaction"])
+def test_the_tail_of_contributions_that_decrease_with_the_power(m, n, kind):
+    c = np.arange(1, 200001) ** -power_of(kind)
+    assert tail(m, n, power_of(kind)) == pytest.approx(c[n:].sum() / c[m:n].sum(), rel=2e-2)
 
 
 def test_no_tail_without_a_vibration_to_compare_with():
