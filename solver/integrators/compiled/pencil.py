@@ -1,7 +1,8 @@
 """Newton's matrix of an implicit step, with the structure of a mechanism.
 
 Of the derivatives of the equations only what can be stiff is kept: stiffness K and damping D of
-the modes, and those of the force elements, sum g'(k + s c) g. With a rate of s per change
+the modes, that of rotations by forces of joints (tension.py) in K, and those of the force
+elements, sum g'(k + s c) g. With a rate of s per change
 (s = gamma / h, real or complex), a change x of positions along the velocity coordinates, delta v
 of velocities and mu of multipliers answers residuals
 
