@@ -47,7 +47,11 @@ def mode_findings(run: FinishedRun) -> Iterator[Finding]:
     family has most, and its largest kinetic energy, both over the largest strain energy of the
     body. What a load strains slowly is complete with the static shapes of that load. So if there
     are such shapes at all loaded places, only the kinetic energy counts.
+
+    None of a run with `[fidelity]`: its estimated errors tell what other modes would change.
     """
+    if run.mechanism.fidelity is not None:
+        return
     for i, name in enumerate(run.built.body_names):
         if run.model.n_mode[i] < 2:
             continue

@@ -10,8 +10,8 @@ import numpy as np
 from ..dynamics import series
 from ..dynamics.assembly import assemble_model
 from ..dynamics.bodies.marker import single_motion
-from ..dynamics.coordinates import moved, position_rates
-from ..dynamics.dense_equations import assemble, energies
+from ..dynamics.coordinates import move_rows, moved, position_rates
+from ..dynamics.dense_equations import assemble, energies, masses_and_jacobians
 from ..dynamics.derivative import derivative
 from ..dynamics.evaluation import measure_into, reads_reactions
 from ..dynamics.forces.table import KINDS as FORCE_KINDS
@@ -21,9 +21,11 @@ from ..dynamics.laws import law_at
 from ..dynamics.least_energy import least_energy
 from ..dynamics.model import Model, state_size
 from ..dynamics.projection import projected
+from ..dynamics.residual import residuals
 from ..dynamics.singular_value import difference, new_spectrum
 from ..dynamics.tables import ForceTable, JointTable, MarkerTable, rigid_body
 from ..dynamics.workspace import spare_work
+from ..fidelity.newmark import newmark
 from ..inputs.case.sources import solver_sha256
 from ..integrators.closures import right_hand_side
 from ..integrators.compiled.pencil import factorise_pencil, new_frozen, new_pencil, solve_pencil
@@ -46,7 +48,7 @@ def compile_ahead(*, everything: bool = False) -> str:
     """Call every function that runs of `radau` and the explicit methods need; say what was done.
 
     In two processes, which share what they have compiled by way of the cache. `everything`:
-    generalized-alpha as well.
+    generalized-alpha and planning as well.
     """
     if not COMPILED:
         return "Numba is not used: runs take plain NumPy"
@@ -56,7 +58,7 @@ def compile_ahead(*, everything: bool = False) -> str:
         (_compile_radau, _compile_others),
     ]
     if everything:
-        rounds.append((_compile_alpha,))
+        rounds.append((_compile_alpha, _compile_planning))
     made, kept = 0, True
     with ProcessPoolExecutor(2, get_context("spawn")) as pool:
         for parts in rounds:
@@ -114,6 +116,17 @@ def _compile_radau() -> None:
 
 def _compile_alpha() -> None:
     _step_loop(GeneralizedAlpha)
+
+
+def _compile_planning() -> None:
+    """What plans of [fidelity] and checks call outside of runs."""
+    model, y = _hinge()
+    n, t = model.n_vel, np.arange(2.0)
+    states, zero = np.tile(y, (2, 1)), np.zeros((2, n))
+    residuals(model, t, states, zero, np.zeros((2, model.n_constraint)))
+    M, _ = masses_and_jacobians(model, t, states)
+    move_rows(model, states, zero)
+    newmark(t, zero, M, np.arange(2), np.eye(n), np.eye(n), None)
 
 
 def _step_loop(kind: type[StepLoop]) -> None:

@@ -118,3 +118,17 @@ def test_a_run_compiles_nothing(name, found):
     assert not missed, missed
     assert loaded > 5
     assert not numba  # not even imported
+
+
+def test_planning_compiles_nothing(ahead, repository):
+    """A plan of [fidelity], and its checks."""
+    words = _python(
+        "import sys; sys.path[:0] = sys.argv[1:]\n"
+        "from fidelity_samples import pendulum, planned_run\n"
+        "from plymotion.solver.fidelity.procedure import checked, plan_of\n"
+        "from plymotion.solver.math.compiled import statistics\n"
+        "table = pendulum(t_end=0.1)\n"
+        "print(checked(plan_of(*planned_run(table, 'soft'))).verdict, statistics.compiled)\n",
+        str(repository / "tests"),
+    )
+    assert words.split() == ["met", "[]"], words

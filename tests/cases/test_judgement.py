@@ -13,7 +13,10 @@ from stiffening_samples import rectangle
 
 from plymotion.preprocess.beam.body import mode_warnings
 from plymotion.preprocess.beam.line import straight_line
+from plymotion.solver.checks.modes import mode_findings
 from plymotion.solver.run.execution import execute, read_run
+from plymotion.solver.run.integration import integrated
+from plymotion.solver.run.preparation import prepare
 
 PENDULUM = (
     "gravity = [0.0, -9.81, 0.0]\n"
@@ -196,6 +199,17 @@ def test_two_vibration_modes_for_a_force_at_the_tip(tmp_path):
     assert 0.02 < found.finding("modes-too-few")["value"] < 0.05
     four = judged(tmp_path, load, {"column": column(4, tip=False).package}, **RADAU)
     assert "modes-too-few" not in four.codes
+
+
+def test_modes_of_a_planned_run_are_judged_by_its_estimate(tmp_path):
+    """`[fidelity]` chooses the modes: to take more of them is no advice there."""
+    load = pushed([0, 1.0, 0], 0.2 * BEND)
+    judged(tmp_path, load, {"column": column(2, tip=False).package}, **RADAU)
+    spec = read_run(tmp_path / "build/runs/judged.json")
+    plain = integrated(prepare(spec.mechanism, spec.packages))
+    assert len(list(mode_findings(plain))) == 1
+    asked = spec.changed({"fidelity": {"accuracy": 0.1}}).mechanism
+    assert not list(mode_findings(dataclasses.replace(plain, mechanism=asked)))
 
 
 def test_static_shapes_where_the_force_acts_complete_two_vibration_modes(tmp_path):

@@ -88,7 +88,7 @@ def test_the_base_motion_leaves_no_loads_on_the_frames() -> None:
 
 
 def test_an_impossible_request_is_refused_with_a_result() -> None:
-    table = pendulum(t_end=0.1, signals=["force"], accuracy=1e-7, budget=1.0)
+    table = pendulum(t_end=0.02, signals=["force"], accuracy=1e-7, budget=1.0)
     answer = checked(plan_of(*planned_run(table, "soft")))
     assert answer.verdict == "not met"
     assert answer.reason
