@@ -12,7 +12,7 @@ from .beyond import stopped
 from .choice import accuracy_over_rtol
 from .exhausted import power_of, unseen
 from .horizon import horizon
-from .model import TIGHTER, TIGHTER_AMPLIFIED, check_plan
+from .model import STATIC, TIGHTER, TIGHTER_AMPLIFIED, check_plan
 from .plan import Plan, outline
 from .shares import promoted, split
 from .shell_mesh import mesh_error
@@ -73,6 +73,20 @@ class Checking:
             answer.tried.append((outline(plan), found.cpu, found.signals))
             self._known.append(found)
         return found
+
+    def assemble(self) -> None:
+        """Give flexible bodies static shapes if the model of the plan cannot be assembled.
+
+        A quasi-static start under large loads needs them, whatever they contribute to the signals.
+        """
+        answer = self.answer
+        with self._timed("model"):
+            if self.run(answer.plan) is None:
+                bodies = {
+                    name: body if body.rigid else replace(body, static=max(body.static, STATIC))
+                    for name, body in answer.plan.bodies.items()
+                }
+                answer.plan = replace(answer.plan, bodies=bodies)
 
     def _check_plan(self, more: int = 2) -> Plan:
         check = self.answer.study.check

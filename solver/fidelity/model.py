@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from ..inputs.case.schema import Mechanism
 
 DAMPED = 0.2  # damping ratio of static shapes that do not ring: 1 would lag behind their loads
+STATIC = 6  # static shapes of a body where a model without them cannot be assembled
 TIGHT = 3e-5  # tolerance of a check at most
 TIGHTEST = 2.5e-10
 # So many times below that of the model. With 4, both runs missed the same high vibrations: joint

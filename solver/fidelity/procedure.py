@@ -11,6 +11,7 @@ from .beyond import beyond_theory
 from .checking import Checking
 from .choice import chosen
 from .indicators import study
+from .model import STATIC
 from .plan import BodyPlan
 
 RUNS = ("model", "check", "split")  # what planning spends time on, after the plan
@@ -48,7 +49,7 @@ def plan_of(spec: RunSpec, check: Mapping[str, ModalPackage]) -> Answer:
         for name in names:
             rows = vibrations(spec.packages[name])[:1]
             labels = tuple(spec.packages[name].mode_labels[i] for i in rows.tolist())
-            least[name] = BodyPlan(labels, 6)
+            least[name] = BodyPlan(labels, STATIC)
     plan, losses = chosen(found.indicators, found.model, fidelity.accuracy, kinds, least)
     cpu = {**found.cpu, "plan": work_s() - begin, **dict.fromkeys(RUNS, 0.0)}
     return Answer(spec, signals, found, plan, losses, cpu)
@@ -63,6 +64,8 @@ def checked(answer: Answer, *, promote: bool = True) -> Answer:
     assert fidelity is not None
     budget = fidelity.budget - sum(answer.cpu.values())
     checking = Checking(answer, fidelity.accuracy, fidelity.metric, budget)
+    if promote:
+        checking.assemble()
     while not checking.settled():
         if checking.left() <= 0.0:
             answer.reason += "; the budget is used up"

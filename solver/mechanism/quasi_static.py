@@ -18,6 +18,7 @@ from ..math.arrays import Array
 from .initial import Start, consistent_state
 
 _TOLERANCE = 1e-8  # of the change of the shapes, in the norm of the strain energy
+_DIVERGED = 1e8  # energy of a change, of that of the first
 _NOTHING = 1e-20  # strain energy over that of the first change that is round-off
 _MAX_ITERATIONS = 40
 
@@ -46,6 +47,8 @@ def quasi_static_state(
         first = first or float(energies.sum())
         if not np.isfinite(first) or energies.sum() <= _NOTHING * first:
             break
+        if not energies.sum() < _DIVERGED * first:
+            raise _not_converged(body_names, energies)
         y = y.copy()
         whole = 0.0
         for i, change in enumerate(changes):
@@ -56,13 +59,17 @@ def quasi_static_state(
         if energies.sum() <= _TOLERANCE**2 * whole:
             break
     else:
-        worst = [name for name, e in zip(body_names, energies, strict=False) if e == energies.max()]
-        raise InputError(
-            f'solver.start = "quasi-static": the shape of {few(worst)} does not converge: its '
-            "loads at t = 0 grow with its deformation, or the mechanism cannot move with rigid "
-            'bodies. Expected start = "positions" or "equilibrium" here'
-        )
+        raise _not_converged(body_names, energies)
     return y
+
+
+def _not_converged(body_names: list[str], energies: Array) -> InputError:
+    worst = [name for name, e in zip(body_names, energies, strict=False) if e == energies.max()]
+    return InputError(
+        f'solver.start = "quasi-static": the shape of {few(worst)} does not converge: its '
+        "loads at t = 0 grow with its deformation, or the mechanism cannot move with rigid "
+        'bodies. Expected start = "positions" or "equilibrium" here'
+    )
 
 
 def _energy(model: Model, body: int, q: Array) -> float:

@@ -1,5 +1,6 @@
 """Plans: rigid where that is enough, flexible where it is not, and checked by a richer run."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -11,6 +12,7 @@ from plymotion.solver.fidelity.checking import Checking
 from plymotion.solver.fidelity.horizon import horizon
 from plymotion.solver.fidelity.metrics import difference, scales
 from plymotion.solver.fidelity.model import Rich
+from plymotion.solver.fidelity.plan import BodyPlan
 from plymotion.solver.fidelity.procedure import checked, plan_of
 from plymotion.solver.fidelity.response import modal_loads
 from plymotion.solver.fidelity.words import answer_text, entry
@@ -97,6 +99,22 @@ def test_an_impossible_request_is_refused_with_a_result() -> None:
     assert found["verdict"] == "not met"
     assert "The request is NOT met" in answer_text(answer)
     assert "bound" not in answer_text(answer)
+
+
+def test_a_model_that_cannot_start_gets_static_shapes() -> None:
+    """At 100 rad/s two bending modes and stiffening have no quasi-static shape of the start."""
+    table = pendulum(t_end=0.02, signals=["force"], accuracy=0.1)
+    table["joints"]["hinge0"]["drive"] = {"speed": 100.0}
+    table["bodies"]["link0"]["angular_velocity"] = [0.0, 0.0, 100.0]
+    table["solver"]["start"] = "quasi-static"
+    answer = plan_of(*planned_run(table, "stiff"))
+    few = {"link0": BodyPlan(("bending-xy 1", "bending-xy 2"))}
+    answer.plan = replace(answer.plan, bodies=few, stiffening=True)
+    kept = checked(replace(answer), promote=False)  # as a plan that the user has edited
+    assert kept.verdict == "not met"
+    assert "cannot be assembled" in kept.reason
+    assert checked(answer).verdict == "met"
+    assert answer.plan.bodies["link0"].static > 0
 
 
 def test_loading_compiled_functions_takes_nothing_from_the_budget(
