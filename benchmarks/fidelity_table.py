@@ -51,9 +51,9 @@ def figures(found: Table) -> list[str]:
         f"Indicators take {costs[0]:.1f} rigid runs in the median, planning with the base motion "
         f"and the choice {costs[1]:.1f}.",
         f"All rounds of planning take {found['all_rounds_ratio_median']:.2f} of all modes.",
-        "A tighter request gave a worse delivered result, which misses, "
-        f"{found['worse_when_tighter']} times;",
-        f"by more than the truth can tell, {found['worse_beyond_doubt']} times.",
+        f"In {found['worse_when_tighter']} pairs of requests the tighter one misses with a larger "
+        "error than the other;",
+        f"in {found['worse_beyond_doubt']} of them the difference is more than the truth can tell.",
         "",
         "How far the truth can tell each signal, of its largest value:",
         "",
