@@ -24,7 +24,7 @@ from plymotion.solver.fidelity.procedure import checked, plan_of
 
 THIRD = (
     "one-link", "one-link-soft", "resonance", "off-resonance", "spin-up", "spin-up-short",
-    "pendulum-aluminium",
+    "pendulum-aluminium", "pendulum-steel",
 )  # fmt: skip
 ACCURACIES = (1e-1, 1e-2, 1e-3)
 SEGMENTS = 16
