@@ -1,8 +1,7 @@
 """Newton's matrix of an implicit step, with the structure of a mechanism.
 
 Of the derivatives of the equations only what can be stiff is kept: stiffness K and damping D of
-the modes, that of rotations by forces of joints (tension.py) in K, and those of the force
-elements, sum g'(k + s c) g. With a rate of s per change
+the modes, and those of the force elements, sum g'(k + s c) g. With a rate of s per change
 (s = gamma / h, real or complex), a change x of positions along the velocity coordinates, delta v
 of velocities and mu of multipliers answers residuals
 
@@ -47,7 +46,6 @@ from .feedback import (
     new_answers,
     new_feedback,
 )
-from .tension import add_tension, freeze_tension
 
 NOTHING = 1e-100  # of stiffness and damping: an element that holds nothing in a direction
 
@@ -81,7 +79,6 @@ class Frozen(NamedTuple):
     auxiliary: Array  # (na,) derivatives of the rates of auxiliary states by themselves [1/s]
     coupled: Array  # (n, 3) of forces with states of their own (coupled_states.py)
     feedback: Feedback
-    tension: Array  # (nb, 6, 3) of rotations by forces of joints [N m/rad], memory (tension.py)
 
 
 def new_pencil(model: Model, one: Any) -> Pencil:
@@ -116,7 +113,6 @@ def new_frozen(model: Model) -> Frozen:
         np.zeros(model.n_aux),
         np.zeros((model.quantities.coupled_force.shape[0], 3)),
         new_feedback(model),
-        np.zeros((nb, 6, 3)),
     )
     place_added_rows(model, frozen.J)
     return frozen
@@ -138,7 +134,6 @@ def freeze(model: Model, work: Work, t: float, y: Array, frozen: Frozen) -> None
                 J_0[a, p] = J[a, p]
         for k in range(4):
             frozen.p[i, k] = y[model.pos_start[i] + 3 + k]
-    freeze_tension(model, work, y, frozen.tension)
     if plan.element_row.shape[0] > 0:
         freeze_elements(model, work, frozen.stiffness, frozen.damping, frozen.J)
     if model.n_aux > 0:
@@ -178,7 +173,6 @@ def _factorise(
             for b in range(0 if plan.lead[i] > 6 else a, a + 1):
                 k = two + a * m + b
                 L[6 + a, 6 + b] += stiffness * model.K_qq[k] + damping * model.D_qq[k]
-        add_tension(frozen.tension[i], M, abs(mass / stiffness), stiffness, L)
         add_inertia(model, i, mass, L, softness)
     fed = mass + 2.0 * model.alpha * damping + model.beta**2 * stiffness
     for k in range(n_c):
