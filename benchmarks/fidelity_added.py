@@ -9,7 +9,18 @@ beyond its points after the push; tables of loads are straight lines now (docs/a
 
 from math import acos, atan2, cos, degrees, hypot, pi, sin
 
-from fidelity_parts import CARBON, FLAT, Table, Z, beam, case, signals
+from fidelity_parts import (
+    CARBON,
+    FLAT,
+    Table,
+    Z,
+    arm_with_wrist,
+    beam,
+    case,
+    revolute,
+    signals,
+    universal,
+)
 
 INERTIA = [[1e-4, 0.0, 0.0], [0.0, 1e-3, 0.0], [0.0, 0.0, 1e-3]]
 CROSS_PLY = [0.0, 90.0, 0.0, 0.0, 0.0, 0.0, 90.0, 0.0]
@@ -56,20 +67,10 @@ def four_bar(speed: float = 20.0, t_end: float = 0.35) -> Table:
         "rocker": beam(rocker, [ground, 0.0, 0.0], soft=True, turned_deg=of_rocker),
     }
     joints = {
-        "motor": {
-            "kind": "revolute",
-            "between": ["ground.origin", "crank.root"],
-            "axis": Z,
-            "drive": {"speed": speed},
-        },
+        "motor": revolute("ground.origin", "crank.root", drive={"speed": speed}),
         "near": {"kind": "spherical", "between": ["crank.tip", "coupler.root"]},
-        "far": {
-            "kind": "universal",
-            "between": ["coupler.tip", "rocker.tip"],
-            "axis": Z,
-            "axis_2": [0.0, 1.0, 0.0],
-        },
-        "pivot": {"kind": "revolute", "between": ["ground.pivot", "rocker.root"], "axis": Z},
+        "far": universal("coupler.tip", "rocker.tip"),
+        "pivot": revolute("ground.pivot", "rocker.root"),
     }
     found = signals("coupler", "motor", "coupler")
     found["tip"]["at"] = found["deflection"]["at"] = "coupler.mid"
@@ -104,12 +105,7 @@ def blade_pulse(
         "blade": beam(length, [offset, 0.0, 0.0], material="carbon", angle=0.0),
     }
     joints = {
-        "axis": {
-            "kind": "revolute",
-            "between": ["ground.axis", "hub.axis"],
-            "axis": Z,
-            "drive": {"speed": speed},
-        },
+        "axis": revolute("ground.axis", "hub.axis", drive={"speed": speed}),
         "clamp": {"kind": "fixed", "between": ["hub.rim", "blade.root"]},
     }
     found = signals("blade", "clamp", "blade", "z")
@@ -125,30 +121,7 @@ def blade_pulse(
 
 def arm_box(speed: float = 3.0, t_end: float = 0.6, mass: float = 0.6) -> Table:
     """An arm of a box whose lay-up couples bending and twist, with a wrist that swings."""
-    inertia = [[1e-3, 0.0, 0.0], [0.0, 1e-3, 0.0], [0.0, 0.0, 1e-3]]
-    bodies = {
-        "upper": described(0.6, [0.0, 0.0, 0.0]),
-        "lower": {
-            "kind": "rigid",
-            "mass": mass,
-            "centre": [0.15, 0.0, 0.0],
-            "inertia": inertia,
-            "position": [0.6, 0.0, 0.0],
-            "interfaces": {"root": ORIGIN, "tip": {"position": [0.3, 0.0, 0.0]}},
-        },
-    }
-    joints = {
-        "shoulder": {
-            "kind": "revolute",
-            "between": ["ground.origin", "upper.root"],
-            "axis": [0.0, 1.0, 0.0],
-            "drive": {"polynomial": [0.0, 0.0, speed / (2 * t_end)]},
-        },
-        "wrist": {"kind": "revolute", "between": ["upper.tip", "lower.root"], "axis": Z},
-    }
-    found = signals("lower", "shoulder", "upper", "z")
-    found["moment"]["component"] = "M2"
-    made = case(bodies, joints, found, t_end, ground={"origin": ORIGIN})
+    made = arm_with_wrist(described(0.6, [0.0, 0.0, 0.0]), 0.3, speed, t_end, mass)
     box = {"shape": "box", "width": 0.03, "height": 0.012}
     made["sections"] = {"laminate": laminated(box, [20.0, 20.0, 20.0, 20.0], 0.127e-3)}
     return made

@@ -55,6 +55,16 @@ def beam(
     return body
 
 
+def revolute(one: str, two: str, axis: list[float] = Z, **more: Any) -> Table:
+    """A revolute joint between two interfaces; `more` may have its drive."""
+    return {"kind": "revolute", "between": [one, two], "axis": axis, **more}
+
+
+def universal(one: str, two: str) -> Table:
+    """A universal joint with one axis across the plane of motion, which closes a planar loop."""
+    return {"kind": "universal", "between": [one, two], "axis": Z, "axis_2": [0.0, 1.0, 0.0]}
+
+
 def signals(last: str, joint: str, first: str, plane: str = "y") -> dict[str, Table]:
     """The four kinds of output: tip, own deflection, joint force, moment in the first body."""
     return {
@@ -85,3 +95,28 @@ def case(bodies: Table, joints: Table, found: Table, t_end: float, **more: Any) 
         "solver": {"t_end": t_end, "output_step": t_end / 500.0},
         **more,
     }
+
+
+def arm_with_wrist(upper: Table, hand: float, speed: float, t_end: float, mass: float) -> Table:
+    """An arm in space: its upper link turns about an axis across it while a rigid hand swings."""
+    inertia = [[1e-3, 0.0, 0.0], [0.0, 1e-3, 0.0], [0.0, 0.0, 1e-3]]
+    origin = {"position": [0.0, 0.0, 0.0]}
+    bodies = {
+        "upper": upper,
+        "lower": {
+            "kind": "rigid",
+            "mass": mass,
+            "centre": [hand / 2.0, 0.0, 0.0],
+            "inertia": inertia,
+            "position": [upper["length"], 0.0, 0.0],
+            "interfaces": {"root": origin, "tip": {"position": [hand, 0.0, 0.0]}},
+        },
+    }
+    drive = {"polynomial": [0.0, 0.0, speed / (2 * t_end)]}
+    joints = {
+        "shoulder": revolute("ground.origin", "upper.root", [0.0, 1.0, 0.0], drive=drive),
+        "wrist": revolute("upper.tip", "lower.root"),
+    }
+    found = signals("lower", "shoulder", "upper", "z")
+    found["moment"]["component"] = "M2"
+    return case(bodies, joints, found, t_end, ground={"origin": origin})

@@ -8,7 +8,7 @@ from math import cos, pi
 from typing import Any
 
 from fidelity_added import ADDED
-from fidelity_parts import Table, Z, beam, case, signals
+from fidelity_parts import Table, arm_with_wrist, beam, case, revolute, signals, universal
 
 
 def pendulum(
@@ -18,16 +18,13 @@ def pendulum(
     length = 1.2 / links
     bodies = {f"link{i}": beam(length, [i * length, 0.0, 0.0], **of_beam) for i in range(links)}
     joints: Table = {
-        "hinge0": {
-            "kind": "revolute",
-            "between": ["ground.origin", "link0.root"],
-            "axis": Z,
-            "drive": {"polynomial": [0.0, 0.0, speed / (2 * t_end)]},
-        }
+        "hinge0": revolute(
+            "ground.origin", "link0.root", drive={"polynomial": [0.0, 0.0, speed / (2 * t_end)]}
+        )
     }
     for i in range(1, links):
         places = [f"link{i - 1}.tip", f"link{i}.root"]
-        joints[f"hinge{i}"] = {"kind": "revolute", "between": places, "axis": Z}
+        joints[f"hinge{i}"] = revolute(*places)
     last = f"link{links - 1}"
     found = signals(last, "hinge0", "link0")
     moment = found["moment"]
@@ -67,19 +64,9 @@ def slider_crank(speed: float = 40.0, t_end: float = 0.3, **of_rod: Any) -> Tabl
         },
     }
     joints = {
-        "motor": {
-            "kind": "revolute",
-            "between": ["ground.origin", "crank.root"],
-            "axis": Z,
-            "drive": {"speed": speed},
-        },
+        "motor": revolute("ground.origin", "crank.root", drive={"speed": speed}),
         "big_end": {"kind": "spherical", "between": ["crank.tip", "rod.root"]},
-        "small_end": {
-            "kind": "universal",
-            "between": ["rod.tip", "slider.pin"],
-            "axis": Z,
-            "axis_2": [0.0, 1.0, 0.0],
-        },
+        "small_end": universal("rod.tip", "slider.pin"),
         "guide": {
             "kind": "prismatic",
             "between": ["ground.rail", "slider.pin"],
@@ -109,14 +96,7 @@ def spin_up(speed: float = 6.0, t_end: float = 2.0, length: float = 8.0, **of_be
     drive = {"polynomial": [0.0, 0.0, 0.0, speed / (3 * t_end**2)]}
     made = case(
         {"blade": beam(length, [0.0, 0.0, 0.0], **of_beam)},
-        {
-            "hub": {
-                "kind": "revolute",
-                "between": ["ground.origin", "blade.root"],
-                "axis": Z,
-                "drive": drive,
-            }
-        },
+        {"hub": revolute("ground.origin", "blade.root", drive=drive)},
         found,
         t_end,
         ground={"origin": {"position": [0.0, 0.0, 0.0]}},
@@ -128,33 +108,8 @@ def spin_up(speed: float = 6.0, t_end: float = 2.0, length: float = 8.0, **of_be
 
 def arm(speed: float = 3.0, t_end: float = 0.8, mass: float = 1.0, angle: float = 30.0) -> Table:
     """A laminated arm in space: it turns about the vertical while its wrist swings."""
-    inertia = [[1e-3, 0.0, 0.0], [0.0, 1e-3, 0.0], [0.0, 0.0, 1e-3]]
-    bodies = {
-        "upper": beam(0.6, [0.0, 0.0, 0.0], material="carbon", angle=angle),
-        "lower": {
-            "kind": "rigid",
-            "mass": mass,
-            "centre": [0.2, 0.0, 0.0],
-            "inertia": inertia,
-            "position": [0.6, 0.0, 0.0],
-            "interfaces": {
-                "root": {"position": [0.0, 0.0, 0.0]},
-                "tip": {"position": [0.4, 0.0, 0.0]},
-            },
-        },
-    }
-    joints = {
-        "shoulder": {
-            "kind": "revolute",
-            "between": ["ground.origin", "upper.root"],
-            "axis": [0.0, 1.0, 0.0],
-            "drive": {"polynomial": [0.0, 0.0, speed / (2 * t_end)]},
-        },
-        "wrist": {"kind": "revolute", "between": ["upper.tip", "lower.root"], "axis": Z},
-    }
-    found = signals("lower", "shoulder", "upper", "z")
-    found["moment"]["component"] = "M2"
-    return case(bodies, joints, found, t_end, ground={"origin": {"position": [0.0, 0.0, 0.0]}})
+    upper = beam(0.6, [0.0, 0.0, 0.0], material="carbon", angle=angle)
+    return arm_with_wrist(upper, 0.4, speed, t_end, mass)
 
 
 def resonance(ratio: float = 1.0, t_end: float = 1.0, **of_beam: Any) -> Table:

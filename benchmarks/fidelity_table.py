@@ -57,12 +57,18 @@ def figures(found: Table) -> list[str]:
         "",
         "How far the truth can tell each signal, of its largest value:",
         "",
-        "| scene | tip | deflection | force | moment |",
-        "|---|---|---|---|---|",
+        *_by_signal({name: [*scene["doubt"].values()] for name, scene in found["scenes"].items()}),
     ]
-    for name, scene in found["scenes"].items():
-        doubts = " | ".join(f"{value:.0e}" for value in scene["doubt"].values())
-        lines.append(f"| {name} | {doubts} |")
+    return lines
+
+
+def _by_signal(rows: dict[str, list[float | str]], *more: str) -> list[str]:
+    """Return a table of numbers by signal of each scene; `more` are titles of further columns."""
+    titles = ["scene", "tip", "deflection", "force", "moment", *more]
+    lines = [f"| {' | '.join(titles)} |", f"|{'---|' * len(titles)}"]
+    for name, row in rows.items():
+        cells = [cell if isinstance(cell, str) else f"{cell:.0e}" for cell in row]
+        lines.append(f"| {' | '.join([name, *cells])} |")
     return lines
 
 
@@ -85,18 +91,14 @@ def _row(name: str, found: Table) -> str:
 
 def theories(found: Table) -> list[str]:
     """Return the table of the other theory."""
-    lines = [
+    rows = {n: [*s["theories"].values(), s["met"]] for n, s in found["scenes"].items()}
+    return [
         "Differences of the two theories, of the largest value of each signal, and the accepted "
         "requests at 1e-1, 1e-2 and 1e-3 whose delivered result has the accuracy against beams in "
         "segments:",
         "",
-        "| scene | tip | deflection | force | moment | met |",
-        "|---|---|---|---|---|---|",
+        *_by_signal(rows, "met"),
     ]
-    for name, scene in found["scenes"].items():
-        gaps = " | ".join(f"{value:.0e}" for value in scene["theories"].values())
-        lines.append(f"| {name} | {gaps} | {scene['met']} |")
-    return lines
 
 
 if __name__ == "__main__":

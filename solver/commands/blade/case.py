@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ...inputs.case.file import CASE_FILE
 from ...package.common.temporary import write_text
-from .stations import Station
+from .stations import Station, complete
 from .windio import Blade
 
 ELEMENTS = 60  # at least, of a blade
@@ -80,7 +80,7 @@ runs = ["spin-up"]
 
 def write_blade_case(blade: Blade, stations: Sequence[Station], folder: Path) -> Path:
     """Write the case of a blade whose table beam.csv is in `folder`; returns its file."""
-    count = sum(station.results is not None for station in stations)
+    count = len(complete(stations))
     radius, cone = blade.hub.radius, blade.hub.cone_deg
     angle = math.radians(cone)
     length = float(blade.length.values[-1] - blade.length.values[0])

@@ -17,7 +17,7 @@ from .case import write_blade_case
 from .export import write_for
 from .spin import spin_blade
 from .station import write_station
-from .stations import analysed, station_csv, station_text
+from .stations import analysed, complete, station_csv, station_text
 from .windio import Blade, read_blade
 
 REMOVED = 0.02  # share of the layers' area without room, above which a warning says so
@@ -52,11 +52,11 @@ def run_blade(options: argparse.Namespace) -> int:
     write_text(out / "blade.csv", station_csv(blade, stations))
     write_text(out / "beam.csv", body_csv(blade, stations))
     print(station_text(blade, stations))
-    complete = sum(station.results is not None for station in stations)
-    print(f"{out}/blade.csv, beam.csv: {complete} stations")
+    count = len(complete(stations))
+    print(f"{out}/blade.csv, beam.csv: {count} stations")
     for file in write_for(options.to, blade, stations, out) if options.to else ():
         print(file)
-    if complete > 1:
+    if count > 1:
         case = write_blade_case(blade, stations, out)
         print(f"{case}: the blade on its hub; plymotion modes {case} --at spin=0:1:0.1")
     if options.spin:

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from ...inputs.case import load_case
+from ...inputs.case.file import CASE_FILE
 from ...inputs.case.specs import write_case
 from ...math.arrays import Array
 from ...package.body.io import read_package
@@ -21,7 +22,7 @@ from ...package.common.temporary import write_text
 from ..cases.packages import build_packages, specs_of
 from .body import body_csv
 from .case import elements_of
-from .stations import Station
+from .stations import Station, complete
 from .windio import Blade
 
 AS_IT_IS, SECTIONS, STATIONS, ELEMENTS = "blade", "sections", "stations", "elements"
@@ -64,13 +65,13 @@ def frequencies_at_rest(
     A cause that cannot be estimated is left out: of the sections without their estimates, of the
     stations if there are fewer than three.
     """
-    complete = [station for station in stations if station.results is not None]
-    elements = elements_of(len(complete))
-    tables = {AS_IT_IS: (complete, elements), ELEMENTS: (complete, elements // 2)}
-    if softer := _softer(complete):
+    known = complete(stations)
+    elements = elements_of(len(known))
+    tables = {AS_IT_IS: (known, elements), ELEMENTS: (known, elements // 2)}
+    if softer := _softer(known):
         tables[SECTIONS] = (softer, elements)
-    if len(complete) > 2:
-        fewer = [*complete[:-1:2], complete[-1]]
+    if len(known) > 2:
+        fewer = [*known[:-1:2], known[-1]]
         tables[STATIONS] = (fewer, max(elements, 2 * (len(fewer) - 1)))
     found = _computed(blade, tables, quiet=quiet)
     own = found.pop(AS_IT_IS)
@@ -102,8 +103,8 @@ def _computed(
         for name, (stations, elements) in tables.items():
             write_text(folder / f"{name}.csv", body_csv(blade, stations))
             text += BODY.format(name=name, elements=elements, count=COUNT)
-        write_text(folder / "case.toml", text)
-        write_case(load_case(folder / "case.toml"), folder / "out")
+        write_text(folder / CASE_FILE, text)
+        write_case(load_case(folder / CASE_FILE), folder / "out")
         bodies = folder / "out" / "bodies"
         build_packages(specs_of(folder / "out", ["all"]), bodies, quiet=quiet)
         files = {name: next(bodies.glob(f"{name}*.vtkhdf")) for name in tables}

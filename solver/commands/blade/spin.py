@@ -9,7 +9,7 @@ from ...package.common.temporary import write_text
 from ..modes.command import run_modes
 from ..modes.options import add_modes_command
 from .errors import COUNT, error_csv, error_text, frequencies_at_rest
-from .stations import Station
+from .stations import Station, complete
 from .windio import Blade
 
 FREQUENCIES = "frequencies.csv"
@@ -29,7 +29,7 @@ def spin_blade(
     ------
     InputError : fewer than two complete stations; what `plymotion modes` finds.
     """
-    if sum(station.results is not None for station in stations) < 2:
+    if len(complete(stations)) < 2:
         raise InputError(f"blade: --spin {speeds}: expected two complete stations or more")
     out = case.parent
     frequencies, errors = frequencies_at_rest(blade, stations, quiet=True)

@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -40,6 +41,11 @@ def analysed(sections: Path, places: dict[str, float], meshes: list[StationMesh]
         failed = summary[name]["status"] == "failed"
         found.append(Station(r, name, mesh, file, None if failed else read_results(file)))
     return found
+
+
+def complete(stations: Sequence[Station]) -> list[Station]:
+    """Return the stations that could be analysed."""
+    return [station for station in stations if station.results is not None]
 
 
 def station_csv(blade: Blade, stations: list[Station]) -> str:
