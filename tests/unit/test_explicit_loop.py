@@ -41,9 +41,10 @@ def test_steps_and_outputs_are_those_of_the_class(name, treatment, options):
     np.testing.assert_allclose(stride.y, one_by_one.y, rtol=1e-9, atol=1e-10)
 
 
-@pytest.mark.parametrize("name", ["rk8", "rk5"])
-def test_sizes_of_steps_are_those_of_the_class(name):
-    loop, plain = _pair(name, "projection", chain(3), 1.0, rtol=1e-7, atol=1e-9)
+# With rk5 at 1e-7 one estimate almost vanishes, and its rounding is seen in the size of a step.
+@pytest.mark.parametrize(("name", "rtol"), [("rk8", 1e-7), ("rk5", 1e-5)])
+def test_sizes_of_steps_are_those_of_the_class(name, rtol):
+    loop, plain = _pair(name, "projection", chain(3), 1.0, rtol=rtol, atol=0.01 * rtol)
     sizes = []
     for made in (loop, plain):
         found = []
