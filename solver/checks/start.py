@@ -8,6 +8,11 @@ from ..results.codes.course import LOADED_START
 from ..results.finding import Finding
 from .finished import FinishedRun
 
+QUASI_STATIC = (
+    'With solver.start = "quasi-static" the bodies begin in the shape that the loads of this '
+    "motion call for. "
+)
+
 
 def start_findings(run: FinishedRun) -> Iterator[Finding]:
     """Yield the body whose loads at t = 0 strain it most suddenly, if that matters in the run.
@@ -49,15 +54,16 @@ def _remedy(run: FinishedRun) -> str:
             f'{gentle}. With solver.start = "quasi-static" the bodies begin in the shape for it; '
             'for weight and springs at rest set "equilibrium"'
         )
+    quasi = "" if run.mechanism.solver.start == "quasi-static" else QUASI_STATIC
     if is_moving(run.model, run.solution.y[0]):
         return (
             "The run starts in motion, in the shape that the case gives (undeformed by default). "
-            'If a steady spin is meant, set solver.spin and solver.start = "equilibrium"; for '
-            "another shape give modal_coordinates"
+            f'{quasi}If a steady spin is meant, set solver.spin and solver.start = "equilibrium"; '
+            "for another shape give modal_coordinates"
         )
     return (
         "The run starts in the shape that the case gives (undeformed by default), as if it were "
-        "released at t = 0. If a start at rest under these loads is meant, set "
+        f"released at t = 0. {quasi}If a start at rest under these loads is meant, set "
         'solver.start = "equilibrium"'
     )
 
