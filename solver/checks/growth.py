@@ -45,7 +45,9 @@ def _peaks(run: FinishedRun) -> Array | None:
     if not len(known) or not np.isfinite(known).all():
         return None
     first, last = float(run.solution.t[0]), float(known[-1, 0])
-    part = np.minimum((PARTS * (known[:, 0] - first) / max(last - first, 1e-300)).astype(int), PARTS - 1)
+    part = np.minimum(
+        (PARTS * (known[:, 0] - first) / max(last - first, 1e-300)).astype(int), PARTS - 1
+    )
     if np.unique(part).size < PARTS:
         return None
     return np.array([known[part == i, 1].max() for i in range(PARTS)])

@@ -86,7 +86,7 @@ class Radau(ClosingLoop):
     def follow(self, pace: Pace) -> None:
         """Answer a stall by a cutoff, as high as ends it; end a run that turns beyond all measure.
 
-        Short steps of a body that turns fast are those of its rotation: no cutoff makes them longer.
+        Short steps of a body that turns fast are those of its rotation: no cutoff changes them.
         """
         found = pace.stalled(self.t, self.counters.steps, self.counters.rejected)
         if found is None:
