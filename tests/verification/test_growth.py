@@ -10,6 +10,7 @@ def codes(summary):
     return {w["code"]: w["message"] for w in summary["warnings"]}
 
 
+@pytest.mark.provokes("motion-grows")
 def test_a_slide_that_is_driven_away_is_told(tmp_path):
     """m x'' = u, sampled with 4000 N/m at 20 ms: eigenvalues of the sampled loop are outside the
     unit circle."""
