@@ -1,4 +1,4 @@
-"""Tables of many rows: packed in the run file, the same motion, refused where a user writes them."""
+"""Long tables: packed in the run file, the same motion, refused where a user writes them packed."""
 
 import json
 import tracemalloc
