@@ -152,6 +152,11 @@ class CaseScope:
             raise ValueError(problem)
 
 
+def of_time_alone(tree: Node) -> bool:
+    """Whether an expression reads nothing but the time, parameters, and curves of them."""
+    return all(leaf.code in (op.TIME, op.CURVE) for leaf in tree.leaves())
+
+
 def _called(name: str, table: "TablePoints") -> Callable[[Node], Node]:
     def call(x: Node) -> Node:
         points = column(table.x), column(table.y)
