@@ -17,7 +17,7 @@ from .operators import SectionOperators
 from .space import SectionSpace
 from .thin import differences_across
 from .timoshenko import SectionStiffness, stiffness
-from .warping import WELL, WarpingSolver
+from .warping import SHIFTS, WELL, WarpingSolver
 
 NOISE = 2.2e-16  # relative change of coordinates that measures the round-off
 LARGEST_GROWTH = 1e14  # of a random load where solutions are corrected by their residual
@@ -139,14 +139,25 @@ class SectionProblem:
         try:
             better = self._by(thin, C, k, doubtful)
         except fenicsx.FactorisationError:
-            if result is None:
+            if result is not None:
+                return result
+            if k is not None or self.team.size > 1:
                 raise
-            return result
+            better = self._shifted(thin, C, doubtful)
         self._is_thin, self._growth = True, max(self._growth, 2.0 * WELL)
         return better
 
+    def _shifted(self, space: SectionSpace, C: Array, doubtful: bool) -> Any:
+        """The stiffness by conjugate gradients, with the smallest shift that can be factorised."""
+        for shift in SHIFTS[:-1]:
+            try:
+                return self._by(space, C, None, doubtful, shift)
+            except fenicsx.FactorisationError:
+                continue
+        return self._by(space, C, None, doubtful, SHIFTS[-1])
+
     def _by(
-        self, space: SectionSpace, C: Array, k: Array | None, doubtful: bool
+        self, space: SectionSpace, C: Array, k: Array | None, doubtful: bool, shift: float = 0.0
     ) -> SectionStiffness | CentralSolutions:
         limit = np.inf if doubtful else LARGEST_GROWTH
         if k is not None:
@@ -154,7 +165,7 @@ class SectionProblem:
             self._growth = found.growth
             return found
         operators, solver = self._prismatic(space)
-        solver.largest_growth = limit
+        solver.largest_growth, solver.shift = limit, shift
         result = stiffness(space, solver, operators.E(C), C)
         self._growth = solver.growth
         return result
