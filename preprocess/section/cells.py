@@ -1,6 +1,6 @@
 """Cells of a section: triangles and quadrilaterals of 3 to 9 nodes, mixed in one mesh."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -16,6 +16,7 @@ KINDS = ("triangle", "quadrilateral")  # kind 0 and 1
 ABSENT = -1
 MOST_NODES = 9
 CORNERS = (3, 4)  # of each kind
+OPPOSITE = [2, 3, 0, 1, 6, 7, 4, 5, 8]  # nodes of a quadrilateral, from the opposite corner
 FULL = (6, 9)  # nodes of each kind with all middle nodes and the centre
 
 
@@ -120,6 +121,18 @@ def cells_of_plain(plain: PlainMesh) -> CellMesh:
     else:
         kind = (plain.cells[:, 3] != ABSENT).astype(np.int64)
     return CellMesh(plain.points, nodes, kind, plain.region, plain.regions)
+
+
+def turned(mesh: CellMesh) -> CellMesh:
+    """The same section; quadrilaterals are numbered from their opposite corner."""
+    nodes = mesh.nodes.copy()
+    rows = mesh.kind == KINDS.index("quadrilateral")
+    nodes[rows] = mesh.nodes[rows][:, OPPOSITE]
+    angles = mesh.layer_angle
+    if angles is not None and angles.shape[1] > 1:
+        angles = angles.copy()
+        angles[rows] = angles[rows][:, OPPOSITE]
+    return replace(mesh, nodes=nodes, layer_angle=angles)
 
 
 def patterns(nodes: IntArray) -> list[tuple[IntArray, IntArray]]:
