@@ -88,6 +88,7 @@ def test_estimate_of_round_edges_by_closed_forms() -> None:
         assert 1e-6 < error < estimate < 1.3 * error
 
 
+@pytest.mark.one_end
 def test_refinement_meets_the_accuracy_and_says_what_it_cost() -> None:
     loose = analyse(section("21", 0.5))
     found = analyse(section("21", 0.5), accuracy=1e-4)
