@@ -1,8 +1,9 @@
 """Objects of files that were read and found good before.
 
-Reading and checking a package takes 0.05 s, most of it in calls of h5py, one of 30 modes with
-second-order fields 0.2 s; its object comes back from the user's cache in 1 to 10 ms. The key is the digest of every byte of the file and of the sources
-of this folder, so that nothing is left unchecked: other bytes, or other checks, are other keys.
+Reading and checking a package takes 0.05 s, most of it in calls of h5py, and 0.2 s if it has 30
+modes with second-order fields; its object comes back from the user's cache in 1 to 10 ms. The key
+is the digest of every byte of the file and of the sources of this folder, so that nothing is left
+unchecked: other bytes, or other checks, are other keys.
 """
 
 import hashlib
