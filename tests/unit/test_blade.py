@@ -318,3 +318,80 @@ def test_what_is_not_modelled_is_named(tmp_path, capsys):
     # the chord line lies over the reference axis
     shifted = contour(blade, 1.0) - contour(read_blade(write_blade(tmp_path)), 1.0)
     np.testing.assert_allclose(shifted, np.tile([0.0, 0.1], (len(shifted), 1)), atol=1e-12)
+
+
+def with_layers(tmp_path, *changes):
+    """The blade whose layers have other keys: pairs of a number and keys."""
+
+    def change(blade, table):
+        for number, keys in changes:
+            blade["structure"]["layers"][number] |= keys
+
+    return read_blade(write_blade(tmp_path, wrong(change)))
+
+
+@pytest.mark.parametrize("cap", [0.02, 0.06])
+def test_layers_of_webs_have_their_thickness_under_thick_caps(tmp_path, cap):
+    """Their feet are on the inner face of a curved wall, and on walls that stand obliquely."""
+    blade = with_layers(
+        tmp_path, (1, {"thickness": along(cap, cap)}), (2, {"thickness": along(cap, cap)})
+    )
+    for r in (0.3, 0.8):
+        mesh = write_station(blade, r, "one", tmp_path)
+        nodes, found = np.array(mesh.nodes), areas(mesh)
+        run = np.array(mesh.directions["web-skin"])
+        along_web = run / np.linalg.norm(run)
+        cells = [c for c, n in zip(mesh.cells, mesh.regions, strict=True) if n == "web-core"]
+        places = nodes[sorted({k for cell in cells for k in cell})] @ along_web
+        for name, thickness in (("web-skin", 0.003), ("web-core", 0.012)):
+            height = found[name] / thickness
+            assert height == pytest.approx(np.ptp(places), rel=0.02), (r, name)
+
+
+def test_thin_and_thick_layers_side_by_side_keep_their_areas(tmp_path):
+    """The core, 40 mm, ends at the cap, 5 mm: the slope between them is a part of the core."""
+    thin = {"thickness": along(0.005, 0.005)}
+    blade = with_layers(tmp_path, (1, thin), (2, thin), (3, {"thickness": along(0.04, 0.04)}))
+    mesh = write_station(blade, 0.3, "one", tmp_path)
+    perimeter = float(lengths_along(contour(blade, 0.3))[-1])
+    found = areas(mesh)
+    assert found["cap-p"] == pytest.approx(0.005 * 0.08 * perimeter, rel=0.02)
+    assert found["cap-s"] == pytest.approx(0.005 * 0.08 * perimeter, rel=0.05)
+    assert found["core-s"] == pytest.approx(0.04 * 0.23 * perimeter, rel=0.03)
+
+
+def test_a_layer_that_ends_thinner_beside_another_loses_nothing(tmp_path):
+    """One of 60 mm beside one of 15 mm: the full thickness up to the end of the file."""
+    thick = {"thickness": along(0.06, 0.06)}
+    blade = with_layers(tmp_path, (1, thick), (2, thick))
+    mesh = write_station(blade, 0.3, "one", tmp_path)
+    points = contour(blade, 0.3)
+    perimeter = float(lengths_along(points)[-1])
+    alone, beside = (areas(mesh)[name] for name in ("cap-p", "cap-s"))
+    assert beside == pytest.approx(alone, rel=5e-3)
+    assert beside == pytest.approx(0.06 * 0.08 * perimeter, rel=0.06)  # shorter inside a curve
+
+
+def test_fibres_turn_to_the_leading_edge_on_both_sides(tmp_path):
+    blade = with_layers(tmp_path, (0, {"fiber_orientation": along(20.0, 20.0)}))
+    mesh = write_station(blade, 0.8, "one", tmp_path)
+    assert mesh.bands["skin"].angle_deg == 20.0
+    assert mesh.bands["skin-pressure"].angle_deg == -20.0
+    nodes = np.array(mesh.nodes)
+    for cell, region in zip(mesh.cells, mesh.regions, strict=True):
+        if region.startswith("skin"):
+            assert (nodes[list(cell), 1].mean() < 0.0) == (region == "skin-pressure")
+    description = str(tmp_path / "one.toml")
+    assert main(["section", description, "--check", "--out", str(tmp_path / "s")]) == 0
+
+
+def test_symmetric_fibres_couple_bending_with_twist_not_extension(fenicsx, tmp_path):
+    angle = {"fiber_orientation": along(20.0, 20.0)}
+    blade = with_layers(tmp_path, (0, angle), (4, angle), (3, {"thickness": along(0.0, 0.0)}))
+    out = tmp_path / "out"
+    assert main(["blade", str(blade.file), "--at", "0.8", *WORDS[2:], "-o", str(out)]) == 0
+    K = matrix(rows_of(out / "blade.csv")[0], "K")
+    scaled = K / np.sqrt(np.outer(np.diag(K), np.diag(K)))
+    assert scaled[0, 1] > 0.1  # pulled, it shears to the leading edge
+    assert scaled[3, 4] < -0.1
+    assert abs(scaled[0, 3]) < 1e-6

@@ -1,6 +1,5 @@
 """One station of a blade: its mesh and its section description."""
 
-import re
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +9,7 @@ from ...package.common.toml_text import toml_text
 from .contour import contour
 from .mesh import StationMesh, station_mesh
 from .wall import Band, WebLayers
-from .windio import Blade, Layer
+from .windio import Blade, Layer, region_name
 
 THIN = 1e-4  # [m] layers below are not there: files write them where a layer ends
 EDGE = "trailing-edge"  # region of the plate that closes a sharp trailing edge
@@ -76,8 +75,14 @@ def _glue(blade: Blade, bands: list[Band]) -> str:
 
 def _band(layer: Layer, r: float) -> Band:
     start, end = max(layer.start.at(r), 0.0), min(layer.end.at(r), 1.0)
-    name = re.sub(r"[^A-Za-z0-9_-]", "-", layer.name)
-    return Band(name, layer.material, layer.angle.at(r), layer.thickness.at(r), start, end)
+    return Band(
+        region_name(layer.name),
+        layer.material,
+        layer.angle.at(r),
+        layer.thickness.at(r),
+        start,
+        end,
+    )
 
 
 def _msh(mesh: StationMesh) -> str:
@@ -112,6 +117,7 @@ def _description(blade: Blade, r: float, name: str, mesh: StationMesh) -> str:
     table = {
         "format": 1,
         "title": f"{blade.file.stem}, r = {r:g}",
+        **({"convention": "contour"} if any(b.angle_deg for b in mesh.bands.values()) else {}),
         "mesh": {"file": f"{name}.msh"},
         "materials": {material: blade.materials[material] for material in used},
         "regions": regions,

@@ -7,6 +7,7 @@ the file has worked out from the rules beside them.
 """
 
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -126,6 +127,8 @@ def read_blade(file: Path) -> Blade:
         )
         for i, entry in enumerate(structure.get("webs") or [])
     )
+    layers = tuple(reader.layer(e, i, anchors) for i, e in enumerate(structure["layers"]))
+    reader.differ([layer.name for layer in layers])
     return Blade(
         file=file,
         length=reader.along(axis, "z", "reference_axis"),
@@ -136,7 +139,7 @@ def read_blade(file: Path) -> Blade:
         offset=reader.along(shape, "section_offset_y", "outer_shape"),
         thickness=reader.along(shape, "rthick", "outer_shape"),
         airfoils=reader.airfoils(shape),
-        layers=tuple(reader.layer(e, i, anchors) for i, e in enumerate(structure["layers"])),
+        layers=layers,
         webs=webs,
         materials={str(m["name"]): _material(m) for m in table.get("materials", [])},
         span=tuple(chord.grid.tolist()),
@@ -259,6 +262,17 @@ class _Reader:
             web=str(entry.get("web") or ""),
         )
 
+    def differ(self, names: Sequence[str]) -> None:
+        """Refuse layers that would be one region of the mesh."""
+        for i, name in enumerate(names):
+            known = {region_name(other): other for other in names[:i]}
+            if region_name(name) in known:
+                other = known[region_name(name)]
+                words = f"{name!r} is the name of another layer, {other!r}"
+                raise self.error(
+                    f"structure.layers[{i}].name", f"{words}; expected names that differ"
+                )
+
     def airfoils(self, shape: Mapping[str, Any]) -> tuple[Airfoil, ...]:
         names = [str(entry["name"]) for entry in shape.get("airfoils") or []]
         tables = {str(a.get("name")): a for a in self.top.get("airfoils", [])}
@@ -274,6 +288,11 @@ class _Reader:
                 raise self.error(f"airfoils.{name}.coordinates", "expected ten points or more")
             found.append(Airfoil(name, float(tables[name]["rthick"]), points))
         return tuple(found)
+
+
+def region_name(layer: str) -> str:
+    """Return the name of a layer as a region of a mesh."""
+    return re.sub(r"[^A-Za-z0-9_-]", "-", layer)
 
 
 def _material(entry: Mapping[str, Any]) -> dict[str, Any]:
