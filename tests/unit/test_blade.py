@@ -101,6 +101,28 @@ def wrong(change) -> dict:
         (lambda b, t: b["outer_shape"]["twist"].update(grid=[1.0, 0.0]), "a grid that rises"),
         (lambda b, t: t["airfoils"].pop(), "no airfoil 'thin'"),
         (lambda b, t: t["materials"].pop(1), "no material 'foam'"),
+        (lambda b, t: b["outer_shape"]["chord"].update(values=[2.0, 2.0, 0.0]), "lengths above 0"),
+        (lambda b, t: b["outer_shape"].update(twist=[1.0]), "twist: has a list of 1; expected a"),
+        (lambda b, t: b.update(outer_shape_bem={}), "windio_converter -i small.yaml -o NEW.yaml"),
+        (lambda b, t: b["structure"].pop("layers"), "structure.layers: missing; expected a list"),
+        (lambda b, t: b["structure"]["layers"][2].pop("name"), "layers[2].name: missing"),
+        (lambda b, t: b["structure"]["layers"][4].update(name="cap-s"), "'cap-s' is the name of"),
+        (lambda b, t: b["structure"]["layers"][6].update(web="wep"), "no web 'wep'; did you mean"),
+        (lambda b, t: b["structure"]["webs"][0].update(anchors=3), "webs[0].anchors: has 3"),
+        (
+            lambda b, t: b["structure"]["anchors"][1].update(end_nd_arc={"width": 1.0}),
+            "rules (plane_intersection",
+        ),
+        (lambda b, t: t["airfoils"][1].pop("rthick"), "airfoils.thin.rthick: missing"),
+        (
+            lambda b, t: t["airfoils"][1]["coordinates"].update(x=[0.1] * 119),
+            "expected points over the chord, from the trailing edge",
+        ),
+        (lambda b, t: t["airfoils"][1].update(coordinates={"x": [1.0], "y": [0.0, 1.0]}), "ten or"),
+        (
+            lambda b, t: t["materials"][0].update(E=45e9),
+            "materials.glass.E: has 45000000000.0; exp",
+        ),
         (
             lambda b, t: b["structure"]["layers"][0]["start_nd_arc"]["anchor"].update(name="shel"),
             "no anchor 'shel'; did you mean 'shell'?",
@@ -348,6 +370,15 @@ def test_layers_of_webs_have_their_thickness_under_thick_caps(tmp_path, cap):
             assert height == pytest.approx(np.ptp(places), rel=0.02), (r, name)
 
 
+@pytest.mark.parametrize("r", [0.28, 0.38, 0.4])
+def test_feet_of_webs_do_not_thin_the_wall(tmp_path, r):
+    """Columns a millimetre apart are no sign of a narrow place: no layer is made thinner."""
+    thick = {"thickness": along(0.12, 0.12)}
+    skin = {"thickness": along(0.0004, 0.0004)}
+    mesh = write_station(with_layers(tmp_path, (1, thick), (2, thick), (5, skin)), r, "x", tmp_path)
+    assert mesh.removed < 1e-3
+
+
 def test_thin_and_thick_layers_side_by_side_keep_their_areas(tmp_path):
     """The core, 40 mm, ends at the cap, 5 mm: the slope between them is a part of the core."""
     thin = {"thickness": along(0.005, 0.005)}
@@ -395,3 +426,55 @@ def test_symmetric_fibres_couple_bending_with_twist_not_extension(fenicsx, tmp_p
     assert scaled[0, 1] > 0.1  # pulled, it shears to the leading edge
     assert scaled[3, 4] < -0.1
     assert abs(scaled[0, 3]) < 1e-6
+
+
+def mirrored(table):
+    """Points in the other sense: over the pressure side first."""
+    for airfoil in table["airfoils"]:
+        xy = airfoil["coordinates"]
+        xy |= {key: xy[key][::-1] for key in "xy"}
+
+
+def test_the_sense_of_points_does_not_matter(tmp_path, blade):
+    other = read_blade(write_blade(tmp_path, wrong(lambda b, t: mirrored(t))))
+    for r in (0.0, 0.3, 1.0):
+        np.testing.assert_allclose(contour(other, r), contour(blade, r), atol=1e-12)
+
+
+def test_a_layer_around_the_trailing_edge_is_on_both_sides(tmp_path):
+    def change(blade, table):
+        structure = blade["structure"]
+        structure["anchors"].append(anchor("edge", 0.94, 0.05))
+        structure["layers"].insert(1, layer("edge", "glass", 0.003))
+
+    blade = read_blade(write_blade(tmp_path, wrong(change)))
+    mesh = write_station(blade, 0.3, "one", tmp_path)
+    perimeter = float(lengths_along(contour(blade, 0.3))[-1])
+    found = areas(mesh)
+    for name, share in (("edge", 0.06), ("edge-suction", 0.05)):
+        assert found[name] == pytest.approx(0.003 * share * perimeter, rel=0.15), name
+
+
+@pytest.mark.parametrize("count", [0, 3])
+def test_any_number_of_webs(tmp_path, count):
+    def change(blade, table):
+        structure = blade["structure"]
+        structure["webs"], structure["layers"] = [], structure["layers"][:5]
+        for k in range(count):
+            place = anchor(f"web-{k}", 0.2 + 0.08 * k, 0.8 - 0.08 * k)
+            ends = {key: place[key] for key in ("start_nd_arc", "end_nd_arc")}
+            structure["webs"].append({"name": f"web-{k}", **ends})  # without anchors of its own
+            structure["layers"].append(
+                {"name": f"skin-{k}", "material": "glass", "web": f"web-{k}"}
+                | {"thickness": along(0.004, 0.004)}  # a layer of a web needs no arcs
+            )
+
+    blade = read_blade(write_blade(tmp_path, wrong(change)))
+    for r in (0.0, 0.3, 0.9):
+        mesh = write_station(blade, r, "one", tmp_path)
+        edges = {
+            tuple(sorted(end))
+            for cell in mesh.cells
+            for end in zip(cell, [*cell[1:], cell[0]], strict=True)
+        }
+        assert len(mesh.nodes) - len(edges) + len(mesh.cells) == 1 - (count + 1)

@@ -17,6 +17,7 @@ from .web import add_web, check_feet, feet_of, fitted, level_under
 COLUMNS = 160  # along the contour, without those at ends of layers
 ROOM = 0.9  # share of the room between the two sides that walls may fill
 MITRE = np.radians(165.0)  # angle of the trailing edge from which the walls meet in a mitre
+NEXT = 0.9  # of the spacing of columns: those nearer do not limit the wall
 LEAST = 0.2  # of the length of a cell outside, its length inside
 PASSES = 6  # at most, until feet of webs are as wide as their layers
 FITTED = 5e-3  # change of a width that is small enough
@@ -124,7 +125,7 @@ def _thickness(
     """Thickness of rows at columns [m], and the share of the layers without room."""
     t = np.array([thickness(row, arcs, perimeter) for row in rows])
     full = t.sum(axis=0)
-    limit = _uncrossed(_gradual(_room(outer, normals), outer), full, outer, normals)
+    limit = _uncrossed(_gradual(_room(arcs, outer, normals), outer), full, outer, normals)
     share = np.where(full > limit, limit / np.where(full > 0.0, full, 1.0), 1.0)
     spacing = np.gradient(arcs)
     removed = float(((1.0 - share) * full * spacing).sum() / (full * spacing).sum())
@@ -229,8 +230,12 @@ def _mitres(outer: Array, mitred: bool) -> Array:
     return np.asarray(both / np.maximum(0.5 * (both * both).sum(axis=1), 0.2)[:, None])
 
 
-def _room(outer: Array, normals: Array) -> Array:
-    """How thick the wall may be at each column, so that the two sides do not meet [m]."""
+def _room(arcs: Array, outer: Array, normals: Array) -> Array:
+    """How thick the wall may be at each column, so that the two sides do not meet [m].
+
+    Columns nearer than their spacing do not count: beside a foot of a web they are a millimetre
+    apart, where small errors of the normal would look like a strong curvature.
+    """
     direction = normals / np.linalg.norm(normals, axis=1)[:, None]
     found = np.full(len(outer), np.inf)
     for k in range(len(outer)):
@@ -238,7 +243,7 @@ def _room(outer: Array, normals: Array) -> Array:
         ahead = d @ direction[k]
         size = (d * d).sum(axis=1)
         # The largest circle that touches the contour here and holds no other point of it.
-        usable = ahead > 1e-9
+        usable = (ahead > 1e-9) & (np.abs(arcs - arcs[k]) > NEXT / COLUMNS)
         radius = size[usable] / (2.0 * ahead[usable])
         found[k] = ROOM * float(radius.min(initial=np.inf))
     return found

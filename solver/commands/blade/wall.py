@@ -1,8 +1,8 @@
 """Layers of the shell of a station: columns along the contour, rows through the wall.
 
 Layers that do not overlap share a row. Where two layers of a row meet, the thicker one is tapered
-to the thickness of the other over half the length of their difference. The slope is its own material and
-reaches as far beyond its end that its area stays right; the other layer begins behind the slope.
+to the thickness of the other over half the length of their difference. The slope is of its own
+material and reaches so far beyond its end that its area stays right; the other layer begins behind.
 Where a layer ends beside nothing, it is tapered to zero over a length of its thickness, half of it
 inside.
 """
