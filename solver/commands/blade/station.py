@@ -7,9 +7,10 @@ from typing import Any
 from ...errors import InputError, nearest
 from ...package.common.temporary import write_text
 from ...package.common.toml_text import toml_text
+from .cells import StationMesh
 from .contour import contour
 from .materials import GLUE
-from .mesh import StationMesh, station_mesh
+from .mesh import station_mesh
 from .wall import Band, WebLayers
 from .windio import Blade, Layer, region_name
 

@@ -8,16 +8,13 @@ contour.
 
 import itertools
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...errors import InputError
 from ...math.arrays import Array, IntArray
+from .cells import StationMesh
 from .wall import WebLayers
-
-if TYPE_CHECKING:
-    from .mesh import StationMesh
 
 WIDEST = 3.0  # width on the contour over the thickness of a layer
 
@@ -89,7 +86,7 @@ def level_under(web: WebLayers, t: Array, arcs: Array, perimeter: float) -> None
 
 
 def add_web(
-    mesh: "StationMesh",
+    mesh: StationMesh,
     web: WebLayers,
     arcs: Array,
     inner: list[int],
