@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from ...solver.math.arrays import Array
 from .. import fenicsx
 from ..fenicsx import EDGES, NODES, PlainMesh
+from .lagrange import basis
 
 IntArray = NDArray[np.int64]
 KINDS = ("triangle", "quadrilateral")  # kind 0 and 1
@@ -165,7 +166,7 @@ def full_basis(kind: int, points: Array) -> tuple[Array, Array]:
     Values (q, 6 or 9) and slopes (q, 6 or 9, 2).
     """
     cell = KINDS[kind]
-    values, slopes = fenicsx.basis(cell, 2, points)
+    values, slopes = basis(cell, 2, points)
     places = np.rint(2.0 * fenicsx.reference_nodes(cell, 2)).astype(int).tolist()
     order = [places.index(place) for place in NODES[cell].tolist()]
     return values[:, order], slopes[:, order]
