@@ -20,7 +20,7 @@ _PUBLIC = {
     "gmsh_script": ("gmsh_session", "open_mesh", "run_script"),
     "inertia": ("negative_pivots",),
     "meshing": ("LabelledMesh", "labelled_mesh"),
-    "reference_cell": ("basis", "quadrature", "reference_nodes"),
+    "reference_cell": ("quadrature", "reference_nodes"),
     "spaces": (
         "cell_dofs",
         "cell_name",

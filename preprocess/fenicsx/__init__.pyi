@@ -19,7 +19,6 @@ from .plain import NamedNodes as NamedNodes
 from .plain import PlainMesh as PlainMesh
 from .plain import used_nodes as used_nodes
 from .plain import with_centre_nodes as with_centre_nodes
-from .reference_cell import basis as basis
 from .reference_cell import quadrature as quadrature
 from .reference_cell import reference_nodes as reference_nodes
 from .spaces import cell_dofs as cell_dofs

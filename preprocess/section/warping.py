@@ -118,6 +118,12 @@ class WarpingSolver:
         """Growth of a random load by the solution, which measures the condition of E."""
         return 0.0 if self._factor is None else self._factor.growth
 
+    def measured_growth(self) -> float:
+        """The growth of the matrix factorised last, although nothing was solved with it yet."""
+        assert self._factor is not None, "call factorise() first"
+        self._factor.check()
+        return self._factor.growth
+
     def solve(
         self, load: Array, size: float, product: Callable[[Array], Array] | None = None
     ) -> Array:

@@ -53,6 +53,7 @@ def test_estimate_bounds_the_largest_error_of_curved_walls(
     assert least < estimate.max() / error.max() < most
 
 
+@pytest.mark.one_end
 def test_refinement_meets_the_accuracy_and_says_what_it_cost() -> None:
     loose = analyse(section("21", 0.5))
     found = analyse(section("21", 0.5), accuracy=1e-4)

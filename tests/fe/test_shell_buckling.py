@@ -106,6 +106,7 @@ LAMINATES = [
 ]
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("cells", KINDS, ids=NAMES)
 @pytest.mark.parametrize(("plies", "E1", "ratio", "N"), LAMINATES)
 def test_laminated_squares(
@@ -131,6 +132,7 @@ CALCULIX = {  # S8R of CalculiX 2.20, 24 x 8 elements, *BUCKLE: benchmarks/shell
 }
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("layup", CALCULIX)
 def test_cantilever_plates_against_calculix(layup: str) -> None:
     model, _ = cantilever((24, 8), layup)
