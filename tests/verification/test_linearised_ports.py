@@ -7,7 +7,6 @@ import pytest
 from case_samples import HEAD, SOLVER, rigid
 from modes_samples import write_case_text
 from scipy.io import loadmat
-from scipy.signal import StateSpace, lsim
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case import load_case
@@ -148,6 +147,8 @@ def test_drive_enters_by_its_acceleration(tmp_path):
 
 
 def test_scipy_takes_the_matrices_as_they_are(tmp_path):
+    from scipy.signal import StateSpace  # takes long to load
+
     found, _ = exported(tmp_path, SLIDE)
     system = StateSpace(found["A"], found["B"], found["C"], found["D"])
     expected = [*np.roots([2.0, 1.5, 80.0]), 0.0, 0.0]
@@ -179,6 +180,8 @@ def test_matlab_file_has_the_same(tmp_path):
 
 def test_linear_answer_of_a_spinning_arm_is_that_of_the_run(tmp_path):
     """A small push in steady spin: the state space, integrated by SciPy, against a run."""
+    from scipy.signal import StateSpace, lsim
+
     found, _ = exported(tmp_path, ARM, "--at", "spin=20")
     push = list(found["inputs"]).index("push")
     file = tmp_path / "run" / "case.toml"
