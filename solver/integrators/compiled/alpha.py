@@ -43,6 +43,7 @@ from .step_control import (
     NEXT,
     NONE,
     PAUSED,
+    TENSE,
     TIME,
     TOO_ROUGH,
     TOO_SMALL,
@@ -54,6 +55,7 @@ from .step_control import (
     next_step,
     refuse,
 )
+from .tension import freeze_tension, judge
 
 
 @lean
@@ -98,6 +100,11 @@ def advance_alpha(
             counts[EVALUATIONS] += 1
             if iteration == 1:
                 freeze(model, work, t_new, stage, frozen)
+                if clock[TENSE] > 0.0:
+                    forces = workspace.stage_multipliers
+                    freeze_tension(model, work, stage, forces, frozen.tension)
+                else:
+                    frozen.tension[:] = 0.0
                 to_d = h * scheme.to_v
                 factorise_pencil(model, frozen, real, scheme.to_a, to_d, h * h)
                 if feeds:  # its rows are those of the pencil, times h^2
@@ -194,6 +201,7 @@ def advance_alpha(
                 counts[TROUBLE] = ILL
 
         if counts[TROUBLE] != NONE:
+            judge(clock, counts)
             rough = counts[TROUBLE] == TOO_ROUGH
             factor = max(MIN_FACTOR, min(MAX_FACTOR, factor)) if rough else 0.25
             code = refuse(options, clock, counts, h, factor)
@@ -216,6 +224,7 @@ def advance_alpha(
         factor = max(MIN_FACTOR, min(MAX_FACTOR, factor))
         clock[NEXT] = h if 1.0 <= factor < HYSTERESIS else h * factor
         count_step(clock, counts, h, t_new)
+        judge(clock, counts)
         keep_end(ends, taken, t_new, workspace.y)
         taken += 1
         while filled < times.shape[0] and times[filled] <= t_new:

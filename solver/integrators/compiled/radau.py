@@ -48,6 +48,7 @@ from .step_control import (
     RATE,
     ROUGH,
     TAKEN,
+    TENSE,
     TIME,
     TOO_ROUGH,
     TOO_SMALL,
@@ -60,6 +61,7 @@ from .step_control import (
     refuse,
 )
 from .tableau import MU, NU, C
+from .tension import freeze_tension, judge
 
 MAX_ITERATIONS = 10
 DIVERGES = 10.0  # the second correction over the first
@@ -139,6 +141,11 @@ def advance(
                 )
                 if iteration == 1 and k == 1:
                     freeze(model, work, t + C[k] * h, stage, frozen)
+                    if clock[TENSE] > 0.0:
+                        forces = workspace.multipliers[k]
+                        freeze_tension(model, work, stage, forces, frozen.tension)
+                    else:
+                        frozen.tension[:] = 0.0
             if iteration == 1:
                 counts[FACTORISATIONS] += factorise_stages(model, workspace, h)
                 counts[JACOBIANS] += 1
@@ -229,6 +236,7 @@ def advance(
             counts[TROUBLE] = ILL
 
         if counts[TROUBLE] != NONE:
+            judge(clock, counts)
             if counts[TROUBLE] == NEWTON:
                 failures += 1
                 factor = SHORTER if failures == 1 else MUCH_SHORTER
@@ -270,6 +278,7 @@ def advance(
         clock[ROUGH] *= RELAX_ROUGH if error > OVER else RELAX_OVER
         clock[ERROR_LAST] = error
         count_step(clock, counts, h, t_new)
+        judge(clock, counts)
         keep_end(ends, taken, t_new, workspace.y)
         taken, failures = taken + 1, 0
         while filled < times.shape[0] and times[filled] <= t_new:

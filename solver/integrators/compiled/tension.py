@@ -1,0 +1,152 @@
+"""Stiffness that forces of joints and elements give to rotations and modes: a taut cable's.
+
+A force f that acts at x on a body, from its mass centre and in body axes, has a moment that a
+small rotation phi of the body changes by -((x . f) I - f x') phi. Summed over a body,
+
+    K = tr(T) I - T,   T = sum f x',
+
+has no part of the point from which x is measured where the forces balance each other, as they do
+on a light body. Modes displace x by J, which has the slope H on a stiffened body
+(bodies/second_order.py): they have -sum f H, and f~ J with the rotation. Light links that carry a
+heavy load vibrate across it at high frequencies by this stiffness; without it in the matrix,
+Newton's iteration converges only where steps resolve these vibrations. The inertia of the body
+itself, and its weight, have no part in K: they act at the mass centre.
+
+T is symmetric where moments balance each other. Forces of a prediction do not quite, and along a
+thin rod, about which nothing resists, the difference would be large beside the inertia: of T_ab
+and T_ba the smaller is taken, none if they differ in sign. The force of a row that turns with the
+body (a slot's on its guide) is left out, and so are changes of the direction of a rod or spring.
+
+K is in use while Newton's iteration refuses less with it: `judge`.
+"""
+
+from ...dynamics.bodies.motion import place
+from ...dynamics.constraint_rows import n_coupling
+from ...dynamics.model import Model
+from ...dynamics.workspace import Work
+from ...math.arrays import Array, IntArray
+from ...math.compiled import inlined, lean
+from ...math.triple import column, cross3, turned_back
+from .elements import element_rows_at
+from .step_control import NEWTON, OTHER, REFUSALS, SINCE, TENSE, TIME, TRIED, TROUBLE
+
+FAINT = 1e-2  # of the inertia times s^2: less stiffness does not delay Newton's iteration
+# Attempts over which a matrix is judged; share of them that Newton's iteration refuses where it
+# limits all steps, which grow to the limit again in six or seven; how many times the other matrix
+# has to be faster, per attempt, to be tried again.
+WINDOW, SHARE, FASTER = 50.0, 0.13, 2.0
+
+
+@lean
+def freeze_tension(model: Model, work: Work, y: Array, forces: Array, tension: Array) -> None:
+    """Fill the lower triangles of tension (nb, n, n) in the state of the last evaluation, y (n,).
+
+    `forces` (n_r,) are multipliers of constraints and forces of elements, by row of plan.newton.
+    """
+    tension[:] = 0.0
+    for k in range(model.joint_kind.shape[0] - n_coupling(model)):
+        begin, end = model.joint_row[k], model.joint_row[k + 1]
+        rows, push = work.rows[begin:end], forces[begin:end]
+        for side in range(2):
+            _pull(model, work, y, model.joint_marker[k, side], side, rows, push, tension)
+    first = model.n_constraint + model.plan.added_start[model.n_body]
+    for e in range(model.force_kind.shape[0]):
+        count, begin = element_rows_at(model, work, e), first + model.plan.element_start[e]
+        rows, push = work.element_used[:count], forces[begin : begin + count]
+        for side in range(2):
+            _pull(model, work, y, model.force_marker[e, side], side, rows, push, tension)
+    for i in range(model.n_body):
+        _from_virial(tension[i, 3:6, 3:6])
+
+
+@inlined
+def _pull(
+    model: Model,
+    work: Work,
+    y: Array,
+    marker: int,
+    side: int,
+    rows: Array,
+    push: Array,
+    tension: Array,
+) -> None:
+    """Add f x' of the forces -rows' push at a marker to T of its body."""
+    i = model.marker_body[marker]
+    if i < 0:
+        return
+    f0, f1, f2 = 0.0, 0.0, 0.0
+    for p in range(rows.shape[0]):
+        C = rows[p, 6 * side : 6 * side + 6]
+        if C[3] == 0.0 and C[4] == 0.0 and C[5] == 0.0:
+            f0, f1, f2 = f0 - C[0] * push[p], f1 - C[1] * push[p], f2 - C[2] * push[p]
+    x, a, A, M, T = place(work.motion[marker]), model.pos_start[i], work.A[i], work.M[i], tension[i]
+    f = (
+        A[0, 0] * f0 + A[1, 0] * f1 + A[2, 0] * f2,
+        A[0, 1] * f0 + A[1, 1] * f1 + A[2, 1] * f2,
+        A[0, 2] * f0 + A[1, 2] * f1 + A[2, 2] * f2,
+    )
+    # the block of spins and velocities is m c~ A'
+    x0, x1, x2 = x[0] - y[a], x[1] - y[a + 1], x[2] - y[a + 2]
+    for q in range(3):
+        r, s = (q + 1) % 3, (q + 2) % 3
+        c = (M[3 + s, 0] * A[0, r] + M[3 + s, 1] * A[1, r] + M[3 + s, 2] * A[2, r]) / M[0, 0]
+        x_q = A[0, q] * x0 + A[1, q] * x1 + A[2, q] * x2 - c
+        for b in range(3):
+            T[3 + b, 3 + q] += f[b] * x_q
+    m, h, J = model.n_mode[i], model.marker_second[marker], work.J_m[marker]
+    for k in range(m):
+        slope = turned_back(A, column(J, 6 + k))
+        turn = cross3(f, slope)
+        for b in range(3):
+            T[6 + k, 3 + b] += turn[b]
+        if h >= 0:
+            for b in range(3):
+                if model.marker_H_used[marker][b]:
+                    for j in range(k + 1):
+                        T[6 + k, 6 + j] -= f[b] * model.marker_H[h + (b * m + k) * m + j]
+
+
+@inlined
+def _from_virial(T: Array) -> None:
+    """Replace T (3, 3) by K."""
+    trace = T[0, 0] + T[1, 1] + T[2, 2]
+    for a in range(3):
+        for b in range(a):
+            one, two = T[a, b], T[b, a]
+            smaller = one if abs(one) < abs(two) else two
+            T[a, b] = T[b, a] = -smaller if one * two > 0.0 else 0.0
+        T[a, a] = trace - T[a, a]
+
+
+@inlined
+def add_tension(
+    K: Array, M: Array, n: int, lead: int, s_squared: float, stiffness: float, L: Array
+) -> None:
+    """Add K (n, n) of one body, times stiffness, to its L (n, n), unless faint beside s^2 M."""
+    counts = False
+    for a in range(3, n):
+        counts = counts or abs(K[a, a]) > FAINT * s_squared * M[a, a]
+    if counts:
+        for a in range(3, n):
+            for b in range(3, min(a, lead)):
+                L[a, b] += stiffness * K[a, b]
+            L[a, a] += stiffness * K[a, a]
+
+
+@inlined
+def judge(clock: Array, counts: IntArray) -> None:
+    """Count an attempt; change the matrix where Newton's iteration refuses too many.
+
+    The other one is taken if it has never been tried or has advanced faster. A run without
+    refusals is one without tension.
+    """
+    clock[TRIED] += 1.0
+    if counts[TROUBLE] == NEWTON:
+        clock[REFUSALS] += 1.0
+    if clock[TRIED] < WINDOW:
+        return
+    pace, other, tense = (clock[TIME] - clock[SINCE]) / WINDOW, clock[OTHER], clock[TENSE] > 0.0
+    slower = pace < FASTER * other if tense else FASTER * pace < other
+    if clock[REFUSALS] > SHARE * WINDOW and slower:
+        clock[TENSE], clock[OTHER] = 0.0 if tense else 1.0, pace
+    clock[SINCE], clock[TRIED], clock[REFUSALS] = clock[TIME], 0.0, 0.0
