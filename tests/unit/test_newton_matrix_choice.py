@@ -7,7 +7,7 @@ from crane_samples import rigid_crane
 
 from plymotion.solver.dynamics.constraints.treatment import Treatment, treated
 from plymotion.solver.integrators.compiled import step_control as codes
-from plymotion.solver.integrators.compiled.tension import SHARE, WINDOW, judge
+from plymotion.solver.integrators.compiled.tension import SHARE, TAUT, WINDOW, count_refusal, judge
 from plymotion.solver.run.preparation import prepare
 
 DRIVE = "drive = { smooth_step = { value = 1.0, duration = 1.0 } }"
@@ -15,11 +15,10 @@ DRIVE = "drive = { smooth_step = { value = 1.0, duration = 1.0 } }"
 
 def _after(clock, refused, pace):
     """Whether tension is in the matrix after a window with so many refusals and such a pace."""
-    counts = np.zeros(codes.N_COUNT, dtype=np.int64)
     for k in range(int(WINDOW)):
-        counts[codes.TROUBLE] = codes.NEWTON if k < refused else codes.NONE
+        clock[codes.REFUSALS] += k < refused
         clock[codes.TIME] += pace
-        judge(clock, counts)
+        judge(clock)
     return clock[codes.TENSE] > 0.0
 
 
@@ -34,6 +33,20 @@ def test_the_matrix_that_advances_faster():
     assert not _after(clock, many, 1.9)
     assert not _after(clock, many, 1.0)  # the other was not twice as fast
     assert _after(clock, many, 0.9)
+
+
+def test_refusals_without_tension_do_not_count(tmp_path):
+    """The least stiffness that may stop Newton's iteration is a part of s^2 times the inertia."""
+    spec = rigid_crane(tmp_path, 2)
+    model = prepare(spec.mechanism, spec.packages).model
+    clock, M = np.zeros(codes.N_CLOCK), np.zeros((model.n_body, 6, 6))
+    M[:, range(6), range(6)] = 2.0
+    tension = np.zeros_like(M)
+    tension[1, 4, 4] = 30.0
+    count_refusal(model, clock, M, tension, 15.1 / TAUT)
+    assert clock[codes.REFUSALS] == 0.0
+    count_refusal(model, clock, M, tension, 14.9 / TAUT)
+    assert clock[codes.REFUSALS] == 1.0
 
 
 @pytest.mark.parametrize(

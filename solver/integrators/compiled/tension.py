@@ -24,13 +24,14 @@ from ...dynamics.bodies.motion import place
 from ...dynamics.constraint_rows import n_coupling
 from ...dynamics.model import Model
 from ...dynamics.workspace import Work
-from ...math.arrays import Array, IntArray
+from ...math.arrays import Array
 from ...math.compiled import inlined, lean
 from ...math.triple import column, cross3, turned_back
 from .elements import element_rows_at
-from .step_control import NEWTON, OTHER, REFUSALS, SINCE, TENSE, TIME, TRIED, TROUBLE
+from .step_control import OTHER, REFUSALS, SINCE, TENSE, TIME, TRIED
 
-FAINT = 1e-2  # of the inertia times s^2: less stiffness does not delay Newton's iteration
+# Of the inertia times s^2: less stiffness does not delay Newton's iteration; it may stop it.
+FAINT, TAUT = 1e-2, 0.1
 # Attempts over which a matrix is judged; share of them that Newton's iteration refuses where it
 # limits all steps, which grow to the limit again in six or seven; how many times the other matrix
 # has to be faster, per attempt, to be tried again.
@@ -123,10 +124,7 @@ def add_tension(
     K: Array, M: Array, n: int, lead: int, s_squared: float, stiffness: float, L: Array
 ) -> None:
     """Add K (n, n) of one body, times stiffness, to its L (n, n), unless faint beside s^2 M."""
-    counts = False
-    for a in range(3, n):
-        counts = counts or abs(K[a, a]) > FAINT * s_squared * M[a, a]
-    if counts:
+    if _exceeds(K, M, n, FAINT * s_squared):
         for a in range(3, n):
             for b in range(3, min(a, lead)):
                 L[a, b] += stiffness * K[a, b]
@@ -134,15 +132,35 @@ def add_tension(
 
 
 @inlined
-def judge(clock: Array, counts: IntArray) -> None:
-    """Count an attempt; change the matrix where Newton's iteration refuses too many.
+def _exceeds(K: Array, M: Array, n: int, s_squared: float) -> bool:
+    """Tell whether an entry of the diagonal of K exceeds s^2 M."""
+    found = False
+    for a in range(3, n):
+        found = found or abs(K[a, a]) > s_squared * M[a, a]
+    return found
+
+
+@inlined
+def count_refusal(model: Model, clock: Array, M: Array, tension: Array, s_squared: float) -> None:
+    """Count a step that Newton's iteration has refused, if tension (nb, n, n) may be the reason.
+
+    It is where it exceeds a part of s^2 M (nb, n, n) with the s of that step.
+    """
+    taut = False
+    for i in range(model.n_body):
+        taut = taut or _exceeds(tension[i], M[i], model.plan.size[i], TAUT * s_squared)
+    if taut:
+        clock[REFUSALS] += 1.0
+
+
+@inlined
+def judge(clock: Array) -> None:
+    """Count an attempt; change the matrix where tension made Newton's iteration refuse many.
 
     The other one is taken if it has never been tried or has advanced faster. A run without
     refusals is one without tension.
     """
     clock[TRIED] += 1.0
-    if counts[TROUBLE] == NEWTON:
-        clock[REFUSALS] += 1.0
     if clock[TRIED] < WINDOW:
         return
     pace, other, tense = (clock[TIME] - clock[SINCE]) / WINDOW, clock[OTHER], clock[TENSE] > 0.0
