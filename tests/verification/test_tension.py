@@ -50,7 +50,7 @@ def test_tension_is_the_derivative_of_the_accelerations(flexible, tmp_path):
     forces = np.zeros(model.plan.newton.place.shape[0])
     forces[: model.n_constraint] = accelerations(model, equations, y0)[1]
     freeze(model, work, 0.0, y0, frozen)
-    freeze_tension(model, work, y0, forces, frozen.tension)
+    freeze_tension(model, work, 0.0, y0, forces, frozen.tension)
     K = np.zeros((model.n_vel, model.n_vel))
     for i in range(model.n_body):
         v, n, m = model.vel_start[i], model.plan.size[i], model.n_mode[i]

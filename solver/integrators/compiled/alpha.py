@@ -102,7 +102,7 @@ def advance_alpha(
                 freeze(model, work, t_new, stage, frozen)
                 if clock[TENSE] > 0.0 or refused > 0.0:
                     forces = workspace.stage_multipliers
-                    freeze_tension(model, work, stage, forces, frozen.tension)
+                    freeze_tension(model, work, t_new, stage, forces, frozen.tension)
                 if refused > 0.0:
                     s_squared = scheme.to_a / refused**2
                     count_refusal(model, clock, frozen.M, frozen.tension, s_squared)

@@ -144,7 +144,8 @@ def advance(
                     freeze(model, work, t + C[k] * h, stage, frozen)
                     if clock[TENSE] > 0.0 or refused > 0.0:
                         forces = workspace.multipliers[k]
-                        freeze_tension(model, work, stage, forces, frozen.tension)
+                        at = t + C[k] * h
+                        freeze_tension(model, work, at, stage, forces, frozen.tension)
                     if refused > 0.0:
                         s_squared = (MU / refused) ** 2
                         count_refusal(model, clock, frozen.M, frozen.tension, s_squared)

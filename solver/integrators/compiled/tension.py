@@ -1,4 +1,4 @@
-"""Stiffness that forces of joints and elements give to rotations and modes: a taut cable's.
+"""Stiffness that forces give to rotations and modes of a body: that of a taut cable.
 
 A force f that acts at x on a body, from its mass centre and in body axes, has a moment that a
 small rotation phi of the body changes by -((x . f) I - f x') phi. Summed over a body,
@@ -6,8 +6,9 @@ small rotation phi of the body changes by -((x . f) I - f x') phi. Summed over a
     K = tr(T) I - T,   T = sum f x',
 
 has no part of the point from which x is measured where the forces balance each other, as they do
-on a light body. Modes displace x by J, which has the slope H on a stiffened body
-(bodies/second_order.py): they have -sum f H, and f~ J with the rotation. Light links that carry a
+on a light body. Modes of a stiffened body (bodies/second_order.py) displace x by J
+of the slope H: they have -sum f H, and f~ J with the rotation. Those of a linear body have none:
+f~ J alone may make the matrix indefinite. Light links that carry a
 heavy load vibrate across it at high frequencies by this stiffness; without it in the matrix,
 Newton's iteration converges only where steps resolve these vibrations. The inertia of the body
 itself, and its weight, have no part in K: they act at the mass centre.
@@ -15,18 +16,20 @@ itself, and its weight, have no part in K: they act at the mass centre.
 T is symmetric where moments balance each other. Forces of a prediction do not quite, and along a
 thin rod, about which nothing resists, the difference would be large beside the inertia: of T_ab
 and T_ba the smaller is taken, none if they differ in sign. The force of a row that turns with the
-body (a slot's on its guide) is left out, and so are changes of the direction of a rod or spring.
+body (a slot's on its guide, a following load) is left out, and so are changes of the direction of a rod or spring.
 
 K is in use while Newton's iteration refuses less with it: `judge`.
 """
 
+from ...dynamics.applied_forces import force_wrench
 from ...dynamics.bodies.motion import place
 from ...dynamics.constraint_rows import n_coupling
+from ...dynamics.forces.table import FIRST_LOAD
 from ...dynamics.model import Model
 from ...dynamics.workspace import Work
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean
-from ...math.triple import column, cross3, turned_back
+from ...math.triple import Triple, column, cross3, turned_back
 from .elements import element_rows_at
 from .step_control import OTHER, REFUSALS, SINCE, TENSE, TIME, TRIED
 
@@ -39,8 +42,10 @@ WINDOW, SHARE, FASTER = 50.0, 0.13, 2.0
 
 
 @lean
-def freeze_tension(model: Model, work: Work, y: Array, forces: Array, tension: Array) -> None:
-    """Fill the lower triangles of tension (nb, n, n) in the state of the last evaluation, y (n,).
+def freeze_tension(
+    model: Model, work: Work, t: float, y: Array, forces: Array, tension: Array
+) -> None:
+    """Fill the lower triangles of tension (nb, n, n) after an evaluation at t in state y (n,).
 
     `forces` (n_r,) are multipliers of constraints and forces of elements, by row of plan.newton.
     """
@@ -49,19 +54,22 @@ def freeze_tension(model: Model, work: Work, y: Array, forces: Array, tension: A
         begin, end = model.joint_row[k], model.joint_row[k + 1]
         rows, push = work.rows[begin:end], forces[begin:end]
         for side in range(2):
-            _pull(model, work, y, model.joint_marker[k, side], side, rows, push, tension)
+            _push(model, work, y, model.joint_marker[k, side], side, rows, push, tension)
     first = model.n_constraint + model.plan.added_start[model.n_body]
     for e in range(model.force_kind.shape[0]):
         count, begin = element_rows_at(model, work, e), first + model.plan.element_start[e]
         rows, push = work.element_used[:count], forces[begin : begin + count]
         for side in range(2):
-            _pull(model, work, y, model.force_marker[e, side], side, rows, push, tension)
+            _push(model, work, y, model.force_marker[e, side], side, rows, push, tension)
+        if model.force_kind[e] >= FIRST_LOAD and model.marker_body[model.force_marker[e, 0]] < 0:
+            f = force_wrench(model, work, e, t).force
+            _pull(model, work, y, model.force_marker[e, 1], f, tension)
     for i in range(model.n_body):
         _from_virial(tension[i, 3:6, 3:6])
 
 
 @inlined
-def _pull(
+def _push(
     model: Model,
     work: Work,
     y: Array,
@@ -71,40 +79,39 @@ def _pull(
     push: Array,
     tension: Array,
 ) -> None:
-    """Add f x' of the forces -rows' push at a marker to T of its body."""
-    i = model.marker_body[marker]
-    if i < 0:
-        return
-    f0, f1, f2 = 0.0, 0.0, 0.0
+    """Add the forces -rows' push at a marker, without those that turn with it."""
+    f = (0.0, 0.0, 0.0)
     for p in range(rows.shape[0]):
         C = rows[p, 6 * side : 6 * side + 6]
         if C[3] == 0.0 and C[4] == 0.0 and C[5] == 0.0:
-            f0, f1, f2 = f0 - C[0] * push[p], f1 - C[1] * push[p], f2 - C[2] * push[p]
+            f = f[0] - C[0] * push[p], f[1] - C[1] * push[p], f[2] - C[2] * push[p]
+    if model.marker_body[marker] >= 0:
+        _pull(model, work, y, marker, f, tension)
+
+
+@lean
+def _pull(model: Model, work: Work, y: Array, marker: int, f_G: Triple, tension: Array) -> None:
+    """Add a force f_G [N], global components, at a marker: f x' in T, and its part in modes."""
+    i = model.marker_body[marker]
     x, a, A, M, T = place(work.motion[marker]), model.pos_start[i], work.A[i], work.M[i], tension[i]
-    f = (
-        A[0, 0] * f0 + A[1, 0] * f1 + A[2, 0] * f2,
-        A[0, 1] * f0 + A[1, 1] * f1 + A[2, 1] * f2,
-        A[0, 2] * f0 + A[1, 2] * f1 + A[2, 2] * f2,
-    )
+    f = turned_back(A, f_G)
     # the block of spins and velocities is m c~ A'
-    x0, x1, x2 = x[0] - y[a], x[1] - y[a + 1], x[2] - y[a + 2]
+    x_B = turned_back(A, (x[0] - y[a], x[1] - y[a + 1], x[2] - y[a + 2]))
     for q in range(3):
         r, s = (q + 1) % 3, (q + 2) % 3
         c = (M[3 + s, 0] * A[0, r] + M[3 + s, 1] * A[1, r] + M[3 + s, 2] * A[2, r]) / M[0, 0]
-        x_q = A[0, q] * x0 + A[1, q] * x1 + A[2, q] * x2 - c
         for b in range(3):
-            T[3 + b, 3 + q] += f[b] * x_q
+            T[3 + b, 3 + q] += f[b] * (x_B[q] - c)
     m, h, J = model.n_mode[i], model.marker_second[marker], work.J_m[marker]
-    for k in range(m):
+    for k in range(m if h >= 0 else 0):
         slope = turned_back(A, column(J, 6 + k))
         turn = cross3(f, slope)
         for b in range(3):
             T[6 + k, 3 + b] += turn[b]
-        if h >= 0:
-            for b in range(3):
-                if model.marker_H_used[marker][b]:
-                    for j in range(k + 1):
-                        T[6 + k, 6 + j] -= f[b] * model.marker_H[h + (b * m + k) * m + j]
+        for b in range(3):
+            if model.marker_H_used[marker][b]:
+                for j in range(k + 1):
+                    T[6 + k, 6 + j] -= f[b] * model.marker_H[h + (b * m + k) * m + j]
 
 
 @inlined
