@@ -1,6 +1,6 @@
 """Heavy loads on chains of light links, default settings: steps follow the load.
 
-The links vibrate across the taut chain at up to 1e5 rad/s; the load swings at 1 rad/s. SciPy
+The links vibrate across the taut chain at up to 3e4 rad/s; the load swings at 1 rad/s. SciPy
 integrates the angles of the links from the vertical.
 """
 

@@ -6,19 +6,19 @@ small rotation phi of the body changes by -((x . f) I - f x') phi. Summed over a
     K = tr(T) I - T,   T = sum f x',
 
 has no part of the point from which x is measured where the forces balance each other, as they do
-on a light body. Modes of a stiffened body (bodies/second_order.py) displace x by J
-of the slope H: they have -sum f H, and f~ J with the rotation. Those of a linear body have none:
-f~ J alone may make the matrix indefinite. Light links that carry a
-heavy load vibrate across it at high frequencies by this stiffness; without it in the matrix,
-Newton's iteration converges only where steps resolve these vibrations. The inertia of the body
-itself, and its weight, have no part in K: they act at the mass centre.
+on a light body. Light links that carry a heavy load vibrate across it at high frequencies by this
+stiffness; without it in the matrix, Newton's iteration converges only where steps resolve these
+vibrations. The inertia of the body itself, and its weight, have no part in K: they act at the mass
+centre. Modes of a stiffened body (bodies/second_order.py) displace x by J of the slope H: they
+have -sum f H, and f~ J with the rotation. Those of a linear body have neither: f~ J alone makes
+the block of the body indefinite.
 
 T is symmetric where moments balance each other. Forces of a prediction do not quite, and along a
 thin rod, about which nothing resists, the difference would be large beside the inertia: of T_ab
-and T_ba the smaller is taken, none if they differ in sign. The force of a row that turns with the
-body (a slot's on its guide, a following load) is left out, and so are changes of the direction of a rod or spring.
+and T_ba the smaller is taken, none if they differ in sign. Left out are forces that turn with the
+body (of a slot on its guide, following loads), and changes of the direction of a rod or spring.
 
-K is in use while Newton's iteration refuses less with it: `judge`.
+K is in use while the run advances faster with it: `judge`.
 """
 
 from ...dynamics.applied_forces import force_wrench
@@ -95,11 +95,12 @@ def _pull(model: Model, work: Work, y: Array, marker: int, f_G: Triple, tension:
     i = model.marker_body[marker]
     x, a, A, M, T = place(work.motion[marker]), model.pos_start[i], work.A[i], work.M[i], tension[i]
     f = turned_back(A, f_G)
-    # the block of spins and velocities is m c~ A'
+    # the block of spins and velocities is m c~ A'; a body without mass has none
+    mass = M[0, 0] if M[0, 0] > 0.0 else 1.0
     x_B = turned_back(A, (x[0] - y[a], x[1] - y[a + 1], x[2] - y[a + 2]))
     for q in range(3):
         r, s = (q + 1) % 3, (q + 2) % 3
-        c = (M[3 + s, 0] * A[0, r] + M[3 + s, 1] * A[1, r] + M[3 + s, 2] * A[2, r]) / M[0, 0]
+        c = (M[3 + s, 0] * A[0, r] + M[3 + s, 1] * A[1, r] + M[3 + s, 2] * A[2, r]) / mass
         for b in range(3):
             T[3 + b, 3 + q] += f[b] * (x_B[q] - c)
     m, h, J = model.n_mode[i], model.marker_second[marker], work.J_m[marker]
