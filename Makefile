@@ -151,7 +151,7 @@ ifneq ($(filter-out $(wildcard $(SECTION_FILES)),$(SECTION_FILES)),)
 $(SECTION_FOLDER)/summary.csv: FORCE
 endif
 $(SECTION_FOLDER)/summary.csv: $(SECTION_INPUTS) $(FENICSX) $(LIGHT)
-	$(SECTION) --batch cases/sections --jobs $$(nproc)
+	$(SECTION) --batch cases/sections --jobs $(JOBS)
 
 $(addprefix section-,$(SECTIONS)): section-%: $(SECTION_FOLDER)/%.txt
 	@cat $<

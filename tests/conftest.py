@@ -47,6 +47,7 @@ SLOW = {
     },
     "unit": {
         "blade",
+        "blade_spin",
         "blade_stopped",
         "case_command",
         "compiled_cache",
@@ -100,9 +101,13 @@ def pytest_collection_modifyitems(items: "list[pytest.Item]") -> None:
 
 
 def pytest_collection_finish() -> None:
-    """Leave modules and tests out of the search for garbage: it takes a twentieth of the time."""
+    """Leave modules and tests out of the search for garbage: it takes a twentieth of the time.
+
+    It is made as seldom as in a command (solver/__main__.py); that saves a thirtieth more.
+    """
     gc.collect()
     gc.freeze()
+    gc.set_threshold(50_000)
 
 
 @pytest.fixture(scope="session")

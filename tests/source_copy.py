@@ -24,9 +24,8 @@ def recipe_lines(repository: Path) -> list[tuple[str, str, str]]:
 
 def copy_with_recipes(repository: Path, folder: Path) -> Path:
     """Copy the sources into a folder, follow all recipes there, return the folder."""
-    unwanted = shutil.ignore_patterns("__pycache__")
-    for half in HALVES:
-        shutil.copytree(repository / half, folder / half, ignore=unwanted)
+    for half in HALVES:  # with their bytecode: times of files stay, so it is valid
+        shutil.copytree(repository / half, folder / half)
     (folder / "plymotion").mkdir()
     shutil.copy(repository / "plymotion/__init__.py", folder / "plymotion")
     for half in HALVES:

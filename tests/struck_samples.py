@@ -11,6 +11,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+from forks import forks
 from hostile_profile import WAIT_S
 from sweep_samples import FORCE, ball
 
@@ -61,9 +62,11 @@ def struck(
     kind: str, place: int, words: list[str], **more: str
 ) -> "subprocess.CompletedProcess[str]":
     """Run a command and strike it: "before SIGKILL" a file is renamed, for example."""
+    if more.get("PLYMOTION_COMPILED", "0") == "0":
+        return forks.run(STRUCK, kind, str(place), *words, timeout=WAIT_S, **more)
     return subprocess.run(
         [sys.executable, "-c", STRUCK, kind, str(place), *words],
-        env=os.environ | {"PLYMOTION_COMPILED": "0"} | more,
+        env=os.environ | more,
         capture_output=True,
         text=True,
         timeout=WAIT_S,

@@ -12,7 +12,6 @@ from .inertia import InertiaError, negative_pivots
 from .meshing import LabelledMesh, labelled_mesh
 from .plain import EDGES, NODES, NamedNodes, PlainMesh, used_nodes, with_centre_nodes
 from .spaces import (
-    basis,
     cell_dofs,
     cell_name,
     dof_coordinates,
@@ -43,7 +42,6 @@ __all__ = [
     "PlainMesh",
     "SingularError",
     "Team",
-    "basis",
     "cell_dofs",
     "cell_name",
     "cholesky",

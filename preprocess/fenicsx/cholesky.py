@@ -98,8 +98,9 @@ class Cholesky:
         return X[:, :-1].reshape(np.shape(B))
 
     def check(self) -> None:
-        """Check the factorisation now."""
-        self.solve(np.empty((self.A.shape[0], 0)))
+        """Check the factorisation now, and measure the growth, unless this was done before."""
+        if not self._checked:
+            self.solve(np.empty((self.A.shape[0], 0)))
 
     def close(self) -> None:
         """Free the memory of the factors; no further solves are possible."""

@@ -49,18 +49,8 @@ def quadrature(cell: str, degree: int) -> tuple[Array, Array]:
     return np.array(points), np.array(weights)
 
 
-def basis(cell: str, degree: int, points: Array) -> tuple[Array, Array]:
-    """Lagrange functions of `vector_space` and of the geometry at points of the reference cell.
-
-    Values (q, k) and derivatives (q, k, 2) of the k functions of a cell, in the order of
-    `cell_dofs`. There DOLFINx has already ordered the nodes of shared edges consistently.
-    """
-    table = np.asarray(_lagrange(cell, degree).tabulate(1, points))[..., 0]
-    return table[0], np.moveaxis(table[1:], 0, -1)
-
-
 def reference_nodes(cell: str, degree: int) -> Array:
-    """Positions of the nodes of `basis` on the reference cell, (k, 2)."""
+    """Positions of the nodes of Lagrange functions on the reference cell, (k, 2)."""
     return np.array(_lagrange(cell, degree).points)
 
 

@@ -1,6 +1,6 @@
 """Cells of a section: triangles and quadrilaterals of 3 to 9 nodes, mixed in one mesh."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -9,12 +9,14 @@ from numpy.typing import NDArray
 from ...solver.math.arrays import Array
 from .. import fenicsx
 from ..fenicsx import EDGES, NODES, PlainMesh
+from .lagrange import basis
 
 IntArray = NDArray[np.int64]
 KINDS = ("triangle", "quadrilateral")  # kind 0 and 1
 ABSENT = -1
 MOST_NODES = 9
 CORNERS = (3, 4)  # of each kind
+OPPOSITE = [2, 3, 0, 1, 6, 7, 4, 5, 8]  # nodes of a quadrilateral, from the opposite corner
 FULL = (6, 9)  # nodes of each kind with all middle nodes and the centre
 
 
@@ -121,6 +123,18 @@ def cells_of_plain(plain: PlainMesh) -> CellMesh:
     return CellMesh(plain.points, nodes, kind, plain.region, plain.regions)
 
 
+def turned(mesh: CellMesh) -> CellMesh:
+    """The same section; quadrilaterals are numbered from their opposite corner."""
+    nodes = mesh.nodes.copy()
+    rows = mesh.kind == KINDS.index("quadrilateral")
+    nodes[rows] = mesh.nodes[rows][:, OPPOSITE]
+    angles = mesh.layer_angle
+    if angles is not None and angles.shape[1] > 1:
+        angles = angles.copy()
+        angles[rows] = angles[rows][:, OPPOSITE]
+    return replace(mesh, nodes=nodes, layer_angle=angles)
+
+
 def patterns(nodes: IntArray) -> list[tuple[IntArray, IntArray]]:
     """Groups of cells with the same nodes present: the local nodes, and the rows of the cells."""
     present = nodes >= 0
@@ -152,7 +166,7 @@ def full_basis(kind: int, points: Array) -> tuple[Array, Array]:
     Values (q, 6 or 9) and slopes (q, 6 or 9, 2).
     """
     cell = KINDS[kind]
-    values, slopes = fenicsx.basis(cell, 2, points)
+    values, slopes = basis(cell, 2, points)
     places = np.rint(2.0 * fenicsx.reference_nodes(cell, 2)).astype(int).tolist()
     order = [places.index(place) for place in NODES[cell].tolist()]
     return values[:, order], slopes[:, order]

@@ -7,6 +7,7 @@ method of timoshenko.py.
 """
 
 import inspect
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,7 +19,7 @@ from ...solver.math.arrays import Array
 from ...solver.math.definite import is_positive_definite
 from ...solver.math.rotations import skew
 from .. import fenicsx
-from .errors import SectionError
+from .errors import IllConditioned, SectionError
 from .helical_solvers import AlongAxis, Residual, Waves
 from .space import SectionSpace
 from .twist import TwistedStrains
@@ -42,6 +43,7 @@ class CentralSolutions:
     residual: float  # of the equilibrium at all nodes, relative
     strains: TwistedStrains  # operators of the space of W and Q
     growth: float  # of a random load by the factorised matrix
+    by_waves: bool  # with the second solver
     solvability: float = 0.0  # the equations have a solution for every k
     round_off: Array | None = None  # (6, 6) of K, in its units, None if it is negligible
     doubtful: bool = False  # its condition would be refused without `allow`
@@ -81,6 +83,9 @@ def central_solutions(
     C: Array,
     team: fenicsx.Team = fenicsx.ALONE,
     largest_growth: float = LARGEST_GROWTH,
+    is_enough: Callable[[float], bool] | None = None,
+    *,
+    by_waves: bool = False,
 ) -> CentralSolutions:
     """Solve for warping and beam strains of unit resultants.
 
@@ -89,18 +94,26 @@ def central_solutions(
     space : of the section's mesh
     k : (3,) initial twist and curvature [rad/m], not all zero
     C : (c, 1 or q, 6, 6) stiffness of the points, section axes [Pa]
+    is_enough : whether the growth of a random load by the factorised matrix allows to go on
+    by_waves : the first solver is known to be too slow
 
     Raises
     ------
+    IllConditioned : it does not.
     SectionError : a point beyond the centre of curvature, no convergence, K is not definite.
     FactorisationError : the section is not one part.
     """
     strains, T = TwistedStrains(space, k), change_of_resultants(k)
     kept = space.pattern.without(six_pins(space))
     simple = AlongAxis(strains, C, kept, team, largest_growth)
+    if is_enough is not None and not is_enough(simple.growth):
+        raise IllConditioned
     equations = Equations(strains, C, T)
-    unknowns, left = _iterated(equations, simple, simple, None)
-    if left > ENOUGH**2 and left > TOLERANCE * simple.growth:
+    unknowns, left = None, np.inf
+    if not by_waves:
+        unknowns, left = _iterated(equations, simple, simple, None)
+        by_waves = left > ENOUGH**2 and left > TOLERANCE * simple.growth
+    if by_waves:
         # thin walls and large |k| h: few steps, but a factorisation of twice the size
         waves = Waves(strains, C, kept, T, simple, team)
         unknowns, left = _iterated(equations, simple, waves, unknowns)
@@ -110,7 +123,8 @@ def central_solutions(
             f"{left:.1e}): the product of curvature and size of the section is too large, or cells "
             "of a very thin wall are much narrower than others"
         )
-    return _solution(equations, *unknowns, simple.growth)
+    assert unknowns is not None
+    return _solution(equations, *unknowns, simple.growth, by_waves)
 
 
 @dataclass(frozen=True)
@@ -164,7 +178,9 @@ def _iterated(
     return best, left
 
 
-def _solution(equations: Equations, W: Array, S_e: Array, growth: float) -> CentralSolutions:
+def _solution(
+    equations: Equations, W: Array, S_e: Array, growth: float, by_waves: bool
+) -> CentralSolutions:
     strains = equations.strains
     stress, strain, Q = equations.stresses(W, S_e)
     P = strains.load_along_beam(stress)
@@ -176,7 +192,7 @@ def _solution(equations: Equations, W: Array, S_e: Array, growth: float) -> Cent
         raise SectionError("the stiffness of the section is not positive definite")
     norm = np.abs(strains.load_in_section(np.abs(stress))).max()
     left = float(np.abs(balance).max() / norm)
-    return CentralSolutions(K, W, Q, S_e, -P.T @ W, left, strains, growth)
+    return CentralSolutions(K, W, Q, S_e, -P.T @ W, left, strains, growth, by_waves)
 
 
 def _solved(operator: LinearOperator, right: Array, tolerance: float) -> Array:

@@ -8,6 +8,7 @@ import scipy.sparse as sp
 from ...solver.math.arrays import Array
 from .. import fenicsx
 from .cells import CORNERS, FULL, KINDS, CellMesh, IntArray, filling, full_basis, patterns
+from .lagrange import basis
 from .numbering import Numbering
 
 
@@ -30,7 +31,7 @@ class Part:
     def functions(self, points: Array) -> tuple[Array, Array]:
         """Values (q, k) and slopes (q, k, 2) at points of the reference cell."""
         if self.degree is not None:
-            return fenicsx.basis(KINDS[self.kind], self.degree, points)
+            return basis(KINDS[self.kind], self.degree, points)
         assert self.filling is not None
         values, slopes = full_basis(self.kind, points)
         return values @ self.filling, np.einsum("qig,ik->qkg", slopes, self.filling)

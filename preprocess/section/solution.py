@@ -44,7 +44,8 @@ def compared(solved: Solved, spec: Mapping[str, Any], where: str, *, first: bool
 
 
 def resolved(solved: Solved, spec: Mapping[str, Any], where: str) -> Solved:
-    """With as many degrees more as a twisted section requires."""
+    """With as many degrees more as a twisted section requires; its round-off is measured."""
+    before = None
     while solved.error is not None and solved.problem.space.degree < MOST_DEGREE:
         if scaled(solved.error, solved.result.K).max() <= RESOLVED:
             break
@@ -54,11 +55,21 @@ def resolved(solved: Solved, spec: Mapping[str, Any], where: str) -> Solved:
         if space.degree > MOST_OF_LARGE and space.n_dof > LARGE:
             break
         try:
-            result = solve(richer.problem, richer.lay, where, spec, known=richer.result)
-            solved = compared(replace(richer, result=result), spec, where, first=False)
+            before, solved = solved, compared(richer, spec, where, first=False)
         except SectionError:  # round-off of the higher degree
             break
-    return solved
+    try:
+        return measured(solved, spec, where)
+    except SectionError:  # the same
+        if before is None:
+            raise
+        return measured(before, spec, where)
+
+
+def measured(solved: Solved, spec: Mapping[str, Any], where: str) -> Solved:
+    """With the round-off of its result."""
+    result = solve(solved.problem, solved.lay, where, spec, known=solved.result)
+    return replace(solved, result=result)
 
 
 def solve(
@@ -96,5 +107,5 @@ def _richer(
     """The problem with one degree more; that of a mesh without refinement is kept for others."""
     degree = problem.space.degree + 1
     if first:
-        return section_problem(spec["mesh"], where, degree, problem.team)
-    return SectionProblem(problem.mesh, degree, problem.team)
+        return section_problem(spec["mesh"], where, degree, problem.team).like(problem)
+    return SectionProblem(problem.mesh, degree, problem.team).like(problem)

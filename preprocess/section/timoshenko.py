@@ -6,6 +6,7 @@ Strains e6 = [gamma11, 2 gamma12, 2 gamma13, kappa1, kappa2, kappa3] with
 x2 sigma11, all about the origin of the section axes.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +14,7 @@ import scipy.sparse as sp
 
 from ...solver.math.arrays import Array
 from ...solver.math.definite import is_positive_definite
-from .errors import SectionError
+from .errors import IllConditioned, SectionError
 from .space import SectionSpace
 from .warping import (
     ClassicalState,
@@ -78,7 +79,11 @@ def shear_compliance(
 
 
 def stiffness(
-    space: SectionSpace, solver: WarpingSolver, E: sp.csr_matrix, C: Array
+    space: SectionSpace,
+    solver: WarpingSolver,
+    E: sp.csr_matrix,
+    C: Array,
+    is_enough: Callable[[float], bool] | None = None,
 ) -> SectionStiffness:
     """The 6x6 stiffness K of a section.
 
@@ -90,13 +95,17 @@ def stiffness(
     space, solver : of the section's mesh
     E : (n_dof, n_dof) stiffness against warping [Pa]
     C : (c, 1 or q, 6, 6) stiffness of the points, section axes [Pa]
+    is_enough : whether the growth of a random load by the factorised E allows to go on
 
     Raises
     ------
+    IllConditioned : it does not.
     SectionError : a load on the warping does work on rigid motions, or K is not positive definite.
     FactorisationError : E has more zero modes than the rigid motions (a disconnected section).
     """
     solver.factorise(E)
+    if is_enough is not None and not is_enough(solver.measured_growth()):
+        raise IllConditioned
     state = classical_warping(space, solver, C, beam_strain_fields(space))
     A = classical_stiffness(space, state)
     # B = V0' H V0 + Psi' L V0: the classical strains with their change along the beam

@@ -22,6 +22,7 @@ from .frequencies import GAP, signs
 TOLERANCE = 1e-10
 NONE = 1e-4  # of the largest |mu|: a smaller one is a local effect or round-off
 REVERSED = 1e-2  # the same, of the reversed load
+FEW, MANY = 14, 40  # least number of Krylov vectors: for the size of mu, for the factors
 MOST = 100  # restarts of the iteration
 TRIES = 4  # with more factors each time, if some were missed
 DENSE = 400  # unknowns, below which all factors are computed
@@ -122,7 +123,7 @@ class Buckling:
             order = np.flatnonzero(mu > NONE * size)[::-1][: count + 1]
             back = 1.0 / mu[0] if mu[0] < -REVERSED * size else 0.0
             return mu[order], X[:, order], float(back)
-        size = abs(float(self._iterated(G, 1, "LM", 1e-3)[0][0]))
+        size = abs(float(self._iterated(G, 1, "LM", 1e-3, FEW)[0][0]))
         mu, X = np.zeros(0), np.zeros((n, 0))
         if self._negative(G / (NONE * size)):
             mu, X = self._iterated(G, count + 1, "LA", TOLERANCE)
@@ -145,14 +146,14 @@ class Buckling:
         return fenicsx.negative_pivots(self._K - scaled, self._team)
 
     def _iterated(
-        self, G: sp.csr_matrix, count: int, which: str, tolerance: float
+        self, G: sp.csr_matrix, count: int, which: str, tolerance: float, least: int = MANY
     ) -> tuple[Array, Array]:
         n = G.shape[0]
         inverse = LinearOperator((n, n), matvec=self._factor.solve, dtype=float)
         start = np.random.default_rng(0).standard_normal(n)
         mu, X = eigsh(
             G, count, which=which, tol=tolerance, M=self._K, Minv=inverse, v0=start,
-            ncv=max(3 * count, 40), maxiter=MOST,
+            ncv=max(3 * count, least), maxiter=MOST,
         )  # fmt: skip
         return mu, X
 

@@ -6,6 +6,7 @@ damaged file is as good as none.
 
 import contextlib
 import hashlib
+import math
 import os
 import tempfile
 import time
@@ -14,7 +15,7 @@ from pathlib import Path
 
 _HOUR = 3600.0  # a temporary file of this age is that of a process that was ended
 _TOUCHED = 7 * 24 * _HOUR  # files in use are marked as such so often
-_tidied: set[Path] = set()  # folders that this process has looked through
+_room: dict[Path, float] = {}  # bytes that this process may write before it looks again
 
 
 @dataclass(frozen=True)
@@ -23,6 +24,7 @@ class DiskCache:
 
     name: str
     most_files: int
+    most_bytes: float = math.inf  # of all files
 
     def folder(self) -> Path | None:
         """Return the folder; None if the user has no home."""
@@ -69,8 +71,9 @@ class DiskCache:
                 raise
         except OSError:
             return False
-        if where not in _tidied:
-            _tidied.add(where)
+        _room[where] = _room.get(where, 0.0) - len(content)
+        if _room[where] < 0.0:
+            _room[where] = 0.25 * self.most_bytes
             self._drop_old(where)
         return True
 
@@ -79,12 +82,16 @@ class DiskCache:
         now, kept = time.time(), []
         for path in where.iterdir():
             with contextlib.suppress(OSError):
-                age = now - path.stat().st_mtime
+                found = path.stat()
+                age = now - found.st_mtime
                 if path.name.startswith(".new-"):
                     if age > _HOUR:
                         path.unlink()
                 else:
-                    kept.append((age, path))
-        for _, path in sorted(kept)[self.most_files :]:
-            with contextlib.suppress(OSError):
-                path.unlink()
+                    kept.append((age, path, found.st_size))
+        total = 0
+        for number, (_, path, size) in enumerate(sorted(kept)):
+            total += size
+            if number >= self.most_files or total > self.most_bytes:
+                with contextlib.suppress(OSError):
+                    path.unlink()

@@ -4,13 +4,15 @@ import json
 import os
 import subprocess
 import sys
+from importlib.util import find_spec
 
 import pytest
 
 from plymotion.solver.inputs.case import load_case
 from plymotion.solver.inputs.case.specs import write_case
 
-pytest.importorskip("numba")
+# Not `importorskip`: Numba takes long to load, and each worker of pytest reads this file.
+pytestmark = pytest.mark.skipif(find_spec("numba") is None, reason="Numba is not installed")
 
 # The runs of FILES (name: file and changes of its solver), each in a process of its own: a fork of
 # one that has imported all it needs and called nothing. Each writes, as a line, its name, the

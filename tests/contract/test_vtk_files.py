@@ -5,10 +5,9 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-import pyvista as pv
 from package_samples import cantilever
 from result_samples import swinging_rod
-from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
+from vtk_samples import Player, grid_of
 
 from plymotion.solver.package import write_package
 from plymotion.solver.results import write_result
@@ -17,7 +16,7 @@ from plymotion.solver.results import write_result
 def test_package_opens_with_its_modes(tmp_path: Path) -> None:
     package = cantilever()
     write_package(tmp_path / "arm.vtkhdf", package)
-    grid = pv.read(tmp_path / "arm.vtkhdf")
+    grid = grid_of(tmp_path / "arm.vtkhdf")
     np.testing.assert_array_equal(grid.points, package.nodes_B)
     np.testing.assert_array_equal(grid.cell_connectivity, package.connectivity)
     np.testing.assert_array_equal(grid.celltypes, package.cell_types)
@@ -42,15 +41,13 @@ def test_view_of_a_package_stores_nothing_twice(tmp_path: Path) -> None:
 def test_result_plays(tmp_path: Path, k: int, max_frames: int, expected: int) -> None:
     result = swinging_rod(k=k)
     write_result(tmp_path / "result.vtkhdf", result, max_frames=max_frames)
-    reader = pv.get_reader(tmp_path / "result.vtkhdf").reader  # as ParaView drives it
-    reader.UpdateInformation()
-    times = reader.GetOutputInformation(0).Get(vtkStreamingDemandDrivenPipeline.TIME_STEPS())
+    player = Player(tmp_path / "result.vtkhdf")
+    times = player.times
     assert len(times) == expected
     assert times[0] == result.t[0]
     assert times[-1] == result.t[-1]
     for step in (0, expected // 3, expected - 1):
-        reader.UpdateTimeStep(times[step])
-        grid = pv.wrap(reader.GetOutputDataObject(0))
+        grid = player.at(step)
         at = int(np.argmin(np.abs(result.t - times[step])))
         moved = grid.points + grid.point_data["displacement"]
         np.testing.assert_allclose(moved, result.node_positions_G[at], atol=1e-12)
@@ -70,7 +67,7 @@ def test_result_with_two_meshed_bodies_keeps_them_apart(tmp_path: Path) -> None:
         ),
     )
     write_result(tmp_path / "result.vtkhdf", pair)
-    grid = pv.read(tmp_path / "result.vtkhdf")
+    grid = grid_of(tmp_path / "result.vtkhdf")
     second = grid.extract_cells(np.flatnonzero(grid.cell_data["body_id"] == 1))
     assert second.n_cells == 8
     np.testing.assert_array_equal(second.points[:, 2], np.ones(9))

@@ -6,9 +6,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-import pyvista as pv
 from case_samples import short_run
-from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
+from vtk_samples import Player
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import PackageError
@@ -37,20 +36,6 @@ def folder(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def result(folder: Path) -> RunResult:
     return read_result(folder / "base/result.vtkhdf")
-
-
-class Player:
-    """The file as ParaView drives its reader."""
-
-    def __init__(self, file: Path) -> None:
-        self.reader = pv.get_reader(file).reader
-        self.reader.UpdateInformation()
-        steps = vtkStreamingDemandDrivenPipeline.TIME_STEPS()
-        self.times = np.array(self.reader.GetOutputInformation(0).Get(steps))
-
-    def at(self, step: int) -> pv.UnstructuredGrid:
-        self.reader.UpdateTimeStep(self.times[step])
-        return pv.wrap(self.reader.GetOutputDataObject(0)).copy()
 
 
 @pytest.fixture(scope="module")

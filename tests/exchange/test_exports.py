@@ -3,7 +3,6 @@
 from pathlib import Path
 
 import h5py
-import meshio
 import numpy as np
 import pytest
 from exchange_samples import bar, exported, request
@@ -49,6 +48,8 @@ def test_med_keeps_every_digit(file: Path, package: ModalPackage, tmp_path: Path
 
 def test_meshio_reads_the_med_file(file: Path, package: ModalPackage, tmp_path: Path) -> None:
     """MED numbers the first face of a hexahedron the other way round."""
+    import meshio
+
     mesh = meshio.read(exported(file, "med", tmp_path / "arm.med"))
     np.testing.assert_array_equal(mesh.points, package.nodes_B)
     (block,) = mesh.cells

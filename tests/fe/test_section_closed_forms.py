@@ -85,6 +85,7 @@ def test_mass_of_a_rectangle() -> None:
     assert np.abs(M - expected).max() < 1e-12 * m
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize(("quantity", "degree"), [("J", 2), ("k", 2), ("J", 3)])
 def test_order_of_convergence(quantity: str, degree: int) -> None:
     """Energies of degree-2 fields converge with order 4; the finest error is small as well.

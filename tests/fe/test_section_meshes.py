@@ -86,6 +86,7 @@ def test_thin_curved_rows_do_not_fold(tmp_path: Path) -> None:
     assert ring.cells.regions == section_mesh(user, "tube").cells.regions
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize("name", [n for n in SHAPES if n not in ("airfoil", "two-cell", "i")])
 def test_default_mesh_is_converged(name: str) -> None:
     """Halving every element changes no entry of K by more than 3e-4 of sqrt(Kii Kjj)."""

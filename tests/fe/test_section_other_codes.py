@@ -119,6 +119,7 @@ def clockwise(row: list[int]) -> list[int]:
     return [row[k] for k in order]
 
 
+@pytest.mark.one_end
 def test_cells_numbered_clockwise(tmp_path: Path) -> None:
     """The sense of rotation of the nodes of a cell has no meaning; every second cell is turned."""
     points, cells = mesh_of(0.3)
@@ -160,6 +161,7 @@ def compact(points: Any, cells: list[dict[str, Any]]) -> tuple[Any, list[dict[st
     return points[used], [{**c, "nodes": [row[int(n)] for n in c["nodes"]]} for c in cells]
 
 
+@pytest.mark.one_end
 def test_orientation_that_turns_inside_cells(tmp_path: Path) -> None:
     """Nine values of theta1: interpolated with the functions of the cell."""
     points, cells = mesh_of(0.2)
@@ -189,6 +191,7 @@ def kind_2(C: Any, rho: float) -> list[str]:
     return [*rows, repr(rho)]
 
 
+@pytest.mark.one_end
 def test_anisotropic_materials(tmp_path: Path) -> None:
     """A turned orthotropic material by 21 constants, and as a layer with theta1 and theta3."""
     points, cells = mesh_of(0.2)
@@ -216,6 +219,7 @@ def test_anisotropic_materials(tmp_path: Path) -> None:
         assert second["C"] == pytest.approx(first["C"], rel=1e-12)
 
 
+@pytest.mark.one_end
 @pytest.mark.provokes("model-not-computed")
 def test_flags_and_constants_that_are_not_used(tmp_path: Path) -> None:
     """Damping and expansions are read past, and the result says what it does not contain."""
@@ -271,6 +275,7 @@ def test_becas_mesh(tmp_path: Path) -> None:
     assert relative(solved(folder, tmp_path).K, expected) < 1e-8
 
 
+@pytest.mark.one_end
 def test_estimate_of_given_cells(tmp_path: Path) -> None:
     """The estimate is of the solution with the functions of the cells; refinement reduces it."""
     points, cells = mesh_of()

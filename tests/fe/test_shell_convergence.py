@@ -9,6 +9,9 @@ import pytest
 from shell_benchmarks import expected, numbers
 from shell_squares import in_plane
 
+# The elements with both DOLFINx: test_shell_benchmarks.py.
+pytestmark = pytest.mark.one_end
+
 DISTORTED = {"distortion": 0.25}
 MESHES = {"regular": {}, "distorted": DISTORTED}
 

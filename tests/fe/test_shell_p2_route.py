@@ -1,9 +1,6 @@
 """The elements against another formulation on the same triangles: quadratic displacement, CR
 rotations, as a UFL form (tests/shell_ufl.py). Both meet the references; both meet each other."""
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 import pytest
 from shell_benchmarks import expected, numbers, tolerances
@@ -17,7 +14,8 @@ from shell_ufl import UflShell, ufl
 from plymotion.preprocess.laminate import laminate_from_dict, laminate_stiffness
 from plymotion.preprocess.shell.regions import read_materials
 
-Record = Callable[[str, Any], None]
+# The numbers of the elements are those of both DOLFINx: test_shell_benchmarks.py.
+pytestmark = pytest.mark.one_end
 
 
 def ufl_shell(model: Model) -> UflShell:
@@ -32,7 +30,7 @@ def ufl_shell(model: Model) -> UflShell:
     return UflShell(plain, stiffness, dict.fromkeys(plain.regions, model.axis))
 
 
-def test_scordelis_lo(record: Record) -> None:
+def test_scordelis_lo() -> None:
     model, _ = scordelis(16)
     shell = ufl_shell(model)
     shell.fix("ux ry rz", lambda p: p[:, 0] < 1e-9)
@@ -44,7 +42,6 @@ def test_scordelis_lo(record: Record) -> None:
     found = -shell.solve(load)[edge]
     assert found == pytest.approx(expected("scordelis")[0], rel=tolerances("scordelis")[0])
     assert numbers("scordelis", 16)[0] == pytest.approx(found, rel=5e-3)
-    record("shell/p2/scordelis", found)
 
 
 @pytest.mark.parametrize("direction", ["y", "z"])
@@ -87,7 +84,7 @@ def test_unsymmetric_laminate() -> None:
     assert abs(ux) > 0.01 * abs(w).max()
 
 
-def test_composite_box_of_coupled_walls(record: Record) -> None:
+def test_composite_box_of_coupled_walls() -> None:
     """CAS 15: on 1120 triangles the second formulation meets CalculiX's S8R within 1 %."""
     model, _ = box((40, 4, 3), "cas15")
     shell = ufl_shell(model)
@@ -97,4 +94,3 @@ def test_composite_box_of_coupled_walls(record: Record) -> None:
         load = shell.edge_force(shell.plain.curves["tip"], force)
         found.append(load @ shell.solve(load))
     assert found == pytest.approx(expected("ccx_box_cas15")[:8], rel=1e-2)
-    record("shell/p2/cas15", found)

@@ -14,6 +14,9 @@ from plymotion.preprocess.body import build_body
 from plymotion.preprocess.shell.analysis import analyse
 from plymotion.preprocess.shell.problem import ShellProblem
 
+# Buckling and spin with both DOLFINx: test_shell_buckling.py, test_shell_second_order.py.
+pytestmark = pytest.mark.one_end
+
 H = 2e-3
 CLAMPED = {field: (1, 1, 1, 1) for field in range(5)}
 # symmetric laminates do not move in their plane when they buckle

@@ -41,6 +41,7 @@ COURSE = [
 ]
 
 
+@pytest.mark.one_end
 @pytest.mark.parametrize(("name", "n", "bounds"), COURSE)
 def test_course(name: str, n: Any, bounds: tuple[float, float]) -> None:
     ratio = float((numbers(name, n, cells=QUADS) / expected(name))[0])

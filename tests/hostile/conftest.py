@@ -2,9 +2,11 @@
 
 import os
 import signal
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from forks import forks
 from hostile_profile import RECORD, note_outcome, recorded
 
 # Commands in the background ignore INT, and with nohup HUP, and their children inherit that; what
@@ -20,6 +22,13 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     if RECORD:
         over, _ = recorded(Path(RECORD))
         items[:] = [item for item in items if over.get(item.nodeid) != "passed"]
+
+
+@pytest.fixture(scope="session", autouse=True)
+def forks_end() -> Iterator[None]:
+    """Wait for the process in whose forks commands are struck."""
+    yield
+    forks.end()
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -1,11 +1,11 @@
 """A disk without room: the message says how much is missing, and nothing else is lost."""
 
-import os
 import subprocess
 import sys
 
 import numpy as np
 import pytest
+from forks import forks
 from hostile_profile import count
 from result_samples import swinging_rod
 from sweep_samples import FORCE, ball
@@ -25,17 +25,14 @@ sys.exit(main(sys.argv[2:]))
 
 
 def _limited(limit, *words):
-    return subprocess.run(
-        [sys.executable, "-c", LIMITED, str(limit), *map(str, words)],
-        capture_output=True,
-        text=True,
-        env=os.environ | {"PLYMOTION_COMPILED": "0", "PLYMOTION_CACHE": "/nonexistent"},
-    )
+    return forks.run(LIMITED, str(limit), *map(str, words), PLYMOTION_CACHE="/nonexistent")
 
 
 @pytest.mark.parametrize("limit", [0, 100, 4096, 9000, 20_000])
-def test_a_run_without_room(tmp_path, limit):
+def test_a_run_without_room(tmp_path, monkeypatch, limit):
     """Wherever in the file the room ends."""
+    # A result keeps the command's words: those of pytest are not those of the other process.
+    monkeypatch.setattr(sys, "argv", ["-c"])
     file = ball(tmp_path, f"{FORCE} = [0.0, 1.0]")
     run = file.parent.parent / "runs/base.json"
     assert main(["run", str(run), "--quiet"]) == 0

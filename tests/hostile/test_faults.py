@@ -74,18 +74,20 @@ def test_at_any_time(project, tmp_path, command):
     """While it imports, reads, checks, integrates, draws, writes."""
     begin = time.monotonic()
     words = changed(project, tmp_path / "whole", command)
-    struck("before none", 0, words)
+    program = [sys.executable, "-m", "plymotion"]
+    environment = os.environ | {"PLYMOTION_COMPILED": "0"}
+    subprocess.run([*program, *words], capture_output=True, env=environment, check=True)
     whole = time.monotonic() - begin
     for name in SIGNALS if LONG == 2 else ["SIGTERM"]:
         for share in [0.05, 0.2, 0.35, 0.5, 0.65, 0.8] if LONG == 2 else [0.5]:
             folder = tmp_path / f"{name}-{share}"
             words = changed(project, folder, command)
             process = subprocess.Popen(
-                [sys.executable, "-m", "plymotion", *words],
+                [*program, *words],
                 stdout=subprocess.PIPE,
                 stderr=subprocess.PIPE,
                 text=True,
-                env=os.environ | {"PLYMOTION_COMPILED": "0"},
+                env=environment,
             )
             time.sleep(share * whole)
             process.send_signal(number_of(name))

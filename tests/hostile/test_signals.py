@@ -9,6 +9,7 @@ import sys
 import pytest
 from case_samples import HEAD, SOLVER, rigid
 from dask_cluster import until
+from forks import forks
 from hostile_profile import LONG as PROFILE
 from hostile_profile import WAIT_S, count
 from sweep_samples import FORCE, ball
@@ -62,14 +63,7 @@ def _files(folder, text):
 
 
 def _started(*words):
-    return subprocess.Popen(
-        [sys.executable, "-c", TOLD, *map(str, words), "--quiet"],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        env=os.environ | {"PLYMOTION_COMPILED": "0"},
-        start_new_session=True,
-    )
+    return forks.started(TOLD, *map(str, words), "--quiet")
 
 
 def _ended(process, number, words=("stepping",)):

@@ -8,7 +8,9 @@ import pytest
 from blade_samples import along, blade_table, write_blade
 
 from plymotion.solver.__main__ import main
+from plymotion.solver.commands.blade.errors import frequencies_at_rest
 from plymotion.solver.commands.blade.hub import Hub
+from plymotion.solver.commands.blade.stations import analysed
 from plymotion.solver.commands.blade.windio import read_blade
 
 HUB = {"diameter": 3.0, "cone_angle": 5.0}
@@ -30,7 +32,10 @@ def blade_file(folder, **assembly):
 
 @pytest.fixture(scope="module")
 def spun(fenicsx, tmp_path_factory):
-    """Files of a blade with five stations over two speeds, and its blade of nine stations."""
+    """Files of a blade with five stations over two speeds, and the same blade of nine stations.
+
+    Of nine stations: frequencies at rest and their errors, as the command has them.
+    """
     folder = tmp_path_factory.mktemp("spun")
     file = blade_file(folder)
     few, many = folder / "few", folder / "many"
@@ -38,9 +43,10 @@ def spun(fenicsx, tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         assert main([*words, "--stations", "5", "-o", str(few), "--spin", "0:6:3"]) == 0
-        denser = ["--stations", "9", "-o", str(many), "--spin", "0", "--no-estimate"]
-        assert main([*words, *denser]) == 0
-    return few, many
+        assert main([*words, "--stations", "9", "-o", str(many), "--no-estimate"]) == 0
+    places = {f"r{round(1e4 * r):05d}": float(r) for r in np.linspace(0.0, 1.0, 9)}
+    stations = analysed(many / "sections", places, [None] * 9)
+    return few, frequencies_at_rest(read_blade(file), stations, quiet=True)
 
 
 def test_one_command_gives_frequencies_over_speed(spun):
@@ -64,11 +70,11 @@ def test_one_command_gives_frequencies_over_speed(spun):
 
 def test_errors_of_frequencies_are_estimated_by_cause(spun):
     """The error of five stations, by the frequencies of nine."""
-    few, many = spun
-    estimated, denser = rows(few / "frequencies.csv"), rows(many / "frequencies.csv")
-    assert "error_sections" not in denser[0]
+    few, (denser, errors) = spun
+    estimated = rows(few / "frequencies.csv")
+    assert errors.keys() == {"stations", "elements"}  # the sections have no estimate
     for k in range(2):
-        error = abs(estimated[k]["frequency_hz"] / denser[k]["frequency_hz"] - 1.0)
+        error = abs(estimated[k]["frequency_hz"] / denser[k] - 1.0)
         assert 0.5 * error < estimated[k]["error_stations"] < 8.0 * error
         assert 0.0 < estimated[k]["error_sections"] < 0.01
         assert 0.0 < estimated[k]["error_elements"] < 1e-3

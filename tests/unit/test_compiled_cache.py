@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 import uuid
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,8 @@ from mechanism_samples import chain
 
 from plymotion.solver.dynamics.constraints.treatment import Treatment
 
-pytest.importorskip("numba")
+# Not `importorskip`: Numba takes long to load, and each worker of pytest reads this file.
+pytestmark = pytest.mark.skipif(find_spec("numba") is None, reason="Numba is not installed")
 
 MODULE = """
 import numpy as np

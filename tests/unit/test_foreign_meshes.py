@@ -4,7 +4,6 @@ import hashlib
 import json
 from pathlib import Path
 
-import meshio
 import numpy as np
 import pytest
 
@@ -75,6 +74,8 @@ def arrays(spec: dict) -> dict:
 
 
 def write(path: Path, cells: list, points: np.ndarray = SQUARES, **data) -> None:
+    import meshio  # it takes long, and is loaded by the process that needs it
+
     meshio.write(path, meshio.Mesh(points, cells, **data))
 
 
@@ -155,6 +156,8 @@ def test_several_cell_data_need_a_choice(tmp_path):
 
 
 def test_groups_of_a_med_file_are_regions_and_curves(tmp_path):
+    import meshio
+
     mesh = meshio.Mesh(SQUARES[:, :2], [("quad", QUADS), ("line", np.array([[4, 3], [5, 4]]))])
     mesh.cell_data = {"cell_tags": [np.array([-6, -7]), np.array([-8, -8])]}
     mesh.cell_tags = {-6: ["skin"], -7: ["core"], -8: ["outer"]}

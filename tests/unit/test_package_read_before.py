@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from package_samples import same
 
+from plymotion.solver.math.disk_cache import DiskCache
 from plymotion.solver.package import PackageError, read_package
 from plymotion.solver.package.common import object_file
 
@@ -100,3 +101,16 @@ def test_the_folder_stays_small(file, tmp_path, monkeypatch):
     assert len(kept(tmp_path)) == 200
     assert not (folder / "0-modal_package").exists()
     assert (folder / "299-modal_package").exists()
+
+
+def test_the_cache_keeps_what_was_used_last_within_its_bytes(tmp_path, monkeypatch):
+    """It looks again when it has written a quarter of them."""
+    monkeypatch.setenv("PLYMOTION_CACHE", str(tmp_path))
+    some = DiskCache("some", most_files=100, most_bytes=4000)
+    for number in range(30):
+        assert some.write(f"{number:02d}", bytes(400))
+        os.utime(tmp_path / "some" / f"{number:02d}", (1e9 + number, 1e9 + number))
+    names = sorted(path.name for path in (tmp_path / "some").iterdir())
+    assert names[-1] == "29"
+    assert names == [f"{number:02d}" for number in range(30 - len(names), 30)]
+    assert sum(path.stat().st_size for path in (tmp_path / "some").iterdir()) < 1.25 * 4000

@@ -1,6 +1,7 @@
 """Laminates and resultants of a shell in the modal package: round trip, validation, damage."""
 
 import dataclasses
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -19,10 +20,17 @@ from plymotion.solver.strength.found import failure_text, summary
 from plymotion.solver.strength.shell_bodies import shell_strength
 
 
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("written") / "panel.vtkhdf"
+    write_package(path, panel())
+    return path
+
+
 @pytest.fixture
-def file(tmp_path: Path) -> Path:
-    write_package(tmp_path / "panel.vtkhdf", panel())
-    return tmp_path / "panel.vtkhdf"
+def file(written: Path, tmp_path: Path) -> Path:
+    """A copy that a test may change."""
+    return Path(shutil.copy(written, tmp_path))
 
 
 def test_a_shell_is_sound_and_reads_back(file: Path) -> None:

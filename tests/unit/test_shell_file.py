@@ -1,6 +1,7 @@
 """Shell results files: round trip, reading by ParaView, error messages for damaged files."""
 
 import dataclasses
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -18,11 +19,17 @@ from plymotion.solver.package.shell.layout import SHELL_LAYOUT, shell_values
 from plymotion.solver.package.shell.schema import ShellFile
 
 
-@pytest.fixture
-def file(tmp_path: Path) -> Path:
-    path = tmp_path / "plate.vtkhdf"
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("written") / "plate.vtkhdf"
     write_shell(path, plate())
     return path
+
+
+@pytest.fixture
+def file(written: Path, tmp_path: Path) -> Path:
+    """A copy that a test may change."""
+    return Path(shutil.copy(written, tmp_path))
 
 
 def same(a: Any, b: Any) -> bool:

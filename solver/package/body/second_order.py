@@ -59,8 +59,8 @@ def modal_mass_at(package: ModalPackage, q: Array) -> Array:
     second = package.second_order
     if second is None:
         return package.mass
-    linear = np.einsum("ijk,k->ij", second.G3, q)
-    bent = np.einsum("ikjl,k,l->ij", second.G4, q, q, optimize=True)
+    linear = second.G3 @ q
+    bent = np.tensordot(second.G4 @ q, q, axes=(1, 0))  # G4[i, k, j, l] q[k] q[l]
     return np.asarray(package.mass + linear + linear.T + bent)
 
 
