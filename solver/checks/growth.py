@@ -4,8 +4,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..dynamics.forces.contract import CoordinateForce
+from ..dynamics.forces.table import FORCES
 from ..dynamics.scales import scales
 from ..math.arrays import Array
+from ..math.keys import Code, Expression, Expressions
 from ..results.codes.course import GROWS
 from ..results.finding import Finding
 from .finished import FinishedRun
@@ -13,7 +16,13 @@ from .finished import FinishedRun
 # No power of time that loads or drives follow grows so fast: in the last tenth t^n grows by
 # (10/9)^n, which is 3 for n = 10; the kinetic energy of a smooth step begins with t^6 at most.
 PARTS, LAST, FACTOR = 10, 5, 3.0
-ACTIVE = ("controller", "python_controller", "coordinate_force")
+# Kinds whose force the user writes as an expression or as code: a feedback may be among them.
+ACTIVE = {
+    kind
+    for kind, force in FORCES.items()
+    if isinstance(force, CoordinateForce)
+    and any(isinstance(key, Expression | Expressions | Code) for key in force.keys)
+}
 
 
 def growth_findings(run: FinishedRun) -> Iterator[Finding]:
