@@ -11,6 +11,7 @@ Needs FEniCSx.
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +19,9 @@ import yaml
 from blade_matrices import mass_centre, numbers, theirs
 
 from plymotion.solver.__main__ import main as plymotion
+from plymotion.solver.commands.blade.along import Along
 from plymotion.solver.commands.blade.station import write_station
-from plymotion.solver.commands.blade.windio import Along, Blade, Layer, read_blade
+from plymotion.solver.commands.blade.windio import Blade, Layer, read_blade
 from plymotion.solver.commands.section.results import read_results
 
 Change = Callable[[Blade], Blade]
@@ -27,6 +29,7 @@ R = np.linspace(0.0, 1.0, 401)
 EDGE = 0.72  # [m] width of a trailing-edge reinforcement inboard
 END = 0.76  # r from which it fades in the file
 AROUND = 2.05  # arc of a thin section over its chord
+ROUND = 13.0 / 30.0  # of the square of its thickness that an end of a layer lacks, see `rounded`
 
 
 def layers(blade: Blade, words: str, change: Callable[[Layer], Layer]) -> Blade:
@@ -77,23 +80,42 @@ def glue_of_glass(blade: Blade) -> Blade:
     return replace(blade, glue="glass_triax")
 
 
-def webs(factor: float) -> list[Change]:
-    """Thicker skins of the webs."""
-    return [thicker(f"_skin{side}", factor) for side in ("LE", "TE")]
+def rounded(words: str) -> Change:
+    """Ends of layers as the section generator of the matrices rounds them (SONATA, cutoff.py).
+
+    The inner face of a layer of thickness t begins 1.2 t behind its end; a parabola of the control
+    points (0, 0), (0.7 t, t), (1.2 t, t) joins both. The area that is missing is 13/30 t^2. Here
+    the layer is shorter by 13/30 t.
+    """
+    return lambda blade: layers(blade, words, partial(_shorter, chord=blade.chord))
 
 
-ALL_SKINS = [around("Shell_skin"), around("Shell_skin_inner")]
+def _shorter(layer: Layer, chord: Along) -> Layer:
+    if layer.web:
+        return layer
+    t, start, end, c = (
+        np.array([a.at(r) for r in R]) for a in (layer.thickness, layer.start, layer.end, chord)
+    )
+    cut = np.minimum(ROUND * t / (AROUND * c), 0.45 * (end - start))
+    start = np.where(start > 1e-3, start + cut, start)
+    end = np.where(end < 1.0 - 1e-3, end - cut, end)
+    return replace(layer, start=Along(R, start), end=Along(R, end))
+
+
+FOAM = [thicker(f"web{k}_filler", 2.0) for k in (0, 1)]
+SKINS = [around("Shell_skin")]
 TRIALS: dict[str, list[Change]] = {
     "as in the file": [],
     "edge closed by triaxial glass": [glue_of_glass],
     "half of the foam, panels and webs": [thicker("_filler", 0.5)],
     "webs 1 % of the arc aft": [webs_moved],
-    "caps 4 % thinner": [thicker("Spar_Cap", 0.96)],
-    "reinforcement of the edge": [edge],
-    "inner skin around the edge": [around("Shell_skin_inner")],
-    "both, and the outer skin": [edge, *ALL_SKINS],
-    "the same, webs 1.3 times": [edge, *ALL_SKINS, *webs(1.3)],
-    "the same, webs 1.6 times": [edge, *ALL_SKINS, *webs(1.6)],
+    "inner skin around the edge (a)": [around("Shell_skin_inner")],
+    "reinforcement of the edge (b)": [edge],
+    "(a), (b), outer skin around the edge (c)": [edge, *SKINS],
+    "ends of caps rounded": [rounded("Spar_Cap")],
+    "ends of all layers rounded (d)": [rounded("")],
+    "(c) and (d)": [edge, *SKINS, rounded("")],
+    "(c), (d), foam of the webs twice": [edge, *SKINS, rounded(""), *FOAM],
 }
 
 

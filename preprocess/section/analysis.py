@@ -78,11 +78,14 @@ def analyse(
     allow = tuple(spec.get("allow", ()))
     steps: list[dict[str, float | None]] = []
     problem = section_problem(spec["mesh"], where, degree_of(spec), team)
-    # cells of another code are the section itself; others keep their edges when they are refined
-    edges = 0.0 if degree_of(spec) is None else error_of_edges(problem.mesh.cells)
+    edges = 0.0
     while True:
         begin(f"mesh, refined {len(steps)} times" if steps else "mesh")
         lay = layup(spec, problem.mesh, problem.space, where)
+        if not steps and degree_of(spec) is not None:
+            # cells of another code are the section itself; others keep their edges when refined
+            modulus = np.asarray(1.0 / np.linalg.inv(lay.stiffness[:, 0])[:, 0, 0], float)
+            edges = error_of_edges(problem.mesh.cells, modulus)
         warnings = [
             *problem.mesh.warnings,
             *lay.warnings,

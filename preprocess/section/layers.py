@@ -23,6 +23,7 @@ from .errors import SectionError
 from .mesh import OF_MESH, SectionMesh
 from .space import SectionSpace
 
+ALL = "all"  # the region that describes those without a table of their own
 CONVENTIONS = ("contour", "cartesian")
 THICKNESS = 1e-3  # tolerance of the thickness of a laminate relative to its wall
 
@@ -105,7 +106,8 @@ def layup(spec: Mapping[str, Any], mesh: SectionMesh, space: SectionSpace, where
             f"{where}.convention = {convention!r}: expected one of {', '.join(CONVENTIONS)}"
             + did_you_mean(str(convention), CONVENTIONS)
         )
-    regions, names = spec["regions"], mesh.cells.regions
+    names = mesh.cells.regions
+    regions = _of_mesh(spec["regions"], names)
     _same_names(regions, names, where)
     massless = spec["mesh"].get("degree") == OF_MESH
     table = {
@@ -164,6 +166,14 @@ def layup(spec: Mapping[str, Any], mesh: SectionMesh, space: SectionSpace, where
         )
     uniform = not turning and not mixed
     return Layup(ply, y2, tuple(plies), tuple(materials), uniform, reversing, tuple(warnings))
+
+
+def _of_mesh(regions: Mapping[str, Any], names: Sequence[str]) -> Mapping[str, Any]:
+    """The regions with that of `all` for each name without its own, as gmsh knows them now."""
+    if ALL not in regions or ALL in names:
+        return regions
+    others = {name: regions[ALL] for name in names if name not in regions}
+    return {**{name: table for name, table in regions.items() if name != ALL}, **others}
 
 
 def _same_names(regions: Mapping[str, Any], names: Sequence[str], where: str) -> None:

@@ -19,7 +19,7 @@ from .operators import SectionOperators
 from .space import SectionSpace
 from .thin import differences_across
 from .timoshenko import SectionStiffness, stiffness
-from .warping import WELL, WarpingSolver
+from .warping import SHIFTS, WELL, WarpingSolver
 
 NOISE = 2.2e-16  # relative change of coordinates that measures the round-off
 TRIALS = 3  # differences that are looked at; the true error is one of a few such numbers
@@ -170,11 +170,22 @@ class SectionProblem:
         try:
             better = self._by(thin, C, k, doubtful)
         except fenicsx.FactorisationError:
-            if not solvable:
+            if solvable:
+                return self._by(self.space, C, k, doubtful)
+            if k is not None or self.team.size > 1:
                 raise
-            return self._by(self.space, C, k, doubtful)
+            better = self._shifted(thin, C, doubtful)
         self._is_thin, self._growth = True, max(self._growth, 2.0 * WELL)
         return better
+
+    def _shifted(self, space: SectionSpace, C: Array, doubtful: bool) -> Any:
+        """The stiffness by conjugate gradients, with the smallest shift that can be factorised."""
+        for shift in SHIFTS[:-1]:
+            try:
+                return self._by(space, C, None, doubtful, shift=shift)
+            except fenicsx.FactorisationError:
+                continue
+        return self._by(space, C, None, doubtful, shift=SHIFTS[-1])
 
     def _by(
         self,
@@ -183,6 +194,7 @@ class SectionProblem:
         k: Array | None,
         doubtful: bool,
         is_enough: Callable[[float], bool] | None = None,
+        shift: float = 0.0,
     ) -> SectionStiffness | CentralSolutions:
         """Solve with the unknowns of a space.
 
@@ -197,7 +209,7 @@ class SectionProblem:
             self._growth = found.growth
             return found
         operators, solver = self._prismatic(space)
-        solver.largest_growth = limit
+        solver.largest_growth, solver.shift = limit, shift
         result = stiffness(space, solver, operators.E(C), C, is_enough)
         self._growth = solver.growth
         return result

@@ -27,6 +27,11 @@ NO_SOLUTION = 1e-6
 WELL = 1e8  # growth of a random load up to which no correction is needed
 ENOUGH = 1e-12  # square root of the relative energy of a correction that needs no further one
 MOST_CORRECTIONS = 8
+# Parts of its diagonal that are added to E where rounding leaves no positive pivots; the factor
+# then is only the preconditioner of conjugate gradients.
+SHIFTS = (1e-14, 1e-13, 1e-12)
+MOST_STEPS = 300  # of conjugate gradients
+GRADIENTS = 1e-10  # square root of the relative energy of a step that needs no further one
 
 
 def beam_strain_fields(space: SectionSpace) -> Array:
@@ -89,6 +94,7 @@ class WarpingSolver:
         largest_growth: float = LARGEST_GROWTH,
     ) -> None:
         self.largest_growth = largest_growth
+        self.shift = 0.0
         self.rigid = rigid_fields(space)
         self._rigid_size = np.linalg.norm(self.rigid, axis=0)
         self._rigid_load = space.load(space.at_points(self.rigid))
@@ -107,6 +113,8 @@ class WarpingSolver:
         """
         self.solvability = 0.0
         pinned = self._kept.matrix(E.data)
+        if self.shift:
+            pinned = (pinned + self.shift * sp.diags(pinned.diagonal())).tocsr()
         if self._factor is None:
             self._factor = fenicsx.cholesky(pinned, self._team, self.largest_growth)
         else:
@@ -145,7 +153,10 @@ class WarpingSolver:
         free = self._kept.free
         W = np.zeros_like(load)
         W[free] = self._factor.solve(load[free])
-        if product is not None and self.growth > WELL:
+        if self.shift:
+            assert product is not None, "a shifted factor needs the residual"
+            W = self._by_gradients(W, load, product)
+        elif product is not None and self.growth > WELL:
             W = self._corrected(W, load, product)
         return W - self.rigid @ np.linalg.solve(self._rigid_gram, self._rigid_load.T @ W)
 
@@ -166,6 +177,42 @@ class WarpingSolver:
             if size < ENOUGH:
                 break
         return W
+
+    def _by_gradients(self, W: Array, load: Array, product: Callable[[Array], Array]) -> Array:
+        """Conjugate gradients from W, each column on its own; the shifted factor is the
+        preconditioner.
+
+        All but the few softest motions of the section are solved at once. Raises SectionError if
+        the others do not converge, as those of a singular matrix.
+        """
+        assert self._factor is not None
+        free = self._kept.free
+        residual = (load - product(W))[free]
+        step = self._factor.solve(residual)
+        along, sizes = step.copy(), np.sum(step * residual, axis=0)
+        whole = np.zeros_like(load)
+        for _ in range(MOST_STEPS):
+            # energy of the next step over that of the solution
+            energy = np.abs(np.sum(W * load, axis=0))
+            if np.all(sizes <= GRADIENTS**2 * energy):
+                return W
+            whole[free] = along
+            force = product(whole)[free]
+            work = np.sum(along * force, axis=0)
+            active = (sizes > GRADIENTS**2 * energy) & (work > 0.0)
+            length = np.where(active, sizes / np.where(active, work, 1.0), 0.0)
+            W[free] += length * along
+            residual -= length * force
+            step = self._factor.solve(residual)
+            new = np.sum(step * residual, axis=0)
+            along = step + np.where(active, new / np.where(active, sizes, 1.0), 0.0) * along
+            sizes = np.where(active, new, sizes)
+            if not np.all(np.isfinite(sizes)):
+                break
+        raise SectionError(
+            "the equations of the warping appear to be singular: conjugate gradients do not "
+            "converge; is every part connected by elements that are not much softer?"
+        )
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ order of the mesh file, which is the same with every version.
 import hashlib
 import inspect
 import json
+import traceback
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -256,8 +257,19 @@ def _read(path: Path, parameters: Mapping[str, Any], refine: int) -> tuple[Plain
             build(gmsh, dict(parameters))
         except ValueError as error:
             raise ShellError(f"{path.name}: {error}") from error
+        except Exception as error:  # a script of the user may raise anything
+            raise ShellError(
+                f"{path.name}: build(gmsh, parameters) failed in line {_line(error, path)} with "
+                f"{type(error).__name__}: {error}"
+            ) from error
         if not len(gmsh.model.mesh.getElementTypes(2)):
             gmsh.model.mesh.generate(2)
         plain = fenicsx.plain_from_model(str(path), 3)
         gmsh.clear()
         return plain, refine
+
+
+def _line(error: Exception, path: Path) -> int:
+    """The last line of the script that led to an error."""
+    lines = traceback.extract_tb(error.__traceback__)
+    return next((f.lineno or 0 for f in reversed(lines) if Path(f.filename) == path), 0)

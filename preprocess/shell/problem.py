@@ -27,6 +27,7 @@ from .section_link import section_rows
 from .spec import check_spec, elements
 from .stiffeners import read_stiffeners
 from .stiffness import element_stiffness
+from .straight_edges import with_straight_edges
 from .supports import read_supports
 
 AT_ONCE = 8  # number of states for which resultants are computed together
@@ -70,6 +71,8 @@ class ShellProblem:
             spec.get("stiffeners", {}), self.mesh, self.regions, f"{where}.stiffeners"
         )
         membrane = MEMBRANES[self.choice.membrane]
+        if membrane.rotations:
+            self.supports = with_straight_edges(self.supports, self.mesh)
         plain = not membrane.rotations and self.choice.drilling_form() == "none"
         if self.mesh.cells.shape[1] == 4 and not membrane.rotations:
             raise ShellError(

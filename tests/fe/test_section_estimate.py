@@ -9,6 +9,7 @@ from section_cases import section
 
 from plymotion.preprocess.section import analyse
 from plymotion.preprocess.section.estimate import scaled
+from plymotion.solver.inputs.section.shapes.library import expand
 
 SMALL = 0.05  # errors below this share of the worst one are irrelevant
 
@@ -51,6 +52,40 @@ def test_estimate_bounds_the_largest_error_of_curved_walls(
     """With degree 3 nearly all of the error is the distance of the edges from circles."""
     error, estimate = compared(name, 1.0, degree)
     assert least < estimate.max() / error.max() < most
+
+
+def test_estimate_of_round_edges_by_closed_forms() -> None:
+    """A disc, and a tube whose inner half is 100 times as stiff: edges between plies count too."""
+    nu, G = 0.3, 0.5 / 1.3
+    disc = {"section": {"plies": [{"material": "soft"}], "direction": {"vector": [1.0, 0.0]}}}
+    plies = [{"material": name, "thickness": 0.25} for name in ("soft", "stiff")]
+    wall = {"wall": {"plies": plies, "direction": {"circle": [0.0, 0.0]}}}
+    sizes = {"outer_radius": 1.0, "wall": 0.5}
+    radii = np.array([1.0, 0.75, 0.5])
+    E = np.array([1.0, 100.0])
+    area, polar = -np.pi * np.diff(radii**2), -0.5 * np.pi * np.diff(radii**4)
+    for mesh, regions, exact in (
+        (expand("ellipse", {"radius_2": 1.0}), disc, [np.pi, 0.5 * np.pi * G, 0.25 * np.pi]),
+        (
+            expand("tube", sizes, {"wall": [0.25, 0.25]}),
+            wall,
+            [E @ area, G * E @ polar, E @ polar / 2],
+        ),
+    ):
+        found = analyse(
+            {
+                "mesh": {**mesh, "degree": 3},
+                "materials": {
+                    name: {"kind": "isotropic", "E": e, "nu": nu, "rho": 1.0}
+                    for name, e in (("soft", 1.0), ("stiff", 100.0))
+                    if name == "soft" or regions is wall
+                },
+                "regions": regions,
+            }
+        )
+        error = np.abs(np.diag(found.K)[[0, 3, 4]] / exact - 1.0).max()
+        estimate = np.diag(scaled(np.asarray(found.error_estimate), found.K)).max()
+        assert 1e-6 < error < estimate < 1.3 * error
 
 
 @pytest.mark.one_end

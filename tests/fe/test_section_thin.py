@@ -23,6 +23,7 @@ from plymotion.preprocess.section.thin import differences_across
 from plymotion.solver.inputs.section.shapes.library import expand
 
 NU = 0.3
+ARC = 0.25  # elements of the open arc over the default
 G = 0.5 / (1.0 + NU)
 
 
@@ -95,6 +96,20 @@ def test_strip(t: float) -> None:
     assert np.abs(error).max() < 1e-4
     assert np.all(np.abs(error) < 1.5 * estimate + 1e-8)
     assert found.provenance["round_off"] is None or found.provenance["round_off"] < 1e-5
+    assert found.warnings == ()
+
+
+@pytest.mark.one_end
+def test_open_arc_with_a_very_thin_wall() -> None:
+    """Rounding leaves no positive pivots of half a tube: torsion and shear centre of thin walls."""
+    t = 1e-5
+    sizes = {"outer_radius": 1.0 + 0.5 * t, "wall": t, "start_deg": -90.0, "span_deg": 180.0}
+    found = analyse(described("tube", {**sizes, "density": ARC}), estimate=False)
+    GJ = np.pi * t**3 / 3.0 * G
+    assert 1.0 / np.linalg.inv(found.K)[3, 3] == pytest.approx(GJ, rel=0.03)  # 2e-3 with ARC = 0.5
+    assert found.shear_centre == pytest.approx([4.0 / np.pi, 0.0], abs=1e-6)
+    assert np.diag(found.K)[[0, 4]] == pytest.approx([np.pi * t, 0.5 * np.pi * t], rel=1e-5)
+    assert found.provenance["round_off"] < 1e-10
     assert found.warnings == ()
 
 

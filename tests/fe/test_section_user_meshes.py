@@ -10,6 +10,7 @@ from section_mesh_samples import moments, nodes_of
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx import gmsh
+from plymotion.preprocess.section import analyse
 from plymotion.preprocess.section.mesh import SectionError, section_mesh
 
 # A quarter of a ring, inner radius 1, outer 2: two regions, the outer arc named.
@@ -139,6 +140,32 @@ def test_script_with_a_macro_is_read_again_and_again(tmp_path: Path) -> None:
         mesh = section_mesh({"file": str(path), "parameters": {"a": a}}, "x")
         assert moments(mesh)[0] == pytest.approx(a)
         assert np.ptp(mesh.curves["foot"][..., 0]) == pytest.approx(a)
+
+
+def test_one_table_for_all_regions_of_a_script(tmp_path: Path) -> None:
+    path = tmp_path / "two.geo"
+    path.write_text(
+        "Point(1) = {0, 0, 0};\nl[] = Extrude {1, 0, 0} { Point{1}; Layers{2}; };\n"
+        "a[] = Extrude {0, 1, 0} { Line{l[1]}; Layers{2}; Recombine; };\n"
+        "b[] = Extrude {0, 1, 0} { Line{a[0]}; Layers{2}; Recombine; };\n"
+        'Physical Surface("lower") = {a[1]};\nPhysical Surface("upper") = {b[1]};\n'
+    )
+    materials = {
+        name: {"kind": "isotropic", "E": E, "nu": 0.3, "rho": 1.0}
+        for name, E in (("soft", 1.0), ("stiff", 3.0))
+    }
+
+    def table(material: str) -> dict[str, Any]:
+        return {"plies": [{"material": material}], "direction": {"vector": [1.0, 0.0]}}
+
+    for regions, EA in (
+        ({"all": table("soft")}, 2.0),
+        ({"all": table("soft"), "upper": table("stiff")}, 4.0),
+    ):
+        spec = {"mesh": {"file": str(path)}, "materials": materials, "regions": regions}
+        assert analyse(spec, estimate=False).K[0, 0] == pytest.approx(EA)
+    with pytest.raises(SectionError, match=r"regions\.uper: the mesh has no such region.*upper"):
+        analyse({**spec, "regions": {"all": table("soft"), "uper": table("stiff")}})
 
 
 def test_arrays(tmp_path: Path) -> None:

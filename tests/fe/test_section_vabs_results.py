@@ -4,6 +4,7 @@ VABS prints eleven digits. Both codes have the same functions and integration po
 """
 
 import tomllib
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -58,6 +59,51 @@ def cas1() -> str:
     return "\n".join(lines) + "\n"
 
 
+def three_cells() -> str:
+    """The input file of a box of three cells, walls of eight-node quadrilaterals."""
+    number: dict[tuple[float, float], int] = {}
+    cells: list[list[int]] = []
+
+    def node(place: Any) -> int:
+        key = (round(float(place[0]), 6), round(float(place[1]), 6))
+        return number.setdefault(key, len(number) + 1)
+
+    def wall(outer: Any, inner: Any) -> None:
+        """Two rows of cells between corners on two faces."""
+        first, last = np.array(outer), np.array(inner)
+        rows = [first + (last - first) * j / 2 for j in range(3)]
+        for lower, upper in pairwise(rows):
+            for i in range(len(lower) - 1):
+                corners = np.array([lower[i], lower[i + 1], upper[i + 1], upper[i]])
+                turn = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+                corners = corners if turn > 0.0 else corners[::-1]
+                middles = 0.5 * (corners + np.roll(corners, -1, axis=0))
+                cells.append([node(place) for place in (*corners, *middles)])
+
+    def line(first: Any, last: Any, n: int = 10) -> Any:
+        return np.linspace(first, last, n + 1)
+
+    for x, step in ((0.0, 0.1), (9.0, -0.1)):
+        wall(line((x, 0), (x, 2)), line((x + step, 0.1), (x + step, 1.9)))
+    for x in (2.0, 5.0):
+        wall(line((x, 0.1), (x, 1.9)), line((x + 0.05, 0.1), (x + 0.05, 1.9)))
+        for y, inner in ((2.0, 1.9), (0.0, 0.1)):
+            wall(line((x, y), (x + 0.05, y), 2), line((x, inner), (x + 0.05, inner), 2))
+    wall(line((0, 2), (2, 2)), line((0.1, 1.9), (2, 1.9)))
+    for y, inner in ((2.0, 1.9), (0.0, 0.1)):
+        wall(line((2.05, y), (5, y)), line((2.05, inner), (5, inner)))
+        wall(line((5.05, y), (9, y)), line((5.05, inner), (8.9, inner)))
+    face, back = RESULTS["three-cells"]["faces"]
+    wall([(x, 0.0) for x in face], [(x, 0.1) for x in back])
+    lines = ["0 0", "1 0 0", "0 0 0 0", f"{len(number)} {len(cells)} 1"]
+    lines += [f"{n} {x:.6f} {y:.6f}" for (x, y), n in number.items()]
+    lines += [f"{i} {' '.join(map(str, row))} 0" for i, row in enumerate(cells, start=1)]
+    lines += [f"{i} 1 0 0.0 540.0 0 0 0 0 0 0 0" for i in range(1, len(cells) + 1)]
+    lines += ["1 0", "0.26E+12 .300000000E+00", "1"]
+    assert (len(number), len(cells)) == (862, 218)
+    return "\n".join(lines) + "\n"
+
+
 BOX = """1 1
 0 0 0
 0 0 0 0
@@ -78,9 +124,10 @@ def solved(text: str, folder: Path) -> Any:
 
 
 @pytest.mark.provokes("no-density")
-@pytest.mark.parametrize("name", ["laminate", "cas1", "i-section"])
+@pytest.mark.parametrize("name", ["laminate", "cas1", "i-section", "three-cells"])
 def test_stiffness_and_mass(name: str, tmp_path: Path) -> None:
-    text = cas1() if name == "cas1" else (FOLDER / f"{name}.sg").read_text()
+    made = {"cas1": cas1, "three-cells": three_cells}
+    text = made[name]() if name in made else (FOLDER / f"{name}.sg").read_text()
     found, expected = solved(text, tmp_path), RESULTS[name]
     M = found.M
     if expected.get("mass_about_shear_centre"):

@@ -250,9 +250,12 @@ def test_tension_does_not_buckle_and_its_reverse_does() -> None:
     pulled = compressed(8, stack, materials, SIMPLE, "x", {})
     for entry in pulled["loads"]["N"].values():
         entry["force_per_length"] = [-x for x in entry["force_per_length"]]
+    pulled["buckling"]["error"] = True  # of no factor
     found = analyse(pulled).buckling
     assert found is not None
+    assert found.error is not None
     assert not len(found.factors)
+    assert not len(found.error)
     assert found.reversed[0] == pytest.approx(-first_factor(pushed), rel=1e-8)
 
 

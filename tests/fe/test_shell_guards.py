@@ -165,6 +165,16 @@ def test_nodes_of_no_cell(tmp_path: Path) -> None:
         ShellProblem(plate(1, 0.1, mesh={"file": str(script)}))
 
 
+def test_script_that_fails(tmp_path: Path) -> None:
+    """The script, its line and the cause, not a defect of the program."""
+    script = tmp_path / "wrong.py"
+    script.write_text("def build(gmsh, parameters):\n    gmsh.model.no_such_function()\n")
+    with pytest.raises(
+        ShellError, match=r"wrong.py: build.* line 2 with AttributeError: .*no_such"
+    ):
+        ShellProblem(plate(1, 0.1, mesh={"file": str(script)}))
+
+
 @pytest.mark.provokes("cst-in-plane-bending", "dst-thick")
 def test_elements_that_lock_or_do_not_converge() -> None:
     paper = {"membrane": "cst", "plate": "dst"}

@@ -101,6 +101,28 @@ def wrong(change) -> dict:
         (lambda b, t: b["outer_shape"]["twist"].update(grid=[1.0, 0.0]), "a grid that rises"),
         (lambda b, t: t["airfoils"].pop(), "no airfoil 'thin'"),
         (lambda b, t: t["materials"].pop(1), "no material 'foam'"),
+        (lambda b, t: b["outer_shape"]["chord"].update(values=[2.0, 2.0, 0.0]), "lengths above 0"),
+        (lambda b, t: b["outer_shape"].update(twist=[1.0]), "twist: has a list of 1; expected a"),
+        (lambda b, t: b.update(outer_shape_bem={}), "windio_converter -i small.yaml -o NEW.yaml"),
+        (lambda b, t: b["structure"].pop("layers"), "structure.layers: missing; expected a list"),
+        (lambda b, t: b["structure"]["layers"][2].pop("name"), "layers[2].name: missing"),
+        (lambda b, t: b["structure"]["layers"][4].update(name="cap-s"), "'cap-s' is the name of"),
+        (lambda b, t: b["structure"]["layers"][6].update(web="wep"), "no web 'wep'; did you mean"),
+        (lambda b, t: b["structure"]["webs"][0].update(anchors=3), "webs[0].anchors: has 3"),
+        (
+            lambda b, t: b["structure"]["anchors"][1].update(end_nd_arc={"width": 1.0}),
+            "rules (plane_intersection",
+        ),
+        (lambda b, t: t["airfoils"][1].pop("rthick"), "airfoils.thin.rthick: missing"),
+        (
+            lambda b, t: t["airfoils"][1]["coordinates"].update(x=[0.1] * 119),
+            "expected points over the chord, from the trailing edge",
+        ),
+        (lambda b, t: t["airfoils"][1].update(coordinates={"x": [1.0], "y": [0.0, 1.0]}), "ten or"),
+        (
+            lambda b, t: t["materials"][0].update(E=45e9),
+            "materials.glass.E: has 45000000000.0; exp",
+        ),
         (
             lambda b, t: b["structure"]["layers"][0]["start_nd_arc"]["anchor"].update(name="shel"),
             "no anchor 'shel'; did you mean 'shell'?",
@@ -318,3 +340,141 @@ def test_what_is_not_modelled_is_named(tmp_path, capsys):
     # the chord line lies over the reference axis
     shifted = contour(blade, 1.0) - contour(read_blade(write_blade(tmp_path)), 1.0)
     np.testing.assert_allclose(shifted, np.tile([0.0, 0.1], (len(shifted), 1)), atol=1e-12)
+
+
+def with_layers(tmp_path, *changes):
+    """The blade whose layers have other keys: pairs of a number and keys."""
+
+    def change(blade, table):
+        for number, keys in changes:
+            blade["structure"]["layers"][number] |= keys
+
+    return read_blade(write_blade(tmp_path, wrong(change)))
+
+
+@pytest.mark.parametrize("cap", [0.02, 0.06])
+def test_layers_of_webs_have_their_thickness_under_thick_caps(tmp_path, cap):
+    """Their feet are on the inner face of a curved wall, and on walls that stand obliquely."""
+    blade = with_layers(
+        tmp_path, (1, {"thickness": along(cap, cap)}), (2, {"thickness": along(cap, cap)})
+    )
+    for r in (0.3, 0.8):
+        mesh = write_station(blade, r, "one", tmp_path)
+        nodes, found = np.array(mesh.nodes), areas(mesh)
+        run = np.array(mesh.directions["web-skin"])
+        along_web = run / np.linalg.norm(run)
+        cells = [c for c, n in zip(mesh.cells, mesh.regions, strict=True) if n == "web-core"]
+        places = nodes[sorted({k for cell in cells for k in cell})] @ along_web
+        for name, thickness in (("web-skin", 0.003), ("web-core", 0.012)):
+            height = found[name] / thickness
+            assert height == pytest.approx(np.ptp(places), rel=0.02), (r, name)
+
+
+@pytest.mark.parametrize("r", [0.28, 0.38, 0.4])
+def test_feet_of_webs_do_not_thin_the_wall(tmp_path, r):
+    """Columns a millimetre apart are no sign of a narrow place: no layer is made thinner."""
+    thick = {"thickness": along(0.12, 0.12)}
+    skin = {"thickness": along(0.0004, 0.0004)}
+    mesh = write_station(with_layers(tmp_path, (1, thick), (2, thick), (5, skin)), r, "x", tmp_path)
+    assert mesh.removed < 1e-3
+
+
+def test_thin_and_thick_layers_side_by_side_keep_their_areas(tmp_path):
+    """The core, 40 mm, ends at the cap, 5 mm: the slope between them is a part of the core."""
+    thin = {"thickness": along(0.005, 0.005)}
+    blade = with_layers(tmp_path, (1, thin), (2, thin), (3, {"thickness": along(0.04, 0.04)}))
+    mesh = write_station(blade, 0.3, "one", tmp_path)
+    perimeter = float(lengths_along(contour(blade, 0.3))[-1])
+    found = areas(mesh)
+    assert found["cap-p"] == pytest.approx(0.005 * 0.08 * perimeter, rel=0.02)
+    assert found["cap-s"] == pytest.approx(0.005 * 0.08 * perimeter, rel=0.05)
+    assert found["core-s"] == pytest.approx(0.04 * 0.23 * perimeter, rel=0.03)
+
+
+def test_a_layer_that_ends_thinner_beside_another_loses_nothing(tmp_path):
+    """One of 60 mm beside one of 15 mm: the full thickness up to the end of the file."""
+    thick = {"thickness": along(0.06, 0.06)}
+    blade = with_layers(tmp_path, (1, thick), (2, thick))
+    mesh = write_station(blade, 0.3, "one", tmp_path)
+    points = contour(blade, 0.3)
+    perimeter = float(lengths_along(points)[-1])
+    alone, beside = (areas(mesh)[name] for name in ("cap-p", "cap-s"))
+    assert beside == pytest.approx(alone, rel=5e-3)
+    assert beside == pytest.approx(0.06 * 0.08 * perimeter, rel=0.06)  # shorter inside a curve
+
+
+def test_fibres_turn_to_the_leading_edge_on_both_sides(tmp_path):
+    blade = with_layers(tmp_path, (0, {"fiber_orientation": along(20.0, 20.0)}))
+    mesh = write_station(blade, 0.8, "one", tmp_path)
+    assert mesh.bands["skin"].angle_deg == 20.0
+    assert mesh.bands["skin-pressure"].angle_deg == -20.0
+    nodes = np.array(mesh.nodes)
+    for cell, region in zip(mesh.cells, mesh.regions, strict=True):
+        if region.startswith("skin"):
+            assert (nodes[list(cell), 1].mean() < 0.0) == (region == "skin-pressure")
+    description = str(tmp_path / "one.toml")
+    assert main(["section", description, "--check", "--out", str(tmp_path / "s")]) == 0
+
+
+def test_symmetric_fibres_couple_bending_with_twist_not_extension(fenicsx, tmp_path):
+    angle = {"fiber_orientation": along(20.0, 20.0)}
+    blade = with_layers(tmp_path, (0, angle), (4, angle), (3, {"thickness": along(0.0, 0.0)}))
+    out = tmp_path / "out"
+    assert main(["blade", str(blade.file), "--at", "0.8", *WORDS[2:], "-o", str(out)]) == 0
+    K = matrix(rows_of(out / "blade.csv")[0], "K")
+    scaled = K / np.sqrt(np.outer(np.diag(K), np.diag(K)))
+    assert scaled[0, 1] > 0.1  # pulled, it shears to the leading edge
+    assert scaled[3, 4] < -0.1
+    assert abs(scaled[0, 3]) < 1e-6
+
+
+def mirrored(table):
+    """Points in the other sense: over the pressure side first."""
+    for airfoil in table["airfoils"]:
+        xy = airfoil["coordinates"]
+        xy |= {key: xy[key][::-1] for key in "xy"}
+
+
+def test_the_sense_of_points_does_not_matter(tmp_path, blade):
+    other = read_blade(write_blade(tmp_path, wrong(lambda b, t: mirrored(t))))
+    for r in (0.0, 0.3, 1.0):
+        np.testing.assert_allclose(contour(other, r), contour(blade, r), atol=1e-12)
+
+
+def test_a_layer_around_the_trailing_edge_is_on_both_sides(tmp_path):
+    def change(blade, table):
+        structure = blade["structure"]
+        structure["anchors"].append(anchor("edge", 0.94, 0.05))
+        structure["layers"].insert(1, layer("edge", "glass", 0.003))
+
+    blade = read_blade(write_blade(tmp_path, wrong(change)))
+    mesh = write_station(blade, 0.3, "one", tmp_path)
+    perimeter = float(lengths_along(contour(blade, 0.3))[-1])
+    found = areas(mesh)
+    for name, share in (("edge", 0.06), ("edge-suction", 0.05)):
+        assert found[name] == pytest.approx(0.003 * share * perimeter, rel=0.15), name
+
+
+@pytest.mark.parametrize("count", [0, 3])
+def test_any_number_of_webs(tmp_path, count):
+    def change(blade, table):
+        structure = blade["structure"]
+        structure["webs"], structure["layers"] = [], structure["layers"][:5]
+        for k in range(count):
+            place = anchor(f"web-{k}", 0.2 + 0.08 * k, 0.8 - 0.08 * k)
+            ends = {key: place[key] for key in ("start_nd_arc", "end_nd_arc")}
+            structure["webs"].append({"name": f"web-{k}", **ends})  # without anchors of its own
+            structure["layers"].append(
+                {"name": f"skin-{k}", "material": "glass", "web": f"web-{k}"}
+                | {"thickness": along(0.004, 0.004)}  # a layer of a web needs no arcs
+            )
+
+    blade = read_blade(write_blade(tmp_path, wrong(change)))
+    for r in (0.0, 0.3, 0.9):
+        mesh = write_station(blade, r, "one", tmp_path)
+        edges = {
+            tuple(sorted(end))
+            for cell in mesh.cells
+            for end in zip(cell, [*cell[1:], cell[0]], strict=True)
+        }
+        assert len(mesh.nodes) - len(edges) + len(mesh.cells) == 1 - (count + 1)

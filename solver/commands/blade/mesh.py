@@ -2,65 +2,27 @@
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import replace
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from ...errors import InputError
-from ...math.arrays import Array, IntArray
+from ...math.arrays import Array
 from ...math.polylines import lengths_along
+from .cells import StationMesh
 from .contour import edge_angle
 from .face import with_face
 from .wall import THINNEST, Band, WebLayers, breaks, joined, material_of, rows_of, thickness
+from .web import add_web, check_feet, feet_of, fitted, level_under
 
 COLUMNS = 160  # along the contour, without those at ends of layers
 ROOM = 0.9  # share of the room between the two sides that walls may fill
 MITRE = np.radians(165.0)  # angle of the trailing edge from which the walls meet in a mitre
+NEXT = 0.9  # of the spacing of columns: those nearer do not limit the wall
 LEAST = 0.2  # of the length of a cell outside, its length inside
+PASSES = 6  # at most, until feet of webs are as wide as their layers
+FITTED = 5e-3  # change of a width that is small enough
 CLOSE = 0.15  # columns nearer than this share of the spacing are one
-
-
-@dataclass
-class StationMesh:
-    """Nodes and cells of a station.
-
-    Attributes
-    ----------
-    nodes : [x2, x3] [m]
-    cells : node numbers of triangles and quadrilaterals, counter-clockwise
-    regions : name of the layer of each cell
-    bands : the layers by name
-    outer : edges of the outer surface of the shell
-    directions : layer direction of regions that are not of the shell
-    removed : share of the area of layers for which the contour has no room
-    """
-
-    nodes: list[tuple[float, float]] = field(default_factory=list)
-    cells: list[tuple[int, ...]] = field(default_factory=list)
-    regions: list[str] = field(default_factory=list)
-    outer: list[tuple[int, int]] = field(default_factory=list)
-    bands: dict[str, Band] = field(default_factory=dict)
-    directions: dict[str, tuple[float, float]] = field(default_factory=dict)
-    removed: float = 0.0
-
-    def node(self, point: Array) -> int:
-        """Add a node; its number."""
-        self.nodes.append((float(point[0]), float(point[1])))
-        return len(self.nodes) - 1
-
-    def cell(self, corners: Sequence[int], band: Band) -> None:
-        """Add a cell of three or four different corners, in any sense of rotation, of a layer."""
-        found = list(dict.fromkeys(corners))
-        if len(found) < 3:
-            return
-        x = np.array([self.nodes[k] for k in found])
-        y = np.roll(x, -1, axis=0)
-        if float((x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]).sum()) < 0.0:
-            found.reverse()
-        self.cells.append(tuple(found))
-        self.regions.append(band.name)
-        self.bands[band.name] = band
 
 
 def station_mesh(
@@ -83,32 +45,54 @@ def station_mesh(
     points, corners = with_face(points, bands)
     s = lengths_along(points)
     perimeter = float(s[-1])
-    rows = [joined(row) for row in rows_of(bands)]
+    rows = [joined(row, perimeter) for row in rows_of(bands)]
     mitred = edge_angle(points) >= MITRE
     total = sum(float(thickness(row, np.array([0.0]), perimeter)[0]) for row in rows)
     low, high = (0.0, 1.0) if mitred else _cut(points, s / perimeter, max(0.7 * total, 1e-3))
-    _check_feet(webs, perimeter, low, high)
-    arcs = _columns(rows, webs, perimeter, [low, *corners, high])
-    outer = _smooth(points, s / perimeter, arcs)
-    normals = _normals(outer, mitred)
-    t = np.array([thickness(row, arcs, perimeter) for row in rows])
-    full = t.sum(axis=0)
-    limit = _uncrossed(_gradual(_room(outer, normals), outer), full, outer, normals)
-    share = np.where(full > limit, limit / np.where(full > 0.0, full, 1.0), 1.0)
-    spacing = np.gradient(arcs) * perimeter
-    mesh.removed = float(((1.0 - share) * full * spacing).sum() / (full * spacing).sum())
-    t *= share
-    for web in webs:
-        _level(t, arcs, web, perimeter)
-    t[t < THINNEST] = 0.0
+    nose = float(s[len(points) // 2]) / perimeter
+    ends = [low, *corners, high]
+    fixed = [*ends, nose] if any(band.angle_deg for band in bands) else ends
+    for last in [False] * PASSES + [True]:
+        check_feet(webs, perimeter, low, high)
+        arcs = _columns(rows, webs, perimeter, fixed)
+        outer = _smooth(points, s / perimeter, arcs)
+        normals = _normals(points, s / perimeter, arcs, ends, mitred)
+        t, mesh.removed = _thickness(rows, webs, arcs, outer, normals, perimeter)
+        inner = outer + t.sum(axis=0)[:, None] * normals
+        wider, change = fitted(webs, arcs, inner, perimeter)
+        if change < FITTED or last:
+            break
+        webs = wider
     depth = np.vstack([np.zeros(len(arcs)), np.cumsum(t, axis=0)])
     numbers = _grid(mesh, outer, normals, depth, mitred)
-    _shell(mesh, rows, arcs, numbers, t)
+    _shell(mesh, rows, arcs, numbers, t, nose)
     for web in webs:
-        _web(mesh, web, arcs, numbers[-1], perimeter)
+        add_web(mesh, web, arcs, numbers[-1], perimeter, perimeter / COLUMNS)
     if not mitred:
         _trailing_edge(mesh, numbers, edge)
     return mesh
+
+
+def _thickness(
+    rows: list[list[Band]],
+    webs: list[WebLayers],
+    arcs: Array,
+    outer: Array,
+    normals: Array,
+    perimeter: float,
+) -> tuple[Array, float]:
+    """Thickness of rows at columns [m], and the share of the layers without room."""
+    t = np.array([thickness(row, arcs, perimeter) for row in rows])
+    full = t.sum(axis=0)
+    limit = _uncrossed(_gradual(_room(arcs, outer, normals), outer), full, outer, normals)
+    share = np.where(full > limit, limit / np.where(full > 0.0, full, 1.0), 1.0)
+    spacing = np.gradient(arcs)
+    removed = float(((1.0 - share) * full * spacing).sum() / (full * spacing).sum())
+    t *= share
+    for web in webs:
+        level_under(web, t, arcs, perimeter)
+    t[t < THINNEST] = 0.0
+    return t, removed
 
 
 def _cut(points: Array, arcs: Array, gap: float) -> tuple[float, float]:
@@ -141,9 +125,9 @@ def _columns(
 ) -> Array:
     """Arcs of the columns: `ends` (of the contour, and its corners), ends of layers and feet of
     webs exactly, others between them."""
-    low, high = ends[0], ends[-1]
+    low, high = min(ends), max(ends)
     spacing = 1.0 / COLUMNS
-    feet = [_feet(web, perimeter) for web in webs]
+    feet = [feet_of(web, perimeter) for web in webs]
     wanted = [*ends, *(float(arc) for both in feet for arc in both.ravel())]
     apart = CLOSE * min(spacing, 0.01 / perimeter)
     for arc in sorted(arc for row in rows for arc in breaks(row, perimeter)):
@@ -159,52 +143,58 @@ def _columns(
     return np.array(found)
 
 
-def _feet(web: WebLayers, perimeter: float) -> Array:
-    """Arcs of the boundaries of a web's layers: on the suction and the pressure side (2, n)."""
-    widths = np.array([layer.thickness for layer in web.layers]) / perimeter
-    steps = np.concatenate([[0.0], np.cumsum(widths)]) - 0.5 * widths.sum()
-    # From the leading edge to the trailing edge: arcs fall on the suction side.
-    return np.array([web.start - steps, web.end + steps])
-
-
-def _check_feet(webs: list[WebLayers], perimeter: float, low: float, high: float) -> None:
-    """Refuse feet that reach past the ends of the contour or over those of another web."""
-    taken: list[tuple[float, float, str]] = []
-    for web in webs:
-        for foot in _feet(web, perimeter):
-            one, two = float(foot.min()), float(foot.max())
-            key = f"structure.webs: {web.name}: its foot covers the arcs {one:.5f} to {two:.5f}"
-            if one <= low or two >= high:
-                raise InputError(f"{key}; expected arcs from {low:.5f} to {high:.5f}")
-            for start, end, other in taken:
-                if one < end and two > start:
-                    words = f"expected none of those of {other}, {start:.5f} to {end:.5f}"
-                    raise InputError(f"{key}; {words}")
-            taken.append((one, two, web.name))
-
-
 def _smooth(points: Array, at: Array, arcs: Array) -> Array:
     at, first = np.unique(at, return_index=True)
     return np.asarray(PchipInterpolator(at, points[first])(arcs))
 
 
-def _normals(outer: Array, mitred: bool) -> Array:
-    """Inward normals (n, 2); of a mitre so long that the walls keep their thickness."""
+def _normals(
+    points: Array, at: Array, arcs: Array, corners: Sequence[float], mitred: bool
+) -> Array:
+    """Inward normals (n, 2) at arcs; at a corner so long that the walls keep their thickness.
+
+    Chords that reach as far as a column to both sides give the direction. Those between columns
+    would not do: beside a foot of a web, one is a millimetre long and the next a hundred.
+
+    Parameters
+    ----------
+    points, at : the contour and its arcs
+    corners : columns where the contour ends or has a corner
+    """
+    outer = _smooth(points, at, arcs)
+    found = _mitres(outer, mitred)
+    reach = np.abs(arcs[:, None] - np.array(corners)).min(axis=1)
+    reach = np.minimum(reach, 1.0 / COLUMNS)
+    smooth = reach > 0.0
+    chords = _smooth(points, at, arcs + reach) - _smooth(points, at, arcs - reach)
+    normal = _sense(outer) * np.column_stack([-chords[:, 1], chords[:, 0]])
+    found[smooth] = normal[smooth] / np.linalg.norm(normal[smooth], axis=1)[:, None]
+    return found
+
+
+def _sense(outer: Array) -> float:
+    """1 if the contour is counter-clockwise, so that inside is to the left of it; -1 if not."""
+    x, y = outer, np.roll(outer, -1, axis=0)
+    return float(np.sign((x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]).sum()))
+
+
+def _mitres(outer: Array, mitred: bool) -> Array:
+    """Inward normals (n, 2) between the chords of columns."""
     steps = np.diff(outer, axis=0)
     steps /= np.linalg.norm(steps, axis=1)[:, None]
-    # The contour runs from the trailing edge over the suction side: inside is to the left of it if
-    # it is counter-clockwise.
-    x, y = outer, np.roll(outer, -1, axis=0)
-    sense = np.sign(float((x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]).sum()))
-    side = sense * np.column_stack([-steps[:, 1], steps[:, 0]])
+    side = _sense(outer) * np.column_stack([-steps[:, 1], steps[:, 0]])
     before = np.vstack([side[-1] if mitred else side[0], side])
     after = np.vstack([side, side[0] if mitred else side[-1]])
     both = before + after
     return np.asarray(both / np.maximum(0.5 * (both * both).sum(axis=1), 0.2)[:, None])
 
 
-def _room(outer: Array, normals: Array) -> Array:
-    """How thick the wall may be at each column, so that the two sides do not meet [m]."""
+def _room(arcs: Array, outer: Array, normals: Array) -> Array:
+    """How thick the wall may be at each column, so that the two sides do not meet [m].
+
+    Columns nearer than their spacing do not count: beside a foot of a web they are a millimetre
+    apart, where small errors of the normal would look like a strong curvature.
+    """
     direction = normals / np.linalg.norm(normals, axis=1)[:, None]
     found = np.full(len(outer), np.inf)
     for k in range(len(outer)):
@@ -212,17 +202,10 @@ def _room(outer: Array, normals: Array) -> Array:
         ahead = d @ direction[k]
         size = (d * d).sum(axis=1)
         # The largest circle that touches the contour here and holds no other point of it.
-        usable = ahead > 1e-9
+        usable = (ahead > 1e-9) & (np.abs(arcs - arcs[k]) > NEXT / COLUMNS)
         radius = size[usable] / (2.0 * ahead[usable])
         found[k] = ROOM * float(radius.min(initial=np.inf))
     return found
-
-
-def _level(t: Array, arcs: Array, web: WebLayers, perimeter: float) -> None:
-    """Give the wall one thickness under each foot of a web, the mean of what it has there."""
-    for foot in _feet(web, perimeter):
-        at = np.flatnonzero((arcs > foot.min() - 1e-9) & (arcs < foot.max() + 1e-9))
-        t[:, at] = t[:, at].mean(axis=1)[:, None]
 
 
 def _gradual(limit: Array, outer: Array) -> Array:
@@ -279,46 +262,20 @@ def _shell(
     arcs: Array,
     numbers: list[list[int]],
     t: Array,
+    nose: float,
 ) -> None:
+    """Cells of the shell. Angles of the file turn fibres to the leading edge on both sides."""
     middle = 0.5 * (arcs[:-1] + arcs[1:])
     for k, row in enumerate(rows):
         for j, arc in enumerate(middle):
             if max(t[k, j], t[k, j + 1]) <= 0.0:
                 continue
             band = material_of(row, float(arc))
+            if band.angle_deg and arc > nose:
+                band = replace(band, name=f"{band.name}-pressure", angle_deg=-band.angle_deg)
             above, below = numbers[k], numbers[k + 1]
             corners = (above[j], above[j + 1], below[j + 1], below[j])
             mesh.cell(corners, band)
-
-
-def _web(
-    mesh: StationMesh, web: WebLayers, arcs: Array, inner: list[int], perimeter: float
-) -> None:
-    """A strip between the two feet; its cells are about as long as the columns are apart."""
-    columns = np.abs(arcs - _feet(web, perimeter)[..., None]).argmin(axis=-1)
-    one, two = ([inner[k] for k in _every(side)] for side in columns)
-    start, end = (np.array([mesh.nodes[k] for k in line]) for line in (one, two))
-    height = float(np.linalg.norm(end - start, axis=1).min())
-    count = max(4, round(height / (perimeter / COLUMNS)))
-    grid = [one]
-    for k in range(1, count):
-        f = k / count
-        grid.append([mesh.node(p) for p in (1.0 - f) * start + f * end])
-    grid.append(two)
-    run = end.mean(axis=0) - start.mean(axis=0)
-    ends = np.abs(columns[0] - columns[0, 0])
-    for band, first, last in zip(web.layers, ends[:-1], ends[1:], strict=True):
-        for a in range(first, last):
-            for lower, upper in itertools.pairwise(grid):
-                corners = (lower[a], lower[a + 1], upper[a + 1], upper[a])
-                mesh.cell(corners, band)
-        mesh.directions[band.name] = (float(run[0]), float(run[1]))
-
-
-def _every(columns: IntArray) -> range:
-    """All columns from the first to the last, which may lie before it."""
-    step = 1 if columns[-1] > columns[0] else -1
-    return range(columns[0], columns[-1] + step, step)
 
 
 def _trailing_edge(mesh: StationMesh, numbers: list[list[int]], edge: Band) -> None:

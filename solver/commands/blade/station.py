@@ -1,21 +1,22 @@
 """One station of a blade: its mesh and its section description."""
 
-import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from ...errors import InputError, nearest
 from ...package.common.temporary import write_text
 from ...package.common.toml_text import toml_text
+from .cells import StationMesh
 from .contour import contour
-from .mesh import StationMesh, station_mesh
+from .materials import GLUE
+from .mesh import station_mesh
 from .wall import Band, WebLayers
-from .windio import Blade, Layer
+from .windio import Blade, Layer, region_name
 
 THIN = 1e-4  # [m] layers below are not there: files write them where a layer ends
 EDGE = "trailing-edge"  # region of the plate that closes a sharp trailing edge
 PLATE = 0.004  # its thickness over the chord
-GLUE = "adhesive"  # part of the name of its material
 
 
 def write_station(blade: Blade, r: float, name: str, folder: Path) -> StationMesh:
@@ -25,7 +26,8 @@ def write_station(blade: Blade, r: float, name: str, folder: Path) -> StationMes
     ------
     InputError : the station has no layers, an unknown material, or webs whose feet overlap.
     """
-    bands = [_band(layer, r) for layer in blade.layers if not layer.web and _is_there(layer, r)]
+    shell = [layer for layer in blade.layers if not layer.web and _is_there(layer, r)]
+    bands = [band for layer in shell for band in _parts(layer, r)]
     if not bands:
         raise InputError(f"{blade.file}: no layer of the shell at r = {r:g}")
     webs = [
@@ -57,11 +59,25 @@ def write_station(blade: Blade, r: float, name: str, folder: Path) -> StationMes
 
 def _is_there(layer: Layer, r: float) -> bool:
     """Files give layers that do not reach from root to tip on a part of the grid only."""
-    span = layer.end.at(r) - layer.start.at(r)
+    span = layer.end.at(r) - layer.start.at(r) + _wraps(layer, r)
     there = layer.thickness.covers(r) and (
         bool(layer.web) or (layer.start.covers(r) and layer.end.covers(r))
     )
     return there and layer.thickness.at(r) > THIN and (bool(layer.web) or span > 1e-3)
+
+
+def _wraps(layer: Layer, r: float) -> bool:
+    """True if a layer goes around the trailing edge: it begins on the pressure side."""
+    return layer.start.at(r) > 0.5 > layer.end.at(r)
+
+
+def _parts(layer: Layer, r: float) -> list[Band]:
+    """A layer of the shell as bands; one around the trailing edge as two."""
+    band = _band(layer, r)
+    if not _wraps(layer, r):
+        return [band]
+    both = replace(band, end=1.0), replace(band, name=f"{band.name}-suction", start=0.0)
+    return [part for part in both if part.end - part.start > 1e-3]
 
 
 def _glue(blade: Blade, bands: list[Band]) -> str:
@@ -76,8 +92,14 @@ def _glue(blade: Blade, bands: list[Band]) -> str:
 
 def _band(layer: Layer, r: float) -> Band:
     start, end = max(layer.start.at(r), 0.0), min(layer.end.at(r), 1.0)
-    name = re.sub(r"[^A-Za-z0-9_-]", "-", layer.name)
-    return Band(name, layer.material, layer.angle.at(r), layer.thickness.at(r), start, end)
+    return Band(
+        region_name(layer.name),
+        layer.material,
+        layer.angle.at(r),
+        layer.thickness.at(r),
+        start,
+        end,
+    )
 
 
 def _msh(mesh: StationMesh) -> str:
@@ -112,6 +134,7 @@ def _description(blade: Blade, r: float, name: str, mesh: StationMesh) -> str:
     table = {
         "format": 1,
         "title": f"{blade.file.stem}, r = {r:g}",
+        **({"convention": "contour"} if any(b.angle_deg for b in mesh.bands.values()) else {}),
         "mesh": {"file": f"{name}.msh"},
         "materials": {material: blade.materials[material] for material in used},
         "regions": regions,

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ..section.results import SectionResults, read_results
 from ..section.summary import UPPER
-from .mesh import StationMesh
+from .cells import StationMesh
 from .windio import Blade
 
 

@@ -1,18 +1,20 @@
 """Layers of the shell of a station: columns along the contour, rows through the wall.
 
-Layers that do not overlap share a row. Between two layers of a row that meet, the thickness of
-their common column is the mean of both. Where a layer ends beside nothing, it is tapered to zero
-over a length of its thickness, half of it inside.
+Layers that do not overlap share a row. Where two layers of a row meet, the thicker one is tapered
+to the thickness of the other over half the length of their difference. The slope is of its own
+material and reaches so far beyond its end that its area stays right; the other layer begins behind.
+Where a layer ends beside nothing, it is tapered to zero over a length of its thickness, half of it
+inside.
 """
 
-from dataclasses import dataclass
-from itertools import pairwise
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...math.arrays import Array
 
 TOUCH = 2e-3  # gap of two layers over the whole arc, below which they meet
+STEEP = 0.5  # length of a slope between two layers over their difference
 THINNEST = 1e-6  # [m] thickness of what is not there
 
 
@@ -36,6 +38,7 @@ class WebLayers:
     start: float  # [-] arc on the suction side
     end: float
     layers: tuple[Band, ...]
+    widths: tuple[tuple[float, ...], ...] = ()  # of the layers on the contour, of both sides [m]
 
 
 def rows_of(bands: list[Band]) -> list[list[Band]]:
@@ -53,32 +56,57 @@ def _overlaps(band: Band, row: list[Band]) -> bool:
     return any(min(band.end, o.end) - max(band.start, o.start) > TOUCH for o in row)
 
 
-def joined(row: list[Band]) -> list[Band]:
-    """The same row with the ends of bands that nearly meet at one place."""
+def joined(row: list[Band], perimeter: float) -> list[Band]:
+    """The same row with bands that nearly meet joined at the foot of the thicker one's slope."""
     found = list(row)
     for k in range(len(found) - 1):
-        one, two = found[k], found[k + 1]
+        one, two = row[k], row[k + 1]
         if abs(two.start - one.end) <= TOUCH:
-            at = 0.5 * (one.end + two.start)
-            found[k] = Band(one.name, one.material, one.angle_deg, one.thickness, one.start, at)
-            found[k + 1] = Band(two.name, two.material, two.angle_deg, two.thickness, at, two.end)
+            # The area of the slope is that of the full thickness up to the end of the layer.
+            thick = max(one.thickness, two.thickness)
+            beyond = 0.5 * slope(one, two, perimeter) * (one.thickness - two.thickness) / thick
+            at = 0.5 * (one.end + two.start) + beyond
+            found[k] = replace(found[k], end=at)
+            found[k + 1] = replace(found[k + 1], start=at)
     return found
 
 
-def _neighbours(row: list[Band]) -> list[tuple[Band, bool, bool]]:
-    """The bands of a row, and whether each one meets the band before and the band behind it."""
-    meets = [one.end == two.start for one, two in pairwise(row)]
-    return list(zip(row, [False, *meets], [*meets, False], strict=True))
+def slope(one: Band, two: Band, perimeter: float) -> float:
+    """Length over which the thicker of two bands that meet is tapered to the other [-]."""
+    room = min(one.end - one.start, two.end - two.start)
+    return min(STEEP * abs(one.thickness - two.thickness) / perimeter, 0.4 * room)
+
+
+def _ends(row: list[Band], perimeter: float) -> list[tuple[Band, tuple[Array, Array]]]:
+    """The bands of a joined row, and the points of their thickness: arcs and values [-], [m]."""
+    found = []
+    for k, band in enumerate(row):
+        half = taper(band, perimeter)
+        arcs, values = [], []
+        for end, sense, other in (
+            (band.start, 1.0, row[k - 1] if k else None),
+            (band.end, -1.0, row[k + 1] if k + 1 < len(row) else None),
+        ):
+            if other is not None and end in (other.start, other.end):
+                low = min(band.thickness, other.thickness)
+                length = slope(band, other, perimeter) if low < band.thickness else 0.0
+                arcs += [end, end + sense * length]
+                values += [low, band.thickness]
+            elif 0.0 < end < 1.0:
+                arcs += [end - sense * half, end + sense * half]
+                values += [0.0, band.thickness]
+            else:
+                arcs += [end, end]
+                values += [band.thickness, band.thickness]
+        order = [0, 1, 3, 2]
+        found.append((band, (np.array(arcs)[order], np.array(values)[order])))
+    return found
 
 
 def breaks(row: list[Band], perimeter: float) -> list[float]:
     """Arcs at which the thickness of a row changes its slope, or its material changes."""
-    found = []
-    for band, met, meets in _neighbours(row):
-        half = taper(band, perimeter)
-        found += [band.start] if met else [band.start - half, band.start + half]
-        found += [band.end] if meets else [band.end - half, band.end + half]
-    return [arc for arc in found if 0.0 < arc < 1.0]
+    points = {float(arc) for _, (arcs, _) in _ends(row, perimeter) for arc in arcs}
+    return sorted(arc for arc in points if 0.0 < arc < 1.0)
 
 
 def taper(band: Band, perimeter: float) -> float:
@@ -89,19 +117,12 @@ def taper(band: Band, perimeter: float) -> float:
 def thickness(row: list[Band], arcs: Array, perimeter: float) -> Array:
     """Thickness of a row at arcs (n,) [m]."""
     found = np.zeros(len(arcs))
-    for band, met, meets in _neighbours(row):
-        half = max(taper(band, perimeter), 1e-12)
-        low, high = band.start, band.end
-        rise = 1.0 if met or low <= 0.0 else np.clip((arcs - low + half) / (2.0 * half), 0.0, 1.0)
-        fall = (
-            1.0 if meets or high >= 1.0 else np.clip((high + half - arcs) / (2.0 * half), 0.0, 1.0)
-        )
-        inside = (arcs >= low - (0.0 if met else half)) & (arcs <= high + (0.0 if meets else half))
-        share = np.where(inside, rise * fall, 0.0)
-        at_joint = (met & np.isclose(arcs, low, atol=1e-12)) | (
-            meets & np.isclose(arcs, high, atol=1e-12)
-        )
-        found += band.thickness * np.where(at_joint, 0.5, share)
+    shared = {band.end for band in row} & {band.start for band in row}
+    for band, (points, values) in _ends(row, perimeter):
+        own = np.interp(arcs, points, values, left=0.0, right=0.0)
+        if band.end in shared:
+            own[arcs == band.end] = 0.0  # the next band has this column
+        found += own
     return found
 
 

@@ -6,47 +6,20 @@ back to the trailing edge, divided by the whole arc. They are given by the grids
 the file has worked out from the rules beside them.
 """
 
-import math
-from collections.abc import Iterator, Mapping, Sequence
+import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from ...errors import InputError, nearest
 from ...math.arrays import Array
+from .along import STRAIGHT, WHOLE, Along
 from .hub import NO_HUB, Hub, read_hub
-
-NEAR = 1e-9  # of the span: distance that is round-off
-
-
-@dataclass(frozen=True)
-class Along:
-    """A quantity over the span, linear between its points."""
-
-    grid: Array  # (n,) rising, of 0 to 1
-    values: Array  # (n,)
-
-    def at(self, r: float) -> float:
-        """Value at r of 0 to 1; outside of the grid that of its end."""
-        return float(np.interp(r, self.grid, self.values))
-
-    def covers(self, r: float) -> bool:
-        """True if r is within the grid: what a file gives on a part of the span is only there."""
-        return bool(self.grid[0] - NEAR <= r <= self.grid[-1] + NEAR)
-
-    def smooth(self, r: Array) -> Array:
-        """Values at r (n,) of a monotone cubic curve through its points."""
-        grid, first = np.unique(self.grid, return_index=True)
-        if len(grid) < 2:
-            return np.full(len(r), self.values[0])
-        inside = np.clip(r, grid[0], grid[-1])
-        return np.asarray(PchipInterpolator(grid, self.values[first])(inside))
-
-
-STRAIGHT = Along(np.zeros(1), np.zeros(1))
+from .materials import read_materials
+from .tables import Table, Tables
 
 
 @dataclass(frozen=True)
@@ -110,48 +83,52 @@ def read_blade(file: Path) -> Blade:
     ------
     InputError : it cannot be read, or has no blade of this form; the message names the key.
     """
-    table = _yaml(file)
-    reader = _Reader(file, table)
-    blade = reader.table(reader.table(table, "components"), "components.blade")
-    shape = reader.table(blade, "components.blade.outer_shape")
-    structure = reader.table(blade, "components.blade.structure")
-    axis = reader.table(blade, "components.blade.reference_axis")
-    anchors = reader.anchors(structure)
-    chord = reader.along(shape, "chord", "outer_shape")
-    webs = tuple(
-        Web(
-            str(entry.get("name")),
-            reader.arc(entry, "start_nd_arc", anchors, f"webs[{i}]"),
-            reader.arc(entry, "end_nd_arc", anchors, f"webs[{i}]"),
+    top, tables = _yaml(file), Tables(file)
+    blade = tables.table(tables.table(top, "components"), "components.blade")
+    if "outer_shape_bem" in blade or "internal_structure_2d_fem" in blade:
+        raise tables.error(
+            "components.blade",
+            "this is a file of windIO 1; expected windIO 2: pip install windIO, then "
+            f"windio_converter -i {file.name} -o NEW.yaml",
         )
-        for i, entry in enumerate(structure.get("webs") or [])
-    )
+    shape = tables.table(blade, "components.blade.outer_shape")
+    structure = tables.table(blade, "components.blade.structure")
+    axis = tables.table(blade, "components.blade.reference_axis")
+    reader = _Structure(tables, structure)
+    chord = tables.along(shape, "outer_shape.chord")
+    if chord.values.min() <= 0.0:
+        raise tables.error("outer_shape.chord.values", "expected lengths above 0")
+
+    def optional(parent: Table, path: str) -> Along:
+        return tables.along(parent, path) if path.rpartition(".")[2] in parent else STRAIGHT
+
+    glue = structure.get("trailing_edge_adhesive")
+    glue = str(glue.get("material", "")) if isinstance(glue, dict) else ""
+    layers = reader.layers()
     return Blade(
         file=file,
-        length=reader.along(axis, "z", "reference_axis"),
-        prebend=reader.along(axis, "x", "reference_axis") if "x" in axis else STRAIGHT,
-        sweep=reader.along(axis, "y", "reference_axis") if "y" in axis else STRAIGHT,
+        length=tables.along(axis, "reference_axis.z"),
+        prebend=optional(axis, "reference_axis.x"),
+        sweep=optional(axis, "reference_axis.y"),
         chord=chord,
-        twist=reader.along(shape, "twist", "outer_shape"),
-        offset=reader.along(shape, "section_offset_y", "outer_shape"),
-        thickness=reader.along(shape, "rthick", "outer_shape"),
-        airfoils=reader.airfoils(shape),
-        layers=tuple(reader.layer(e, i, anchors) for i, e in enumerate(structure["layers"])),
-        webs=webs,
-        materials={str(m["name"]): _material(m) for m in table.get("materials", [])},
+        twist=tables.along(shape, "outer_shape.twist"),
+        offset=tables.along(shape, "outer_shape.section_offset_y"),
+        thickness=tables.along(shape, "outer_shape.rthick"),
+        airfoils=_airfoils(tables, top, shape),
+        layers=layers,
+        webs=reader.webs(),
+        materials=read_materials(tables, top, {glue, *(layer.material for layer in layers)}),
         span=tuple(chord.grid.tolist()),
-        height=reader.along(shape, "section_offset_x", "outer_shape")
-        if "section_offset_x" in shape
-        else STRAIGHT,
-        glue=str((structure.get("trailing_edge_adhesive") or {}).get("material", "")),
-        hub=read_hub(table),
-        left_out=tuple(_left_out(structure)),
+        height=optional(shape, "outer_shape.section_offset_x"),
+        glue=glue,
+        hub=read_hub(top),
+        left_out=tuple(_left_out(tables, structure)),
     )
 
 
-def _left_out(structure: Mapping[str, Any]) -> Iterator[str]:
+def _left_out(tables: Tables, structure: Table) -> Iterator[str]:
     """Yield keys with masses or stiffnesses that the stations do not have, and what they mean."""
-    for web in structure.get("webs") or []:
+    for web in tables.entries(structure, "structure.webs"):
         if web.get("flanges"):
             yield (
                 f"structure.webs: {web.get('name')}: flanges: the bond line between web and shell; "
@@ -162,11 +139,12 @@ def _left_out(structure: Mapping[str, Any]) -> Iterator[str]:
             "structure.trailing_edge_adhesive: its area between four anchors; a sharp edge is "
             "closed by a plate of this material, 0.4 % of the chord thick"
         )
-    joint = structure.get("joint") or {}
-    if joint.get("mass"):
+    joint = structure.get("joint")
+    if isinstance(joint, dict) and joint.get("mass"):
+        (mass,) = tables.numbers(joint, "structure.joint.mass", 1)
+        place = f" at r = {joint['position']}" if "position" in joint else ""
         yield (
-            f"structure.joint.mass = {joint['mass']:g} kg at r = {joint.get('position', 0.0):g}; "
-            "a point mass of the case can take its place"
+            f"structure.joint.mass = {mass:g} kg{place}; a point mass of the case can replace it"
         )
 
 
@@ -180,7 +158,7 @@ def _yaml(file: Path) -> dict[str, Any]:
             table = yaml.load(stream, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{file}: cannot be read: {error}") from error
-    except yaml.YAMLError as error:
+    except (yaml.YAMLError, ValueError) as error:
         where = str(error).replace("\n", " ")
         raise InputError(f"{file}: not a YAML file: {where}") from error
     if not isinstance(table, dict) or "components" not in table:
@@ -188,112 +166,121 @@ def _yaml(file: Path) -> dict[str, Any]:
     return table
 
 
-class _Reader:
-    def __init__(self, file: Path, table: Mapping[str, Any]) -> None:
-        self.file, self.top = file, table
+class _Structure:
+    """Layers and webs, whose places may be those of anchors."""
 
-    def error(self, key: str, words: str) -> InputError:
-        return InputError(f"{self.file}: {key}: {words}")
+    def __init__(self, tables: Tables, structure: Table) -> None:
+        self.tables, self.structure = tables, structure
+        self.anchors: dict[str, Table] = {}
+        places = [(structure, "structure.anchors")]
+        for i, web in enumerate(tables.entries(structure, "structure.webs")):
+            places.append((web, f"structure.webs[{i}].anchors"))
+        for parent, path in places:
+            for i, entry in enumerate(tables.entries(parent, path)):
+                self.anchors[tables.text(entry, f"{path}[{i}].name")] = entry
 
-    def table(self, parent: Mapping[str, Any], path: str) -> dict[str, Any]:
-        key = path.rpartition(".")[2]
-        found = parent.get(key)
-        if not isinstance(found, dict):
-            known = [str(name) for name in parent]
-            raise self.error(path, f"missing; expected a table of windIO 2{nearest(key, known)}")
-        return found
-
-    def along(self, parent: Mapping[str, Any], key: str, where: str) -> Along:
-        found = parent.get(key)
-        if not isinstance(found, dict) or not {"grid", "values"} <= found.keys():
-            raise self.error(f"{where}.{key}", "missing; expected a table with grid and values")
-        return self.pairs(found, f"{where}.{key}")
-
-    def pairs(self, found: Mapping[str, Any], where: str) -> Along:
-        try:
-            grid = np.array(found["grid"], dtype=float)
-            values = np.array(found["values"], dtype=float)
-        except (TypeError, ValueError) as error:
-            raise self.error(where, "expected numbers in grid and values") from error
-        if grid.ndim != 1 or grid.shape != values.shape or not len(grid):
-            raise self.error(where, f"grid has {grid.size} numbers and values {values.size}")
-        if not np.isfinite([grid, values]).all() or (np.diff(grid) < 0).any():
-            raise self.error(where, "expected finite numbers, and a grid that rises")
-        return Along(grid, values)
-
-    def anchors(self, structure: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
-        """Anchors by name: those of the structure, and those of the webs."""
-        found: dict[str, Mapping[str, Any]] = {}
-        webs = structure.get("webs") or []
-        for entry in [*(structure.get("anchors") or []), *(a for w in webs for a in w["anchors"])]:
-            found[str(entry["name"])] = entry
-        return found
-
-    def arc(
-        self, entry: Mapping[str, Any], key: str, anchors: Mapping[str, Any], where: str
-    ) -> Along:
-        """Position along the contour: given, or that of an anchor."""
-        found = entry.get(key)
-        where = f"structure.{where}.{key}"
-        if isinstance(found, dict) and "anchor" in found:
-            name, handle = found["anchor"]["name"], found["anchor"]["handle"]
-            if name not in anchors:
-                raise self.error(where, f"no anchor {name!r}{nearest(str(name), anchors)}")
-            found = anchors[name].get(handle)
-            where = f"structure.anchors.{name}.{handle}"
-        if not isinstance(found, dict) or "grid" not in found:
-            words = "expected grid and values; let the program that made the file work them out"
-            raise self.error(where, words)
-        return self.pairs(found, where)
-
-    def layer(self, entry: Mapping[str, Any], i: int, anchors: Mapping[str, Any]) -> Layer:
-        where = f"layers[{i}]"
-        angle = entry.get("fiber_orientation")
-        return Layer(
-            name=str(entry.get("name", i)),
-            material=str(entry.get("material")),
-            thickness=self.along(entry, "thickness", f"structure.{where}"),
-            angle=self.pairs(angle, where) if angle else Along(np.zeros(1), np.zeros(1)),
-            start=self.arc(entry, "start_nd_arc", anchors, where),
-            end=self.arc(entry, "end_nd_arc", anchors, where),
-            web=str(entry.get("web") or ""),
-        )
-
-    def airfoils(self, shape: Mapping[str, Any]) -> tuple[Airfoil, ...]:
-        names = [str(entry["name"]) for entry in shape.get("airfoils") or []]
-        tables = {str(a.get("name")): a for a in self.top.get("airfoils", [])}
-        if missing := [name for name in names if name not in tables]:
-            raise self.error("airfoils", f"no airfoil {missing[0]!r}{nearest(missing[0], tables)}")
-        if not names:
-            raise self.error("outer_shape.airfoils", "missing; expected names of airfoils")
+    def webs(self) -> tuple[Web, ...]:
         found = []
-        for name in dict.fromkeys(names):
-            xy = tables[name]["coordinates"]
-            points = np.column_stack([np.array(xy["x"], float), np.array(xy["y"], float)])
-            if not np.isfinite(points).all() or len(points) < 10:
-                raise self.error(f"airfoils.{name}.coordinates", "expected ten points or more")
-            found.append(Airfoil(name, float(tables[name]["rthick"]), points))
+        for i, entry in enumerate(self.tables.entries(self.structure, "structure.webs")):
+            path = f"structure.webs[{i}]"
+            name = self.tables.text(entry, f"{path}.name")
+            start, end = (self._arc(entry, f"{path}.{key}_nd_arc") for key in ("start", "end"))
+            found.append(Web(name, start, end))
         return tuple(found)
 
-
-def _material(entry: Mapping[str, Any]) -> dict[str, Any]:
-    """A material as a section description has it."""
-    if not entry.get("orth"):
-        found: dict[str, Any] = {"kind": "isotropic", "E": float(entry["E"]), "nu": entry["nu"]}
-        found["rho"] = float(entry["rho"])
+    def layers(self) -> tuple[Layer, ...]:
+        entries = self.tables.entries(self.structure, "structure.layers", required=True)
+        found = tuple(self._layer(e, f"structure.layers[{i}]") for i, e in enumerate(entries))
+        webs = [web.name for web in self.webs()]
+        for i, layer in enumerate(found):
+            path = f"structure.layers[{i}]"
+            if layer.web and layer.web not in webs:
+                words = f"no web {layer.web!r}{nearest(layer.web, webs)}"
+                raise self.tables.error(f"{path}.web", words)
+            for other in found[:i]:
+                if region_name(other.name) == region_name(layer.name):
+                    words = f"{layer.name!r} is the name of another layer, {other.name!r}"
+                    raise self.tables.error(f"{path}.name", f"{words}; expected different names")
         return found
-    E, G, nu = (_three(entry[key]) for key in ("E", "G", "nu"))
-    found = {"kind": "orthotropic", "rho": float(entry["rho"])}
-    found |= dict(zip(("E1", "E2", "E3"), E, strict=True))
-    found |= dict(zip(("G12", "G13", "G23"), G, strict=True))
-    found |= dict(zip(("nu12", "nu13", "nu23"), nu, strict=True))
-    if all(isinstance(entry.get(key), list) for key in ("Xt", "Xc", "S")):
-        Xt, Xc, S = (_three(entry[key]) for key in ("Xt", "Xc", "S"))
-        values = (Xt[0], Xc[0], Xt[1], Xc[1], S[0])
-        if all(math.isfinite(value) and value > 0.0 for value in values):
-            found["strength"] = dict(zip(("Xt", "Xc", "Yt", "Yc", "S12"), values, strict=True))
-    return found
+
+    def _layer(self, entry: Table, path: str) -> Layer:
+        along = self.tables.along
+        angle = entry.get("fiber_orientation") is not None
+        web = self.tables.text(entry, f"{path}.web") if entry.get("web") is not None else ""
+        # A layer of a web covers all of it, so that it may have no arcs.
+        arcs = [f"{path}.{key}_nd_arc" for key in ("start", "end")]
+        start, end = WHOLE if web else [self._arc(entry, arc) for arc in arcs]
+        return Layer(
+            name=self.tables.text(entry, f"{path}.name"),
+            material=self.tables.text(entry, f"{path}.material"),
+            thickness=along(entry, f"{path}.thickness"),
+            angle=along(entry, f"{path}.fiber_orientation") if angle else STRAIGHT,
+            start=start,
+            end=end,
+            web=web,
+        )
+
+    def _arc(self, entry: Table, path: str) -> Along:
+        """Position along the contour: given, or that of an anchor."""
+        key = path.rpartition(".")[2]
+        found = entry.get(key)
+        if isinstance(found, dict) and "anchor" in found:
+            anchor = self.tables.table(found, f"{path}.anchor")
+            name = self.tables.text(anchor, f"{path}.anchor.name")
+            key = self.tables.text(anchor, f"{path}.anchor.handle")
+            if name not in self.anchors:
+                raise self.tables.error(path, f"no anchor {name!r}{nearest(name, self.anchors)}")
+            entry = self.anchors[name]
+            path = f"structure.anchors.{name}.{key}"
+        found = entry.get(key)
+        if not isinstance(found, dict) or "grid" not in found:
+            raise self.tables.error(
+                path,
+                "expected numbers in grid and values; rules (plane_intersection, offsets, width, "
+                "midpoint) are not evaluated here: let the program that wrote the file do it",
+            )
+        return self.tables.along({key: found}, path)
 
 
-def _three(values: Sequence[float]) -> list[float]:
-    return [float(value) for value in values]
+def _airfoils(tables: Tables, top: Table, shape: Table) -> tuple[Airfoil, ...]:
+    used = tables.entries(shape, "outer_shape.airfoils", required=True)
+    names = [tables.text(e, f"outer_shape.airfoils[{i}].name") for i, e in enumerate(used)]
+    if not names:
+        raise tables.error("outer_shape.airfoils", "expected names of airfoils")
+    known = {
+        tables.text(entry, f"airfoils[{i}].name"): entry
+        for i, entry in enumerate(tables.entries(top, "airfoils", required=True))
+    }
+    found = []
+    for name in dict.fromkeys(names):
+        if name not in known:
+            raise tables.error("airfoils", f"no airfoil {name!r}{nearest(name, known)}")
+        path = f"airfoils.{name}"
+        xy = tables.table(known[name], f"{path}.coordinates")
+        x, y = (tables.numbers(xy, f"{path}.coordinates.{key}") for key in "xy")
+        (thickness,) = tables.numbers(known[name], f"{path}.rthick", 1)
+        found.append(Airfoil(name, float(thickness), _ordered(tables, path, x, y)))
+    return tuple(found)
+
+
+def _ordered(tables: Tables, path: str, x: Array, y: Array) -> Array:
+    """Points (n, 2) from the trailing edge over the suction side, from either sense."""
+    path = f"{path}.coordinates"
+    if len(x) != len(y) or len(x) < 10:
+        words = f"x has {len(x)} numbers and y {len(y)}; expected as many, ten or more"
+        raise tables.error(path, words)
+    nose = int(x.argmin())
+    if min(nose, len(x) - 1 - nose) < 3 or abs(np.ptp(x) - 1.0) > 0.1:
+        raise tables.error(
+            path,
+            f"x = {x[0]:g} to {x[nose]:g} to {x[-1]:g}; expected points over the chord, from the "
+            "trailing edge (x = 1) over one side to the leading edge (x = 0) and back",
+        )
+    points = np.column_stack([x, y])
+    upper, lower = np.trapezoid(y[nose::-1], x[nose::-1]), np.trapezoid(y[nose:], x[nose:])
+    return points if upper >= lower else points[::-1]
+
+
+def region_name(layer: str) -> str:
+    """Return the name of a layer as a region of a mesh."""
+    return re.sub(r"[^A-Za-z0-9_-]", "-", layer)

@@ -76,12 +76,7 @@ def _of_gmsh(file: Path, table: FileMesh, regions: Regions) -> tuple[dict[str, A
     if script:
         if table.parameters is not None:
             mesh["parameters"] = table.parameters
-        names = {name: name for name in regions}
-        if ALL in regions:
-            found.append(
-                f"regions.{ALL}: expected a table for each region by name: only gmsh knows the "
-                "names in a .geo script"
-            )
+        names = {name: name for name in regions}  # `all`: gmsh will know the others
     else:
         surfaces, curves = physical_names(file, f'mesh.file = "{table.file}"')
         names, missing = _match(regions, surfaces, table.file)

@@ -1,0 +1,51 @@
+"""Nodes and cells of a station."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...math.arrays import Array
+from .wall import Band
+
+
+@dataclass
+class StationMesh:
+    """Nodes and cells of a station.
+
+    Attributes
+    ----------
+    nodes : [x2, x3] [m]
+    cells : node numbers of triangles and quadrilaterals, counter-clockwise
+    regions : name of the layer of each cell
+    bands : the layers by name
+    outer : edges of the outer surface of the shell
+    directions : layer direction of regions that are not of the shell
+    removed : share of the area of layers for which the contour has no room
+    """
+
+    nodes: list[tuple[float, float]] = field(default_factory=list)
+    cells: list[tuple[int, ...]] = field(default_factory=list)
+    regions: list[str] = field(default_factory=list)
+    outer: list[tuple[int, int]] = field(default_factory=list)
+    bands: dict[str, Band] = field(default_factory=dict)
+    directions: dict[str, tuple[float, float]] = field(default_factory=dict)
+    removed: float = 0.0
+
+    def node(self, point: Array) -> int:
+        """Add a node; its number."""
+        self.nodes.append((float(point[0]), float(point[1])))
+        return len(self.nodes) - 1
+
+    def cell(self, corners: Sequence[int], band: Band) -> None:
+        """Add a cell of three or four different corners, in any sense of rotation, of a layer."""
+        found = list(dict.fromkeys(corners))
+        if len(found) < 3:
+            return
+        x = np.array([self.nodes[k] for k in found])
+        y = np.roll(x, -1, axis=0)
+        if float((x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]).sum()) < 0.0:
+            found.reverse()
+        self.cells.append(tuple(found))
+        self.regions.append(band.name)
+        self.bands[band.name] = band
