@@ -26,7 +26,7 @@ import numpy as np
 from section_cases import section
 
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.fenicsx.cholesky import MINIMUM_DEGREE
+from plymotion.preprocess.fenicsx.petsc import MINIMUM_DEGREE
 from plymotion.preprocess.fenicsx.stack import PETSc
 from plymotion.preprocess.section.inertia import mass_matrix
 from plymotion.preprocess.section.layers import layup

@@ -1,6 +1,8 @@
 """Command line of the preprocessor: `python -m plymotion.preprocess body SPEC.json ...`."""
 
 import argparse
+import atexit
+import gc
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -184,4 +186,5 @@ def _section_batch(options: argparse.Namespace) -> int:
 
 
 if __name__ == "__main__":
+    atexit.register(gc.freeze)  # looking for garbage at the end takes time
     sys.exit(main())

@@ -47,6 +47,7 @@ SLOW = {
     },
     "unit": {
         "blade",
+        "blade_spin",
         "blade_stopped",
         "case_command",
         "compiled_cache",

@@ -18,9 +18,13 @@ from typing import Any
 # Each order has the code, its arguments, environment and folder; with it come standard output,
 # standard error and a pipe, which gets the number of the process, and its exit code when it ends.
 SERVER = """
-import json, os, signal, socket, sys
+import atexit, gc, json, os, signal, socket, sys
 for module in json.loads(sys.argv[2]):
     __import__(module)
+gc.collect()
+gc.freeze()
+gc.set_threshold(50_000)
+atexit.register(gc.freeze)
 orders = socket.socket(fileno=int(sys.argv[1]))
 running = set()
 while True:
@@ -58,7 +62,14 @@ while True:
 for pid in running:
     os.waitpid(pid, 0)
 """
-MODULES = ("numpy", "h5py", "plymotion.solver.__main__", "plymotion.solver.run.execution")
+MODULES = [
+    *("numpy.ma", "h5py", "concurrent.futures.process", "matplotlib.backends.backend_agg"),
+    *("plymotion.solver.__main__", "plymotion.solver.run.execution"),
+    *("plymotion.solver.inputs.case.load", "plymotion.solver.inputs.case.specs"),
+    *("plymotion.solver.commands.run.command", "plymotion.solver.commands.sweep.command"),
+    *("plymotion.solver.commands.sweep.work", "plymotion.solver.commands.sweep.figure"),
+    "plymotion.solver.report.build",
+]
 OFF = {"PLYMOTION_COMPILED": "0"}
 
 

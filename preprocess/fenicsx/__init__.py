@@ -1,68 +1,66 @@
 """The only package that imports DOLFINx, PETSc, SLEPc, gmsh and MPI.
 
-If the stack is incomplete, importing it raises `MissingFenicsx`, an ImportError
-that states what is missing and how to install it.
+If a part of the stack is missing, importing this package raises `MissingFenicsx`, an ImportError
+that states what is missing and how to install it. Each name below loads its part of the stack
+when it is asked for; __init__.pyi tells their types.
 """
 
-from .cholesky import Cholesky, FactorisationError, SingularError, cholesky
-from .eigen import EigenError, eigenpairs
-from .gmsh_model import MeshError, plain_from_model
-from .gmsh_script import gmsh_session, open_mesh, run_script
-from .inertia import InertiaError, negative_pivots
-from .meshing import LabelledMesh, labelled_mesh
+from importlib import import_module
+
+from .errors import EigenError, FactorisationError, InertiaError, MeshError, SingularError
 from .plain import EDGES, NODES, NamedNodes, PlainMesh, used_nodes, with_centre_nodes
-from .spaces import (
-    cell_dofs,
-    cell_name,
-    dof_coordinates,
-    geometry,
-    original_cells,
-    original_corners,
-    quadrature,
-    reference_nodes,
-    vector_space,
-)
-from .stack import HAS_MUMPS, MPI, MissingFenicsx, gmsh, ufl, versions
+from .stack import MissingFenicsx, versions
 from .team import ALONE, Team, world
+
+# Module of this folder -> the names that it offers; no module has the name of a function.
+_PUBLIC = {
+    "eigen": ("eigenpairs",),
+    "factorisation": ("Cholesky", "cholesky"),
+    "gmsh_model": ("plain_from_model",),
+    "gmsh_script": ("gmsh_session", "open_mesh", "run_script"),
+    "inertia": ("negative_pivots",),
+    "meshing": ("LabelledMesh", "labelled_mesh"),
+    "reference_cell": ("quadrature", "reference_nodes"),
+    "spaces": (
+        "cell_dofs",
+        "cell_name",
+        "dof_coordinates",
+        "geometry",
+        "original_cells",
+        "original_corners",
+        "vector_space",
+    ),
+    "stack": ("HAS_MUMPS", "MPI", "gmsh", "ufl"),
+}
+_MODULE = {name: module for module, names in _PUBLIC.items() for name in names}
 
 __all__ = [
     "ALONE",
     "EDGES",
-    "HAS_MUMPS",
-    "MPI",
     "NODES",
-    "Cholesky",
     "EigenError",
     "FactorisationError",
     "InertiaError",
-    "LabelledMesh",
     "MeshError",
     "MissingFenicsx",
     "NamedNodes",
     "PlainMesh",
     "SingularError",
     "Team",
-    "cell_dofs",
-    "cell_name",
-    "cholesky",
-    "dof_coordinates",
-    "eigenpairs",
-    "geometry",
-    "gmsh",
-    "gmsh_session",
-    "labelled_mesh",
-    "negative_pivots",
-    "open_mesh",
-    "original_cells",
-    "original_corners",
-    "plain_from_model",
-    "quadrature",
-    "reference_nodes",
-    "run_script",
-    "ufl",
     "used_nodes",
-    "vector_space",
     "versions",
     "with_centre_nodes",
     "world",
 ]
+
+
+def __getattr__(name: str) -> object:
+    if name not in _MODULE:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    found = getattr(import_module(f"{__name__}.{_MODULE[name]}"), name)
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *_MODULE])

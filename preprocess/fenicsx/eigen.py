@@ -7,14 +7,11 @@ import scipy.linalg
 import scipy.sparse as sp
 
 from ...solver.math.definite import is_positive_definite
+from .errors import EigenError
 from .petsc import PETSC_ERRORS, destroy, petsc_matrix, reason, sorted_csr, use_mumps
 from .regular import RandomLoad
 from .stack import HAS_MUMPS, Array, PETSc, SLEPc
 from .team import ALONE, Team
-
-
-class EigenError(Exception):
-    """Fewer eigenpairs than requested, or eigenpairs that do not satisfy their equation."""
 
 
 def eigenpairs(

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from .errors import MeshError
 from .plain import IntArray, NamedNodes, PlainMesh, with_centre_nodes
 from .stack import Array, gmsh
 
@@ -16,10 +17,6 @@ CELLS = {
 }
 SURFACE = ("mixed", 1, 4)  # triangles have -1 as fourth node
 LINES = {1: 2, 8: 3}
-
-
-class MeshError(Exception):
-    """A gmsh model cannot be used as a finite-element mesh."""
 
 
 def plain_from_model(where: str, gdim: int = 2) -> PlainMesh:

@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 
 from . import gmsh_alone
+from .errors import MeshError
 from .gmsh_alone import Parameters, generate
-from .gmsh_model import MeshError, plain_from_model
+from .gmsh_model import plain_from_model
 from .plain import PlainMesh
 from .stack import gmsh
 

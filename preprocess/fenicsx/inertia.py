@@ -2,13 +2,10 @@
 
 from typing import Any
 
+from .errors import InertiaError
 from .petsc import PETSC_ERRORS, destroy, petsc_matrix, reason, sorted_csr, use_mumps
 from .stack import HAS_MUMPS, PETSc
 from .team import ALONE, Team
-
-
-class InertiaError(Exception):
-    """The signs of the eigenvalues cannot be counted: the matrix is singular to round-off."""
 
 
 def negative_pivots(A: Any, team: Team = ALONE) -> int:

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .plain import PlainMesh
-from .stack import MPI, basix_ufl, dolfinx, quiet, ufl
+from .plain import IntArray, PlainMesh
+from .stack import MPI, basix_ufl, dolfinx, gmsh_bridge, quiet, ufl
 
 
 @dataclass(frozen=True)
@@ -36,8 +36,17 @@ def labelled_mesh(plain: PlainMesh) -> LabelledMesh:
     create = dolfinx.mesh.create_mesh
     keyword = "e" if "e" in inspect.signature(create).parameters else "domain"
     with quiet():
-        mesh = create(MPI.COMM_SELF, cells=plain.dolfinx_cells, x=plain.points, **{keyword: domain})
+        mesh = create(
+            MPI.COMM_SELF, cells=_dolfinx_cells(plain), x=plain.points, **{keyword: domain}
+        )
     labels = plain.region[np.asarray(mesh.topology.original_cell_index)] + 1
     return LabelledMesh(
         mesh, labels.astype(np.int32), {name: i for i, name in enumerate(plain.regions, start=1)}
     )
+
+
+def _dolfinx_cells(plain: PlainMesh) -> IntArray:
+    """The cells with their nodes in DOLFINx's order."""
+    kind = getattr(dolfinx.mesh.CellType, plain.cell)
+    order = gmsh_bridge.cell_perm_array(kind, plain.cells.shape[1])
+    return np.ascontiguousarray(plain.cells[:, order])

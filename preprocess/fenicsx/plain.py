@@ -4,11 +4,8 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .stack import Array, dolfinx, gmsh_bridge
-
-IntArray = NDArray[np.int64]
+from ...solver.math.arrays import Array, IntArray
 
 # Ends of the edges of a cell, counter-clockwise.
 EDGES = {
@@ -61,13 +58,6 @@ class PlainMesh:
     def middles(self) -> Array:
         """Mean of the corners of each cell, (c, 2 or 3) [m]."""
         return np.asarray(self.points[self.corners].mean(axis=1))
-
-    @property
-    def dolfinx_cells(self) -> IntArray:
-        """The cells with their nodes in DOLFINx's order."""
-        kind = getattr(dolfinx.mesh.CellType, self.cell)
-        order = gmsh_bridge.cell_perm_array(kind, self.cells.shape[1])
-        return np.ascontiguousarray(self.cells[:, order])
 
 
 def with_centre_nodes(points: Array, cells: IntArray) -> tuple[Array, IntArray]:

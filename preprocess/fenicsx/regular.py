@@ -7,8 +7,8 @@ diagonal, which removes the units, it is about 1e15 times as large as the load.
 
 import numpy as np
 
+from ...solver.math.arrays import Array
 from ...solver.math.definite import REGULAR
-from .stack import Array
 
 LARGEST_GROWTH = 1.0 / REGULAR
 

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .stack import Array, basix, basix_ufl, dolfinx, quiet, ufl
+from .stack import Array, basix_ufl, dolfinx, quiet, ufl
 
 
 def function_space(mesh: Any, element: Any) -> Any:
@@ -41,26 +41,6 @@ def cell_dofs(space: Any) -> NDArray[np.int32]:
     if hasattr(table, "offsets"):  # AdjacencyList: all cells are of one kind
         table = np.asarray(table.array).reshape(len(table.offsets) - 1, -1)
     return np.array(table, dtype=np.int32)
-
-
-def quadrature(cell: str, degree: int) -> tuple[Array, Array]:
-    """Points (q, 2) and weights (q,) on the reference cell, exact for polynomials of `degree`."""
-    points, weights = basix.make_quadrature(getattr(basix.CellType, cell), degree)
-    return np.array(points), np.array(weights)
-
-
-def reference_nodes(cell: str, degree: int) -> Array:
-    """Positions of the nodes of Lagrange functions on the reference cell, (k, 2)."""
-    return np.array(_lagrange(cell, degree).points)
-
-
-def _lagrange(cell: str, degree: int) -> Any:
-    return basix.create_element(
-        basix.ElementFamily.P,
-        getattr(basix.CellType, cell),
-        degree,
-        basix.LagrangeVariant.gll_warped,
-    )
 
 
 def geometry(mesh: Any) -> tuple[Array, NDArray[np.int32], int]:

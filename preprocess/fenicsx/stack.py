@@ -1,42 +1,33 @@
-"""Imports of DOLFINx, PETSc, SLEPc, gmsh and MPI.
+"""DOLFINx, PETSc, SLEPc, gmsh and MPI, each loaded when it is first asked for.
 
 This module handles all differences between versions of the FEniCSx stack. It tests for
 features, not for version numbers, so that the rest of the preprocessor
 is the same for DOLFINx 0.5 up to the present version. If the stack is incomplete,
 importing this module raises `MissingFenicsx` (an ImportError), which states what
-is missing and how to install it.
+is missing and how to install it. So does a part that is there but does not load.
+
+Most analyses need a few of the parts only: loading all of them takes 0.6 s of processor time,
+DOLFINx with UFL half of it.
 """
 
-import importlib.util
 import logging
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
 
+import h5py
 import numpy as np
 from numpy.typing import NDArray
 
 from ..form_cache import use_own_folder
 
-__all__ = [
-    "HAS_MUMPS",
-    "MPI",
-    "Array",
-    "MissingFenicsx",
-    "PETSc",
-    "SLEPc",
-    "basix",
-    "basix_ufl",
-    "dolfinx",
-    "gmsh",
-    "gmsh_bridge",
-    "quiet",
-    "ufl",
-    "versions",
-]
-
 Array = NDArray[np.float64]
 
+MODULES = ("mpi4py", "petsc4py", "slepc4py", "basix", "dolfinx", "ufl", "gmsh")
 HELP = (
     "Run `make fenicsx` to find or install FEniCSx, or install it yourself: on Debian and Ubuntu "
     "`apt-get install python3-dolfinx-real python3-slepc4py-real python3-gmsh python3-h5py "
@@ -48,63 +39,136 @@ class MissingFenicsx(ImportError):
     """A part of the FEniCSx stack is missing or cannot be used."""
 
 
-try:
-    from mpi4py import MPI  # must be first: the wheel of DOLFINx finds libmpi through it
+def _refused(reason: object) -> MissingFenicsx:
+    return MissingFenicsx(f"{sys.executable} cannot use FEniCSx: {reason}. {HELP}")
 
-    if importlib.util.find_spec("dolfinx_solver") is not None:
-        importlib.import_module("dolfinx_solver")
-    import petsc4py
 
+for _name in MODULES:
+    if find_spec(_name) is None:
+        raise _refused(f"No module named {_name!r}")
+
+
+def _mpi() -> Any:
+    found = import_module("mpi4py.MPI")
+    if find_spec("dolfinx_solver") is not None:
+        import_module("dolfinx_solver")
+    return found
+
+
+def _after_mpi(name: str) -> Any:
+    _part("MPI")  # the wheel of DOLFINx finds libmpi through it
+    return import_module(name)
+
+
+def _petsc() -> Any:
     # Before PETSc is loaded, which otherwise waits for all ranks of the MPI job. Ranks of a pool
     # arrive here only when they get work. All objects are created with an explicit communicator.
-    petsc4py.init(comm=MPI.COMM_SELF)
+    import_module("petsc4py").init(comm=_part("MPI").COMM_SELF)
+    found = import_module("petsc4py.PETSc")
+    if np.dtype(found.ScalarType).kind != "f":
+        raise MissingFenicsx(
+            f"{sys.executable} has a PETSc of complex numbers ({np.dtype(found.ScalarType)}); "
+            f"the real build is needed. {HELP}"
+        )
+    return found
 
+
+def _has_mumps() -> bool:
+    external = getattr(_part("PETSc").Sys, "hasExternalPackage", lambda _name: False)
+    return bool(external("mumps"))
+
+
+def _slepc() -> Any:
+    _part("PETSc")
+    return import_module("slepc4py.SLEPc")
+
+
+def _dolfinx() -> Any:
+    _part("PETSc")
     use_own_folder()
-    import basix
-    import dolfinx
-    import dolfinx.fem.petsc
-    import gmsh
-    import h5py
-    import slepc4py
-    import ufl
-    from petsc4py import PETSc
-    from slepc4py import SLEPc
+    import_module("dolfinx.fem.petsc")
+    return import_module("dolfinx")
 
+
+def _gmsh_bridge() -> Any:
+    _part("dolfinx")
     try:
-        from dolfinx.io import gmsh as gmsh_bridge
+        return import_module("dolfinx.io.gmsh")
     except ImportError:
-        from dolfinx.io import gmshio as gmsh_bridge
+        return import_module("dolfinx.io.gmshio")
+
+
+def _basix_ufl() -> Any:
     try:
-        import basix.ufl as basix_ufl
+        return import_module("basix.ufl")
     except ImportError:
-        basix_ufl = None
-except ImportError as _error:
-    raise MissingFenicsx(f"{sys.executable} cannot use FEniCSx: {_error}. {HELP}") from _error
+        return None
 
-if np.dtype(PETSc.ScalarType).kind != "f":
-    raise MissingFenicsx(
-        f"{sys.executable} has a PETSc of complex numbers ({np.dtype(PETSc.ScalarType)}); "
-        f"the real build is needed. {HELP}"
-    )
 
-_external = getattr(PETSc.Sys, "hasExternalPackage", lambda _name: False)
-HAS_MUMPS = bool(_external("mumps"))
+_PARTS: dict[str, Callable[[], Any]] = {
+    "HAS_MUMPS": _has_mumps,
+    "MPI": _mpi,
+    "PETSc": _petsc,
+    "SLEPc": _slepc,
+    "basix": lambda: _after_mpi("basix"),
+    "basix_ufl": _basix_ufl,
+    "dolfinx": _dolfinx,
+    "gmsh": lambda: _after_mpi("gmsh"),
+    "gmsh_bridge": _gmsh_bridge,
+    "ufl": lambda: _after_mpi("ufl"),
+}
+
+
+def _part(name: str) -> Any:
+    """A part of the stack, loaded unless it is there."""
+    if name in globals():
+        return globals()[name]
+    try:
+        found = _PARTS[name]()
+    except MissingFenicsx:
+        raise
+    except ImportError as error:
+        raise _refused(error) from error
+    globals()[name] = found
+    return found
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _PARTS:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return _part(name)
 
 
 def versions() -> dict[str, str]:
-    """Versions of all packages that may affect results, for the provenance of a file."""
+    """Versions of all packages that may affect results, for the provenance of a file.
+
+    SLEPc and gmsh are among them if they are loaded: others had no part in the results.
+    """
+    found = {"dolfinx": _version("dolfinx"), "basix": _version("basix")}
+    found["petsc"] = ".".join(str(part) for part in _part("PETSc").Sys.getVersion())
+    if slepc := globals().get("SLEPc"):
+        found["slepc"] = ".".join(str(part) for part in slepc.Sys.getVersion())
+        found["slepc4py"] = str(sys.modules["slepc4py"].__version__)
+    if gmsh := globals().get("gmsh"):
+        found["gmsh"] = str(gmsh.__version__)
     return {
-        "dolfinx": dolfinx.__version__,
-        "basix": basix.__version__,
-        "petsc": ".".join(str(part) for part in PETSc.Sys.getVersion()),
-        "slepc": ".".join(str(part) for part in SLEPc.Sys.getVersion()),
-        "slepc4py": slepc4py.__version__,
-        "gmsh": str(gmsh.__version__),
+        **found,
         "numpy": np.__version__,
         "h5py": h5py.__version__,
         "python": sys.version.split()[0],
-        "factorisation": "mumps" if HAS_MUMPS else "petsc",
+        "factorisation": "mumps" if _part("HAS_MUMPS") else "petsc",
     }
+
+
+def _version(name: str) -> str:
+    """Version of a package: its own word, or the name of its folder of metadata if not loaded."""
+    spec = find_spec(name)
+    if name not in sys.modules and spec is not None and spec.origin is not None:
+        for folder in Path(spec.origin).parent.parent.glob(f"*{name}*-*-info"):
+            package, version = folder.name.split("-")[:2]
+            if package in (name, f"fenics_{name}", f"{name}_solver_real"):
+                return version.removesuffix(".dist").removesuffix(".egg")
+    return str(_part(name).__version__)
 
 
 @contextmanager

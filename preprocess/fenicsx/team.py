@@ -4,19 +4,32 @@ from typing import Any
 
 import numpy as np
 
-from .stack import MPI, Array
+from ...solver.math.arrays import Array
 
 
 class Team:
     """Processes that have the same mesh and share its cells and the factorisation.
 
     All results are the same on each process; sums over cells are summed over the team.
+
+    Parameters
+    ----------
+    comm : MPI communicator; None: this process alone, which loads MPI when PETSc asks for it
     """
 
-    def __init__(self, comm: Any) -> None:
-        self.comm = comm
-        self.rank = int(comm.rank)
-        self.size = int(comm.size)
+    def __init__(self, comm: Any = None) -> None:
+        self._comm = comm
+        self.rank = 0 if comm is None else int(comm.rank)
+        self.size = 1 if comm is None else int(comm.size)
+
+    @property
+    def comm(self) -> Any:
+        """The MPI communicator."""
+        if self._comm is None:
+            from .stack import MPI
+
+            self._comm = MPI.COMM_SELF
+        return self._comm
 
     def share(self, count: int) -> slice:
         """The share of `count` items of this process."""
@@ -35,9 +48,11 @@ class Team:
         return np.concatenate(self.comm.allgather(part)) if self.size > 1 else part
 
 
-ALONE = Team(MPI.COMM_SELF)
+ALONE = Team()
 
 
 def world() -> Team:
     """All processes that mpirun started."""
+    from .stack import MPI
+
     return Team(MPI.COMM_WORLD)

@@ -1,7 +1,6 @@
 """Nearest point on a curve of line elements."""
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from ...solver.math.arrays import Array
 
@@ -18,6 +17,8 @@ def nearest_on_curve(segments: Array, x: Array) -> Array:
     segments : (s, 2 or 3, 2) end points of the line elements, then the middle node
     x : (p, 2) points
     """
+    from scipy.spatial import cKDTree  # here: few sections have curves
+
     a, b = segments[:, 0], segments[:, 1]
     # position = mean + half s + bow s^2 for s from -1 to 1
     middle = segments[:, 2] if segments.shape[1] == 3 else 0.5 * (a + b)

@@ -7,11 +7,11 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from ...solver.errors import few
 from ...solver.math.arrays import Array
 from .. import fenicsx
+from ..coincident import coincident
 from .cells import CORNERS, KINDS, CellMesh, full_basis
 from .errors import SectionError
 
@@ -200,7 +200,7 @@ def _boundary_nodes(mesh: CellMesh) -> IntArray:
 def _coincident(mesh: CellMesh, nodes: IntArray) -> IntArray:
     """Pairs of nodes at the same position, (p, 2)."""
     near = COINCIDENT * float(np.ptp(mesh.points, axis=0).max())
-    pairs = cKDTree(mesh.points[nodes]).query_pairs(near, output_type="ndarray")
+    pairs = coincident(mesh.points[nodes], near)
     return np.asarray(nodes[pairs])
 
 

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from ...solver.math.arrays import Array
-from ...solver.package.shell.cells import NONE
 from ...solver.package.shell.schema import (
     ShellCases,
     ShellFile,
@@ -23,7 +22,7 @@ from .discretisation import FinerMesh
 from .guards import check_supported
 from .loads import resultant
 from .mesh import ShellMesh
-from .modes import of_file, shell_buckling, shell_modes
+from .modes import by_node, shell_buckling, shell_modes
 from .prestress import Stressed
 from .probes import probe_values, read_probes
 from .problem import ShellProblem
@@ -127,8 +126,8 @@ def _cases(
     resultants = problem.resultants(u)
     cases = ShellCases(
         names=names,
-        displacements_G=of_file(mesh, u),
-        resultants_E=resultants[:, mesh.file_cells],
+        displacements_G=by_node(mesh, u),
+        resultants_E=resultants,
         link_motions_G=np.moveaxis(u.reshape(len(u) // 6, 6, len(names))[mesh.n_node :], 2, 0),
         loads_G=resultant(mesh, freedom, forces, np.zeros(3)).T,
         reactions_G=reactions,
@@ -170,21 +169,18 @@ def _laminates(problem: ShellProblem) -> tuple[list[ShellLaminate], Warnings]:
 
 def _mesh_data(problem: ShellProblem, laminates: list[str]) -> ShellMeshData:
     mesh = problem.mesh
-    cells = mesh.cells[mesh.file_cells]
     of_region = {region.name: region.laminate_name for region in problem.regions}
-    row_in_file = np.empty(mesh.n_node, dtype=np.int64)
-    row_in_file[mesh.file_nodes] = np.arange(mesh.n_node)
     A_GE, area = np.empty((len(mesh.cells), 3, 3)), np.empty(len(mesh.cells))
     for region in problem.regions:
         A_GE[region.cells] = region.geometry.A_GE
         area[region.cells] = region.geometry.area
     return ShellMeshData(
-        nodes_G=mesh.points_G[mesh.file_nodes],
-        node_ids=mesh.node_tags[mesh.file_nodes],
-        cells=np.where(cells == NONE, NONE, row_in_file[cells]),
-        region=mesh.region[mesh.file_cells],
+        nodes_G=mesh.points_G,
+        node_ids=mesh.node_tags,
+        cells=mesh.cells,
+        region=mesh.region,
         regions=mesh.regions,
         laminate=np.array([laminates.index(of_region[name]) for name in mesh.regions]),
-        A_GE=A_GE[mesh.file_cells],
-        area=area[mesh.file_cells],
+        A_GE=A_GE,
+        area=area,
     )

@@ -1,6 +1,6 @@
 """Assembly of sparse matrices of the shell; the pattern is computed once.
 
-Six unknowns per node, in the node numbering of DOLFINx's dofmap. Element matrices are divided into
+Six unknowns per node, in the node numbering of the mesh. Element matrices are divided into
 blocks of two nodes. One sparse matrix of zeros and ones sums the blocks of equal nodes.
 """
 

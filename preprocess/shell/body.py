@@ -9,7 +9,7 @@ from ...solver.math.arrays import Array
 from ...solver.package.body.schema import ModalPackage, SecondOrder
 from ...solver.package.body.second_order import MOST_MODES, second_order_from_stations
 from ...solver.package.body.selection import ALONG
-from ...solver.package.shell.cells import NONE, vtk_cells
+from ...solver.package.shell.cells import vtk_cells
 from ..beam.stations import Stations
 from ..modes import Modes, reduced_modes
 from ..provenance import body_provenance
@@ -87,10 +87,7 @@ def shell_package(model: ShellModel, modes: Modes, provenance: dict[str, Any]) -
     u = problem.freedom.expanded(modes.columns_B)
     m = u.shape[1]
     found = places(mesh, links, model.carriers if spec.reference.kind == "chord" else ())
-    row_in_file = np.empty(mesh.n_node, dtype=np.int64)
-    row_in_file[mesh.file_nodes] = np.arange(mesh.n_node)
-    cells = mesh.cells[mesh.file_cells]
-    connectivity, offsets, types = vtk_cells(np.where(cells == NONE, NONE, row_in_file[cells]))
+    connectivity, offsets, types = vtk_cells(mesh.cells)
     nodes = u.reshape(len(u) // 6, 6, m)[: mesh.n_node]  # not -1: a rigid body has no modes
     stations = mass_stations(mesh, problem.regions, problem.stiffeners, nodes, spec.mass_form)
     h = None
@@ -98,7 +95,7 @@ def shell_package(model: ShellModel, modes: Modes, provenance: dict[str, Any]) -
         h = second_order_fields(problem, model.condition, u)
     node_mass, node_inertia = np.zeros(len(found.ids)), np.zeros((len(found.ids), 3, 3))
     for whole, of_mesh in zip((node_mass, node_inertia), model.nodal_mass, strict=True):
-        whole[: mesh.n_node] = of_mesh[mesh.file_nodes]
+        whole[: mesh.n_node] = of_mesh
     frequencies = np.sqrt(modes.values)
     return ModalPackage(
         body=spec.body,

@@ -14,7 +14,7 @@ import scipy.sparse as sp
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.shell.cells import NONE, corner_counts, sides
 from ..fenicsx import NamedNodes, PlainMesh
-from .mesh import ShellMesh, in_file_order
+from .mesh import ShellMesh, mesh_of
 from .refinement import split
 
 FOLD = 0.75  # least cosine between normals of one smooth surface: 41 deg
@@ -43,7 +43,7 @@ def refined(mesh: ShellMesh) -> Refined:
     of_cell = np.zeros((len(cells), 3))
     np.add.at(of_cell, owner, 0.5 * heights[side.ravel()])
     above = np.concatenate([np.zeros((n, 3)), heights, of_cell[four]])
-    fine = in_file_order(replace(straight, points=straight.points + above), "finer mesh")
+    fine = mesh_of(replace(straight, points=straight.points + above), "finer mesh")
     return Refined(fine, _interpolation(n, pairs, cells[four]))
 
 

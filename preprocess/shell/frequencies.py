@@ -138,7 +138,7 @@ def _massive(M: sp.csr_matrix) -> int:
 def signs(shapes: Array, freedom: Freedom) -> Array:
     """+1 or -1 for each mode: the largest displacement is positive; of equal ones, the first in the
     order of the file."""
-    nodes = shapes.reshape(-1, 6, shapes.shape[1])[freedom.mesh.file_nodes, :3]
+    nodes = shapes.reshape(-1, 6, shapes.shape[1])[: freedom.mesh.n_node, :3]
     table = nodes.reshape(-1, shapes.shape[1])
     size = np.abs(table)
     first = np.argmax(size >= (1.0 - 1e-3) * size.max(axis=0), axis=0)

@@ -5,12 +5,12 @@ from collections.abc import Sequence
 import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from ...solver.errors import few
 from ...solver.math.arrays import Array
 from ...solver.package.shell import elements
 from ...solver.package.shell.cells import NONE, corner_counts, sides
+from ..coincident import coincident
 from .assembly import DOFS
 from .choice import Choice
 from .drilling import DRILLINGS
@@ -99,7 +99,7 @@ def _slivers(mesh: ShellMesh) -> Warnings:
 
 
 def _unmerged(mesh: ShellMesh, links: Sequence[Link]) -> Warnings:
-    pairs = cKDTree(mesh.points_G).query_pairs(COINCIDENT * mesh.size, output_type="ndarray")
+    pairs = coincident(mesh.points_G, COINCIDENT * mesh.size)
     if len(pairs):
         text = (
             f"{len(pairs)} pairs of nodes have the same position, one at "

@@ -38,8 +38,8 @@ def places(mesh: ShellMesh, links: Sequence[Link], shown: Sequence[int] = ()) ->
         or link.kind == "section"  # it is not the mean of its nodes
         or (number in shown and len(link.group.nodes) > 1)
     ]
-    nodes = [mesh.points_G[mesh.file_nodes], *(link.point_G[None] for link in apart)]
-    tags = mesh.node_tags[mesh.file_nodes]
+    nodes = [mesh.points_G, *(link.point_G[None] for link in apart)]
+    tags = mesh.node_tags
     new = tags.max() + 1 + np.arange(len(apart))
     own = {link.name: mesh.n_node + i for i, link in enumerate(apart)}
     return Places(np.concatenate(nodes), np.concatenate([tags, new]), own)
@@ -49,7 +49,7 @@ def node_shapes(mesh: ShellMesh, links: Sequence[Link], found: Places, u: Array)
     """Motion of the package's nodes, (m, n, 6), from that of all degrees of freedom (n_dof, m)."""
     rows = u.reshape(len(u) // 6, 6, u.shape[1])
     number = {link.name: mesh.n_node + i for i, link in enumerate(links)}
-    order = [*mesh.file_nodes, *(number[name] for name in found.own)]
+    order = [*range(mesh.n_node), *(number[name] for name in found.own)]
     return np.ascontiguousarray(np.moveaxis(rows[order], 2, 0))
 
 

@@ -1,9 +1,6 @@
 """Surface meshes of three-node triangles and four-node quadrilaterals, from a gmsh file or script.
 
-For triangles, DOLFINx owns the numbering of nodes and cells: the model is assembled through the
-dofmap of its P1 space of six components (ux uy uz rx ry rz). A mesh with quadrilaterals keeps the
-numbering of the file, because not every version of DOLFINx mixes cells. Results are written in the
-order of the mesh file, which is the same with every version.
+Nodes and cells keep the numbering of the mesh file.
 """
 
 import hashlib
@@ -42,7 +39,6 @@ class ShellMesh:
     of the file.
     """
 
-    space: Any  # DOLFINx's P1 space of six components; None with quadrilaterals
     points_G: Array  # (n, 3)                               [m]
     cells: IntArray  # (c, 3), or (c, 4) with quadrilaterals: see cells.py
     region: IntArray  # (c,) row of regions
@@ -50,8 +46,6 @@ class ShellMesh:
     curves: dict[str, IntArray]  # physical curve -> (s, 2) nodes
     marks: dict[str, IntArray]  # physical point -> (k,) nodes
     node_tags: IntArray  # (n,) number of each node in gmsh
-    file_nodes: IntArray  # (n,) node of each row of the file
-    file_cells: IntArray  # (c,) cell of each row of the file
 
     @property
     def n_node(self) -> int:
@@ -146,69 +140,29 @@ def mesh_of(plain: PlainMesh, where: str = "mesh") -> ShellMesh:
             f"{where}: node {tag} at {plain.points[wrong[0]].tolist()}: expected three finite "
             f"coordinates; wrong nodes: {wrong.size}"
         )
-    if plain.cell != "triangle":
-        return in_file_order(plain, where)
-    labelled = fenicsx.labelled_mesh(plain)
-    space = fenicsx.vector_space(labelled.mesh, 1, 6)
-    file_cells = np.argsort(fenicsx.original_cells(labelled.mesh))
-    # nodes of the space by row of the file, through the cells, which have both
-    dofs = fenicsx.cell_dofs(space).astype(np.int64)
-    corners = fenicsx.original_corners(labelled.mesh)
-    file_nodes = np.full(len(plain.points), -1)
-    file_nodes[corners] = dofs
-    cells = file_nodes[plain.cells]
-    own = np.empty_like(cells)
-    own[file_cells] = cells  # corners in the file's order, cells in DOLFINx's
-    tags = np.empty(len(file_nodes), dtype=np.int64)
     named = plain.named
-    tags[file_nodes] = np.arange(1, len(tags) + 1) if named is None else named.tags
-    region = np.empty(len(cells), dtype=np.int64)
-    region[file_cells] = plain.region
-    points = np.empty((len(tags), 3))
-    points[file_nodes] = plain.points
     curves = {} if named is None else named.curves
     marks = {} if named is None else named.points
     return ShellMesh(
-        space=space,
-        points_G=points,
-        cells=own,
-        region=region,
-        regions=plain.regions,
-        curves={name: _rows(file_nodes, rows, name, where) for name, rows in curves.items()},
-        marks={name: _rows(file_nodes, rows, name, where) for name, rows in marks.items()},
-        node_tags=tags,
-        file_nodes=file_nodes,
-        file_cells=file_cells,
-    )
-
-
-def in_file_order(plain: PlainMesh, where: str) -> ShellMesh:
-    """The mesh of cells of degree 1 with the numbering of its file, without DOLFINx's space."""
-    nodes, named = np.arange(len(plain.points)), plain.named
-    curves = {} if named is None else named.curves
-    marks = {} if named is None else named.points
-    return ShellMesh(
-        space=None,
         points_G=plain.points,
         cells=plain.cells,
         region=plain.region,
         regions=plain.regions,
-        curves={name: _rows(nodes, rows, name, where) for name, rows in curves.items()},
-        marks={name: _rows(nodes, rows, name, where) for name, rows in marks.items()},
-        node_tags=nodes + 1 if named is None else named.tags,
-        file_nodes=nodes,
-        file_cells=np.arange(len(plain.cells)),
+        curves={name: _known(rows, name, where) for name, rows in curves.items()},
+        marks={name: _known(rows, name, where) for name, rows in marks.items()},
+        node_tags=np.arange(1, len(plain.points) + 1) if named is None else named.tags,
     )
 
 
-def _rows(file_nodes: IntArray, rows: IntArray, name: str, where: str) -> IntArray:
+def _known(rows: IntArray, name: str, where: str) -> IntArray:
+    """Nodes of a physical group. Raises ShellError for those of no cell."""
     if np.any(rows < 0):
         raise ShellError(
             f"{where}: {np.count_nonzero(rows < 0)} nodes of physical group {name!r} belong to no "
             "cell, so they have no stiffness. In gmsh, let the surface contain the entity "
             "(`Point{..} In Surface{..}`, BooleanFragments), or remove it from the group"
         )
-    return file_nodes[rows]
+    return rows
 
 
 def _from_arrays(path: Path) -> PlainMesh:

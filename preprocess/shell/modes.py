@@ -53,8 +53,8 @@ def shell_modes(
         warnings.append(_coarse("the first frequency", float(error[0])))
     return ShellModes(
         np.sqrt(values),
-        of_file(mesh, found.shapes),
-        problem.resultants(found.shapes)[:, mesh.file_cells],
+        by_node(mesh, found.shapes),
+        problem.resultants(found.shapes),
         found.n_zero,
         error,
     )
@@ -76,7 +76,7 @@ def shell_buckling(
             what = f"load case {name}: the load factor {found[name].values[0]:.4g}"
             warnings.append(_coarse(what, float(error[0])))
     rows = [names.index(name) for name in found]
-    shapes = [of_file(problem.mesh, f.shapes) for f in found.values()]
+    shapes = [by_node(problem.mesh, f.shapes) for f in found.values()]
     return ShellBuckling(
         case=np.repeat(rows, [len(f.values) for f in found.values()]).astype(np.int64),
         factors=np.concatenate([np.zeros(0), *(f.values for f in found.values())]),
@@ -86,9 +86,9 @@ def shell_buckling(
     )
 
 
-def of_file(mesh: ShellMesh, u: Array) -> Array:
-    """Displacements (n_dof, m) of the nodes in the order of the mesh file, (m, n, 6)."""
-    return np.moveaxis(u.reshape(len(u) // 6, 6, u.shape[1])[mesh.file_nodes], 2, 0)
+def by_node(mesh: ShellMesh, u: Array) -> Array:
+    """Displacements (n_dof, m) of the nodes of the mesh, (m, n, 6)."""
+    return np.moveaxis(u.reshape(len(u) // 6, 6, u.shape[1])[: mesh.n_node], 2, 0)
 
 
 def _coarse(what: str, error: float) -> dict[str, str]:

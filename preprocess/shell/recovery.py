@@ -24,11 +24,11 @@ def cell_resultants(problem: ShellProblem, u: Array) -> CellResultants:
     for region in problem.regions:
         A_BE[region.cells] = region.geometry.A_GE
         laminate[region.cells] = names.index(region.laminate_name)
-    found = problem.resultants(u)[:, mesh.file_cells]
+    found = problem.resultants(u)
     return CellResultants(
         cell=np.arange(len(mesh.cells)),
-        laminate=laminate[mesh.file_cells],
-        A_BE=A_BE[mesh.file_cells],
+        laminate=laminate,
+        A_BE=A_BE,
         resultants_E=rounded(np.ascontiguousarray(np.moveaxis(found, 0, 2))),
     )
 

@@ -136,14 +136,12 @@ class ShellModel:
         return np.asarray(every[self.independent_nodes])
 
     def far_to_near(self) -> IntArray:
-        """Independent nodes in descending distance from the frame; the order is the same with every
-        version of DOLFINx."""
+        """Independent nodes in descending distance from the frame, then in the order of the
+        mesh file."""
         mesh = self.problem.mesh
-        rank = np.arange(mesh.n_node + len(self.problem.links))
-        rank[mesh.file_nodes] = np.arange(mesh.n_node)
         distance = np.linalg.norm(self._places_B - self.origin_B, axis=1)
         steps = np.round(distance / (SAME_PLACE * mesh.size))
-        return np.lexsort([rank[self.independent_nodes], -steps])
+        return np.lexsort([self.independent_nodes, -steps])
 
     @cached_property
     def nodal_mass(self) -> tuple[Array, Array]:

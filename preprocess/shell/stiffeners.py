@@ -22,7 +22,6 @@ from ...solver.math.definite import REGULAR, smallest_eigenvalue
 from ...solver.package.common.plain_data import canonical
 from ...solver.package.shell.cells import sides
 from ..beam.element import BeamElement
-from ..section import analyse
 from .axes import vector
 from .errors import ShellError
 from .links import carried
@@ -205,4 +204,6 @@ def _section(entry: Mapping[str, Any], where: str) -> tuple[Array, Array]:
 @lru_cache(maxsize=64)
 def _analysed(text: str, where: str) -> Any:
     """Analyse a section once and reuse the result for other stiffeners."""
+    from ..section import analyse  # here: few shells have stiffeners
+
     return analyse(json.loads(text), where=where, estimate=False)

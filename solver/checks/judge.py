@@ -9,6 +9,7 @@ from . import (
     completion,
     constraints,
     energy,
+    growth,
     materials,
     modes,
     momentum,
@@ -29,6 +30,7 @@ Check = Callable[[FinishedRun], Iterable[Finding]]
 CHECKS: tuple[Check, ...] = (
     completion.completion_findings,
     stalls.stall_findings,
+    growth.growth_findings,
     start.start_findings,
     materials.material_findings,
     tables.table_findings,

@@ -10,6 +10,8 @@ from ..results.codes.motion import ROTATION
 from ..results.finding import Finding
 from .finished import FinishedRun
 
+UNEVEN = 1.2  # of segments: rotation of the one that bends most, against that of equal bending
+
 
 def motion_findings(run: FinishedRun) -> Iterator[Finding]:
     """Yield bodies whose interfaces turn too far for small elastic rotations.
@@ -41,8 +43,9 @@ def motion_findings(run: FinishedRun) -> Iterator[Finding]:
 def _text(whole: str, name: str, rotation: float, count: int, *, second_order: bool) -> str:
     """Return the message; `count` is the number of segments of a beam, 0 of another body.
 
-    The rotation relative to the chord of a segment is about inverse to their number. A rotation
-    above a full turn, of displacements without meaning, says nothing of the number.
+    The rotation relative to the chord of a segment is about inverse to their number; that of the
+    segment in which a beam bends most falls a little more slowly. A rotation above a full turn, of
+    displacements without meaning, says nothing of the number.
     """
     part = f" of segment {name}" if count > 1 else ""
     turn = f"{whole}: an interface{part} turns by {rotation:.2f} rad relative to the body frame "
@@ -52,7 +55,8 @@ def _text(whole: str, name: str, rotation: float, count: int, *, second_order: b
     split = "split the body"
     if count:
         now = f" ({count} now)" if count > 1 else ""
-        wanted = f" = {ceil(count * rotation / ROTATION.limit)}" if rotation <= tau else ""
+        number = ceil((UNEVEN if count > 1 else 1.0) * count * rotation / ROTATION.limit)
+        wanted = f" = {number}" if rotation <= tau else ""
         split = f"divide the beam by segments{wanted}{now}"
     if second_order:
         frame = "" if count > 1 else "use a chord or mean-axis frame, or "

@@ -8,6 +8,8 @@ from ..dynamics.recover import History
 from ..math.arrays import Array
 from ..results.schema import ENERGIES, ROUNDING
 
+PEAKS = 200  # of the kinetic energy that are kept of a block of output times
+
 
 @dataclass
 class Largest:
@@ -33,6 +35,7 @@ class Past:
     balance: Largest = field(default_factory=Largest)  # change of the energy balance [J]
     drive_work: float = 0.0  # at the end [J]
     within: float = 0.0  # energy in play between these times, where it is known [J]
+    kinetic: list[tuple[float, float]] = field(default_factory=list)  # times, peaks up to them [J]
     _start: float | None = None
     _scale: float = 0.0
     _terms: dict[str, float] = field(default_factory=dict)  # largest of each energy [J]
@@ -49,6 +52,8 @@ class Past:
         if self._start is None:
             self._start = float(balance[0])
         self.balance.take(t, np.abs(balance - self._start))
+        for part in np.array_split(np.arange(t.size), min(t.size, PEAKS)):
+            self.kinetic.append((float(t[part[-1]]), float(e["kinetic"][part].max())))
         sizes = np.abs(e["kinetic"]).max(), np.abs(e["drive_work"]).max()
         self._scale = float(max(self._scale, *sizes))
         for name in ENERGIES:

@@ -8,19 +8,26 @@ from ..results.codes.course import LOADED_START
 from ..results.finding import Finding
 from .finished import FinishedRun
 
+QUASI_STATIC = (
+    'With solver.start = "quasi-static" the bodies begin in the shape that the loads of this '
+    "motion call for. "
+)
+
 
 def start_findings(run: FinishedRun) -> Iterator[Finding]:
     """Yield the body whose loads at t = 0 strain it most suddenly, if that matters in the run.
 
     A body that starts in another shape than its loads call for vibrates about that shape. The
-    energy of this difference is compared with the largest strain energy of the body.
+    energy of this difference is compared with the largest strain energy of the body. A body whose
+    `modal_coordinates` the case gives has the shape that is meant.
     """
     if not run.model.n_mode.any():
         return
     y0 = run.solution.y[0]
     worst, where = 0.0, -1
     for i, change in enumerate(held_deformations(run.model, float(run.solution.t[0]), y0)):
-        if change.size:
+        body = run.mechanism.bodies.get(run.built.body_names[i])
+        if change.size and not getattr(body, "modal_coordinates", None):
             stiffness = run.packages[run.built.body_names[i]].stiffness
             peak = max(float(((q @ stiffness) * q).sum(axis=1).max()) for _, q in run.modes(i))
             share = float(change @ stiffness @ change) / peak if peak > 0.0 else 0.0
@@ -49,15 +56,16 @@ def _remedy(run: FinishedRun) -> str:
             f'{gentle}. With solver.start = "quasi-static" the bodies begin in the shape for it; '
             'for weight and springs at rest set "equilibrium"'
         )
+    quasi = "" if run.mechanism.solver.start == "quasi-static" else QUASI_STATIC
     if is_moving(run.model, run.solution.y[0]):
         return (
             "The run starts in motion, in the shape that the case gives (undeformed by default). "
-            'If a steady spin is meant, set solver.spin and solver.start = "equilibrium"; for '
-            "another shape give modal_coordinates"
+            f'{quasi}If a steady spin is meant, set solver.spin and solver.start = "equilibrium"; '
+            "for another shape give modal_coordinates"
         )
     return (
         "The run starts in the shape that the case gives (undeformed by default), as if it were "
-        "released at t = 0. If a start at rest under these loads is meant, set "
+        f"released at t = 0. {quasi}If a start at rest under these loads is meant, set "
         'solver.start = "equilibrium"'
     )
 

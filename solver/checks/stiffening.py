@@ -14,7 +14,7 @@ from ..dynamics.series import mass_matrices
 from ..math.arrays import Array
 from ..mechanism import build
 from ..monitors.buckling import buckling_text
-from ..monitors.geometric_stiffness import geometric_stiffness
+from ..monitors.geometric_stiffness import Loading, geometric_stiffness
 from ..monitors.spin import SpinMonitor
 from ..results.codes.motion import BUCKLING, INDEFINITE, MATTERS, NO_STIFFENING_DATA
 from ..results.finding import Finding
@@ -32,13 +32,14 @@ def stiffening_findings(run: FinishedRun) -> Iterator[Finding]:
         return
     again = None if asked else build(run.mechanism, dict(run.packages), stiffening=True)
     tables = again.model if again else run.model
+    loading = Loading(run.model)
     for i, name in enumerate(run.built.body_names):
         if name not in run.packages or run.packages[name].second_order is None:
             continue
         if stiffened(run.model, i):
-            yield from _of_stiffened(run, i)
+            yield from _of_stiffened(run, i, loading)
         else:
-            yield from _of_linear(run, tables, i)
+            yield from _of_linear(run, tables, i, loading)
 
 
 def _without_data(name: str) -> Finding:
@@ -50,7 +51,7 @@ def _without_data(name: str) -> Finding:
     return NO_STIFFENING_DATA.finding(text, body=name)
 
 
-def _of_stiffened(run: FinishedRun, i: int) -> Iterator[Finding]:
+def _of_stiffened(run: FinishedRun, i: int, loading: Loading) -> Iterator[Finding]:
     """Yield the first instants at which mass or stiffness of a stiffened body is not positive."""
     model, name = run.model, run.built.body_names[i]
     spin = SpinMonitor(model, run.built.body_names, stop=False)
@@ -62,7 +63,7 @@ def _of_stiffened(run: FinishedRun, i: int) -> Iterator[Finding]:
 
     def softness(t: Array, y: Array) -> Array:
         elastic = np.array([np.subtract(*spin.matrices(i, state)) for state in y])
-        Kg = geometric_stiffness(model, model, i, t, y)
+        Kg = geometric_stiffness(model, model, i, t, y, loading(t, y))
         return np.asarray(-np.linalg.eigvalsh(elastic + Kg)[:, 0])
 
     t, values = run.scan(negative_mass, run.look.stiffening)
@@ -72,7 +73,7 @@ def _of_stiffened(run: FinishedRun, i: int) -> Iterator[Finding]:
         text = (
             f"{name}: at t = {when:.4g} s the mass matrix of the body alone is not positive: "
             "it has moved too far from its frame for second-order displacements. A chord or "
-            "mean-axis frame, or splitting the body, helps"
+            "mean-axis frame, or splitting the body (a beam: more segments), helps"
         )
         yield INDEFINITE.finding(text, body=name, t=when, value=lowest)
     if any(finding.code == BUCKLING.name and finding.body == name for finding in run.noticed):
@@ -84,7 +85,7 @@ def _of_stiffened(run: FinishedRun, i: int) -> Iterator[Finding]:
         yield BUCKLING.finding(buckling_text(name, when), body=name, t=when, value=lowest)
 
 
-def _of_linear(run: FinishedRun, tables: Model, i: int) -> Iterator[Finding]:
+def _of_linear(run: FinishedRun, tables: Model, i: int, loading: Loading) -> Iterator[Finding]:
     """Yield the largest geometric stiffness of a linear body, if it is not small."""
     model, name = run.model, run.built.body_names[i]
     m, two = int(model.n_mode[i]), int(model.square_start[i])
@@ -94,7 +95,7 @@ def _of_linear(run: FinishedRun, tables: Model, i: int) -> Iterator[Finding]:
     scale = vectors / np.sqrt(values)
 
     def share(t: Array, y: Array) -> Array:
-        Kg = scale.T @ geometric_stiffness(model, tables, i, t, y) @ scale
+        Kg = scale.T @ geometric_stiffness(model, tables, i, t, y, loading(t, y)) @ scale
         found = np.zeros(t.size)
         known = np.isfinite(Kg).all(axis=(1, 2))
         found[known] = np.abs(np.linalg.eigvalsh(Kg[known])).max(axis=1)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from ..inputs.case.of_time import drives, is_along, is_load, law
 from ..math import curves, laws
+from ..math.packed import column
 from ..results.codes.course import TABLE_OVERSHOOTS
 from ..results.finding import Finding
 from .finished import FinishedRun
@@ -48,7 +49,9 @@ def _of_time(mechanism: "Mechanism") -> Iterator[Beyond]:
 
 
 def _share(table: "laws_of_case.DriveTable | laws_of_case.LoadTable") -> float:
-    times, values = table.times or [], table.values or []
+    if table.interpolation != "spline":
+        return 0.0  # such curves stay within the values
+    times, values = column(table.times), column(table.values)
     return laws.overshoot(laws.table(times, values, table.interpolation), values)
 
 
@@ -64,6 +67,8 @@ def _of_curves(mechanism: "Mechanism") -> Iterator[Beyond]:
                 yield f"forces.{name}.{key}", laws.overshoot(through, given.y, 1), remedy
     remedy = 'interpolation = "pchip" and "linear" do not'
     for name, points in mechanism.tables.items():
-        x, y = points.x or [], points.y or []
+        if points.interpolation != "cubic":
+            continue
+        x, y = column(points.x), column(points.y)
         through = curves.curve_of_table(x, y, points.interpolation, points.extrapolation)
         yield f"tables.{name}", laws.overshoot(through, y, 1), remedy

@@ -7,7 +7,7 @@ import numpy as np
 from ..dynamics.coordinates import move_rows
 from ..math.arrays import Array
 from ..mechanism import BuiltMechanism
-from ..monitors.geometric_stiffness import geometric_stiffness
+from ..monitors.geometric_stiffness import Loading, geometric_stiffness
 from ..monitors.spin import SpinMonitor
 from ..signals import Recording, Sensor
 from .effects import Effects
@@ -32,9 +32,10 @@ def stiffening_loss(
     lost = np.array([second[name].values(two) - measured[name].values(one) for name in measured])
     lost = np.where(np.isfinite(lost), lost, 0.0)
     turned = np.zeros((len(rows), len(found.elastic)))
+    loaded = Loading(model)(t, y, (one.rates, one.multipliers))
     for i, columns in enumerate(elastic_columns(model)):
         if len(columns) and again.model.second_start[i + 1] > again.model.second_start[i]:
-            Kg = geometric_stiffness(model, again.model, i, t, y, (one.rates, one.multipliers))
+            Kg = geometric_stiffness(model, again.model, i, t, y, loaded)
             own = np.searchsorted(found.elastic, columns)
             turned[:, own] = np.einsum("sij,sj->si", Kg, found.eta[rows][:, own])
     extra = np.linalg.solve(found.K, turned.T).T  # (s, m)

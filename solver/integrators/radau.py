@@ -20,10 +20,15 @@ from .generic.explicit import Powers
 from .generic.pace import Pace, Refusals
 from .ringing import ringing
 from .step_loop import ClosingLoop
+from .turning import A_TURN, TOO_FAST, turning
 
 # Cutoffs that are tried against a stall, times pi over the interval of the results.
 CUTOFFS = (10.0, 3.0, 1.0)
-
+TURNS_TOO_FAST = (
+    "The motion has grown beyond all measure: at t = {t:.6g} s a body turns at {spin:.2g} rad/s, "
+    "its mass at {rim:.2g} m/s, which no material holds, and the steps are those of its rotation. "
+    "Look for a feedback that is unstable, or for loads in other units."
+)
 
 PATIENCE = 4  # looks at a run that goes on stalled, before the next
 
@@ -79,9 +84,18 @@ class Radau(ClosingLoop):
         self._patience = 0
 
     def follow(self, pace: Pace) -> None:
-        """Answer a stall by a cutoff, as high as ends it."""
+        """Answer a stall by a cutoff, as high as ends it; end a run that turns beyond all measure.
+
+        Short steps of a body that turns fast are those of its rotation: no cutoff changes them.
+        """
         found = pace.stalled(self.t, self.counters.steps, self.counters.rejected)
         if found is None:
+            return
+        fastest = turning(self._model, self.y)
+        if fastest.spin * found.step > A_TURN:
+            if fastest.rim > TOO_FAST:
+                self.status = "failed"
+                self.message = TURNS_TOO_FAST.format(t=self.t, spin=fastest.spin, rim=fastest.rim)
             return
         if not self.stalls:
             component, rate = ringing(self._model, self._workspace)

@@ -194,7 +194,7 @@ def linearise(
         forces=assemble(model, t, y).f,
         inputs=tuple(sources),
         outputs=tuple((name, s.unit) for name, s in sensors.items()),
-        error=_relative(left @ da[:, : 2 * n], errors),
+        error=_relative(left @ da[:, : 2 * n], errors, left @ rest[: model.n_vel]),
     )
 
 
@@ -226,8 +226,11 @@ def _without_noise(Z_d: Array, B: Array) -> Array:
     return np.where(size > _STEADY * max(float(scale.max(initial=0.0)), 1e-300), Z_d, 0.0)
 
 
-def _relative(values: Array, errors: Array) -> float:
-    """Return the largest estimated error of a column over its size."""
+def _relative(values: Array, errors: Array, rest: Array) -> float:
+    """Return the largest estimated error of a column over its size, beyond the round-off of `rest`.
+
+    A large acceleration that does not depend on the state leaves nothing but round-off.
+    """
     size = np.linalg.norm(values, axis=0)
-    least = 1e-9 * max(float(size.max(initial=0.0)), 1.0)
+    least = max(1e-9 * max(float(size.max(initial=0.0)), 1.0), 1e-8 * float(np.linalg.norm(rest)))
     return float(np.max(np.linalg.norm(errors, axis=0) / np.maximum(size, least), initial=0.0))

@@ -1,13 +1,12 @@
 """Curves y(x) through points, as piecewise polynomials like the laws of time."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
 
 from . import laws
-from .laws import N_COEFFICIENT, Law, table
+from .laws import N_COEFFICIENT, Law, Numbers, table
 
 Interpolation = Literal["linear", "cubic", "pchip"]
 Extrapolation = Literal["linear", "constant"]
@@ -32,7 +31,7 @@ class NamedCurve:
         return NamedCurve(self.name, Law(self.law.times, slopes), self.order + 1)
 
 
-def curve(x: Sequence[float], y: Sequence[float], *, smooth: bool = True) -> Law:
+def curve(x: Numbers, y: Numbers, *, smooth: bool = True) -> Law:
     """Return a natural cubic spline, or straight lines; straight on beyond both ends.
 
     Raises ValueError : fewer than two points, x not in ascending order, non-finite numbers.
@@ -41,7 +40,7 @@ def curve(x: Sequence[float], y: Sequence[float], *, smooth: bool = True) -> Law
 
 
 def curve_of_table(
-    x: Sequence[float], y: Sequence[float], interpolation: Interpolation, beyond: Extrapolation
+    x: Numbers, y: Numbers, interpolation: Interpolation, beyond: Extrapolation
 ) -> Law:
     """Return straight lines, a cubic spline, or a monotone cubic (Fritsch and Carlson).
 
@@ -55,8 +54,8 @@ def curve_of_table(
 
 
 def _through(
-    x: Sequence[float],
-    y: Sequence[float],
+    x: Numbers,
+    y: Numbers,
     interpolation: Interpolation | Literal["natural"],
     beyond: Extrapolation,
 ) -> Law:

@@ -14,9 +14,11 @@ import numpy as np
 from .arrays import Array, IntArray
 from .compiled import jit
 
+Numbers = Sequence[float] | Array
 Interpolation = Literal["linear", "pchip", "spline"]
 N_COEFFICIENT = 8  # a polynomial of degree 7
 PLACES = 33  # of a piece at which its values are compared with those of its ends
+AT_ONCE = 10_000  # pieces that are compared at once
 SINE_PIECES = 32  # pieces of a sine ramp: acceleration accurate to 1e-11 of its mean
 
 
@@ -116,13 +118,29 @@ def _sine_rise(speed: float, times: Array, offset: float) -> list[list[float]]:
     return out
 
 
-def table(
-    times: Sequence[float], values: Sequence[float], interpolation: Interpolation = "spline"
-) -> Law:
+def table(times: Numbers, values: Numbers, interpolation: Interpolation = "spline") -> Law:
     """Through points: straight lines, a monotone cubic (Fritsch and Carlson), or a cubic spline.
 
     The spline (not-a-knot) has two continuous derivatives and may leave the range of the values;
     the monotone cubic has one and does not. After the last time the last value is kept.
+
+    Raises ValueError : fewer than two points, times not in ascending order, non-finite numbers.
+    """
+    t, f = checked_points(times, values)
+    pieces = np.zeros((t.size, N_COEFFICIENT))
+    if interpolation == "linear":
+        pieces[:-1, 0], pieces[:-1, 1] = f[:-1], np.diff(f) / np.diff(t)
+    else:
+        from scipy.interpolate import CubicSpline, PchipInterpolator  # 0.1 s: only for tables
+
+        made = (CubicSpline if interpolation == "spline" else PchipInterpolator)(t, f)
+        pieces[:-1, :4] = made.c[::-1].T
+    pieces[-1, 0] = f[-1]
+    return Law(t.copy(), pieces)
+
+
+def checked_points(times: Numbers, values: Numbers) -> tuple[Array, Array]:
+    """Return the points of a table, (k,) each.
 
     Raises ValueError : fewer than two points, times not in ascending order, non-finite numbers.
     """
@@ -138,29 +156,25 @@ def table(
         raise ValueError(
             f"times[{i}] = {t[i]:g}: expected more than {t[i - 1]:g}, times must ascend"
         )
-    if interpolation == "linear":
-        pieces = np.column_stack([f[:-1], np.diff(f) / np.diff(t)])
-    else:
-        from scipy.interpolate import CubicSpline, PchipInterpolator  # 0.1 s: only for tables
-
-        pieces = (CubicSpline if interpolation == "spline" else PchipInterpolator)(t, f).c[::-1].T
-    return _pieces([*t[:-1], t[-1]], [*pieces, [f[-1]]])
+    return t, f
 
 
-def overshoot(law: Law, values: Sequence[float], first: int = 0) -> float:
+def overshoot(law: Law, values: Numbers, first: int = 0) -> float:
     """Return how far a curve goes beyond the range of its points, over that range.
 
     Parameters
     ----------
     values : of the points, of which neighbours bound the pieces `first`, `first + 1`, ... of `law`
     """
-    low, high = min(values), max(values)
+    low, high = float(np.min(values)), float(np.max(values))
     if not low < high:
         return 0.0
-    lengths = np.diff(law.times)[first : first + len(values) - 1]
-    s = lengths[:, None] * np.linspace(0.0, 1.0, PLACES)
-    pieces = law.coefficients[first : first + len(values) - 1]
-    found = np.zeros_like(s)
-    for i in range(N_COEFFICIENT - 1, -1, -1):
-        found = found * s + pieces[:, i, None]
-    return float(max(found.max() - high, low - found.min()) / (high - low))
+    most, least, last = high, low, first + len(values) - 1
+    for begin in range(first, last, AT_ONCE):
+        end = min(begin + AT_ONCE, last)
+        s = np.diff(law.times[begin : end + 1])[:, None] * np.linspace(0.0, 1.0, PLACES)
+        found = np.zeros_like(s)
+        for i in range(N_COEFFICIENT - 1, -1, -1):
+            found = found * s + law.coefficients[begin:end, i, None]
+        most, least = max(most, float(found.max())), min(least, float(found.min()))
+    return float(max(most - high, low - least) / (high - low))

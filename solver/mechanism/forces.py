@@ -9,7 +9,9 @@ from ..dynamics.forces.contract import Number, Three
 from ..dynamics.forces.table import ELEMENTS
 from ..dynamics.tables import ForceTable
 from ..errors import InputError
+from ..inputs.case.expressions import CaseScope, expression, of_time_alone
 from ..inputs.case.of_time import is_along, is_load, law
+from ..math import laws
 from .laws import law_of
 from .measured import Reader
 from .places import Places, axes
@@ -31,8 +33,12 @@ def force_tables(mechanism: "Mechanism", places: Places, reader: Reader) -> list
         given = law(force)
         table = _load(name, force, places) if is_load(force) else _element(name, force, places)
         if given is not None and given.expression is not None:
-            size = reader.size(given.expression, f"forces.{name}.expression")
-            table = replace(table, size=size)
+            key = f"forces.{name}.expression"
+            tree = expression(given.expression, CaseScope(mechanism), key)
+            if of_time_alone(tree):  # a law: an input of linearised equations and of FMUs
+                table = replace(table, law=laws.of_expression(tree))
+            else:
+                table = replace(table, size=reader.size(given.expression, key))
         elif given is not None:
             table = replace(table, law=law_of(given))
         found.append(table)

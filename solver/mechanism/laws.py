@@ -7,6 +7,7 @@ from ..inputs.case.expressions import CaseScope, expression
 from ..math import laws
 from ..math.expressions.tree import constant
 from ..math.laws import Law
+from ..math.packed import column
 
 if TYPE_CHECKING:
     from ..inputs.case.laws import LoadLaw, RotationDrive, TranslationDrive
@@ -29,7 +30,7 @@ def law_of(given: "RotationDrive | TranslationDrive | LoadLaw") -> Law:
         step = given.smooth_step
         return laws.smooth_step(step.value, step.duration, step.start)
     if given.table is not None:
-        points = given.table.times or [], given.table.values or []
+        points = column(given.table.times), column(given.table.values)
         return laws.table(*points, given.table.interpolation)
     # Keys that only some of the tables have.
     keys = {key: getattr(given, key, None) for key in ("constant", "ramp", "speed")}

@@ -12,7 +12,7 @@ from ..integrators.generic.base import Dense
 from ..math.arrays import Array
 from ..results.codes.motion import BUCKLING, BUCKLING_LOAD
 from ..results.finding import Finding
-from .geometric_stiffness import geometric_stiffness
+from .geometric_stiffness import Loading, geometric_stiffness
 from .spin import SpinMonitor
 
 LOOKS = 1000  # of a run, and one of each block of steps
@@ -53,6 +53,10 @@ class BucklingMonitor:
     stop: bool = True
     findings: list[Finding] = field(default_factory=list)  # one for each body
     _last: int = -1  # part of the run in which the last look was
+    _loading: Loading = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._loading = Loading(self.model)
 
     def __call__(self, steps: Steps) -> StopRequest | None:
         """Check the steps just taken; called by `integrate`."""
@@ -76,7 +80,7 @@ class BucklingMonitor:
     def margin(self, i: int, t: Array, y: Array) -> Array:
         """Smallest eigenvalue of the stiffness of body i in states y (k, n), (k,) [1/s2]."""
         elastic = np.array([np.subtract(*self.spin.matrices(i, state)) for state in y])
-        whole = elastic + geometric_stiffness(self.model, self.tables, i, t, y)
+        whole = elastic + geometric_stiffness(self.model, self.tables, i, t, y, self._loading(t, y))
         found = np.full(t.size, np.nan)
         finite = np.isfinite(whole).all(axis=(1, 2))
         found[finite] = np.linalg.eigvalsh(whole[finite])[:, 0]

@@ -5,6 +5,8 @@ then gain beside K q is the geometric stiffness: of its own inertia loads and we
 and of the forces and moments at its markers (H).
 """
 
+from dataclasses import dataclass, field
+
 import numpy as np
 
 from ..dynamics import series
@@ -13,6 +15,37 @@ from ..dynamics.model import Model
 from ..math.arrays import Array
 from ..math.rotations import rotation_matrices
 
+STATES = 8  # groups of states whose rates and loads are kept
+
+
+@dataclass
+class Loading:
+    """Rates dy/dt (k, n) and marker loads (k, n_load, 6) of states, kept for all bodies.
+
+    They are those of the whole mechanism: solved for each of its bodies anew, the cost of a look
+    would be the square of the number of bodies.
+    """
+
+    model: Model
+    _kept: dict[bytes, tuple[Array, Array]] = field(default_factory=dict)
+
+    def __call__(
+        self, t: Array, y: Array, along: tuple[Array, Array] | None = None
+    ) -> tuple[Array, Array]:
+        """Return rates and loads at times t (k,) and states y (k, n) of one run.
+
+        `along`: rates and multipliers, if they are known.
+        """
+        key = t.tobytes()
+        found = self._kept.pop(key, None)
+        if found is None:
+            rates, multipliers = along or series.along_solution(self.model, t, y)
+            found = rates, series.marker_loads(self.model, t, y, multipliers)
+        self._kept[key] = found  # the last used is last
+        if len(self._kept) > STATES:
+            self._kept.pop(next(iter(self._kept)))
+        return found
+
 
 def geometric_stiffness(
     model: Model,
@@ -20,21 +53,20 @@ def geometric_stiffness(
     i: int,
     t: Array,
     y: Array,
-    along: tuple[Array, Array] | None = None,
+    loaded: tuple[Array, Array] | None = None,
 ) -> Array:
     """Return the geometric stiffness (k, m, m) of body i at times t (k,) and states y (k, n) [N m].
 
     `tables` is a model of the same mechanism whose body i is of second order; accelerations and
-    joint forces are those of `model`, `along` its rates and multipliers if they are known.
+    joint forces are those of `model`; `loaded` as `Loading` returns them, if they are known.
     """
     m, a, j = int(model.n_mode[i]), int(model.pos_start[i]), int(model.vel_start[i])
-    rates, multipliers = along or series.along_solution(model, t, y)
+    rates, loads = loaded or Loading(model)(t, y)
     v_d = rates[:, model.n_pos + j :]
     A = rotation_matrices(y[:, a + 3 : a + 7])
     w = y[:, model.n_pos + j + 3 : model.n_pos + j + 6]
     pull = np.einsum("kba,kb->ka", A, v_d[:, :3] - model.gravity_G)
     Kg = stiffening_matrices(tables, i, w, v_d[:, 3:6], pull, v_d[:, 6 : 6 + m])
-    loads = series.marker_loads(model, t, y, multipliers)
     for place, marker in enumerate(series.loaded_markers(model).tolist()):
         start = int(tables.marker_second[marker])
         if model.marker_body[marker] == i and start >= 0:

@@ -1,21 +1,35 @@
-"""The modal package: one HDF5 file per flexible body (docs/format.md)."""
+"""The modal package: one HDF5 file per flexible body (docs/format.md).
+
+Each name below is imported when it is asked for: section and shell files need a part of this
+folder only. __init__.pyi tells their types.
+"""
+
+from importlib import import_module
 
 from ..errors import PackageError
-from .body.invariants import from_stations
-from .body.io import read_package, write_package
-from .body.schema import Interface, Invariants, ModalPackage, SectionData
-from .common.remark import Remark
-from .validate import validate
 
-__all__ = [
-    "Interface",
-    "Invariants",
-    "ModalPackage",
-    "PackageError",
-    "Remark",
-    "SectionData",
-    "from_stations",
-    "read_package",
-    "validate",
-    "write_package",
-]
+# Public name -> module of this folder.
+_PUBLIC = {
+    "Interface": "body.schema",
+    "Invariants": "body.schema",
+    "ModalPackage": "body.schema",
+    "Remark": "common.remark",
+    "SectionData": "body.schema",
+    "from_stations": "body.invariants",
+    "read_package": "body.io",
+    "validate": "validation",
+    "write_package": "body.io",
+}
+__all__ = ["PackageError", *_PUBLIC]
+
+
+def __getattr__(name: str) -> object:
+    if name not in _PUBLIC:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    found = getattr(import_module(f"{__name__}.{_PUBLIC[name]}"), name)
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *_PUBLIC])

@@ -175,6 +175,43 @@ def test_a_run_imports_what_it_uses(repository: Path, tmp_path: Path) -> None:
     assert "plymotion.solver.inputs.case.load" not in loaded
 
 
+COMMAND_AND_LIST = """
+import contextlib, io, sys
+from plymotion.solver.__main__ import main
+with contextlib.redirect_stdout(io.StringIO()), contextlib.suppress(SystemExit):
+    code = main(sys.argv[1:])
+    assert code == 0, code
+print(*sys.modules)
+"""
+DRAWING = {"matplotlib", "tqdm", "numba", "meshio", "pyvista", "plymotion.solver.report.build"}
+NUMBERS = {"numpy", "h5py", "scipy", "pydantic"}
+BODIES = {"plymotion.solver.package.body.reader", "plymotion.solver.package.validation"}
+DESCRIPTION = {"scipy", "plymotion.solver.inputs.case.load", "plymotion.solver.dynamics"}
+STARTS = [  # a command, what it must not load
+    ("--help", DRAWING | NUMBERS),
+    ("run --help", DRAWING | NUMBERS),
+    ("sweep --help", DRAWING | NUMBERS),
+    ("check cases/slider-crank/case.toml", DRAWING | BODIES | {"scipy"}),
+    ("section cases/sections/tube.toml --check --out", DRAWING | BODIES | DESCRIPTION),
+    (
+        "shell cases/shells/box-beam.toml --check --out",
+        DRAWING | BODIES | DESCRIPTION | {"plymotion.solver.inputs.section.description"},
+    ),
+]
+
+
+@pytest.mark.parametrize(("words", "unused"), STARTS, ids=[words for words, _ in STARTS])
+def test_a_command_loads_what_it_uses(
+    repository: Path, tmp_path: Path, words: str, unused: set[str]
+) -> None:
+    """Each of these modules takes a command as long as all that it does."""
+    command = [sys.executable, "-c", COMMAND_AND_LIST, *words.split()]
+    command += [str(tmp_path)] if words.endswith("--out") else []
+    done = subprocess.run(command, capture_output=True, text=True, cwd=repository)
+    assert done.returncode == 0, done.stderr
+    assert not set(done.stdout.split()) & unused
+
+
 def test_exchange_with_other_codes_needs_no_fe_code(repository: Path) -> None:
     loaded = {
         name.split(".")[0]

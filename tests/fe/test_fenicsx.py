@@ -187,7 +187,9 @@ def test_unknown_parameter() -> None:
 
 
 def test_versions_are_named() -> None:
-    versions = fenicsx.versions()
+    fenicsx.eigenpairs(sp.identity(3), sp.identity(3), 1)
+    with fenicsx.gmsh_session():
+        versions = fenicsx.versions()
     for name in ("dolfinx", "petsc", "slepc", "gmsh", "numpy", "h5py", "python"):
         assert versions[name][0].isdigit()
 

@@ -9,7 +9,7 @@ from beam_tables import ANGLES, AT, MASS, POINTS, SHARE, STIFFNESS, columns, wri
 from plymotion.preprocess.beam.given import given_section
 from plymotion.preprocess.beam.spec import read_spec
 from plymotion.solver.inputs.case.body_specs import BodySpecs
-from plymotion.solver.inputs.case.laws import FOLDER
+from plymotion.solver.inputs.case.columns import FOLDER
 from plymotion.solver.inputs.case.parts import in_parts
 from plymotion.solver.inputs.case.resolved import resolved
 from plymotion.solver.inputs.case.schema import Mechanism

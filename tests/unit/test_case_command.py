@@ -115,7 +115,9 @@ def test_a_sweep_in_place_of_runs(pendulum, capsys):
         + 'vary = { "solver.output_step" = [0.01, 0.02] }\n',
         encoding="utf-8",
     )
-    words = (pendulum.name, "--sweep", "step", "--packages", "packages", "--quiet")
+    # In this process: workers of a sweep are tested in tests/cases/test_executors.py.
+    more = ("--packages", "packages", "--quiet", "--jobs", "1")
+    words = (pendulum.name, "--sweep", "step", *more)
     assert _main(*words) == 0
     folder = Path("build/pendulum")
     assert (folder / "sweeps/step/sweep.csv").is_file()

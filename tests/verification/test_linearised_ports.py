@@ -119,6 +119,51 @@ def responses(out):
     return rows[0], values[:, 0], values[:, 1::2] * np.exp(1j * np.radians(values[:, 2::2]))
 
 
+def test_a_load_by_an_expression_of_the_time_is_an_input(tmp_path):
+    """Two masses in a row, loads on the first: (K + s C + s^2 M) x = (1, 0); one that reads the
+    motion is feedback, not an input."""
+    text = (
+        "[ground.wall]\nposition = [0.0, 0.0, 0.0]\n"
+        + rigid("one", 2.0, 0.1, {"c": (0, 0, 0)})
+        + rigid("two", 1.0, 0.1, {"c": (0, 0, 0)}, position=[1.0, 0.0, 0.0])
+        + """
+[joints.first]
+kind = "prismatic"
+between = ["ground.wall", "one.c"]
+axis = [1.0, 0.0, 0.0]
+[joints.second]
+kind = "prismatic"
+between = ["one.c", "two.c"]
+axis = [1.0, 0.0, 0.0]
+[forces.push]
+kind = "force"
+at = "one.c"
+direction = [1.0, 0.0, 0.0]
+law = { expression = "100 * step(t - 0.1) * sin(30 * t)" }
+[forces.hold]
+kind = "force"
+at = "one.c"
+direction = [1.0, 0.0, 0.0]
+law = { expression = "-800 * joint('first') - 3 * joint_rate('first')" }
+[forces.link]
+kind = "coordinate_force"
+joint = "second"
+expression = "-500 * x - v"
+[signals.two]
+kind = "position"
+at = "two.c"
+component = "x"
+"""
+    )
+    found, out = exported(tmp_path, text, "--response", "0.5:20")
+    assert list(found["inputs"]) == ["push"]
+    _, hz, G = responses(out)
+    s = 2j * np.pi * hz
+    link, hold = 500.0 + s, 800.0 + 3.0 * s
+    expected = link / ((2.0 * s**2 + hold + link) * (s**2 + link) - link**2)
+    np.testing.assert_allclose(G[:, 0], expected, rtol=1e-8)
+
+
 def test_torque_on_a_pendulum(tmp_path):
     found, out = exported(tmp_path, PENDULUM, "--at", "equilibrium", "--response", "0.05:20")
     head, hz, G = responses(out)

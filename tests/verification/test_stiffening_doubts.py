@@ -17,7 +17,7 @@ from plymotion.solver.dynamics.derivative import derivative
 from plymotion.solver.inputs.case.schema import Mechanism
 from plymotion.solver.integrators.generic import Solution
 from plymotion.solver.mechanism import build
-from plymotion.solver.monitors.geometric_stiffness import geometric_stiffness
+from plymotion.solver.monitors.geometric_stiffness import Loading, geometric_stiffness
 from plymotion.solver.monitors.spin import SpinMonitor
 
 K, MASS = rectangle(70e9, 0.3, 2700.0, 0.004, 0.02)
@@ -80,6 +80,21 @@ def test_eulers_load_in_numbers():
     Kg = geometric_stiffness(model, model, 0, np.zeros(1), y[None])[0]
     largest = np.linalg.eigvals(np.linalg.solve(stiffness, -Kg)).real.max()
     np.testing.assert_allclose(largest, 1.0, rtol=1e-3)
+
+
+def test_states_are_solved_once_for_all_bodies():
+    """Rates and loads of the same states are the same arrays; of others they are their own."""
+    _, model, y = found_codes(-0.5 * EULER, geometric_stiffening=True)
+    loading, t = Loading(model), np.array([0.0, 1.0])
+    both = np.stack([y, y])
+    first = loading(t, both)
+    assert loading(t, both) is first
+    found = geometric_stiffness(model, model, 0, t, both, first)
+    np.testing.assert_array_equal(found, geometric_stiffness(model, model, 0, t, both))
+    for k in range(20):
+        loading(np.array([2.0 + k]), y[None])
+        loading(t, both)
+    assert loading(t, both) is first
 
 
 @pytest.mark.parametrize(("factor", "expected"), [(0.04, []), (0.06, ["stiffening-matters"])])

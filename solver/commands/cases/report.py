@@ -29,7 +29,8 @@ def report_case(
     InputError
         Not the folder of a case; no finished run; figures without matplotlib.
     """
-    from ...report import case_table, make_report, summary_table, write_glb, write_vtk
+    from ...report import make_report, summary_table, write_glb, write_vtk
+    from ...report.case_table import case_table
 
     try:
         case = case_table(json.loads((folder / "case.json").read_text(encoding="utf-8")))

@@ -4,8 +4,7 @@ import argparse
 import sys
 import time
 from collections.abc import Callable, Sequence
-
-from tqdm import tqdm
+from typing import Any
 
 from ...interrupts import INTERRUPTED
 from ..executors.choice import executor_of
@@ -78,15 +77,13 @@ class _Bar:
         self, unit: str, made: dict[str, Made], total: int, quiet: bool, list_each: bool
     ) -> None:
         self.made, self.total = made, total
-        self.bar = tqdm(
-            total=total,
-            initial=len(made),
-            unit=unit,
-            leave=False,
-            disable=True if quiet else None,  # None: where there is no terminal
-        )
-        self.list_each = list_each and self.bar.disable and not quiet
-        self.heartbeat = Heartbeat() if self.bar.disable and not quiet else None
+        self.bar: Any = None
+        if not quiet and sys.stderr.isatty():
+            from tqdm import tqdm  # here: without a terminal nothing is drawn
+
+            self.bar = tqdm(total=total, initial=len(made), unit=unit, leave=False)
+        self.list_each = list_each and self.bar is None and not quiet
+        self.heartbeat = Heartbeat() if self.bar is None and not quiet else None
 
     def __enter__(self) -> "_Bar":
         return self
@@ -94,11 +91,13 @@ class _Bar:
     def __exit__(self, *_: object) -> None:
         if self.heartbeat:
             self.heartbeat.end()
-        self.bar.close()
+        if self.bar is not None:
+            self.bar.close()
 
     def done(self, one: Made) -> None:
         self.made[one.entry.name] = one
-        self.bar.update()
+        if self.bar is not None:
+            self.bar.update()
         if self.list_each:
             line = f"[{len(self.made)}/{self.total}] {one.entry.name}: {one.status}"
             print(line, file=sys.stderr)
@@ -106,6 +105,6 @@ class _Bar:
     def progress(self, doing: str) -> None:
         if self.heartbeat:
             self.heartbeat.doing = doing
-        if not self.bar.disable:  # quick ones begin faster than a screen can be read
+        if self.bar is not None:  # quick ones begin faster than a screen can be read
             due = time.time() - self.bar.last_print_t > self.bar.mininterval
             self.bar.set_postfix_str(doing, refresh=due)

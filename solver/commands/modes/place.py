@@ -1,11 +1,13 @@
 """`--at`: the state about which a mechanism is linearised."""
 
 from dataclasses import dataclass
-
-import numpy as np
+from math import isfinite, nan
+from typing import TYPE_CHECKING
 
 from ...errors import InputError
-from ...math.arrays import Array
+
+if TYPE_CHECKING:
+    from ...math.arrays import Array
 
 _EXPECTED = (
     "expected start, equilibrium, t=TIME, spin=SPEED or spin=FIRST:LAST:STEP (rad/s; rpm if it "
@@ -20,7 +22,7 @@ class At:
 
     kind: str  # start, equilibrium, time, spin
     time: float = 0.0  # [s]
-    speeds: Array | None = None  # (k,) rising [rad/s]
+    speeds: "Array | None" = None  # (k,) rising [rad/s]
 
 
 def at_of(text: str) -> At:
@@ -39,13 +41,15 @@ def _number(text: str, value: str) -> float:
     try:
         found = float(value)
     except ValueError:
-        found = np.nan
-    if not np.isfinite(found):
+        found = nan
+    if not isfinite(found):
         raise InputError(f"--at {text}: {value!r} is not a number; {_EXPECTED}")
     return found
 
 
-def _speeds(text: str, value: str) -> Array:
+def _speeds(text: str, value: str) -> "Array":
+    import numpy as np  # here: the command line begins with this file
+
     rpm = value.endswith("rpm")
     parts = [_number(text, part) for part in value.removesuffix("rpm").split(":")]
     unit = np.pi / 30.0 if rpm else 1.0

@@ -9,7 +9,7 @@ from ...package.body.specification import MassForm, Theory
 from ..common.table import FilePath, Name, Pair, Table, Vector, unit, usable_path
 from .beam_table import with_beam_table
 from .body_schema import DAMPING, Deformed
-from .laws import FOLDER, RESOLVED
+from .columns import FOLDER, RESOLVED
 from .matrices import Stiffness, Symmetric
 from .modes import Modes, Reference
 from .reduction import Reducible

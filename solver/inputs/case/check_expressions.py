@@ -5,7 +5,7 @@ from ...math.curves import NamedCurve
 from ...math.expressions import operations as op
 from ...math.expressions.parse import MADE, NAMES
 from .check_places import check_place
-from .expressions import WORDS, CaseScope, PlaceCheck, expression
+from .expressions import WORDS, CaseScope, PlaceCheck, expression, of_time_alone
 from .force_terms import force_terms
 from .forces import CoordinateTable, ForceTable
 from .laws import RotationDrive, TranslationDrive
@@ -58,7 +58,7 @@ def check_drive(
         tree = expression(drive.expression, CaseScope(mechanism), f"{key}.expression")
     except InputError as error:
         return [str(error)]
-    if any(leaf.code not in (op.TIME, op.CURVE) for leaf in tree.leaves()):
+    if not of_time_alone(tree):
         return [
             f'{key}.expression = "{drive.expression}": expected the time t and parameters alone; '
             "a drive that follows the motion is a controller or coordinate_force"

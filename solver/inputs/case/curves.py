@@ -5,8 +5,10 @@ from typing import Any, Literal
 from pydantic import Field, ValidationInfo, model_validator
 
 from ...math.curves import Extrapolation, Interpolation, curve, curve_of_table
+from ...math.packed import column
 from ..common.table import FilePath, Table, unit
-from .laws import Times, with_columns
+from .columns import Times
+from .laws import with_columns
 
 
 class CurveTable(Table):
@@ -23,7 +25,7 @@ class CurveTable(Table):
 
     @model_validator(mode="after")
     def _usable(self) -> "CurveTable":
-        curve(self.x, self.y)
+        curve(column(self.x), column(self.y))
         return self
 
 
@@ -55,5 +57,5 @@ class TablePoints(Table):
     def _usable(self) -> "TablePoints":
         if self.x is None or self.y is None:
             raise ValueError("expected `x` and `y`, or `file`")
-        curve_of_table(self.x, self.y, self.interpolation, self.extrapolation)
+        curve_of_table(column(self.x), column(self.y), self.interpolation, self.extrapolation)
         return self

@@ -13,6 +13,7 @@ from ...math.curves import NamedCurve, curve_of_table
 from ...math.expressions import operations as op
 from ...math.expressions.parse import ExpressionError, parsed
 from ...math.expressions.tree import Node, NoRate, constant
+from ...math.packed import column
 
 if TYPE_CHECKING:
     from .curves import TablePoints
@@ -151,9 +152,15 @@ class CaseScope:
             raise ValueError(problem)
 
 
+def of_time_alone(tree: Node) -> bool:
+    """Whether an expression reads nothing but the time, parameters, and curves of them."""
+    return all(leaf.code in (op.TIME, op.CURVE) for leaf in tree.leaves())
+
+
 def _called(name: str, table: "TablePoints") -> Callable[[Node], Node]:
     def call(x: Node) -> Node:
-        points, kind = (table.x or [], table.y or []), (table.interpolation, table.extrapolation)
+        points = column(table.x), column(table.y)
+        kind = table.interpolation, table.extrapolation
         return Node(op.CURVE, (x,), quantity=NamedCurve(name, curve_of_table(*points, *kind)))
 
     return call

@@ -9,13 +9,10 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationInfo, model_validator
 
 from ...math import laws
+from ...math.packed import column
 from ..common.messages import printable
 from ..common.table import FilePath, Table, unit
-from ..common.text_file import numbered_lines
-
-Times = Annotated[list[float], Field(min_length=2)]
-# Keys of the validation context: the folder of the case file; whether tables are read already.
-FOLDER, RESOLVED = "folder", "resolved"
+from .columns import FOLDER, RESOLVED, Times, read_columns
 
 
 class TimeTable(Table):
@@ -42,9 +39,9 @@ class TimeTable(Table):
     def _usable(self) -> "TimeTable":
         if self.times is None or self.values is None:
             raise ValueError("expected `times` and `values`, or `file`")
-        if self.times[0] > 0.0:
-            raise ValueError(f"times[0] = {self.times[0]:g}: expected 0 or before")
-        laws.table(self.times, self.values)
+        times, _ = laws.checked_points(column(self.times), column(self.values))
+        if times[0] > 0.0:
+            raise ValueError(f"times[0] = {times[0]:g}: expected 0 or before")
         return self
 
 
@@ -223,23 +220,3 @@ def with_columns(data: Any, info: ValidationInfo, keys: tuple[str, str]) -> Any:
         raise ValueError(f"expected either `file` or `{keys[0]}` and `{keys[1]}`")
     folder = Path((info.context or {}).get(FOLDER, "."))
     return {**data, **dict(zip(keys, read_columns(folder / data["file"]), strict=True))}
-
-
-def read_columns(file: Path) -> tuple[list[float], list[float]]:
-    """Read times and values from a text file; header lines are ignored.
-
-    Raises ValueError : no such file, a line without two numbers.
-    """
-    columns: tuple[list[float], list[float]] = [], []
-    for number, line in numbered_lines(file):
-        try:
-            time, value = (float(word) for word in line.split(","))
-        except ValueError as error:
-            if not columns[0] and not any(letter.isdigit() for letter in line.split(",")[0]):
-                continue  # names of the columns
-            raise ValueError(
-                f"{file} line {number}: expected two numbers with a comma, found {line.strip()!r}"
-            ) from error
-        columns[0].append(time)
-        columns[1].append(value)
-    return columns

@@ -13,9 +13,9 @@ from ..common import lines, read_toml
 from ..common.messages import bare_lines
 from .body_specs import BodySpec, BodySpecs
 from .check_combined import check_elsewhere
+from .columns import FOLDER
 from .file import case_name
 from .findings import Findings
-from .laws import FOLDER
 from .parts import in_parts
 from .schema import CaseFile, Mechanism
 from .sweep_members import CheckedSweep, check_sweep

@@ -7,7 +7,7 @@ from pydantic import Field, ValidationInfo, model_validator
 
 from ..common.table import Table
 from ..common.text_file import read_text
-from .laws import FOLDER, RESOLVED
+from .columns import FOLDER, RESOLVED
 
 
 class PythonCode(Table):

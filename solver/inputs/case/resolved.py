@@ -7,8 +7,8 @@ from pydantic import ValidationError
 
 from ...errors import InputError
 from ..common.messages import lines
+from .columns import RESOLVED
 from .dotted_keys import put
-from .laws import RESOLVED
 from .outputs import output_findings
 from .schema import Mechanism
 

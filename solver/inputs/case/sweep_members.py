@@ -12,9 +12,9 @@ from ...math.arrays import Array
 from ..common import lines
 from ..common.messages import bare_lines
 from .body_specs import BodySpec, BodySpecs
+from .columns import FOLDER
 from .combining import needed, with_parts
 from .dotted_keys import put
-from .laws import FOLDER
 from .parts import in_parts
 from .schema import Mechanism
 from .sharing import sharing

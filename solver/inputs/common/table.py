@@ -23,9 +23,14 @@ Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
 
 
 class Table(BaseModel):
-    """A table of an input file: unknown keys are errors; true, false and "1" are no numbers."""
+    """A table of an input file: unknown keys are errors; true, false and "1" are no numbers.
 
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True, strict=True)
+    Validators are built when a table is first read: a command reads few of the many tables.
+    """
+
+    model_config = ConfigDict(
+        extra="forbid", allow_inf_nan=False, frozen=True, strict=True, defer_build=True
+    )
 
 
 def plain_table(table: BaseModel) -> Any:

@@ -1,5 +1,6 @@
 """Text files with numbers in lines, such as those that spreadsheets write."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 
@@ -13,13 +14,22 @@ def read_text(file: Path) -> str:
         raise ValueError(f"{file}: cannot be read ({error})") from error
 
 
-def numbered_lines(file: Path) -> list[tuple[int, str]]:
-    """Return the lines of a file with their numbers, without empty lines and remarks after #.
+def lines_of(file: Path) -> Iterator[tuple[int, str]]:
+    """Yield the lines of a file with their numbers, without empty lines and remarks after #.
 
-    Raises ValueError as `read_text`.
+    One line is in memory at a time. Raises ValueError as `read_text`.
     """
-    return [
-        (number, line)
-        for number, line in enumerate(read_text(file).splitlines(), start=1)
-        if line.strip() and not line.lstrip().startswith("#")
-    ]
+    if file.exists() and not file.is_file():  # a folder, or a device that never ends
+        raise ValueError(f"{file}: cannot be read (expected a file)")
+    try:
+        with file.open(encoding="utf-8-sig") as text:
+            for number, line in enumerate(text, start=1):
+                if line.strip() and not line.lstrip().startswith("#"):
+                    yield number, line.rstrip("\n")
+    except (OSError, UnicodeDecodeError) as error:
+        raise ValueError(f"{file}: cannot be read ({error})") from error
+
+
+def numbered_lines(file: Path) -> list[tuple[int, str]]:
+    """Return `lines_of` a file as a list."""
+    return list(lines_of(file))

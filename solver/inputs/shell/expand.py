@@ -26,7 +26,6 @@ from ..common import read_toml
 from ..common.gmsh_file import content_sha256, is_gmsh_mesh, physical_groups
 from ..common.material import check_materials, plain
 from ..scripts import refuse_script
-from ..section.expand import load_section
 from .description import Mesh, Region, ShellDescription, checked
 from .foreign import shell_arrays
 
@@ -115,6 +114,8 @@ def _stiffeners(description: ShellDescription, folder: Path) -> dict[str, Any]:
     for name, table in found.items():
         if "section" not in table:
             continue
+        from ..section.expand import load_section  # here: few shells have stiffeners
+
         try:
             section = load_section(folder / table["section"])
         except InputError as error:

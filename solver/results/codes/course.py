@@ -109,6 +109,18 @@ STALLED = Code(
     "element",
 )
 
+GROWS = Code(
+    "motion-grows",
+    "warning",
+    "the motion grows exponentially up to the end of the run, far beyond what gravity, drives and "
+    "loads of the start can give: a feedback is unstable",
+    "kinetic energy above {limit:g} times that of the mechanism at its speed (docs/accuracy.md), "
+    "and its peaks in the last five tenths of the run each three times the one before",
+    "smaller gains, a shorter `sample_time`, a sensor at the actuator; `plymotion modes` shows the "
+    "unstable mode of a continuous controller",
+    limit=10.0,
+)
+
 REFUSED = Code(
     "steps-refused",
     "note",
@@ -159,6 +171,7 @@ CODES = (
     FEEDBACK,
     VIBRATION_DAMPED,
     STALLED,
+    GROWS,
     REFUSED,
     SINGULAR,
     BRANCH,

@@ -6,18 +6,11 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
+from .errors import FactorisationError, SingularError
 from .petsc import PETSC_ERRORS, destroy, destroy_dropped, reason, sorted_csr, use_mumps
 from .regular import LARGEST_GROWTH, RandomLoad
 from .stack import HAS_MUMPS, Array, PETSc
 from .team import ALONE, Team
-
-
-class FactorisationError(Exception):
-    """A matrix is not symmetric positive definite."""
-
-
-class SingularError(FactorisationError):
-    """The solution of a random load is so large that the matrix appears to be singular."""
 
 
 class Cholesky:

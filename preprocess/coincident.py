@@ -1,0 +1,34 @@
+"""Pairs of nodes at the same position."""
+
+import numpy as np
+
+from ..solver.math.arrays import Array, IntArray
+
+# Along this direction the nodes of a regular grid are apart.
+DIRECTION = np.sqrt([2.0, 3.0, 5.0])
+
+
+def coincident(points: Array, distance: float) -> IntArray:
+    """Pairs of points that are not farther apart than a distance, (p, 2), rising.
+
+    Points as near as this are neighbours in their order along any direction, so few are compared.
+
+    Parameters
+    ----------
+    points : (n, 2 or 3) [m]
+    distance : small against those between most of the points [m]
+    """
+    direction = DIRECTION[: points.shape[1]]
+    along = points @ (direction / np.linalg.norm(direction))
+    order = np.argsort(along)
+    along, found = along[order], [np.zeros((0, 2), dtype=np.int64)]
+    slack = distance + 1e-15 * float(np.abs(along).max(initial=0.0))
+    for step in range(1, len(points)):
+        first = np.flatnonzero(along[step:] - along[:-step] <= slack)
+        if not first.size:
+            break
+        pairs = np.sort(order[np.stack([first, first + step], axis=1)], axis=1)
+        apart = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1)
+        found.append(pairs[apart <= distance])
+    every = np.concatenate(found)
+    return every[np.lexsort(every.T[::-1])]

@@ -1,0 +1,28 @@
+"""Quadrature and nodes of reference cells, by Basix alone."""
+
+from typing import Any
+
+import numpy as np
+
+from ...solver.math.arrays import Array
+from .stack import basix
+
+
+def quadrature(cell: str, degree: int) -> tuple[Array, Array]:
+    """Points (q, 2) and weights (q,) on the reference cell, exact for polynomials of `degree`."""
+    points, weights = basix.make_quadrature(getattr(basix.CellType, cell), degree)
+    return np.array(points), np.array(weights)
+
+
+def reference_nodes(cell: str, degree: int) -> Array:
+    """Positions of the nodes of Lagrange functions on the reference cell, (k, 2)."""
+    return np.array(_lagrange(cell, degree).points)
+
+
+def _lagrange(cell: str, degree: int) -> Any:
+    return basix.create_element(
+        basix.ElementFamily.P,
+        getattr(basix.CellType, cell),
+        degree,
+        basix.LagrangeVariant.gll_warped,
+    )

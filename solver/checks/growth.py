@@ -1,0 +1,53 @@
+"""Whether the motion grows exponentially, as that of an unstable feedback."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..dynamics.scales import scales
+from ..math.arrays import Array
+from ..results.codes.course import GROWS
+from ..results.finding import Finding
+from .finished import FinishedRun
+
+# No power of time that loads or drives follow grows so fast: in the last tenth t^n grows by
+# (10/9)^n, which is 3 for n = 10; the kinetic energy of a smooth step begins with t^6 at most.
+PARTS, LAST, FACTOR = 10, 5, 3.0
+ACTIVE = ("controller", "python_controller", "coordinate_force")
+
+
+def growth_findings(run: FinishedRun) -> Iterator[Finding]:
+    """Yield a finding if the kinetic energy has grown exponentially beyond its scale."""
+    peaks = _peaks(run)
+    if peaks is None or not np.all(peaks[-LAST:] > FACTOR * peaks[-LAST - 1 : -1]):
+        return
+    t, y0 = run.solution.t, run.solution.y[0]
+    scale = scales(run.model, y0, run.mechanism.solver.t_end).energy
+    value = float(peaks[-1] / scale) if scale > 0.0 else np.inf
+    if value <= GROWS.limit:
+        return
+    named = [name for name, force in run.mechanism.forces.items() if force.kind in ACTIVE]
+    forces = f": {', '.join(named[:5])}" if named else ""
+    more = f" and {len(named) - 5} more" if len(named) > 5 else ""
+    times = float((peaks[-1] / peaks[-LAST - 1]) ** (1.0 / LAST))
+    every = float(t[-1] - t[0]) / PARTS
+    text = (
+        f"the motion grows exponentially: by t = {t[-1]:.4g} s the kinetic energy is "
+        f"{peaks[-1]:.2g} J, {value:.2g} times that of the mechanism at its speed, and grows "
+        f"{times:.2g}-fold in {every:.2g} s. Look for a feedback that is unstable{forces}{more}"
+    )
+    yield GROWS.finding(text, t=float(t[-1]), value=value)
+
+
+def _peaks(run: FinishedRun) -> Array | None:
+    """Largest kinetic energy in each tenth of the run, (PARTS,) [J]; None of too few times."""
+    known = np.array(run.past.kinetic)
+    if not len(known) or not np.isfinite(known).all():
+        return None
+    first, last = float(run.solution.t[0]), float(known[-1, 0])
+    part = np.minimum(
+        (PARTS * (known[:, 0] - first) / max(last - first, 1e-300)).astype(int), PARTS - 1
+    )
+    if np.unique(part).size < PARTS:
+        return None
+    return np.array([known[part == i, 1].max() for i in range(PARTS)])
