@@ -26,8 +26,10 @@ def start_findings(run: FinishedRun) -> Iterator[Finding]:
     y0 = run.solution.y[0]
     worst, where = 0.0, -1
     for i, change in enumerate(held_deformations(run.model, float(run.solution.t[0]), y0)):
+        if not change.size:
+            continue  # rigid; without a name if it is a heavy point mass
         body = run.mechanism.bodies.get(run.built.body_names[i])
-        if change.size and not getattr(body, "modal_coordinates", None):
+        if not getattr(body, "modal_coordinates", None):
             stiffness = run.packages[run.built.body_names[i]].stiffness
             peak = max(float(((q @ stiffness) * q).sum(axis=1).max()) for _, q in run.modes(i))
             share = float(change @ stiffness @ change) / peak if peak > 0.0 else 0.0

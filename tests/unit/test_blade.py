@@ -107,6 +107,7 @@ def wrong(change) -> dict:
         (lambda b, t: b["structure"].pop("layers"), "structure.layers: missing; expected a list"),
         (lambda b, t: b["structure"]["layers"][2].pop("name"), "layers[2].name: missing"),
         (lambda b, t: b["structure"]["layers"][4].update(name="cap-s"), "'cap-s' is the name of"),
+        (lambda b, t: b["structure"]["layers"][1].update(name="trailing-edge"), "also a region of"),
         (lambda b, t: b["structure"]["layers"][6].update(web="wep"), "no web 'wep'; did you mean"),
         (lambda b, t: b["structure"]["webs"][0].update(anchors=3), "webs[0].anchors: has 3"),
         (
@@ -328,11 +329,13 @@ def test_what_is_not_modelled_is_named(tmp_path, capsys):
         structure["trailing_edge_adhesive"] = {"material": "glass"}
         structure["joint"] = {"position": 0.3, "mass": 120.0}
         blade["outer_shape"]["section_offset_x"] = along(0.0, 0.1)
+        structure["layers"][2]["fibre_orientation"] = along(20.0, 20.0)
 
     file = write_blade(tmp_path, wrong(change))
     assert main(["blade", str(file), "--at", "0.8", "-o", str(tmp_path / "out"), "--check"]) == 0
     told = capsys.readouterr().err.splitlines()
     keys = ("structure.webs: web: flanges", "structure.trailing_edge_adhesive", "structure.joint")
+    keys += ("structure.layers[2]: unknown key 'fibre_orientation'; did you mean 'fiber_orient",)
     for line, key in zip(told, keys, strict=True):
         assert line.startswith(f"warning [not-modelled] {file}: {key}")
     blade = read_blade(file)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ...errors import InputError
 from ...math.arrays import Array
 from .wall import Band
 
@@ -38,7 +39,17 @@ class StationMesh:
         return len(self.nodes) - 1
 
     def cell(self, corners: Sequence[int], band: Band) -> None:
-        """Add a cell of three or four different corners, in any sense of rotation, of a layer."""
+        """Add a cell of three or four different corners, in any sense of rotation, of a layer.
+
+        Raises
+        ------
+        InputError : the region of this name belongs to another layer.
+        """
+        if self.bands.setdefault(band.name, band) != band:
+            raise InputError(
+                f"structure.layers: {band.name!r} is also a region of the station; expected "
+                "another name of the layer"
+            )
         found = list(dict.fromkeys(corners))
         if len(found) < 3:
             return
@@ -48,4 +59,3 @@ class StationMesh:
             found.reverse()
         self.cells.append(tuple(found))
         self.regions.append(band.name)
-        self.bands[band.name] = band

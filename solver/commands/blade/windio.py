@@ -21,6 +21,28 @@ from .hub import NO_HUB, Hub, read_hub
 from .materials import read_materials
 from .tables import Table, Tables
 
+# Keys of windIO 2.1.
+SHAPE = (
+    "chord",
+    "twist",
+    "rthick",
+    "section_offset_y",
+    "section_offset_x",
+    "airfoils",
+    "surface",
+)
+LAYER = (
+    "name",
+    "material",
+    "web",
+    "thickness",
+    "n_plies",
+    "fiber_orientation",
+    "start_nd_arc",
+    "end_nd_arc",
+)
+WEB = ("name", "start_nd_arc", "end_nd_arc", "anchors", "flanges")
+
 
 @dataclass(frozen=True)
 class Layer:
@@ -122,8 +144,20 @@ def read_blade(file: Path) -> Blade:
         height=optional(shape, "outer_shape.section_offset_x"),
         glue=glue,
         hub=read_hub(top),
-        left_out=tuple(_left_out(tables, structure)),
+        left_out=(*_left_out(tables, structure), *_unknown(tables, shape, structure)),
     )
+
+
+def _unknown(tables: Tables, shape: Table, structure: Table) -> Iterator[str]:
+    """Yield keys of the outer shape, the layers and the webs that windIO does not have."""
+    parts: list[tuple[str, Table, tuple[str, ...]]] = [("outer_shape", shape, SHAPE)]
+    for path, keys in (("structure.layers", LAYER), ("structure.webs", WEB)):
+        entries = tables.entries(structure, path)
+        parts += [(f"{path}[{i}]", entry, keys) for i, entry in enumerate(entries)]
+    for path, entry, known in parts:
+        for key in entry:
+            if key not in known:
+                yield f"{path}: unknown key {key!r}{nearest(str(key), known)}"
 
 
 def _left_out(tables: Tables, structure: Table) -> Iterator[str]:

@@ -43,6 +43,7 @@ from .step_control import (
     NEXT,
     NONE,
     PAUSED,
+    TENSE,
     TIME,
     TOO_ROUGH,
     TOO_SMALL,
@@ -54,6 +55,7 @@ from .step_control import (
     next_step,
     refuse,
 )
+from .tension import count_refusal, freeze_tension, judge
 
 
 @lean
@@ -78,7 +80,7 @@ def advance_alpha(
     for i in range(options.atol.shape[0]):
         tightest = min(tightest, options.atol[i])
     opening = options.rtol + tightest  # of constraints after a correction
-    taken = 0
+    taken, refused = 0, 0.0  # steps; the last that Newton's iteration refused, or 0
     while clock[TIME] < options.t_end:
         if taken == most_steps:
             return PAUSED, filled
@@ -98,6 +100,15 @@ def advance_alpha(
             counts[EVALUATIONS] += 1
             if iteration == 1:
                 freeze(model, work, t_new, stage, frozen)
+                if clock[TENSE] > 0.0 or refused > 0.0:
+                    forces = workspace.stage_multipliers
+                    freeze_tension(model, work, t_new, stage, forces, frozen.tension)
+                if refused > 0.0:
+                    s_squared = scheme.to_a / refused**2
+                    count_refusal(model, clock, frozen.M, frozen.tension, s_squared)
+                    refused = 0.0
+                if not clock[TENSE] > 0.0:
+                    frozen.tension[:] = 0.0
                 to_d = h * scheme.to_v
                 factorise_pencil(model, frozen, real, scheme.to_a, to_d, h * h)
                 if feeds:  # its rows are those of the pencil, times h^2
@@ -194,6 +205,8 @@ def advance_alpha(
                 counts[TROUBLE] = ILL
 
         if counts[TROUBLE] != NONE:
+            judge(clock)
+            refused = h if counts[TROUBLE] == NEWTON else 0.0
             rough = counts[TROUBLE] == TOO_ROUGH
             factor = max(MIN_FACTOR, min(MAX_FACTOR, factor)) if rough else 0.25
             code = refuse(options, clock, counts, h, factor)
@@ -216,6 +229,7 @@ def advance_alpha(
         factor = max(MIN_FACTOR, min(MAX_FACTOR, factor))
         clock[NEXT] = h if 1.0 <= factor < HYSTERESIS else h * factor
         count_step(clock, counts, h, t_new)
+        judge(clock)
         keep_end(ends, taken, t_new, workspace.y)
         taken += 1
         while filled < times.shape[0] and times[filled] <= t_new:

@@ -11,7 +11,7 @@ from ...math.arrays import Array, IntArray
 from ...math.compiled import structure
 from .elements import start_forces
 from .pencil import Frozen, Pencil, new_frozen, new_pencil
-from .step_control import N_COUNT, NEXT, TIME
+from .step_control import N_CLOCK, N_COUNT, NEXT, OTHER, SINCE, TIME
 
 # Entries of `clock` after those of every loop (step_control.py): power at the ends of the last
 # step.
@@ -45,7 +45,7 @@ class AlphaWorkspace(NamedTuple):
     weight: Array  # (n,)
     zero: Array  # (nb, n)
     no_load: Array  # (n_c,)
-    clock: Array  # (5,)
+    clock: Array  # (N_CLOCK,)
     counts: IntArray  # (N_COUNT,) see step_control.py
     apart: IntArray  # (N_COUNT,) of what is no part of a step: joints closed at output times
 
@@ -79,12 +79,13 @@ def new_alpha_workspace(
         np.zeros(n),
         np.zeros((model.n_body, model.plan.widest)),
         np.zeros(n_c),
-        np.zeros(5),
+        np.zeros(N_CLOCK),
         np.zeros(N_COUNT, dtype=np.int64),
         np.zeros(N_COUNT, dtype=np.int64),
     )
     workspace.clock[TIME], workspace.clock[NEXT] = t, first_step
     workspace.clock[POWER] = rate[n - 1]
+    workspace.clock[SINCE], workspace.clock[OTHER] = t, np.inf
     workspace.multipliers[:n_c] = multipliers
     workspace.work.multipliers[:] = multipliers
     evaluate(model, workspace.work, t, y)

@@ -44,10 +44,10 @@ def new_cutoff(model: Model, frozen: Frozen, least: Array) -> Cutoff:
     """Return memory; `least` (n_e,) is the least stiffness that elements have had.
 
     A stop that stands open, or a spring that goes slack, has no stiffness then: its contact is an
-    event of the motion, and stays under error control.
+    event of the motion, and stays under error control. So do motions that tension holds.
     """
     n = state_size(model)
-    held = frozen._replace(stiffness=least)
+    held = frozen._replace(stiffness=least, tension=np.zeros_like(frozen.tension))
     return Cutoff(new_pencil(model, 1.0), held, np.zeros(n), np.zeros(3))
 
 

@@ -17,7 +17,7 @@ from ...math.compiled import inlined, lean
 
 
 @inlined
-def _evaluate_rows(model: Model, work: Work, e: int) -> int:
+def element_rows_at(model: Model, work: Work, e: int) -> int:
     """Fill work.element_used with the rows of element e at the last evaluation; return how many."""
     plan = model.plan
     begin, end = plan.element_start[e], plan.element_start[e + 1]
@@ -44,7 +44,7 @@ def freeze_elements(model: Model, work: Work, stiffness: Array, damping: Array, 
     """Fill stiffness and damping (n_e,) and the columns of elements in J (nb, n, r)."""
     plan = model.plan
     for e in range(model.force_kind.shape[0]):
-        count, begin = _evaluate_rows(model, work, e), plan.element_start[e]
+        count, begin = element_rows_at(model, work, e), plan.element_start[e]
         for k in range(count):
             stiffness[begin + k] = work.element_used[k, STIFFNESS]
             damping[begin + k] = work.element_used[k, DAMPING]
@@ -68,7 +68,7 @@ def element_residual(model: Model, work: Work, forces: Array, load: Array, gamma
     plan = model.plan
     first = model.n_constraint + plan.added_start[model.n_body]
     for e in range(model.force_kind.shape[0]):
-        count, begin = _evaluate_rows(model, work, e), first + plan.element_start[e]
+        count, begin = element_rows_at(model, work, e), first + plan.element_start[e]
         for k in range(count):
             gamma[begin + k] = forces[begin + k] - work.element_used[k, FORCE]
         for side in range(2):
@@ -88,6 +88,6 @@ def start_forces(model: Model, work: Work, forces: Array) -> None:
     """Fill the entries of elements in forces (n_r,) with k e + c edot of the last evaluation."""
     first = model.n_constraint + model.plan.added_start[model.n_body]
     for e in range(model.force_kind.shape[0]):
-        count, begin = _evaluate_rows(model, work, e), first + model.plan.element_start[e]
+        count, begin = element_rows_at(model, work, e), first + model.plan.element_start[e]
         for k in range(count):
             forces[begin + k] = work.element_used[k, FORCE]

@@ -1,7 +1,8 @@
 """Newton's matrix of an implicit step, with the structure of a mechanism.
 
 Of the derivatives of the equations only what can be stiff is kept: stiffness K and damping D of
-the modes, and those of the force elements, sum g'(k + s c) g. With a rate of s per change
+the modes, that of rotations by tension (tension.py) in K where it is in use, and those of the force
+elements, sum g'(k + s c) g. With a rate of s per change
 (s = gamma / h, real or complex), a change x of positions along the velocity coordinates, delta v
 of velocities and mu of multipliers answers residuals
 
@@ -46,6 +47,7 @@ from .feedback import (
     new_answers,
     new_feedback,
 )
+from .tension import add_tension
 
 NOTHING = 1e-100  # of stiffness and damping: an element that holds nothing in a direction
 
@@ -79,6 +81,7 @@ class Frozen(NamedTuple):
     auxiliary: Array  # (na,) derivatives of the rates of auxiliary states by themselves [1/s]
     coupled: Array  # (n, 3) of forces with states of their own (coupled_states.py)
     feedback: Feedback
+    tension: Array  # (nb, n, n) of rotations and modes, lower triangles; 0: not in use (tension.py)
 
 
 def new_pencil(model: Model, one: Any) -> Pencil:
@@ -113,6 +116,7 @@ def new_frozen(model: Model) -> Frozen:
         np.zeros(model.n_aux),
         np.zeros((model.quantities.coupled_force.shape[0], 3)),
         new_feedback(model),
+        np.zeros((nb, n, n)),
     )
     place_added_rows(model, frozen.J)
     return frozen
@@ -173,6 +177,8 @@ def _factorise(
             for b in range(0 if plan.lead[i] > 6 else a, a + 1):
                 k = two + a * m + b
                 L[6 + a, 6 + b] += stiffness * model.K_qq[k] + damping * model.D_qq[k]
+        s_squared = abs(mass / stiffness)
+        add_tension(frozen.tension[i], M, n, plan.lead[i], s_squared, stiffness, L)
         add_inertia(model, i, mass, L, softness)
     fed = mass + 2.0 * model.alpha * damping + model.beta**2 * stiffness
     for k in range(n_c):

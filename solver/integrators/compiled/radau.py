@@ -48,6 +48,7 @@ from .step_control import (
     RATE,
     ROUGH,
     TAKEN,
+    TENSE,
     TIME,
     TOO_ROUGH,
     TOO_SMALL,
@@ -60,6 +61,7 @@ from .step_control import (
     refuse,
 )
 from .tableau import MU, NU, C
+from .tension import count_refusal, freeze_tension, judge
 
 MAX_ITERATIONS = 10
 DIVERGES = 10.0  # the second correction over the first
@@ -106,6 +108,7 @@ def advance(
     most = 2 * MAX_ITERATIONS if fixed else MAX_ITERATIONS
     tolerance = max(2e-15 / options.rtol, min(0.01, options.rtol**0.5))
     taken, failures, stored, ringing = 0, 0, 0.0, False
+    refused = 0.0  # by Newton's iteration: the last step, or 0
     if w_c > 0.0:
         stored = energy(model, work, clock[TIME], workspace.y, workspace.cutoff.parts)
     while clock[TIME] < options.t_end:
@@ -139,6 +142,16 @@ def advance(
                 )
                 if iteration == 1 and k == 1:
                     freeze(model, work, t + C[k] * h, stage, frozen)
+                    if clock[TENSE] > 0.0 or refused > 0.0:
+                        forces = workspace.multipliers[k]
+                        at = t + C[k] * h
+                        freeze_tension(model, work, at, stage, forces, frozen.tension)
+                    if refused > 0.0:
+                        s_squared = (MU / refused) ** 2
+                        count_refusal(model, clock, frozen.M, frozen.tension, s_squared)
+                        refused = 0.0
+                    if not clock[TENSE] > 0.0:
+                        frozen.tension[:] = 0.0
             if iteration == 1:
                 counts[FACTORISATIONS] += factorise_stages(model, workspace, h)
                 counts[JACOBIANS] += 1
@@ -229,8 +242,9 @@ def advance(
             counts[TROUBLE] = ILL
 
         if counts[TROUBLE] != NONE:
+            judge(clock)
             if counts[TROUBLE] == NEWTON:
-                failures += 1
+                failures, refused = failures + 1, h
                 factor = SHORTER if failures == 1 else MUCH_SHORTER
                 clock[LIMIT], clock[GROWTH] = h * factor / CAUTION, 1.0
                 workspace.blamed[largest_component(stage, workspace.weight)] += (
@@ -270,6 +284,7 @@ def advance(
         clock[ROUGH] *= RELAX_ROUGH if error > OVER else RELAX_OVER
         clock[ERROR_LAST] = error
         count_step(clock, counts, h, t_new)
+        judge(clock)
         keep_end(ends, taken, t_new, workspace.y)
         taken, failures = taken + 1, 0
         while filled < times.shape[0] and times[filled] <= t_new:

@@ -12,7 +12,20 @@ from ...math.compiled import structure
 from .cutoff import Cutoff, new_cutoff
 from .elements import start_forces
 from .pencil import Frozen, Pencil, new_frozen, new_pencil
-from .step_control import ERROR_LAST, GROWTH, LIMIT, N_COUNT, NEXT, RATE, ROUGH, TAKEN, TIME
+from .step_control import (
+    ERROR_LAST,
+    GROWTH,
+    LIMIT,
+    N_CLOCK,
+    N_COUNT,
+    NEXT,
+    OTHER,
+    RATE,
+    ROUGH,
+    SINCE,
+    TAKEN,
+    TIME,
+)
 
 
 @structure
@@ -41,7 +54,7 @@ class RadauWorkspace(NamedTuple):
     cutoff: Cutoff
     least: Array  # (n_e,) stiffness that elements have had [N/m, N m/rad]
     damped: Array  # (1,) energy lost above the cutoff [J]
-    clock: Array  # (9,)
+    clock: Array  # (N_CLOCK,)
     counts: IntArray  # (N_COUNT,)
     blamed: IntArray  # (n,) refusals that each component was the reason of
     apart: IntArray  # (N_COUNT,) of what is no part of a step: joints closed at output times
@@ -82,13 +95,14 @@ def new_radau_workspace(
         new_cutoff(model, frozen, least),
         least,
         np.zeros(1),
-        np.zeros(9),
+        np.zeros(N_CLOCK),
         np.zeros(N_COUNT, dtype=np.int64),
         np.zeros(n, dtype=np.int64),
         np.zeros(N_COUNT, dtype=np.int64),
     )
     workspace.clock[TIME], workspace.clock[NEXT], workspace.clock[ERROR_LAST] = t, first_step, 1.0
     workspace.clock[LIMIT], workspace.clock[ROUGH], workspace.clock[GROWTH] = 1e300, 1e300, 1.0
+    workspace.clock[SINCE], workspace.clock[OTHER] = t, np.inf
     restart_radau(model, workspace, t, y, rate, multipliers)
     return workspace
 

@@ -12,6 +12,10 @@ ARRIVED, PAUSED, TOO_SMALL, NOT_FINITE, REFUSED, GOES_ON = 0, 1, 2, 3, 4, 5
 # last step that was too rough; growth of the limit with the next step, after an iteration failed.
 TIME, NEXT, TAKEN = 0, 1, 2
 ERROR_LAST, RATE, LIMIT, CUTOFF, ROUGH, GROWTH = 3, 4, 5, 6, 7, 8
+# Of the choice of Newton's matrix (tension.py): whether tension is in it; attempts under judgement,
+# those that the iteration refused for tension, when they began; pace of the other [s per attempt].
+TENSE, TRIED, REFUSALS, SINCE, OTHER = 9, 10, 11, 12, 13
+N_CLOCK = 14
 # Entries of `counts`.
 STEPS, REJECTED, EVALUATIONS, FACTORISATIONS, BAD, TROUBLE = 0, 1, 2, 3, 4, 5
 JACOBIANS = 6
