@@ -28,14 +28,14 @@ def error_of_edges(mesh: CellMesh, modulus: Array) -> float:
     A parabola through the ends and the middle of an arc of angle 2 phi has the radius
     R (1 - a^2 s^2 (1 - s^2) / 2), a = 1 - cos phi, -1 < s < 1: a^2 / 15 too small on average. The
     cell inside the arc lacks this area, the one outside has it too much. Of the axial stiffness and
-    its second moments, the one that changes most counts.
+    its second moments about the origin, to which K refers, the one that changes most counts.
 
     Parameters
     ----------
     modulus : (c,) Young's modulus of the cells along the beam [Pa]
     """
     places, size = mesh.middles, np.zeros(mesh.n_cell)
-    ends_of = np.zeros((mesh.n_cell, 2))  # mean square distance of the corners from the middle
+    corner = np.zeros((mesh.n_cell, 2))  # mean of the squares of the corners' distances
     own: list[Array] = []
     at_edges: list[Array] = []
     for (kind, rows), shape in zip(mesh.of_kinds, mesh.shapes, strict=True):
@@ -50,21 +50,18 @@ def error_of_edges(mesh: CellMesh, modulus: Array) -> float:
         outward = chord[..., 1] * bow[..., 0] - chord[..., 0] * bow[..., 1]
         sliver *= np.where(rise > 0.0, np.sign(outward), 0.0)
         corners = shape[:, : CORNERS[kind]]
-        ends_of[rows] = np.mean((corners - places[rows, None]) ** 2, axis=1)
         following = np.roll(corners, -1, axis=1)
         size[rows] = 0.5 * np.sum(
             corners[..., 0] * following[..., 1] - corners[..., 1] * following[..., 0], axis=1
         )
+        corner[rows] = np.mean((corners - places[rows, None]) ** 2, axis=1)
         own.append((sliver * modulus[rows, None]).ravel())
         at_edges.append(middles.reshape(-1, 2))
     lost, where = np.concatenate(own), np.concatenate(at_edges)
     weight = modulus * size
-    centre = weight @ places / weight.sum()
     share = [lost.sum() / weight.sum()]
-    # the moments of one row of cells are their own: a third of `ends_of` for parallelograms
-    own_moments = weight @ ends_of / 3.0
-    moments = np.maximum(weight @ (places - centre) ** 2, own_moments)
-    share += (lost @ (where - centre) ** 2 / moments).tolist()
+    # second moment of a rectangle about its middle: a third of that of its corners
+    share += list(lost @ where**2 / (weight @ (places**2 + corner / 3.0)))
     return float(np.abs(share).max())
 
 

@@ -13,6 +13,7 @@ from functools import partial
 import numpy as np
 
 from ..dynamics.constraints.treatment import PASSES_SINGULAR
+from ..dynamics.dependence import is_tree
 from ..dynamics.independence import CERTAIN, begin
 from ..dynamics.model import Model
 from ..errors import few
@@ -48,7 +49,8 @@ class SingularityMonitor:
     position lies in them: that is linear in the number of bodies. A step without certificate is
     divided; where that does not help, or where the pivot is small beside its largest in the run,
     the smallest singular value sigma that counts is computed. It has passed through zero where
-    it falls at the beginning of a step and rises at its end, steeply enough.
+    it falls at the beginning of a step and rises at its end, steeply enough. A mechanism without
+    loops has no singular positions.
     """
 
     model: Model
@@ -77,6 +79,10 @@ class SingularityMonitor:
         if self._rank.count:
             self._known = self._rank.decompose(t, y)
             self._keep_independent(t, y)
+            if not self.model.redundant and is_tree(self.model):
+                # No row ever depends on others. In steps of a long chain the certificate would be
+                # divided as often as there are links, to find that.
+                self._observation.regular[0] = np.sqrt(self._low * self._high)
         energy, pivot = np.empty((1, 3)), np.empty(1)
         observe(self.model, self._observation, np.array([t]), y[None], energy, pivot)
         self.energy.take(np.array([t]), energy, y[-1:])

@@ -8,7 +8,8 @@ import pytest
 from section_cases import section
 
 from plymotion.preprocess.section import analyse
-from plymotion.preprocess.section.estimate import scaled
+from plymotion.preprocess.section.estimate import error_of_edges, scaled
+from plymotion.preprocess.section.mesh import section_mesh
 from plymotion.solver.inputs.section.shapes.library import expand
 
 SMALL = 0.05  # errors below this share of the worst one are irrelevant
@@ -89,6 +90,12 @@ def test_estimate_of_round_edges_by_closed_forms() -> None:
 
 
 @pytest.mark.one_end
+def test_straight_edges_have_no_error_of_arcs() -> None:
+    """Also with one row of cells, whose middles lie on one line."""
+    mesh = section_mesh(expand("rectangle", {"width": 1.0, "height": 1e-5, "elements_3": 1}), "x")
+    assert error_of_edges(mesh.cells, np.ones(mesh.cells.n_cell)) < 1e-15
+
+
 def test_refinement_meets_the_accuracy_and_says_what_it_cost() -> None:
     loose = analyse(section("21", 0.5))
     found = analyse(section("21", 0.5), accuracy=1e-4)

@@ -12,6 +12,8 @@ from plymotion.solver.dynamics.derivative import derivative_into
 from plymotion.solver.dynamics.series import along_solution
 from plymotion.solver.dynamics.workspace import new_work
 from plymotion.solver.integrators.generic import integrate
+from plymotion.solver.monitors.observation import observe
+from plymotion.solver.monitors.singularity import SingularityMonitor
 
 LINKS = 400
 
@@ -56,6 +58,22 @@ def test_radau_takes_a_long_chain_as_easily_as_a_short_one(long_chain):
         assert not made._workspace.frozen.softness.any()
         cost[n] = solution.counters.evaluations
     assert cost[LINKS] < 1.5 * cost[8]
+
+
+@pytest.mark.parametrize(("sample", "tree"), [(chain(3, "spherical"), True), (four_bars(1), False)])
+def test_steps_without_loops_need_no_certificate(sample, tree):
+    """Of a chain, every step has the pivot of the start, inside the limits."""
+    model, y0 = prepared(sample, Treatment("projection"))
+    names = [f"j{k}" for k in range(len(model.joint_kind))]
+    monitor = SingularityMonitor(model, names, "projection")
+    monitor.at_start(0.0, y0)
+    away = y0.copy()
+    away[[3, 6]] = np.cos(1.2), np.sin(1.2)
+    energy, pivots = np.empty((1, 3)), np.empty(1)
+    observe(model, monitor._observation, np.array([1e-3]), away[None], energy, pivots)
+    low, high = monitor._observation.limits
+    assert (monitor._observation.regular[0] == pivots[0]) == tree
+    assert low < pivots[0] < high
 
 
 def test_forces_of_a_long_chain_take_no_dense_matrices(long_chain, monkeypatch):
