@@ -3,13 +3,13 @@
 from collections.abc import Callable
 from typing import Any
 
-import dolfinx
 import numpy as np
 import ufl
 from dolfinx_forms import assembled
 from mpi4py import MPI
 
 from plymotion.preprocess import fenicsx
+from plymotion.preprocess.fenicsx.stack import dolfinx  # after MPI, which its wheel needs
 
 
 def held_compliance(

@@ -4,7 +4,6 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-import dolfinx
 import numpy as np
 import ufl
 from dolfinx_forms import assembled
@@ -14,6 +13,7 @@ from section_specs import rectangle_spec
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.beam.line import straight_line
 from plymotion.preprocess.beam.theory import section_stiffness
+from plymotion.preprocess.fenicsx.stack import dolfinx  # after MPI, which its wheel needs
 from plymotion.preprocess.materials import material_from_dict, ply_rotation, rotated
 from plymotion.preprocess.section import analyse
 

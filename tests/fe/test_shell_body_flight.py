@@ -37,7 +37,7 @@ def fly(package: ModalPackage, *, stiffening: bool = False) -> Array:
     y0[3] = 1.0
     y0[7 : 7 + m] = [4e-3, -1e-3, 5e-4]
     y0[7 + m : 13 + m] = [0.3, -0.2, 0.5, 2.0, 3.0, -4.0]
-    y = simulate(model, y0, np.linspace(0.0, 0.1, 5))
+    y = simulate(model, y0, np.linspace(0.0, 0.05, 5))
     energy = np.array([total_energy(model, state) for state in y])
     linear, angular = (np.array(part) for part in zip(*(momenta(model, s) for s in y), strict=True))
     assert np.abs(energy / energy[0] - 1.0).max() < 1e-8
