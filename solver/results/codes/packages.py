@@ -122,6 +122,16 @@ SHELL_CODES = (
         "use the default elements",
     ),
     _code(
+        "shell-triangles-warped",
+        "triangles are too large for the thickness of a warped shell, whose surface twists or is "
+        "curved in two directions: it is far too stiff",
+        "energy of rotations that the tilt of triangles turns into their planes, over the strain "
+        "energy of a load case or mode, above {limit:g}, and membranes with more than 0.02 of it "
+        "beyond their mean strain",
+        'use `element = "quadrilateral"` in `[mesh]`, or smaller cells',
+        2.0,
+    ),
+    _code(
         "shell-mesh-coarse",
         "the mesh of a shell is coarse for its load factors, or for its frequencies under load",
         "estimated relative error of the first one above {limit:g}",
