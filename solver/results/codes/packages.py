@@ -124,12 +124,11 @@ SHELL_CODES = (
     _code(
         "shell-triangles-warped",
         "triangles are too large for the thickness of a warped shell, whose surface twists or is "
-        "curved in two directions: it is far too stiff",
-        "energy of rotations that the tilt of triangles turns into their planes, over the strain "
-        "energy of a load case or mode, above {limit:g}, and membranes with more than 0.02 of it "
-        "beyond their mean strain",
+        "curved in two directions: it is too stiff",
+        "work of membranes on rotations of bending that the tilt of triangles turns into their "
+        "planes, over that of the shell in a load case or mode, above {limit:g}",
         'use `element = "quadrilateral"` in `[mesh]`, or smaller cells',
-        2.0,
+        0.1,
     ),
     _code(
         "shell-mesh-coarse",
