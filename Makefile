@@ -221,11 +221,11 @@ $(FENICSX_ENDS): $(FENICSX_TOOLS) tools/fe_tests.py | $(FENICSX)
 test: $(EMPTY) ## All of it: check with all tests, test-numba, test-fe, and every case in its coarse version
 	+@$(PY) tools/phases.py "$(MAKE)" test-setup:1000 check-all:2 test-cases:0 test-numba:0 test-fe:0
 
-# Nothing runs beside test-setup (more cores than there are): phases must not install at the same
-# time. The light environment comes first, because it takes longest; the rest is installed beside it.
+# Nothing runs beside test-setup (more cores than there are): two phases must not install the same.
+# The light environment comes first, because it takes longest; the rest is installed beside it. What
+# one phase alone needs, it installs itself (test-numba, test-fe), while the others use the cores.
 .PHONY: test-setup
-test-setup: $(COMPILED) $(TESTS) $(FENICSX_ENDS) build/numba-$(LOWEST_NUMBA)/installed \
-    $(EXCHANGE)/installed $(BROWSER)
+test-setup: $(COMPILED) $(TESTS) $(FENICSX) $(EXCHANGE)/installed $(BROWSER)
 
 # Nothing is compiled: that takes longer than this run.
 .PHONY: smoke
@@ -259,9 +259,10 @@ imports: $(TESTS) ## Allowed directions between modules: import-linter
 test-quick: $(TESTS) | $(COMPILED) ## The tests without FEniCSx but those that take long (tests/conftest.py)
 	$(PY) -m pytest tests --ignore tests/fe -m "not slow" -n 2 --dist worksteal -q --durations=10
 
+# Three processes on two cores: tests that wait for a command or a signal leave one idle.
 .PHONY: test-light
 test-light: $(TESTS) | $(COMPILED) ## Tests without FEniCSx, on two cores
-	$(PY) -m pytest tests --ignore tests/fe -n 2 --dist worksteal -q --durations=10
+	$(PY) -m pytest tests --ignore tests/fe -n 3 --dist worksteal -q --durations=10
 
 # The tests of tests/hostile with many more tries. It goes on where it was interrupted; ATTACK_OPTIONS
 # are those of pytest. `python tools/attack_table.py build/attack/counts.jsonl` then writes the table
@@ -306,7 +307,7 @@ test-exchange: $(EXCHANGE)/installed $(TESTS) | $(COMPILED) ## Bodies from and t
 	$(PY) -m pytest tests/exchange -n 2 -q --durations=5
 
 .PHONY: test-fe
-test-fe: $(TESTS) ## FE tests on the distribution's DOLFINx and on the wheel, with every core type
+test-fe: $(TESTS) $(FENICSX_ENDS) ## FE tests on the distribution's DOLFINx and on the wheel, with every core type
 	$(PY) tools/fe_tests.py
 
 # The cores work on several cases at once, so each runs in one process.

@@ -22,6 +22,8 @@ not interpolated separately.
 """
 
 from dataclasses import dataclass
+from functools import cache, cached_property
+from typing import Any
 
 import numpy as np
 
@@ -34,6 +36,7 @@ Z[1, 5], Z[2, 4] = 1.0, -1.0
 Q = -Z.T
 
 MASS_POINTS = 4  # N' m N has degree 6 in x: four Gauss points are exact
+MASS = "k,kai,ab,kbj->ij"  # int N' m N dx: weights, N, m, N
 
 
 def scaled_inverse(A: Array) -> Array:
@@ -61,6 +64,7 @@ class BeamElement:
     length: float
     K: Array
 
+    @cached_property
     def _compliance(self) -> Array:
         return scaled_inverse(self.K)
 
@@ -79,15 +83,16 @@ class BeamElement:
 
     def _line_flexibility(self, x: Array) -> Array:
         """Displacement at `x` per resultants at node 1, node 1 held: C(x), (k, 6, 6)."""
-        S = self._compliance()
+        S = self._compliance
         s = np.asarray(x)[:, None, None]
         return S * s + (Z @ S + S @ Q) * s**2 / 2 + Z @ S @ Q * s**3 / 6
 
     def flexibility(self) -> Array:
         """Deformation energy per resultants at node 1: int_0^L T' K^-1 T dx, (6, 6)."""
-        S, L = self._compliance(), self.length
+        S, L = self._compliance, self.length
         return S * L + (Q.T @ S + S @ Q) * L**2 / 2 + Q.T @ S @ Q * L**3 / 3
 
+    @cached_property
     def _resultants(self) -> Array:
         """Resultants at node 1 per nodal displacements, (6, 12)."""
         # C(L) = T(L)^-T flexibility: only the symmetric matrix has to be inverted.
@@ -107,11 +112,11 @@ class BeamElement:
         """
         rigid = np.zeros((len(x), 6, 12))
         rigid[:, :, :6] = np.eye(6) + np.asarray(x)[:, None, None] * Z
-        return rigid + self._line_flexibility(x) @ self._resultants()
+        return rigid + self._line_flexibility(x) @ self._resultants
 
     def strain(self, x: Array) -> Array:
         """Strain matrix B(x): e6(x) per nodal displacements, (k, 6, 12)."""
-        return self._compliance() @ self.equilibrium(x) @ self._resultants()
+        return self._compliance @ self.equilibrium(x) @ self._resultants
 
     def stiffness(self) -> Array:
         """Element stiffness by the inverse of the flexibility, (12, 12).
@@ -141,7 +146,7 @@ class BeamElement:
         """
         x, w = gauss(self.length, MASS_POINTS)
         N = self.shape(x)
-        M = np.einsum("k,kai,ab,kbj->ij", w, N, mass, N, optimize=True)
+        M = np.einsum(MASS, w, N, mass, N, optimize=_mass_path())
         return 0.5 * (M + M.T)
 
     def lumped_mass(self, mass: Array) -> Array:
@@ -156,7 +161,20 @@ class BeamElement:
         return M
 
 
+@cache
+def _mass_path() -> list[Any]:
+    """Order of the products in MASS; the same for all elements, and slower to find than to use."""
+    N = np.empty((MASS_POINTS, 6, 12))
+    path: list[Any] = np.einsum_path(MASS, N[:, 0, 0], N, N[0, :, :6], N, optimize=True)[0]
+    return path
+
+
+@cache
+def _gauss_rule(n: int) -> tuple[Array, Array]:
+    return np.polynomial.legendre.leggauss(n)
+
+
 def gauss(length: float, n: int) -> tuple[Array, Array]:
     """Gauss points and weights on [0, length], each (n,) [m]."""
-    x, w = np.polynomial.legendre.leggauss(n)
+    x, w = _gauss_rule(n)
     return 0.5 * length * (x + 1.0), 0.5 * length * w

@@ -30,6 +30,7 @@ def is_tree(model: Model) -> bool:
     if model.quantities.coupling_start.shape[0] > 1:
         return False
     root, pairs = list(range(model.n_body + 1)), set()
+    driven: set[tuple[int, ...]] = set()
 
     def group(body: int) -> int:
         while root[body] != body:
@@ -39,6 +40,9 @@ def is_tree(model: Model) -> bool:
 
     for kind, ends in zip(model.joint_kind, model.joint_marker.tolist(), strict=True):
         if kind in _DRIVES and tuple(ends) in pairs:
+            if (int(kind), *ends) in driven:
+                return False
+            driven.add((int(kind), *ends))
             continue
         one, two = (group(int(model.marker_body[k]) % (model.n_body + 1)) for k in ends)
         if one == two:

@@ -73,7 +73,8 @@ def validate(path: str | Path) -> list[Remark]:
             findings = identity_notes(path, file, kind.format)
             layout = kind.layout(file[kind.format.group])
             findings += layout + _attributes(file, kind.format)
-            findings += view_findings(file, *kind.mesh) + checksum_findings(file, kind.format)
+            findings += view_findings(file, *kind.mesh)
+            findings += checksum_findings(file, kind.format, whole=True)
             if any(f.level == "error" for f in layout):
                 return findings
             package = kind.load(file)

@@ -15,20 +15,23 @@ from plymotion.solver.inputs.case.specs import write_case
 pytestmark = pytest.mark.skipif(find_spec("numba") is None, reason="Numba is not installed")
 
 # The runs of FILES (name: file and changes of its solver), each in a process of its own: a fork of
-# one that has imported all it needs and called nothing. Each writes, as a line, its name, the
-# names of functions that had to be compiled, the number of those that were loaded, and whether
-# Numba was imported.
+# one that has read their files and packages and called no compiled function. Each writes, as a
+# line, its name, the names of functions that had to be compiled, the number of those that were
+# loaded, and whether Numba was imported.
 EACH_RUN = """
-import json, os, sys
+import gc, json, os, sys
 from pathlib import Path
 from plymotion.solver.math.compiled import statistics
 from plymotion.solver.run.execution import execute, read_run
-assert not statistics.loaded and not statistics.compiled
+specs = {}
 for name, (file, options) in json.loads(sys.argv[1]).items():
+    specs[name] = read_run(Path(file)).changed({f"solver.{k}": v for k, v in options.items()})
+gc.collect(), gc.freeze()
+assert not statistics.loaded and not statistics.compiled
+for name, spec in specs.items():
     if os.fork():
         assert os.wait()[1] == 0, f"{name} failed, see above"
         continue
-    spec = read_run(Path(file)).changed({f"solver.{k}": v for k, v in options.items()})
     result, summary = execute(spec, progress=False)
     assert summary["completed"], summary
     row = [name, statistics.compiled, len(statistics.loaded), "numba" in sys.modules]

@@ -15,6 +15,9 @@ from second_python import needs_other_python
 
 from plymotion.solver.errors import PackageError
 from plymotion.solver.package import ModalPackage, from_stations, read_package, write_package
+from plymotion.solver.package.body.layout import MODAL_PACKAGE
+from plymotion.solver.package.common import identity
+from plymotion.solver.package.common.container import open_file
 
 ROOT = Path(__file__).resolve().parents[2]
 DATA = "/modal_package"
@@ -251,6 +254,19 @@ def test_altered_number_fails_the_checksum(file: Path) -> None:
         h5[f"{DATA}/modes/stiffness"][0, 0] *= 1 + 1e-15 * 5
 
     assert "content_sha256: content was altered after writing" in altered(file, change)
+
+
+def test_bytes_that_the_seal_covers_are_not_compared_twice(
+    file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(identity, "content_sha256", lambda *_, **__: "another content")
+    with open_file(file, PackageError) as h5:
+        assert identity.checksum_findings(h5, MODAL_PACKAGE) == []
+        assert identity.checksum_findings(h5, MODAL_PACKAGE, whole=True) != []
+    with h5py.File(file, "r+") as h5:  # takes the seal away
+        h5.attrs["remark"] = 1
+    with open_file(file, PackageError) as h5:
+        assert identity.checksum_findings(h5, MODAL_PACKAGE) != []
 
 
 def test_altered_unit_fails_the_checksum(file: Path) -> None:

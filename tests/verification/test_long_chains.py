@@ -9,9 +9,12 @@ from two_body_samples import two_bodies
 from plymotion.solver.dynamics.constraints.treatment import Treatment
 from plymotion.solver.dynamics.dependence import REGULAR, is_tree
 from plymotion.solver.dynamics.derivative import derivative_into
+from plymotion.solver.dynamics.freedom import degrees_of_freedom
+from plymotion.solver.dynamics.joints.table import DRIVES, NAMES
 from plymotion.solver.dynamics.series import along_solution
 from plymotion.solver.dynamics.workspace import new_work
 from plymotion.solver.integrators.generic import integrate
+from plymotion.solver.math.laws import polynomial
 from plymotion.solver.monitors.observation import observe
 from plymotion.solver.monitors.singularity import SingularityMonitor
 
@@ -36,6 +39,30 @@ def long_chain():
 )
 def test_mechanisms_without_loops_are_trees(sample, tree):
     assert is_tree(prepared(sample(), Treatment("projection"))[0]) == tree
+
+
+def test_a_chain_of_1500_links_starts_without_dense_matrices(monkeypatch):
+    """Its smallest singular value, 3e-7, alone would say that rows may depend on each other."""
+
+    def refuse(*arrays, **options):
+        raise AssertionError("a dense decomposition")
+
+    monkeypatch.setattr(np.linalg, "svd", refuse)
+    monkeypatch.setattr(np.linalg, "lstsq", refuse)
+    model, y0 = prepared(chain(1500), Treatment("projection"))
+    assert model.redundant == 0
+    assert degrees_of_freedom(model, y0) == 1500
+
+
+def test_a_joint_that_is_driven_twice_is_no_tree():
+    model = two_bodies(400.0, drive=polynomial([0.0, 1.0])).model
+    drives = np.flatnonzero([NAMES[kind] in DRIVES for kind in model.joint_kind])
+    assert is_tree(model)
+    again = [*range(len(model.joint_kind)), drives[0]]
+    twice = model._replace(
+        joint_kind=model.joint_kind[again], joint_marker=model.joint_marker[again]
+    )
+    assert not is_tree(twice)
 
 
 def test_pivots_of_a_long_chain_are_as_small_as_those_of_dependent_rows(long_chain):

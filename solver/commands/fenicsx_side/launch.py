@@ -17,6 +17,9 @@ import plymotion
 Line = dict[str, Any]  # {"progress": text}, or an outcome as in preprocess/batch.py
 # Variables of this process's MPI job, if any; a worker must not join it.
 LAUNCHER = ("OMPI_", "PMI_", "PMIX_", "MPI_LOCAL")
+# A worker is one process and starts no other ranks. Open MPI then needs neither its daemon nor
+# networks; to start the one and look for the others takes it 0.4 s. Others ignore the variables.
+ONE_RANK = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_pml": "ob1"}
 
 
 @contextmanager
@@ -48,6 +51,7 @@ def environment(folder: Path) -> dict[str, str]:
     }
     paths = [str(folder), *filter(None, [variables.get("PYTHONPATH")])]
     variables["PYTHONPATH"] = os.pathsep.join(paths)
+    variables |= ONE_RANK
     variables.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads do not help with small matrices
     return variables
 

@@ -146,6 +146,14 @@ def has_right_seal(path: Path) -> bool:
         return False
 
 
+def has_seal(path: Path) -> bool:
+    """Tell whether a file ends with a seal, right or wrong: `sealed_bytes` compares it."""
+    with path.open("rb") as file:
+        size = file.seek(0, os.SEEK_END)
+        file.seek(max(size - LENGTH, 0))
+        return file.read(len(SEAL)) == SEAL
+
+
 def sealed_bytes(file: BinaryIO) -> bool:
     """Tell whether all bytes of a file are as they were written; true for one without a seal."""
     size = file.seek(0, os.SEEK_END)
