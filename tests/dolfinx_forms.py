@@ -6,27 +6,36 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
+import ufl
+from dolfinx_spaces import (
+    LabelledMesh,
+    basix_ufl,
+    cell_dofs,
+    cell_name,
+    function_space,
+    labelled_mesh,
+    quiet,
+)
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx.gmsh_model import plain_from_model
-from plymotion.preprocess.fenicsx.spaces import function_space
-from plymotion.preprocess.fenicsx.stack import basix_ufl, dolfinx, quiet, ufl
+from plymotion.preprocess.fenicsx.stack import dolfinx
 
 
-def mesh_from_geo(path: Path, parameters: dict[str, Any]) -> fenicsx.LabelledMesh:
+def mesh_from_geo(path: Path, parameters: dict[str, Any]) -> LabelledMesh:
     """Mesh a gmsh script with values for its parameters."""
-    return fenicsx.labelled_mesh(fenicsx.run_script(path, parameters, gdim=2))
+    return labelled_mesh(fenicsx.run_script(path, parameters, gdim=2))
 
 
-def mesh_from_model() -> fenicsx.LabelledMesh:
+def mesh_from_model() -> LabelledMesh:
     """Convert the current plane gmsh model; every surface needs one physical group."""
-    return fenicsx.labelled_mesh(plain_from_model("gmsh model", 2))
+    return labelled_mesh(plain_from_model("gmsh model", 2))
 
 
 def cell_function(mesh: Any, values: Any) -> Any:
     """A function with one constant value (or tensor) in each cell, values (n_cell, ...)."""
     table = np.asarray(values, dtype=float)
-    shape, name = table.shape[1:], fenicsx.cell_name(mesh)
+    shape, name = table.shape[1:], cell_name(mesh)
     if basix_ufl is not None:
         element = basix_ufl.element("DG", name, 0, shape=shape)
     else:
@@ -36,7 +45,7 @@ def cell_function(mesh: Any, values: Any) -> Any:
         else:
             element = ufl.FiniteElement(family, mesh.ufl_cell(), 0)
     found = dolfinx.fem.Function(function_space(mesh, element))
-    rows = fenicsx.cell_dofs(found.function_space)[:, 0]
+    rows = cell_dofs(found.function_space)[:, 0]
     array = found.x.array.reshape(rows.size, -1)
     array[rows] = table.reshape(rows.size, -1)
     return found

@@ -10,11 +10,21 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
+import ufl
 from dolfinx_forms import assembled, cell_function, compile_forms
+from dolfinx_spaces import (
+    basix_ufl,
+    cell_name,
+    dof_coordinates,
+    function_space,
+    labelled_mesh,
+    original_cells,
+    quiet,
+)
 from numpy.typing import NDArray
 
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.fenicsx.stack import basix_ufl, dolfinx, quiet, ufl
+from plymotion.preprocess.fenicsx.stack import dolfinx
 
 Array = NDArray[np.float64]
 DRILLING = 1.0  # stiffness of the turn about the normal against that of the surface, over A66
@@ -31,9 +41,9 @@ class UflShell:
     """
 
     def __init__(self, plain: Any, stiffness: Any, direction_G: Any) -> None:
-        self.plain, self.labelled = plain, fenicsx.labelled_mesh(plain)
+        self.plain, self.labelled = plain, labelled_mesh(plain)
         mesh = self.labelled.mesh
-        corners = plain.points[plain.cells[np.asarray(mesh.topology.original_cell_index)]]
+        corners = plain.points[plain.cells[original_cells(mesh)]]
         normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         normal /= np.linalg.norm(normal, axis=1)[:, None]
         regions = [plain.regions[label - 1] for label in self.labelled.cell_labels]
@@ -106,7 +116,7 @@ class UflShell:
         """Places (n, 3) [m] and numbers (n,) of the unknowns of one component."""
         with quiet():
             space, numbers = self.space.sub(field).sub(row).collapse()
-        return fenicsx.dof_coordinates(space), np.ravel(numbers).astype(np.int64)
+        return dof_coordinates(space), np.ravel(numbers).astype(np.int64)
 
     def fix(self, names: str, where: Callable[[Array], Any]) -> None:
         """Hold components such as "ux rz" at the nodes whose places (n, 3) `where` says."""
@@ -161,7 +171,7 @@ def _part(matrix: sp.csr_matrix, rows: NDArray[np.int64]) -> sp.csr_matrix:
 
 def _space(mesh: Any) -> Any:
     if basix_ufl is not None:
-        name = fenicsx.cell_name(mesh)
+        name = cell_name(mesh)
         parts = [
             basix_ufl.element("Lagrange", name, 2, shape=(3,)),
             basix_ufl.element("CR", name, 1, shape=(3,)),
@@ -172,6 +182,4 @@ def _space(mesh: Any) -> Any:
         element = ufl.MixedElement(
             ufl.VectorElement("Lagrange", cell, 2, dim=3), ufl.VectorElement("CR", cell, 1, dim=3)
         )
-    make = getattr(dolfinx.fem, "functionspace", None) or dolfinx.fem.FunctionSpace
-    with quiet():
-        return make(mesh, element)
+    return function_space(mesh, element)

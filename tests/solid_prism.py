@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import ufl
 from dolfinx_forms import assembled
+from dolfinx_spaces import dof_coordinates, vector_space
 from mpi4py import MPI
 
 from plymotion.preprocess import fenicsx
@@ -32,7 +33,7 @@ def held_compliance(
         list(count),
         dolfinx.mesh.CellType.hexahedron,
     )
-    space = fenicsx.vector_space(mesh, 2, 3)
+    space = vector_space(mesh, 2, 3)
     u, v = ufl.TrialFunction(space), ufl.TestFunction(space)
 
     def strain(w: Any) -> Any:
@@ -42,7 +43,7 @@ def held_compliance(
     dx = ufl.Measure("dx", domain=mesh, metadata={"quadrature_degree": 4})
     C = stiffness(ufl.SpatialCoordinate(mesh))
     (K,) = assembled([ufl.inner(C * strain(u), strain(v)) * dx])
-    x = fenicsx.dof_coordinates(space)
+    x = dof_coordinates(space)
     ends = [np.flatnonzero(np.isclose(x[:, 0], place)) for place in (0.0, length)]
     motion = np.zeros((len(x), 3, 6))  # of the far face, about its centre
     _, x2, x3 = x[ends[1]].T

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import ufl
 from dolfinx_forms import assembled
+from dolfinx_spaces import dof_coordinates, vector_space
 from mpi4py import MPI
 from section_specs import rectangle_spec
 
@@ -47,7 +48,7 @@ def solid() -> tuple[Any, Any, Any]:
         [40, 6, 2],
         dolfinx.mesh.CellType.hexahedron,
     )
-    space = fenicsx.vector_space(mesh, 2, 3)
+    space = vector_space(mesh, 2, 3)
     u, v = ufl.TrialFunction(space), ufl.TestFunction(space)
 
     def strain(w):
@@ -59,7 +60,7 @@ def solid() -> tuple[Any, Any, Any]:
     stress = ufl.as_matrix(C.tolist()) * strain(u)
     forms = [ufl.inner(stress, strain(v)) * dx, material.rho * ufl.inner(u, v) * dx]
     K, M = assembled(forms)
-    return K, M, np.repeat(fenicsx.dof_coordinates(space)[:, 0] > 1e-9 * LENGTH, 3)
+    return K, M, np.repeat(dof_coordinates(space)[:, 0] > 1e-9 * LENGTH, 3)
 
 
 def beam(theory: str) -> tuple[Any, Any, Any]:

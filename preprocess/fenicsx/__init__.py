@@ -1,4 +1,8 @@
-"""The only package that imports DOLFINx, PETSc, SLEPc, gmsh and MPI.
+"""The only package that imports PETSc, SLEPc, Basix, gmsh and MPI.
+
+gmsh makes the meshes, Basix gives points of integration and nodes of reference cells, PETSc
+factorises, SLEPc solves eigenproblems, MPI shares the work of several processes. No analysis
+loads DOLFINx or UFL: tests assemble second formulations with them (tests/dolfinx_forms.py).
 
 If a part of the stack is missing, importing this package raises `MissingFenicsx`, an ImportError
 that states what is missing and how to install it. Each name below loads its part of the stack
@@ -19,18 +23,8 @@ _PUBLIC = {
     "gmsh_model": ("plain_from_model",),
     "gmsh_script": ("gmsh_session", "open_mesh", "run_script"),
     "inertia": ("negative_pivots",),
-    "meshing": ("LabelledMesh", "labelled_mesh"),
     "reference_cell": ("quadrature", "reference_nodes"),
-    "spaces": (
-        "cell_dofs",
-        "cell_name",
-        "dof_coordinates",
-        "geometry",
-        "original_cells",
-        "original_corners",
-        "vector_space",
-    ),
-    "stack": ("HAS_MUMPS", "MPI", "gmsh", "ufl"),
+    "stack": ("HAS_MUMPS", "MPI", "gmsh"),
 }
 _MODULE = {name: module for module, names in _PUBLIC.items() for name in names}
 

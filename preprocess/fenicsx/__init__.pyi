@@ -11,8 +11,6 @@ from .gmsh_script import gmsh_session as gmsh_session
 from .gmsh_script import open_mesh as open_mesh
 from .gmsh_script import run_script as run_script
 from .inertia import negative_pivots as negative_pivots
-from .meshing import LabelledMesh as LabelledMesh
-from .meshing import labelled_mesh as labelled_mesh
 from .plain import EDGES as EDGES
 from .plain import NODES as NODES
 from .plain import NamedNodes as NamedNodes
@@ -21,18 +19,10 @@ from .plain import used_nodes as used_nodes
 from .plain import with_centre_nodes as with_centre_nodes
 from .reference_cell import quadrature as quadrature
 from .reference_cell import reference_nodes as reference_nodes
-from .spaces import cell_dofs as cell_dofs
-from .spaces import cell_name as cell_name
-from .spaces import dof_coordinates as dof_coordinates
-from .spaces import geometry as geometry
-from .spaces import original_cells as original_cells
-from .spaces import original_corners as original_corners
-from .spaces import vector_space as vector_space
 from .stack import HAS_MUMPS as HAS_MUMPS
 from .stack import MPI as MPI
 from .stack import MissingFenicsx as MissingFenicsx
 from .stack import gmsh as gmsh
-from .stack import ufl as ufl
 from .stack import versions as versions
 from .team import ALONE as ALONE
 from .team import Team as Team

@@ -7,13 +7,11 @@ importing this module raises `MissingFenicsx` (an ImportError), which states wha
 is missing and how to install it. So does a part that is there but does not load.
 
 Most analyses need a few of the parts only: loading all of them takes 0.6 s of processor time,
-DOLFINx with UFL half of it.
+DOLFINx with UFL half of it. No analysis needs these two; tests take DOLFINx from here.
 """
 
-import logging
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -90,32 +88,14 @@ def _dolfinx() -> Any:
     return import_module("dolfinx")
 
 
-def _gmsh_bridge() -> Any:
-    _part("dolfinx")
-    try:
-        return import_module("dolfinx.io.gmsh")
-    except ImportError:
-        return import_module("dolfinx.io.gmshio")
-
-
-def _basix_ufl() -> Any:
-    try:
-        return import_module("basix.ufl")
-    except ImportError:
-        return None
-
-
 _PARTS: dict[str, Callable[[], Any]] = {
     "HAS_MUMPS": _has_mumps,
     "MPI": _mpi,
     "PETSc": _petsc,
     "SLEPc": _slepc,
     "basix": lambda: _after_mpi("basix"),
-    "basix_ufl": _basix_ufl,
     "dolfinx": _dolfinx,
     "gmsh": lambda: _after_mpi("gmsh"),
-    "gmsh_bridge": _gmsh_bridge,
-    "ufl": lambda: _after_mpi("ufl"),
 }
 
 
@@ -169,14 +149,3 @@ def _version(name: str) -> str:
             if package in (name, f"fenics_{name}", f"{name}_solver_real"):
                 return version.removesuffix(".dist").removesuffix(".egg")
     return str(_part(name).__version__)
-
-
-@contextmanager
-def quiet() -> Iterator[None]:
-    """Remove the compiler calls of form compilation from the user's log."""
-    previous = logging.root.manager.disable
-    logging.disable(max(previous, logging.INFO))
-    try:
-        yield
-    finally:
-        logging.disable(previous)

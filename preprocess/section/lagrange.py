@@ -23,8 +23,7 @@ REFINEMENTS = 3  # of an inverse in double precision; each one squares its error
 def basis(cell: str, degree: int, points: Array) -> tuple[Array, Array]:
     """Lagrange functions of the nodes `fenicsx.reference_nodes` at points of the reference cell.
 
-    Values (q, k) and derivatives (q, k, 2) of the k functions of a cell, in the order of
-    `fenicsx.cell_dofs`. There DOLFINx has already ordered the nodes of shared edges consistently.
+    Values (q, k) and derivatives (q, k, 2) of the k functions of a cell, in the order of its nodes.
     """
     to_nodes = _of_polynomials(cell, degree)
     of_x, of_y = (_powers(points[:, a], degree) for a in (0, 1))

@@ -27,6 +27,7 @@ from .prestress import Stressed
 from .probes import probe_values, read_probes
 from .problem import ShellProblem
 from .statics import solve_cases
+from .warped import warped_warnings
 
 Progress = Callable[[str], None]
 Warnings = list[dict[str, str]]
@@ -114,6 +115,7 @@ def _cases(
         solved = solve_cases(problem.K, freedom, forces, names, problem.team, given)
         u, energy, residual = solved.displacements, solved.energy, solved.residual
         warnings += solved.warnings
+        warnings += warped_warnings(problem, u, [f"load case {name}" for name in names])
         taken = np.zeros(freedom.n_dof, dtype=bool)
         for row, support in enumerate(problem.supports):
             own = np.zeros_like(forces)

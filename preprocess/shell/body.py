@@ -20,6 +20,7 @@ from .recovery import cell_resultants, laminates
 from .reduction import ShellModel, eigen_solver
 from .second_order import second_order_fields
 from .stations import mass_stations
+from .warped import warped_warnings
 
 SPARE = 1  # additional modes: a shell has other modes between those of one kind
 
@@ -43,12 +44,14 @@ def build_shell_body(spec: dict[str, Any]) -> ModalPackage:
     model.condition  # noqa: B018  matrices
     assembled = time.perf_counter()
     modes = shell_modes(model)
+    u = model.problem.freedom.expanded(modes.columns_B)
+    locked = warped_warnings(model.problem, u, [f"mode {_label(m)}" for m in modes.labels])
     solved = time.perf_counter()
     provenance = body_provenance(
         spec,
         {"body": model.problem.freedom.n_dof},
         {"shell": assembled - start, "modes": solved - assembled},
-        [*model.problem.warnings, *(() if spec.get("candidates") else modes.warnings)],
+        [*model.problem.warnings, *(() if spec.get("candidates") else (*locked, *modes.warnings))],
     )
     return shell_package(model, modes, provenance)
 

@@ -12,7 +12,9 @@ from .frequencies import natural_modes
 from .guards import drilling_warning, zero_energy_warnings
 from .mesh import ShellMesh
 from .prestress import Stressed, buckled, buckling, check_stable
+from .problem import ShellProblem
 from .spec import mode_count
+from .warped import warped_warnings
 
 Progress = Callable[[str], None]
 Warnings = list[dict[str, str]]
@@ -43,6 +45,7 @@ def shell_modes(
         check_stable(freedom.reduced(K), problem, case, where)
     found = natural_modes(K, problem.M, freedom, count, free_motions, problem.team)
     warnings += zero_energy_warnings(found.n_zero, len(rigid))
+    warnings += _locked(problem, found.shapes[:, found.n_zero :], found.n_zero)
     values = np.where(np.arange(len(found.values)) < found.n_zero, 0.0, found.values)
     if case is not None and (values < 0.0).any():
         raise buckled(case, where)
@@ -89,6 +92,11 @@ def shell_buckling(
 def by_node(mesh: ShellMesh, u: Array) -> Array:
     """Displacements (n_dof, m) of the nodes of the mesh, (m, n, 6)."""
     return np.moveaxis(u.reshape(len(u) // 6, 6, u.shape[1])[: mesh.n_node], 2, 0)
+
+
+def _locked(problem: ShellProblem, shapes: Array, first: int) -> Warnings:
+    names = [f"mode {first + i + 1}" for i in range(shapes.shape[1])]
+    return warped_warnings(problem, shapes, names)
 
 
 def _coarse(what: str, error: float) -> dict[str, str]:

@@ -47,7 +47,7 @@ class Triangles:
     def __len__(self) -> int:
         return len(self.area)
 
-    def __getitem__(self, some: slice) -> "Triangles":
+    def __getitem__(self, some: slice | IntArray) -> "Triangles":
         """Some of the triangles."""
         return Triangles(*(getattr(self, field.name)[some] for field in fields(self)))
 

@@ -24,6 +24,7 @@ LIMITS = {
     "dst-thick": ("preprocess/shell/plates/dst.py", "SHEAR_RATIO_LIMIT"),
     "laminate-unsymmetric": ("preprocess/laminate/report.py", "COUPLED"),
     "shell-mesh-coarse": ("preprocess/shell/modes.py", "COARSE"),
+    "shell-triangles-warped": ("preprocess/shell/warped.py", "LOCKED"),
     "buckling-after-large-rotation": ("preprocess/shell/prestress.py", "LARGE"),
     "buckles-in-plane": ("preprocess/shell/prestress.py", "IN_PLANE"),
     "laminate-unbalanced": ("preprocess/laminate/report.py", "COUPLED"),

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 from dolfinx_forms import mesh_from_geo
+from dolfinx_spaces import cell_dofs, cell_name, vector_space
 from shell_specs import plate
 
 from plymotion.preprocess import fenicsx
@@ -140,11 +141,11 @@ def test_cholesky_refuses_singular_and_indefinite(matrix: Any) -> None:
 def test_scripts_stand_alone(name: str, order: int) -> None:
     """The scripts mesh with their own defaults, as in the gmsh window."""
     labelled = mesh_from_geo(script_path(name), {})
-    assert fenicsx.cell_name(labelled.mesh) == "quadrilateral"
+    assert cell_name(labelled.mesh) == "quadrilateral"
     assert labelled.names.keys() == {"section"}
     assert set(labelled.cell_labels) == set(labelled.names.values())
-    space = fenicsx.vector_space(labelled.mesh, 2, 3)
-    assert fenicsx.cell_dofs(space).shape == (labelled.n_cell, order)
+    space = vector_space(labelled.mesh, 2, 3)
+    assert cell_dofs(space).shape == (labelled.n_cell, order)
 
 
 def test_script_parameters_do_not_linger() -> None:

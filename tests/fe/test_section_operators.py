@@ -5,11 +5,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+import ufl
 from dolfinx_forms import assembled, cell_function
+from dolfinx_spaces import dof_coordinates, labelled_mesh, original_cells, vector_space
 from scipy.spatial import cKDTree
 
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.fenicsx import PlainMesh, gmsh, plain_from_model, ufl
+from plymotion.preprocess.fenicsx import PlainMesh, gmsh, plain_from_model
 from plymotion.preprocess.materials import Orthotropic, ply_rotation, rotated
 from plymotion.preprocess.section.cells import cells_of_plain
 from plymotion.preprocess.section.operators import SectionOperators
@@ -52,9 +54,9 @@ CASES = {
 
 def assembled_by_dolfinx(plain: PlainMesh, space: SectionSpace, C: Any) -> list[Any]:
     """E, H, L with an independent implementation of the strain operators, in our numbering."""
-    mesh = fenicsx.labelled_mesh(plain).mesh
-    V = fenicsx.vector_space(mesh, space.degree, 3)
-    stiffness = cell_function(mesh, C[fenicsx.original_cells(mesh)])
+    mesh = labelled_mesh(plain).mesh
+    V = vector_space(mesh, space.degree, 3)
+    stiffness = cell_function(mesh, C[original_cells(mesh)])
 
     def in_section(w: Any) -> Any:
         dw = ufl.grad(w)
@@ -67,7 +69,7 @@ def assembled_by_dolfinx(plain: PlainMesh, space: SectionSpace, C: Any) -> list[
     v, u = ufl.TestFunction(V), ufl.TrialFunction(V)
     pairs = [(in_section, in_section), (in_section, along_beam), (along_beam, along_beam)]
     matrices = assembled([ufl.inner(left(v), stiffness * right(u)) * dx for left, right in pairs])
-    theirs = fenicsx.dof_coordinates(V)[:, :2]
+    theirs = dof_coordinates(V)[:, :2]
     far, node = cKDTree(theirs).query(np.stack([space.x2, space.x3], axis=1))
     assert far.max() < 1e-12
     order = (3 * node[:, None] + np.arange(3)).ravel()

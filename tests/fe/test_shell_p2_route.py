@@ -3,13 +3,14 @@ rotations, as a UFL form (tests/shell_ufl.py). Both meet the references; both me
 
 import numpy as np
 import pytest
+import ufl
 from shell_benchmarks import expected, numbers, tolerances
 from shell_cantilevers import box
 from shell_meshes import shell_mesh
 from shell_model import Model
 from shell_obstacle_course import scordelis, twisted_beam
 from shell_squares import cross_ply
-from shell_ufl import UflShell, ufl
+from shell_ufl import UflShell
 
 from plymotion.preprocess.laminate import laminate_from_dict, laminate_stiffness
 from plymotion.preprocess.shell.regions import read_materials

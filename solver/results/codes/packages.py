@@ -122,6 +122,15 @@ SHELL_CODES = (
         "use the default elements",
     ),
     _code(
+        "shell-triangles-warped",
+        "triangles are too large for the thickness of a warped shell, whose surface twists or is "
+        "curved in two directions: it is too stiff",
+        "work of membranes on rotations of bending that the tilt of triangles turns into their "
+        "planes, over that of the shell in a load case or mode, above {limit:g}",
+        'use `element = "quadrilateral"` in `[mesh]`, or smaller cells',
+        0.1,
+    ),
+    _code(
         "shell-mesh-coarse",
         "the mesh of a shell is coarse for its load factors, or for its frequencies under load",
         "estimated relative error of the first one above {limit:g}",
