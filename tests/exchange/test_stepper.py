@@ -46,6 +46,7 @@ component = "x"
 """
 )
 DRIVE = "drive = { polynomial = [0.0, 0.2, 9.0] }"
+WRITTEN = ["joints.rail.drive", "forces.push"]  # the other inputs follow the case
 
 
 def spec_of(folder: Path, text: str, more: str = "") -> RunSpec:
@@ -104,17 +105,22 @@ def test_derivatives_that_are_known_are_used() -> None:
 
 
 def test_drive_and_forces_are_inputs_by_their_keys(tmp_path: Path) -> None:
-    stepper = Stepper(spec_of(tmp_path, CARRIAGE.replace("DRIVE", DRIVE)))
-    found = [(given.name, given.unit, given.drive) for given in stepper.inputs]
-    # The actuator by an expression belongs to the mechanism.
-    assert found == [("joints.rail.drive", "m", True), ("forces.push", "N", False)]
+    """An expression of the time alone is a law; one that reads the motion is no input."""
+    text = CARRIAGE.replace("DRIVE", DRIVE)
+    drive, force = ("joints.rail.drive", "m", True), ("forces.push", "N", False)
+    of_time, of_motion = "0.1 * sin(t)", "0.1 * sin(position('box.c', 'x'))"
+    for expression, more in ((of_time, [("forces.link", "N", False)]), (of_motion, [])):
+        spec = spec_of(tmp_path, text.replace(of_time, expression))
+        stepper = Stepper(spec)
+        found = [(given.name, given.unit, given.drive) for given in stepper.inputs]
+        assert found == [drive, force, *more]
     assert stepper.inputs[0].start == pytest.approx([0.0, 0.2, 18.0])
     assert stepper.inputs[1].start == pytest.approx([3.0, 0.0, 0.0])
 
 
 def test_a_driven_place_goes_where_the_input_says(tmp_path: Path) -> None:
     """Displacements count from the given start, whatever the input is at t = 0."""
-    stepper = Stepper(spec_of(tmp_path, CARRIAGE.replace("DRIVE", DRIVE)))
+    stepper = Stepper(spec_of(tmp_path, CARRIAGE.replace("DRIVE", DRIVE)), WRITTEN)
     assert stepper.start()[0] == pytest.approx(0.5, abs=1e-12)
     assert stepper.start(np.array([0.25, 0.0]))[0] == pytest.approx(0.75, abs=1e-12)
     stepper.start()
@@ -134,7 +140,7 @@ def test_a_force_moves_a_mass(tmp_path: Path, order: int, least: float, most: fl
     text = CARRIAGE.replace("DRIVE", "")
     own = text.replace("constant = 3.0", 'expression = "4 * cos(5 * t)"')
     result, _ = execute(spec_of(tmp_path, own), progress=False)
-    stepper = Stepper(spec_of(tmp_path, text))
+    stepper = Stepper(spec_of(tmp_path, text), WRITTEN[1:])
     stepper.start(np.array([4.0]), force_order=order)
     h = 1e-3
     rows = [
@@ -172,7 +178,7 @@ def test_sampled_controllers_act_once_at_each_instant(
 
 
 def test_a_second_start_repeats_the_first(tmp_path: Path) -> None:
-    stepper = Stepper(spec_of(tmp_path, CARRIAGE.replace("DRIVE", "")))
+    stepper = Stepper(spec_of(tmp_path, CARRIAGE.replace("DRIVE", "")), WRITTEN[1:])
 
     def moved() -> Array:
         stepper.start(np.array([1.0]))
