@@ -76,7 +76,7 @@ def test_other_shells(problem: Any, expected: list[str]) -> None:
     assert told(analyse(problem[0].spec()).warnings) == expected
 
 
-@pytest.mark.parametrize(("h", "n"), [(0.01, (12, 2)), (0.32, (12, 2))])
+@pytest.mark.parametrize(("h", "n"), [(0.0032, (12, 2)), (0.32, (12, 2))])
 def test_bodies(h: float, n: tuple[int, int]) -> None:
     """All modes of a thin body with these cells are wrong, those of a thick one right."""
     package = build_body(
