@@ -226,6 +226,8 @@ test: $(EMPTY) ## All of it: check with all tests, test-numba, test-fe, and ever
 # one phase alone needs, it installs itself (test-numba, test-fe), while the others use the cores.
 .PHONY: test-setup
 test-setup: $(COMPILED) $(TESTS) $(FENICSX) $(EXCHANGE)/installed $(BROWSER)
+	@# what runs need is there; what else tests call, or each process of them would compile it
+	$(PY) -m plymotion.solver compile --all
 
 # Nothing is compiled: that takes longer than this run.
 .PHONY: smoke

@@ -9,8 +9,7 @@ that states what is missing and how to install it. Each name below loads its par
 when it is asked for; __init__.pyi tells their types.
 """
 
-from importlib import import_module
-
+from ...solver.math.late import late
 from .errors import EigenError, FactorisationError, InertiaError, MeshError, SingularError
 from .plain import EDGES, NODES, NamedNodes, PlainMesh, used_nodes, with_centre_nodes
 from .stack import MissingFenicsx, versions
@@ -47,14 +46,4 @@ __all__ = [
     "world",
 ]
 
-
-def __getattr__(name: str) -> object:
-    if name not in _MODULE:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    found = getattr(import_module(f"{__name__}.{_MODULE[name]}"), name)
-    globals()[name] = found
-    return found
-
-
-def __dir__() -> list[str]:
-    return sorted([*globals(), *_MODULE])
+__getattr__, __dir__ = late(_MODULE, globals())

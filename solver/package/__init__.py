@@ -4,9 +4,8 @@ Each name below is imported when it is asked for: section and shell files need a
 folder only. __init__.pyi tells their types.
 """
 
-from importlib import import_module
-
 from ..errors import PackageError
+from ..math.late import late
 
 # Public name -> module of this folder.
 _PUBLIC = {
@@ -22,14 +21,4 @@ _PUBLIC = {
 }
 __all__ = ["PackageError", *_PUBLIC]
 
-
-def __getattr__(name: str) -> object:
-    if name not in _PUBLIC:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    found = getattr(import_module(f"{__name__}.{_PUBLIC[name]}"), name)
-    globals()[name] = found
-    return found
-
-
-def __dir__() -> list[str]:
-    return sorted([*globals(), *_PUBLIC])
+__getattr__, __dir__ = late(_PUBLIC, globals())
