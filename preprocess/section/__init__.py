@@ -1,7 +1,8 @@
 """Cross-section analysis: 6x6 stiffness and mass of a beam of any material, and its stresses."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from ...solver.math.late import late
 from .errors import SectionError
 
 if TYPE_CHECKING:
@@ -9,11 +10,5 @@ if TYPE_CHECKING:
 
 __all__ = ["SectionError", "analyse"]
 
-
-def __getattr__(name: str) -> Any:
-    if name != "analyse":
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from .analysis import analyse  # here: a file that is up to date needs no analysis
-
-    globals()[name] = analyse
-    return analyse
+# A file that is up to date needs no analysis.
+__getattr__, __dir__ = late({"analyse": "analysis"}, globals())

@@ -7,6 +7,7 @@ import numpy as np
 from ..dynamics.forces.contract import CoordinateForce
 from ..dynamics.forces.table import FORCES
 from ..dynamics.scales import scales
+from ..errors import few
 from ..math.arrays import Array
 from ..math.keys import Code, Expression, Expressions
 from ..results.codes.course import GROWS
@@ -36,14 +37,13 @@ def growth_findings(run: FinishedRun) -> Iterator[Finding]:
     if value <= GROWS.limit:
         return
     named = [name for name, force in run.mechanism.forces.items() if force.kind in ACTIVE]
-    forces = f": {', '.join(named[:5])}" if named else ""
-    more = f" and {len(named) - 5} more" if len(named) > 5 else ""
+    forces = f": {few(named)}" if named else ""
     times = float((peaks[-1] / peaks[-LAST - 1]) ** (1.0 / LAST))
     every = float(t[-1] - t[0]) / PARTS
     text = (
         f"the motion grows exponentially: by t = {t[-1]:.4g} s the kinetic energy is "
         f"{peaks[-1]:.2g} J, {value:.2g} times that of the mechanism at its speed, and grows "
-        f"{times:.2g}-fold in {every:.2g} s. Look for a feedback that is unstable{forces}{more}"
+        f"{times:.2g}-fold in {every:.2g} s. Look for a feedback that is unstable{forces}"
     )
     yield GROWS.finding(text, t=float(t[-1]), value=value)
 

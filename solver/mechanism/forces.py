@@ -33,12 +33,11 @@ def force_tables(mechanism: "Mechanism", places: Places, reader: Reader) -> list
         given = law(force)
         table = _load(name, force, places) if is_load(force) else _element(name, force, places)
         if given is not None and given.expression is not None:
-            key = f"forces.{name}.expression"
-            tree = expression(given.expression, CaseScope(mechanism), key)
+            tree = expression(given.expression, CaseScope(mechanism), f"forces.{name}.expression")
             if of_time_alone(tree):  # a law: an input of linearised equations and of FMUs
                 table = replace(table, law=laws.of_expression(tree))
             else:
-                table = replace(table, size=reader.size(given.expression, key))
+                table = replace(table, size=reader.placed(tree))
         elif given is not None:
             table = replace(table, law=law_of(given))
         found.append(table)

@@ -20,7 +20,7 @@ from ..dynamics.measured import (
 )
 from ..dynamics.quantities import ANGLE, DISPLACEMENT, DISTANCE, SPIN
 from ..dynamics.tables import ForceTable, JointTable
-from ..inputs.case.expressions import AXES, REACTIONS, CaseScope, Read, expression
+from ..inputs.case.expressions import AXES, REACTIONS, Read
 from ..inputs.case.force_terms import force_terms
 from ..math.curves import NamedCurve
 from ..math.curves import curve as curve_of
@@ -57,10 +57,6 @@ class Reader:
         self._curves: dict[tuple[str, str], int] = {}
         self._places: dict[str, int] = {}
 
-    def size(self, text: str, key: str) -> Node:
-        """Return the expression of a load or actuator, of quantities of the model."""
-        return self._placed(expression(text, CaseScope(self.mechanism), key))
-
     def force(self, name: str, keys: "CoordinateKeys") -> ForceTable:
         """Return a force along a coordinate, with its states and curves."""
         terms = force_terms(name, keys, self.mechanism)
@@ -74,12 +70,12 @@ class Reader:
         for j, own in enumerate(terms.states):
             self._states[name, own.name] = first + j
         for own in terms.states:
-            rate = None if own.rate is None else self._placed(own.rate)
-            start = self._placed(own.start)
-            update = None if own.update is None else self._placed(own.update)
+            rate = None if own.rate is None else self.placed(own.rate)
+            start = self.placed(own.start)
+            update = None if own.update is None else self.placed(own.update)
             jumps = own.level is None and (own.update is not None or own.inputs is not None)
             period = float(keys.sample_time) if jumps else 0.0  # type: ignore[attr-defined]
-            inputs = None if own.inputs is None else [self._placed(node) for node in own.inputs]
+            inputs = None if own.inputs is None else [self.placed(node) for node in own.inputs]
             label = f"{name}.{own.name}"
             event = None
             if own.level is not None:
@@ -87,13 +83,13 @@ class Reader:
             kept = StateTable(label, rate, start, own.scale, update, period, inputs, name, event)
             self.found.state(kept)
         table = self.found.coordinates[along]
-        size = self._placed(terms.force)
+        size = self.placed(terms.force)
         return ForceTable(name, keys.kind, table.marker_1, table.marker_2, size=size, along=along)
 
-    def _placed(self, node: Node) -> Node:
+    def placed(self, node: Node) -> Node:
         """Return a tree with the quantities of the model for those of the case."""
         quantity = None if node.quantity is None else self._quantity(node.quantity)
-        children = tuple(self._placed(child) for child in node.children)
+        children = tuple(self.placed(child) for child in node.children)
         return replace(node, children=children, quantity=quantity)
 
     def _quantity(self, read: Hashable) -> Hashable:

@@ -53,9 +53,13 @@ class StationMesh:
         found = list(dict.fromkeys(corners))
         if len(found) < 3:
             return
-        x = np.array([self.nodes[k] for k in found])
-        y = np.roll(x, -1, axis=0)
-        if float((x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]).sum()) < 0.0:
+        if enclosed(np.array([self.nodes[k] for k in found])) < 0.0:
             found.reverse()
         self.cells.append(tuple(found))
         self.regions.append(band.name)
+
+
+def enclosed(corners: Array) -> float:
+    """Twice the area of a polygon of corners (n, 2), negative if they are clockwise [m2]."""
+    x, y = corners, np.roll(corners, -1, axis=0)
+    return float((x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]).sum())

@@ -9,7 +9,7 @@ from scipy.interpolate import PchipInterpolator
 
 from ...math.arrays import Array
 from ...math.polylines import lengths_along
-from .cells import StationMesh
+from .cells import StationMesh, enclosed
 from .contour import edge_angle
 from .face import with_face
 from .wall import THINNEST, Band, WebLayers, breaks, joined, material_of, rows_of, thickness
@@ -56,7 +56,7 @@ def station_mesh(
         check_feet(webs, perimeter, low, high)
         arcs = _columns(rows, webs, perimeter, fixed)
         outer = _smooth(points, s / perimeter, arcs)
-        normals = _normals(points, s / perimeter, arcs, ends, mitred)
+        normals = _normals(points, s / perimeter, arcs, outer, ends, mitred)
         t, mesh.removed = _thickness(rows, webs, arcs, outer, normals, perimeter)
         inner = outer + t.sum(axis=0)[:, None] * normals
         wider, change = fitted(webs, arcs, inner, perimeter)
@@ -149,7 +149,7 @@ def _smooth(points: Array, at: Array, arcs: Array) -> Array:
 
 
 def _normals(
-    points: Array, at: Array, arcs: Array, corners: Sequence[float], mitred: bool
+    points: Array, at: Array, arcs: Array, outer: Array, corners: Sequence[float], mitred: bool
 ) -> Array:
     """Inward normals (n, 2) at arcs; at a corner so long that the walls keep their thickness.
 
@@ -159,9 +159,9 @@ def _normals(
     Parameters
     ----------
     points, at : the contour and its arcs
+    outer : its points at `arcs`
     corners : columns where the contour ends or has a corner
     """
-    outer = _smooth(points, at, arcs)
     found = _mitres(outer, mitred)
     reach = np.abs(arcs[:, None] - np.array(corners)).min(axis=1)
     reach = np.minimum(reach, 1.0 / COLUMNS)
@@ -174,8 +174,7 @@ def _normals(
 
 def _sense(outer: Array) -> float:
     """1 if the contour is counter-clockwise, so that inside is to the left of it; -1 if not."""
-    x, y = outer, np.roll(outer, -1, axis=0)
-    return float(np.sign((x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]).sum()))
+    return float(np.sign(enclosed(outer)))
 
 
 def _mitres(outer: Array, mitred: bool) -> Array:

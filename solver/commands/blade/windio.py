@@ -9,6 +9,7 @@ the file has worked out from the rules beside them.
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -138,7 +139,7 @@ def read_blade(file: Path) -> Blade:
         thickness=tables.along(shape, "outer_shape.rthick"),
         airfoils=_airfoils(tables, top, shape),
         layers=layers,
-        webs=reader.webs(),
+        webs=reader.webs,
         materials=read_materials(tables, top, {glue, *(layer.material for layer in layers)}),
         span=tuple(chord.grid.tolist()),
         height=optional(shape, "outer_shape.section_offset_x"),
@@ -213,6 +214,7 @@ class _Structure:
             for i, entry in enumerate(tables.entries(parent, path)):
                 self.anchors[tables.text(entry, f"{path}[{i}].name")] = entry
 
+    @cached_property
     def webs(self) -> tuple[Web, ...]:
         found = []
         for i, entry in enumerate(self.tables.entries(self.structure, "structure.webs")):
@@ -225,7 +227,7 @@ class _Structure:
     def layers(self) -> tuple[Layer, ...]:
         entries = self.tables.entries(self.structure, "structure.layers", required=True)
         found = tuple(self._layer(e, f"structure.layers[{i}]") for i, e in enumerate(entries))
-        webs = [web.name for web in self.webs()]
+        webs = [web.name for web in self.webs]
         for i, layer in enumerate(found):
             path = f"structure.layers[{i}]"
             if layer.web and layer.web not in webs:

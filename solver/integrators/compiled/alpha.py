@@ -43,7 +43,6 @@ from .step_control import (
     NEXT,
     NONE,
     PAUSED,
-    TENSE,
     TIME,
     TOO_ROUGH,
     TOO_SMALL,
@@ -55,7 +54,7 @@ from .step_control import (
     next_step,
     refuse,
 )
-from .tension import count_refusal, freeze_tension, judge
+from .tension import judge, update_tension
 
 
 @lean
@@ -100,15 +99,18 @@ def advance_alpha(
             counts[EVALUATIONS] += 1
             if iteration == 1:
                 freeze(model, work, t_new, stage, frozen)
-                if clock[TENSE] > 0.0 or refused > 0.0:
-                    forces = workspace.stage_multipliers
-                    freeze_tension(model, work, t_new, stage, forces, frozen.tension)
-                if refused > 0.0:
-                    s_squared = scheme.to_a / refused**2
-                    count_refusal(model, clock, frozen.M, frozen.tension, s_squared)
-                    refused = 0.0
-                if not clock[TENSE] > 0.0:
-                    frozen.tension[:] = 0.0
+                update_tension(
+                    model,
+                    work,
+                    t_new,
+                    stage,
+                    workspace.stage_multipliers,
+                    clock,
+                    scheme.to_a / refused**2 if refused > 0.0 else 0.0,
+                    frozen.M,
+                    frozen.tension,
+                )
+                refused = 0.0
                 to_d = h * scheme.to_v
                 factorise_pencil(model, frozen, real, scheme.to_a, to_d, h * h)
                 if feeds:  # its rows are those of the pencil, times h^2

@@ -48,7 +48,6 @@ from .step_control import (
     RATE,
     ROUGH,
     TAKEN,
-    TENSE,
     TIME,
     TOO_ROUGH,
     TOO_SMALL,
@@ -61,7 +60,7 @@ from .step_control import (
     refuse,
 )
 from .tableau import MU, NU, C
-from .tension import count_refusal, freeze_tension, judge
+from .tension import judge, update_tension
 
 MAX_ITERATIONS = 10
 DIVERGES = 10.0  # the second correction over the first
@@ -142,16 +141,18 @@ def advance(
                 )
                 if iteration == 1 and k == 1:
                     freeze(model, work, t + C[k] * h, stage, frozen)
-                    if clock[TENSE] > 0.0 or refused > 0.0:
-                        forces = workspace.multipliers[k]
-                        at = t + C[k] * h
-                        freeze_tension(model, work, at, stage, forces, frozen.tension)
-                    if refused > 0.0:
-                        s_squared = (MU / refused) ** 2
-                        count_refusal(model, clock, frozen.M, frozen.tension, s_squared)
-                        refused = 0.0
-                    if not clock[TENSE] > 0.0:
-                        frozen.tension[:] = 0.0
+                    update_tension(
+                        model,
+                        work,
+                        t + C[k] * h,
+                        stage,
+                        workspace.multipliers[k],
+                        clock,
+                        (MU / refused) ** 2 if refused > 0.0 else 0.0,
+                        frozen.M,
+                        frozen.tension,
+                    )
+                    refused = 0.0
             if iteration == 1:
                 counts[FACTORISATIONS] += factorise_stages(model, workspace, h)
                 counts[JACOBIANS] += 1

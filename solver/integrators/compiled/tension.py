@@ -149,11 +149,33 @@ def _exceeds(K: Array, M: Array, n: int, s_squared: float) -> bool:
 
 
 @inlined
-def count_refusal(model: Model, clock: Array, M: Array, tension: Array, s_squared: float) -> None:
-    """Count a step that Newton's iteration has refused, if tension (nb, n, n) may be the reason.
+def update_tension(
+    model: Model,
+    work: Work,
+    t: float,
+    y: Array,
+    forces: Array,
+    clock: Array,
+    s_squared: float,
+    M: Array,
+    tension: Array,
+) -> None:
+    """Bring tension (nb, n, n) up to date for a new matrix, 0 where it is not in use.
 
-    It is where it exceeds a part of s^2 M (nb, n, n) with the s of that step.
+    `s_squared` is that of the step before if Newton's iteration has refused it, or 0: the refusal
+    counts where tension exceeds a part of s^2 M (nb, n, n). Others: see `freeze_tension`.
     """
+    if clock[TENSE] > 0.0 or s_squared > 0.0:
+        freeze_tension(model, work, t, y, forces, tension)
+    if s_squared > 0.0:
+        _count_refusal(model, clock, M, tension, s_squared)
+    if not clock[TENSE] > 0.0:
+        tension[:] = 0.0
+
+
+@inlined
+def _count_refusal(model: Model, clock: Array, M: Array, tension: Array, s_squared: float) -> None:
+    """Count a step that Newton's iteration has refused, if tension may be the reason."""
     taut = False
     for i in range(model.n_body):
         taut = taut or _exceeds(tension[i], M[i], model.plan.size[i], TAUT * s_squared)

@@ -139,9 +139,7 @@ def has_right_seal(path: Path) -> bool:
     """Tell whether a file is there, and whole to the last byte."""
     try:
         with path.open("rb") as file:
-            size = file.seek(0, os.SEEK_END)
-            file.seek(max(size - LENGTH, 0))
-            return file.read(len(SEAL)) == SEAL and sealed_bytes(file)
+            return _ends_with_seal(file) and sealed_bytes(file)
     except OSError:
         return False
 
@@ -149,9 +147,13 @@ def has_right_seal(path: Path) -> bool:
 def has_seal(path: Path) -> bool:
     """Tell whether a file ends with a seal, right or wrong: `sealed_bytes` compares it."""
     with path.open("rb") as file:
-        size = file.seek(0, os.SEEK_END)
-        file.seek(max(size - LENGTH, 0))
-        return file.read(len(SEAL)) == SEAL
+        return _ends_with_seal(file)
+
+
+def _ends_with_seal(file: BinaryIO) -> bool:
+    size = file.seek(0, os.SEEK_END)
+    file.seek(max(size - LENGTH, 0))
+    return file.read(len(SEAL)) == SEAL
 
 
 def sealed_bytes(file: BinaryIO) -> bool:
