@@ -168,13 +168,13 @@ def update_tension(
     if clock[TENSE] > 0.0 or s_squared > 0.0:
         freeze_tension(model, work, t, y, forces, tension)
     if s_squared > 0.0:
-        _count_refusal(model, clock, M, tension, s_squared)
+        count_refusal(model, clock, M, tension, s_squared)
     if not clock[TENSE] > 0.0:
         tension[:] = 0.0
 
 
 @inlined
-def _count_refusal(model: Model, clock: Array, M: Array, tension: Array, s_squared: float) -> None:
+def count_refusal(model: Model, clock: Array, M: Array, tension: Array, s_squared: float) -> None:
     """Count a step that Newton's iteration has refused, if tension may be the reason."""
     taut = False
     for i in range(model.n_body):
