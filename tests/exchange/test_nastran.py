@@ -137,3 +137,13 @@ def test_op4_of_any_writer(tmp_path: Path, sparse: bool) -> None:
     file.write_bytes(op4_bytes(A, "KGG", sparse)[:-60])
     with pytest.raises(InputError, match=r"damaged at byte|before its last column"):
         read_op4(file)
+
+
+@pytest.mark.parametrize("place", [4, 8])  # of the columns and the rows in the first record
+def test_op4_of_absurd_size_takes_no_memory(tmp_path: Path, place: int) -> None:
+    file = tmp_path / "a.op4"
+    data = bytearray(op4_bytes(np.eye(3), "KGG", sparse=True))
+    data[place : place + 4] = np.array([2**31 - 1], "<i4").tobytes()
+    file.write_bytes(data)
+    with pytest.raises(InputError, match=r"a\.op4: matrix KGG: .*2147483647.* file of \d+ bytes"):
+        read_op4(file)

@@ -1,10 +1,10 @@
 """Matrix Market files of K and M, CSV files of nodes, dofs and cells: for every other code."""
 
-import io
+from collections.abc import Iterator
 from pathlib import Path
+from typing import TextIO
 
 import numpy as np
-import scipy.io
 import scipy.sparse as sp
 
 from ....solver.errors import InputError
@@ -15,7 +15,7 @@ from ..reduce import rows_of
 from .files import Files, text_lines
 
 KEYS = ("stiffness", "mass", "nodes", "dofs")
-MOST_ROWS = 100_000_000
+LONGEST_LINE = 1_000_000  # characters of a head or a size
 WORDS = (("x", "ux"), ("y", "uy"), ("z", "uz"), ("rx",), ("ry",), ("rz",))
 DIRECTIONS = {
     word: number for number, words in enumerate(WORDS, 1) for word in (*words, str(number))
@@ -36,45 +36,94 @@ def read(files: Files) -> FreeBody:
 
 
 def _matrix(path: Path) -> sp.csr_matrix:
-    """A Matrix Market file; `symmetric` files hold one triangle and are completed."""
-    whole = _check_lines(path)
-    try:
-        # SciPy reads beyond the end of a number that ends with the file.
-        source = path if whole else io.BytesIO(path.read_bytes() + b"\n")
-        return sp.csr_matrix(scipy.io.mmread(source))
-    except (ValueError, TypeError, OverflowError) as error:
-        raise InputError(f"{path}: expected a Matrix Market file ({error})") from error
+    """A real Matrix Market file; `symmetric` files hold one triangle and are completed.
 
-
-def _check_lines(path: Path) -> bool:
-    """Tell whether the last line is whole.
-
-    Raises InputError for what SciPy does not survive, or fills the memory with: no rows, fewer
-    lines than the file announces, a line of too few numbers.
+    It is not read by SciPy, whose reader ends the process at some damaged files.
     """
-    with path.open("rb") as file:
-        words = file.readline().lower().split()
-        sparse = b"coordinate" in words
-        size: list[int] = []
-        own = {b"pattern": 0, b"complex": 2}.get(words[3] if len(words) > 3 else b"", 1)
-        least = own + 2 * sparse
-        line, lines = b"", 0
-        for number, line in enumerate(file, 2):
-            if line[:1] == b"%" or not line.strip():
-                continue
-            if not size:
-                size = [int(word) for word in line.split() if word.isdigit()]
-                if len(size) != 2 + sparse or not 0 < max(size[:2]) <= MOST_ROWS or 0 in size[:2]:
-                    raise InputError(f"{path}:{number}: no size of a matrix: {line[:60]!r}")
-                continue
-            lines += 1
-            if len(line.split(None, least)) < least:
-                raise InputError(f"{path}:{number}: expected {least} numbers, found {line[:60]!r}")
-    n, m = size[:2] or (0, 0)
-    expected = size[2] if len(size) > 2 else n * (n + 1) // 2 if b"symmetric" in words else n * m
-    if lines < expected:
-        raise InputError(f"{path}: truncated: expected {expected} lines of numbers, found {lines}")
-    return line.endswith(b"\n")
+    kind, symmetric, sizes = _header(path)
+    n, m = sizes[:2]
+    sparse = kind == "coordinate"
+    triangle = symmetric and not sparse
+    expected = sizes[2] if sparse else n * (n + 1) // 2 if triangle else n * m
+    most = path.stat().st_size  # a number takes a byte at least, and a row of a body a number
+    if not 0 < min(n, m) <= max(n, m, expected) <= most or (symmetric and n != m):
+        raise InputError(
+            f"{path}: {n} x {m} with {expected} numbers: expected the size of a matrix, with not "
+            f"more rows and numbers than the {most} bytes of the file hold"
+        )
+    columns = 3 if sparse else 1
+    with path.open(encoding="ascii", errors="replace") as file:
+        lines = _lines(file)
+        next(lines)  # the size
+        try:
+            rows = np.loadtxt((line for _, line in lines), comments=None, ndmin=2)
+        except ValueError as error:
+            raise _wrong_line(path, columns) from error
+    if len(rows) != expected:
+        raise InputError(
+            f"{path}: truncated: expected {expected} lines of numbers, found {len(rows)}"
+        )
+    if rows.shape[1] != columns:
+        raise _wrong_line(path, columns)
+    if sparse:
+        at = rows[:, :2].T - 1.0
+        if (at != np.floor(at)).any() or at.min() < 0 or (at >= [[n], [m]]).any():
+            raise InputError(f"{path}: expected rows from 1 to {n} and columns from 1 to {m}")
+        i, j = at.astype(np.int64)
+    elif symmetric:
+        j, i = np.triu_indices(n)  # the lower triangle, column by column
+    else:
+        j, i = np.divmod(np.arange(n * m), n)
+    A = sp.csr_matrix((rows[:, -1], (i, j)), (n, m))
+    return sp.csr_matrix(A + A.T - sp.diags(A.diagonal())) if symmetric else A
+
+
+def _lines(file: TextIO) -> Iterator[tuple[int, str]]:
+    """Yield the lines of the size and the numbers, with their numbers in the file."""
+    for number, line in enumerate(file, 1):
+        if not line.startswith("%") and not line.isspace():
+            yield number, line
+
+
+def _wrong_line(path: Path, columns: int) -> InputError:
+    """Return the error of the first line without so many numbers."""
+    with path.open(encoding="ascii", errors="replace") as file:
+        lines = _lines(file)
+        next(lines)
+        for number, line in lines:
+            try:
+                found = len([float(word) for word in line.split()])
+            except ValueError:
+                found = 0
+            if found != columns:
+                words = f"expected {columns} numbers, found {line[:60]!r}"
+                return InputError(f"{path}:{number}: {words}")
+    return InputError(f"{path}: expected lines of {columns} numbers")
+
+
+def _header(path: Path) -> tuple[str, bool, list[int]]:
+    """Return "coordinate" or "array", whether one triangle stands for both, and the sizes."""
+    with path.open(encoding="ascii", errors="replace") as file:
+        words = file.readline(LONGEST_LINE).lower().split()
+        known = (
+            ("%%matrixmarket",),
+            ("matrix",),
+            ("coordinate", "array"),
+            ("real", "double", "integer"),
+            ("general", "symmetric"),
+        )
+        if len(words) != 5 or any(w not in names for w, names in zip(words, known, strict=True)):
+            raise InputError(
+                f"{path}:1: {' '.join(words)[:60]!r}: expected %%MatrixMarket matrix, coordinate "
+                "or array, real or integer, general or symmetric"
+            )
+        number, line = 1, "%"
+        while line.startswith("%") or line.isspace():
+            number, line = number + 1, file.readline(LONGEST_LINE)
+    sizes = [int(word) for word in line.split() if word.isdecimal() and len(word) < 20]
+    if len(sizes) != (3 if words[2] == "coordinate" else 2):
+        raise InputError(f"{path}:{number}: no size of a matrix: {line[:60]!r}")
+    return words[2], words[4] == "symmetric", sizes
 
 
 def table_rows(path: Path, columns: str) -> list[tuple[int, list[str]]]:

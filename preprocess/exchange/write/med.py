@@ -6,6 +6,7 @@ import h5py
 import numpy as np
 
 from ....solver.package import ModalPackage
+from ....solver.package.common.disk_file import DiskFile
 from ....solver.package.common.temporary import temporary_sibling
 from ..free_body import Cells
 from ..med_order import COMPONENTS, FIELD, MED_CELLS, MESH_STEP, NO_PROFILE
@@ -22,7 +23,9 @@ def write(package: ModalPackage, out: Path, source: Path) -> str:
     name = package.body[:64] or "body"
     with (
         temporary_sibling(out) as temporary,
-        h5py.File(temporary, "w", libver=("earliest", "v110")) as file,
+        DiskFile(temporary) as disk,
+        disk.reported(),
+        h5py.File(disk, "w", libver=("earliest", "v110")) as file,
     ):
         file.create_group("INFOS_GENERALES").attrs.update({"MAJ": 3, "MIN": 0, "REL": 0})
         _mesh(file, package, name)

@@ -9,6 +9,9 @@ from . import operations as op
 from .tree import ONE, TIME, ZERO, Node, NoRate, constant, rate
 
 MOST_CHARACTERS, MOST_DEPTH = 2000, 50
+MOST_SHOWN = 100  # characters of a part in a message
+# Of an expression with its derivatives written out: each is evaluated at every stage of every step.
+MOST_OPERATIONS = 10_000
 NAMES = {"t": TIME, "pi": constant(math.pi)}
 # Functions beside those of operations.py: made of them, or read by the parser itself.
 MADE = {"step": 1, "smooth_step": 3, "clip": 3, "hypot": 2, "rate": 1}
@@ -99,13 +102,26 @@ class _Reader:
     def node(self, tree: ast.expr, level: int) -> Node:
         """Return the tree of a part of the text."""
         if level > MOST_DEPTH:
-            raise ExpressionError(f"expected {MOST_DEPTH} levels of brackets at most")
+            raise ExpressionError(
+                f"expected {MOST_DEPTH} levels at most (brackets, or operations in a row; brackets "
+                "around parts of a long sum save levels)"
+            )
+        found = self._node(tree, level)
+        if found.size > MOST_OPERATIONS:
+            raise self.error(
+                tree, f"has {found.size:.4g} operations; expected {MOST_OPERATIONS} at most"
+            )
+        return found
 
+    def _node(self, tree: ast.expr, level: int) -> Node:
         def inner(part: ast.expr) -> Node:
             return self.node(part, level + 1)
 
         if isinstance(tree, ast.Constant) and _is_number(tree.value):
-            value = float(tree.value)
+            try:
+                value = float(tree.value)
+            except OverflowError:  # an integer of hundreds of digits
+                value = math.inf
             if not math.isfinite(value):
                 raise self.error(tree, "is not finite")
             return constant(value)
@@ -125,10 +141,7 @@ class _Reader:
             return self.comparison(tree, level)
         if isinstance(tree, ast.BoolOp):
             code = op.AND if isinstance(tree.op, ast.And) else op.OR
-            found = inner(tree.values[0])
-            for part in tree.values[1:]:
-                found = Node(code, (found, inner(part)))
-            return found
+            return _joined(code, [inner(part) for part in tree.values])
         if isinstance(tree, ast.IfExp):
             return Node(op.SELECT, (inner(tree.test), inner(tree.body), inner(tree.orelse)))
         if isinstance(tree, ast.Call) and isinstance(tree.func, ast.Name) and not tree.keywords:
@@ -150,15 +163,13 @@ class _Reader:
     def comparison(self, tree: ast.Compare, level: int) -> Node:
         """Return 1 where all comparisons hold, else 0."""
         sides = [self.node(part, level + 1) for part in (tree.left, *tree.comparators)]
-        found: Node | None = None
+        found = []
         for operator, one, two in zip(tree.ops, sides, sides[1:], strict=False):
             if type(operator) not in _COMPARISONS:
                 raise self.error(tree, "compares by ==, != or another sign; expected < <= > >=")
             code, swapped = _COMPARISONS[type(operator)]
-            each = Node(code, (two, one) if swapped else (one, two))
-            found = each if found is None else Node(op.AND, (found, each))
-        assert found is not None
-        return found
+            found.append(Node(code, (two, one) if swapped else (one, two)))
+        return _joined(op.AND, found)
 
     def call(self, tree: ast.Call, name: str, level: int) -> Node:
         """Return a function of its arguments."""
@@ -180,10 +191,7 @@ class _Reader:
         arguments = [self.node(a, level + 1) for a in tree.args]
         if name in op.FUNCTIONS:
             code, _ = op.FUNCTIONS[name]
-            found = Node(code, tuple(arguments[:2]))
-            for more in arguments[2:]:
-                found = Node(code, (found, more))
-            return found
+            return _joined(code, arguments) if several else Node(code, tuple(arguments))
         if name == "rate":
             try:
                 return rate(arguments[0], self.scope.rate)
@@ -194,6 +202,8 @@ class _Reader:
     def error(self, tree: ast.AST, words: str) -> ExpressionError:
         """Return the error of a part of the text."""
         part = ast.get_source_segment(self.text, tree) or self.text
+        if len(part) > MOST_SHOWN:
+            part = f"{part[:MOST_SHOWN]}..."
         return ExpressionError(f"`{part}` {words}")
 
     def unknown(self, word: str, known: Collection[str], what: str) -> ExpressionError:
@@ -202,6 +212,14 @@ class _Reader:
         if what == "name" and word in functions:
             return ExpressionError(f"`{word}` is a function; expected its arguments in brackets")
         return ExpressionError(f"there is no {what} `{word}`", word, known)
+
+
+def _joined(code: int, nodes: list[Node]) -> Node:
+    """Return an associative operation on any number of nodes, as a tree of few levels."""
+    if len(nodes) == 1:
+        return nodes[0]
+    half = (len(nodes) + 1) // 2
+    return Node(code, (_joined(code, nodes[:half]), _joined(code, nodes[half:])))
 
 
 def _is_number(value: object) -> TypeGuard[int | float]:

@@ -1,7 +1,7 @@
 """Expressions as trees: how they are built, differentiated by time, and written as programs."""
 
 from collections.abc import Callable, Hashable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ..curves import NamedCurve
 from . import operations as op
@@ -17,12 +17,17 @@ class Node:
     children : arguments
     value : of a CONSTANT
     quantity : that a LOAD reads, or the curve of a CURVE
+    size : number of operations of the written expression, where shared parts stand several times
     """
 
     code: int
     children: tuple["Node", ...] = ()
     value: float = 0.0
     quantity: Hashable = None
+    size: int = field(init=False, compare=False, default=1)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "size", 1 + sum(child.size for child in self.children))
 
     def __add__(self, other: "Node") -> "Node":
         if self == ZERO or other == ZERO:
