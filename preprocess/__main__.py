@@ -7,6 +7,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from ..solver.errors import escape_control_characters
 from ..solver.interrupts import INTERRUPTED, exit_code, heard
 from ..solver.package.common.shares import shard
 
@@ -186,5 +187,6 @@ def _section_batch(options: argparse.Namespace) -> int:
 
 
 if __name__ == "__main__":
+    escape_control_characters()
     atexit.register(gc.freeze)  # looking for garbage at the end takes time
     sys.exit(main())

@@ -1,7 +1,10 @@
 """Errors in the input of the user: shown as one message, exit code 2."""
 
+import re
+import sys
 from collections.abc import Iterable
 from difflib import get_close_matches
+from typing import Any
 
 
 class InputError(Exception):
@@ -43,3 +46,34 @@ def nearest(name: str, known: Iterable[str]) -> str:
     names = sorted(known)
     listed = f"; known: {few(names)}" if names else "; none is defined"
     return did_you_mean(name, names) or listed
+
+
+# All but tabs, ends of lines, and the carriage return of a progress bar that is drawn again.
+_CONTROL = re.compile(
+    r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e]|(?<!^)\r(?!$)"
+)
+
+
+class _WithoutControl:
+    """A text stream that writes control characters as escapes."""
+
+    def __init__(self, stream: Any) -> None:
+        self._stream = stream
+
+    def write(self, text: str) -> int:
+        self._stream.write(_CONTROL.sub(lambda m: m[0].encode("unicode_escape").decode(), text))
+        return len(text)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+
+def escape_control_characters() -> None:
+    """Write control characters to the terminal as escapes, as of file names from elsewhere.
+
+    A terminal would obey them: move the cursor, delete what was written, change its title.
+    """
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if not isinstance(stream, _WithoutControl):
+            setattr(sys, name, _WithoutControl(stream))

@@ -7,7 +7,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from ...solver.errors import InputError, PackageError
+from ...solver.errors import InputError, PackageError, escape_control_characters
 from ...solver.interrupts import INTERRUPTED
 
 TABLES = 4  # exit code: the source has modes only, and their tables are written
@@ -89,4 +89,5 @@ def _export(options: argparse.Namespace) -> int:
 
 
 if __name__ == "__main__":
+    escape_control_characters()
     sys.exit(main())

@@ -5,6 +5,7 @@ import sys
 from contextlib import suppress
 from typing import TextIO
 
+from ..errors import escape_control_characters
 from .exit_codes import INPUT
 
 NO_READER = 141  # exit code: as of a program that SIGPIPE ends
@@ -22,6 +23,7 @@ def complete() -> None:
             os.open(os.devnull, os.O_RDWR)  # takes the lowest number that is free
     sys.stdout = sys.stdout or _nowhere()
     sys.stderr = sys.stderr or _nowhere()
+    escape_control_characters()
 
 
 def no_reader() -> int:

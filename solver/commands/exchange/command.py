@@ -5,6 +5,7 @@ two exchange files only. This part of the preprocessor needs no FEniCSx, so the 
 """
 
 import argparse
+import signal
 import subprocess
 import sys
 import tempfile
@@ -13,6 +14,7 @@ from pathlib import Path
 
 from ...errors import InputError
 from ...interrupts import INTERRUPTED
+from ..defect import DEFECT
 from ..fenicsx_side.launch import environment, importable
 from ..measured_modes import experimental_package, load_measurement, write_measured
 
@@ -60,7 +62,12 @@ def exchange(words: Sequence[str]) -> int:
             env=environment(folder),
         )
         try:
-            return process.wait()
+            code = process.wait()
         except KeyboardInterrupt:  # the terminal has interrupted both
             process.wait()
             return INTERRUPTED
+    if code < 0:
+        how = signal.strsignal(-code) or f"signal {-code}"
+        print(f"error: {words[0]} of {words[1]}: the process was ended: {how}", file=sys.stderr)
+        return DEFECT
+    return code

@@ -178,10 +178,11 @@ def _read(path: Path, *, whole: bool) -> tuple[SweepResult, list[str]]:
             raise ResultError(f"{path}: format {major}.{minor}: expected {major}.{least} or later")
         if whole:
             check_file_checksum(path, file, ResultError)
-        return _load(file), _words(file["members/sha256"])
+        return _load(path, file), _words(file["members/sha256"])
 
 
-def _load(file: h5py.File) -> SweepResult:
+def _load(path: Path, file: h5py.File) -> SweepResult:
+    _check_lengths(path, file)
     signals = file.get("signals", {})
     histories = file.get("histories", {})
     texts = {name: _words(file[f"members/{name}"]) for name in TEXTS}
@@ -230,6 +231,30 @@ def _load(file: h5py.File) -> SweepResult:
         signal_words=words,
         rows=tuple(rows),
     )
+
+
+def _check_lengths(path: Path, file: h5py.File) -> None:
+    """Raise ResultError for a dataset of another length or kind than the layout has."""
+    lists = [file[name] for name in ("members/key", "parameters/name")]
+    lists += [file["histories/t"]] if "histories" in file else []
+    if any(not isinstance(item, h5py.Dataset) or item.ndim != 1 for item in lists):
+        raise ResultError(f"{path}: members/key, parameters/name, histories/t: expected lists")
+    k, p, n_t = [*(item.size for item in lists), 0][:3]
+    expected = {"parameters/unit": (p,), "parameters/values": (k, p)}
+    expected |= {"histories/t": (n_t,)} if n_t else {}
+    for group in ("members", "checks", "cost", *(f"signals/{n}" for n in file.get("signals", ()))):
+        expected |= {f"{group}/{name}": (k,) for name in file[group]}
+    expected |= {f"histories/{n}": (k, n_t) for n in file.get("histories", ()) if n != "t"}
+    text = {f"members/{name}" for name in (*TEXTS, "sha256")} | {"parameters/unit"}
+    for name, shape in expected.items():
+        item = file[name]
+        if (
+            not isinstance(item, h5py.Dataset)
+            or item.shape != shape
+            or (item.dtype.kind not in ("SO" if name in text else "fi"))
+        ):
+            what = "words" if name in text else "numbers"
+            raise ResultError(f"{path}: {name}: expected a dataset of {what} of the shape {shape}")
 
 
 def sweep_csv(result: SweepResult) -> str:

@@ -1,24 +1,28 @@
 """What a sweep computes: its members, their numbers and their packages."""
 
 import hashlib
-import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field, ValidationError
 
 from plymotion import __version__
 
-from ...errors import InputError, PackageError
+from ...errors import InputError, PackageError, nearest
 from ...inputs.case.dotted_keys import put
 from ...inputs.case.resolved import resolved
 from ...inputs.case.schema import Mechanism
 from ...inputs.case.segments import in_segments
 from ...inputs.case.sources import solver_sha256
+from ...inputs.common.messages import bare_lines
+from ...inputs.common.table import FilePath, Name, Table
 from ...package import ModalPackage
 from ...package.common.plain_data import data_sha256
 from ...run.execution import package_of
 
+Number = Annotated[int, Field(ge=0)]  # in a list of the file
 ROWS = 2  # version of what is computed of a member: raised when its numbers change their meaning
 
 
@@ -138,6 +142,87 @@ class Plan:
         return found
 
 
+class _Variant(Table):
+    changes: dict[str, Any]
+    packages: dict[str, Number]
+
+    def variant(self) -> Variant:
+        return Variant(self.changes, self.packages)
+
+
+class _Member(_Variant):
+    values: list[float]
+    other_runs: dict[str, _Variant]
+
+
+class _Parameter(Table):
+    name: str
+    keys: list[str]
+    unit: str
+
+
+class _Package(Table):
+    file: FilePath
+    inputs_sha256: str | None = None
+
+
+class _Drawn(Table):
+    member: Number
+    check: dict[str, Number]
+
+
+class _Fidelity(Table):
+    base: dict[str, Number]
+    base_check: dict[str, Number]
+    drawn: list[_Drawn]
+
+
+class _File(Table):
+    """Content of build/<case>/sweeps/<name>.json (inputs/case/sweep_table.py)."""
+
+    case: str
+    sweep: Name
+    title: str
+    run: str
+    design: str
+    parameters: list[_Parameter]
+    signals: list[str]
+    histories: list[str]
+    mechanism: dict[str, Any]
+    other_runs: dict[str, dict[str, Any]]
+    members: list[_Member]
+    packages: list[_Package]
+    fidelity: _Fidelity | None = None
+
+    def check_numbers(self) -> None:
+        """Raise ValueError: lengths or numbers that do not fit each other."""
+        for k, member in enumerate(self.members):
+            if len(member.values) != len(self.parameters):
+                raise ValueError(
+                    f"members.{k}.values: expected {len(self.parameters)} numbers, those of the "
+                    f"parameters, found {len(member.values)}"
+                )
+            for variant in (member, *member.other_runs.values()):
+                self._check_packages(f"members.{k}.packages", variant.packages)
+            if unknown := member.other_runs.keys() - self.other_runs.keys():
+                raise ValueError(
+                    f"members.{k}.other_runs.{min(unknown)}: no such run in other_runs"
+                )
+        if self.fidelity is None:
+            return
+        self._check_packages("fidelity.base", self.fidelity.base)
+        self._check_packages("fidelity.base_check", self.fidelity.base_check)
+        for k, drawn in enumerate(self.fidelity.drawn):
+            self._check_packages(f"fidelity.drawn.{k}.check", drawn.check)
+            if drawn.member >= len(self.members):
+                raise ValueError(f"fidelity.drawn.{k}.member = {drawn.member}: no such member")
+
+    def _check_packages(self, key: str, packages: Mapping[str, int]) -> None:
+        for body, number in packages.items():
+            if number >= len(self.packages):
+                raise ValueError(f"{key}.{body} = {number}: no such package")
+
+
 def read_plan(file: Path, *, allow_doubtful: bool = False) -> Plan:
     """Read build/<case>/sweeps/<name>.json.
 
@@ -149,49 +234,51 @@ def read_plan(file: Path, *, allow_doubtful: bool = False) -> Plan:
         None of its packages can be read; if only some are missing, members fail instead.
     """
     try:
-        table = json.loads(file.read_text(encoding="utf-8"))
-        plan = Plan(
-            file=file,
-            case=table["case"],
-            name=table["sweep"],
-            title=table["title"],
-            run=table["run"],
-            design=table["design"],
-            parameters=tuple(
-                Parameter(p["name"], tuple(p["keys"]), p["unit"]) for p in table["parameters"]
-            ),
-            signals=tuple(table["signals"]),
-            histories=tuple(table["histories"]),
-            table=table["mechanism"],
-            mechanism=resolved(table["mechanism"], str(file)),
-            packages=tuple(table["packages"]),
-            other_runs=table["other_runs"],
-            members=tuple(
-                Member(
-                    tuple(m["values"]),
-                    _variant(m),
-                    {run: _variant(other) for run, other in m["other_runs"].items()},
-                    number,
-                )
-                for number, m in enumerate(table["members"])
-            ),
-            fidelity=table.get("fidelity"),
-            allow_doubtful=allow_doubtful,
-        )
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        found = _File.model_validate_json(file.read_bytes())
+        found.check_numbers()
+    except (OSError, ValueError, RecursionError) as error:
+        wrong = isinstance(error, ValidationError)
+        reason = "; ".join(bare_lines(error, _File)[:3]) if wrong else str(error)
         raise InputError(
-            f"{file}: not a sweep file ({error}); expected one written by `plymotion check`"
+            f"{file}: not a sweep file ({reason}); expected one written by `plymotion check`"
         ) from error
+    plan = Plan(
+        file=file,
+        case=found.case,
+        name=found.sweep,
+        title=found.title,
+        run=found.run,
+        design=found.design,
+        parameters=tuple(Parameter(p.name, tuple(p.keys), p.unit) for p in found.parameters),
+        signals=tuple(found.signals),
+        histories=tuple(found.histories),
+        table=found.mechanism,
+        mechanism=resolved(found.mechanism, str(file)),
+        packages=tuple(package.model_dump(exclude_none=True) for package in found.packages),
+        other_runs=found.other_runs,
+        members=tuple(
+            Member(
+                tuple(m.values),
+                m.variant(),
+                {run: other.variant() for run, other in m.other_runs.items()},
+                number,
+            )
+            for number, m in enumerate(found.members)
+        ),
+        fidelity=found.fidelity.model_dump() if found.fidelity else None,
+        allow_doubtful=allow_doubtful,
+    )
+    for key in ("signals", "histories"):
+        for name in getattr(plan, key):
+            if name not in plan.mechanism.signals:
+                hint = nearest(name, plan.mechanism.signals)
+                raise InputError(f'{file}: {key} = "{name}": no such signal{hint}')
     if plan.packages and not any(plan.package_file(k).is_file() for k in range(len(plan.packages))):
         raise PackageError(
             f"{plan.package_file(0)}: no such file, nor any other package of the sweep: "
             f"`plymotion packages {file}` builds them"
         )
     return plan
-
-
-def _variant(table: dict[str, Any]) -> Variant:
-    return Variant(table["changes"], table["packages"])
 
 
 def _content(file: Path) -> str:

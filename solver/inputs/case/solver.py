@@ -12,6 +12,10 @@ from ...integrators.table import INTEGRATORS
 from ..common.table import Table, Vector, unit
 from .keys import GlobalDirection, field_of
 
+# Light crosses an atomic nucleus in 1e-23 s; squares of shorter times soon leave the floating point
+# range, 1e-308.
+SHORTEST = 1e-100  # [s]
+
 if TYPE_CHECKING:
     IntegratorName = str
 else:
@@ -40,9 +44,9 @@ class Spin(Table):
 class _Integration(Table):
     """Keys before those that one integrator has."""
 
-    t_end: float = Field(gt=0, description="end of the run", json_schema_extra=unit("s"))
+    t_end: float = Field(ge=SHORTEST, description="end of the run", json_schema_extra=unit("s"))
     output_step: float = Field(
-        gt=0, description="interval of the results", json_schema_extra=unit("s")
+        ge=SHORTEST, description="interval of the results", json_schema_extra=unit("s")
     )
     most_outputs: int = Field(
         default=10_000_000, ge=1, description="outputs, t_end / output_step, that are not refused"

@@ -1,5 +1,6 @@
 """Convert pydantic's errors to one line each: file, key, value, expectation."""
 
+import re
 from types import UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
@@ -8,6 +9,7 @@ from pydantic import BaseModel, Tag, ValidationError
 from ...errors import did_you_mean, nearest
 
 _WORDS = {"model_type": "expected a table", "dict_type": "expected a table"}
+_DECIMAL = re.compile(r"0\.0{6,}\d+")  # a limit like 1e-30, which pydantic writes out
 _WORDS |= {"model_attributes_type": "expected a table", "list_type": "expected a list"}
 
 
@@ -42,7 +44,7 @@ def _line(item: Any, model: type[BaseModel]) -> str:
         hint = hint if hint.startswith("; did") else ""
         return f'{key}.{discriminator} = "{value}": {expected}{hint}'
     text = _WORDS.get(item["type"], item["msg"]).removeprefix("Value error, ")
-    text = text[0].lower() + text[1:]
+    text = _DECIMAL.sub(lambda m: f"{float(m[0]):g}", text[0].lower() + text[1:])
     if not path:  # a contradiction of the whole file, whose text names the keys
         return text
     hint = did_you_mean(str(item["input"]), get_args(kind)) if _one_of_words(kind) else ""
