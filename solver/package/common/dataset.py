@@ -164,6 +164,9 @@ def missing_or_mistyped(group: h5py.Group, specs: Iterable[DatasetSpec]) -> list
             hint = did_you_mean(spec.path, found)
             text = f"missing; expected {spec.type} {shape_text(spec.shape)}{hint}"
             findings.append(Remark("error", where, text))
+        elif item.ndim != len(spec.shape):
+            text = f"expected shape {shape_text(spec.shape)}, found {item.shape}"
+            findings.append(Remark("error", where, text))
         elif is_text(item) != (spec.type == "text"):
             findings.append(Remark("error", where, f"expected {spec.type}, found {item.dtype}"))
         elif spec.type in ("int64", "uint8") and item.dtype.kind not in "iu":
@@ -177,13 +180,18 @@ def missing_or_mistyped(group: h5py.Group, specs: Iterable[DatasetSpec]) -> list
 def misshaped(
     group: h5py.Group, specs: Iterable[DatasetSpec], sizes: Mapping[str, int]
 ) -> list[Remark]:
-    """Find datasets with shapes that differ from the sizes; unknown symbols are not checked."""
+    """Find datasets with shapes that differ from the sizes; unknown symbols are not checked.
+
+    `missing_or_mistyped` finds those of another number of axes.
+    """
     known = {*sizes, *(("c+1",) if "c" in sizes else ())}
     findings = []
     for spec in specs:
         item = group.get(spec.path)
         symbols = {axis for axis in spec.shape if isinstance(axis, str)}
-        if not isinstance(item, h5py.Dataset) or not symbols <= known:
+        if not isinstance(item, h5py.Dataset) or item.ndim != len(spec.shape):
+            continue
+        if not symbols <= known:
             continue
         expected = expected_shape(spec, sizes)
         if item.shape != expected:
