@@ -46,10 +46,10 @@ def read_result(path: str | Path) -> RunResult:
         result = _load(path, file)
         if minor > 0:  # 1.0 had none
             check_file_checksum(path, file, ResultError)
-    try:
-        check_result(result)
-    except ResultError as error:
-        raise ResultError(f"{path}: /results/{error}") from None
+        try:
+            check_result(result)
+        except ResultError as error:
+            raise ResultError(f"{path}: /results/{error}") from None
     return result
 
 

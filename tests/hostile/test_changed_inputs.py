@@ -4,6 +4,8 @@
 """
 
 import copy
+import json
+import random
 import shutil
 import tomllib
 from pathlib import Path
@@ -13,6 +15,7 @@ import pytest
 from hostile_profile import LIMIT_S, Hang, count, limited, tries
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
+from sweep_samples import BALL, FORCE, ball
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.common.messages import printable
@@ -234,3 +237,67 @@ def test_an_overflow_names_the_number(tmp_path, capfd):
     assert (
         "failed [input] bodies.rod.mass = 1: s: bodies.rod.centre.0 = 1e" in capfd.readouterr().out
     )
+
+
+def test_changed_sweep_files(tmp_path, capsys):
+    """build/CASE/sweeps/NAME.json: one value deleted, repeated or replaced by another kind."""
+    file = ball(tmp_path, f"{FORCE} = [1.0, 2.0]", 'histories = ["x"]')
+    whole = json.loads(file.read_text("utf-8"))
+    places = [place for place in _places(whole) if place[0] not in ("mechanism", "other_runs")]
+    chance = random.Random(2)
+    for _ in range(tries(15, 150)):
+        table = copy.deepcopy(whole)
+        *outer, last = chance.choice(places)
+        inner: Any = table
+        for key in outer:
+            inner = inner[key]
+        way = chance.choice(["delete", "repeat", "value", "value"])
+        if way == "delete":
+            del inner[last]
+        elif way == "repeat" and isinstance(inner, list):
+            inner.append(inner[last])
+        else:
+            inner[last] = chance.choice([None, [], {}, "", "x", -1, 10**400, 1e308, True, 99])
+        file.write_text(json.dumps(table), "utf-8")
+        code = main(["sweep", str(file), "--jobs", "1", "--no-figures", "--quiet", "--fresh"])
+        told = capsys.readouterr().err
+        assert code in (0, 3) or (code == 2 and str(file) in told), (code, told)
+        count("sweep: a changed sweep file", "refused" if code == 2 else "done")
+
+
+POLYNOMIAL = "law = { polynomial = [0.0, 0.0, 0.0, 1.0] }"
+
+
+def _nested(chance: random.Random, level: int) -> str:
+    """An expression of functions in functions, and of long rows of operations."""
+    if level == 0:
+        return chance.choice(["t", "1", "pi", "2.5", "9" * 400])
+    parts = [_nested(chance, level - 1), _nested(chance, min(level - 1, 2))]
+    several = chance.choice([2, 30]) if len(parts[0]) < 30 else 1
+    return chance.choice(
+        [
+            f"hypot({parts[0]}, {parts[1]})",
+            f"rate({parts[0]})",
+            f"({parts[0]} if {parts[1]} < 1 else t)",
+            f"sin({parts[0]})",
+            f"({parts[0]}) ** ({parts[1]})",
+            "<".join(parts[:1] * several),
+            f"max({', '.join(parts[:1] * several)})",
+            " and ".join(parts[:1] * several),
+        ]
+    )
+
+
+@pytest.mark.parametrize("block", range(tries(1, 6)))
+def test_generated_expressions(tmp_path, capsys, block):
+    """Of any depth: parsed or refused in words and in time."""
+    chance = random.Random(block)
+    for _ in range(tries(30, 100)):
+        text = _nested(chance, chance.randrange(1, 30 if chance.random() < 0.3 else 7))[:2500]
+        table = BALL.replace(POLYNOMIAL, f"law = {{ expression = '{text}' }}")
+        (tmp_path / "case.toml").write_text(table, "utf-8")
+        with limited(LIMIT_S):
+            code = main(["check", str(tmp_path / "case.toml")])
+        told = capsys.readouterr().err
+        assert code == 0 or (code == 2 and "forces.push" in told), (code, told, text)
+        count("check: a generated expression", "refused" if code else "done")

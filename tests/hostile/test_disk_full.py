@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 from forks import forks
 from hostile_profile import count
+from package_samples import cantilever
 from result_samples import swinging_rod
 from sweep_samples import FORCE, ball
 
 from plymotion.solver.__main__ import main
+from plymotion.solver.package import write_package
 from plymotion.solver.package.common.disk_file import SEAL
 from plymotion.solver.results import read_result, write_result
 
@@ -101,3 +103,17 @@ def test_files_of_killed_processes_go(tmp_path):
     assert len(list(tmp_path.iterdir())) == 3
     write_result(tmp_path / "r.vtkhdf", swinging_rod())
     assert sorted(tmp_path.iterdir()) == sorted([*others, tmp_path / "r.vtkhdf"])
+
+
+@pytest.mark.parametrize("limit", [100, 3000])
+def test_an_export_without_room(tmp_path, limit):
+    """A MED file is an HDF5 file, whose library does not survive an error of the disk."""
+    package, out = tmp_path / "arm.vtkhdf", tmp_path / "arm.med"
+    write_package(package, cantilever(n=5, m=2))
+    out.write_bytes(b"before")
+    done = _limited(limit, "export", package, "--to", "med", "-o", out)
+    assert done.returncode == 2, done.stderr
+    assert "arm.med: File too large" in done.stderr
+    assert out.read_bytes() == b"before"
+    assert {path.name for path in tmp_path.iterdir()} == {"arm.vtkhdf", "arm.med"}
+    count("export: a file that may not grow", "refused")

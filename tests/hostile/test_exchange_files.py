@@ -3,6 +3,7 @@
 In processes of their own: a library may end by a segmentation fault.
 """
 
+import os
 import random
 import re
 import shutil
@@ -139,3 +140,25 @@ def test_damaged_matrices_are_refused(sources, tmp_path, monkeypatch, capfd, nam
     assert "M.mtx" in told
     assert "Traceback" not in told
     assert not (copy / "o.vtkhdf").exists()
+
+
+ENDED = """
+import os, signal, sys
+if "plymotion.preprocess.exchange" in sys.orig_argv:
+    os.kill(os.getpid(), signal.SIGSEGV)
+"""
+
+
+def test_a_process_that_a_signal_ends_is_told(sources, tmp_path):
+    (tmp_path / "sitecustomize.py").write_text(ENDED)
+    folder = next(iter(sources))
+    words = ["import", str(folder / "arm.toml"), "-o", str(tmp_path / "o.vtkhdf")]
+    done = subprocess.run(
+        [sys.executable, "-m", "plymotion", *words],
+        env=os.environ | {"PYTHONPATH": str(tmp_path)},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 70
+    assert "arm.toml: the process was ended: Segmentation fault" in done.stderr
+    assert not (tmp_path / "o.vtkhdf").exists()

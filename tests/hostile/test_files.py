@@ -23,6 +23,7 @@ from plymotion.solver.commands.sweep.file import believed_rows, read_sweep
 from plymotion.solver.errors import InputError, PackageError
 from plymotion.solver.package import read_package, write_package
 from plymotion.solver.package.common.container import content_sha256
+from plymotion.solver.package.common.identity import write_file_checksum
 from plymotion.solver.package.section.io import read_section, write_section
 from plymotion.solver.package.shell.io import read_shell, write_shell
 from plymotion.solver.results import read_result, write_result
@@ -112,6 +113,45 @@ def test_flips_and_truncations_are_never_silent(kind, tmp_path, monkeypatch):
         with pytest.raises(REFUSED, match=r"damaged\.vtkhdf: "):
             known.read(damaged)
         count(f"reading a {name} file: truncated", "refused")
+
+
+ODD_SHAPES: dict[str, Callable[[np.ndarray], Any]] = {
+    "shorter": lambda v: v[:-1] if v.ndim else v,
+    "longer": lambda v: np.concatenate([v, v]) if v.ndim else np.array([v, v]),
+    "empty": lambda v: v[:0] if v.ndim else v,
+    "a single one": lambda v: v.ravel()[0] if v.size else 0.0,
+    "another axis": lambda v: np.stack([v, v]),
+    "text": lambda v: "x",
+    "whole numbers": lambda v: np.zeros(v.shape, int),
+}
+
+
+def test_datasets_of_another_shape_are_refused_in_words(kind, tmp_path, monkeypatch):
+    """As a program of others might write them: without seal and checksum, or with a right one."""
+    monkeypatch.setenv("PLYMOTION_CACHE", str(tmp_path / "cache"))
+    known, path = kind
+    name = next(name for name, known_as in FORMATS.items() if known_as is known)
+    with h5py.File(path) as file:
+        found: list[str] = []
+        file.visititems(lambda n, item: found.append(n) if isinstance(item, h5py.Dataset) else None)
+    generator = np.random.default_rng(3)
+    for _ in range(tries(12, 150)):
+        copy, dataset = tmp_path / "copy.vtkhdf", found[generator.integers(len(found))]
+        shutil.copy(path, copy)
+        way = list(ODD_SHAPES)[generator.integers(len(ODD_SHAPES))]
+        with h5py.File(copy, "r+") as file:
+            values, attributes = np.asarray(file[dataset][()]), dict(file[dataset].attrs)
+            del file[dataset]
+            file[dataset] = ODD_SHAPES[way](values)
+            file[dataset].attrs.update(attributes)
+            del file.attrs["content_sha256"]
+            if name in ("result", "sweep"):  # not read without
+                write_file_checksum(file)
+        _, message = _outcome(known, copy)
+        assert "copy.vtkhdf: " in message or not message
+        count(
+            f"reading a {name} file: a dataset of another shape", "refused" if message else "done"
+        )
 
 
 def _numbers(kind: tuple[Format, Path], folder: Path) -> tuple[Path, str]:

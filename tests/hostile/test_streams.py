@@ -53,3 +53,12 @@ def test_output_without_a_reader(build):
     done = _shell(build, "check --reference", "| true; exit ${PIPESTATUS[0]}")
     assert (done.returncode, done.stderr) == (141, "")
     count("check: output that nobody reads", "done")
+
+
+@pytest.mark.parametrize("command", ["info", "check", "run", "import -o x.vtkhdf"])
+def test_control_characters_of_names_do_not_reach_the_terminal(build, command):
+    """They would set the title of the window, or delete what was written."""
+    done = _shell(build, f"{command} $'a\\x1b]0;title\\x07\\x1b[2J\\x9b2J.toml'", "")
+    assert done.returncode == 2
+    assert not {"\x1b", "\x07", "\x9b"} & {*done.stdout, *done.stderr}
+    assert r"a\x1b]0;title\x07" in done.stderr

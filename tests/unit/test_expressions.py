@@ -12,8 +12,9 @@ from plymotion.solver.math.expressions.program import (
     evaluated,
     new_stack,
     programs,
+    value_at,
 )
-from plymotion.solver.math.expressions.tree import TIME, Node, rate
+from plymotion.solver.math.expressions.tree import TIME, Node, depth, rate
 from plymotion.solver.math.laws import law_value
 
 NAMES = {"a": 2.0, "b": -0.3}
@@ -121,6 +122,9 @@ def test_rate_of_a_quantity():
         ("'t'", "is not allowed"),
         ("rate(t ** t)", "has no derivative by time"),
         ("+".join(["t"] * 100), "50 levels"),
+        ("9" * 400, "is not finite"),
+        ("hypot(" * 40 + "t" + ", 1)" * 40, "operations; expected 10000 at most"),
+        ("rate(" * 10 + "sin(t ** 3) * t" + ")" * 10, "operations; expected 10000 at most"),
         ("t" * 3000, "2000 characters"),
     ],
 )
@@ -128,6 +132,21 @@ def test_bad_expressions(text, words):
     with pytest.raises(ExpressionError, match=None) as caught:
         parsed(text, Plain(NAMES))
     assert words in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("<".join(["t"] * 500), 0.0),
+        ("<=".join(["t"] * 500), 1.0),
+        (" and ".join(["t"] * 150 + ["0"] + ["t"] * 150), 0.0),
+        ("max(" + ", ".join(f"{k}" for k in range(400)) + ", t)", 399.0),
+    ],
+)
+def test_many_parts_of_one_operation_are_few_levels(text, value):
+    tree = parsed(text, Plain(NAMES))
+    assert value_at(tree, 0.5) == value
+    assert depth(tree) < 20
 
 
 @pytest.mark.parametrize("smooth", [True, False])

@@ -51,12 +51,12 @@ def open_file(path: Path, error: type[Exception]) -> Iterator[h5py.File]:
         with h5py.File(path, "r") as file:
             refuse_foreign_parts(path, file, error)
             yield file
-    except (OSError, KeyError, RuntimeError, ValueError, TypeError, MemoryError) as cause:
+    except (OSError, LookupError, RuntimeError, ValueError, TypeError, MemoryError) as cause:
         if "truncated" in str(cause):
             message = f"truncated: {path.stat().st_size} bytes found, more are expected"
         else:
-            message = "damaged HDF5 file"
-        raise error(f"{path}: {message} (HDF5 says: {cause})") from cause
+            message = "damaged HDF5 file, or data of another shape"
+        raise error(f"{path}: {message} ({cause})") from cause
 
 
 def _kind_of_bytes(head: bytes) -> str:
