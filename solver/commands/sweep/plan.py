@@ -237,8 +237,9 @@ def read_plan(file: Path, *, allow_doubtful: bool = False) -> Plan:
         found = _File.model_validate_json(file.read_bytes())
         found.check_numbers()
     except (OSError, ValueError, RecursionError) as error:
-        wrong = isinstance(error, ValidationError)
-        reason = "; ".join(bare_lines(error, _File)[:3]) if wrong else str(error)
+        reason = str(error)
+        if isinstance(error, ValidationError):
+            reason = "; ".join(bare_lines(error, _File)[:3])
         raise InputError(
             f"{file}: not a sweep file ({reason}); expected one written by `plymotion check`"
         ) from error
