@@ -10,6 +10,7 @@ from pathlib import Path
 from ..solver.errors import escape_control_characters
 from ..solver.interrupts import INTERRUPTED, exit_code, heard
 from ..solver.package.common.shares import shard
+from .python_script import scripts
 
 BODY_EPILOG = """\
 Writes the modal package DIR/SPEC.vtkhdf for each SPEC.json. A package whose stored
@@ -62,7 +63,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _guarded(options: argparse.Namespace) -> int:
     """Run a command; turn what it raises into a message and an exit code."""
     try:
-        return int(options.run(options))
+        with scripts(refused=options.no_scripts):
+            return int(options.run(options))
     except OSError as error:
         print(f"error: {error.filename or ''}: {error.strerror or error}", file=sys.stderr)
         return 2
@@ -137,6 +139,9 @@ def _add_specs(parser: argparse.ArgumentParser, text: str) -> None:
     parser.add_argument("specs", nargs="+", type=Path, metavar="SPEC.json", help=text)
     parser.add_argument(
         "--force", action="store_true", help="build all files, also those that are up to date"
+    )
+    parser.add_argument(
+        "--no-scripts", action="store_true", help="refuse mesh scripts of the user (.geo, .py)"
     )
 
 

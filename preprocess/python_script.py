@@ -1,8 +1,29 @@
-"""Import of Python files that describe a mesh: of the library, or of the user."""
+"""Scripts that make a mesh: import of Python files, and whether those of the user may run."""
 
+import contextlib
 import importlib.util
+from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
+
+SUFFIXES = (".geo", ".py")
+_refused = False  # of the process: its threads build sections, too
+
+
+@contextlib.contextmanager
+def scripts(*, refused: bool) -> Iterator[None]:
+    """Refuse mesh scripts of the user inside, or run them; those of the library always run."""
+    global _refused
+    before, _refused = _refused, refused
+    try:
+        yield
+    finally:
+        _refused = before
+
+
+def is_refused(path: Path) -> bool:
+    """Tell whether a file of the user is a script, and those are refused."""
+    return _refused and path.suffix in SUFFIXES
 
 
 def load_script(path: Path) -> ModuleType:

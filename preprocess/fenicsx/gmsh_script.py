@@ -20,6 +20,7 @@ from .gmsh_model import plain_from_model
 from .plain import PlainMesh
 from .stack import gmsh
 
+MESH_HEAD = b"$MeshFormat"
 _session_depth = 0
 
 
@@ -112,21 +113,29 @@ def _run_alone(path: Path, parameters: Parameters, gdim: int) -> PlainMesh:
 
 
 def open_mesh(path: Path, *, gdim: int = 2) -> PlainMesh:
-    """Read a mesh file that gmsh knows (.msh of any version).
+    """Read a mesh of gmsh (.msh from version 2); nothing in it, or beside it, is executed.
+
+    gmsh decides by name and content what a file is: it runs what is not a mesh as a script, and
+    FILE.opt beside it, too. It gets a copy that begins as a mesh does, alone in a private folder.
 
     Raises
     ------
-    MeshError : missing file, gmsh error, a model without a mesh of regions.
+    MeshError : missing file, no mesh of gmsh, gmsh error, a model without a mesh of regions.
     """
     if not path.is_file():
         raise MeshError(f"{path}: no such mesh file")
-    _check_names(path)
-    with gmsh_session():
+    content = path.read_bytes()
+    if not content.startswith(MESH_HEAD):
+        raise MeshError(f"{path}: not a mesh of gmsh, expected $MeshFormat as its first bytes")
+    _check_names(content, path)
+    with tempfile.TemporaryDirectory(prefix="plymotion-") as folder, gmsh_session():
+        copy = Path(folder) / "mesh.msh"
+        copy.write_bytes(content)
         gmsh.clear()
         try:
-            gmsh.open(str(path))
+            gmsh.open(str(copy))
         except Exception as error:  # gmsh raises bare Exception or ValueError
-            raise MeshError(f"{path}: gmsh: {error}") from error
+            raise MeshError(f"{path}: gmsh: {str(error).replace(str(copy), path.name)}") from error
         plain = plain_from_model(str(path), gdim)
         gmsh.clear()
     return plain
@@ -136,9 +145,9 @@ _NAMES = re.compile(rb"\$PhysicalNames\s(.*?)\$EndPhysicalNames", re.DOTALL)
 _SURFACE = re.compile(rb'^\s*2\s+(\d+)\s+"(.*)"\s*$', re.MULTILINE)
 
 
-def _check_names(path: Path) -> None:
+def _check_names(content: bytes, path: Path) -> None:
     """Error for two groups of one name: gmsh would drop the second name without a message."""
-    block = _NAMES.search(path.read_bytes())  # text in binary files too
+    block = _NAMES.search(content)  # text in binary files too
     numbers: dict[bytes, bytes] = {}
     for number, name in _SURFACE.findall(block[1]) if block else []:
         if name in numbers:

@@ -18,7 +18,7 @@ from ...solver.math.arrays import Array
 from ...solver.package.common.plain_data import canonical
 from .. import fenicsx
 from ..fenicsx import PlainMesh
-from ..python_script import load_script
+from ..python_script import is_refused, load_script
 from .cells import FULL, CellMesh, cells_of_plain, filling, patterns
 from .errors import SectionError
 from .mesh_checks import checked
@@ -102,6 +102,8 @@ def _made(table: str, file: str, content: str) -> SectionMesh:
 
 def script_path(name: str) -> Path:
     """Path of a script of the library: beside the package in a wheel, at the top of a checkout."""
+    if not name.replace("-", "_").isidentifier():
+        raise SectionError(f"gmsh script {name!r}: expected the name of a script of the library")
     here = Path(__file__)
     folders = [root.parents[2] / "meshes" for root in (here, here.resolve())]
     for folder in folders:
@@ -127,6 +129,8 @@ def _source(spec: Mapping[str, Any], where: str) -> Path:
 
 def _read(spec: Mapping[str, Any], path: Path) -> PlainMesh:
     parameters = spec.get("parameters", {})
+    if "script" not in spec and is_refused(path):
+        raise fenicsx.MeshError(f"{path}: expected no script with --no-scripts")
     if path.suffix == ".geo":
         return fenicsx.run_script(path, parameters)
     if path.suffix == ".py":

@@ -21,7 +21,7 @@ from ...solver.package.common.plain_data import canonical
 from ...solver.package.shell import cells as tables
 from .. import fenicsx
 from ..fenicsx import NamedNodes, PlainMesh
-from ..python_script import load_script
+from ..python_script import is_refused, load_script
 from .errors import ShellError
 from .pairing import paired
 from .refinement import finer_parameters, split
@@ -194,6 +194,8 @@ def _read(path: Path, parameters: Mapping[str, Any], refine: int) -> tuple[Plain
     """The mesh, and how often its cells have yet to be split."""
     if path.suffix == ".npz":
         return _from_arrays(path), refine
+    if is_refused(path):
+        raise ShellError(f"{path}: expected no script with --no-scripts")
     if path.suffix == ".geo":
         return fenicsx.run_script(path, parameters, gdim=3), refine
     if path.suffix != ".py":

@@ -21,6 +21,11 @@ def scripts(*, allowed: bool) -> Iterator[None]:
         _allowed.reset(token)
 
 
+def are_refused() -> bool:
+    """Tell whether scripts are refused, so that the preprocessor refuses them, too."""
+    return not _allowed.get()
+
+
 def refuse_script(file: Path, key: str) -> None:
     """Raise InputError for a script where scripts are refused; `key` names it in the message."""
     if file.suffix in SUFFIXES and not _allowed.get():

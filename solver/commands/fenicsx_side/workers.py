@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError
+from ...inputs.scripts import are_refused
 from ..executors.executor import Executor, Task, distribute
 from ..executors.local import Local
 from .interpreter import find_interpreter
@@ -70,7 +71,8 @@ def start_of(command: str, options: Sequence[str], executor: Executor) -> Start:
         No Python with FEniCSx on this machine, which is to compute.
     """
     python = find_interpreter() if isinstance(executor, Local) else ""
-    return Start(python, command, tuple(options))
+    refused = ["--no-scripts"] if are_refused() else []  # a specification may name one itself
+    return Start(python, command, (*options, *refused))
 
 
 def make_all(

@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from ..arguments import add_case_options, numbers, whole_number
+from ..arguments import add_case_options, add_no_scripts, numbers, whole_number
 
 EPILOG = """\
 --at (default start):
@@ -106,6 +106,7 @@ def add_modes_command(commands: Any, run: Callable[[argparse.Namespace], int]) -
         help="folder of the case (default build/CASE); results go to DIR/modes/RUN-STATE",
     )
     add_case_options(parser)
+    add_no_scripts(parser)
     parser.add_argument("--json", action="store_true", help="print modes.json, not the table")
     parser.add_argument("--quiet", action="store_true", help="no progress")
     parser.set_defaults(command=run)

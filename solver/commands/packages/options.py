@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from ..arguments import add_no_scripts
 from ..executors.choice import add_executor
 
 EPILOG = """\
@@ -27,5 +28,6 @@ def add_packages_command(commands: Any, run: Callable[[argparse.Namespace], int]
     )
     parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="run or sweep file")
     add_executor(parser, "bodies")
+    add_no_scripts(parser)
     parser.add_argument("--quiet", action="store_true", help="print warnings and errors only")
     parser.set_defaults(command=run)

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..arguments import add_packages
+from ..arguments import add_no_scripts, add_packages
 
 EPILOG = """\
 The case needs [fidelity] (docs/fidelity.md). Packages that are out of date are built. The plan is
@@ -39,3 +39,4 @@ def add_case_arguments(parser: argparse.ArgumentParser) -> None:
         "--out", type=Path, metavar="DIR", help="folder of the case (default: build/CASE)"
     )
     add_packages(parser)
+    add_no_scripts(parser)

@@ -14,9 +14,9 @@ _OTHER = {".geo": _GEO, ".pro": _GEO, ".py": _PY}  # how a script names the file
 
 
 def is_gmsh_mesh(file: Path) -> bool:
-    """Tell gmsh's .msh from those of other programs."""
+    """Tell gmsh's .msh from those of other programs, and from scripts, by the first bytes."""
     with file.open("rb") as stream:
-        return stream.read(64).lstrip().startswith(b"$MeshFormat")
+        return stream.read(11) == b"$MeshFormat"
 
 
 def physical_names(file: Path, where: str) -> tuple[list[str], list[str]]:
