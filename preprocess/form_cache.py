@@ -20,15 +20,10 @@ _held: list[IO[bytes]] = []  # as long as the process lives
 
 def use_own_folder() -> None:
     """Set DOLFINx's folder of compiled forms; call it before DOLFINx is imported."""
-    home = DiskCache("forms", 0).folder()
-    if home is None:
-        return
-    folder = home / "fenics"  # DOLFINx appends this name
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError:
+    folder = DiskCache("forms", 0).made("fenics")  # DOLFINx appends this name
+    if folder is None:
         return  # DOLFINx uses its own
-    os.environ["XDG_CACHE_HOME"] = str(home)
+    os.environ["XDG_CACHE_HOME"] = str(folder.parent)
     with contextlib.suppress(OSError):  # no locks on this file system: nothing is removed
         _held.append(hold(folder))
 

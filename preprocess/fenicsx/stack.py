@@ -61,7 +61,8 @@ def _after_mpi(name: str) -> Any:
 def _petsc() -> Any:
     # Before PETSc is loaded, which otherwise waits for all ranks of the MPI job. Ranks of a pool
     # arrive here only when they get work. All objects are created with an explicit communicator.
-    import_module("petsc4py").init(comm=_part("MPI").COMM_SELF)
+    # PETSc would read .petscrc of the current folder, which can name a library to load.
+    import_module("petsc4py").init(["", "-skip_petscrc"], comm=_part("MPI").COMM_SELF)
     found = import_module("petsc4py.PETSc")
     if np.dtype(found.ScalarType).kind != "f":
         raise MissingFenicsx(

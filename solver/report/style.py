@@ -56,7 +56,9 @@ def house_style(*, formulas: bool = False) -> Iterator[None]:
             "report: figures need matplotlib, which is not installed; expected "
             "the extra `plot`: pip install plymotion[plot]"
         ) from error
-    with matplotlib.rc_context({**_RULES, "text.parse_math": formulas}):
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()  # without matplotlibrc of the current folder, which can start LaTeX
+        matplotlib.rcParams.update({**_RULES, "text.parse_math": formulas})
         yield
 
 

@@ -47,16 +47,17 @@ def reasons(report: Report) -> str:
 
 
 def checkouts() -> list[Path]:
-    """The checkouts of this code and of the current folder, if any."""
+    """The checkout of this code, if any; never the current folder, whose files may be anybody's."""
     here = Path(plymotion.__file__).resolve().parent.parent
-    known = dict.fromkeys((here, Path.cwd()))
-    return [folder for folder in known if (folder / "plymotion" / "preprocess").is_dir()]
+    return [here] if (here / "plymotion" / "preprocess").is_dir() else []
 
 
 def candidates(folders: list[Path]) -> list[str]:
     """Candidate interpreters without duplicates: on PATH, of the system, of the checkouts."""
     own = [str(path) for folder in folders for path in sorted(folder.glob(".fenicsx-*/bin/python"))]
-    return list(dict.fromkeys(filter(None, [shutil.which("python3"), SYSTEM_PYTHON, *own])))
+    on_path = shutil.which("python3") or ""
+    known = [on_path if os.path.isabs(on_path) else "", SYSTEM_PYTHON, *own]  # not `.` of PATH
+    return list(dict.fromkeys(filter(None, known)))
 
 
 def present(folders: list[Path]) -> tuple[Report | None, list[Report]]:
@@ -104,7 +105,7 @@ def find_interpreter() -> str:
     if found is None:
         tried = "".join(f"\n  {report['python']}: {reasons(report)}" for report in refused)
         raise InputError(
-            "no Python with FEniCSx found; run `make fenicsx` in a checkout of Plymotion, or set "
+            "no Python with FEniCSx found; run `make fenicsx` in the checkout that you use, or set "
             f"FENICSX_PYTHON to one with real-scalar DOLFINx, slepc4py and gmsh. Tried:{tried}"
         )
     return str(found["python"])

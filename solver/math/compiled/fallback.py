@@ -58,7 +58,7 @@ def _numba() -> Any:
             found.update(source.read_bytes())
     cache = where.parent / f"numba-{found.hexdigest()[:16]}"
     try:
-        cache.mkdir(parents=True, exist_ok=True)
+        cache.mkdir(mode=0o700, exist_ok=True)
     except OSError:  # compile in every process
         return numba
     config.CACHE_DIR = str(cache)

@@ -11,8 +11,8 @@ _CODE = DiskCache("code", MOST_FILES)
 
 
 def folder() -> Path | None:
-    """Return the folder of compiled code; None if the user has no home."""
-    return _CODE.folder()
+    """Return the folder of compiled code, made if missing; None if that is not possible."""
+    return _CODE.made()
 
 
 def read(key: str) -> tuple[dict[str, Any], bytes] | None:
