@@ -20,6 +20,17 @@ def under(key: str, error: InputError) -> InputError:
     return InputError("\n".join(f"{key}: {line}" for line in str(error).splitlines()))
 
 
+def printable(text: str) -> str:
+    """Return a text in one line: control characters as escapes.
+
+    For messages, and for comments in generated files, which a line break would end.
+    """
+    return "".join(
+        letter if letter.isprintable() else letter.encode("unicode_escape").decode("ascii")
+        for letter in text
+    )
+
+
 MOST_NAMED = 5
 
 

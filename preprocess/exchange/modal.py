@@ -4,14 +4,15 @@ Computed modes without matrices, and measured ones, take the same way: shapes at
 the nodes, and corrections that make the shapes orthonormal in these masses.
 """
 
-import json
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ...solver.errors import InputError
 from ...solver.math.arrays import Array, IntArray
+from ...solver.package.common.toml_text import toml_text
 from .free_body import Cells
 from .links import interface_rows
 from .masses import PARTS
@@ -70,35 +71,41 @@ def write_tables(body: ModalBody, table: Reduction, files: Files, folder: Path) 
         raise InputError(f"{body.where}: modes: {wanted} of {len(body.hertz)} modes requested")
     masses = _masses(body, files, length, mass)
     total = table.get("total_mass")
-    found = float(masses[:, 0].sum())
-    if total is not None and abs(found - total) > 1e-3 * total:
+    weighed = float(masses[:, 0].sum())
+    if total is not None and abs(weighed - total) > 1e-3 * total:
         raise InputError(
-            f"{body.where}: total_mass = {total:.9g} kg, but the nodes have {found:.9g} kg"
+            f"{body.where}: total_mass = {total:.9g} kg, but the nodes have {weighed:.9g} kg"
         )
     folder.mkdir(parents=True, exist_ok=True)
     names = ["node", "x", "y", "z", "mass", *PARTS]
     _csv(folder / "nodes.csv", names, body.node_ids, np.hstack([body.nodes * length, masses]))
-    lines = [f'format = 1\nbody = {json.dumps(table["body"])}\nnodes = "nodes.csv"']
-    lines.append(f"lines = {json.dumps(_lines(body))}")
-    reference = table["reference"]
-    held = f", at = {json.dumps(reference['at'])}" if "at" in reference else ""
-    lines.append(f'\n[reference]\nkind = "{reference["kind"]}"{held}'.replace(", at", "\nat"))
+    found: dict[str, Any] = {
+        "format": 1,
+        "body": table["body"],
+        "nodes": "nodes.csv",
+        "lines": _lines(body),
+    }
+    found["reference"] = {k: v for k, v in table["reference"].items() if k in ("kind", "at")}
     columns = ["ux", "uy", "uz", "rx", "ry", "rz"][: 6 if body.has_rotations else 3]
+    found["modes"], found["interfaces"] = [], {}
     for i in range(wanted):
         shape = body.shapes[i, :, : len(columns)].copy()
         shape[:, 3:] *= length  # a rotation per unit of the same shape
         _csv(folder / f"mode{i + 1}.csv", ["node", *columns], body.node_ids, shape)
-        lines.append(
-            f'\n[[modes]]\nfrequency_hz = {body.hertz[i] / time:.17g}\nshape = "mode{i + 1}.csv"\n'
-            f"damping_ratio = {table.get('damping_ratio', body.damping_ratios[i]):.17g}\n"
-            f'label = "vibration {i + 1}"'
+        found["modes"].append(
+            {
+                "frequency_hz": float(body.hertz[i] / time),
+                "shape": f"mode{i + 1}.csv",
+                "damping_ratio": float(table.get("damping_ratio", body.damping_ratios[i])),
+                "label": f"vibration {i + 1}",
+            }
         )
     metres = replace(body, nodes=body.nodes * length)
     for name, entry in table["interfaces"].items():
         rows = interface_rows(metres, entry, length, f"{body.where}: interfaces.{name}")
-        lines.append(f"\n[interfaces.{name}]\nnodes = {body.node_ids[rows].tolist()}")
+        found["interfaces"][name] = {"nodes": body.node_ids[rows].tolist()}
     file = folder / "measured.toml"
-    file.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    file.write_text(toml_text(found), encoding="utf-8")
     return file
 
 

@@ -5,9 +5,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError, nearest
+from ..errors import InputError, nearest, printable
 from ..inputs.common import read_toml
 from ..package.common.temporary import write_text
+from ..package.common.toml_text import toml_value
 from ..run.inputs_digest import plan_sha256, text_sha256
 from .plan import BodyPlan, Plan
 
@@ -45,16 +46,15 @@ def write_plan(file: Path, plan: Plan, remarks: list[str]) -> None:
 
     Another plan of this name, which may have been edited, is kept as NAME.previous.toml.
     """
-    lines = [*(f"# {remark}" for remark in remarks), "format = 1"]
+    lines = [*(f"# {printable(remark)}" for remark in remarks), "format = 1"]
     lines += [f'inputs_sha256 = "{plan.inputs_sha256}"', f"rtol = {plan.rtol:.6g}"]
     lines += [f"geometric_stiffening = {str(plan.stiffening).lower()}"]
     lines += [] if plan.bodies else ["", "[bodies]"]
     for name, body in plan.bodies.items():
-        names = ", ".join(f'"{label}"' for label in body.vibrations)
         lines += [
             "",
             f"[bodies.{name}]",
-            f"vibrations = [{names}]",
+            f"vibrations = {toml_value(list(body.vibrations))}",
             f"static_shapes = {body.static}",
             f"ringing = {str(body.ringing).lower()}",
             f'mesh = "{body.mesh}"',

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from sweep_samples import BALL, FORCE, ball
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.inputs.common.messages import printable
+from plymotion.solver.errors import printable
 
 ROOT = Path(__file__).resolve().parents[2]
 SHIPPED = {

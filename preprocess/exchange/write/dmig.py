@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import scipy.linalg
 
-from ....solver.errors import InputError
+from ....solver.errors import InputError, printable
 from ....solver.math.arrays import Array
 from ....solver.package import ModalPackage
 from ....solver.package.body.invariants import free_body_mass, rigid_motions
@@ -28,11 +28,11 @@ def write(package: ModalPackage, out: Path, source: Path) -> str:
     K, M, points = superelement(package)
     n = len(package.interfaces)
     lines = [
-        f"$ {package.body}: {n} interfaces, {points} scalar points; m, kg, s",
+        f"$ {printable(package.body)}: {n} interfaces, {points} scalar points; m, kg, s",
         "$ K2GG = KAAX and M2GG = MAAX in the case control section",
     ]
     for i, interface in enumerate(package.interfaces, 1):
-        lines.append(f"$ GRID {i}: {interface.name}")
+        lines.append(f"$ GRID {i}: {printable(interface.name)}")
         x, y, z = (_real(value) for value in interface.position_B)
         lines += [f"GRID*   {i:16d}{'':16s}{x}{y}", f"*       {z}"]
     lines += [f"SPOINT,{n + 1 + k}" for k in range(points)]

@@ -13,7 +13,9 @@ def write(package: ModalPackage, out: Path, source: Path) -> str:
     """Write the script; it reads `source`, which must stay beside it. Returns a remark."""
     relative = source.resolve()
     name = relative.name if relative.parent == out.resolve().parent else str(relative)
-    text = SCRIPT.read_text(encoding="utf-8").replace('"PACKAGE"', repr(name).replace("'", '"'))
+    text = SCRIPT.read_text(encoding="utf-8").replace('"PACKAGE"', repr(name))
+    if out.stem.isidentifier():  # others cannot be imported by name
+        text = text.replace("arm_exudyn", out.stem)
     with temporary_sibling(out) as temporary:
-        temporary.write_text(text.replace("arm_exudyn", out.stem), encoding="utf-8")
+        temporary.write_text(text, encoding="utf-8")
     return f"{package.n_mode} modes; import it beside {name}"

@@ -15,7 +15,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-FILE = Path(__file__).with_name("PACKAGE")
+FILE = Path(__file__).parent / "PACKAGE"
 a, b, c = np.ogrid[:3, :3, :3]
 EPS = (a - b) * (b - c) * (c - a) / 2.0
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ....solver.errors import printable
 from ....solver.math.arrays import Array
 from ....solver.package import ModalPackage
 from ....solver.package.body.plausibility import centre_inertia
@@ -30,7 +31,7 @@ def write(package: ModalPackage, out: Path, source: Path) -> str:
 
 def _lines(package: ModalPackage) -> Iterator[str]:
     n, m = len(package.nodes_B), package.n_mode
-    yield f"** {package.body[:60]}: modal package of Plymotion; m, kg, s"
+    yield f"** {printable(package.body)[:60]}: modal package of Plymotion; m, kg, s"
     yield from _group(1, "HEADER")
     yield "**   REVISION, NODES, NORMAL, ATTACHMENT, CONSTRAINT, REJECTED MODES"
     yield f"   REV0 {n} {m} 0 0 0"

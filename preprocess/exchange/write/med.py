@@ -5,6 +5,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from ....solver.errors import printable
 from ....solver.package import ModalPackage
 from ....solver.package.common.disk_file import DiskFile
 from ....solver.package.common.temporary import temporary_sibling
@@ -20,7 +21,8 @@ def write(package: ModalPackage, out: Path, source: Path) -> str:
 
     The labels of the nodes are kept (NUM). Returns a remark.
     """
-    name = package.body[:64] or "body"
+    ascii_name = printable(package.body).encode("ascii", "replace").decode()
+    name = ascii_name.replace("/", "-")[:64].strip(".") or "body"  # of a group of HDF5, too
     with (
         temporary_sibling(out) as temporary,
         DiskFile(temporary) as disk,

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ....solver.errors import printable
 from ....solver.math.arrays import Array
 from ....solver.math.rotations import skew
 from ....solver.package import ModalPackage
@@ -33,7 +34,8 @@ def write(package: ModalPackage, out: Path, source: Path) -> str:
 
 def _lines(package: ModalPackage) -> Iterator[str]:
     m, mass = package.n_mode, package.invariants.mass
-    yield f"{len(package.interfaces):5d} {m:3d}    :No. nodes, No. modes: {package.body[:60]}"
+    title = printable(package.body)[:60]
+    yield f"{len(package.interfaces):5d} {m:3d}    :No. nodes, No. modes: {title}"
     yield " part"
     yield "      new modal                                 ="
     yield "           refmod"
@@ -41,7 +43,7 @@ def _lines(package: ModalPackage) -> Iterator[str]:
     yield _entry("nelastq", f"{m:6d}", 16)
     labels = package.mode_labels or package.mode_kinds
     for i, (label, w) in enumerate(zip(labels, package.frequencies, strict=True), 1):
-        text = f" Mode {i:4d} {label[:30]} : {w / (2.0 * np.pi):12.3f} Hz"
+        text = f" Mode {i:4d} {printable(label)[:30]} : {w / (2.0 * np.pi):12.3f} Hz"
         yield _entry(f"ielastq ({i:4d})", text, 16)
     yield "           end refmod"
     yield "           frame"

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ....solver.errors import printable
 from ....solver.math.arrays import Array
 from ....solver.package import ModalPackage
 from ....solver.package.common.temporary import temporary_sibling
@@ -40,7 +41,7 @@ def _mode(package: ModalPackage, i: int, shape: Array) -> Iterator[str]:
     w, damping = float(package.frequencies[i]), float(package.damping[i, i])
     ratio = damping / (2.0 * w * package.mass[i, i]) if w else 0.0
     yield "    55"
-    yield from (f"{package.body[:79]}", f"{label[:79]}", "NONE", "NONE", "NONE")
+    yield from (printable(package.body)[:79], printable(label)[:79], "NONE", "NONE", "NONE")
     # structural model, normal mode, six dofs, displacement, real numbers, six per node
     yield "".join(f"{k:10d}" for k in (1, 2, 3, 8, 2, 6))
     yield "".join(f"{k:10d}" for k in (2, 4, 0, i + 1))

@@ -1,11 +1,14 @@
 """The case of a turning blade: the beam of a blade's table on the hub of its file."""
 
 import math
+import shlex
 from collections.abc import Sequence
 from pathlib import Path
 
+from ...errors import printable
 from ...inputs.case.file import CASE_FILE
 from ...package.common.temporary import write_text
+from ...package.common.toml_text import toml_value
 from .stations import Station, complete
 from .windio import Blade
 
@@ -14,13 +17,13 @@ MODES = 10  # vibrations of the body
 TIP_SPEED = 80.0  # [m/s] of the run
 
 TEXT = """\
-# The blade of {name} on a hub that turns, written by `plymotion blade`.
+# The blade of {file_name} on a hub that turns, written by `plymotion blade`.
 #   plymotion modes {file} --at spin=0:{speed:.3g}:{step:.3g} --count 6    frequencies over speed
 #   plymotion {file}    the run: from rest to {speed:.3g} rad/s, {tip:.0f} m/s at the tip
 # beam.csv has the line and the 6x6 stiffness and mass of {stations} stations. No weight, no air.
 
 format = 1
-title = "Blade of {name}"
+title = {title}
 
 [bodies.hub] # its motion is prescribed, so its mass has no influence
 kind = "rigid"
@@ -87,8 +90,9 @@ def write_blade_case(blade: Blade, stations: Sequence[Station], folder: Path) ->
     speed = TIP_SPEED / (radius + length)
     file = folder / CASE_FILE
     text = TEXT.format(
-        name=blade.file.name,
-        file=file,
+        file_name=printable(blade.file.name),
+        title=toml_value(f"Blade of {blade.file.name}"),
+        file=printable(shlex.quote(str(file))),
         speed=speed,
         step=speed / 8.0,
         tip=TIP_SPEED,

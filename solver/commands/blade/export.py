@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...errors import InputError
+from ...errors import InputError, printable
 from ...math.polylines import lengths_along
 from ...package.common.temporary import write_text
 from ..section.conventions import BLADE_AXES_LEADING_EDGE, transform
@@ -50,8 +50,9 @@ def _beamdyn(
         title=blade.file.stem,
         blade_axes=BLADE_AXES_LEADING_EDGE,
     )
+    title = printable(blade.file.stem)
     lines = [
-        f"          1   member_total    - Total number of members (-)  [{blade.file.stem}]",
+        f"          1   member_total    - Total number of members (-)  [{title}]",
         f"{len(x):11d}   kp_total        - Total number of key points (-) [must be at least 3]",
         f"     1 {len(x):4d}                 - Member number; Number of key points in this member",
         "\t\t kp_xr \t\t\t kp_yr \t\t\t kp_zr \t\t initial_twist",

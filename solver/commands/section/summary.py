@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ...package.common.plain_data import cell_text
 from ...package.common.temporary import write_text
 from .results import SectionResults
 from .show import section_json
@@ -58,7 +59,8 @@ def _csv(rows: Sequence[Row]) -> str:
     for row in rows:
         changes = [json.dumps(row.changes[key]) if key in row.changes else "" for key in keys]
         numbers = _numbers(row.results) if row.results else [""] * (len(UPPER) + 11)
-        writer.writerow([row.name, row.status, *changes, *numbers, row.error])
+        texts = cell_text(row.name), row.status, cell_text(row.error)
+        writer.writerow([*texts[:2], *changes, *numbers, texts[2]])
     return stream.getvalue()
 
 

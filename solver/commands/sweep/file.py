@@ -13,6 +13,7 @@ import numpy as np
 from ...math.arrays import Array
 from ...package.common.container import get_text, new_file, open_file, set_text
 from ...package.common.identity import check_file_checksum, version_of, write_file_checksum
+from ...package.common.plain_data import cell_text
 from ...results import ResultError
 from ...results.summary import MEASURES
 from ...run.integration import output_times
@@ -262,7 +263,7 @@ def sweep_csv(result: SweepResult) -> str:
     stream = io.StringIO(newline="")
     writer = csv.writer(stream)
     names = zip(result.parameter_names, result.parameter_units, strict=True)
-    head = ["member", *(f"{name} [{unit}]" if unit else name for name, unit in names)]
+    head = ["member", *(cell_text(f"{name} [{unit}]" if unit else name) for name, unit in names)]
     head += ["status", "code", "t_end [s]"]
     kept = {name: result.measures(name) for name in result.signal_units}  # looks at all rows
     for name, unit in result.signal_units.items():
@@ -275,7 +276,7 @@ def sweep_csv(result: SweepResult) -> str:
             line += [_blank(row.signals.get(name, {}).get(m)) for m in measures]
         line += [_blank(row.checks.get(name)) for name in CHECKS]
         line += [_blank(row.cost.get(name)) for name in COST]
-        writer.writerow([*line, " ".join(row.warnings), row.message])
+        writer.writerow([*line, " ".join(row.warnings), cell_text(row.message)])
     return stream.getvalue()
 
 

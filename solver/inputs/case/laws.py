@@ -8,9 +8,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationInfo, model_validator
 
+from ...errors import printable
 from ...math import laws
 from ...math.packed import column
-from ..common.messages import printable
 from ..common.table import FilePath, Table, unit
 from .columns import FOLDER, RESOLVED, Times, read_columns
 

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, Tag, ValidationError
 
-from ...errors import did_you_mean, nearest
+from ...errors import did_you_mean, nearest, printable
 
 _WORDS = {"model_type": "expected a table", "dict_type": "expected a table"}
 _DECIMAL = re.compile(r"0\.0{6,}\d+")  # a limit like 1e-30, which pydantic writes out
@@ -63,14 +63,6 @@ def _expected(path: list[Any], kind: Any) -> str:
 
 def _one_of_words(kind: Any) -> bool:
     return get_origin(kind) is Literal and all(isinstance(word, str) for word in get_args(kind))
-
-
-def printable(text: str) -> str:
-    """Return a text in one line: control characters as escapes."""
-    return "".join(
-        letter if letter.isprintable() else letter.encode("unicode_escape").decode("ascii")
-        for letter in text
-    )
 
 
 def _short(value: Any) -> str:

@@ -4,7 +4,7 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
-from .messages import printable
+from ...errors import printable
 
 
 def usable_path(text: str) -> str:

@@ -15,6 +15,11 @@ def canonical(data: Any) -> str:
     return json.dumps(data, sort_keys=True)
 
 
+def cell_text(text: str) -> str:
+    """Return a text as a cell of a CSV table that no spreadsheet takes for a formula."""
+    return f"'{text}" if text.startswith(("=", "+", "-", "@", "\t", "\r")) else text
+
+
 def data_sha256(data: Any) -> str:
     """Return the hash of plain data with all digits."""
     return hashlib.sha256(canonical(data).encode()).hexdigest()

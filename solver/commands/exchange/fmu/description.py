@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 
 from plymotion import __version__
 
-from ....errors import InputError
+from ....errors import InputError, printable
 from ....run.coupled import Stepper
 from ....run.coupled.stepper import DRIVE_ORDER, FORCE_ORDER
 
@@ -65,7 +65,7 @@ def description(
     root = ET.Element(
         "fmiModelDescription",
         fmiVersion="2.0",
-        modelName=title,
+        modelName=_words(title),
         guid=guid,
         description="Flexible multibody mechanism; needs Plymotion on the machine that runs it",
         generationTool=f"Plymotion {__version__}",
@@ -103,6 +103,11 @@ def description(
     return bytes(ET.tostring(root, encoding="UTF-8", xml_declaration=True)) + b"\n"
 
 
+def _words(text: str) -> str:
+    """Return a text of the user in one line, without characters that XML does not have."""
+    return printable(" ".join(text.split()))
+
+
 def _units(parent: ET.Element, variables: list[Variable]) -> None:
     for unit in dict.fromkeys(variable.unit for variable in variables):
         if unit not in UNITS:
@@ -129,7 +134,7 @@ def _model_variables(parent: ET.Element, variables: list[Variable]) -> list[int]
             variability="continuous",
         )
         if variable.description:
-            scalar.set("description", variable.description)
+            scalar.set("description", _words(variable.description))
         real = ET.SubElement(scalar, "Real", unit=UNITS[variable.unit][0])
         if variable.start is None:
             scalar.set("initial", "calculated")

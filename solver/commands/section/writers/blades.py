@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ....errors import InputError
+from ....errors import InputError, printable
 from ....math.arrays import Array
 from ..conventions import BLADE_AXES_TRAILING_EDGE, Axes, convert, transform
 from .text import written
@@ -41,7 +41,7 @@ def write_beamdyn(
     eta = (x - x[0]) / (x[-1] - x[0])
     lines = [
         " ------- BEAMDYN V1.00.* INDIVIDUAL BLADE INPUT FILE --------------------------",
-        f" {title}",
+        f" {printable(title)}",
         " ---------------------- BLADE PARAMETERS --------------------------------------",
         f"{len(x):6d}   station_total    - Number of blade input stations (-)",
         f"{int(any(damping)):6d}   damp_type        - Damping type: 0: no damping; 1: damped",
@@ -92,7 +92,11 @@ def write_hawc2(
         moved = convert(transform(K, centre), "becas")
         values = [r, m, -M[0, 5] / m, M[0, 4] / m, *radii, 0.0, *centre, *moved[UPPER]]
         rows.append(" ".join(f"{value: .15e}" for value in values))
-    lines = ["1 number of sets, Nset", f"#1 {title}", " ".join(f"{n:>22s}" for n in names)]
+    lines = [
+        "1 number of sets, Nset",
+        f"#1 {printable(title)}",
+        " ".join(f"{n:>22s}" for n in names),
+    ]
     return written(file, [*lines, f"$1 {len(rows)}", *rows])
 
 
