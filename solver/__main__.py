@@ -39,6 +39,7 @@ from .errors import InputError, PackageError, counted
 from .inputs.case.file import CASE_FILE
 from .inputs.scripts import scripts
 from .interrupts import INTERRUPTED, exit_code, heard, of_a_signal, starting
+from .package.common.replaceable import named_by_user
 
 EPILOG = """\
 examples:
@@ -87,7 +88,10 @@ def _is_case(word: str) -> bool:
 def _guarded(options: argparse.Namespace) -> int:
     """Run a command; turn what it raises into a message and an exit code."""
     try:
-        with scripts(allowed=not getattr(options, "no_scripts", False)):
+        with (
+            scripts(allowed=not getattr(options, "no_scripts", False)),
+            named_by_user(_paths(options)),
+        ):
             code = int(options.command(options))
             sys.stdout.flush()  # a full disk or a closed pipe is told here
             return code
@@ -115,6 +119,16 @@ def _guarded(options: argparse.Namespace) -> int:
 
         print(f"error: {report(error)}", file=sys.stderr)
         return DEFECT
+
+
+def _paths(options: argparse.Namespace) -> list[Path]:
+    """Return all paths of a command line; of build/CASE/runs/RUN.json also build/CASE."""
+    values = [v for value in vars(options).values() for v in _listed(value) if isinstance(v, Path)]
+    return [*values, *(path.parent.parent for path in values if path.suffix == ".json")]
+
+
+def _listed(value: object) -> list[object]:
+    return value if isinstance(value, list) else [value]
 
 
 def _nothing_written() -> int:

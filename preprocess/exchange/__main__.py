@@ -51,9 +51,11 @@ def _parser() -> argparse.ArgumentParser:
 
 def _import(options: argparse.Namespace) -> int:
     from ...solver.package import write_package
+    from ...solver.package.common.replaceable import refuse_foreign
     from .import_file import imported, read_table
 
     table = read_table(options.file)
+    refuse_foreign(options.out)  # before the work
     start = time.perf_counter()
 
     def tell(step: str) -> None:

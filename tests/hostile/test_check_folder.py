@@ -106,11 +106,11 @@ def test_a_check_that_was_killed_is_completed(tmp_path, monkeypatch):
     for before_death in range(6):
         written = []
 
-        def dying(file, text, written=written, most=before_death):
+        def dying(file, text, own=False, written=written, most=before_death):
             if len(written) == most:
                 raise KeyboardInterrupt
             written.append(file)
-            write(file, text)
+            write(file, text, own=own)
 
         monkeypatch.setattr(output_folder, "write_text", dying)
         code = _check(tmp_path, CASE + OTHER)

@@ -9,6 +9,7 @@ from typing import Any
 from ...errors import InputError
 from ...inputs.case.file import case_file
 from ...math.cores import cores
+from ...package.common.replaceable import RECORD as FILES
 from ..exit_codes import INCOMPLETE, INPUT, INTERRUPTED, worst
 from .chosen import build_folder, chosen_runs, chosen_sweeps
 from .finished import RECORD, finished_before, note_finished, request_of
@@ -147,4 +148,8 @@ def _results(out: Path, runs: Sequence[str], sweeps: Sequence[str]) -> Iterator[
         folders += [out / "sweeps", out / "sweeps/bodies", *(out / "sweeps" / s for s in sweeps)]
     for folder in folders:
         if folder.is_dir():
-            yield from (file for file in folder.iterdir() if file.is_file() and file.name != RECORD)
+            yield from (
+                file
+                for file in folder.iterdir()
+                if file.is_file() and file.name not in (RECORD, FILES)
+            )

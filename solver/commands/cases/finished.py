@@ -69,7 +69,7 @@ def note_finished(
         },
     }
     recent = dict(list(commands.items())[-MOST:])
-    write_text(out / RECORD, json.dumps({"commands": recent}) + "\n")
+    write_text(out / RECORD, json.dumps({"commands": recent}) + "\n", own=True)
 
 
 def _commands(out: Path) -> dict[str, Any]:

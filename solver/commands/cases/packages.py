@@ -16,6 +16,7 @@ from ...inputs.case.specs import dump
 from ...math.cores import cores
 from ...package.common.file_digests import files_sha256
 from ...package.common.plain_data import canonical
+from ...package.common.replaceable import refuse_link
 from ...package.common.shares import by_mesh
 from ...package.common.temporary import write_text
 from ..executors.executor import Executor
@@ -112,6 +113,7 @@ def build_packages(
     ]
     if not wanted:
         return []
+    refuse_link(folder / STAMP)
     folder.mkdir(parents=True, exist_ok=True)
     failed: list[Path] = []
 
@@ -128,7 +130,7 @@ def build_packages(
         groups = by_mesh((spec, _mesh_of(spec)) for spec in wanted)
         make_all(groups, start, executor=place, done=done, progress=lambda _: None)
     finally:
-        write_text(folder / STAMP, dump(before))
+        write_text(folder / STAMP, dump(before), own=True)
     if failed:
         names = few([spec.stem for spec in failed])
         raise BodiesFailed(f"{folder}: not built, see the messages above: {names}")

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from ...errors import InputError
+from ...package.common.replaceable import refuse_link
 
 POLL_S = 0.1
 
@@ -17,6 +18,7 @@ def turn(folder: Path, *, quiet: bool = False) -> Iterator[None]:
 
     Without locks of this kind (Windows) nobody waits.
     """
+    refuse_link(folder / "any")
     try:
         import fcntl
         import os

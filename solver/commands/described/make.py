@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError
+from ...package.common.replaceable import refuse_foreign
 from ...package.common.shares import by_mesh, mesh_key
 from ...package.common.temporary import temporary_sibling
 from ..executors.executor import Executor
@@ -50,6 +51,8 @@ def write_specs(
         except InputError as error:
             failed.append(Made(entry, spec_file.with_suffix(".vtkhdf"), "failed", str(error)))
             continue
+        refuse_foreign(spec_file)
+        refuse_foreign(spec_file.with_suffix(".vtkhdf"))  # before the work
         spec_file.parent.mkdir(parents=True, exist_ok=True)
         with temporary_sibling(spec_file) as temporary:
             temporary.write_text(json.dumps(spec, indent=1) + "\n", encoding="utf-8")

@@ -10,6 +10,7 @@ import numpy as np
 from ...errors import InputError
 from ...inputs.case.specs import dump
 from ...math.arrays import Array
+from ...package.common.replaceable import refuse_foreign
 from ...package.common.temporary import write_text
 from .campbell import Diagram, Spins
 from .campbell_figure import draw
@@ -47,6 +48,7 @@ def run_modes(options: argparse.Namespace) -> int:
     response = None
     if span is not None:
         response = response_of(found, span, options.input, options.output)
+    refuse_foreign(folder / "modes.json")
     folder.mkdir(parents=True, exist_ok=True)
     write_linear(folder, states, found)
     files = ["modes.json", "linear.npz", "linear.mat"]
@@ -70,6 +72,7 @@ def _campbell(
     spins = Spins(states, axis)
     diagram = Diagram(spins, speeds, options.count, options.harmonics, options.axes)
     content = diagram.content()
+    refuse_foreign(folder / "campbell.json")
     folder.mkdir(parents=True, exist_ok=True)
     draw(folder / "campbell.png", diagram)
     write_text(folder / "campbell.csv", diagram.csv())

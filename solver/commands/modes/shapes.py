@@ -8,6 +8,7 @@ import numpy as np
 from ...dynamics.coordinates import moved
 from ...math.arrays import Array
 from ...package.common.container import new_file, set_text
+from ...package.common.replaceable import is_ours
 from ...report.motion import segments
 from ...report.style import PALE, Canvas, colour, house_style
 from ...results import BodyGeometry, write_animation
@@ -37,11 +38,12 @@ class Period(NamedTuple):
 
 def draw_shapes(folder: Path, states: States, found: Found, count: int) -> list[str]:
     """Write modes.png and mode-NN.vtkhdf of the lowest modes; return the names of the files."""
-    for old in folder.glob(_PATTERN):
+    for old in filter(is_ours, folder.glob(_PATTERN)):
         old.unlink()
     n = min(count, found.modes.eigenvalues.size)
     if n == 0:
-        (folder / "modes.png").unlink(missing_ok=True)
+        if is_ours(folder / "modes.png"):
+            (folder / "modes.png").unlink()
         return []
     periods = [period_of(states, found, k) for k in range(n)]
     digits = max(2, len(str(n)))

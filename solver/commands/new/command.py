@@ -30,7 +30,7 @@ def run_new(options: argparse.Namespace) -> int:
     if folder.is_dir() and any(folder.iterdir()):
         raise InputError(f"{folder}: expected a new or empty folder; nothing is replaced")
     for source in sorted((HOME / name).iterdir()):
-        write_text(folder / source.name, source.read_text(encoding="utf-8"))
+        write_text(folder / source.name, source.read_text(encoding="utf-8"), own=True)
     file = folder / CASE_FILE
     print(f"{file}: {STARTERS[name]}\nNext: {program()} {shlex.quote(str(file))}")
     return 0

@@ -15,6 +15,7 @@ from typing import Any
 from ...errors import InputError, PackageError, few
 from ...inputs.case.extreme import ERRORS, out_of_range
 from ...interrupts import INTERRUPTED, asked, handle, passed_to_children
+from ...package.common.replaceable import refuse_foreign
 from ...results.damping import damping_lines
 from ...results.verdict import invalid_words
 from ...run.inputs_digest import up_to_date
@@ -104,6 +105,8 @@ def run_files(
     tasks, codes = [], []
     for file in files:
         folder = out or (out_dir or file.parent.parent) / file.stem
+        for name in ("result.vtkhdf", "summary.json"):
+            refuse_foreign(folder / name)  # before the work
         known = up_to_date(file, folder) if update else None
         if known is not None:
             print(f"{file.stem}: up to date")

@@ -14,6 +14,7 @@ from ...inputs.section.changes import changed
 from ...inputs.section.expand import section_spec
 from ...inputs.section.other_codes import is_of_another_code, spec_of_another_code
 from ...package.common.materials import MaterialError
+from ...package.common.replaceable import refuse_foreign
 from ...package.common.shares import share
 from ...package.section.io import read_section
 from ..described.entries import Entry, entries_of
@@ -49,6 +50,8 @@ def run_section(options: argparse.Namespace) -> int:
     if options.batch and options.to:
         raise InputError("section: --to is for FILE, also for DIR/*/*.vtkhdf")
     entries = _entries(options)
+    for suffix in (".csv", ".json") if options.batch and not options.check else ():
+        refuse_foreign(options.out / f"{_summary(options)}{suffix}")  # before the work
     return run_described(
         "section",
         entries,
@@ -117,6 +120,10 @@ def _show(made: Sequence[Made], titles: dict[str, str], options: argparse.Namesp
     return show_each(made, table_of, text_of, as_json=options.json)
 
 
+def _summary(options: argparse.Namespace) -> str:
+    return "summary" + ("-{}-of-{}".format(*options.shard) if options.shard else "")
+
+
 def _summarise(made: Sequence[Made], options: argparse.Namespace) -> int:
     """Write and show the table of a batch, report failures; returns the exit code."""
     rows = []
@@ -126,8 +133,7 @@ def _summarise(made: Sequence[Made], options: argparse.Namespace) -> int:
         if results is not None and options.figures:
             figures_of(one.file)
     options.out.mkdir(parents=True, exist_ok=True)
-    part = "-{}-of-{}".format(*options.shard) if options.shard else ""
-    files = write_summary(options.out, f"summary{part}", rows)
+    files = write_summary(options.out, _summary(options), rows)
     if options.json:
         print(json.dumps(summary_json(rows)))
     else:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ...errors import InputError
 from ...interrupts import INTERRUPTED
+from ...package.common.replaceable import refuse_foreign, refuse_link
 from ...package.common.shares import share
 from ...package.common.temporary import write_text
 from ..executors.choice import executor_of
@@ -26,6 +27,8 @@ def run_sweep(options: argparse.Namespace) -> int:
     """Compute a sweep; return 0, or 3 if a member failed or stopped, 130 if interrupted."""
     plan = read_plan(options.sweep, allow_doubtful=options.allow_doubtful)
     folder = _folder(options)
+    for name in (FILE, CSV):
+        refuse_foreign(folder / name)  # before the work
     planned = settled(plan)
     file, known = folder / FILE, [folder / FILE, *sorted(folder.glob(SHARDS))]
     if options.shard:
@@ -100,6 +103,7 @@ def run_merge(options: argparse.Namespace) -> int:
 
 def _folder(options: argparse.Namespace) -> Path:
     folder: Path = options.out or options.sweep.with_suffix("")
+    refuse_link(folder / FILE)
     folder.mkdir(parents=True, exist_ok=True)
     return folder
 

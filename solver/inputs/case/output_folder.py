@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError
+from ...package.common.replaceable import refuse_link
 from ...package.common.temporary import write_text
 
 MANIFEST, CASE, WRITER = "manifest.json", "case.json", "plymotion check"
@@ -49,6 +50,8 @@ class OutputFolder:
         InputError
             The folder has a file of the same name that `check` has not written.
         """
+        for name in (*self._texts, MANIFEST):
+            refuse_link(self.path / name)
         before, adopted = self._before()
         wanted = [*self._texts, MANIFEST]
         for name in () if adopted else wanted:
@@ -104,4 +107,4 @@ def write_if_changed(file: Path, text: str) -> None:
     """Write a file unless it already holds `text`."""
     raw = text.encode("utf-8")
     if not (file.is_file() and file.read_bytes() == raw):
-        write_text(file, text)
+        write_text(file, text, own=True)

@@ -8,22 +8,29 @@ import socket
 from collections.abc import Iterator
 from pathlib import Path
 
+from .replaceable import note_written, refuse_foreign
+
 _HOST = re.sub(r"[^A-Za-z0-9]", "_", socket.gethostname()) or "_"
 _OURS = re.compile(rf"\..+\.{_HOST}-(\d+)-[0-9a-f]{{8}}(\.[^.]*)?")
 _cleaned: set[Path] = set()  # folders, by this process
 
 
 @contextlib.contextmanager
-def temporary_sibling(path: Path) -> Iterator[Path]:
+def temporary_sibling(path: Path, *, own: bool = False) -> Iterator[Path]:
     """Yield a temporary name beside `path`; rename it to `path` on success, remove it on failure.
 
-    Temporary files in the folder whose process was killed are removed. Raises OSError with `path`.
+    Temporary files in the folder whose process was killed are removed. Raises OSError with `path`,
+    and InputError for a file of others (replaceable.py); `own` says that the caller has looked.
     """
+    if not own:
+        refuse_foreign(path)
     _clean(path.parent)
     token = f"{_HOST}-{os.getpid()}-{secrets.token_hex(4)}"
     temporary = path.with_name(f".{path.stem}.{token}{path.suffix}")
     try:
         yield temporary
+        if not own:
+            note_written(path)
         os.replace(temporary, path)
     except OSError as error:
         if error.filename is not None and Path(os.fsdecode(error.filename)) == temporary:
@@ -35,10 +42,15 @@ def temporary_sibling(path: Path) -> Iterator[Path]:
         temporary.unlink(missing_ok=True)
 
 
-def write_text(path: Path, text: str) -> None:
-    """Write a text file under a temporary name, then rename it; its folder is made if missing."""
+def write_text(path: Path, text: str, *, own: bool = False) -> None:
+    """Write a text file under a temporary name, then rename it; its folder is made if missing.
+
+    See `temporary_sibling`.
+    """
+    if not own:
+        refuse_foreign(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    with temporary_sibling(path) as temporary:
+    with temporary_sibling(path, own=own) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
 

@@ -1,0 +1,167 @@
+"""No command replaces a file that it has not written, or writes through a planted link."""
+
+import os
+import shutil
+from pathlib import Path
+
+import pytest
+from blade_samples import write_blade
+from case_samples import HEAD, SOLVER, rigid
+from hostile_profile import count
+from sweep_samples import FORCE, ball
+
+from plymotion.solver.__main__ import main
+
+CASE = HEAD + rigid("ball", 1.0, 0.1, {"c": (0, 0, 0)}) + SOLVER.format(t_end=1, step=0.5, more="")
+WORDS = "the only copy of a thesis\n"
+
+
+@pytest.fixture
+def case(tmp_path, monkeypatch):
+    """A case that is checked, in a folder that is the current one."""
+    monkeypatch.chdir(tmp_path)
+    folder = tmp_path / "mine"
+    folder.mkdir()
+    (folder / "case.toml").write_text(CASE)
+    return Path("mine/case.toml")
+
+
+@pytest.fixture
+def package(repository, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    source = repository / "tests/packages/double-pendulum/arm.isotropic.vtkhdf"
+    return Path(shutil.copy(source, tmp_path / "arm.vtkhdf"))
+
+
+def refused(words, files, capsys):
+    """The command is refused, names one of the files, and leaves all as they are."""
+    for file in files:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(WORDS)
+        assert main([str(word) for word in words]) == 2, file
+        told = capsys.readouterr()
+        shown = told.err + told.out
+        assert f"{file}: is there already and was not written by Plymotion" in shown or (
+            f"{Path(*file.parts[-2:])} is there" in shown or f"{file.name} is there" in shown
+        )
+        assert file.read_text() == WORDS
+        file.unlink()
+    count("a file of others where a command writes", "refused")
+
+
+FILES = ["base/result.vtkhdf", "base/summary.json", "report.html", "case.json", "runs/base.json"]
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_run(case, capsys, name):
+    refused(["run", case, "--out", "out", "--quiet"], [Path("out") / name], capsys)
+    refused(["run", case, "--quiet"], [Path("build/mine") / name], capsys)
+
+
+def test_what_a_run_has_written_is_replaced(case, capsys):
+    """By the same command, by another, and after a copy of the folder."""
+    for out in ("out", "copy"):
+        for _ in range(2):
+            assert main(["run", str(case), "--out", out, "--force", "--figures", "--quiet"]) == 0
+            run = ["run", f"{out}/runs/base.json", "--quiet"]
+            assert main(run) == 0
+            assert main(["report", out, "--glb", "--vtk"]) == 0
+        if out == "out":
+            shutil.copytree("out", "copy")
+    assert capsys.readouterr().err == ""
+
+
+def test_folders_of_earlier_versions_are_replaced(case):
+    assert main(["run", str(case), "--out", "out", "--quiet"]) == 0
+    for record in Path("out").rglob("plymotion-files.txt"):
+        record.unlink()
+    from plymotion.solver.package.common import replaceable
+
+    replaceable._old.clear()
+    assert main(["run", str(case), "--out", "out", "--force", "--quiet"]) == 0
+
+
+def test_sweep_and_modes(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    file = ball(tmp_path, f"{FORCE} = [0.0, 1.0]", 'histories = ["x"]')
+    words = ["sweep", str(file), "--quiet", "--no-figures", "--out", "s"]
+    refused(words, [Path("s/sweep.h5"), Path("s/sweep.csv")], capsys)
+    modes = ["modes", str(tmp_path / "case.toml"), "--out", "m", "--quiet", "--shapes", "0"]
+    refused(modes, [Path("m/modes.json")], capsys)
+
+
+def test_section_and_blade(repository, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    description = repository / "cases/sections/square.toml"
+    names = ["square/square.json", "square/square.vtkhdf"]
+    words = ["section", description, "--out", "out", "--check"]
+    refused(words, [Path("out") / name for name in names], capsys)
+    (tmp_path / "list.txt").write_text(f"{description}\n")
+    words = ["section", "--batch", "list.txt", "--out", "out"]
+    refused(words, [Path("out/summary.csv"), Path("out/summary.json")], capsys)
+    file = write_blade(tmp_path)
+    names = ["blade.csv", "beam.csv", "case.toml", "stations/r05000.msh", "stations/r05000.toml"]
+    words = ["blade", file, "--at", "0.5", "--check", "--out", "out"]
+    refused(words, [Path("out") / name for name in names], capsys)
+
+
+@pytest.mark.parametrize("code", ["exudyn", "uff", "med", "dmig", "mbdyn", "sid"])
+def test_export(package, capfd, code):
+    out = Path("thesis.txt")
+    words = ["export", package, "--to", code, "--out", out]
+    if code == "dmig":  # this body has no static shapes, which is told first
+        out.write_text(WORDS)
+        assert main([str(word) for word in words]) == 2
+        assert out.read_text() == WORDS
+        return
+    refused(words, [out], capfd)
+    for _ in range(2):
+        assert main([str(word) for word in words]) == 0
+
+
+@pytest.mark.parametrize("planted", ["out/base", "build/mine", "build/mine/base", "out/runs"])
+def test_no_planted_link_is_followed(case, tmp_path, capsys, planted):
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    Path(planted).parent.mkdir(parents=True)
+    Path(planted).symlink_to(elsewhere, target_is_directory=True)
+    more = ["--out", "out"] if planted.startswith("out") else []
+    assert main(["run", str(case), *more, "--quiet"]) == 2
+    assert f"{planted} is a link to {elsewhere}" in capsys.readouterr().err
+    assert not any(elsewhere.iterdir())
+    count("a planted link where a command writes", "refused")
+
+
+def test_no_planted_link_of_a_run_file_is_followed(case, tmp_path, capsys):
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    assert main(["check", str(case), "--out", "out"]) == 0
+    Path("out/base").symlink_to(elsewhere, target_is_directory=True)
+    for words in ([], ["--jobs", "2"]):
+        assert main(["run", "out/runs/base.json", "--quiet", *words]) == 2
+        assert f"is a link to {elsewhere}" in capsys.readouterr().err
+    assert not any(elsewhere.iterdir())
+
+
+def test_folders_on_other_disks_are_the_users_choice(case, tmp_path):
+    """A link `build`, one that --out names, one within the folder."""
+    for name in ("disk", "other"):
+        (tmp_path / name).mkdir()
+    Path("build").symlink_to(tmp_path / "disk", target_is_directory=True)
+    Path("named").symlink_to(tmp_path / "other", target_is_directory=True)
+    assert main(["run", str(case), "--quiet"]) == 0
+    assert (tmp_path / "disk/mine/report.html").is_file()
+    assert main(["run", str(case), "--out", "named", "--quiet"]) == 0
+    assert (tmp_path / "other/report.html").is_file()
+    os.rename("named/base", "named/kept")
+    Path("named/base").symlink_to("kept", target_is_directory=True)
+    assert main(["run", str(case), "--out", "named", "--force", "--quiet"]) == 0
+
+
+def test_a_link_in_place_of_a_file_is_not_followed(case, tmp_path):
+    (tmp_path / "thesis").write_text(WORDS)
+    Path("out").mkdir()
+    Path("out/report.html").symlink_to(tmp_path / "thesis")
+    assert main(["run", str(case), "--out", "out", "--quiet"]) == 2
+    assert (tmp_path / "thesis").read_text() == WORDS
+    assert Path("out/report.html").is_symlink()
