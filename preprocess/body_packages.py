@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from ..solver.errors import PackageError
-from ..solver.package.body.io import read_package, write_package
+from ..solver.package.body.io import read_package
 from ..solver.package.body.schema import ModalPackage
+from ..solver.package.validation import write_valid
 from .batch import build_all
 from .fingerprint import fingerprint
 from .reporting import build_from_stdin, reporter
@@ -46,7 +47,7 @@ class BodyPackages:
         """Build and write the package."""
         start = time.perf_counter()
         package = _built(spec)
-        write_package(target, package)
+        write_valid(target, package, f"body {package.body}")
         text = _summary(package, time.perf_counter() - start)
         return text, package.provenance["warnings"]
 

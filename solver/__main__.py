@@ -326,7 +326,9 @@ def _validate(options: argparse.Namespace) -> int:
 def _experimental(options: argparse.Namespace) -> int:
     from .commands.measured_modes import experimental_package, load_measurement, write_measured
 
-    return write_measured(options.out, experimental_package(load_measurement(options.file)))
+    return write_measured(
+        options.out, experimental_package(load_measurement(options.file)), options.file
+    )
 
 
 def _modes(options: argparse.Namespace) -> int:

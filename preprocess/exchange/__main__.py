@@ -50,8 +50,8 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _import(options: argparse.Namespace) -> int:
-    from ...solver.package import write_package
     from ...solver.package.common.replaceable import refuse_foreign
+    from ...solver.package.validation import write_valid
     from .import_file import imported, read_table
 
     table = read_table(options.file)
@@ -68,7 +68,7 @@ def _import(options: argparse.Namespace) -> int:
         return TABLES
     for warning in package.provenance["warnings"]:
         print(f"warning [{warning['code']}] {warning['message']}", file=sys.stderr)
-    write_package(options.out, package)
+    write_valid(options.out, package, where)
     hertz = package.frequencies / 6.283185307179586
     span = f", {hertz[0]:.6g} to {hertz[-1]:.6g} Hz" if len(hertz) else ""
     print(f"{options.out}: {package.body}, {package.n_mode} modes{span}")

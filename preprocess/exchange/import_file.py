@@ -8,7 +8,7 @@ from typing import Any, cast, get_args
 from numpy.linalg import LinAlgError
 from scipy.sparse.linalg import ArpackError
 
-from ...solver.errors import InputError, PackageError, did_you_mean
+from ...solver.errors import InputError, PackageError, did_you_mean, printable
 from ...solver.package import ModalPackage
 from ...solver.package.common.table_form import SpecError, check_form
 from .free_body import FreeBody
@@ -18,6 +18,7 @@ from .reduce import Tell, reduce_body
 from .spec import ImportFile, Reduction, Source
 
 SOURCES = get_args(Source)
+MOST_LETTERS = 100  # of a name, as in a case
 OWN_KEYS = ("format", "from", "files")
 
 
@@ -39,6 +40,13 @@ def check_table(table: dict[str, Any], where: str) -> None:
         check_form(table, ImportFile)
     except SpecError as error:
         raise InputError(f"{where}: {error}") from error
+    names = [("body", table["body"]), *(("interfaces", name) for name in table["interfaces"])]
+    for key, name in names:
+        if not 0 < len(name) <= MOST_LETTERS or printable(name) != name:
+            raise InputError(
+                f"{where}: {key}: the name {printable(name[:40])!r}: expected 1 to {MOST_LETTERS} "
+                "letters without control characters"
+            )
 
 
 # What readers and the HDF5 library raise where a file is not what it should be.

@@ -7,14 +7,17 @@ from typing import Any
 
 import h5py
 
-from ..errors import PackageError
+from ..errors import InputError, PackageError
 from .body.checks import content_findings, layout_findings
 from .body.layout import MODAL_PACKAGE, MODAL_VIEW
 from .body.plausibility import plausibility_findings
 from .body.reader import load
+from .body.schema import ModalPackage
+from .body.writer import write_package
 from .common.container import get_text, open_file
 from .common.identity import FileFormat, checksum_findings, identity_notes, unit_findings
-from .common.remark import Remark
+from .common.remark import Remark, raise_first
+from .common.temporary import temporary_sibling
 from .common.vtk_view import view_findings
 from .section.checks import (
     section_content_findings,
@@ -24,8 +27,19 @@ from .section.checks import (
 from .section.io import load_section
 from .section.layout import SECTION_FILE, SECTION_VIEW
 
-__all__ = ["Remark", "validate"]
+__all__ = ["Remark", "validate", "write_valid"]
 
+# Where a dataset of a package comes from.
+PARTS = {
+    "modes/mass": "its mass: ",
+    "modes/stiffness": "its stiffness: ",
+    "modes/damping": "its damping: ",
+    "modes": "its modes: ",
+    "invariants": "its mass and nodes: ",
+    "nodal": "its masses of nodes: ",
+    "interfaces": "its interfaces: ",
+    "mesh": "its nodes and cells: ",
+}
 DATASET_ATTRIBUTES = ("unit", "frame", "description")
 
 
@@ -85,6 +99,30 @@ def validate(path: str | Path) -> list[Remark]:
     if not any(f.level == "error" for f in content):
         findings += kind.plausibility(package)
     return findings
+
+
+def write_valid(path: Path, package: ModalPackage, source: str) -> None:
+    """Write a modal package that `validate` accepts; else nothing is written.
+
+    Parameters
+    ----------
+    source : file that the package is made from, for the message
+
+    Raises
+    ------
+    InputError
+        What `validate` would refuse, and which part of the source it comes from.
+    """
+    if path.suffix != ".vtkhdf":
+        write_package(path, package)  # says so
+    try:
+        with temporary_sibling(path) as temporary:
+            write_package(temporary, package)
+            raise_first(temporary, validate(temporary))
+    except PackageError as error:
+        words = str(error).removeprefix(f"{temporary}: ").removeprefix("/modal_package/")
+        part = next((text for name, text in PARTS.items() if words.startswith(name)), "")
+        raise InputError(f"{source}: {part}no valid package is made of it: {words}") from error
 
 
 def _attributes(file: h5py.File, known: FileFormat) -> list[Remark]:

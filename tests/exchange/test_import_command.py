@@ -6,10 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from brick_model import Brick
+from brick_model import Brick, brick
 from exchange_samples import bar, request, write_matrices
 
 from plymotion.preprocess.exchange import from_matrices
+from plymotion.preprocess.exchange.__main__ import main as exchange
 from plymotion.solver.__main__ import main
 from plymotion.solver.package import read_package
 from plymotion.solver.results import read_result
@@ -96,3 +97,31 @@ def test_progress_and_errors_come_from_a_process_of_its_own(folder: Path) -> Non
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 2
     assert done.stderr.startswith("error: none.toml: no such file")
+
+
+INVALID = {
+    "damping_ratio = 0.01": ("damping_ratio = -0.5", "its damping: no valid package"),
+    'body = "arm"': ('body = "a\\nb"', "body: the name 'a\\\\nb'"),
+    "tip": ("a/b", "its interfaces: no valid package is made of it: interfaces: 'a/b'"),
+}
+
+
+@pytest.mark.parametrize("old", INVALID)
+def test_what_validate_would_refuse_is_not_written(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], old: str
+) -> None:
+    """The message names the file of the source, and nothing is left, hidden or not."""
+    new, told = INVALID[old]
+    file = write_matrices(tmp_path / "in", brick((0.5, 0.04, 0.01), (4, 2, 1), density=2700.0))
+    text = file.read_text(encoding="utf-8")
+    if old == "tip":
+        text, old, new = text.replace('"tip"', '"a/b"'), "tip = {", '"a/b" = {'
+    assert old in text
+    file.write_text(text.replace(old, new), encoding="utf-8")
+    out = tmp_path / "out" / "arm.vtkhdf"
+    out.parent.mkdir()
+    assert exchange(["import", str(file), "--out", str(out), "--quiet"]) == 2
+    shown = capsys.readouterr().err
+    assert f"error: {file}: " in shown
+    assert told in shown
+    assert not any(out.parent.iterdir())

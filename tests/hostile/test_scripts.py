@@ -2,7 +2,10 @@
 
 import pytest
 
-from plymotion.solver.__main__ import main
+from plymotion.solver.__main__ import main, parser
+from plymotion.solver.commands.executors.local import Local
+from plymotion.solver.commands.fenicsx_side.workers import start_of
+from plymotion.solver.inputs.scripts import scripts
 
 
 @pytest.mark.parametrize("command", ["section", "shell"])
@@ -31,3 +34,32 @@ def test_scripts_are_refused_on_request(repository, tmp_path, capsys, command):
 def test_shapes_of_the_library_are_no_scripts_of_the_user(repository, tmp_path):
     file = repository / "cases/sections/square.toml"
     assert main(["section", str(file), "--check", "--out", str(tmp_path), "--no-scripts"]) == 0
+
+
+BUILDING = ["check", "run", "plan", "chart", "modes", "packages", "section", "shell", "export"]
+
+
+@pytest.mark.parametrize("command", BUILDING)
+def test_every_command_that_builds_can_refuse_scripts(command):
+    known = parser().commands()[command]
+    assert "--no-scripts" in known._option_string_actions
+
+
+@pytest.mark.parametrize("command", [["run"], ["plan"], ["chart"], ["modes"], ["check"]])
+def test_the_script_of_a_shell_of_a_case_is_refused(repository, tmp_path, capsys, command):
+    assert main(["new", "panel", str(tmp_path / "panel")]) == 0
+    script = tmp_path / "panel/panel.geo"
+    script.write_text(f'SystemCall "touch {tmp_path}/STRUCK";\n{script.read_text()}')
+    case = str(tmp_path / "panel/case.toml")
+    capsys.readouterr()
+    assert main([*command, case, "--out", str(tmp_path / "out"), "--no-scripts"]) == 2
+    assert "expected no script with --no-scripts" in capsys.readouterr().err
+    assert not (tmp_path / "STRUCK").exists()
+
+
+def test_the_preprocessor_is_told():
+    """Specifications that `check` has not written may name scripts: `packages` only reads them."""
+    place = Local(1, threads=True)
+    with scripts(allowed=False):
+        assert "--no-scripts" in start_of("body", [], place).options
+    assert "--no-scripts" not in start_of("body", [], place).options

@@ -10,7 +10,8 @@ import numpy as np
 from plymotion import __version__
 
 from ...math.arrays import Array, IntArray
-from ...package import Interface, ModalPackage, from_stations, write_package
+from ...package import Interface, ModalPackage, from_stations
+from ...package.validation import write_valid
 from .measurement import Measurement
 from .shapes import Corrected, corrected_shapes
 
@@ -118,9 +119,9 @@ def _fitted_rotation(arms: Array, shapes: Array) -> tuple[Array, int]:
     return psi, rank
 
 
-def write_measured(path: Path, package: ModalPackage) -> int:
+def write_measured(path: Path, package: ModalPackage, source: Path) -> int:
     """Write a package of measured modes and say what is doubtful; returns the exit code 0."""
-    write_package(path, package)
+    write_valid(path, package, str(source))
     for warning in package.provenance["warnings"]:
         print(f"warning [{warning['code']}] {warning['message']}", file=sys.stderr)
     print(f"{path}: {package.body}, {package.n_mode} measured modes")

@@ -1,0 +1,138 @@
+"""The current folder names no program, and caches of others are not used."""
+
+import os
+import subprocess
+import sys
+import warnings
+from pathlib import Path
+
+import pytest
+from package_samples import cantilever
+
+from plymotion.solver.commands.fenicsx_side import interpreter
+from plymotion.solver.math.disk_cache import DiskCache
+from plymotion.solver.package import read_package, write_package
+
+posix = pytest.mark.skipif(os.name != "posix", reason="rights of files")
+
+
+def test_no_interpreter_of_the_current_folder(tmp_path, monkeypatch):
+    """Neither recorded nor installed there, even if it looks like a checkout."""
+    planted = tmp_path / ".fenicsx-0/bin/python"
+    for program in (planted, tmp_path / "python3"):
+        program.parent.mkdir(parents=True, exist_ok=True)
+        program.write_text(f"#!/bin/sh\ntouch {tmp_path}/STRUCK\n")
+        program.chmod(0o755)
+    (tmp_path / "plymotion/preprocess").mkdir(parents=True)
+    (tmp_path / "build").mkdir()
+    (tmp_path / "build/fenicsx.env").write_text(f"FENICSX_PYTHON='{planted}'\n")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("FENICSX_PYTHON", raising=False)
+    monkeypatch.setenv("PATH", f".{os.pathsep}{os.environ['PATH']}")
+    assert tmp_path not in interpreter.checkouts()
+    every = [*interpreter.candidates(interpreter.checkouts()), *map(str, interpreter.checkouts())]
+    assert not [name for name in every if not os.path.isabs(name) or str(tmp_path) in name]
+    assert "python3" not in every
+    assert not (tmp_path / "STRUCK").exists()
+
+
+@posix
+@pytest.mark.parametrize("place", [".", "some"])
+@pytest.mark.parametrize("mode", [0o770, 0o707, 0o777, 0o1777])
+def test_a_cache_that_others_can_write_to_is_not_used(tmp_path, monkeypatch, place, mode):
+    root = tmp_path / "cache"
+    monkeypatch.setenv("PLYMOTION_CACHE", str(root))
+    (root / "some").mkdir(parents=True, mode=0o700)
+    (root / place).chmod(mode)
+    cache = DiskCache("some", 10)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        assert not cache.write("key", b"content")
+        assert cache.read("key") is None
+        assert cache.folder() is None
+    assert len([w for w in told if "not used as a cache" in str(w.message)]) <= 1
+    assert not (root / "some/key").exists()
+
+
+@posix
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="needs another owner")
+@pytest.mark.parametrize("kind", ["folder", "link"])
+def test_a_cache_of_another_owner_is_not_used(tmp_path, monkeypatch, kind):
+    root = tmp_path / "cache"
+    (tmp_path / "real").mkdir(mode=0o700)
+    if kind == "link":
+        root.symlink_to(tmp_path / "real")
+    else:
+        root.mkdir(mode=0o755)
+    os.chown(root, 12345, -1, follow_symlinks=False)
+    monkeypatch.setenv("PLYMOTION_CACHE", str(root))
+    with pytest.warns(UserWarning, match="not used as a cache") if _first() else _none():
+        assert not DiskCache("some", 10).write("key", b"content")
+    assert not any((tmp_path / "real").iterdir())
+
+
+def _first() -> bool:
+    """Tell whether this process has not warned yet."""
+    from plymotion.solver.math import disk_cache
+
+    return all(disk_cache._checked.values())
+
+
+def _none() -> warnings.catch_warnings:
+    return warnings.catch_warnings()
+
+
+@posix
+def test_one_warning_of_a_process(tmp_path):
+    (tmp_path / "cache").mkdir()
+    (tmp_path / "cache").chmod(0o777)
+    code = "from plymotion.solver.math.disk_cache import DiskCache\n"
+    code += "for name in 'abc':\n    DiskCache(name, 1).write('k', b'c')\n"
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        env=os.environ | {"PLYMOTION_CACHE": str(tmp_path / "cache")},
+    )
+    assert done.stderr.count("not used as a cache") == 1
+    assert "chmod -R go-w" in done.stderr
+    assert not any((tmp_path / "cache").iterdir())
+
+
+@posix
+def test_new_caches_are_the_users_alone(tmp_path, monkeypatch):
+    monkeypatch.setenv("PLYMOTION_CACHE", str(tmp_path / "new/cache"))
+    before = os.umask(0)
+    try:
+        assert DiskCache("some", 10).write("key", b"content")
+    finally:
+        os.umask(before)
+    for folder in ("new/cache", "new/cache/some"):
+        assert (tmp_path / folder).stat().st_mode & 0o777 == 0o700
+    assert DiskCache("some", 10).read("key") == b"content"
+
+
+def test_what_is_read_back_is_no_pickle(tmp_path, monkeypatch):
+    monkeypatch.setenv("PLYMOTION_CACHE", str(tmp_path / "cache"))
+    write_package(tmp_path / "p.vtkhdf", cantilever(n=5, m=2))
+    read_package(tmp_path / "p.vtkhdf")
+    (entry,) = (tmp_path / "cache/packages").iterdir()
+    assert entry.read_bytes().split(b"\n")[1].startswith(b'["')
+    sources = Path(interpreter.__file__).resolve().parents[3]
+    for folder in ("solver", "preprocess", "plymotion"):
+        for file in (sources / folder).rglob("*.py"):
+            text = file.read_text(encoding="utf-8")
+            assert "pickle.load" not in text, file
+            assert "import pickle" not in text, file
+            assert "allow_pickle=True" not in text, file
+
+
+def test_figures_do_not_read_the_current_folder(tmp_path, monkeypatch):
+    """Its matplotlibrc could start LaTeX."""
+    (tmp_path / "matplotlibrc").write_text("text.usetex: True\nlines.linewidth: 99\n")
+    code = "from plymotion.solver.report.style import house_style\nimport matplotlib\n"
+    code += "with house_style():\n    print(matplotlib.rcParams['text.usetex'])"
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", code], capture_output=True, text=True, cwd=tmp_path
+    )
+    assert done.stdout.strip() == "False", done.stderr
