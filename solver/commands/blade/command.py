@@ -34,8 +34,8 @@ def run_blade(options: argparse.Namespace) -> int:
     names = [f"r{round(1e4 * r):05d}" for r in places]
     if len(set(names)) < len(names):
         raise InputError("blade: stations closer than 1e-4 of the span")
-    for file in ("blade.csv", "beam.csv", CASE_FILE):
-        refuse_foreign(out / file)  # before the work
+    for written in ("blade.csv", "beam.csv", CASE_FILE):
+        refuse_foreign(out / written)  # before the work
     meshes = []
     for name, r in zip(names, places, strict=True):
         meshes.append(write_station(blade, r, name, out / "stations"))

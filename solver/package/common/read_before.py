@@ -15,7 +15,7 @@ import json
 import sys
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -78,7 +78,7 @@ def _encoded(value: Any, arrays: list[bytes]) -> Any:
     if isinstance(value, np.generic):
         return value.item()
     if isinstance(value, np.ndarray) and not value.dtype.hasobject:
-        order = "C" if value.flags.c_contiguous else "F"
+        order: Literal["C", "F"] = "C" if value.flags.c_contiguous else "F"
         arrays.append(value.tobytes(order))
         return ["array", value.dtype.str, value.shape, order, len(arrays[-1])]
     if isinstance(value, dict):
@@ -112,9 +112,10 @@ def _decoded(value: Any, data: bytes) -> Any:
             found = [read(part) for part in parts]
             return tuple(found) if kind == "tuple" else found
         module, name = kind.removeprefix(_PACKAGE).split(":")
-        known = getattr(importlib.import_module(_PACKAGE + module), name)
+        known: Any = getattr(importlib.import_module(_PACKAGE + module), name)
         if not dataclasses.is_dataclass(known):
             raise TypeError(kind)
-        return known(**{key: read(part) for key, part in parts.items()})
+        made: Any = known
+        return made(**{key: read(part) for key, part in parts.items()})
 
     return read(value)
