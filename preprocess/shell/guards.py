@@ -29,6 +29,7 @@ SLIVER = 0.05  # area over the sum of squared sides; 1 where they are equal
 COINCIDENT = 1e-7  # relative to the size of the mesh: two nodes at the same position
 FLAT = 1e-6  # sine of the angle between normals of a flat part
 KINK = 0.9  # cosine between neighbouring normals below which a wall ends
+UNPAIRED = 0.25  # share of triangles that stay, against the request; of gmsh's below a fifth
 ACROSS = 4  # cells across a wall that constant-strain triangles need for bending in its plane
 
 
@@ -45,7 +46,7 @@ def model_warnings(
 ) -> Warnings:
     """All warnings about mesh and elements."""
     shared = Sides(mesh, regions)
-    found = [*_slivers(mesh), *_unmerged(mesh, links), *_turned(mesh, shared)]
+    found = [*_slivers(mesh), *_unmerged(mesh, links), *_turned(mesh, shared), *_unpaired(mesh)]
     if MEMBRANES[choice.membrane].stiff_in_plane:
         found += _narrow_walls(mesh, shared, choice.membrane)
     limit = PLATES[choice.plate].shear_ratio_limit
@@ -125,6 +126,18 @@ def _turned(mesh: ShellMesh, shared: Sides) -> Warnings:
         "the surface in gmsh, or set flip = true for its region"
     )
     return [_warning("normals-disagree", text)]
+
+
+def _unpaired(mesh: ShellMesh) -> Warnings:
+    count, of, reason = mesh.unpaired
+    if count <= UNPAIRED * of:
+        return []
+    text = (
+        f'element = "quadrilateral": {count} of {of} triangles stay triangles, because {reason}; '
+        "make the quadrilaterals in gmsh (Recombine Surface), or a mesh with angles of 37 to 143 "
+        "deg between its lines"
+    )
+    return [_warning("triangles-not-paired", text)]
 
 
 def _narrow_walls(mesh: ShellMesh, shared: Sides, membrane: str) -> Warnings:

@@ -23,12 +23,13 @@ from .. import fenicsx
 from ..fenicsx import NamedNodes, PlainMesh
 from ..python_script import is_refused, load_script
 from .errors import ShellError
-from .pairing import paired
+from .pairing import Unpaired, paired
 from .refinement import finer_parameters, split
 
 KEPT = 8  # meshes that a process keeps
 KEYS = ("file", "parameters", "scale", "element", "refine", "sha256")
 ELEMENTS = ("triangle", "quadrilateral")
+NOTHING_LEFT = Unpaired(0, 0, "")
 
 
 @dataclass(frozen=True, eq=False)  # equal only to itself
@@ -46,6 +47,7 @@ class ShellMesh:
     curves: dict[str, IntArray]  # physical curve -> (s, 2) nodes
     marks: dict[str, IntArray]  # physical point -> (k,) nodes
     node_tags: IntArray  # (n,) number of each node in gmsh
+    unpaired: Unpaired = NOTHING_LEFT  # by element = "quadrilateral", before `refine`
 
     @property
     def n_node(self) -> int:
@@ -115,15 +117,17 @@ def _made(table: str, file: str, content: str) -> ShellMesh:
     spec, path = json.loads(table), Path(file)
     plain, left = _read(path, spec.get("parameters", {}), spec.get("refine", 0))
     element = spec.get("element")
-    if element == "quadrilateral" and plain.cell == "triangle" and plain.degree == 1:
-        plain = paired(plain)
+    unpaired = NOTHING_LEFT
+    if element == "quadrilateral" and plain.cell != "quadrilateral" and plain.degree == 1:
+        plain, unpaired = paired(plain)
     if element == "triangle" and plain.cell != "triangle":
         raise ShellError('element = "triangle", but the mesh has quadrilaterals; remove `element`')
     if plain.degree == 1:
         for _ in range(left):
             plain = split(plain)
     scale = float(spec.get("scale", 1.0))
-    return mesh_of(replace(plain, points=scale * plain.points), str(path))
+    mesh = mesh_of(replace(plain, points=scale * plain.points), str(path))
+    return replace(mesh, unpaired=unpaired)
 
 
 def mesh_of(plain: PlainMesh, where: str = "mesh") -> ShellMesh:

@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 from ...math.arrays import Array
-from ...package.shell.cells import centres
+from ...package.shell.cells import centres, corner_counts
 from ...package.shell.schema import SHELL_STRESSES, ShellFile, ShellLaminate
 from .findings import CaseFindings, case_findings, stacking
 from .ply_extremes import PlyExtreme
@@ -19,6 +19,8 @@ def shell_json(shell: ShellFile) -> dict[str, Any]:
         "title": title_of(shell),
         "nodes": len(shell.mesh.nodes_G),
         "cells": len(shell.mesh.cells),
+        "triangles": int((corner_counts(shell.mesh.cells) == 3).sum()),
+        "quadrilaterals": int((corner_counts(shell.mesh.cells) == 4).sum()),
         "area": float(shell.mesh.area.sum()),
         "laminates": {laminate.name: _laminate(laminate) for laminate in shell.laminates},
         "regions": {

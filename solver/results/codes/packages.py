@@ -95,6 +95,13 @@ SHELL_CODES = (
         "turn the surface in gmsh, or set `flip = true` for its region",
     ),
     _code(
+        "triangles-not-paired",
+        'triangles stay although the description asks for `element = "quadrilateral"`',
+        "share of triangles that stay beside others that stay, above {limit:g}; the cause is named",
+        "make the quadrilaterals in gmsh (Recombine Surface), or a mesh of less sharp angles",
+        0.25,
+    ),
+    _code(
         "cst-in-plane-bending",
         "few constant-strain triangles across a wall: it is far too stiff in bending in its own "
         "plane",
