@@ -64,7 +64,7 @@ class Quadrilaterals:
     def __len__(self) -> int:
         return len(self.area)
 
-    def __getitem__(self, some: slice) -> "Quadrilaterals":
+    def __getitem__(self, some: slice | IntArray) -> "Quadrilaterals":
         """Some of the quadrilaterals."""
         return Quadrilaterals(*(getattr(self, field.name)[some] for field in fields(self)))
 

@@ -1,10 +1,11 @@
-"""Flat triangles on a warped surface: do their rotations lock for the thickness?
+"""Flat cells on a curved surface: do their rotations lock for the thickness?
 
-The normal of a flat triangle is tilted against that of the surface at its corners. Where the
-surface turns twistwise, a rotation of bending has a component along the normal of the triangle,
-which its membrane resists as a rotation in its plane. The work of the membranes on these components
-alone, over that of the whole shell, is about the relative error of the strain energy by this
-locking (docs/shells-accuracy.md). Quadrilaterals do not lock.
+The normal of a flat cell is tilted against that of the surface at its corners. Where the surface is
+saddle-shaped, a dome or twisted, a rotation of bending has a component along the normal of the
+cell, which its membrane resists as a rotation in its plane. The work of the membranes on these
+components alone, over that of the whole shell, is about the relative error of the strain energy by
+this locking (docs/shells-accuracy.md). Triangles lock on any such surface; quadrilaterals need
+cells some times larger to do so, and do not where two of their lines follow its twist.
 """
 
 from collections.abc import Sequence
@@ -14,10 +15,16 @@ import numpy as np
 from ...solver.math.arrays import Array
 from .membranes import MEMBRANES
 from .problem import ShellProblem
+from .quad_stiffness import at_feet
+from .quadrilaterals import Quadrilaterals
+from .quads import hybrid
+from .regions import Geometry
+from .rotation import own_displacements
 from .stiffness import cell_stiffness, membrane_stiffness
-from .triangles import Triangles
 
 LOCKED = 0.1  # work on tilted rotations over twice the strain energy that is warned about
+ADVISED = 0.05  # the same on the mesh that the message advises
+ORDER = 4.0  # share/(1 - share) of quadrilaterals falls with this power of their size, or faster
 FOLD = 0.98  # cosine between the normals of a cell and of a node below which there is a fold
 TILTED = 1e-3  # sine of the tilt above which a cell counts
 AT_A_TIME = 4096  # cells whose matrices are in memory together
@@ -25,24 +32,36 @@ ROTATIONS = slice(2, None, 3)  # about the normal, among the membrane's degrees 
 
 
 def warped_warnings(problem: ShellProblem, u: Array, names: Sequence[str]) -> list[dict[str, str]]:
-    """A warning if triangles lock in one of the states u (n_dof, m), which `names` describe."""
-    share = tilted_work(problem, u)
+    """A warning if cells lock in one of the states u (n_dof, m), which `names` describe."""
+    kinds = tilted_work(problem, u)
+    share = kinds.sum(axis=0)
     bad = np.flatnonzero(share > LOCKED)
     if not bad.size:
         return []
     worst = bad[np.argmax(share[bad])]
     more = "" if bad.size == 1 else f" and {bad.size - 1} more"
+    quads = kinds[1, worst] > kinds[0, worst]
+    kind = "quadrilaterals" if quads else "triangles"
+    advice = 'use element = "quadrilateral" in [mesh], smaller cells, or both'
+    if quads:
+        locked, right = min(share[worst], 0.95), ADVISED
+        times = (locked / (1.0 - locked) * (1.0 - right) / right) ** (1.0 / ORDER)
+        advice = (
+            f"use cells about {np.ceil(10.0 * times) / 10.0:.1f} times smaller in the mesh file or "
+            "its script, with nodes on the curved surface"
+        )
     text = (
-        f"{names[worst]}{more}: triangles are too large for the thickness of this warped surface, "
+        f"{names[worst]}{more}: {kind} are too large for the thickness of this warped surface, "
         "and the shell is too stiff: rotations of bending that are tilted into their planes take "
-        f"{100.0 * share[worst]:.2g} % of the strain energy, which is about its error; use "
-        'element = "quadrilateral" in [mesh], or smaller cells'
+        f"{100.0 * share[worst]:.0f} % of the strain energy, which is about its error; {advice}"
     )
+    if quads:
+        return [{"code": "shell-quadrilaterals-warped", "message": text}]
     return [{"code": "shell-triangles-warped", "message": text}]
 
 
 def tilted_work(problem: ShellProblem, u: Array) -> Array:
-    """Work of the membranes on rotations that triangles see because of their tilt.
+    """Work of the membranes on rotations that cells see because of their tilt.
 
     In a cell with normal e3, corner i has the tilt t_i = e3 - (e3.n_i) n_i, n_i the normal of the
     surface at the node. The work is that of the moments about e3, of the whole membrane, on the
@@ -55,19 +74,17 @@ def tilted_work(problem: ShellProblem, u: Array) -> Array:
 
     Returns
     -------
-    (m,), over twice the strain energy; 0 for a state without strain energy
+    (2, m), of triangles and of quadrilaterals, over twice the strain energy of the shell; 0 for a
+    state without strain energy
     """
     count = u.shape[1]
-    work = np.zeros(count)
-    membrane = MEMBRANES[problem.choice.membrane]
-    if not count or not membrane.rotations:
+    work = np.zeros((2, count))
+    if not count or not MEMBRANES[problem.choice.membrane].rotations:
         return work
     normal, smooth = _normals(problem)
     nodal = u.reshape(-1, 6, count)
     for region in problem.regions:
         geometry = region.geometry
-        if not isinstance(geometry, Triangles):
-            continue
         stiffness = cell_stiffness(region.stiffness)[0]
         e3, n = geometry.A_GE[:, :, 2], normal[region.nodes]
         tilt = e3[:, None] - np.einsum("ci,cki->ck", e3, n)[..., None] * n
@@ -75,25 +92,27 @@ def tilted_work(problem: ShellProblem, u: Array) -> Array:
         cells = np.flatnonzero(np.linalg.norm(tilt, axis=2).max(axis=1) > TILTED)
         for first in range(0, len(cells), AT_A_TIME):
             some = cells[first : first + AT_A_TIME]
-            t = geometry[some]
             A = stiffness[some] if len(stiffness) > 1 else stiffness
-            strains = membrane.strains(t, A, problem.choice.beta0)
             corners = nodal[region.nodes[some]]
             turned = corners[:, :, 3:] - corners[:, :, 3:].mean(axis=1, keepdims=True)
             about = np.einsum("cki,ckim->ckm", tilt[some], turned)
-            force = membrane_stiffness(t, A, strains) @ _in_plane(t, corners)
-            work += np.einsum("ckm,ckm->m", about, force[:, ROTATIONS])
+            moments = _forces(problem, geometry[some], A, corners)[:, ROTATIONS]
+            kind = int(isinstance(geometry, Quadrilaterals))
+            work[kind] += np.einsum("ckm,ckm->m", about, moments)
     energy = np.einsum("nm,nm->m", u, problem.K @ u)
-    return np.divide(work, energy, out=np.zeros(count), where=energy > 0.0)
+    return np.divide(work, energy, out=np.zeros_like(work), where=energy > 0.0)
 
 
-def _in_plane(t: Triangles, corners: Array) -> Array:
-    """The membrane's degrees of freedom (c, 9, m) of the corners (c, 3, 6, m) in G."""
-    out = np.empty((len(t), 9, corners.shape[3]))
-    out[:, 0::3] = np.einsum("ci,ckim->ckm", t.A_GE[:, :, 0], corners[:, :, :3])
-    out[:, 1::3] = np.einsum("ci,ckim->ckm", t.A_GE[:, :, 1], corners[:, :, :3])
-    out[:, ROTATIONS] = np.einsum("ci,ckim->ckm", t.A_GE[:, :, 2], corners[:, :, 3:])
-    return out
+def _forces(problem: ShellProblem, geometry: Geometry, A: Array, corners: Array) -> Array:
+    """Forces of the membranes (c, 3 k, m) for the displacements of corners (c, k, 6, m) in G."""
+    membrane = MEMBRANES[problem.choice.membrane]
+    u_G = corners.reshape(len(corners), -1, corners.shape[3])
+    if isinstance(geometry, Quadrilaterals):
+        K = hybrid.stiffness(geometry, A, membrane.bow)
+        return np.asarray(K @ at_feet(geometry, u_G)[0])
+    strains = membrane.strains(geometry, A, problem.choice.beta0)
+    K = membrane_stiffness(geometry, A, strains)
+    return np.asarray(K @ own_displacements(geometry.A_GE, u_G)[0])
 
 
 def _normals(problem: ShellProblem) -> tuple[Array, Array]:

@@ -25,6 +25,8 @@ LIMITS = {
     "laminate-unsymmetric": ("preprocess/laminate/report.py", "COUPLED"),
     "shell-mesh-coarse": ("preprocess/shell/modes.py", "COARSE"),
     "shell-triangles-warped": ("preprocess/shell/warped.py", "LOCKED"),
+    "shell-quadrilaterals-warped": ("preprocess/shell/warped.py", "LOCKED"),
+    "triangles-not-paired": ("preprocess/shell/guards.py", "UNPAIRED"),
     "buckling-after-large-rotation": ("preprocess/shell/prestress.py", "LARGE"),
     "buckles-in-plane": ("preprocess/shell/prestress.py", "IN_PLANE"),
     "laminate-unbalanced": ("preprocess/laminate/report.py", "COUPLED"),

@@ -1,4 +1,4 @@
-"""Triangles as quadrilaterals on request: which pairs are better, and what is told of the others."""
+"""Triangles as quadrilaterals on request: which pairs are better, what is told of the rest."""
 
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ from plymotion.solver.package.shell.cells import corner_counts
 
 pytestmark = pytest.mark.one_end
 QUADS = {"element": "quadrilateral"}
-LONG, ALTERNATING = 0, 1
+LONG = 0  # parameter `diagonals` of the scripts: one way
 CODE = "triangles-not-paired"
 RHOMBI = """
 import numpy as np
@@ -56,7 +56,7 @@ def told(warnings: Any) -> list[str]:
 
 def test_parallelograms_of_30_degrees_carry_bending_in_their_plane() -> None:
     """Triangles of their long diagonals have 0.18 of the deflection."""
-    model, of = straight_beam((6, 1), "in")
+    model, _ = straight_beam((6, 1), "in")
     model.mesh |= {"slant": 0.1732, "slant_alternates": 0, "diagonals": LONG}
     ratios = {}
     for name, cells in (("triangles", {}), ("quadrilaterals", QUADS)):

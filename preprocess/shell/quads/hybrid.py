@@ -82,6 +82,13 @@ def stretching(q: Quadrilaterals, bow: float) -> Array:
     return np.swapaxes(G.reshape(c, 12, 7), 1, 2)
 
 
+def stiffness(q: Quadrilaterals, A: Array, bow: float) -> Array:
+    """Stiffness of membranes without coupling, (c, 12, 12)."""
+    G = stretching(q, bow)
+    K = np.swapaxes(G, 1, 2) @ np.linalg.solve(flexibility(q, np.linalg.inv(A)), G)
+    return np.asarray(K + steadying(q, A))
+
+
 def bending(q: Quadrilaterals, A_inverse: Array, B: Array, curvature: Array) -> Array:
     """Part of G of the plate's degrees of freedom, int P' A^-1 B k, (c, 7, 12)."""
     P = places(q, q.interpolation @ q.xy_E)

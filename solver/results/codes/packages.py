@@ -138,6 +138,15 @@ SHELL_CODES = (
         0.1,
     ),
     _code(
+        "shell-quadrilaterals-warped",
+        "quadrilaterals are too large for the thickness of a shell that is curved in two "
+        "directions: it is too stiff",
+        "work of membranes on rotations of bending that the tilt of cells turns into their planes, "
+        "over that of the shell in a load case or mode, above {limit:g}",
+        "use smaller cells; the message says how many times smaller",
+        0.1,
+    ),
+    _code(
         "shell-mesh-coarse",
         "the mesh of a shell is coarse for its load factors, or for its frequencies under load",
         "estimated relative error of the first one above {limit:g}",
