@@ -78,7 +78,7 @@ def test_long_diagonals_of_rhombi_are_removed(tmp_path: Path) -> None:
         assert table["triangles"] + table["quadrilaterals"] == table["cells"]
 
 
-@pytest.mark.provokes(CODE)
+@pytest.mark.provokes("triangles-not-paired")
 def test_what_stays_is_told_with_the_reason_and_advice_clears_it(tmp_path: Path) -> None:
     spec = rhombus(tmp_path, "Alternate")
     found = analyse(spec)
