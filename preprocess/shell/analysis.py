@@ -20,6 +20,7 @@ from .. import fenicsx
 from ..laminate import report, stress_operators
 from .discretisation import FinerMesh
 from .guards import check_supported
+from .link_distortion import link_warnings
 from .loads import resultant
 from .mesh import ShellMesh
 from .modes import by_node, shell_buckling, shell_modes
@@ -116,6 +117,7 @@ def _cases(
         u, energy, residual = solved.displacements, solved.energy, solved.residual
         warnings += solved.warnings
         warnings += warped_warnings(problem, u, [f"load case {name}" for name in names])
+        warnings += link_warnings(problem, u, forces, energy, names)
         taken = np.zeros(freedom.n_dof, dtype=bool)
         for row, support in enumerate(problem.supports):
             own = np.zeros_like(forces)

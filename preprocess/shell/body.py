@@ -15,6 +15,7 @@ from ..modes import Modes, reduced_modes
 from ..provenance import body_provenance
 from .body_spec import ShellBodySpec, read_shell_body
 from .interfaces import interfaces, node_shapes, places
+from .link_distortion import interface_warnings
 from .problem import ShellProblem
 from .recovery import cell_resultants, laminates
 from .reduction import ShellModel, eigen_solver
@@ -45,13 +46,14 @@ def build_shell_body(spec: dict[str, Any]) -> ModalPackage:
     assembled = time.perf_counter()
     modes = shell_modes(model)
     u = model.problem.freedom.expanded(modes.columns_B)
-    locked = warped_warnings(model.problem, u, [f"mode {_label(m)}" for m in modes.labels])
+    found = warped_warnings(model.problem, u, [f"mode {_label(m)}" for m in modes.labels])
+    found += interface_warnings(model.problem, u, modes.values, body.modes.attachments)
     solved = time.perf_counter()
     provenance = body_provenance(
         spec,
         {"body": model.problem.freedom.n_dof},
         {"shell": assembled - start, "modes": solved - assembled},
-        [*model.problem.warnings, *(() if spec.get("candidates") else (*locked, *modes.warnings))],
+        [*model.problem.warnings, *(() if spec.get("candidates") else (*found, *modes.warnings))],
     )
     return shell_package(model, modes, provenance)
 

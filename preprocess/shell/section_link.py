@@ -30,6 +30,7 @@ from .mesh import ShellMesh
 from .regions import Region
 
 FLAT = 1e-6  # distance of nodes from the plane of the section, and of a line, over its size
+ACROSS = 0.5  # least sine between walls and the plane of the section
 SINGULAR = 1e-9  # eigenvalue of R' F0 of unit diagonal, of a section without its six fields
 
 
@@ -83,6 +84,11 @@ def _wall_stiffness(
         row = order[at[hit]]
         c, s = ((region.geometry.A_GE[owner[hit], :, k] @ x) for k in (0, 1))
         length = np.hypot(c, s)
+        if not (length > ACROSS).all():
+            raise ShellError(
+                f"{where}: cells lie in the plane of the curve; a section link needs walls across "
+                "the plane of the section"
+            )
         c, s = c / length, s / length
         # strain and curvature along x and its normal from those along e1, e2
         T = np.empty((len(hit), 3, 3))

@@ -26,6 +26,7 @@ LIMITS = {
     "shell-mesh-coarse": ("preprocess/shell/modes.py", "COARSE"),
     "shell-triangles-warped": ("preprocess/shell/warped.py", "LOCKED"),
     "shell-quadrilaterals-warped": ("preprocess/shell/warped.py", "LOCKED"),
+    "link-distorts-section": ("preprocess/shell/link_distortion.py", "DISTORTED"),
     "triangles-not-paired": ("preprocess/shell/guards.py", "UNPAIRED"),
     "buckling-after-large-rotation": ("preprocess/shell/prestress.py", "LARGE"),
     "buckles-in-plane": ("preprocess/shell/prestress.py", "IN_PLANE"),

@@ -1,16 +1,22 @@
 """Loads at the open end of a thin-walled section: the stresses of Saint-Venant."""
 
+from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from body_specs import shell_body, shell_parts
 from shell_layups import BOX_MATERIAL, BOXES, WALL
 from shell_model import laminate
 from shell_specs import METAL, SCRIPTS, plate
 
+from plymotion.preprocess.body import build_body
+from plymotion.preprocess.fenicsx import NamedNodes, PlainMesh
 from plymotion.preprocess.shell.analysis import analyse
 from plymotion.preprocess.shell.errors import ShellError
 from plymotion.preprocess.shell.freedom import Freedom
+from plymotion.preprocess.shell.mesh import mesh_of
 from plymotion.preprocess.shell.problem import ShellProblem
 
 QUADS = {"element": "quadrilateral"}
@@ -91,3 +97,130 @@ def test_open_section_and_refusals() -> None:
     flat["links"]["tip"]["at"] = "plate"
     with pytest.raises(ShellError, match="a surface; a section link needs a curve"):
         ShellProblem(flat)
+
+
+def thin_walled(shape: str, length: float, kind: str, load: dict[str, Any]) -> Any:
+    """A cantilever of walls of 2 mm, clamped at its root, loaded through a link at its open tip."""
+    corners = {
+        "box": [(-0.05, -0.025), (0.05, -0.025), (0.05, 0.025), (-0.05, 0.025), (-0.05, -0.025)],
+        "channel": [(0.05, 0.05), (0.0, 0.05), (0.0, -0.05), (0.05, -0.05)],
+    }[shape]
+    walls = [np.linspace(a, b, 5)[:-1] for a, b in pairwise(corners)]
+    outline = np.concatenate([*walls, np.array(corners[-1:])])
+    count, n = len(outline), 41
+    ring = np.arange(count)
+    if shape == "box":
+        ring[-1], count = 0, count - 1
+    x = np.repeat(np.linspace(0.0, length, n), count)
+    points = np.column_stack([x, np.tile(outline[:count], (n, 1))])
+    i = count * np.arange(n - 1)[:, None]
+    corner = (i + ring[:-1], i + count + ring[:-1], i + count + ring[1:], i + ring[1:])
+    cells = np.stack([part.ravel() for part in corner], axis=1)
+    end = np.stack([ring[:-1], ring[1:]], axis=1)
+    tags = np.arange(1, len(points) + 1)
+    named = NamedNodes(tags, {"root": end, "tip": end + count * (n - 1)}, {})
+    region = np.zeros(len(cells), dtype=int)
+    spec = {
+        "mesh": {"file": "thin-walled.msh"},
+        "materials": {"metal": METAL},
+        "regions": {"all": {"material": "metal", "thickness": 0.002}},
+        "supports": {"root": {"at": "root", "fixed": "all"}},
+        "links": {"end": {"at": "tip", "kind": kind}},
+        "loads": {"F": {"end": {"at": "end", **load}}},
+    }
+    plain = PlainMesh(points, cells, "mixed", 1, region, ("wall",), {}, named)
+    return analyse(spec, mesh=mesh_of(plain))
+
+
+def messages_of(warnings: Any) -> list[str]:
+    return [w["message"] for w in warnings if w["code"] == "link-distorts-section"]
+
+
+def distorted(found: Any) -> list[str]:
+    return messages_of(found.warnings)
+
+
+TORQUE = {"moment": [1.0, 0.0, 0.0]}
+G_METAL = METAL["E"] / 2.6
+
+
+@pytest.mark.provokes("link-distorts-section")
+@pytest.mark.parametrize("length", [0.5, 1.0, 3.0])
+def test_torque_at_the_open_end_of_a_box(length: float) -> None:
+    """Bredt's twist; the message of the average link has its error, and its advice clears it."""
+    bredt = length * 0.3 / (4.0 * 0.005**2 * 0.002 * G_METAL)
+    average = thin_walled("box", length, "average", TORQUE)
+    (message,) = distorted(average)
+    assert 'use kind = "section" for end' in message
+    told = float(message.split("moves ")[1].split(" %")[0])
+    twist = average.cases.link_motions_G[0, 0, 3]
+    assert 1.0 + 0.01 * told == pytest.approx(twist / bredt, rel=0.02)
+    for kind in ("section", "rigid"):
+        found = thin_walled("box", length, kind, TORQUE)
+        assert found.cases.link_motions_G[0, 0, 3] == pytest.approx(bredt, rel=0.015)
+        assert distorted(found) == []
+
+
+@pytest.mark.parametrize(("length", "better"), [(0.5, "average"), (3.0, "section")])
+def test_torque_at_the_open_end_of_a_channel(length: float, better: str) -> None:
+    """Vlasov's twist with the warping restrained at the root. In a short channel bending of the
+    flanges carries the torque, not the twist of the walls of a section link."""
+    GJ = G_METAL * 0.2 * 0.002**3 / 3.0
+    warping = METAL["E"] * 0.002 * 0.05**3 * 0.1**2 / 12.0 * 0.35 / 0.4
+    k = np.sqrt(GJ / warping) * length
+    vlasov = length / GJ * (1.0 - np.tanh(k) / k)
+    found = thin_walled("channel", length, better, TORQUE)
+    assert found.cases.link_motions_G[0, 0, 3] == pytest.approx(vlasov, rel=0.025)
+    assert distorted(found) == []
+    other = thin_walled("channel", length, "section", TORQUE)
+    if length < 1.0:
+        assert other.cases.link_motions_G[0, 0, 3] > 1.5 * vlasov
+        assert 'use kind = "average"' in distorted(other)[0]
+
+
+@pytest.mark.parametrize("kind", ["average", "section"])
+@pytest.mark.parametrize(
+    "load", [{"force": [1.0, 0.0, 0.0]}, {"moment": [0.0, 1.0, 0.0]}, {"moment": [0.0, 0.0, 1.0]}]
+)
+def test_loads_that_do_not_distort(kind: str, load: dict[str, Any]) -> None:
+    for shape in ("box", "channel"):
+        assert distorted(thin_walled(shape, 1.0, kind, load)) == []
+
+
+@pytest.mark.parametrize(("kind", "count"), [("average", 1), ("section", 0)])
+def test_interface_of_a_body(kind: str, count: int) -> None:
+    modes: list[dict[str, Any]] = [{"kind": "lowest", "count": 4}]
+    interfaces = {"root": {"at": "root"}, "end": {"at": "tip", "link": kind}}
+    tables = {"body": "box", "shell": shell_parts(box("0", "rigid", (20, 2, 2)))}
+    found = build_body(shell_body(**tables, modes=modes, interfaces=interfaces))
+    assert messages_of(found.provenance["warnings"]) == []  # no mode is the shape of a torque
+    modes.append({"kind": "attachment", "at": "end", "directions": ["rx"]})
+    found = build_body(shell_body(**tables, modes=modes, interfaces=interfaces))
+    messages = messages_of(found.provenance["warnings"])
+    assert len(messages) == count
+    assert all('use link = "section" for end' in message for message in messages)
+
+
+def test_hole_in_a_plate_is_no_section(tmp_path: Path) -> None:
+    """Its cells lie in the plane of the curve: there is no member behind it."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)
+    circle = np.stack([np.cos(turn), np.sin(turn), 0.0 * turn], axis=1)
+    i, j = np.arange(12), np.roll(np.arange(12), -1)
+    arrays = {
+        "points": np.concatenate([circle, 3.0 * circle]),
+        "cells": np.stack([i, i + 12, j + 12, j], axis=1),
+        "region": np.zeros(12, dtype=int),
+        "regions": np.array(["plate"]),
+        "curve:hole": np.stack([i, j], axis=1),
+        "curve:rim": np.stack([i, j], axis=1) + 12,
+    }
+    np.savez(tmp_path / "ring.npz", **arrays)
+    tables = {
+        "mesh": {"file": str(tmp_path / "ring.npz")},
+        "supports": {"rim": {"at": "rim", "fixed": "all"}},
+        "loads": {"T": {"hole": {"at": "hub", "moment": [1.0, 0.0, 0.0]}}},
+    }
+    hub = {"at": "hole", "kind": "average"}
+    assert distorted(analyse(plate(1, 0.01, links={"hub": hub}, **tables))) == []
+    with pytest.raises(ShellError, match="cells lie in the plane of the curve"):
+        ShellProblem(plate(1, 0.01, links={"hub": {**hub, "kind": "section"}}, **tables))

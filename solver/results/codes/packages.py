@@ -102,6 +102,15 @@ SHELL_CODES = (
         0.25,
     ),
     _code(
+        "link-distorts-section",
+        "the load of a link deforms the walls of an open thin-walled end",
+        "motion of the point along its load beyond that of the section, over the latter, in a load "
+        "case or an attachment mode, above {limit:g}",
+        "use the kind of link that the message names: `section` for closed sections and even "
+        "twist, `average` for open sections with restrained warping; or a `rigid` one",
+        0.1,
+    ),
+    _code(
         "cst-in-plane-bending",
         "few constant-strain triangles across a wall: it is far too stiff in bending in its own "
         "plane",
