@@ -69,7 +69,7 @@ def analyse(
     cases, probes, u = _cases(problem, warnings, begin)
     stressed = Stressed(problem, cases.names, u)
     finer = FinerMesh(problem, begin)
-    modes = shell_modes(stressed, finer, warnings, begin)
+    modes, left_out = shell_modes(stressed, finer, warnings, begin)
     buckling = shell_buckling(stressed, finer, warnings, begin)
     return ShellFile(
         name=str(spec.get("name", "shell")),
@@ -94,6 +94,7 @@ def analyse(
             "spec": dict(spec),
             "elements": {**problem.choice._asdict(), "mass_form": problem.mass_form},
             "dofs": problem.freedom.n_dof,
+            "frequency_errors": left_out or None,
             "ranks": team.size,
             "seconds": time.perf_counter() - start,
             "versions": fenicsx.versions(),

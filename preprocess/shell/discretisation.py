@@ -19,6 +19,7 @@ from .assembly import DOFS
 from .buckling import LoadFactors
 from .errors import ShellError
 from .finer_surface import Refined, refined
+from .freedom import Freedom
 from .prestress import Stressed
 from .problem import ShellProblem
 from .statics import solve_cases
@@ -110,35 +111,65 @@ def load_factor_errors(
 
 
 def frequency_errors(
-    finer: FinerMesh, case: str | None, values: Array, shapes: Array
+    finer: FinerMesh,
+    case: str | None,
+    values: Array,
+    shapes: Array,
+    n_zero: int = 0,
+    free: bool = False,
 ) -> Array | None:
-    """Relative errors (m,) of frequencies [rad/s] of a supported shell under a load case.
+    """Relative errors (m,) of frequencies of a shell under a load case.
 
-    None if the finer mesh is too large, or has buckled. `shapes` are (n_dof, m).
+    None if the finer mesh is too large, has buckled, or is not possible.
+
+    Parameters
+    ----------
+    values, shapes : (m,) [rad/s], (n_dof, m)
+    n_zero : number of modes without strain energy, which come first; their error is 0
+    free : without the supports
     """
-    if finer.unknowns > MOST:
+    if finer.unknowns > MOST or len(values) == n_zero:
         return None
-    problem = finer.problem
+    shift = float(values[n_zero] ** 2) if n_zero else 0.0  # K alone is singular
     try:
-        equations = _Equations(finer, case, f"{problem.where}.frequencies.prestress")
+        problem = finer.problem
+        freedom = problem.modes_freedom
+        if free:
+            freedom = Freedom(problem.mesh, problem.links, flat=problem.flat)
+        where = f"{problem.where}.frequencies.prestress"
+        equations = _Equations(finer, case, where, freedom=freedom, shift=shift)
     except (ShellError, fenicsx.FactorisationError):
         return None
-    mu = equations.largest(problem.modes_freedom.reduced(problem.M), shapes)
+    mu = equations.largest(freedom.reduced(problem.M), shapes)
     equations.factor.close()
-    return _error(values, 1.0 / np.sqrt(mu))
+    errors = np.zeros(len(values))
+    fine = np.sqrt((1.0 / mu - shift)[n_zero:].clip(min=0.0))
+    errors[n_zero:] = _error(values[n_zero:], fine)
+    return errors
 
 
 class _Equations:
-    """G x = mu K x on the finer mesh, K the stiffness under a load case.
+    """G x = mu K x on the finer mesh, K the stiffness under a load case plus shift times M.
 
     Raises ShellError, FactorisationError : K is not definite.
     """
 
     def __init__(
-        self, finer: FinerMesh, case: str | None, where: str, in_plane: bool = True
+        self,
+        finer: FinerMesh,
+        case: str | None,
+        where: str,
+        in_plane: bool = True,
+        freedom: Freedom | None = None,
+        shift: float = 0.0,
     ) -> None:
-        self._finer, self._freedom = finer, finer.problem.modes_freedom
-        self._K = self._freedom.reduced(finer.stressed.stiffness(case, where, in_plane))
+        problem = finer.problem
+        self._finer, self._freedom = finer, freedom or problem.modes_freedom
+        # without a prestress the load cases need no solution on the finer mesh
+        K = problem.K if case is None else finer.stressed.stiffness(case, where, in_plane)
+        self._K = self._freedom.reduced(K)
+        if shift:
+            self._K = self._K + shift * self._freedom.reduced(problem.M)
         self.factor = fenicsx.cholesky(self._K, finer.problem.team)
 
     def largest(self, G: sp.csr_matrix, coarse: Array) -> Array:

@@ -1,11 +1,13 @@
 """Natural modes and load factors of a shell, in the order of its mesh file, with their errors."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
 from ...solver.math.arrays import Array
 from ...solver.package.shell.schema import ShellBuckling, ShellModes
+from .assembly import DOFS
 from .discretisation import FinerMesh, frequency_errors, load_factor_errors
 from .freedom import Freedom
 from .frequencies import natural_modes
@@ -19,20 +21,23 @@ from .warped import warped_warnings
 Progress = Callable[[str], None]
 Warnings = list[dict[str, str]]
 
-COARSE = 0.05  # estimated error of a first load factor or frequency that is warned about
+COARSE = 0.05  # estimated error of a first load factor, or a frequency, that is warned about
+CHEAP = 4000  # unknowns up to which errors of frequencies are estimated by default: half a second
 
 
 def shell_modes(
     stressed: Stressed, finer: FinerMesh, warnings: Warnings, begin: Progress
-) -> ShellModes | None:
-    """The natural modes that the specification asks for; None without [frequencies]."""
+) -> tuple[ShellModes | None, str]:
+    """The natural modes that the specification asks for, None without [frequencies], and why their
+    errors are not estimated, empty if they are."""
     problem = stressed.problem
     table = problem.spec.get("frequencies")
     if table is None:
-        return None
+        return None, ""
     count = mode_count(table, f"{problem.where}.frequencies")
     mesh, freedom = problem.mesh, problem.modes_freedom
-    if table.get("free", False):
+    free = table.get("free", False)
+    if free:
         freedom = Freedom(mesh, problem.links, flat=problem.flat)
     rigid, drilling = problem.free_motions(freedom)
     if drilling:
@@ -49,18 +54,21 @@ def shell_modes(
     values = np.where(np.arange(len(found.values)) < found.n_zero, 0.0, found.values)
     if case is not None and (values < 0.0).any():
         raise buckled(case, where)
-    error = None
-    if table.get("error", False) and not free_motions.size:
-        error = frequency_errors(finer, case, np.sqrt(values), found.shapes)
-    if error is not None and abs(error[0]) > COARSE:
-        warnings.append(_coarse("the first frequency", float(error[0])))
-    return ShellModes(
+    error, left_out = None, _left_out(table, mesh)
+    if not left_out:
+        error = frequency_errors(finer, case, np.sqrt(values), found.shapes, found.n_zero, free)
+        if error is None:
+            left_out = f"not possible on a mesh of half the cell size, {finer.unknowns} unknowns"
+    if error is not None and (np.abs(error) > COARSE).any():
+        warnings.append(_coarse_frequencies(np.sqrt(values), error, found.n_zero))
+    modes = ShellModes(
         np.sqrt(values),
         by_node(mesh, found.shapes),
         problem.resultants(found.shapes),
         found.n_zero,
         error,
     )
+    return modes, left_out
 
 
 def shell_buckling(
@@ -97,6 +105,29 @@ def by_node(mesh: ShellMesh, u: Array) -> Array:
 def _locked(problem: ShellProblem, shapes: Array, first: int) -> Warnings:
     names = [f"mode {first + i + 1}" for i in range(shapes.shape[1])]
     return warped_warnings(problem, shapes, names)
+
+
+def _left_out(table: Mapping[str, Any], mesh: ShellMesh) -> str:
+    """Why the errors of frequencies are not estimated; empty if they are."""
+    asked = table.get("error")
+    if asked is False:
+        return "error = false in [frequencies]"
+    if asked is None and DOFS * mesh.n_node > CHEAP:
+        return (
+            f"above {CHEAP} unknowns the estimate takes several times as long as the frequencies; "
+            "ask for it by error = true in [frequencies]"
+        )
+    return ""
+
+
+def _coarse_frequencies(values: Array, error: Array, n_zero: int) -> dict[str, str]:
+    """The warning about the frequency with the largest error of the mesh."""
+    bad = np.flatnonzero(np.abs(error) > COARSE)
+    worst = int(bad[np.argmax(np.abs(error[bad]))])
+    more = "" if bad.size == 1 else f" (worst of {bad.size})"
+    hertz = values[worst] / (2.0 * np.pi)
+    what = f"frequency {worst - n_zero + 1}, {hertz:.4g} Hz{more},"
+    return _coarse(what, float(error[worst]))
 
 
 def _coarse(what: str, error: float) -> dict[str, str]:

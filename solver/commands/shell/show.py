@@ -193,7 +193,15 @@ def _modes(shell: ShellFile) -> list[str]:
     if modes.error is not None:
         error = modes.error[modes.n_zero :]
         lines += _mesh_error(elastic, error, "frequencies", " Hz")
+    elif reason := not_estimated(shell):
+        lines.append(f"{'Mesh error':16}not estimated: {reason}")
     return lines
+
+
+def not_estimated(shell: ShellFile) -> str | None:
+    """Why the errors of the frequencies are not estimated; None if they are."""
+    reason = shell.provenance.get("frequency_errors")
+    return str(reason) if reason else None
 
 
 def _mesh_error(values: Array, error: Array, name: str, unit: str = "") -> list[str]:

@@ -8,7 +8,7 @@ from ...package.shell.cells import centres, corner_counts
 from ...package.shell.schema import SHELL_STRESSES, ShellFile, ShellLaminate
 from .findings import CaseFindings, case_findings, stacking
 from .ply_extremes import PlyExtreme
-from .show import title_of
+from .show import not_estimated, title_of
 
 
 def shell_json(shell: ShellFile) -> dict[str, Any]:
@@ -37,6 +37,7 @@ def shell_json(shell: ShellFile) -> dict[str, Any]:
         table["frequencies_hz"] = modes.frequencies_hz[modes.n_zero :].tolist()
         table["zero_modes"] = modes.n_zero
         table["frequency_errors"] = _listed(modes.error, slice(modes.n_zero, None))
+        table["frequency_errors_left_out"] = not_estimated(shell)
     if shell.buckling is not None:
         case = shell.buckling.case
         table["load_factors"] = {

@@ -173,7 +173,7 @@ class Frequencies(Table):
     error: bool | None = Field(
         default=None,
         description="whether to estimate the errors of the mesh, by a mesh of half the cell size; "
-        "absent: with `prestress`",
+        "absent: up to 4000 unknowns, and with `prestress`",
     )
 
 

@@ -157,8 +157,8 @@ SHELL_CODES = (
     ),
     _code(
         "shell-mesh-coarse",
-        "the mesh of a shell is coarse for its load factors, or for its frequencies under load",
-        "estimated relative error of the first one above {limit:g}",
+        "the mesh of a shell is coarse for its load factors, or for its frequencies",
+        "estimated relative error of a first load factor, or of a frequency, above {limit:g}",
         "use smaller cells (`refine = 1` in `[mesh]`), or the value without the error",
         0.05,
     ),
