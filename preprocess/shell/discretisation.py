@@ -167,27 +167,37 @@ class _Equations:
         self._finer, self._freedom = finer, freedom or problem.modes_freedom
         # without a prestress the load cases need no solution on the finer mesh
         K = problem.K if case is None else finer.stressed.stiffness(case, where, in_plane)
-        self._K = self._freedom.reduced(K)
+        K = self._freedom.reduced(K)
         if shift:
-            self._K = self._K + shift * self._freedom.reduced(problem.M)
-        self.factor = fenicsx.cholesky(self._K, finer.problem.team)
+            K = K + shift * self._freedom.reduced(problem.M)
+        self.factor = fenicsx.cholesky(K, finer.problem.team)
 
     def largest(self, G: sp.csr_matrix, coarse: Array) -> Array:
         """The largest mu, (m,) descending, in the Krylov space of m coarse shapes (n_dof, m)."""
-        X, K, blocks = self._finer.shapes(coarse)[self._freedom.free], self._K, []
+        X = self._finer.shapes(coarse)[self._freedom.free]
         count = X.shape[1]
         if not count:
             return np.zeros(0)
+        blocks, loads = [], []
         for _ in range(STEPS):
-            X = self.factor.solve(np.asarray(G @ X))
-            X = X / np.sqrt(np.einsum("nm,nm->m", X, K @ X))
+            load = np.asarray(G @ X)
+            X = self.factor.solve(load)
+            # x'Kx by the load K x: K times a nearly rigid motion of a thin shell is rounding
+            size = np.sqrt(np.einsum("nm,nm->m", X, load))
+            X = X / size
             blocks.append(X)
-        S = np.concatenate(blocks, axis=1)
-        size, axes = scipy.linalg.eigh(S.T @ (K @ S))
-        kept = size > DEPENDENT * size[-1]
-        basis = S @ (axes[:, kept] / np.sqrt(size[kept]))
-        mu = scipy.linalg.eigvalsh(basis.T @ (G @ basis), basis.T @ (K @ basis))
+            loads.append(load / size)
+        S, L = np.concatenate(blocks, axis=1), np.concatenate(loads, axis=1)
+        products, axes = scipy.linalg.eigh(_symmetric(S.T @ L))
+        kept = products > DEPENDENT * products[-1]
+        T = axes[:, kept] / np.sqrt(products[kept])
+        S, L = S @ T, L @ T
+        mu = scipy.linalg.eigvalsh(_symmetric(S.T @ (G @ S)), _symmetric(S.T @ L))
         return np.asarray(mu[::-1][:count])
+
+
+def _symmetric(A: Array) -> Array:
+    return np.asarray(0.5 * (A + A.T))
 
 
 def _error(coarse: Array, fine: Array) -> Array:

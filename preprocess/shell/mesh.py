@@ -29,6 +29,7 @@ from .refinement import finer_parameters, split
 KEPT = 8  # meshes that a process keeps
 KEYS = ("file", "parameters", "scale", "element", "refine", "sha256")
 ELEMENTS = ("triangle", "quadrilateral")
+FARTHEST = 1e30  # [m], of a coordinate: products of larger ones may be no numbers
 NOTHING_LEFT = Unpaired(0, 0, "")
 
 
@@ -137,12 +138,12 @@ def mesh_of(plain: PlainMesh, where: str = "mesh") -> ShellMesh:
             f"{where}: has {plain.cell}s of degree {plain.degree}, expected three-node triangles "
             "or four-node quadrilaterals. In gmsh, set Mesh.ElementOrder = 1"
         )
-    wrong = np.flatnonzero(~np.isfinite(plain.points).all(axis=1))
+    wrong = np.flatnonzero(~(np.abs(plain.points) <= FARTHEST).all(axis=1))
     if wrong.size:
         tag = wrong[0] + 1 if plain.named is None else plain.named.tags[wrong[0]]
         raise ShellError(
             f"{where}: node {tag} at {plain.points[wrong[0]].tolist()}: expected three finite "
-            f"coordinates; wrong nodes: {wrong.size}"
+            f"coordinates of at most {FARTHEST:g} m; wrong nodes: {wrong.size}"
         )
     named = plain.named
     curves = {} if named is None else named.curves

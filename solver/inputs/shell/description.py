@@ -3,6 +3,7 @@
 docs/shell-description.md is generated from here (`make docs`).
 """
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
@@ -20,6 +21,7 @@ from .loading import Buckling, Frequencies, Link, Load, Probe, Support
 Factor = Annotated[float, Field(gt=0)]
 Row = Annotated[list[float], Field(min_length=6, max_length=6)]
 MOST_REFINED = 6
+LARGE = 1e30  # size of a number whose products, as E h^3 and squares of forces, are still numbers
 REFINE = (
     "makes the mesh finer so many times, each time with four cells for one: a script of "
     "meshes/shells gets twice its counts of cells, cells of other meshes are split at the middles "
@@ -338,6 +340,23 @@ def checked(table: dict[str, Any], file: Path) -> ShellDescription:
         One line per error: file, key, value, expectation.
     """
     try:
-        return ShellDescription.model_validate(table)
+        description = ShellDescription.model_validate(table)
     except ValidationError as error:
         raise InputError("\n".join(lines(error, ShellDescription, str(file)))) from error
+    wrong = [f"{file}: {line}" for line in _out_of_range(table, "")]
+    if wrong:
+        raise InputError("\n".join(wrong))
+    return description
+
+
+def _out_of_range(value: Any, key: str) -> Iterator[str]:
+    """One line for each number whose products with others have no digits left."""
+    if isinstance(value, dict):
+        for name, entry in value.items():
+            yield from _out_of_range(entry, f"{key}.{name}" if key else str(name))
+    elif isinstance(value, list):
+        for row, entry in enumerate(value):
+            yield from _out_of_range(entry, f"{key}[{row}]")
+    elif isinstance(value, int | float) and value and not 1.0 / LARGE <= abs(value) <= LARGE:
+        expected = f"0, or a size of {1.0 / LARGE:g} to {LARGE:g}"
+        yield f"{key} = {value:g}: expected {expected}; products of other numbers are not computed"
