@@ -1,5 +1,6 @@
 """Conversion of sparse matrices between SciPy and PETSc."""
 
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -44,7 +45,9 @@ def destroy(*objects: Any) -> None:
     also keep an object because a getter of a part creates another reference.
     """
     for one in objects:
-        one.destroy()
+        # after a failed iteration PETSc refuses; the error of the iteration is the one to tell
+        with suppress(*PETSC_ERRORS):
+            one.destroy()
 
 
 def destroy_dropped(team: Team) -> None:

@@ -9,7 +9,7 @@ u = u0 + z beta; resultants N [N/m], M [N], T [N/m] in the same order.
 from .report import LaminateReport, report
 from .shear import ShearCorrection
 from .spec import LaminateSpec, laminate_from_dict
-from .stack import Lamina, Laminate, LaminateError
+from .stack import Lamina, Laminate, LaminateError, computed
 from .stiffness import LaminateStiffness, laminate_stiffness
 from .stress import LEVELS, strain_stress, strain_stress_at, stress_operators
 
@@ -22,6 +22,7 @@ __all__ = [
     "LaminateSpec",
     "LaminateStiffness",
     "ShearCorrection",
+    "computed",
     "laminate_from_dict",
     "laminate_stiffness",
     "report",

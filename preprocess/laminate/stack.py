@@ -1,6 +1,8 @@
 """The plies of a laminate and their positions."""
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -16,6 +18,18 @@ ACROSS = np.array([4, 3])  # 13, 23: in the order of the shear strains (gxz, gyz
 
 class LaminateError(Exception):
     """The description of a laminate is wrong."""
+
+
+@contextmanager
+def computed(where: str) -> Iterator[None]:
+    """Raise LaminateError for a stiffness that is singular to rounding; `where` is its key."""
+    try:
+        yield
+    except np.linalg.LinAlgError as error:
+        raise LaminateError(
+            f"{where}: its stiffness is singular to rounding; the moduli, thicknesses and offset "
+            "of its plies differ too much in size"
+        ) from error
 
 
 class Lamina(NamedTuple):

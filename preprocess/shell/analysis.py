@@ -17,7 +17,7 @@ from ...solver.package.shell.schema import (
     ShellProbes,
 )
 from .. import fenicsx
-from ..laminate import report, stress_operators
+from ..laminate import computed, report, stress_operators
 from .discretisation import FinerMesh
 from .guards import check_supported
 from .link_distortion import link_warnings
@@ -156,7 +156,8 @@ def _laminates(problem: ShellProblem) -> tuple[list[ShellLaminate], Warnings]:
         if name in found:
             continue
         laminate, stiffness = region.laminate.laminate, region.stiffness
-        known = report(laminate, name)
+        with computed(f"{problem.where}.laminates.{name}"):
+            known, operators = report(laminate, name), stress_operators(laminate)
         warnings += known.findings
         table = dataclasses.asdict(known)
         del table["findings"]
@@ -166,7 +167,7 @@ def _laminates(problem: ShellProblem) -> tuple[list[ShellLaminate], Warnings]:
             stiffness.ABD,
             stiffness.Ds,
             stiffness.mass,
-            stress_operators(laminate),
+            operators,
             {**table, "offset": laminate.offset},
         )
     return list(found.values()), warnings

@@ -13,7 +13,13 @@ import numpy as np
 from ...solver.errors import did_you_mean, few
 from ...solver.math.arrays import IntArray
 from ...solver.package.shell.cells import NONE, corner_counts
-from ..laminate import LaminateSpec, LaminateStiffness, laminate_from_dict, laminate_stiffness
+from ..laminate import (
+    LaminateSpec,
+    LaminateStiffness,
+    computed,
+    laminate_from_dict,
+    laminate_stiffness,
+)
 from ..materials import Orthotropic, material_from_dict
 from .axes import KEYS as AXES
 from .axes import cell_directions
@@ -85,7 +91,8 @@ def read_regions(spec: Mapping[str, Any], mesh: ShellMesh, where: str) -> list[R
         flip = given[key].get("flip", False)
         if not isinstance(flip, bool):
             raise ShellError(f"{place}.flip = {flip!r}: expected true or false")
-        stiffness = laminate_stiffness(laminate.laminate, laminate.shear)
+        with computed(f"{where}.laminates.{laminate_name}"):
+            stiffness = laminate_stiffness(laminate.laminate, laminate.shear)
         for count in (3, 4):
             cells = np.flatnonzero((mesh.region == row) & (counts == count))
             if not cells.size:

@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from shell_specs import HARD, METAL, box, mesh_from, plate
+from shell_specs import CFRP, HARD, METAL, box, mesh_from, plate
 
 from plymotion.preprocess.__main__ import main
+from plymotion.preprocess.laminate import LaminateError
 from plymotion.preprocess.shell.analysis import analyse
 from plymotion.preprocess.shell.errors import ShellError
 from plymotion.preprocess.shell.problem import ShellProblem
@@ -224,3 +225,40 @@ def test_messages_name_node_and_key() -> None:
     fault = r"8 of 8 triangles: each is normal to its reference direction; the first has the nodes"
     with pytest.raises(ShellError, match=rf"regions.all.axis: {fault} \d+, \d+, \d+, at \(0"):
         ShellProblem(plate(2, 0.01, regions=across))
+
+
+@pytest.mark.parametrize(
+    ("table", "key", "value"),
+    [
+        ("materials", "E1", 9e29),
+        ("materials", "G12", 9e29),
+        ("laminates", "offset", 9e29),
+        ("laminates", "offset", -9e29),
+    ],
+)
+def test_a_laminate_that_is_singular_to_rounding_is_named(
+    table: str, key: str, value: float
+) -> None:
+    plies = [{"material": "cfrp", "angle_deg": a, "thickness": 1e-3} for a in (30.0, 0.0)]
+    laminate = {"plies": [*plies, {"material": "metal", "thickness": 1e-3}]}
+    spec = plate(2, 0.1, laminates={"skin": laminate})
+    spec["materials"] = {"cfrp": dict(CFRP), "metal": METAL}
+    spec["regions"] = {"all": {"laminate": "skin", "axis": [1.0, 0.0, 0.0]}}
+    spec["supports"] = {"left": {"at": "left", "fixed": "all"}}
+    spec["loads"] = {"pull": {"tip": {"at": "right", "force": [1.0, 0.0, 0.0]}}}
+    (spec["materials"]["cfrp"] if table == "materials" else laminate)[key] = value
+    with pytest.raises((LaminateError, ShellError), match="singular"):
+        analyse(spec)
+
+
+@pytest.mark.parametrize("value", [1e31, -1.7e308])
+def test_coordinates_whose_products_are_no_numbers(tmp_path: Path, value: float) -> None:
+    arrays = {
+        "points": np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [value, 1.0, 0.0]]),
+        "cells": np.array([[0, 1, 2]]),
+        "region": np.array([0]),
+        "regions": np.array(["skin"]),
+    }
+    np.savez(tmp_path / "far.npz", **arrays)
+    with pytest.raises(ShellError, match=r"node 3 at .*: expected three finite coordinates of at"):
+        ShellProblem(plate(1, 0.1, mesh={"file": str(tmp_path / "far.npz")}))

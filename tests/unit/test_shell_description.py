@@ -72,6 +72,38 @@ def test_errors_by_the_mesh_where_stresses_matter(plate: Path) -> None:
     assert "error" not in load_shell(plate)["frequencies"]
 
 
+EXTREME = ["1.7e308", "-1.7e308", "1e200", "-1e31", "1e-320", "1e-308", "nan", "inf", "9" * 400]
+NUMBERS = {
+    "materials.cfrp.E1": "E1 = {}",
+    "materials.cfrp.nu12": "nu12 = {}",
+    "materials.cfrp.rho": "rho = {}",
+    "laminates.skin.ply_thickness": "ply_thickness = {}",
+    "laminates.skin.angles_deg": "angles_deg = [0, {}, -45, 90]",
+    "regions.plate.axis": "axis = [1, {}, 0]",
+    "loads.bending.tip.force": "force = [0, 0, {}]",
+    "loads.weight.all.gravity": "gravity = [0, {}, -9.81]",
+    "mesh.parameters": "parameters = {{ n = {} }}",
+}
+
+
+@pytest.mark.parametrize("key", NUMBERS)
+@pytest.mark.parametrize("value", EXTREME)
+def test_numbers_whose_products_are_no_numbers(plate: Path, key: str, value: str) -> None:
+    lines = plate.read_text().splitlines()
+    start = NUMBERS[key].split("=")[0]
+    (row,) = [i for i, line in enumerate(lines) if line.startswith(start)]
+    lines[row] = NUMBERS[key].format(value)
+    plate.write_text("\n".join(lines))
+    found = messages(plate)
+    assert all(line.startswith(key) and len(line) < 300 for line in found)
+
+
+def test_rounding_near_zero_is_a_number(plate: Path) -> None:
+    """As of sines of multiples of pi."""
+    change(plate, "axis = [1, 0, 0]", "axis = [1, -1.2246e-16, 1.5e-32]")
+    assert load_shell(plate)["regions"]["plate"]["axis"] == [1.0, -1.2246e-16, 1.5e-32]
+
+
 def test_the_plate_of_the_manual(plate: Path) -> None:
     spec = load_shell(plate)
     assert json.loads(json.dumps(spec)) == spec

@@ -21,7 +21,8 @@ from .loading import Buckling, Frequencies, Link, Load, Probe, Support
 Factor = Annotated[float, Field(gt=0)]
 Row = Annotated[list[float], Field(min_length=6, max_length=6)]
 MOST_REFINED = 6
-LARGE = 1e30  # size of a number whose products, as E h^3 and squares of forces, are still numbers
+# Sizes whose products, as E h^3 and squares of forces, are numbers; what is smaller is no rounding.
+LARGE, SMALL = 1e30, 1e-100
 REFINE = (
     "makes the mesh finer so many times, each time with four cells for one: a script of "
     "meshes/shells gets twice its counts of cells, cells of other meshes are split at the middles "
@@ -357,6 +358,5 @@ def _out_of_range(value: Any, key: str) -> Iterator[str]:
     elif isinstance(value, list):
         for row, entry in enumerate(value):
             yield from _out_of_range(entry, f"{key}[{row}]")
-    elif isinstance(value, int | float) and value and not 1.0 / LARGE <= abs(value) <= LARGE:
-        expected = f"0, or a size of {1.0 / LARGE:g} to {LARGE:g}"
-        yield f"{key} = {value:g}: expected {expected}; products of other numbers are not computed"
+    elif isinstance(value, int | float) and value and not SMALL <= abs(value) <= LARGE:
+        yield f"{key} = {value:g}: expected 0, or a size of {SMALL:g} to {LARGE:g}"
