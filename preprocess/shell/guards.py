@@ -129,11 +129,11 @@ def _turned(mesh: ShellMesh, shared: Sides) -> Warnings:
 
 
 def _unpaired(mesh: ShellMesh) -> Warnings:
-    count, of, reason = mesh.unpaired
-    if count <= UNPAIRED * of:
+    left, of, reason = mesh.unpaired
+    if left <= UNPAIRED * of:
         return []
     text = (
-        f'element = "quadrilateral": {count} of {of} triangles stay triangles, because {reason}; '
+        f'element = "quadrilateral": {left} of {of} triangles stay triangles, because {reason}; '
         "make the quadrilaterals in gmsh (Recombine Surface), or a mesh with angles of 37 to 143 "
         "deg between its lines"
     )

@@ -50,7 +50,8 @@ def shell_modes(
         check_stable(freedom.reduced(K), problem, case, where)
     found = natural_modes(K, problem.M, freedom, count, free_motions, problem.team)
     warnings += zero_energy_warnings(found.n_zero, len(rigid))
-    warnings += _locked(problem, found.shapes[:, found.n_zero :], found.n_zero)
+    locked = _locked(problem, found.shapes[:, found.n_zero :], found.n_zero)
+    warnings += locked
     values = np.where(np.arange(len(found.values)) < found.n_zero, 0.0, found.values)
     if case is not None and (values < 0.0).any():
         raise buckled(case, where)
@@ -59,7 +60,8 @@ def shell_modes(
         error = frequency_errors(finer, case, np.sqrt(values), found.shapes, found.n_zero, free)
         if error is None:
             left_out = f"not possible on a mesh of half the cell size, {finer.unknowns} unknowns"
-    if error is not None and (np.abs(error) > COARSE).any():
+    # of cells that lock the other warning names the cause; a finer mesh of them is far off, too
+    if error is not None and not locked and (np.abs(error) > COARSE).any():
         warnings.append(_coarse_frequencies(np.sqrt(values), error, found.n_zero))
     modes = ShellModes(
         np.sqrt(values),
@@ -126,7 +128,7 @@ def _coarse_frequencies(values: Array, error: Array, n_zero: int) -> dict[str, s
     worst = int(bad[np.argmax(np.abs(error[bad]))])
     more = "" if bad.size == 1 else f" (worst of {bad.size})"
     hertz = values[worst] / (2.0 * np.pi)
-    what = f"frequency {worst - n_zero + 1}, {hertz:.4g} Hz{more},"
+    what = f"frequency {worst - n_zero + 1}, {hertz:.4g} Hz{more}"
     return _coarse(what, float(error[worst]))
 
 

@@ -20,7 +20,7 @@ FOLD = 0.9  # least cosine between the normals of the two triangles
 class Unpaired(NamedTuple):
     """Triangles that stay although a triangle beside them stays too, and why most of them do."""
 
-    count: int
+    left: int
     of: int  # triangles before
     reason: str
 

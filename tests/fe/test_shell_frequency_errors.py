@@ -44,6 +44,7 @@ def test_errors_come_without_being_asked_for(free: bool) -> None:
         told = coarse(found)
         assert len(told) == (np.abs(modes.error) > 0.05).any()
         assert len(told) == (n == 4 or (free and n == 8))
+        assert len(told) == ("shell-mesh-coarse" in {w["code"] for w in found.warnings})
         assert all(message.startswith("frequency 6, ") for message in told)
         assert shell_json(found)["frequency_errors"] == modes.error[elastic].tolist()
         assert "Mesh error" in shell_text(found)

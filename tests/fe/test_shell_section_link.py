@@ -151,6 +151,7 @@ def test_torque_at_the_open_end_of_a_box(length: float) -> None:
     bredt = length * 0.3 / (4.0 * 0.005**2 * 0.002 * G_METAL)
     average = thin_walled("box", length, "average", TORQUE)
     (message,) = distorted(average)
+    assert "link-distorts-section" in {w["code"] for w in average.warnings}
     assert 'use kind = "section" for end' in message
     told = float(message.split("moves ")[1].split(" %")[0])
     twist = average.cases.link_motions_G[0, 0, 3]

@@ -85,8 +85,9 @@ def stretching(q: Quadrilaterals, bow: float) -> Array:
 def stiffness(q: Quadrilaterals, A: Array, bow: float) -> Array:
     """Stiffness of membranes without coupling, (c, 12, 12)."""
     G = stretching(q, bow)
-    K = np.swapaxes(G, 1, 2) @ np.linalg.solve(flexibility(q, np.linalg.inv(A)), G)
-    return np.asarray(K + steadying(q, A))
+    A_inverse: Array = np.asarray(np.linalg.inv(A), dtype=float)
+    beta: Array = np.asarray(np.linalg.solve(flexibility(q, A_inverse), G), dtype=float)
+    return np.asarray(np.swapaxes(G, 1, 2) @ beta + steadying(q, A))
 
 
 def bending(q: Quadrilaterals, A_inverse: Array, B: Array, curvature: Array) -> Array:
