@@ -231,6 +231,7 @@ def quantities_of(
         event_coordinate=np.array([event[0] for _, event in events], dtype=np.int64),
         event_level=np.array([event[1] for _, event in events], dtype=float),
         event_sign=np.array([event[2] for _, event in events], dtype=float),
+        end=np.inf,
         stack=new_stack(used),
     )
 

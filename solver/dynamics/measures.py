@@ -9,6 +9,7 @@ from ..math.triple import Triple, cross3, dot3, minus3, sum3, times3
 from .bodies.motion import acceleration, axis, place, spin, spin_rate, velocity
 from .quantities import DISPLACEMENT, DISTANCE, SPIN, Quantities
 
+LAST = 1e-12  # of the time at the end of a run: so much earlier its laws are read
 COINCIDENT = 1e-12  # distance of two points without a direction [m]
 
 
@@ -87,6 +88,16 @@ def axis_rates(motion: Array, n: Triple) -> tuple[Triple, Triple]:
     return n_d, sum3(cross3(spin_rate(motion), n), cross3(w, n_d))
 
 
+@inlined
+def before_end(quantities: Quantities, t: float) -> float:
+    """Return the time at which laws are read: at the end of a run, the instant before.
+
+    No step follows that would see what begins there, such as the rest after a table.
+    """
+    margin = LAST * quantities.end
+    return quantities.end - margin if abs(t - quantities.end) < margin else t
+
+
 @lean
 def measure(
     quantities: Quantities, motion: Array, y: Array, first: int, quantity: Array, g: Array
@@ -118,7 +129,13 @@ def auxiliary_rate(
     if quantities.rate[j] < 0:
         return 0.0, 0.0
     found = evaluated(
-        quantities.programs, quantities.rate[j], t, quantity, 2 * n + j, NO_SEED, quantities.stack
+        quantities.programs,
+        quantities.rate[j],
+        before_end(quantities, t),
+        quantity,
+        2 * n + j,
+        NO_SEED,
+        quantities.stack,
     )
     return found[0], found[1]
 
@@ -131,7 +148,13 @@ def force_size(quantities: Quantities, k: int, t: float, quantity: Array, out: A
     along = quantities.along[k]
     first, second = (2 * along, 2 * along + 1) if along >= 0 else (NO_SEED, NO_SEED)
     found = evaluated(
-        quantities.programs, quantities.force[k], t, quantity, first, second, quantities.stack
+        quantities.programs,
+        quantities.force[k],
+        before_end(quantities, t),
+        quantity,
+        first,
+        second,
+        quantities.stack,
     )
     out[0], out[1], out[2] = found[0], found[1], found[2]
 

@@ -60,4 +60,5 @@ class Quantities(NamedTuple):
     event_coordinate: IntArray  # (ne,)
     event_level: Array  # (ne,) passes a level [m, rad]
     event_sign: Array  # (ne,) upwards (1) or downwards (-1)
+    end: float  # of the run, where laws have the values of the instant before [s]; inf: none
     stack: Array  # memory of an evaluation

@@ -12,7 +12,7 @@ from ..math.arrays import Array
 from .closures import constrained_system, projection, right_hand_side
 from .explicit_stepping import ExplicitLoop
 from .generic import Integrator
-from .longest_step import longest_step
+from .breakpoints import breaks
 from .table import INTEGRATORS
 from .tolerances import ToleranceKeys, blocks, tolerances
 
@@ -112,12 +112,14 @@ def make_integrator(
         "atol": tolerances(model, y0, solver, rtol),
         "block_starts": blocks(model),
     }
+    found = breaks(model, solver.t_end)
+    options |= {"kinks": found.kinks, "jumps": found.jumps}
     if fixed_step is not None:
         options["fixed_step"] = fixed_step
     elif solver.max_step is not None:
         options["max_step"] = solver.max_step
     else:
-        options["max_step"] = longest_step(model, solver.t_end)
+        options["max_step"] = found.longest
     if functions:
         options["functions"] = functions
     options |= {key.name: getattr(solver, key.name) for key in kind.keys}

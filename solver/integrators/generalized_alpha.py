@@ -7,7 +7,7 @@ from ..math.arrays import Array
 from ..math.hermite import Hermite
 from ..math.keys import Number
 from .compiled.alpha import advance_alpha
-from .compiled.alpha_workspace import new_alpha_workspace
+from .compiled.alpha_workspace import new_alpha_workspace, restart_alpha
 from .compiled.step_control import Ends
 from .generic.advice import SHORTER, of_choice
 from .generic.alpha_scheme import FORMULATIONS, SPECTRAL_RADIUS, scheme
@@ -91,6 +91,9 @@ class GeneralizedAlpha(StepLoop):
 
     def _begin(self, rate: Array, multipliers: Array) -> Any:
         return new_alpha_workspace(self._model, self.t, self.y, rate, multipliers, self._h_next)
+
+    def _restart(self, rate: Array, multipliers: Array) -> None:
+        restart_alpha(self._model, self._workspace, self.t, self.y, rate, multipliers)
 
     def _call(
         self, most: int, times: Array, rows: Array, filled: int, ends: Ends

@@ -20,7 +20,7 @@ from .closures import right_hand_side
 from .compiled import step_control as codes
 from .compiled.closing import close
 from .compiled.step_control import Ends, Options
-from .generic.base import FIRST_STEPS, Dense
+from .generic.base import FIRST_STEPS, ROUNDING, Dense
 from .generic.pace import Refusals
 from .stride_memory import StrideMemory
 
@@ -28,6 +28,7 @@ from .stride_memory import StrideMemory
 CHUNK = 200 if COMPILED else 5
 MOST_KEPT = 500_000  # numbers of the steps of one call
 LOCATED, MOST_PASSES = 64, 12  # steps between looks for events; passes to locate one
+APART = 4.0  # lengths of a jump of a law of time: an instant so near is that of the jump
 SETTLED = 1e-6  # part of a step: change of an instant that may be noise
 TROUBLE = {
     codes.NEWTON: "the Newton iteration does not converge (or constraints contradict)",
@@ -79,6 +80,7 @@ class StepLoop(StrideMemory):
             float(self.max_step),
             float(self.min_step),
             float(self.fixed_step or 0.0),
+            self._kinks,
             self._closes(),
         )
         work, rate = spare_work(model), np.zeros(self.n)
@@ -91,6 +93,7 @@ class StepLoop(StrideMemory):
         self._evaluated = self.counters.evaluations
         self._forget()
         self._instants = Instants(model, self.t_end)
+        self._before, self._behind = -np.inf, -np.inf  # next jump of a law of time
         events = self._model.quantities.event_state.size
         self._armed: tuple[bool, ...] = ()  # of events (dynamics/crossings.py)
         self._struck: tuple[int, ...] = ()  # events at the present state, not yet followed
@@ -170,10 +173,13 @@ class StepLoop(StrideMemory):
         """Sample controllers where the loop stands at an instant, and go on from there."""
         if self.t < self._options.t_end or self.t >= self.t_end:
             return
+        if self.t == self._before:
+            self.t = self._workspace.clock[codes.TIME] = self._behind
         which = self._instants.sampled_at(self.t) & (self.t > self.t0)  # not the start again
         which[self._model.quantities.event_state[list(self._struck)]] = True
         self._struck = ()
-        self.y = sampled(self._model, self.t, self.y, which, self._functions)
+        if which.any():
+            self.y = sampled(self._model, self.t, self.y, which, self._functions)
         rate, work = np.zeros(self.n), spare_work(self._model)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             derivative_into(self._model, work, self.t, self.y, rate)
@@ -186,11 +192,21 @@ class StepLoop(StrideMemory):
         times = self._instants.t
         k = int(np.searchsorted(times, t, side="right"))
         end = float(times[k]) if k < times.size else self.t_end
+        for before, behind in self._next(self._jumps).tolist():
+            apart = behind - before
+            if before < end + apart and behind < self.t_end * (1.0 - ROUNDING):
+                # an instant of sampling at the jump is the same
+                same = end < self.t_end and abs(end - behind) < APART * apart
+                self._before, self._behind = before, max(behind, end) if same else behind
+                end = before
         self._options = self._options._replace(t_end=end)
 
     def _restart(self, rate: Array, multipliers: Array) -> None:
         """Go on from the present state as from a start, with its rate and multipliers."""
         raise NotImplementedError
+
+    def _find_stop(self) -> None:
+        self._stop = self._behind = self.t_end  # the loop has stops of its own
 
     def _advance(self) -> None:
         self._sample()

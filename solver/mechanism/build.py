@@ -111,6 +111,7 @@ def build(
         forces=forces,
         measured=reader.found,
     )
+    model = model._replace(quantities=model.quantities._replace(end=mechanism.solver.t_end))
     return BuiltMechanism(
         model=virtual.scaled(model),
         start=_start(mechanism, places, virtual, model, packages),

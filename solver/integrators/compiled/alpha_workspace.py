@@ -84,10 +84,19 @@ def new_alpha_workspace(
         np.zeros(N_COUNT, dtype=np.int64),
     )
     workspace.clock[TIME], workspace.clock[NEXT] = t, first_step
-    workspace.clock[POWER] = rate[n - 1]
     workspace.clock[SINCE], workspace.clock[OTHER] = t, np.inf
-    workspace.multipliers[:n_c] = multipliers
+    restart_alpha(model, workspace, t, y, rate, multipliers)
+    return workspace
+
+
+def restart_alpha(
+    model: Model, workspace: AlphaWorkspace, t: float, y: Array, rate: Array, multipliers: Array
+) -> None:
+    """Forget what was before state y (n,) at t [s]; rate and multipliers are those after it."""
+    workspace.y[:], workspace.rate[:], workspace.v_dd[:] = y, rate, 0.0
+    workspace.a[:] = rate[model.n_pos : model.n_pos + model.n_vel]
+    workspace.clock[POWER] = rate[-1]
+    workspace.multipliers[: model.n_constraint] = multipliers
     workspace.work.multipliers[:] = multipliers
     evaluate(model, workspace.work, t, y)
     start_forces(model, workspace.work, workspace.multipliers)
-    return workspace

@@ -8,7 +8,7 @@ from ...dynamics.model import Model
 from ...dynamics.workspace import Work, new_work
 from ...math.arrays import Array, IntArray
 from ...math.compiled import structure
-from .step_control import ERROR_LAST, N_COUNT, NEXT, TIME
+from .step_control import ERROR_LAST, N_CLOCK, N_COUNT, NEXT, TIME
 
 # Entries of `clock` after those of every loop (step_control.py): whether the last attempt was
 # refused, the beginning of the last step; steps in a row that look stiff and that do not, and the
@@ -51,7 +51,7 @@ class ExplicitWorkspace(NamedTuple):
     weight: Array  # (n,)
     step: Array  # (n_vel,) of the projection
     before: Array  # (n_pos,)
-    clock: Array  # (10,)
+    clock: Array  # (N_CLOCK,)
     counts: IntArray  # (N_COUNT,)
 
 
@@ -73,7 +73,7 @@ def new_explicit_workspace(
         np.zeros(n),
         np.zeros(model.n_vel),
         np.zeros(model.n_pos),
-        np.zeros(11),
+        np.zeros(N_CLOCK),
         np.zeros(N_COUNT, dtype=np.int64),
     )
     workspace.clock[TIME], workspace.clock[NEXT], workspace.clock[ERROR_LAST] = t, first_step, 1e-4

@@ -15,7 +15,8 @@ ERROR_LAST, RATE, LIMIT, CUTOFF, ROUGH, GROWTH = 3, 4, 5, 6, 7, 8
 # Of the choice of Newton's matrix (tension.py): whether tension is in it; attempts under judgement,
 # those that the iteration refused for tension, when they began; pace of the other [s per attempt].
 TENSE, TRIED, REFUSALS, SINCE, OTHER = 9, 10, 11, 12, 13
-N_CLOCK = 14
+KINK = 14  # number of the first kink of a law of time that is still to come
+N_CLOCK = 15
 # Entries of `counts`.
 STEPS, REJECTED, EVALUATIONS, FACTORISATIONS, BAD, TROUBLE = 0, 1, 2, 3, 4, 5
 JACOBIANS = 6
@@ -38,6 +39,7 @@ class Options(NamedTuple):
     max_step: float
     min_step: float
     fixed_step: float  # 0: error control
+    kinks: Array  # (k,) times at which a step ends, ascending [s]
     closes: bool  # bring every step back onto the constraints
 
 
@@ -62,14 +64,23 @@ def keep_end(ends: Ends, k: int, t: float, y: Array) -> None:
 def next_step(options: Options, clock: Array) -> tuple[float, float, bool]:
     """Return the next step [s], its end, and whether it is too small to be taken.
 
-    Within the largest step, on t_end exactly, no sliver before it.
+    Within the largest step, on the next kink or t_end exactly, no sliver before it.
     """
+    kinks, k = options.kinks, int(clock[KINK])
+    while k < kinks.shape[0] and kinks[k] <= clock[TIME]:
+        k += 1
+    clock[KINK] = k
+    end = options.t_end
     t, h, stretch = clock[TIME], clock[NEXT], 1.01
     if options.fixed_step > 0.0:
         h, stretch = options.fixed_step, 1.0 + 1e-6
     h = min(h, options.max_step)
-    if h * stretch >= options.t_end - t:
-        return options.t_end - t, options.t_end, False
+    if k < kinks.shape[0] and kinks[k] < end:
+        end = kinks[k]
+        if options.fixed_step == 0.0 and h * stretch < end - t < 2.0 * h:
+            h = 0.5 * (end - t)  # two alike, no sliver that the next steps must grow from
+    if h * stretch >= end - t:
+        return end - t, end, False
     return h, t + h, h < max(options.min_step, 2e-15 * abs(t), SMALLEST)
 
 

@@ -25,6 +25,7 @@ Dense = Callable[[Any], Array]
 Projection = Callable[[float, Array], "Array | None"]
 
 MAX_REFUSALS_NOT_FINITE = 25
+ROUNDING = 1e-12  # of the end: what breaks there does so after the run
 NEAR = 1e-9  # of a run: so near to equations that are not finite, these are why a step fails
 # Of fixed steps, over the largest component in the first ones: no motion, the method.
 DIVERGED, FIRST_STEPS = 1e12, 10
@@ -65,6 +66,9 @@ class Integrator(ABC):
         the blocks' root mean squares. One block if None
     fixed_step : take this step [s] without error control (studies of stability and order); a
         state that grows 1e12-fold ends the run as failed
+    kinks : (k,) times at which a step ends [s], ascending: f is continuous there, or nearly
+    jumps : (k, 2) times before and after a jump of f [s]: a step ends at the first of them, the
+        next one begins at the second
     project : (t, y) -> (n,) nearest state that satisfies the invariants of the problem, or None
         if there is none near by; applied to every step before it is accepted, and to the
         dense output
@@ -116,6 +120,8 @@ class Integrator(ABC):
         block_starts: Sequence[int] | None = None,
         fixed_step: float | None = None,
         project: Projection | None = None,
+        kinks: Array | None = None,
+        jumps: Array | None = None,
     ) -> None:
         self.y: Array = np.array(y0, dtype=float)
         if self.y.ndim != 1 or self.y.size == 0 or not np.isfinite(self.y).all():
@@ -153,6 +159,11 @@ class Integrator(ABC):
         self._largest_first = float(np.abs(self.y).max())  # component, of a run of fixed steps
         self._growth = 1.0
         self._output: Dense | None = None
+        self._kinks = np.zeros(0) if kinks is None else np.asarray(kinks, dtype=float)
+        self._jumps = np.zeros((0, 2)) if jumps is None else np.asarray(jumps, dtype=float)
+        self._kinks = self._kinks[self._kinks > self.t]
+        self._jumps = self._jumps[self._jumps[:, 0] > self.t]
+        self._find_stop()
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             self._f_start = np.array(self.derivative(self.t, self.y), dtype=float)
             if self._f_start.shape != self.y.shape:
@@ -175,14 +186,35 @@ class Integrator(ABC):
         if self.status != "running":
             raise RuntimeError(f"step() on an integrator that is {self.status}: {self.message}")
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            if self._stop <= self.t:
+                self.t = self._behind
+                self._find_stop()
+                self._restart_f()
             self._advance()
+
+    def _find_stop(self) -> None:
+        """Find where the next step ends at the latest, `_stop`, and goes on from, `_behind` [s]."""
+        ends = [(float(t), float(t)) for t in self._next(self._kinks)]
+        ends += [(float(a), float(b)) for a, b in self._next(self._jumps)]
+        last = self.t_end * (1.0 - ROUNDING)
+        near = [end for end in ends if end[1] < last]
+        self._stop, self._behind = min(near, default=(self.t_end, self.t_end))
+
+    def _next(self, stops: Array) -> Array:
+        """Return the first of kinks or jumps after the present time, (1,) or (1, 2), or none."""
+        times = stops if stops.ndim == 1 else stops[:, 0]
+        k = int(np.searchsorted(times, self.t, "right"))
+        return stops[k : k + 1]
+
+    def _restart_f(self) -> None:
+        """Go on behind a kink or jump of f at the present time, from the state there."""
 
     def _advance(self) -> None:
         """Try steps until one is accepted, or fail."""
         while self.status == "running":
             h, t_new = self._limited_step()
             floor = self._smallest_step()
-            if h < floor and t_new < self.t_end:
+            if h < floor and t_new < self._stop:
                 self._fail(f"The step at t = {self.t:.9g} s fell to {h:.3g} s, below {floor:.3g} s")
                 return
             self._raised = ""
@@ -281,14 +313,14 @@ class Integrator(ABC):
         """Solution inside the last accepted step."""
 
     def _limited_step(self) -> tuple[float, float]:
-        """Step and its end: within max_step, on t_end exactly, no sliver before t_end."""
-        remaining = self.t_end - self.t
+        """Step and its end: within max_step, on a stop exactly, no sliver before it."""
+        remaining = self._stop - self.t
         if self.fixed_step is not None:
             h, stretch = self.fixed_step, 1 + 1e-6
         else:
             h, stretch = min(self._h_next, self.max_step), 1.01
         if h * stretch >= remaining:
-            return remaining, self.t_end
+            return remaining, self._stop
         return h, self.t + h
 
     def _refuse_not_finite(self, what: str) -> None:

@@ -66,6 +66,9 @@ class ExplicitRungeKutta(Integrator):
         self._largest = np.inf
         self._suspect = self._clear = 0
 
+    def _restart_f(self) -> None:
+        self._f_now = np.array(self.derivative(self.t, self.y))
+
     def _attempt(self, h: float, t_new: float) -> Array | None:
         K, work, y = self._K, self._work, self.y
         s = self.B.size

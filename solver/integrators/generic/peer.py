@@ -47,7 +47,7 @@ class Peer(Integrator):
         if not np.isfinite(y_new).all():
             self._refuse_not_finite("the derivative" if self._f_not_finite else "the new state")
             self._fail(f"{self.name} gives up at t = {self.t:.9g} s")
-        elif h < floor and t_new < self.t_end:
+        elif h < floor and t_new < self._stop:
             self._fail(f"The step at t = {self.t:.9g} s fell to {h:.3g} s, below {floor:.3g} s")
         else:
             nearest = self.project(t_new, y_new)
@@ -94,6 +94,10 @@ class Peer(Integrator):
     def _first_step(self, first_step: float | None) -> float:
         span = self.t_end - self.t0
         return 0.0 if first_step is None else min(first_step, span)  # 0: left to the solver within
+
+    def _restart_f(self) -> None:
+        self._began, self._h_next = False, 0.0
+        self._f_start = np.array(self.derivative(self.t, self.y))
 
     @abstractmethod
     def _begin(self) -> None:

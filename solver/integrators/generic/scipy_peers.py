@@ -29,7 +29,7 @@ class _ScipyPeer(Peer):
         from scipy import integrate  # here: other integrators do not wait for it
 
         kind = getattr(integrate, self.kind)
-        self._within = kind(self._f_within, self.t, self.y, self.t_end, **options)
+        self._within = kind(self._f_within, self.t, self.y, self._stop, **options)
 
     def _step_within(self) -> tuple[float, Array] | None:
         order = self._order()

@@ -103,7 +103,7 @@ class SundialsIda(Peer):
         self._within.init_step(self.t, state, np.concatenate((self._slope, zeros, zeros)))
 
     def _step_within(self) -> tuple[float, Array] | None:
-        found = self._within.step(self.t_end, "onestep", self.t_end)
+        found = self._within.step(self._stop, "onestep", self._stop)
         if found.status < 0:
             self._trouble = str(found.message).rstrip(".")
             return None

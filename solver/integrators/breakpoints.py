@@ -1,0 +1,218 @@
+"""Instants at which laws of time break, where steps end, and the longest step.
+
+A step that begins and ends at rest tells nothing of a pulse between its stages: the error estimate
+is zero, and so is the reason to make the step shorter. No step goes over a break, so that each one
+sees what comes next (docs/adr/0053).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..dynamics.joints.contract import Drive
+from ..dynamics.joints.table import CONSTRAINTS, NAMES
+from ..dynamics.model import Model
+from ..math.arrays import Array
+from ..math.expressions import operations as op
+from ..math.expressions.operations import TIME
+from ..math.expressions.program import Programs
+from ..math.expressions.ranges import curve_ranges, parts
+from ..math.laws import N_COEFFICIENT
+
+MOST_BREAKS = 2000  # of a table at which steps end; one with more is looked at in cells
+ROUNDING = 1e-13  # of the largest value: a point on the curve through its neighbours
+JUMPS = 1e-6  # of the largest value or derivative: less is continuous
+EXPRESSION = 200  # steps at least where an expression reads the time
+# Cells of the run in which no part of a law varies by more than this share of its range.
+VARIES, SHORTEST, MOST_CELLS, FIRST_CELLS, SPLIT = 0.2, 1e-9, 50_000, 16, 4
+REMEMBERED = 64  # lengths of a cell in which a shorter one keeps steps short enough
+GAP = 2.0**-46  # of the run: an instant of a jump is known to that
+JUMPING = frozenset((op.LESS, op.LESS_EQUAL, op.SIGN, op.FLOOR))
+
+
+class Breaks(NamedTuple):
+    """Where laws of time break, and the longest step elsewhere [s]."""
+
+    kinks: Array  # (k,) forces are continuous, or known to vary fast from there on [s]
+    jumps: Array  # (m, 2) the instants before and after a jump of forces, GAP apart [s]
+    longest: float
+
+
+def breaks(model: Model, t_end: float) -> Breaks:
+    """Return the breaks of the laws of drives, loads, actuators, controllers and expressions.
+
+    The longest step is t_end / EXPRESSION where an expression reads the time, other than at the
+    instants of a sampled controller, t_end / MOST_BREAKS with a table of many breaks; or infinity.
+    """
+    kinks, jumps, longest = [np.zeros(0)], [np.zeros((0, 2))], np.inf
+    driven = _of_drives(model)
+    for law in range(len(model.law_start) - 1):
+        own = slice(int(model.law_start[law]), int(model.law_start[law + 1]))
+        times, coefficients = model.law_time[own], model.law_coefficient[own]
+        if len(times) < 2 or model.quantities.law[law] >= 0:
+            continue
+        bends, leaps = _of_pieces(times, coefficients, drive=law in driven)
+        if bends.size + leaps.size > MOST_BREAKS:
+            cells = _Cells(lambda a, b, of=(times, coefficients): [curve_ranges(*of, a, b)])
+            bends, leaps = cells.narrowing(np.array([0.0, t_end])), np.zeros(0)
+            longest = min(longest, t_end / MOST_BREAKS)
+        kinks.append(bends)
+        jumps.append(np.column_stack([leaps - GAP * np.maximum(t_end, leaps), leaps]))
+    programs = model.quantities.programs
+    for p in np.unique(_programs(model)).tolist():
+        if TIME not in programs.code[programs.start[p] : programs.start[p + 1]]:
+            continue
+        longest = min(longest, t_end / EXPRESSION)
+        drive = p in {int(model.quantities.law[law]) for law in driven}
+        bends, leaps = _of_program(programs, p, t_end, drive=drive)
+        kinks.append(bends)
+        jumps.append(leaps)
+    return Breaks(np.unique(np.concatenate(kinks)), _apart(np.concatenate(jumps)), longest)
+
+
+def _of_drives(model: Model) -> set[int]:
+    """Return the laws that drives follow."""
+    return {
+        int(law)
+        for kind, law in zip(model.joint_kind, model.joint_law, strict=True)
+        if law >= 0 and isinstance(CONSTRAINTS[NAMES[kind]], Drive)
+    }
+
+
+def _programs(model: Model) -> NDArray[np.int64]:
+    """Return the expressions that the equations read at any time."""
+    read = model.quantities
+    used = np.concatenate([read.law, read.force, read.rate])
+    return used[used >= 0]
+
+
+def _of_pieces(times: Array, coefficients: Array, *, drive: bool) -> tuple[Array, Array]:
+    """Return kinks and jumps between pieces; of a drive its acceleration counts as a force."""
+    length = np.diff(times)
+    degree = int(np.flatnonzero((coefficients != 0.0).any(axis=0)).max(initial=0))
+    shorter = np.minimum(length, np.append(length[1:], length[-1]))
+    largest = float(np.abs(coefficients[:, 0]).max())
+    off, leap, power = np.zeros(len(length)), np.zeros(len(length), dtype=bool), 1.0
+    for d in range(degree + 1):
+        # the Taylor coefficient d of the piece before, at its end
+        before, factor = np.zeros(len(length)), 1.0
+        for i in range(N_COEFFICIENT - 1, d - 1, -1):
+            factor = float(np.prod([(d + k) / k for k in range(1, i - d + 1)]))
+            before += factor * coefficients[:-1, i] * length ** (i - d)
+        change = np.abs(coefficients[1:, d] - before)
+        off = np.maximum(off, change * power)
+        if d <= (2 if drive else 0):
+            size = max(float(np.abs(before).max()), float(np.abs(coefficients[:, d]).max()))
+            leap |= change > JUMPS * size
+        power = power * shorter
+    at, within = times[1:], (times[1:] > 0.0) & (off > ROUNDING * largest)
+    return at[within & ~leap], at[within & leap]
+
+
+def _of_program(programs: Programs, p: int, t_end: float, *, drive: bool) -> tuple[Array, Array]:
+    """Return kinks and jumps of an expression in its parts that depend on the time alone."""
+
+    def breaking(low: Array, high: Array) -> tuple[Array, Array]:
+        """Whether an interval may have a kink, or a jump."""
+        kink, jump = np.zeros(len(low), dtype=bool), np.zeros(len(low), dtype=bool)
+        for part in parts(programs, p, low, high):
+            if part.breaks is not None:
+                if drive or part.code in JUMPING:
+                    jump |= part.breaks
+                else:
+                    kink |= part.breaks
+        return kink, jump
+
+    edges = np.linspace(0.0, t_end, FIRST_CELLS + 1)
+    low, high = edges[:-1], edges[1:]
+    while low.size and high[0] - low[0] > GAP * t_end:
+        kink, jump = breaking(low, high)
+        found = kink | jump
+        if np.count_nonzero(found) > MOST_CELLS:
+            break  # everywhere, as of two functions that are the same
+        low, high = _split(low[found], high[found], FIRST_CELLS)
+    else:
+        kink, jump = breaking(low, high)
+        kink, jump = kink & (low > 0.0) & ~jump, jump & (low > 0.0)
+        bends, leaps = high[kink], np.column_stack([low[jump], high[jump]])
+        edges = np.unique(np.concatenate([[0.0, t_end], bends, leaps.ravel()]))
+        cells = _Cells(lambda a, b: [(part.low, part.high) for part in parts(programs, p, a, b)])
+        return np.concatenate([_first_of(bends, GAP * t_end), cells.narrowing(edges)]), leaps
+    return np.zeros(0), np.zeros((0, 2))
+
+
+def _first_of(times: Array, gap: float) -> Array:
+    """Return instants that are more than some gaps behind the one before."""
+    times = np.unique(times)
+    return times[np.diff(times, prepend=-np.inf) > 4.0 * gap]
+
+
+def _split(low: Array, high: Array, count: int) -> tuple[Array, Array]:
+    """Return each interval in `count` parts."""
+    edges = low[:, None] + (high - low)[:, None] * (np.arange(count + 1) / count)
+    edges[:, -1] = high
+    return edges[:, :-1].ravel(), edges[:, 1:].ravel()
+
+
+def _apart(jumps: Array) -> Array:
+    """Return jumps in ascending order, those that overlap as one."""
+    found: list[list[float]] = []
+    for before, after in sorted(map(tuple, jumps.tolist())):
+        if found and before <= found[-1][1] + 2.0 * (after - before):
+            found[-1][1] = max(found[-1][1], after)
+        else:
+            found.append([before, after])
+    return np.array(found).reshape(-1, 2)
+
+
+class _Cells:
+    """Cells of a run in which laws vary little, however short: none is taken for quiet by chance.
+
+    Parameters
+    ----------
+    ranges : bounds of every part of a law over intervals (k,), (k,) [s]
+    """
+
+    def __init__(self, ranges) -> None:  # type: ignore[no-untyped-def]
+        self._ranges = ranges
+
+    def narrowing(self, edges: Array) -> Array:
+        """Return where a law begins to vary fast between edges (k,), and the first bit of it."""
+        low, high = self._quiet(edges)
+        length = high - low
+        found = [np.zeros(0)]
+        for i in np.flatnonzero(length[1:] < length[:-1] / 1.5) + 1:
+            begin = int(np.searchsorted(high, low[i] - REMEMBERED * length[i]))
+            if not (length[begin:i] <= 1.5 * length[i]).any():
+                found.append(np.array([low[i], high[i]]))
+        return np.concatenate(found)
+
+    def _quiet(self, edges: Array) -> tuple[Array, Array]:
+        """Return cells between edges (k,), in ascending order."""
+        shortest, done, span = SHORTEST * (edges[-1] - edges[0]), [], None
+        wide = np.diff(edges) > shortest  # not those of a jump
+        low, high = _split(edges[:-1][wide], edges[1:][wide], FIRST_CELLS)
+        while low.size:
+            bounds, middle = self._ranges(low, high), 0.5 * (low + high)
+            values = [each[0] for each in self._ranges(middle, middle)]
+            if span is None:
+                span = np.tile([np.inf, -np.inf], (len(bounds), 1))
+            loud = np.zeros(low.size, dtype=bool)
+            for own, (least, most), value in zip(span, bounds, values, strict=True):
+                known = value[np.isfinite(value)]
+                own[0], own[1] = min(own[0], known.min(initial=np.inf)), max(
+                    own[1], known.max(initial=-np.inf)
+                )
+                outer = most - least > VARIES * max(own[1] - own[0], 0.0)  # of the whole at last
+                loud |= outer
+            loud &= high - low > shortest
+            if np.count_nonzero(loud) * SPLIT > MOST_CELLS:
+                # a part varies fast everywhere, and the steps are short for it where it counts
+                loud &= outer
+                loud[:] &= np.count_nonzero(loud) * SPLIT <= MOST_CELLS
+            done.append(np.column_stack([low[~loud], high[~loud]]))
+            low, high = _split(low[loud], high[loud], SPLIT)
+        cells = np.concatenate(done)
+        cells = cells[np.argsort(cells[:, 0])]
+        return cells[:, 0], cells[:, 1]
