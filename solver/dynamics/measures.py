@@ -7,9 +7,8 @@ from ..math.compiled import inlined, lean
 from ..math.expressions.program import BY_TIME, NO_SEED, evaluated
 from ..math.triple import Triple, cross3, dot3, minus3, sum3, times3
 from .bodies.motion import acceleration, axis, place, spin, spin_rate, velocity
-from .quantities import DISPLACEMENT, DISTANCE, SPIN, Quantities
+from .quantities import DISPLACEMENT, DISTANCE, LAST, SPIN, Quantities
 
-LAST = 1e-12  # of the time at the end of a run: so much earlier its laws are read
 COINCIDENT = 1e-12  # distance of two points without a direction [m]
 
 

@@ -34,7 +34,8 @@ JUMPING = frozenset((op.LESS, op.LESS_EQUAL, op.SIGN, op.FLOOR))
 class Breaks(NamedTuple):
     """Where laws of time break, and the longest step elsewhere [s]."""
 
-    kinks: Array  # (k,) forces are continuous, or known to vary fast from there on [s]
+    kinks: Array  # (k,) forces are continuous, their rates are not [s]
+    narrow: Array  # (n,) forces may begin to vary fast, and a bit behind that [s]
     jumps: Array  # (m, 2) the instants before and after a jump of forces, GAP apart [s]
     longest: float
 
@@ -45,7 +46,8 @@ def breaks(model: Model, t_end: float) -> Breaks:
     The longest step is t_end / EXPRESSION where an expression reads the time, other than at the
     instants of a sampled controller, t_end / MOST_BREAKS with a table of many breaks; or infinity.
     """
-    kinks, jumps, longest = [np.zeros(0)], [np.zeros((0, 2))], np.inf
+    kinks, narrow, jumps = [np.zeros(0)], [np.zeros(0)], [np.zeros((0, 2))]
+    longest = np.inf
     driven = _of_drives(model)
     for law in range(len(model.law_start) - 1):
         own = slice(int(model.law_start[law]), int(model.law_start[law + 1]))
@@ -55,7 +57,8 @@ def breaks(model: Model, t_end: float) -> Breaks:
         bends, leaps = _of_pieces(times, coefficients, drive=law in driven)
         if bends.size + leaps.size > MOST_BREAKS:
             cells = _Cells(lambda a, b, of=(times, coefficients): [curve_ranges(*of, a, b)])
-            bends, leaps = cells.narrowing(np.array([0.0, t_end])), np.zeros(0)
+            narrow.append(cells.narrowing(np.array([0.0, t_end])))
+            bends, leaps = np.zeros(0), np.zeros(0)
             longest = min(longest, t_end / MOST_BREAKS)
         kinks.append(bends)
         jumps.append(np.column_stack([leaps - GAP * np.maximum(t_end, leaps), leaps]))
@@ -65,10 +68,16 @@ def breaks(model: Model, t_end: float) -> Breaks:
             continue
         longest = min(longest, t_end / EXPRESSION)
         drive = p in {int(model.quantities.law[law]) for law in driven}
-        bends, leaps = _of_program(programs, p, t_end, drive=drive)
-        kinks.append(bends)
-        jumps.append(leaps)
-    return Breaks(np.unique(np.concatenate(kinks)), _apart(np.concatenate(jumps)), longest)
+        for found, more in zip(
+            (kinks, narrow, jumps), _of_program(programs, p, t_end, drive=drive), strict=True
+        ):
+            found.append(more)
+    return Breaks(
+        np.unique(np.concatenate(kinks)),
+        np.unique(np.concatenate(narrow)),
+        _apart(np.concatenate(jumps)),
+        longest,
+    )
 
 
 def _of_drives(model: Model) -> set[int]:
@@ -110,8 +119,10 @@ def _of_pieces(times: Array, coefficients: Array, *, drive: bool) -> tuple[Array
     return at[within & ~leap], at[within & leap]
 
 
-def _of_program(programs: Programs, p: int, t_end: float, *, drive: bool) -> tuple[Array, Array]:
-    """Return kinks and jumps of an expression in its parts that depend on the time alone."""
+def _of_program(
+    programs: Programs, p: int, t_end: float, *, drive: bool
+) -> tuple[Array, Array, Array]:
+    """Return kinks, narrow parts and jumps of an expression, of what reads the time alone in it."""
 
     def breaking(low: Array, high: Array) -> tuple[Array, Array]:
         """Whether an interval may have a kink, or a jump."""
@@ -138,8 +149,8 @@ def _of_program(programs: Programs, p: int, t_end: float, *, drive: bool) -> tup
         bends, leaps = high[kink], np.column_stack([low[jump], high[jump]])
         edges = np.unique(np.concatenate([[0.0, t_end], bends, leaps.ravel()]))
         cells = _Cells(lambda a, b: [(part.low, part.high) for part in parts(programs, p, a, b)])
-        return np.concatenate([_first_of(bends, GAP * t_end), cells.narrowing(edges)]), leaps
-    return np.zeros(0), np.zeros((0, 2))
+        return _first_of(bends, GAP * t_end), cells.narrowing(edges), leaps
+    return np.zeros(0), np.zeros(0), np.zeros((0, 2))
 
 
 def _first_of(times: Array, gap: float) -> Array:
@@ -201,8 +212,9 @@ class _Cells:
             loud = np.zeros(low.size, dtype=bool)
             for own, (least, most), value in zip(span, bounds, values, strict=True):
                 known = value[np.isfinite(value)]
-                own[0], own[1] = min(own[0], known.min(initial=np.inf)), max(
-                    own[1], known.max(initial=-np.inf)
+                own[0], own[1] = (
+                    min(own[0], known.min(initial=np.inf)),
+                    max(own[1], known.max(initial=-np.inf)),
                 )
                 outer = most - least > VARIES * max(own[1] - own[0], 0.0)  # of the whole at last
                 loud |= outer

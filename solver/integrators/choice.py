@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from typing import Any, Protocol
 
+import numpy as np
+
 from ..dynamics.auxiliary import Called
 from ..dynamics.constraints.treatment import IMPLICIT, TREATMENTS, Treatment, TreatmentKeys
 from ..dynamics.derivative import by_blocks
@@ -113,7 +115,9 @@ def make_integrator(
         "block_starts": blocks(model),
     }
     found = breaks(model, solver.t_end)
-    options |= {"kinks": found.kinks, "jumps": found.jumps}
+    options |= {"kinks": np.union1d(found.kinks, found.narrow), "jumps": found.jumps}
+    if kind.takes == "model":
+        options["sharp"] = found.kinks
     if fixed_step is not None:
         options["fixed_step"] = fixed_step
     elif solver.max_step is not None:

@@ -45,6 +45,7 @@ class StepLoop(StrideMemory):
     ----------
     model : a mechanism, treated (constraints/treatment.py)
     functions : of sampled states (dynamics/auxiliary.py)
+    sharp : those of `kinks` behind which forces have other rates
     t0, y0, t_end, others : see Integrator; `jacobian` and `project` are of no use here
     """
 
@@ -60,6 +61,7 @@ class StepLoop(StrideMemory):
         t_end: float,
         *,
         functions: Sequence[Called] = (),
+        sharp: Array | None = None,
         **options: Any,
     ) -> None:
         if functions:
@@ -81,6 +83,7 @@ class StepLoop(StrideMemory):
             float(self.min_step),
             float(self.fixed_step or 0.0),
             self._kinks,
+            np.isin(self._kinks, np.zeros(0) if sharp is None else sharp),
             self._closes(),
         )
         work, rate = spare_work(model), np.zeros(self.n)

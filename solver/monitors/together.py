@@ -1,8 +1,10 @@
 """All monitors of a run as one watch."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from ..integrators.generic import Steps, StopRequest
+from ..math.arrays import Array
 from .buckling import BucklingMonitor
 from .singularity import SingularityMonitor
 from .spin import SpinMonitor
@@ -15,6 +17,7 @@ class Monitors:
     spin: SpinMonitor
     passage: SingularityMonitor
     buckling: BucklingMonitor | None = None
+    follow: Callable[[Array, Array], None] | None = None  # gets the ends of all steps: t, y
 
     def __post_init__(self) -> None:
         self.passage.look_at_spins_above(self.spin.safe_spins())
@@ -28,4 +31,6 @@ class Monitors:
             if request is not None:
                 requests.append(request)
                 steps = steps.until(request.t_stop)
+        if self.follow is not None:
+            self.follow(steps.t, steps.y)
         return min(requests, key=lambda request: request.t_stop, default=None)

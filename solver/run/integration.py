@@ -52,6 +52,7 @@ def integrated(
             functions=prepared.functions,
         )
         times = output_times(solver.t_end, solver.output_step)
+        prepared.turns.times = times
         solution = integrate(
             integrator,
             times,

@@ -26,7 +26,7 @@ from ..monitors.together import Monitors
 from ..package import ModalPackage
 from ..results.codes.course import SINGULAR
 from ..results.finding import Finding
-from ..signals import Histories, Sensor, sensors
+from ..signals import Histories, Sensor, Turns, sensors
 
 if TYPE_CHECKING:
     from ..inputs.case.schema import Mechanism
@@ -50,6 +50,7 @@ class Prepared:
     notes: list[Finding]  # what a user should know of the start
     independent: bool  # whether no constraint depends on others at the start
     refused: Solution | None  # in place of a run that should not begin
+    turns: Turns  # of the angles among the signals
     functions: tuple[Called, ...] = ()  # of the user, which controllers call
 
     @property
@@ -60,7 +61,7 @@ class Prepared:
     @property
     def watch(self) -> Monitors:
         """All monitors."""
-        return Monitors(self.spin, self.passage, self.buckling)
+        return Monitors(self.spin, self.passage, self.buckling, self.turns)
 
     def explained(self, solution: Solution) -> Solution:
         """Return the solution; of a run that failed in a singular position, with words on that."""
@@ -149,14 +150,21 @@ def prepare(
     refused = None
     if invalid is not None:
         refused = Solution(np.zeros(1), y0[None, :], "stopped", invalid.text, invalid.code)
+    turns = Turns(built.model)
     return Prepared(
         mechanism=mechanism,
         built=built,
         treatment=treatment,
         y0=y0,
         measured=sensors(
-            built, mechanism.signals, mechanism.materials, wanted=signals, histories=histories
+            built,
+            mechanism.signals,
+            mechanism.materials,
+            wanted=signals,
+            histories=histories,
+            turns=turns,
         ),
+        turns=turns,
         spin=spins,
         passage=passage,
         buckling=_buckling(mechanism, built, spins),

@@ -3,5 +3,6 @@
 from .combined import Histories
 from .recording import Recording
 from .sensors import Sensor, fatigue_entry, recorded, sensors
+from .turns import Turns
 
-__all__ = ["Histories", "Recording", "Sensor", "fatigue_entry", "recorded", "sensors"]
+__all__ = ["Histories", "Recording", "Sensor", "Turns", "fatigue_entry", "recorded", "sensors"]

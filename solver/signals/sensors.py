@@ -21,6 +21,7 @@ from .points import POINT_UNITS, point_values
 from .recording import Recording
 from .sections import Look, ply_stress_values, resultant_values
 from .strength import strength_values
+from .turns import Turns
 
 if TYPE_CHECKING:
     from ..inputs.case.signals import Signal
@@ -58,6 +59,7 @@ def sensors(
     *,
     wanted: Container[str] | None = None,
     histories: Histories | None = None,
+    turns: Turns | None = None,
 ) -> dict[str, Sensor]:
     """Return the sensors of the signals of a case (inputs/case/signals.py).
 
@@ -65,6 +67,7 @@ def sensors(
     ----------
     materials : those of the case, for S-N lines; None: no fatigue
     wanted : names of the signals to return; None: all
+    turns : counts those of angles on the steps of the run; None: only output times show them
     histories : of the other runs that combined signals read; None: without such signals
 
     Raises
@@ -80,7 +83,7 @@ def sensors(
             if signal.kind == "difference" or signal.kind == "norm":
                 unit, values, look = combined(name, signal, measuring, histories or {})
             else:
-                unit, values, look = _measuring(built, name, signal)
+                unit, values, look = _measuring(built, name, signal, turns)
             if signal.divide_by is not None:
                 unit, values = "-", _divided(values, signal.divide_by)
             measured[name] = unit, values, look
@@ -131,14 +134,15 @@ def fatigue_entry(sensor: Sensor, turning: Turning) -> dict[str, Any]:
 
 
 def _measuring(
-    built: BuiltMechanism, name: str, signal: "Signal"
+    built: BuiltMechanism, name: str, signal: "Signal", turns: Turns | None
 ) -> tuple[str, Values, Look | None]:
     assert signal.kind != "difference"
     assert signal.kind != "norm"
     key = f"signals.{name}"
     if signal.kind == "joint":
         values = joint_coordinate(built.joints[signal.joint], signal.coordinate)
-        return COORDINATES[signal.coordinate].unit, values, None
+        unit = COORDINATES[signal.coordinate].unit
+        return unit, turns.whole(values) if turns and unit == "rad" else values, None
     if signal.kind == "reaction":
         vectors = reaction(built.joints[signal.joint], signal)
         unit = "N" if signal.quantity == "force" else "N m"
@@ -153,6 +157,8 @@ def _measuring(
         unit = "N" if signal.component.startswith("F") else "N m"
         return unit, resultant_values(key, built, *_body(built, signal.body), signal), None
     vectors = point_values(built, name, signal)
+    if turns and signal.kind == "orientation":
+        vectors = turns.whole(vectors)
     return POINT_UNITS[signal.kind], _component(vectors, signal.component), None
 
 

@@ -1,16 +1,23 @@
 """Checks of the expressions of a case: names, functions, coordinates."""
 
+import numpy as np
+
+from ...dynamics.quantities import LAST
 from ...errors import InputError
+from ...math import laws
 from ...math.curves import NamedCurve
 from ...math.expressions import operations as op
 from ...math.expressions.parse import MADE, NAMES
+from ...math.packed import column
 from .check_places import check_place
 from .expressions import WORDS, CaseScope, PlaceCheck, expression, of_time_alone
 from .force_terms import force_terms
 from .forces import CoordinateTable, ForceTable
-from .laws import RotationDrive, TranslationDrive
+from .laws import DriveTable, RotationDrive, TranslationDrive
 from .of_time import law
 from .schema import Mechanism
+
+RESTS = 0.01  # of the largest speed of a table of a drive: it has come to rest
 
 
 def check_force(key: str, force: ForceTable, mechanism: Mechanism) -> list[str]:
@@ -48,10 +55,29 @@ def _places(mechanism: Mechanism) -> PlaceCheck:
     return lambda place: check_place("reads", place, mechanism, ground=True)
 
 
+def _stop(key: str, table: DriveTable, t_end: float) -> list[str]:
+    """Return the error of a table that ends within the run before its curve has come to rest."""
+    times, values = column(table.times or []), column(table.values or [])
+    if times[-1] >= t_end * (1.0 - LAST):
+        return []
+    curve = laws.table(times, values, table.interpolation)
+    s, c = times[-1] - times[-2], curve.coefficients
+    speed = float(sum(i * c[-2, i] * s ** (i - 1) for i in range(1, c.shape[1])))
+    if abs(speed) <= RESTS * max(float(np.abs(c[:, 1]).max()), abs(speed)):
+        return []
+    return [
+        f"{key}.table: ends at t = {times[-1]:g} s with a speed of {speed:.3g}, and the drive "
+        f"would stop there at once, because the last value is kept; expected times up to "
+        f"solver.t_end = {t_end:g} s, or values that come to rest"
+    ]
+
+
 def check_drive(
     key: str, drive: RotationDrive | TranslationDrive, mechanism: Mechanism
 ) -> list[str]:
-    """Return errors of the expression of a drive, which depends on the time alone."""
+    """Return errors of the law of a drive: an expression reads the time alone, no speed jumps."""
+    if drive.table is not None:
+        return _stop(key, drive.table, mechanism.solver.t_end)
     if drive.expression is None:
         return []
     try:

@@ -48,7 +48,8 @@ class TimeTable(Table):
 class DriveTable(TimeTable):
     """`table` of a drive: points of a smooth curve.
 
-    After the last time the last value is kept.
+    After the last time the last value is kept: a table that ends before `solver.t_end` must end
+    at rest.
     """
 
     interpolation: Literal["spline", "pchip"] = Field(

@@ -100,8 +100,9 @@ class _Integration(Table):
     max_step: float | None = Field(
         default=None,
         gt=0,
-        description="largest step; default: the shortest interval of the tables of drives and "
-        "loads, at least t_end / 2000; t_end / 200 where an expression reads the time; else none",
+        description="largest step; default: t_end / 200 where an expression reads the time, "
+        "t_end / 2000 with a table that has more than 2000 kinks; else none; steps also end where "
+        "laws of time break",
         json_schema_extra=unit("s"),
     )
 

@@ -43,12 +43,14 @@ from .step_control import (
     NEXT,
     NONE,
     PAUSED,
+    TAKEN,
     TIME,
     TOO_ROUGH,
     TOO_SMALL,
     TROUBLE,
     Ends,
     Options,
+    at_kink,
     count_step,
     keep_end,
     next_step,
@@ -88,6 +90,11 @@ def advance_alpha(
         if too_small:
             return TOO_SMALL, filled
 
+        if at_kink(options, clock):
+            # What runs behind, and what is extrapolated, is of other laws.
+            clock[TAKEN] = 0.0
+            for i in range(n_vel):
+                workspace.a[i], workspace.v_dd[i] = workspace.rate[n_pos + i], 0.0
         predict(model, scheme, workspace, h)
         counts[TROUBLE] = NEWTON
         size_last = 0.0

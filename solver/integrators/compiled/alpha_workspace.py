@@ -11,7 +11,7 @@ from ...math.arrays import Array, IntArray
 from ...math.compiled import structure
 from .elements import start_forces
 from .pencil import Frozen, Pencil, new_frozen, new_pencil
-from .step_control import N_CLOCK, N_COUNT, NEXT, OTHER, SINCE, TIME
+from .step_control import N_CLOCK, N_COUNT, NEXT, OTHER, SINCE, TAKEN, TIME
 
 # Entries of `clock` after those of every loop (step_control.py): power at the ends of the last
 # step.
@@ -95,7 +95,7 @@ def restart_alpha(
     """Forget what was before state y (n,) at t [s]; rate and multipliers are those after it."""
     workspace.y[:], workspace.rate[:], workspace.v_dd[:] = y, rate, 0.0
     workspace.a[:] = rate[model.n_pos : model.n_pos + model.n_vel]
-    workspace.clock[POWER] = rate[-1]
+    workspace.clock[POWER], workspace.clock[TAKEN] = rate[-1], 0.0
     workspace.multipliers[: model.n_constraint] = multipliers
     workspace.work.multipliers[:] = multipliers
     evaluate(model, workspace.work, t, y)

@@ -2,6 +2,9 @@
 
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ...math.arrays import Array, IntArray
 from ...math.compiled import inlined, structure
 
@@ -39,7 +42,8 @@ class Options(NamedTuple):
     max_step: float
     min_step: float
     fixed_step: float  # 0: error control
-    kinks: Array  # (k,) times at which a step ends, ascending [s]
+    kinks: Array  # (k,) times at which a step ends, ascending [s],
+    sharp: NDArray[np.bool_]  # (k,) and whether forces have other rates behind them
     closes: bool  # bring every step back onto the constraints
 
 
@@ -82,6 +86,13 @@ def next_step(options: Options, clock: Array) -> tuple[float, float, bool]:
     if h * stretch >= end - t:
         return end - t, end, False
     return h, t + h, h < max(options.min_step, 2e-15 * abs(t), SMALLEST)
+
+
+@inlined
+def at_kink(options: Options, clock: Array) -> bool:
+    """Tell whether the step that `next_step` has returned begins where forces get other rates."""
+    k = int(clock[KINK])
+    return k > 0 and options.sharp[k - 1] and options.kinks[k - 1] == clock[TIME]
 
 
 @inlined
