@@ -11,10 +11,10 @@ from ..dynamics.derivative import by_blocks
 from ..dynamics.model import Model
 from ..errors import InputError
 from ..math.arrays import Array
+from .breakpoints import breaks
 from .closures import constrained_system, projection, right_hand_side
 from .explicit_stepping import ExplicitLoop
 from .generic import Integrator
-from .breakpoints import breaks
 from .table import INTEGRATORS
 from .tolerances import ToleranceKeys, blocks, tolerances
 

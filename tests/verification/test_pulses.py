@@ -71,7 +71,7 @@ SHORT = {
     "last instant": ('expression = "1400 * step(t - 9.999)"', 10.0),
     "bell": (f'expression = "14000 * exp(-((t - 5) / 1e-4)**2) / {3.141592653589793**0.5}"', 10.0),
     "difference": ('expression = "700*(tanh((t - 5) / 1e-5) - tanh((t - 5.001) / 1e-5))"', 10.0),
-    "ten": ('expression = "140 if t - floor(t) < 0.001 else 0"', 10.0),
+    "ten": ('expression = "140 if t + 0.5 - floor(t + 0.5) < 0.001 else 0"', 10.0),
     "burst": ('expression = "1400*pi*sin(1000*pi*(t - 5)) if 5 < t < 5.001 else 0"', 10.0),
     "curve": ('expression = "(exp(min(0, 5 - t)*1e3) if t > 5 else 0)*1400"', 10.0),
 }

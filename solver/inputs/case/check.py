@@ -97,12 +97,6 @@ def _joints(mechanism: Mechanism) -> list[str]:
             found += _right_angle(f"{key}.axis_2", axis, axis_2)
         for drive_key, drive in drives(joint).items():
             found += check_drive(f"{key}.{drive_key}", drive, mechanism)
-            times = drive.table.times if drive.table else None
-            if times and times[-1] < mechanism.solver.t_end:
-                found.append(
-                    f"{key}.{drive_key}.table: ends at {times[-1]:g} s; expected a drive up to "
-                    f"solver.t_end = {mechanism.solver.t_end:g} s or beyond"
-                )
     return found
 
 

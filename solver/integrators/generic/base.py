@@ -187,9 +187,9 @@ class Integrator(ABC):
             raise RuntimeError(f"step() on an integrator that is {self.status}: {self.message}")
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             if self._stop <= self.t:
-                self.t = self._behind
+                jumps, self.t = self._behind > self.t, self._behind
                 self._find_stop()
-                self._restart_f()
+                self._go_behind(jump=jumps)
             self._advance()
 
     def _find_stop(self) -> None:
@@ -206,8 +206,9 @@ class Integrator(ABC):
         k = int(np.searchsorted(times, self.t, "right"))
         return stops[k : k + 1]
 
-    def _restart_f(self) -> None:
+    def _go_behind(self, *, jump: bool) -> None:
         """Go on behind a kink or jump of f at the present time, from the state there."""
+        self._not_finite = 0
 
     def _advance(self) -> None:
         """Try steps until one is accepted, or fail."""

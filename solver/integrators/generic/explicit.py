@@ -66,7 +66,7 @@ class ExplicitRungeKutta(Integrator):
         self._largest = np.inf
         self._suspect = self._clear = 0
 
-    def _restart_f(self) -> None:
+    def _go_behind(self, *, jump: bool) -> None:
         self._f_now = np.array(self.derivative(self.t, self.y))
 
     def _attempt(self, h: float, t_new: float) -> Array | None:

@@ -135,6 +135,12 @@ class Gear(Integrator):
         del self._times[KEPT:]
         self._steps = list(-np.diff(self._times))
 
+    def _go_behind(self, *, jump: bool) -> None:
+        if jump or self.fixed_step is not None:  # the past says nothing about what comes
+            self._f_start = np.array(self.derivative(self.t, self.y))
+            self._times, self._steps, self._values[0] = [self.t], [], self.y
+            self.order, self._since_change = 1, 0
+
     def _attempt(self, h: float, t_new: float) -> Array | None:
         if self.fixed_step is not None:
             self.order = min(self.max_order, len(self._times))

@@ -95,7 +95,7 @@ class Peer(Integrator):
         span = self.t_end - self.t0
         return 0.0 if first_step is None else min(first_step, span)  # 0: left to the solver within
 
-    def _restart_f(self) -> None:
+    def _go_behind(self, *, jump: bool) -> None:
         self._began, self._h_next = False, 0.0
         self._f_start = np.array(self.derivative(self.t, self.y))
 
