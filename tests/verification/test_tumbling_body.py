@@ -1,0 +1,50 @@
+"""A free rigid body about its middle axis (Dzhanibekov): the accuracy that is asked for."""
+
+import numpy as np
+import pytest
+from case_samples import HEAD
+from scipy.integrate import solve_ivp
+
+from plymotion.solver.inputs.case import load_case
+from plymotion.solver.inputs.case.specs import write_case
+from plymotion.solver.run.execution import execute, read_run
+
+J, W, T_END = np.array([1.0, 2.0, 3.0]), np.array([0.01, 5.0, 0.01]), 20.0
+BODY = f"""
+[bodies.b]
+kind = "rigid"
+mass = 1.0
+inertia = {np.diag(J).tolist()}
+interfaces = {{ p = {{ position = [1.0, 0.0, 0.0] }} }}
+angular_velocity = {W.tolist()}
+[signals]
+x = {{ kind = "position", at = "b.p", component = "x" }}
+y = {{ kind = "position", at = "b.p", component = "y" }}
+z = {{ kind = "position", at = "b.p", component = "z" }}
+"""
+
+
+def exact(t):
+    """Place of the point, by Euler's equations and the rotation of its axis."""
+
+    def rate(_, s):
+        w, A = s[:3], s[3:].reshape(3, 3)
+        turn = np.array([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])
+        return np.concatenate([-np.cross(w, J * w) / J, (A @ turn).ravel()])
+
+    start = np.concatenate([W, np.eye(3).ravel()])
+    found = solve_ivp(rate, (0, t[-1]), start, "DOP853", t, rtol=1e-12, atol=1e-13)
+    return found.y[3:].reshape(3, 3, -1)[:, 0]
+
+
+@pytest.mark.parametrize("rtol", [1e-5, 1e-6])
+def test_rk8_is_within_a_small_factor_of_what_is_asked(tmp_path, rtol):
+    solver = (
+        f'[solver]\nt_end = {T_END}\noutput_step = 0.1\nintegrator = "rk8"\nrtol = {rtol}\n'
+        "[runs.base]\n"
+    )
+    (tmp_path / "case.toml").write_text(HEAD + BODY + solver)
+    write_case(load_case(tmp_path / "case.toml"), tmp_path / "build", None)
+    result, _ = execute(read_run(tmp_path / "build/runs/base.json"), progress=False)
+    found = np.array([signal.values for signal in result.signals])
+    assert np.abs(found - exact(result.t)).max() < 4.0 * rtol
