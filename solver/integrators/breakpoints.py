@@ -5,6 +5,8 @@ is zero, and so is the reason to make the step shorter. No step goes over a brea
 sees what comes next (docs/adr/0053).
 """
 
+from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +19,7 @@ from ..math.arrays import Array
 from ..math.expressions import operations as op
 from ..math.expressions.operations import TIME
 from ..math.expressions.program import Programs
-from ..math.expressions.ranges import curve_ranges, parts
+from ..math.expressions.ranges import Range, curve_ranges, parts
 from ..math.laws import N_COEFFICIENT
 
 MOST_BREAKS = 2000  # of a table at which steps end; one with more is looked at in cells
@@ -56,7 +58,7 @@ def breaks(model: Model, t_end: float) -> Breaks:
             continue
         bends, leaps = _of_pieces(times, coefficients, drive=law in driven)
         if bends.size + leaps.size > MOST_BREAKS:
-            cells = _Cells(lambda a, b, of=(times, coefficients): [curve_ranges(*of, a, b)])
+            cells = _Cells(partial(_of_curve, times, coefficients))
             narrow.append(cells.narrowing(np.array([0.0, t_end])))
             bends, leaps = np.zeros(0), np.zeros(0)
             longest = min(longest, t_end / MOST_BREAKS)
@@ -68,16 +70,20 @@ def breaks(model: Model, t_end: float) -> Breaks:
             continue
         longest = min(longest, t_end / EXPRESSION)
         drive = p in {int(model.quantities.law[law]) for law in driven}
-        for found, more in zip(
-            (kinks, narrow, jumps), _of_program(programs, p, t_end, drive=drive), strict=True
-        ):
-            found.append(more)
+        bends, begins, leaps = _of_program(programs, p, t_end, drive=drive)
+        kinks.append(bends)
+        narrow.append(begins)
+        jumps.append(leaps)
     return Breaks(
         np.unique(np.concatenate(kinks)),
         np.unique(np.concatenate(narrow)),
         _apart(np.concatenate(jumps)),
         longest,
     )
+
+
+def _of_curve(times: Array, coefficients: Array, low: Array, high: Array) -> list[Range]:
+    return [curve_ranges(times, coefficients, low, high)]
 
 
 def _of_drives(model: Model) -> set[int]:
@@ -124,7 +130,7 @@ def _of_program(
 ) -> tuple[Array, Array, Array]:
     """Return kinks, narrow parts and jumps of an expression, of what reads the time alone in it."""
 
-    def breaking(low: Array, high: Array) -> tuple[Array, Array]:
+    def breaking(low: Array, high: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         """Whether an interval may have a kink, or a jump."""
         kink, jump = np.zeros(len(low), dtype=bool), np.zeros(len(low), dtype=bool)
         for part in parts(programs, p, low, high):
@@ -185,7 +191,7 @@ class _Cells:
     ranges : bounds of every part of a law over intervals (k,), (k,) [s]
     """
 
-    def __init__(self, ranges) -> None:  # type: ignore[no-untyped-def]
+    def __init__(self, ranges: Callable[[Array, Array], list[Range]]) -> None:
         self._ranges = ranges
 
     def narrowing(self, edges: Array) -> Array:

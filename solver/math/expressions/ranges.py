@@ -4,7 +4,7 @@ Interval arithmetic on the programs of program.py, for many intervals at once. A
 wide, never too narrow, so that no pulse and no comparison that changes is missed.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +16,7 @@ from . import operations as op
 from .program import Programs
 
 PLACES = 5  # of a piece of a curve at which its values are looked at
-INCREASING = {
+INCREASING: dict[int, Callable[[Array], Array]] = {
     op.ARCSIN: np.arcsin,
     op.ARCTAN: np.arctan,
     op.SINH: np.sinh,
@@ -68,7 +68,7 @@ def curve_ranges(times: Array, coefficients: Array, low: Array, high: Array) -> 
     return least, most
 
 
-def _values(times: Array, coefficients: Array, k: Array, u: Array) -> Array:
+def _values(times: Array, coefficients: Array, k: NDArray[np.int64], u: Array) -> Array:
     s, found = u - times[k], np.zeros(len(k))
     for i in range(N_COEFFICIENT - 1, -1, -1):
         found = found * s + coefficients[k, i]
@@ -80,6 +80,7 @@ def parts(programs: Programs, p: int, low: Array, high: Array) -> Iterator[Part]
     if not len(low):
         return
     stack: list[Range | None] = []
+    breaks: NDArray[np.bool_] | None
     with np.errstate(all="ignore"):
         for i in range(int(programs.start[p]), int(programs.start[p + 1])):
             code, argument = int(programs.code[i]), float(programs.argument[i])
@@ -105,7 +106,7 @@ def parts(programs: Programs, p: int, low: Array, high: Array) -> Iterator[Part]
             yield Part(code, *found, breaks)
 
 
-def _curve(programs: Programs, c: int, low: Array, high: Array) -> tuple[Range, Array]:
+def _curve(programs: Programs, c: int, low: Array, high: Array) -> tuple[Range, NDArray[np.bool_]]:
     own = slice(int(programs.curve_start[c]), int(programs.curve_start[c + 1]))
     times = programs.curve_place[own]
     found = curve_ranges(times, programs.curve_coefficient[own], low, high)
