@@ -20,7 +20,6 @@ from ..math.expressions import operations as op
 from ..math.expressions.operations import TIME
 from ..math.expressions.program import Programs
 from ..math.expressions.ranges import Range, curve_ranges, parts
-from ..math.laws import N_COEFFICIENT
 
 MOST_BREAKS = 2000  # of a table at which steps end; one with more is looked at in cells
 ROUNDING = 1e-13  # of the largest value: a point on the curve through its neighbours
@@ -58,7 +57,7 @@ def breaks(model: Model, t_end: float) -> Breaks:
             continue
         bends, leaps = _of_pieces(times, coefficients, drive=law in driven)
         if bends.size + leaps.size > MOST_BREAKS:
-            cells = _Cells(partial(_of_curve, times, coefficients))
+            cells = _Cells(partial(_of_curve, times, coefficients[:, : _degree(coefficients) + 1]))
             narrow.append(cells.narrowing(np.array([0.0, t_end])))
             bends, leaps = np.zeros(0), np.zeros(0)
             longest = min(longest, t_end / MOST_BREAKS)
@@ -86,6 +85,10 @@ def _of_curve(times: Array, coefficients: Array, low: Array, high: Array) -> lis
     return [curve_ranges(times, coefficients, low, high)]
 
 
+def _degree(coefficients: Array) -> int:
+    return int(np.flatnonzero((coefficients != 0.0).any(axis=0)).max(initial=0))
+
+
 def _of_drives(model: Model) -> set[int]:
     """Return the laws that drives follow."""
     return {
@@ -105,14 +108,14 @@ def _programs(model: Model) -> NDArray[np.int64]:
 def _of_pieces(times: Array, coefficients: Array, *, drive: bool) -> tuple[Array, Array]:
     """Return kinks and jumps between pieces; of a drive its acceleration counts as a force."""
     length = np.diff(times)
-    degree = int(np.flatnonzero((coefficients != 0.0).any(axis=0)).max(initial=0))
+    degree = _degree(coefficients)
     shorter = np.minimum(length, np.append(length[1:], length[-1]))
     largest = float(np.abs(coefficients[:, 0]).max())
     off, leap, power = np.zeros(len(length)), np.zeros(len(length), dtype=bool), 1.0
     for d in range(degree + 1):
         # the Taylor coefficient d of the piece before, at its end
         before, factor = np.zeros(len(length)), 1.0
-        for i in range(N_COEFFICIENT - 1, d - 1, -1):
+        for i in range(degree, d - 1, -1):
             factor = float(np.prod([(d + k) / k for k in range(1, i - d + 1)]))
             before += factor * coefficients[:-1, i] * length ** (i - d)
         change = np.abs(coefficients[1:, d] - before)

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
-from ..laws import N_COEFFICIENT
 from . import operations as op
 from .program import Programs
 
@@ -70,7 +69,7 @@ def curve_ranges(times: Array, coefficients: Array, low: Array, high: Array) -> 
 
 def _values(times: Array, coefficients: Array, k: NDArray[np.int64], u: Array) -> Array:
     s, found = u - times[k], np.zeros(len(k))
-    for i in range(N_COEFFICIENT - 1, -1, -1):
+    for i in range(coefficients.shape[1] - 1, -1, -1):
         found = found * s + coefficients[k, i]
     return found
 
