@@ -12,14 +12,16 @@ from .beyond import stopped
 from .choice import accuracy_over_rtol
 from .exhausted import power_of, unseen
 from .horizon import horizon
-from .model import STATIC, TIGHTER, TIGHTER_AMPLIFIED, check_plan
+from .model import STATIC, TIGHTER, TIGHTER_AMPLIFIED, check_plan, covers
 from .plan import Plan, outline
-from .shares import promoted, split
+from .shares import promoted, promotions, split
 from .shell_mesh import mesh_error
 from .trial import Trial, attempted, distance
 
 MARGIN = 0.9  # of the accuracy: estimate up to which a request counts as met
 SECOND_CHECK = 1.0 / 3.0  # of the accuracy: estimate from which a second check runs
+SECOND_COST = 4.0  # CPU time of a second check over that of the first: more modes, 0.3 of its rtol
+SPLIT_COST = 0.5  # of the budget that is left, for all runs of a split
 
 
 @dataclass
@@ -30,12 +32,14 @@ class Checking:
     ----------
     accuracy, metric : of the request
     budget : CPU seconds
+    may_promote : the plan may be changed
     """
 
     answer: Answer
     accuracy: float
     metric: str
     budget: float
+    may_promote: bool = True
     begin: float = field(default_factory=work_s)
 
     def __post_init__(self) -> None:
@@ -46,6 +50,7 @@ class Checking:
         self.tighter = TIGHTER_AMPLIFIED if by_size > by_kind else TIGHTER
         self.powers = np.array([power_of(kinds[name]) for name in self.answer.names])
         self.ranked = {name: indicators.ranked(name) for name in self.answer.plan.bodies}
+        self._stuck = False  # nothing is left to promote towards the last check
         self._known: list[Trial] = []  # of the last split: one of them may be the next model
 
     def left(self) -> float:
@@ -98,9 +103,11 @@ class Checking:
         with self._timed("model"):
             answer.trial = self.run(answer.plan) or answer.trial  # the first whatever the budget
         with self._timed("check"):
-            wanted = self._check_plan()
-            if answer.check is None or answer.check.plan != wanted:
-                answer.check = self.run(wanted) or answer.check
+            wanted, last = self._check_plan(), answer.check
+            covered = self._covered(wanted)
+            if not covered and (last is None or self._stuck or self._agree()):
+                answer.check = self.run(wanted) or last
+                covered = answer.check is not last
         answer.rounds += 1
         answer.verdict = "not met"
         if answer.check is None:
@@ -110,11 +117,36 @@ class Checking:
             answer.reason = "the model of the plan cannot be assembled"
             return True
         answer.estimate = distance(self.metric, answer.trial, answer.check)
-        if self.accuracy * SECOND_CHECK < self._estimate <= MARGIN * self.accuracy:
+        if self._close and covered:
+            if self.may_promote and not self._stuck and not self._second_fits:
+                answer.reason = f"the check differs by {self._estimate:.2g}, which is near the "
+                answer.reason += "accuracy"
+                return False  # a richer model takes less time than a richer check
             self._second()
         early = stopped(answer.check, "check") or stopped(answer.trial, "model")
         answer.reason = early or f"the check differs by {self._estimate:.2g}"
+        if not covered and self._estimate <= MARGIN * self.accuracy:
+            answer.reason = "the model has all that its last check has, and no run checks it"
+            return False
         return self._met() if self._estimate <= MARGIN * self.accuracy else False
+
+    @property
+    def _close(self) -> bool:
+        """The estimate is so near the accuracy that one check is not enough."""
+        return self.accuracy * SECOND_CHECK < self._estimate <= MARGIN * self.accuracy
+
+    @property
+    def _second_fits(self) -> bool:
+        assert self.answer.check is not None
+        return SECOND_COST * self.answer.check.cpu <= self.left()
+
+    def _agree(self) -> bool:
+        """Tell whether the model agrees with the last check: a richer one is worth its time."""
+        answer = self.answer
+        assert answer.trial is not None
+        assert answer.check is not None
+        found = distance(self.metric, answer.trial, answer.check)
+        return float(found.max(initial=0.0)) <= MARGIN * self.accuracy
 
     @property
     def _estimate(self) -> float:
@@ -190,17 +222,37 @@ class Checking:
         )
 
     def promote(self) -> bool:
-        """Promote what has the largest shares of the difference; False if nothing is left."""
+        """Promote what has the largest shares of the difference; False if nothing is left.
+
+        All at once if the runs that tell the shares would take most of the budget.
+        """
         answer = self.answer
         assert answer.trial is not None
         assert answer.check is not None
         self._known.clear()
-        with self._timed("split"):
-            answer.shares = split(answer.trial, answer.check, self.ranked, self.metric, self.run)
-        more = promoted(answer.plan, answer.check.plan, self.ranked, answer.shares, self._estimate)
-        changed = more != answer.plan
-        answer.plan = more
-        return changed
+        check, ranked = answer.check, self.ranked
+        count = sum(1 for _ in promotions(answer.plan, check.plan, ranked))
+        answer.shares = []
+        if count * answer.trial.cpu <= SPLIT_COST * self.left():
+            with self._timed("split"):
+                answer.shares = split(answer.trial, check, ranked, self.metric, self.run)
+        more = promoted(
+            answer.plan, check.plan, ranked, answer.shares, self._estimate, self.accuracy
+        )
+        if more != answer.plan:
+            answer.plan, self._stuck = more, False
+            return True
+        if self._stuck:
+            return False
+        self._stuck = self._close or not self._covered(self._check_plan())
+        return self._stuck
+
+    def _covered(self, wanted: Plan) -> bool:
+        """Tell whether the last check is one of the plan, for which `wanted` would be made."""
+        answer = self.answer
+        return answer.check is not None and covers(
+            answer.check.plan, wanted, answer.plan, self.ranked, answer.study.check
+        )
 
     def refuse(self) -> None:
         """Run all modes of the packages of the check, if the budget allows as much as a check.

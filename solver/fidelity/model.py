@@ -176,6 +176,38 @@ def check_plan(
     return Plan(bodies, stiffening, rtol, plan.inputs_sha256)
 
 
+def covers(
+    check: Plan,
+    wanted: Plan,
+    plan: Plan,
+    ranked: Mapping[str, tuple[str, ...]],
+    packages: Mapping[str, Rich],
+) -> bool:
+    """Tell whether the check of an earlier plan is one of this plan, which was promoted to it.
+
+    It has a vibration more of every kind that responds, unless its package has no more of it.
+
+    Parameters
+    ----------
+    wanted : what `check_plan` returns for the plan
+    packages : of the check
+    """
+    if check == wanted:
+        return True
+    if check.rtol > wanted.rtol * (1.0 + 1e-9) or wanted.stiffening and not check.stiffening:
+        return False
+    for name, body in plan.bodies.items():
+        has = check.bodies[name]
+        if set(body.vibrations) - set(has.vibrations) or body.static > has.static:
+            return False
+        for kind in {kind_of(label) for label in ranked[name]}:
+            known = [x for x in vibration_labels(packages[name].package) if kind_of(x) == kind]
+            more = set(known) & set(has.vibrations) - set(body.vibrations)
+            if not more and set(known) - set(has.vibrations):
+                return False
+    return True
+
+
 def planned(
     spec: RunSpec, plan: Plan, model: Mapping[str, Rich], check: Mapping[str, Rich]
 ) -> RunSpec:

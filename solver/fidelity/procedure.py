@@ -15,7 +15,7 @@ from .model import STATIC
 from .plan import BodyPlan
 
 RUNS = ("model", "check", "split")  # what planning spends time on, after the plan
-ROUNDS = 4
+ROUNDS = 8  # most of them have no check of their own, and the budget ends them
 
 
 def flexible_names(spec: RunSpec) -> list[str]:
@@ -63,7 +63,7 @@ def checked(answer: Answer, *, promote: bool = True) -> Answer:
     fidelity = answer.spec.mechanism.fidelity
     assert fidelity is not None
     budget = fidelity.budget - sum(answer.cpu.values())
-    checking = Checking(answer, fidelity.accuracy, fidelity.metric, budget)
+    checking = Checking(answer, fidelity.accuracy, fidelity.metric, budget, promote)
     if promote:
         checking.assemble()
     while not checking.settled():

@@ -10,6 +10,8 @@ from .plan import LEAST_RTOL, Plan, kind_of
 from .trial import Trial, distance
 
 TIGHTER = 30.0  # tolerance of a plan over that of its promotion
+HIGHEST, TOLERANCE = "highest vibrations", "tolerance"
+RESERVED = (HIGHEST, TOLERANCE)  # promotions after which a plan needs another check
 PROMOTED = 0.3  # of the largest share, from which a kind is promoted
 
 
@@ -32,16 +34,24 @@ def promotions(
     """Return kind, body and plan of each single promotion towards a check.
 
     Of the vibrations of the check only kinds that respond (`ranked`, by body) are promoted. The
-    package of the check has more of a kind than that of the model.
+    package of the check has more of a kind than that of the model. The highest of each kind stay
+    with the check as long as others are left: it then is a check of the promoted plan, too.
     """
     for name, body in plan.bodies.items():
         more = check.bodies[name]
         kinds = {kind_of(label) for label in ranked[name]}
-        added = [label for label in more.vibrations if kind_of(label) in kinds]
-        if set(added) - set(body.vibrations):
-            kept = tuple(dict.fromkeys((*body.vibrations, *added)))
-            mesh = "check" if set(added) - set(ranked[name]) else body.mesh
-            yield "vibrations", name, plan.with_body(name, vibrations=kept, mesh=mesh)
+        added = [
+            label
+            for label in more.vibrations
+            if kind_of(label) in kinds and label not in body.vibrations
+        ]
+        highest = {kind_of(label): label for label in added}.values()
+        if added:
+            some = [label for label in added if label not in highest]
+            kept = tuple(dict.fromkeys((*body.vibrations, *(some or added))))
+            mesh = "check" if set(some or added) - set(ranked[name]) else body.mesh
+            kind = "vibrations" if some else HIGHEST
+            yield kind, name, plan.with_body(name, vibrations=kept, mesh=mesh)
         if more.static > body.static:
             static = max(2 * body.static, body.static + 2)
             yield "statics", name, plan.with_body(name, static=min(static, more.static))
@@ -52,7 +62,7 @@ def promotions(
     if check.stiffening and not plan.stiffening:
         yield "stiffening", "", replace(plan, stiffening=True)
     if plan.rtol > LEAST_RTOL:
-        yield "tolerance", "", replace(plan, rtol=max(LEAST_RTOL, plan.rtol / TIGHTER))
+        yield TOLERANCE, "", replace(plan, rtol=max(LEAST_RTOL, plan.rtol / TIGHTER))
 
 
 def split(
@@ -80,25 +90,44 @@ def promoted(
     ranked: Mapping[str, tuple[str, ...]],
     shares: list[Share],
     estimate: float,
+    accuracy: float,
 ) -> Plan:
-    """Return the plan with the promotions of large shares; with all, if none explains the check."""
+    """Return the plan with the promotions of large shares; with all, if none explains the check.
+
+    A share above the accuracy is large whatever the others are: another round would have to
+    promote it. The highest vibrations of a check and the tolerance are promoted for their own
+    shares, or if nothing else is left, because the plan then needs another check.
+    """
     largest = max((share.value for share in shares), default=0.0)
     every = not shares or estimate > 2.0 * largest
-    wanted = {(s.kind, s.body) for s in shares if every or s.value >= PROMOTED * largest}
-    for kind, body, single in promotions(plan, check, ranked):
-        if every or (kind, body) in wanted:
-            plan = _joined(plan, single, kind, body)
-    return plan
+    least = min(PROMOTED * largest, accuracy)
+    value = {(share.kind, share.body): share.value for share in shares}
+    single = [*promotions(plan, check, ranked)]
+
+    def with_those(found: Plan, wanted: Callable[[str, float], bool]) -> Plan:
+        for kind, body, one in single:
+            if wanted(kind, value.get((kind, body), 0.0)):
+                found = _joined(found, one, kind, body)
+        return found
+
+    more = with_those(plan, lambda kind, v: v >= least > 0.0 or (every and kind not in RESERVED))
+    if every:
+        more = with_those(more, lambda kind, v: kind in RESERVED and v >= PROMOTED * accuracy)
+    for reserved in RESERVED if every else ():
+        if more == plan:
+            more = with_those(more, lambda kind, _: kind == reserved)  # noqa: B023
+    return more
 
 
 def _joined(plan: Plan, single: Plan, kind: str, body: str) -> Plan:
     if kind == "stiffening":
         return replace(plan, stiffening=True)
-    if kind == "tolerance":
+    if kind == TOLERANCE:
         return replace(plan, rtol=single.rtol)
     new = single.bodies[body]
     fields: dict[str, dict[str, Any]] = {
         "vibrations": {"vibrations": new.vibrations, "mesh": new.mesh},
+        HIGHEST: {"vibrations": new.vibrations, "mesh": new.mesh},
         "statics": {"static": new.static},
         "ringing": {"ringing": True},
         "mesh": {"mesh": "check"},
