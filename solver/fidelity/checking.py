@@ -14,6 +14,7 @@ from .exhausted import power_of, unseen
 from .horizon import horizon
 from .model import STATIC, TIGHTER, TIGHTER_AMPLIFIED, check_plan, covers
 from .plan import Plan, outline
+from .rounding import kind_of_signal
 from .shares import promoted, promotions, split
 from .shell_mesh import mesh_error
 from .trial import Trial, attempted, distance
@@ -45,7 +46,7 @@ class Checking:
     def __post_init__(self) -> None:
         indicators = self.answer.study.indicators
         signals = self.answer.spec.mechanism.signals
-        kinds = {name: signals[name].kind for name in self.answer.names}
+        kinds = {name: kind_of_signal(name, signals) for name in self.answer.names}
         by_kind, by_size = accuracy_over_rtol(indicators, kinds)
         self.tighter = TIGHTER_AMPLIFIED if by_size > by_kind else TIGHTER
         self.powers = np.array([power_of(kinds[name]) for name in self.answer.names])

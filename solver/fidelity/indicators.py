@@ -21,7 +21,7 @@ from .loaded import Loaded, fixed_packages, loaded
 from .metrics import difference, scales
 from .model import Rich
 from .response import response
-from .rounding import without_rounding
+from .rounding import kind_of_signal, relatives
 from .stiffening import spins, stiffening_loss
 from .tolerance import amplified_errors
 
@@ -143,11 +143,15 @@ def _indicators(spec: RunSpec, base: Base, model: Loaded, signals: list[str]) ->
     deformed = spec.mechanism.solver.start != "positions"
     found = response(base, built.model, model.p, deformed=deformed)
     wanted = {name: spec.mechanism.signals[name] for name in signals}
-    kinds = {name: signal.kind for name, signal in wanted.items()}
-    measured = sensors(built, spec.mechanism.signals, wanted=wanted)
-    parts = effects(found, measured, kinds)
-    whole = without_rounding(parts.whole, list(kinds.values()), built.model, found.y[0])
+    compared = relatives(signals, spec.mechanism, built, found.y[0])
+    measured = compared.sensors(built)
+    kinds = {name: kind_of_signal(name, compared.table) for name in measured}
+    every = effects(found, measured, kinds)
+    whole = compared.without_rounding(dict(zip(measured, every.whole, strict=True)))
     scale = scales(fidelity.metric, whole)
+    count = len(signals)  # relatives follow
+    parts = Effects(every.base[:count], every.response[:count], every.static[:count])
+    measured = {name: measured[name] for name in signals}
     stiffened = np.zeros(len(signals))
     again = model.stiffened
     if again is not None:

@@ -13,6 +13,7 @@ from .choice import chosen
 from .indicators import study
 from .model import STATIC
 from .plan import BodyPlan
+from .rounding import kind_of_signal
 
 RUNS = ("model", "check", "split")  # what planning spends time on, after the plan
 ROUNDS = 8  # most of them have no check of their own, and the budget ends them
@@ -43,7 +44,7 @@ def plan_of(spec: RunSpec, check: Mapping[str, ModalPackage]) -> Answer:
     names = flexible_names(spec)
     found = study(spec, check, names, signals)
     begin = work_s()
-    kinds = {name: spec.mechanism.signals[name].kind for name in signals}
+    kinds = {name: kind_of_signal(name, spec.mechanism.signals) for name in signals}
     least = {name: BodyPlan() for name in names}
     if found.base.reason:  # rigid bodies contradict each other
         for name in names:

@@ -17,7 +17,7 @@ from ..signals import Recording
 from .metrics import difference, scales
 from .model import Rich, planned
 from .plan import Plan
-from .rounding import without_rounding
+from .rounding import relatives
 
 
 @dataclass(frozen=True)
@@ -64,9 +64,9 @@ def tried(
     finished = integrated(prepared)
     solution = finished.solution
     recording = Recording(finished.model, solution.t, solution.y)
-    signals = np.array([prepared.measured[name].values(recording) for name in names])
-    kinds = [spec.mechanism.signals[name].kind for name in names]
-    signals = without_rounding(signals, kinds, finished.model, solution.y[0])
+    compared = relatives(names, own.mechanism, prepared.built, solution.y[0])
+    measured = {n: s.values(recording) for n, s in compared.sensors(prepared.built).items()}
+    signals = compared.without_rounding(measured)
     cpu = work_s() - begin
     return Trial(plan, own, prepared, finished, signals, solution.status == "finished", cpu)
 
