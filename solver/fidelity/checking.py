@@ -74,7 +74,8 @@ class Checking:
         if self.left() <= 0.0 and answer.check is not None:
             return None
         study = answer.study
-        found = attempted(answer.spec, plan, study.model, study.check, answer.names)
+        quiet = study.indicators.quiet
+        found = attempted(answer.spec, plan, study.model, study.check, answer.names, quiet)
         if found is not None and found.complete:
             answer.tried.append((outline(plan), found.cpu, found.signals))
             self._known.append(found)

@@ -15,7 +15,6 @@ from ..run.integration import integrated
 from ..run.outcome import RunSpec
 from ..run.preparation import prepare
 from ..signals import Recording
-from .metrics import scales
 from .model import with_values
 from .trial import Trial
 
@@ -38,7 +37,7 @@ def horizon(trial: Trial, names: list[str], accuracy: float) -> float | None:
         return None
     recording = Recording(finished.model, solution.t, solution.y)
     signals = np.array([prepared.measured[name].values(recording) for name in names])
-    sizes = scales("pointwise", trial.signals)
+    sizes = trial.scales("pointwise")
     far = np.flatnonzero((np.abs(signals - trial.signals) / sizes[:, None]).max(axis=0) > accuracy)
     return float(solution.t[far[0]]) if far.size else None
 

@@ -48,6 +48,7 @@ class Indicators:
     stiffening : (o,) loss without geometric stiffening, of the scale
     spin : largest spin over the first frequency of the clamped body, by body
     amplified : (o,) error of each signal over the tolerance that causes it
+    quiet : (o,) the signals that are rounding; their scale is the size of what they are near
     """
 
     names: list[str]
@@ -58,6 +59,7 @@ class Indicators:
     stiffening: Array
     spin: dict[str, float]
     amplified: Array
+    quiet: Array
 
     def loss(self, lost: Array) -> Array:
         """Return the error (..., o) that lost contributions (..., o, k) cause, of the scale."""
@@ -147,8 +149,9 @@ def _indicators(spec: RunSpec, base: Base, model: Loaded, signals: list[str]) ->
     measured = compared.sensors(built)
     kinds = {name: kind_of_signal(name, compared.table) for name in measured}
     every = effects(found, measured, kinds)
-    whole = compared.without_rounding(dict(zip(measured, every.whole, strict=True)))
-    scale = scales(fidelity.metric, whole)
+    whole, sizes = compared.judged(dict(zip(measured, every.whole, strict=True)))
+    quiet = sizes > 0.0
+    scale = np.where(quiet, sizes, scales(fidelity.metric, whole))
     count = len(signals)  # relatives follow
     parts = Effects(every.base[:count], every.response[:count], every.static[:count])
     measured = {name: measured[name] for name in signals}
@@ -161,5 +164,5 @@ def _indicators(spec: RunSpec, base: Base, model: Loaded, signals: list[str]) ->
     spin = spins(built, found, list(model.rich))
     amplified = amplified_errors(found, parts, scale)
     return Indicators(
-        list(signals), fidelity.metric, scale, modes, parts, stiffened, spin, amplified
+        list(signals), fidelity.metric, scale, modes, parts, stiffened, spin, amplified, quiet
     )

@@ -9,7 +9,7 @@ from ..math.arrays import Array
 from ..math.front import front
 from ..package.body.selection import vibrations
 from .answer import Answer
-from .metrics import difference, scales
+from .metrics import difference
 from .plan import BodyPlan, Plan
 from .trial import Trial, attempted
 
@@ -53,7 +53,7 @@ def tried_models(answer: Answer) -> Ladder | None:
         return None
     if not (check.complete and trial.complete):
         return None
-    sizes = scales(fidelity.metric, check.signals)
+    sizes = check.scales(fidelity.metric)
 
     def error(signals: Array) -> float:
         return float(np.max(difference(fidelity.metric, signals, check.signals) / sizes))
@@ -80,7 +80,7 @@ def ladder(answer: Answer) -> Ladder:
     fidelity = answer.spec.mechanism.fidelity
     assert fidelity is not None
     exact = _run(answer, _everything(answer)) or answer.check
-    sizes = scales(fidelity.metric, exact.signals)
+    sizes = exact.scales(fidelity.metric)
 
     def rung(name: str, trial: Trial) -> Rung:
         error = _largest(fidelity.metric, trial, exact, sizes)
@@ -108,7 +108,7 @@ def _largest(metric: str, trial: Trial, exact: Trial, sizes: Array) -> float:
 
 def _run(answer: Answer, plan: Plan) -> Trial | None:
     found = answer.study
-    return attempted(answer.spec, plan, found.model, found.check, answer.names)
+    return attempted(answer.spec, plan, found.model, found.check, answer.names, found.indicators.quiet)
 
 
 def _plans(answer: Answer) -> list[tuple[str, Plan]]:

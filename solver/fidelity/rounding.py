@@ -23,6 +23,9 @@ LENGTHS, ANGLES = ("position", "deflection"), ("orientation", "rotation")
 # Of the largest relative. Packages are symmetric to rounding only: modes of a plane have 1e-10 of
 # their size across it, and forces across the plane of planar pendulums 7e-10 of those in it.
 SMALL = FAINT
+# Of the tolerance times the largest relative: planar pendulums have forces across their plane of
+# 0.2 to 1.5 times that, which a tighter tolerance removes.
+NOISE = 3.0
 RELATIVE = ": "  # between the name of a signal and that of its relative
 
 
@@ -54,16 +57,31 @@ class Relatives:
         found = sensors(built, self.table, wanted=set(wanted))
         return {name: found[name] for name in dict.fromkeys(wanted)}
 
-    def without_rounding(self, signals: Mapping[str, Array]) -> Array:
-        """Return the signals asked for (o, k), with zeros for those that are rounding."""
+    def judged(
+        self, signals: Mapping[str, Array], rtol: float = 0.0, quiet: Array | None = None
+    ) -> tuple[Array, Array]:
+        """Return the signals asked for (o, k), with zeros for those that are rounding, and (o,)
+        what those that are rounding or noise are compared with; 0: their own size.
+
+        Parameters
+        ----------
+        rtol : of the run: its noise is of this size
+        quiet : (o,) the signals that are rounding by the linear response; only these can be noise
+        """
         found = np.array([signals[name] for name in self.names])
+        sizes = np.zeros(len(found))
         for o, name in enumerate(self.names):
-            of = self.factors[name].items()
-            sizes = [factor * float(np.abs(signals[other]).max(initial=0.0)) for other, factor in of]
-            least = max(self.least[name], SMALL * max(sizes, default=0.0))
-            if float(np.abs(found[o]).max(initial=0.0)) < least:
-                found[o] = 0.0
-        return found
+            near = max(
+                (f * float(np.abs(signals[n]).max(initial=0.0)) for n, f in self.factors[name].items()),
+                default=0.0,
+            )
+            whole = max(near, self.least[name] / SILENT)
+            size = float(np.abs(found[o]).max(initial=0.0))
+            if size < max(self.least[name], SMALL * near):
+                found[o], sizes[o] = 0.0, whole
+            elif quiet is not None and quiet[o] and size < NOISE * rtol * whole:
+                sizes[o] = whole
+        return found, sizes
 
 
 def relatives(names: list[str], mechanism: Any, built: BuiltMechanism, y0: Array) -> Relatives:

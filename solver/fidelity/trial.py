@@ -27,6 +27,7 @@ class Trial:
     Attributes
     ----------
     signals : (o, k)
+    sizes : (o,) of signals that are rounding or noise: what they are compared with; of others 0
     complete : it reached the end
     cpu : seconds, building and integration
     """
@@ -36,8 +37,13 @@ class Trial:
     prepared: Prepared
     finished: FinishedRun
     signals: Array
+    sizes: Array
     complete: bool
     cpu: float
+
+    def scales(self, metric: str) -> Array:
+        """Return what errors of the signals are relative to, (o,)."""
+        return np.where(self.sizes > 0.0, self.sizes, scales(metric, self.signals))
 
     def outcome(self) -> tuple[Any, dict[str, Any]]:
         """Return result and summary of the run."""
@@ -50,8 +56,9 @@ def tried(
     model: Mapping[str, Rich],
     check: Mapping[str, Rich],
     names: list[str],
+    quiet: Array | None = None,
 ) -> Trial:
-    """Run a plan.
+    """Run a plan; `quiet` (o,) are the signals that are rounding by the indicators.
 
     Raises
     ------
@@ -66,9 +73,10 @@ def tried(
     recording = Recording(finished.model, solution.t, solution.y)
     compared = relatives(names, own.mechanism, prepared.built, solution.y[0])
     measured = {n: s.values(recording) for n, s in compared.sensors(prepared.built).items()}
-    signals = compared.without_rounding(measured)
+    signals, sizes = compared.judged(measured, plan.rtol, quiet)
     cpu = work_s() - begin
-    return Trial(plan, own, prepared, finished, signals, solution.status == "finished", cpu)
+    complete = solution.status == "finished"
+    return Trial(plan, own, prepared, finished, signals, sizes, complete, cpu)
 
 
 def attempted(
@@ -77,10 +85,11 @@ def attempted(
     model: Mapping[str, Rich],
     check: Mapping[str, Rich],
     names: list[str],
+    quiet: Array | None = None,
 ) -> Trial | None:
-    """Run a plan; None if its model cannot be assembled."""
+    """Run a plan, as `tried`; None if its model cannot be assembled."""
     try:
-        return tried(spec, plan, model, check, names)
+        return tried(spec, plan, model, check, names, quiet)
     except InputError:
         return None
 
@@ -92,4 +101,4 @@ def distance(metric: str, one: Trial, two: Trial) -> Array:
     """
     if not (one.complete and two.complete):
         return np.full(len(two.signals), np.inf)
-    return difference(metric, one.signals, two.signals) / scales(metric, two.signals)
+    return difference(metric, one.signals, two.signals) / two.scales(metric)
