@@ -35,7 +35,7 @@ class Plan:
     ----------
     text : the answer of `plymotion plan`
     met : the request is met in the run of the case
-    estimate : estimated error by signal, of its largest value
+    estimate : estimated error of the model by signal, of its largest value; runs take this model
     checks : of the designs that were checked: changes, met, estimate, reason
 
     Examples
@@ -137,7 +137,7 @@ class Plan:
     def __repr__(self) -> str:
         worst = f"{max(self.estimate.values()):.1e}" if self.estimate else "none"
         met = "met" if self.met else "not met"
-        return f"<Plan {self._case.name}/{self._run}: {met}, estimated error {worst}>"
+        return f"<Plan {self._case.name}/{self._run}: {met}, estimated error of the model {worst}>"
 
     def _written(self, case: Case, folder: Path, *, check: bool = False) -> Path:
         """Write a design and build what it needs; return its run file."""

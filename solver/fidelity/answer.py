@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from ..math.arrays import Array
 from ..run.outcome import RunSpec
 from .indicators import Study
@@ -17,7 +19,7 @@ class Answer:
     Attributes
     ----------
     losses : (o,) by the indicators, of the scale
-    estimate : (o,) by the check; None: not checked
+    estimate : (o,) error of the model of the plan, by the check; None: not checked
     verdict : "planned", "met", "not met"
     horizon : time at which a change of 1e-6 has grown to the accuracy [s]; None: not in the run
     tried : name of the promotion, CPU time and signals (o, k) of each run on the way
@@ -46,7 +48,8 @@ class Answer:
 
     @property
     def estimates(self) -> dict[str, float]:
-        """Estimated errors by signal; infinite if a run ended early; none: not checked."""
+        """Estimated errors of the model by signal; infinite if a run ended early; none: not
+        checked."""
         if self.estimate is None:
             return {}
         return dict(zip(self.names, self.estimate.tolist(), strict=True))
@@ -58,3 +61,23 @@ class Answer:
             if trial is not None and trial.complete:
                 return trial
         return self.check or self.trial
+
+    @property
+    def delivered_name(self) -> str:
+        """Which run is delivered: "model", "check" or "all modes"."""
+        names = ((self.finest, "all modes"), (self.check, "check"), (self.trial, "model"))
+        return next((name for trial, name in names if trial and trial is self.delivered), "none")
+
+    @property
+    def delivered_at_most(self) -> dict[str, float | None]:
+        """What the error of the delivered run is at most, by signal; None: not estimated.
+
+        The check has more of everything than the model, so that its error is smaller. How much
+        smaller, no run tells. A run that no other one was compared with has no estimate.
+        """
+        richer = self.finest is not None or self.delivered is self.check
+        known = self.estimates if richer else {}
+        return {
+            name: known[name] if np.isfinite(known.get(name, np.inf)) else None
+            for name in self.names
+        }

@@ -14,4 +14,13 @@ def stopped(trial: Trial, what: str) -> str:
     if trial.complete:
         return ""
     solution = trial.finished.solution
-    return f"the run of the {what} stopped at t = {solution.t[-1]:.4g} s ({solution.message})"
+    by = f" by `{solution.code}`" if solution.code else ""
+    return f"the run of the {what} stopped at t = {solution.t[-1]:.4g} s{by} ({solution.message})"
+
+
+def not_compared(model: Trial, check: Trial) -> str:
+    """Return why model and check could not be compared; "" if both reached the end."""
+    found = [stopped(check, "check"), stopped(model, "model")]
+    if found[0] and model.complete:
+        found.append("the run of the model did not, so that its error is not known")
+    return "; ".join(text for text in found if text)

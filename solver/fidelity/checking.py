@@ -8,7 +8,7 @@ import numpy as np
 
 from ..run.timing import work_s
 from .answer import Answer
-from .beyond import stopped
+from .beyond import not_compared
 from .choice import accuracy_over_rtol
 from .exhausted import power_of, unseen
 from .horizon import horizon
@@ -125,8 +125,10 @@ class Checking:
                 answer.reason += "accuracy"
                 return False  # a richer model takes less time than a richer check
             self._second()
-        early = stopped(answer.check, "check") or stopped(answer.trial, "model")
+        early = not_compared(answer.trial, answer.check)
         answer.reason = early or f"the check differs by {self._estimate:.2g}"
+        if answer.check.finished.solution.code:  # a finding: a promoted model does not change it
+            return True
         if not covered and self._estimate <= MARGIN * self.accuracy:
             answer.reason = "the model has all that its last check has, and no run checks it"
             return False

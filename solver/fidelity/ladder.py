@@ -108,7 +108,9 @@ def _largest(metric: str, trial: Trial, exact: Trial, sizes: Array) -> float:
 
 def _run(answer: Answer, plan: Plan) -> Trial | None:
     found = answer.study
-    return attempted(answer.spec, plan, found.model, found.check, answer.names, found.indicators.quiet)
+    return attempted(
+        answer.spec, plan, found.model, found.check, answer.names, found.indicators.quiet
+    )
 
 
 def _plans(answer: Answer) -> list[tuple[str, Plan]]:

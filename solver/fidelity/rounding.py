@@ -2,7 +2,8 @@
 
 Their scale would be their own largest value, which is rounding: no model would be accurate. What
 they are small against are signals of the same kind, their relatives: the other components, the
-other joints of the two bodies, the signals that a difference subtracts. A length or an angle is small against the size of the mechanism or one radian, too.
+other joints of the two bodies, the signals that a difference subtracts. A length or an angle is
+small against the size of the mechanism or one radian, too.
 """
 
 from collections.abc import Iterator, Mapping
@@ -72,7 +73,10 @@ class Relatives:
         sizes = np.zeros(len(found))
         for o, name in enumerate(self.names):
             near = max(
-                (f * float(np.abs(signals[n]).max(initial=0.0)) for n, f in self.factors[name].items()),
+                (
+                    f * float(np.abs(signals[n]).max(initial=0.0))
+                    for n, f in self.factors[name].items()
+                ),
                 default=0.0,
             )
             whole = max(near, self.least[name] / SILENT)

@@ -20,6 +20,11 @@ NOT_CHECKED = (
 BETWEEN = (
     "the surface of shells between the nodes of mesh files: finer meshes split their flat cells"
 )
+DELIVERED = {
+    "check": "the check",
+    "all modes": "the run with all modes of the packages",
+    "model": "the chosen model",
+}
 NONE = 1e-9  # indicated cost that is not printed
 MEASURED = "bodies from files: one package, so its mesh and its modes"
 
@@ -49,6 +54,7 @@ def entry(answer: Answer) -> dict[str, Any]:
         "plan": answer.plan.table(),
         "losses": dict(zip(answer.names, answer.losses.tolist(), strict=True)),
         "estimate": estimate_entry(answer),
+        "delivered": {"run": answer.delivered_name, "error_at_most": answer.delivered_at_most},
         "shares": [share.entry() for share in answer.shares],
         "rounds": answer.rounds,
         "cpu": dict(answer.cpu),
@@ -74,7 +80,7 @@ def theories(answer: Answer) -> list[str]:
 
 
 def estimate_entry(answer: Answer) -> dict[str, float | None] | None:
-    """Return the estimated errors by signal; None: not checked, or of a run that ended early."""
+    """Return the estimated errors of the model; None: not checked, or a run ended early."""
     if answer.estimate is None:
         return None
     return {name: e if np.isfinite(e) else None for name, e in answer.estimates.items()}
@@ -82,8 +88,15 @@ def estimate_entry(answer: Answer) -> dict[str, float | None] | None:
 
 def fidelity_line(found: Mapping[str, Any]) -> str:
     """Return the entry of summary.json in one line."""
-    values = [value for value in (found["estimate"] or {}).values() if value is not None]
-    estimate = f"estimated error {max(values):.1e}" if values else "no estimate of the error"
+    estimate = "no estimate of the error"
+    values = [*(found["estimate"] or {}).values()]
+    if values and None not in values:
+        estimate = f"estimated error of the chosen model {max(values):.1e}"
+    run = found.get("delivered", {}).get("run", "none")
+    most = [*found.get("delivered", {}).get("error_at_most", {}).values()]
+    if run != "none":
+        bound = f"at most about {max(most):.1e}" if most and None not in most else "not estimated"
+        estimate += f"; delivered: {DELIVERED[run]}, error {bound}"
     reason = f", {found['reason']}" if found["reason"] else ""
     return f"accuracy {found['asked']:g} {found['verdict']}: {estimate}{reason}"
 
@@ -120,19 +133,18 @@ def answer_text(answer: Answer) -> str:
     if answer.estimate is None:
         lines.append(f"Not checked{': ' + answer.reason if answer.reason else ''}.")
     else:
-        zero = dict.fromkeys(answer.names, False)
-        if answer.check is not None:
-            moves = [bool(signal.any()) for signal in answer.check.signals]
-            zero = {name: not moved for name, moved in zip(answer.names, moves, strict=True)}
-        for name, value in answer.estimates.items():
-            size = ", the signal is zero" if zero[name] else ""
-            lines.append(f"Estimated error of {name}: {value:.1e}{size}")
+        run = DELIVERED.get(answer.delivered_name, "")
+        lines.append("Error of each signal, of its largest value:")
+        for o, (name, value) in enumerate(answer.estimates.items()):
+            model = f"estimated {value:.1e}" if np.isfinite(value) else "not estimated"
+            most = answer.delivered_at_most[name]
+            bound = "not estimated" if most is None else f"at most about {most:.1e}"
+            zero = _zero(answer, o)
+            lines.append(f"  {name}: chosen model {model}; delivered run {bound}{zero}")
         words = {"met": "The request is met", "not met": "The request is NOT met"}
         reason = f": {answer.reason}" if answer.reason else ""
-        delivered = "check" if answer.finest is None else "run with all modes of the packages"
-        lines.append(
-            f"{words[answer.verdict]}{reason}. The result of the {delivered} is delivered."
-        )
+        result = f"The result of {run} is delivered." if run else "No result is delivered."
+        lines.append(f"{words[answer.verdict]}{reason}. {result}")
     lines += [f"Beyond the theory of both runs: {text}." for text in answer.beyond]
     if answer.horizon is not None:
         lines.append(
@@ -151,6 +163,17 @@ def answer_text(answer: Answer) -> str:
     lines += ["", f"CPU seconds: {cpu}", "Not checked:"]
     lines += [f"  - {text}" for text in not_checked(answer)]
     return "\n".join(lines)
+
+
+def _zero(answer: Answer, o: int) -> str:
+    """Say of a signal that it is zero but for rounding or noise, and what its error is of; ""."""
+    check = answer.check
+    if check is None or not check.sizes[o] > 0.0:
+        return ""
+    return (
+        f"; the signal is zero to rounding or noise: errors are of {check.sizes[o]:.2g}, the "
+        "size of what it is near"
+    )
 
 
 def _model(plan: Plan) -> list[str]:

@@ -48,21 +48,25 @@ def fidelity_section(stories: list[Story]) -> str:
     return section(
         "fidelity",
         "Accuracy asked and estimated",
-        "<p>The estimated error is the difference of the run of the chosen model from a run with "
-        "more modes, another mesh and a tighter tolerance. It is no bound. The result of the "
-        "second run is shown.</p>",
+        "<p>The estimated error of the chosen model is the difference of its run from a run with "
+        "more modes, another mesh and a tighter tolerance, the check. It is no bound. The run that is "
+        "delivered is shown. If it is the check, its own error is less, and at most about that "
+        "of the model; no run tells how much less. Errors are relative to the scale.</p>",
         _overview(planned),
         *(_details(story) for story in planned),
     )
 
 
 def _overview(stories: list[Story]) -> str:
-    head = ["run", "asked", "metric", "request", "signal", "scale", "estimated error", "CPU [s]"]
+    head = ["run", "asked", "metric", "request", "signal", "scale", "estimated error of the model"]
+    head += ["delivered run", "its error at most", "CPU [s]"]
     rows: list[Row] = []
     for story in stories:
         found = story.summary["fidelity"]
         for name, scale in found["scale"].items():
             estimate = (found["estimate"] or {}).get(name)
+            delivered = found.get("delivered", {"run": "", "error_at_most": {}})
+            most = delivered["error_at_most"].get(name)
             rows.append(
                 [
                     name_of(story),
@@ -72,6 +76,8 @@ def _overview(stories: list[Story]) -> str:
                     escape(name),
                     figures(scale),
                     "none" if estimate is None else Cell(f"{estimate:.1e}", estimate),
+                    escape(delivered["run"]),
+                    "not estimated" if most is None else Cell(f"{most:.1e}", most),
                     figures(sum(found["cpu"].values())),
                 ]
             )

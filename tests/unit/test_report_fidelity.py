@@ -42,6 +42,7 @@ FOUND = {
     "scale": {"tip_<x>": 1.5, "force": 20.0},
     "plan": PLAN,
     "estimate": {"tip_<x>": 2.1e-3, "force": None},
+    "delivered": {"run": "all modes", "error_at_most": {"tip_<x>": 2.2e-3, "force": None}},
     "shares": [{"kind": "statics", "body": "arm", "value": 4e-3}],
     "rounds": 1,
     "cpu": {"plan": 0.1, "model": 0.2, "check": 0.3},
@@ -64,6 +65,7 @@ def test_the_section_has_what_was_asked_and_found():
     for words in (
         "tip_&lt;x&gt;", "NOT met", "2.1e-03", "bending-xy 1", "2, damped", "rigid",
         "the joints &amp; their play", "t = 0.25 s", "statics", "4.0e-03", "no bound", "0.6",
+        "all modes", "2.2e-03", "not estimated",
     ):  # fmt: skip
         assert words in text
     assert "Other" not in text

@@ -6,6 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ...fidelity.answer import Answer
 from ...fidelity.members import checked_member, joined, of_model, shared_plan
 from ...fidelity.plan_file import kept_plan, write_plan
@@ -126,7 +128,8 @@ def _words(answer: Answer) -> str:
     fidelity = answer.spec.mechanism.fidelity
     assert fidelity is not None
     estimate = "no estimate"
-    if answer.estimate is not None:
-        estimate = f"estimated error {float(answer.estimate.max(initial=0.0)):.1e}"
+    worst = max(answer.estimates.values(), default=np.inf)
+    if np.isfinite(worst):
+        estimate = f"estimated error of the model {worst:.1e}"
     reason = f" ({answer.reason})" if answer.reason else ""
     return f"accuracy {fidelity.accuracy:g} {answer.verdict}, {estimate}{reason}"
