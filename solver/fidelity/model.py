@@ -194,7 +194,7 @@ def covers(
     """
     if check == wanted:
         return True
-    if check.rtol > wanted.rtol * (1.0 + 1e-9) or wanted.stiffening and not check.stiffening:
+    if check.rtol > wanted.rtol * (1.0 + 1e-9) or (wanted.stiffening and not check.stiffening):
         return False
     for name, body in plan.bodies.items():
         has = check.bodies[name]

@@ -6,11 +6,12 @@ import numpy as np
 from fidelity_samples import pendulum, planned_run
 
 from plymotion.solver.dynamics.dense_equations import assemble, masses_and_jacobians
+from plymotion.solver.fidelity.checking import Checking
 from plymotion.solver.fidelity.model import check_plan, vibration_labels
 from plymotion.solver.fidelity.plan import BodyPlan, Plan, kind_of
 from plymotion.solver.fidelity.procedure import checked, plan_of
 from plymotion.solver.fidelity.responding import telling_times
-from plymotion.solver.fidelity.words import answer_text, entry
+from plymotion.solver.fidelity.words import answer_text, entry, fidelity_line
 
 
 def short(**fidelity):
@@ -30,6 +31,10 @@ def test_a_refusal_delivers_all_modes_that_respond():
     eta = answer.study.check["link0"].eta
     assert package.n_mode == np.sum(np.abs(eta).max(axis=0) > 0.0)  # zero: do not respond
     assert "run with all modes of the packages is delivered" in answer_text(answer)
+    assert entry(answer)["delivered"]["run"] == "all modes"
+    most = entry(answer)["delivered"]["error_at_most"]["force"]
+    assert most == answer.estimates["force"]
+    assert f"delivered run at most about {most:.1e}" in answer_text(answer)
 
 
 def test_no_further_run_without_budget():
@@ -90,3 +95,27 @@ def test_mass_matrices_of_many_states_are_those_of_each():
         one = assemble(base.model, float(base.t[k]), base.y[k])
         assert np.array_equal(found, one.M)
         assert np.array_equal(jacobian, one.Phi_q)
+
+
+def test_a_check_that_stops_by_a_finding_leaves_an_error_that_is_not_estimated():
+    """The result of the model is delivered; nothing says that its error is known."""
+    answer = checked(plan_of(*short(accuracy=1e-2)))
+    assert answer.check is not None
+    assert answer.trial is not None
+    solution = replace(
+        answer.check.finished.solution, status="stopped", code="some-code", message="it broke"
+    )
+    finished = replace(answer.check.finished, solution=solution)
+    stopped = replace(answer.check, finished=finished, complete=False)
+    again = plan_of(*short(accuracy=1e-2))
+    again.plan, again.check = answer.plan, stopped
+    checking = Checking(again, 1e-2, "pointwise", 60.0)
+    assert checking.settled()  # no promotion helps
+    assert again.verdict == "not met"
+    assert "the run of the check stopped" in again.reason
+    assert "by `some-code` (it broke)" in again.reason
+    assert again.delivered is again.trial
+    found = entry(again)
+    assert found["delivered"] == {"run": "model", "error_at_most": {"force": None}}
+    assert "force: chosen model not estimated; delivered run not estimated" in answer_text(again)
+    assert "delivered: the chosen model, error not estimated" in fidelity_line(found)

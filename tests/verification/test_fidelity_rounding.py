@@ -115,7 +115,7 @@ def test_signals_that_are_small_but_real_keep_their_own_size(name: str) -> None:
     assert answer.check is not None
     assert answer.check.sizes[0] == 0.0
     scale = answer.study.indicators.scale[0]
-    assert scale == pytest.approx(np.abs(answer.check.signals[0]).max(), rel=0.2)
+    assert scale == pytest.approx(np.abs(answer.check.signals[0]).max(), rel=0.5)
 
 
 def test_a_difference_of_forces_is_judged_as_forces_are() -> None:
