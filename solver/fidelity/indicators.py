@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import numpy.typing as npt
 
 from ..math.arrays import Array
 from ..package import ModalPackage
@@ -59,7 +60,7 @@ class Indicators:
     stiffening: Array
     spin: dict[str, float]
     amplified: Array
-    quiet: Array
+    quiet: npt.NDArray[np.bool_]
 
     def loss(self, lost: Array) -> Array:
         """Return the error (..., o) that lost contributions (..., o, k) cause, of the scale."""
@@ -150,7 +151,7 @@ def _indicators(spec: RunSpec, base: Base, model: Loaded, signals: list[str]) ->
     kinds = {name: kind_of_signal(name, compared.table) for name in measured}
     every = effects(found, measured, kinds)
     whole, sizes = compared.judged(dict(zip(measured, every.whole, strict=True)))
-    quiet = sizes > 0.0
+    quiet = np.asarray(sizes > 0.0)
     scale = np.where(quiet, sizes, scales(fidelity.metric, whole))
     count = len(signals)  # relatives follow
     parts = Effects(every.base[:count], every.response[:count], every.static[:count])

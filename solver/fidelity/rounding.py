@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from ..dynamics.scales import extent
 from ..inputs.case.combining import KINDS, parts
@@ -59,7 +60,10 @@ class Relatives:
         return {name: found[name] for name in dict.fromkeys(wanted)}
 
     def judged(
-        self, signals: Mapping[str, Array], rtol: float = 0.0, quiet: Array | None = None
+        self,
+        signals: Mapping[str, Array],
+        rtol: float = 0.0,
+        quiet: npt.NDArray[np.bool_] | None = None,
     ) -> tuple[Array, Array]:
         """Return the signals asked for (o, k), with zeros for those that are rounding, and (o,)
         what those that are rounding or noise are compared with; 0: their own size.

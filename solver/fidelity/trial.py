@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from ..checks.finished import FinishedRun
 from ..errors import InputError
@@ -56,7 +57,7 @@ def tried(
     model: Mapping[str, Rich],
     check: Mapping[str, Rich],
     names: list[str],
-    quiet: Array | None = None,
+    quiet: npt.NDArray[np.bool_] | None = None,
 ) -> Trial:
     """Run a plan; `quiet` (o,) are the signals that are rounding by the indicators.
 
@@ -85,7 +86,7 @@ def attempted(
     model: Mapping[str, Rich],
     check: Mapping[str, Rich],
     names: list[str],
-    quiet: Array | None = None,
+    quiet: npt.NDArray[np.bool_] | None = None,
 ) -> Trial | None:
     """Run a plan, as `tried`; None if its model cannot be assembled."""
     try:

@@ -134,13 +134,14 @@ def answer_text(answer: Answer) -> str:
         lines.append(f"Not checked{': ' + answer.reason if answer.reason else ''}.")
     else:
         run = DELIVERED.get(answer.delivered_name, "")
-        lines.append("Error of each signal, of its largest value:")
         for o, (name, value) in enumerate(answer.estimates.items()):
-            model = f"estimated {value:.1e}" if np.isfinite(value) else "not estimated"
+            model = f"{value:.1e}" if np.isfinite(value) else "not estimated"
             most = answer.delivered_at_most[name]
             bound = "not estimated" if most is None else f"at most about {most:.1e}"
             zero = _zero(answer, o)
-            lines.append(f"  {name}: chosen model {model}; delivered run {bound}{zero}")
+            lines.append(
+                f"Estimated error of {name}: chosen model {model}; delivered run {bound}{zero}"
+            )
         words = {"met": "The request is met", "not met": "The request is NOT met"}
         reason = f": {answer.reason}" if answer.reason else ""
         result = f"The result of {run} is delivered." if run else "No result is delivered."

@@ -49,9 +49,9 @@ def fidelity_section(stories: list[Story]) -> str:
         "fidelity",
         "Accuracy asked and estimated",
         "<p>The estimated error of the chosen model is the difference of its run from a run with "
-        "more modes, another mesh and a tighter tolerance, the check. It is no bound. The run that is "
-        "delivered is shown. If it is the check, its own error is less, and at most about that "
-        "of the model; no run tells how much less. Errors are relative to the scale.</p>",
+        "more modes, another mesh and a tighter tolerance, the check. It is no bound. If the check "
+        "is delivered, its own error is less, and at most about that of the model; no run tells "
+        "how much less. Errors are relative to the scale.</p>",
         _overview(planned),
         *(_details(story) for story in planned),
     )

@@ -38,5 +38,5 @@ def test_a_signal_across_the_plane_of_motion_is_zero() -> None:
     answer = checked(plan_of(*planned_run(table)))
     assert answer.verdict == "met"
     assert answer.plan.bodies["link0"].rigid
-    assert "across: chosen model estimated 0.0e+00" in answer_text(answer)
+    assert "Estimated error of across: chosen model 0.0e+00" in answer_text(answer)
     assert "the signal is zero to rounding or noise" in answer_text(answer)
