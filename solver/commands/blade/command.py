@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -10,15 +11,19 @@ from ...errors import InputError
 from ...inputs.case.file import CASE_FILE
 from ...package.common.replaceable import refuse_foreign
 from ...package.common.temporary import write_text
+from ..defect import DEFECT, report
 from ..described.screen import USER_ERROR
+from ..exit_codes import worst
 from ..section.command import run_section
 from ..section.options import add_section_command
 from .body import body_csv
 from .case import write_blade_case
+from .cells import StationMesh
 from .export import write_for
+from .given import differences
 from .spin import spin_blade
 from .station import write_station
-from .stations import analysed, complete, station_csv, station_text
+from .stations import Station, analysed, complete, station_csv, station_text
 from .windio import Blade, read_blade
 
 REMOVED = 0.02  # share of the layers' area without room, above which a warning says so
@@ -28,43 +33,96 @@ def run_blade(options: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
     blade = read_blade(options.file)
     for words in blade.left_out:
-        print(f"warning [not-modelled] {blade.file}: {words}", file=sys.stderr)
+        _warning("not-modelled", f"{blade.file}: {words}")
+    for words in blade.doubtful:
+        _warning("unlike-a-blade", f"{blade.file}: {words}")
+    for words in blade.differences:
+        _warning("rule-differs", f"{blade.file}: {words}")
     places = _stations(options, blade)
     out = options.out or Path("build") / "blades" / options.file.stem
-    names = [f"r{round(1e4 * r):05d}" for r in places]
-    if len(set(names)) < len(names):
+    names = {f"r{round(1e4 * r):05d}": r for r in places}
+    if len(names) < len(places):
         raise InputError("blade: stations closer than 1e-4 of the span")
     for written in ("blade.csv", "beam.csv", CASE_FILE):
         refuse_foreign(out / written)  # before the work
-    meshes = []
-    for name, r in zip(names, places, strict=True):
-        meshes.append(write_station(blade, r, name, out / "stations"))
-        if meshes[-1].removed > REMOVED:
-            print(
-                f"warning [no-room] station r = {r:g}: {meshes[-1].removed:.1%} of the layers find "
-                "no room between the two sides and were made thinner",
-                file=sys.stderr,
-            )
-    if options.check:
-        print(f"{out}/stations: {len(names)} stations")
-        return 0
-    code = run_section(_section_options(options, out, names))
+    meshes, codes = _meshes(blade, names, out / "stations")
+    if options.check or not meshes:
+        print(f"{out}/stations: {len(meshes)} stations")
+        return worst(codes)
+    code = run_section(_section_options(options, out, list(meshes)))
     if code not in (0, USER_ERROR):
         return code
-    stations = analysed(out / "sections", dict(zip(names, places, strict=True)), meshes)
+    stations = analysed(out / "sections", {name: names[name] for name in meshes}, meshes)
+    for station in complete(stations):
+        _compare(blade, station)
     write_text(out / "blade.csv", station_csv(blade, stations))
-    write_text(out / "beam.csv", body_csv(blade, stations))
     print(station_text(blade, stations))
-    count = len(complete(stations))
-    print(f"{out}/blade.csv, beam.csv: {count} stations")
+    done = complete(stations)
+    print(f"{out}/blade.csv: {len(done)} stations")
+    if len(done) < len(names):
+        found = {station.name for station in done}
+        lost = ", ".join(f"{r:g}" for name, r in names.items() if name not in found)
+        print(
+            f"error: blade: r = {lost}: without these stations the blade is another one; not "
+            f"written: {', '.join(_of_the_blade(options))}",
+            file=sys.stderr,
+        )
+        return worst([*codes, code, USER_ERROR])
+    write_text(out / "beam.csv", body_csv(blade, stations))
+    print(out / "beam.csv")
     for file in write_for(options.to, blade, stations, out) if options.to else ():
         print(file)
-    if count > 1:
+    if len(done) > 1:
         case = write_blade_case(blade, stations, out)
         print(f"{case}: the blade on its hub; plymotion modes {case} --at spin=0:1:0.1")
     if options.spin:
         spin_blade(options.spin, blade, stations, out / CASE_FILE, quiet=options.quiet)
     return code
+
+
+def _warning(code: str, words: str) -> None:
+    print(f"warning [{code}] {words}", file=sys.stderr)
+
+
+def _of_the_blade(options: argparse.Namespace) -> list[str]:
+    """Files of the whole blade that the command is asked for."""
+    spin = ["frequencies.csv", "campbell.*"] if options.spin else []
+    return ["beam.csv", CASE_FILE, *([f"blade_{options.to}*"] if options.to else []), *spin]
+
+
+def _meshes(
+    blade: Blade, names: Mapping[str, float], folder: Path
+) -> tuple[dict[str, StationMesh], list[int]]:
+    """The meshes of the stations by name, and the exit codes of those that have failed."""
+    meshes, codes = {}, []
+    for name, r in names.items():
+        try:
+            meshes[name] = write_station(blade, r, name, folder)
+        except InputError as error:
+            print(f"error: {error}", file=sys.stderr)
+            codes.append(USER_ERROR)
+            continue
+        except (ValueError, ArithmeticError, LookupError) as error:  # the others can be right
+            print(f"error: {blade.file}: station r = {r:g}: {report(error)}", file=sys.stderr)
+            codes.append(DEFECT)
+            continue
+        if meshes[name].removed > REMOVED:
+            _warning(
+                "no-room",
+                f"station r = {r:g}: {meshes[name].removed:.1%} of the layers find no room "
+                "between the two sides and were made thinner",
+            )
+    return meshes, codes
+
+
+def _compare(blade: Blade, station: Station) -> None:
+    """Say in which quantities a station differs from what the file has for it."""
+    if blade.given is None or station.results is None:
+        return
+    if found := differences(blade.given, station.r, station.results):
+        _warning(
+            "differs-from-file", f"{blade.file}: station r = {station.r:g}: {'; '.join(found)}"
+        )
 
 
 def _stations(options: argparse.Namespace, blade: Blade) -> list[float]:

@@ -4,45 +4,46 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from ...math.arrays import Array
-from .windio import Blade
-
-POINTS = 400  # of a contour
+from .shape import Airfoil, Shape
 
 
-def contour(blade: Blade, r: float) -> Array:
+def contour(shape: Shape, r: float) -> Array:
     """Points (n, 2) from the trailing edge over suction side and leading edge back [m].
 
     In the axes of the section: x2 from the reference axis to the leading edge, x3 to the suction
     side. Airfoils are blended by their relative thickness.
     """
-    chord, offset = blade.chord.at(r), blade.offset.at(r)
-    points = _blended(blade, blade.thickness.at(r))
-    height = blade.height.at(r)
+    chord, offset = shape.chord.at(r), shape.offset.at(r)
+    points = _blended(shape, r)
+    height = shape.height.at(r)
     return np.column_stack([offset - chord * points[:, 0], height + chord * points[:, 1]])
 
 
-def _blended(blade: Blade, thickness: float) -> Array:
-    ranked = sorted(blade.airfoils, key=lambda airfoil: airfoil.thickness)
-    sizes = np.array([airfoil.thickness for airfoil in ranked])
-    shapes = np.array([_sampled(airfoil.points) for airfoil in ranked])
-    if len(ranked) == 1:
+def _blended(shape: Shape, r: float) -> Array:
+    """Blend by relative thickness; airfoils of the same thickness by their places on the span."""
+    groups: dict[float, list[Airfoil]] = {}
+    for airfoil in shape.airfoils:
+        groups.setdefault(airfoil.thickness, []).append(airfoil)
+    sizes = np.array(sorted(groups))
+    shapes = np.array([_along_span(groups[size], r) for size in sizes])
+    if len(sizes) == 1:
         return np.asarray(shapes[0])
-    found = PchipInterpolator(sizes, shapes)(np.clip(thickness, sizes[0], sizes[-1]))
-    return np.asarray(found)
+    thickness = np.clip(shape.thickness.at(r), sizes[0], sizes[-1])
+    return np.asarray(PchipInterpolator(sizes, shapes)(thickness))
 
 
-def _sampled(points: Array) -> Array:
-    """Both sides at the same fractions of the chord, closer together at the edges."""
-    nose = int(points[:, 0].argmin())
-    x = 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, POINTS // 2 + 1)))
-    sides = []
-    for side in (points[nose::-1], points[nose:]):
-        s = np.sqrt(np.clip(side[:, 0] - side[0, 0], 0.0, None))  # straight near the nose
-        s, first = np.unique(s, return_index=True)
-        curve = PchipInterpolator(s / s[-1], side[first, 1])
-        sides.append(np.column_stack([x, curve(np.sqrt(x))]))
-    suction, pressure = sides
-    return np.concatenate([suction[::-1], pressure[1:]])
+def _along_span(airfoils: list[Airfoil], r: float) -> Array:
+    """Shape at r of airfoils of one thickness: linear between their places."""
+    if len(airfoils) == 1:
+        return airfoils[0].sampled
+    places = [(place, airfoil) for airfoil in airfoils for place in airfoil.places]
+    places.sort(key=lambda one: one[0])
+    after = next((k for k, (place, _) in enumerate(places) if place > r), len(places))
+    (p0, one), (p1, two) = places[max(after - 1, 0)], places[min(after, len(places) - 1)]
+    if p0 >= p1:
+        return one.sampled
+    f = min(max((r - p0) / (p1 - p0), 0.0), 1.0)
+    return (1.0 - f) * one.sampled + f * two.sampled
 
 
 def edge_angle(points: Array) -> float:

@@ -53,7 +53,7 @@ def station_mesh(
     ends = [low, *corners, high]
     fixed = [*ends, nose] if any(band.angle_deg for band in bands) else ends
     for last in [False] * PASSES + [True]:
-        check_feet(webs, perimeter, low, high)
+        check_feet(webs, perimeter, *(corners or (low, high)))
         arcs = _columns(rows, webs, perimeter, fixed)
         outer = _smooth(points, s / perimeter, arcs)
         normals = _normals(points, s / perimeter, arcs, outer, ends, mitred)
@@ -127,13 +127,17 @@ def _columns(
     webs exactly, others between them."""
     low, high = min(ends), max(ends)
     spacing = 1.0 / COLUMNS
-    feet = [feet_of(web, perimeter) for web in webs]
-    wanted = [*ends, *(float(arc) for both in feet for arc in both.ravel())]
+    feet = [feet_of(web, perimeter, spacing) for web in webs]
+    wanted = [float(arc) for both in feet for arc in both.ravel()]
+
+    def under(arc: float) -> bool:
+        return any(foot.min() < arc < foot.max() for both in feet for foot in both)
+
+    wanted += [arc for arc in ends if not under(arc)]  # the nose may be under a foot
     apart = CLOSE * min(spacing, 0.01 / perimeter)
     for arc in sorted(arc for row in rows for arc in breaks(row, perimeter)):
-        under = any(foot.min() < arc < foot.max() for both in feet for foot in both)
         near = min(abs(arc - other) for other in wanted) <= apart
-        if low < arc < high and not under and not near:
+        if low < arc < high and not under(arc) and not near:
             wanted.append(arc)
     fixed = sorted(wanted)
     found = [fixed[0]]

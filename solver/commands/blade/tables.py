@@ -8,7 +8,7 @@ import numpy as np
 
 from ...errors import InputError, nearest
 from ...math.arrays import Array
-from .along import Along
+from .along import NEAR, Along
 
 Table = Mapping[str, Any]
 
@@ -63,7 +63,7 @@ class Tables:
         wanted = "numbers" if count is None else f"{count} numbers" if count > 1 else "a number"
         try:
             values = np.array(found if count != 1 else [found], dtype=float)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             values = np.array(np.nan)
         if values.ndim != 1 or len(values) != (count or max(len(values), 1)):
             raise self.error(path, f"has {_kind(found)}; expected {wanted}")
@@ -83,6 +83,9 @@ class Tables:
             raise self.error(path, f"grid has {len(grid)} numbers and values {len(values)}")
         if (np.diff(grid) < 0).any():
             raise self.error(path, "expected a grid that rises")
+        if grid[0] < -NEAR or grid[-1] > 1.0 + NEAR:
+            words = f"{grid[0]:g} to {grid[-1]:g}; expected 0 at the root to 1 at the tip"
+            raise self.error(f"{path}.grid", words)
         return Along(grid, values)
 
 

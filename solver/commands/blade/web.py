@@ -7,6 +7,7 @@ contour.
 """
 
 import itertools
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -19,8 +20,11 @@ from .wall import WebLayers
 WIDEST = 3.0  # width on the contour over the thickness of a layer
 
 
-def feet_of(web: WebLayers, perimeter: float) -> Array:
-    """Arcs of the boundaries of a web's layers: on the suction and the pressure side (2, n)."""
+def feet_of(web: WebLayers, perimeter: float, spacing: float = math.inf) -> Array:
+    """Arcs of the boundaries of a web's layers: on the suction and the pressure side (2, n).
+
+    Layers that are wide beside `spacing` [-] have columns between them, equally many on both sides.
+    """
     plain = tuple(layer.thickness for layer in web.layers)
     found = []
     # From the leading edge to the trailing edge: arcs fall on the suction side.
@@ -29,7 +33,10 @@ def feet_of(web: WebLayers, perimeter: float) -> Array:
     ):
         steps = np.concatenate([[0.0], np.cumsum(widths)]) / perimeter
         found.append(middle + sense * (steps - 0.5 * steps[-1]))
-    return np.array(found)
+    feet = np.array(found)
+    counts = np.maximum(1, np.round(np.abs(np.diff(feet, axis=1)).max(axis=0) / spacing))
+    at = np.concatenate([[0.0], np.cumsum(counts)])
+    return np.array([np.interp(np.arange(at[-1] + 1.0), at, foot) for foot in feet])
 
 
 def fitted(

@@ -2,26 +2,30 @@
 
 A quantity along the span is a table of `grid` (0 at the root, 1 at the tip) and `values`. Positions
 along the contour are arc lengths from the trailing edge over the suction side and the leading edge
-back to the trailing edge, divided by the whole arc. They are given by the grids of anchors, which
-the file has worked out from the rules beside them.
+back to the trailing edge, divided by the whole arc; anchors.py reads them.
 """
 
 import re
+import shlex
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from ...errors import InputError, nearest
-from ...math.arrays import Array
+from ...inputs.common.yaml_file import read_yaml
 from .along import STRAIGHT, WHOLE, Along
+from .anchors import HANDLES, RULES, Anchors
+from .checks import check_layers, doubts
+from .contour import contour
+from .given import Given, read_given
 from .hub import NO_HUB, Hub, read_hub
 from .materials import read_materials
+from .shape import Shape, read_shape
 from .tables import Table, Tables
 
+OLD = ("outer_shape_bem", "internal_structure_2d_fem")
 # Keys of windIO 2.1.
 SHAPE = (
     "chord",
@@ -32,17 +36,21 @@ SHAPE = (
     "airfoils",
     "surface",
 )
-LAYER = (
-    "name",
-    "material",
-    "web",
-    "thickness",
-    "n_plies",
-    "fiber_orientation",
-    "start_nd_arc",
-    "end_nd_arc",
-)
-WEB = ("name", "start_nd_arc", "end_nd_arc", "anchors", "flanges")
+LISTS = {
+    "structure.layers": (
+        "name",
+        "material",
+        "web",
+        "thickness",
+        "n_plies",
+        "fiber_orientation",
+        "start_nd_arc",
+        "end_nd_arc",
+    ),
+    "structure.webs": ("name", "start_nd_arc", "end_nd_arc", "anchors", "flanges"),
+    "structure.anchors": ("name", *HANDLES, *RULES),
+}
+RANGE = ("start_nd_grid", "end_nd_grid")  # of windIO 2.0: the ends of the grid of the thickness
 
 
 @dataclass(frozen=True)
@@ -67,36 +75,21 @@ class Web:
     end: Along  # [-] arc on the pressure side
 
 
-@dataclass(frozen=True)
-class Airfoil:
-    """Coordinates over the chord, from the trailing edge over the suction side."""
-
-    name: str
-    thickness: float  # largest over the chord
-    points: Array  # (n, 2)
-
-
-@dataclass(frozen=True)
-class Blade:
+@dataclass(frozen=True, kw_only=True)
+class Blade(Shape):
     """What a file says of the structure of a blade."""
 
     file: Path
-    length: Along  # [m] coordinate z along the reference axis
-    prebend: Along  # [m] its x, to the suction side
-    sweep: Along  # [m] its y, to the trailing edge
-    chord: Along  # [m]
-    twist: Along  # [deg]
-    offset: Along  # [m] from the leading edge to the reference axis along the chord
-    thickness: Along  # [-] over the chord
-    airfoils: tuple[Airfoil, ...]
-    layers: tuple[Layer, ...]
-    webs: tuple[Web, ...]
+    layers: tuple[Layer, ...] = ()
+    webs: tuple[Web, ...] = ()
     materials: dict[str, dict[str, Any]]  # as a section description has them
     span: tuple[float, ...]  # grid of the file's chord
-    height: Along = STRAIGHT  # [m] of the chord line over the reference axis, to the suction side
     glue: str = ""  # material of the trailing edge's adhesive; "": the file has none
     hub: Hub = NO_HUB
+    given: Given | None = None  # stiffness and mass that the file has itself
     left_out: tuple[str, ...] = ()  # what the file has and the model does not: key and words
+    doubtful: tuple[str, ...] = ()  # what is possible, but unlike blades: key and words
+    differences: tuple[str, ...] = ()  # between rules of places and their numbers
 
 
 def read_blade(file: Path) -> Blade:
@@ -106,59 +99,61 @@ def read_blade(file: Path) -> Blade:
     ------
     InputError : it cannot be read, or has no blade of this form; the message names the key.
     """
-    top, tables = _yaml(file), Tables(file)
+    top, tables = _turbine(file), Tables(file)
     blade = tables.table(tables.table(top, "components"), "components.blade")
-    if "outer_shape_bem" in blade or "internal_structure_2d_fem" in blade:
+    if old := [key for key in OLD if key in blade]:
         raise tables.error(
-            "components.blade",
-            "this is a file of windIO 1; expected windIO 2: pip install windIO, then "
-            f"windio_converter -i {file.name} -o NEW.yaml",
+            f"components.blade.{old[0]}",
+            "a key of windIO 1; expected a blade of windIO 2: pip install windIO scipy, then "
+            f"windio_converter -i {shlex.quote(str(file))} -o ./{shlex.quote(file.stem)}-2.yaml "
+            "(without SciPy it writes a file whose blade is not converted)",
         )
-    shape = tables.table(blade, "components.blade.outer_shape")
+    outer = tables.table(blade, "components.blade.outer_shape")
     structure = tables.table(blade, "components.blade.structure")
     axis = tables.table(blade, "components.blade.reference_axis")
-    reader = _Structure(tables, structure)
-    chord = tables.along(shape, "outer_shape.chord")
-    if chord.values.min() <= 0.0:
-        raise tables.error("outer_shape.chord.values", "expected lengths above 0")
-
-    def optional(parent: Table, path: str) -> Along:
-        return tables.along(parent, path) if path.rpartition(".")[2] in parent else STRAIGHT
-
+    shape = read_shape(tables, top, outer, axis)
+    anchors = Anchors(
+        tables, structure, lambda r: contour(shape, r), twist=shape.twist, sweep=shape.sweep
+    )
+    reader = _Structure(tables, structure, anchors)
     glue = structure.get("trailing_edge_adhesive")
     glue = str(glue.get("material", "")) if isinstance(glue, dict) else ""
     layers = reader.layers()
+    check_layers(tables, shape, layers)
     return Blade(
+        **vars(shape),
         file=file,
-        length=tables.along(axis, "reference_axis.z"),
-        prebend=optional(axis, "reference_axis.x"),
-        sweep=optional(axis, "reference_axis.y"),
-        chord=chord,
-        twist=tables.along(shape, "outer_shape.twist"),
-        offset=tables.along(shape, "outer_shape.section_offset_y"),
-        thickness=tables.along(shape, "outer_shape.rthick"),
-        airfoils=_airfoils(tables, top, shape),
         layers=layers,
         webs=reader.webs,
         materials=read_materials(tables, top, {glue, *(layer.material for layer in layers)}),
-        span=tuple(chord.grid.tolist()),
-        height=optional(shape, "outer_shape.section_offset_x"),
+        span=tuple(shape.chord.grid.tolist()),
         glue=glue,
         hub=read_hub(top),
-        left_out=(*_left_out(tables, structure), *_unknown(tables, shape, structure)),
+        given=read_given(tables, structure),
+        left_out=(*_left_out(tables, structure), *_unknown(tables, outer, structure)),
+        doubtful=tuple(doubts(shape)),
+        differences=tuple(anchors.differences),
     )
 
 
 def _unknown(tables: Tables, shape: Table, structure: Table) -> Iterator[str]:
-    """Yield keys of the outer shape, the layers and the webs that windIO does not have."""
+    """Yield keys of outer shape, layers, webs and anchors that windIO does not have.
+
+    Programs write a key into all layers: one line has all entries with the same unknown keys.
+    """
     parts: list[tuple[str, Table, tuple[str, ...]]] = [("outer_shape", shape, SHAPE)]
-    for path, keys in (("structure.layers", LAYER), ("structure.webs", WEB)):
+    for path, keys in LISTS.items():
         entries = tables.entries(structure, path)
         parts += [(f"{path}[{i}]", entry, keys) for i, entry in enumerate(entries)]
+    found: dict[tuple[str, ...], list[str]] = {}
     for path, entry, known in parts:
-        for key in entry:
-            if key not in known:
-                yield f"{path}: unknown key {key!r}{nearest(str(key), known)}"
+        if unknown := [str(key) for key in entry if key not in known]:
+            hints = [nearest(key, known) if key not in RANGE else "" for key in unknown]
+            words = [f"{key!r}{hint}" for key, hint in zip(unknown, hints, strict=True)]
+            found.setdefault(tuple(words), []).append(path)
+    for names, paths in found.items():
+        more = f" and {len(paths) - 1} more of layers, webs and anchors" if paths[1:] else ""
+        yield f"{paths[0]}{more}: unknown key{'s' if names[1:] else ''} {', '.join(names)}"
 
 
 def _left_out(tables: Tables, structure: Table) -> Iterator[str]:
@@ -183,19 +178,8 @@ def _left_out(tables: Tables, structure: Table) -> Iterator[str]:
         )
 
 
-def _yaml(file: Path) -> dict[str, Any]:
-    try:
-        import yaml
-    except ImportError as error:
-        raise InputError("plymotion blade needs PyYAML: pip install 'plymotion[blade]'") from error
-    try:
-        with file.open(encoding="utf-8") as stream:
-            table = yaml.load(stream, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{file}: cannot be read: {error}") from error
-    except (yaml.YAMLError, ValueError) as error:
-        where = str(error).replace("\n", " ")
-        raise InputError(f"{file}: not a YAML file: {where}") from error
+def _turbine(file: Path) -> dict[str, Any]:
+    table = read_yaml(file)
     if not isinstance(table, dict) or "components" not in table:
         raise InputError(f"{file}: components: missing; expected a windIO 2 turbine file")
     return table
@@ -204,15 +188,8 @@ def _yaml(file: Path) -> dict[str, Any]:
 class _Structure:
     """Layers and webs, whose places may be those of anchors."""
 
-    def __init__(self, tables: Tables, structure: Table) -> None:
-        self.tables, self.structure = tables, structure
-        self.anchors: dict[str, Table] = {}
-        places = [(structure, "structure.anchors")]
-        for i, web in enumerate(tables.entries(structure, "structure.webs")):
-            places.append((web, f"structure.webs[{i}].anchors"))
-        for parent, path in places:
-            for i, entry in enumerate(tables.entries(parent, path)):
-                self.anchors[tables.text(entry, f"{path}[{i}].name")] = entry
+    def __init__(self, tables: Tables, structure: Table, anchors: Anchors) -> None:
+        self.tables, self.structure, self.anchors = tables, structure, anchors
 
     @cached_property
     def webs(self) -> tuple[Web, ...]:
@@ -220,7 +197,9 @@ class _Structure:
         for i, entry in enumerate(self.tables.entries(self.structure, "structure.webs")):
             path = f"structure.webs[{i}]"
             name = self.tables.text(entry, f"{path}.name")
-            start, end = (self._arc(entry, f"{path}.{key}_nd_arc") for key in ("start", "end"))
+            start, end = (
+                self.anchors.arc(entry, f"{path}.{key}_nd_arc") for key in ("start", "end")
+            )
             found.append(Web(name, start, end))
         return tuple(found)
 
@@ -245,7 +224,7 @@ class _Structure:
         web = self.tables.text(entry, f"{path}.web") if entry.get("web") is not None else ""
         # A layer of a web covers all of it, so that it may have no arcs.
         arcs = [f"{path}.{key}_nd_arc" for key in ("start", "end")]
-        start, end = WHOLE if web else [self._arc(entry, arc) for arc in arcs]
+        start, end = WHOLE if web else [self.anchors.arc(entry, arc) for arc in arcs]
         return Layer(
             name=self.tables.text(entry, f"{path}.name"),
             material=self.tables.text(entry, f"{path}.material"),
@@ -255,66 +234,6 @@ class _Structure:
             end=end,
             web=web,
         )
-
-    def _arc(self, entry: Table, path: str) -> Along:
-        """Position along the contour: given, or that of an anchor."""
-        key = path.rpartition(".")[2]
-        found = entry.get(key)
-        if isinstance(found, dict) and "anchor" in found:
-            anchor = self.tables.table(found, f"{path}.anchor")
-            name = self.tables.text(anchor, f"{path}.anchor.name")
-            key = self.tables.text(anchor, f"{path}.anchor.handle")
-            if name not in self.anchors:
-                raise self.tables.error(path, f"no anchor {name!r}{nearest(name, self.anchors)}")
-            entry = self.anchors[name]
-            path = f"structure.anchors.{name}.{key}"
-        found = entry.get(key)
-        if not isinstance(found, dict) or "grid" not in found:
-            raise self.tables.error(
-                path,
-                "expected numbers in grid and values; rules (plane_intersection, offsets, width, "
-                "midpoint) are not evaluated here: let the program that wrote the file do it",
-            )
-        return self.tables.along({key: found}, path)
-
-
-def _airfoils(tables: Tables, top: Table, shape: Table) -> tuple[Airfoil, ...]:
-    used = tables.entries(shape, "outer_shape.airfoils", required=True)
-    names = [tables.text(e, f"outer_shape.airfoils[{i}].name") for i, e in enumerate(used)]
-    if not names:
-        raise tables.error("outer_shape.airfoils", "expected names of airfoils")
-    known = {
-        tables.text(entry, f"airfoils[{i}].name"): entry
-        for i, entry in enumerate(tables.entries(top, "airfoils", required=True))
-    }
-    found = []
-    for name in dict.fromkeys(names):
-        if name not in known:
-            raise tables.error("airfoils", f"no airfoil {name!r}{nearest(name, known)}")
-        path = f"airfoils.{name}"
-        xy = tables.table(known[name], f"{path}.coordinates")
-        x, y = (tables.numbers(xy, f"{path}.coordinates.{key}") for key in "xy")
-        (thickness,) = tables.numbers(known[name], f"{path}.rthick", 1)
-        found.append(Airfoil(name, float(thickness), _ordered(tables, path, x, y)))
-    return tuple(found)
-
-
-def _ordered(tables: Tables, path: str, x: Array, y: Array) -> Array:
-    """Points (n, 2) from the trailing edge over the suction side, from either sense."""
-    path = f"{path}.coordinates"
-    if len(x) != len(y) or len(x) < 10:
-        words = f"x has {len(x)} numbers and y {len(y)}; expected as many, ten or more"
-        raise tables.error(path, words)
-    nose = int(x.argmin())
-    if min(nose, len(x) - 1 - nose) < 3 or abs(np.ptp(x) - 1.0) > 0.1:
-        raise tables.error(
-            path,
-            f"x = {x[0]:g} to {x[nose]:g} to {x[-1]:g}; expected points over the chord, from the "
-            "trailing edge (x = 1) over one side to the leading edge (x = 0) and back",
-        )
-    points = np.column_stack([x, y])
-    upper, lower = np.trapezoid(y[nose::-1], x[nose::-1]), np.trapezoid(y[nose:], x[nose:])
-    return points if upper >= lower else points[::-1]
 
 
 def region_name(layer: str) -> str:
