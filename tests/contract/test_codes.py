@@ -41,6 +41,9 @@ LIMITS = {
     "direction-reverses": ("preprocess/section/guards.py", "REVERSAL"),
     "strongly-curved": ("preprocess/section/shape_along.py", "STRONG"),
     "taper-neglected": ("preprocess/section/shape_along.py", "TAPER"),
+    "rule-differs": ("solver/commands/blade/anchors.py", "AGREE"),
+    "no-room": ("solver/commands/blade/command.py", "REMOVED"),
+    "differs-from-file": ("solver/commands/blade/given.py", "DIFFERENT"),
     "accuracy-not-met": ("preprocess/section/analysis.py", "MOST_DOFS"),
 }
 MAKERS = {"_warning", "add_warning"}  # functions that take a code first

@@ -7,6 +7,7 @@ files also have placeholders there. So a rule holds where the numbers are not it
 numbers other than placeholders are off by is a difference that the file is told about.
 """
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -24,6 +25,8 @@ RULES = ("width", "offset_arc", "offset_nd_arc", "plane_intersection")
 # turbines are within 0.005 (docs/blade.md).
 AGREE = 0.01
 STEPS = 100  # of the span, at which rules are evaluated, besides those of their grids
+# What windIO's converter writes for an end that a rule of the anchor of this name defines.
+UNDEFINED = {"name": "not_defined", "handle": "not_defined"}
 DEEPEST = 20  # anchors that refer to each other
 
 
@@ -63,8 +66,11 @@ class Anchors:
 
     def arc(self, entry: Table, path: str) -> Along:
         """Return the place that an entry of a layer or web has: numbers, or those of an anchor."""
-        found = entry.get(path.rpartition(".")[2])
+        key = path.rpartition(".")[2]
+        found = entry.get(key)
         if isinstance(found, dict) and "anchor" in found:
+            if found["anchor"] == UNDEFINED and entry.get("name") in self.entries:
+                return self._of(str(entry["name"]), key)
             return self._of(*self._reference(found, path))
         return self._numbers(entry, path)
 
@@ -169,7 +175,7 @@ class Anchors:
                 return float(found % 1.0)
             return float(min(max(found, 0.0), 1.0))
 
-        return self._sampled(at, width, start)
+        return self._sampled(path, at, width, start)
 
     def _offset_arc(self, entry: Table, path: str, handle: str, depth: int) -> Along:
         """A length from another anchor [m]."""
@@ -184,7 +190,7 @@ class Anchors:
         offset = self.tables.along(entry, path)
         start = self._of(*self._reference(rule, path), depth)
         return self._sampled(
-            lambda r: min(max(start.at(r) + offset.at(r) / unit(r), 0.0), 1.0), offset, start
+            path, lambda r: min(max(start.at(r) + offset.at(r) / unit(r), 0.0), 1.0), offset, start
         )
 
     def _plane_intersection(self, entry: Table, path: str, handle: str, depth: int) -> Along:
@@ -223,21 +229,25 @@ class Anchors:
             across = np.sin(angle) * points[:, 1] - np.cos(angle) * points[:, 0]
             across -= y + offset.at(r)
             signs = np.flatnonzero(np.diff(np.sign(across)) != 0.0)
-            if not signs.size:  # beside the section: its nearest edge
-                return float(s[np.abs(across).argmin()] / s[-1])
+            if not signs.size:  # beside the section
+                return math.nan
             k = int(signs[0] if suction else signs[-1])
             f = across[k] / (across[k] - across[k + 1])
             return float((s[k] + f * (s[k + 1] - s[k])) / s[-1])
 
-        return self._sampled(at, *([offset] if given else []))
+        return self._sampled(path, at, *([offset] if given else []))
 
-    def _sampled(self, at: Callable[[float], float], *parts: Along) -> Along:
-        """A rule along the span, where all its parts are given."""
+    def _sampled(self, path: str, at: Callable[[float], float], *parts: Along) -> Along:
+        """A rule along the span, where all its parts are given and it has a result."""
         grid = np.linspace(0.0, 1.0, STEPS + 1)
         for part in parts:
             grid = np.union1d(grid, part.grid)
         grid = np.array([r for r in grid if all(part.covers(float(r)) for part in parts)])
-        return Along(grid, np.array([at(float(r)) for r in grid]))
+        values = np.array([at(float(r)) for r in grid])
+        found = np.isfinite(values)
+        if not found.any():
+            raise self.tables.error(path, "has no result on the span of the blade")
+        return Along(grid[found], values[found])
 
     def _contour(self, r: float) -> tuple[Array, Array]:
         if r not in self.contours:

@@ -52,7 +52,8 @@ def run_blade(options: argparse.Namespace) -> int:
     code = run_section(_section_options(options, out, list(meshes)))
     if code not in (0, USER_ERROR):
         return code
-    stations = analysed(out / "sections", {name: names[name] for name in meshes}, meshes)
+    good = {name: names[name] for name in meshes}
+    stations = analysed(out / "sections", good, list(meshes.values()))
     for station in complete(stations):
         _compare(blade, station)
     write_text(out / "blade.csv", station_csv(blade, stations))

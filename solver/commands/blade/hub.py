@@ -32,6 +32,6 @@ def read_hub(table: Mapping[str, Any]) -> Hub:
 def _number(value: Any) -> float:
     try:
         found = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         return 0.0
     return found if math.isfinite(found) else 0.0

@@ -4,21 +4,10 @@ from collections.abc import Set
 from typing import Any
 
 import numpy as np
-from pydantic import ValidationError
 
-from ...errors import InputError
-from ...inputs.common.material import Material, check_materials
-from ...inputs.common.messages import lines
-from ...inputs.common.table import Table as FileTable
 from .tables import Table, Tables
 
 GLUE = "adhesive"  # part of the name of the material of bond lines
-
-
-class _Materials(FileTable):
-    """The materials of a blade, as a section description has them."""
-
-    materials: dict[str, Material]
 
 
 def read_materials(tables: Tables, top: Table, used: Set[str]) -> dict[str, dict[str, Any]]:
@@ -27,22 +16,12 @@ def read_materials(tables: Tables, top: Table, used: Set[str]) -> dict[str, dict
     Parameters
     ----------
     used : names of the materials of layers
-
-    Raises
-    ------
-    InputError : a material that cannot be; the message names its key.
     """
     found = {}
     for i, entry in enumerate(tables.entries(top, "materials")):
         name = tables.text(entry, f"materials[{i}].name")
         if name in used or GLUE in name.lower():
             found[name] = _material(tables, entry, f"materials.{name}")
-    try:
-        checked = _Materials.model_validate({"materials": found})
-    except ValidationError as error:
-        raise InputError("\n".join(lines(error, _Materials, str(tables.file)))) from error
-    if wrong := check_materials(checked.materials):
-        raise InputError("\n".join(f"{tables.file}: {line}" for line in wrong))
     return found
 
 

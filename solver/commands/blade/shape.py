@@ -14,6 +14,7 @@ from .tables import Table, Tables
 POINTS = 400  # of a contour
 SAME = 6  # digits in which thicknesses of airfoils are equal
 THICKEST = 1.05  # over the chord: a round root has 1
+FARTHEST = 100.0  # [smallest chord] of the reference axis from the section
 TURNED = 90.0  # [deg] twist that no section of a rotor has
 
 
@@ -80,8 +81,9 @@ def read_shape(tables: Tables, top: Table, shape: Table, axis: Table) -> Shape:
         height=optional(shape, "outer_shape.section_offset_x"),
     )
     size, twist = found.thickness.values, np.abs(found.twist.values)
+    least = found.chord.values.min()
     for wrong, key, words in (
-        (found.chord.values.min() <= 0.0, "outer_shape.chord", "expected lengths above 0 [m]"),
+        (least <= 0.0, "outer_shape.chord", "expected lengths above 0 [m]"),
         (
             size.min() <= 0.0 or size.max() > THICKEST,
             "outer_shape.rthick",
@@ -91,6 +93,16 @@ def read_shape(tables: Tables, top: Table, shape: Table, axis: Table) -> Shape:
             twist.max() > TURNED,
             "outer_shape.twist",
             f"up to {twist.max():g}; expected degrees from {-TURNED:g} to {TURNED:g}",
+        ),
+        (
+            np.abs(found.offset.values).max() > FARTHEST * abs(least),
+            "outer_shape.section_offset_y",
+            f"up to {np.abs(found.offset.values).max():g} m; expected metres",
+        ),
+        (
+            np.abs(found.height.values).max() > FARTHEST * abs(least),
+            "outer_shape.section_offset_x",
+            f"up to {np.abs(found.height.values).max():g} m; expected metres",
         ),
         (
             (np.diff(found.length.values) <= 0.0).any() or len(found.length.values) < 2,
@@ -124,10 +136,8 @@ def _airfoils(tables: Tables, top: Table, shape: Table) -> tuple[Airfoil, ...]:
         xy = tables.table(known[name], f"{at}.coordinates")
         x, y = (tables.numbers(xy, f"{at}.coordinates.{key}") for key in "xy")
         points = _ordered(tables, at, x, y)
-        size = _thickness(points)
-        if "rthick" in known[name]:
-            (size,) = tables.numbers(known[name], f"{at}.rthick", 1).tolist()
-        found.append(Airfoil(name, round(size, SAME), points, tuple(sorted(places[name]))))
+        (size,) = tables.numbers(known[name], f"{at}.rthick", 1)
+        found.append(Airfoil(name, round(float(size), SAME), points, tuple(sorted(places[name]))))
     for k, one in enumerate(found):
         for two in found[:k]:
             if one.thickness == two.thickness and not (one.places and two.places):
@@ -138,21 +148,14 @@ def _airfoils(tables: Tables, top: Table, shape: Table) -> tuple[Airfoil, ...]:
     return tuple(found)
 
 
-def _thickness(points: Array) -> float:
-    """The largest thickness of an airfoil over its chord."""
-    nose = int(points[:, 0].argmin())
-    x = np.linspace(points[nose, 0], min(points[0, 0], points[-1, 0]), 200)
-    upper, lower = points[nose::-1], points[nose:]
-    y = np.interp(x, *upper.T) - np.interp(x, *lower.T)
-    return float(y.max() / np.ptp(points[:, 0]))
-
-
 def _ordered(tables: Tables, path: str, x: Array, y: Array) -> Array:
     """Points (n, 2) from the trailing edge over the suction side, from either sense."""
     path = f"{path}.coordinates"
     if len(x) != len(y) or len(x) < 10:
         words = f"x has {len(x)} numbers and y {len(y)}; expected as many, ten or more"
         raise tables.error(path, words)
+    if np.abs(y).max() > 1.0:
+        raise tables.error(path, f"y is up to {np.abs(y).max():g}; expected shares of the chord")
     nose = int(x.argmin())
     if min(nose, len(x) - 1 - nose) < 3 or abs(np.ptp(x) - 1.0) > 0.1:
         raise tables.error(

@@ -3,7 +3,7 @@
 import csv
 import io
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -24,9 +24,7 @@ class Station:
     results: SectionResults | None  # None: it has failed
 
 
-def analysed(
-    sections: Path, places: Mapping[str, float], meshes: Mapping[str, StationMesh]
-) -> list[Station]:
+def analysed(sections: Path, places: dict[str, float], meshes: list[StationMesh]) -> list[Station]:
     """Return the stations with the results of the last call of the section command.
 
     Files of earlier calls do not count: a station that has failed now has none.
@@ -38,12 +36,10 @@ def analysed(
     """
     summary = json.loads((sections / "summary.json").read_text(encoding="utf-8"))
     found = []
-    for name, mesh in meshes.items():
+    for (name, r), mesh in zip(places.items(), meshes, strict=True):
         file = sections / name / f"{name}.vtkhdf"
         failed = summary[name]["status"] == "failed"
-        found.append(
-            Station(places[name], name, mesh, file, None if failed else read_results(file))
-        )
+        found.append(Station(r, name, mesh, file, None if failed else read_results(file)))
     return found
 
 

@@ -10,6 +10,7 @@ from ...errors import InputError, nearest
 from ...math.arrays import Array
 from .along import NEAR, Along
 
+LARGEST = 1e30  # squares and products of larger numbers overflow
 Table = Mapping[str, Any]
 
 
@@ -67,8 +68,8 @@ class Tables:
             values = np.array(np.nan)
         if values.ndim != 1 or len(values) != (count or max(len(values), 1)):
             raise self.error(path, f"has {_kind(found)}; expected {wanted}")
-        if not np.isfinite(values).all():
-            raise self.error(path, f"expected {wanted}, finite ones")
+        if not (np.abs(values) <= LARGEST).all():
+            raise self.error(path, f"expected {wanted}, finite ones, up to {LARGEST:g}")
         return values
 
     def along(self, parent: Table, path: str) -> Along:

@@ -17,7 +17,7 @@ from ...errors import InputError, nearest
 from ...inputs.common.yaml_file import read_yaml
 from .along import STRAIGHT, WHOLE, Along
 from .anchors import HANDLES, RULES, Anchors
-from .checks import check_layers, doubts
+from .checks import check_layers, doubtful_materials, doubts
 from .contour import contour
 from .given import Given, read_given
 from .hub import NO_HUB, Hub, read_hub
@@ -25,6 +25,7 @@ from .materials import read_materials
 from .shape import Shape, read_shape
 from .tables import Table, Tables
 
+HALF = 'if it prints "Blade component could not be converted", its file is not complete'
 OLD = ("outer_shape_bem", "internal_structure_2d_fem")
 # Keys of windIO 2.1.
 SHAPE = (
@@ -106,7 +107,7 @@ def read_blade(file: Path) -> Blade:
             f"components.blade.{old[0]}",
             "a key of windIO 1; expected a blade of windIO 2: pip install windIO scipy, then "
             f"windio_converter -i {shlex.quote(str(file))} -o ./{shlex.quote(file.stem)}-2.yaml "
-            "(without SciPy it writes a file whose blade is not converted)",
+            f"({HALF})",
         )
     outer = tables.table(blade, "components.blade.outer_shape")
     structure = tables.table(blade, "components.blade.structure")
@@ -119,19 +120,20 @@ def read_blade(file: Path) -> Blade:
     glue = structure.get("trailing_edge_adhesive")
     glue = str(glue.get("material", "")) if isinstance(glue, dict) else ""
     layers = reader.layers()
+    materials = read_materials(tables, top, {glue, *(layer.material for layer in layers)})
     check_layers(tables, shape, layers)
     return Blade(
         **vars(shape),
         file=file,
         layers=layers,
         webs=reader.webs,
-        materials=read_materials(tables, top, {glue, *(layer.material for layer in layers)}),
+        materials=materials,
         span=tuple(shape.chord.grid.tolist()),
         glue=glue,
         hub=read_hub(top),
         given=read_given(tables, structure),
         left_out=(*_left_out(tables, structure), *_unknown(tables, outer, structure)),
-        doubtful=tuple(doubts(shape)),
+        doubtful=(*doubts(shape), *doubtful_materials(materials)),
         differences=tuple(anchors.differences),
     )
 
@@ -205,6 +207,9 @@ class _Structure:
 
     def layers(self) -> tuple[Layer, ...]:
         entries = self.tables.entries(self.structure, "structure.layers", required=True)
+        if not entries:
+            words = f"none; expected a layer or more. If windio_converter wrote the file: {HALF}"
+            raise self.tables.error("structure.layers", words)
         found = tuple(self._layer(e, f"structure.layers[{i}]") for i, e in enumerate(entries))
         webs = [web.name for web in self.webs]
         for i, layer in enumerate(found):

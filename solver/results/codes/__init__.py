@@ -9,5 +9,6 @@ GROUPS = {
     "Bodies": packages.BODY_CODES,
     "Shells and laminates": packages.SHELL_CODES,
     "Cross-sections": packages.SECTION_CODES,
+    "Blades": packages.BLADE_CODES,
 }
 CODES = {code.name: code for group in GROUPS.values() for code in group}

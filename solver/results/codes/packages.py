@@ -1,4 +1,4 @@
-"""Codes of warnings that the preprocessor, or `plymotion experimental`, writes into a file.
+"""Codes of warnings of files that are read or written: bodies, shells, sections and blades.
 
 Those of a body are in the provenance of its package and are repeated with every run of the body;
 those of a section or shell are in its file. The preprocessor does not import this list: a
@@ -307,5 +307,44 @@ SECTION_CODES = (
         "more than {limit:g} unknowns after the next refinement",
         "lower the accuracy, or use a better mesh",
         400000.0,
+    ),
+)
+
+BLADE_CODES = (
+    _code(
+        "not-modelled",
+        "the file has masses or stiffnesses that the stations do not have, or keys that windIO "
+        "does not have",
+        "any of them",
+        "docs/blade.md says what they mean; correct misspelt keys",
+    ),
+    _code(
+        "unlike-a-blade",
+        "a size or a material that no blade has, as from other units",
+        "length above 300 m, chord above 30 m or not 0.005 to 0.5 of the length, twist above "
+        "45 deg, E below 1e5 Pa, density not 5 to 25000 kg/m3, sqrt(E / density) above 20 km/s",
+        "use m, deg, Pa and kg/m3",
+    ),
+    _code(
+        "rule-differs",
+        "a rule of an anchor (width, offset, plane) and the numbers beside it give other places; "
+        "the rule is used",
+        "difference above {limit:g} of the arc",
+        "remove the one that is wrong",
+        0.01,
+    ),
+    _code(
+        "no-room",
+        "layers find no room between the two sides and were made thinner",
+        "share of the area of the layers above {limit:g}",
+        "check thicknesses and chord there; at a sharp trailing edge it is expected",
+        0.02,
+    ),
+    _code(
+        "differs-from-file",
+        "mass or a stiffness of a station differs from `elastic_properties` of the file",
+        "relative difference above {limit:g}",
+        "docs/blade.md has the causes that were found; compare lay-up and matrices of the file",
+        0.1,
     ),
 )

@@ -24,6 +24,7 @@ FOOT = {
     "Warnings of its section or shell come with them.",
     "Shells and laminates": "In the shell file, or in the package of a shell body.",
     "Cross-sections": "In the section file, and in the package of a beam with that section.",
+    "Blades": "On the screen, by `plymotion blade` ([blade.md](blade.md)).",
 }
 
 
