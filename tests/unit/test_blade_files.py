@@ -41,7 +41,7 @@ def widths(blade, name, r):
 
 @pytest.mark.parametrize("dummy", [(0.0, 1.0), (0.1, 0.9), (0.5, 0.5), None], ids=str)
 def test_a_width_holds_over_numbers_that_are_not_its_result(tmp_path, dummy):
-    """A strip of 0.3 m at the trailing edge, and one about a midpoint: their numbers are dummies."""
+    """A strip of 0.3 m at the trailing edge, and one about a midpoint."""
 
     def change(blade, _):
         ends = {} if dummy is None else anchor("", *dummy)
