@@ -52,7 +52,7 @@ def _loaded(text: bytes) -> Any:
 
     class Loader(*bases):  # type: ignore[misc]
         def __init__(self, stream: bytes) -> None:
-            bases[-1].__init__(self, stream)
+            bases[-1].__init__(self, stream)  # type: ignore[misc]
             Composer.__init__(self)
             self.level = self.values = 0
             self.sizes: dict[str, int] = {}  # of the nodes with an anchor
