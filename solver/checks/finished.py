@@ -59,7 +59,7 @@ class FinishedRun:
     look: Look = field(default_factory=Look)
     known: Past | None = None  # `past`, of who has computed it
     independent: bool = False
-    in_play: float = 0.0  # energy in play at any step, where output times do not show it [J]
+    in_play: float = 0.0  # energy in play at any step; output times may show less [J]
 
     @property
     def model(self) -> Model:

@@ -136,4 +136,7 @@ def make_integrator(
         "derivative": lambda: right_hand_side(model),
     }[kind.takes]()
     made: Integrator = kind(subject, 0.0, y0, solver.t_end, **options)
+    made.vibrates = bool(
+        model.n_mode.any() or model.plan.element_row.size or (model.quantities.along >= 0).any()
+    )
     return made

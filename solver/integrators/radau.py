@@ -14,11 +14,11 @@ from .compiled.radau import advance
 from .compiled.radau_workspace import new_radau_workspace, restart_radau
 from .compiled.step_control import Ends
 from .compiled.tableau import MU
-from .generic.advice import SHORTER
+from .generic.advice import SHORTER, WANTED
 from .generic.base import Dense
 from .generic.explicit import Powers
-from .generic.pace import Pace, Refusals
-from .ringing import ringing
+from .generic.pace import OWN, Pace, Refusals
+from .ringing import kinetic_energies, ringing
 from .step_loop import ClosingLoop
 from .turning import A_TURN, TOO_FAST, turning
 
@@ -31,6 +31,9 @@ TURNS_TOO_FAST = (
 )
 
 PATIENCE = 4  # looks at a run that goes on stalled, before the next
+# Part of the kinetic energy above a cutoff: from here on it is the motion that would be damped.
+MOTION = 0.1
+NOTHING = 1e-20  # part of it that is rounding: no vibration is above the cutoff
 
 
 class Radau(ClosingLoop):
@@ -56,7 +59,7 @@ class Radau(ClosingLoop):
 
     on_stall = (
         "cutoff_frequency, above which vibrations are damped; damping of the body or element; "
-        "fewer modes; or rtol and atol_velocity that do not ask for the vibration"
+        f"fewer modes; or rtol and atol_velocity that do not ask for the vibration. {WANTED}"
     )
     keys = (
         Number(
@@ -82,11 +85,14 @@ class Radau(ClosingLoop):
         self._workspace.clock[codes.CUTOFF] = cutoff_frequency or 0.0
         self._tries = list(CUTOFFS) if cutoff_frequency is None else []
         self._patience = 0
+        self._kinetic = np.zeros(2)  # largest at these looks, above the cutoff and of all [J]
 
     def follow(self, pace: Pace) -> None:
         """Answer a stall by a cutoff, as high as ends it; end a run that turns beyond all measure.
 
         Short steps of a body that turns fast are those of its rotation: no cutoff changes them.
+        Neither does one help rigid bodies, whose motion is no vibration; and a vibration with a
+        part of the kinetic energy that counts is the motion itself, which no cutoff may damp.
         """
         found = pace.stalled(self.t, self.counters.steps, self.counters.rejected)
         if found is None:
@@ -97,14 +103,19 @@ class Radau(ClosingLoop):
                 self.status = "failed"
                 self.message = TURNS_TOO_FAST.format(t=self.t, spin=fastest.spin, rim=fastest.rim)
             return
+        cutoff = (self._tries or CUTOFFS)[0] * np.pi / pace.interval
+        energies = kinetic_energies(self._model, self._workspace, self.y, cutoff)
+        self._kinetic = np.maximum(self._kinetic, energies)
+        component, rate = ringing(self._model, self._workspace)
+        if energies[0] <= NOTHING * energies[1] and rate * found.step > OWN:
+            return
         if not self.stalls:
-            component, rate = ringing(self._model, self._workspace)
             self.stalls = [replace(found, component=component, rate=rate, remedy=self.on_stall)]
         elif self._patience > 0:
             self._patience -= 1
             return
-        if self._tries:
-            cutoff = self._tries.pop(0) * np.pi / pace.interval
+        if self._tries and self._kinetic[0] <= MOTION * self._kinetic[1]:
+            self._tries.pop(0)
             self._patience = PATIENCE
             self._workspace.clock[codes.CUTOFF] = cutoff
             self.stalls = [replace(self.stalls[0], cutoff=cutoff)]

@@ -1,8 +1,10 @@
-"""Which vibration keeps the steps of Radau IIA short."""
+"""Which vibration keeps the steps of Radau IIA short, and how much of the motion it is."""
 
 import numpy as np
 
 from ..dynamics.model import Model
+from ..math.arrays import Array
+from .compiled.cutoff import filter_error, start_filter
 from .compiled.radau_workspace import RadauWorkspace
 
 
@@ -26,3 +28,25 @@ def ringing(model: Model, workspace: RadauWorkspace) -> tuple[int, float]:
     speed = cubic[j - k + 3 : j - k + 6] if turns else cubic[j : j + 1]
     size_q, size_v = float(np.linalg.norm(swing)), float(np.linalg.norm(speed))
     return j, size_v / size_q if size_q > 0.0 else 0.0
+
+
+def kinetic_energies(
+    model: Model, workspace: RadauWorkspace, y: Array, cutoff: float
+) -> tuple[float, float]:
+    """Return the kinetic energy of vibrations above a cutoff [rad/s], and of all motion [J].
+
+    In state y (n,), by the filter that takes such vibrations out of errors: motion without
+    stiffness is not among them, however fast it is.
+    """
+    start_filter(model, workspace.frozen, workspace.cutoff, cutoff)
+    filter_error(model, workspace.cutoff, cutoff, y)
+    found = np.zeros(2)
+    for i, j in enumerate(np.asarray(model.vel_start) + model.n_pos):
+        size, lead = int(model.plan.size[i]), int(model.plan.lead[i])
+        M = workspace.frozen.M[i, :size, :size]
+        lower = np.tril(M, -1)
+        lower[:, lead:] = 0.0
+        v = y[j : j + size]
+        for k, w in enumerate((v - workspace.cutoff.error[j : j + size], v)):
+            found[k] += w @ lower @ w + 0.5 * (np.diag(M) * w) @ w
+    return float(found[0]), float(found[1])

@@ -7,6 +7,7 @@ import numpy as np
 from ..math.arrays import Array
 from ..results.codes.motion import ENERGY_JUMP
 from ..results.finding import Finding
+from ..results.schema import ROUNDING
 
 
 @dataclass
@@ -17,11 +18,12 @@ class EnergyMonitor:
     force with a jump, a step far too long.
     """
 
-    in_play: float = 0.0  # largest energy, change of potential or work so far [J]
+    in_play: float = 0.0  # largest energy, change of potential or work so far; least to begin [J]
     largest_jump: float = 0.0  # of the balance in one step [J]
     t_jump: float = 0.0
     balance: float = 0.0  # of the last state [J]
     _start: Array = field(default_factory=lambda: np.zeros(0))
+    _terms: float = 0.0  # largest sum of the sizes of all energies and the work [J]
 
     def take(self, t: Array, energy: Array, work: Array) -> None:
         """Take the states after the last ones.
@@ -38,6 +40,7 @@ class EnergyMonitor:
         change = energy[:, 2] - self._start[2]
         sizes = (energy[:, 0].max(), energy[:, 1].max(), np.abs(change).max(), np.abs(work).max())
         self.in_play = float(max(self.in_play, *sizes))
+        self._terms = max(self._terms, float((np.abs(energy).sum(axis=1) + np.abs(work)).max()))
         jumps = np.abs(np.diff(balance, prepend=self.balance))
         k = int(np.argmax(jumps))
         if jumps[k] > self.largest_jump:
@@ -47,7 +50,7 @@ class EnergyMonitor:
     def findings(self) -> list[Finding]:
         """Return the largest jump of the run so far, if it is above the threshold."""
         share = float(self.largest_jump / max(self.in_play, 1e-300))
-        if share < ENERGY_JUMP.limit:
+        if share < ENERGY_JUMP.limit or self.largest_jump < ROUNDING * self._terms:
             return []
         text = (
             f"one step, to t = {self.t_jump:.6g} s, changed the energy balance by "

@@ -33,6 +33,9 @@ if TYPE_CHECKING:
 
 
 NOTHING = 1e-13  # of the energy of a mechanism at its speed: round-off
+# The energy of a motion is known to a thousandth, the limit of the balance, where its speed is a
+# thousand tolerances. Slower motion is noise of the steps, but above a hundredth of the scale.
+NOISE, MOST_NOISE = 1e3, 1e-2
 
 
 @dataclass(frozen=True)
@@ -91,16 +94,8 @@ class Prepared:
             noticed=noticed,
             look=look,
             independent=self.independent,
-            in_play=passage.energy.in_play if _stores_unseen(self.model) else 0.0,
+            in_play=passage.energy.in_play,
         )
-
-
-def _stores_unseen(model: Model) -> bool:
-    """Tell whether forces along coordinates store energy that only their work shows.
-
-    A stiff controller may have given and taken back all of it between two output times.
-    """
-    return bool((model.quantities.along >= 0).any())
 
 
 def prepare(
@@ -143,8 +138,8 @@ def prepare(
         treatment.name,
         stop=solver.on_singular == "stop",
     )
-    if _stores_unseen(built.model):
-        passage.energy.in_play = NOTHING * scales(built.model, y0, solver.t_end).energy
+    least = max(NOTHING, min((NOISE * solver.rtol) ** 2, MOST_NOISE))
+    passage.energy.in_play = least * scales(built.model, y0, solver.t_end).energy
     invalid = spins.at_start(0.0, y0)
     passage.at_start(0.0, y0)
     refused = None

@@ -17,7 +17,7 @@ from ...math.keys import Number
 from . import advice
 from .first_step import first_step_size
 from .norm import ErrorNorm
-from .pace import Pace, Refusals, Stall
+from .pace import OWN, Pace, Refusals, Stall
 
 Derivative = Callable[[float, Array], Array]
 Jacobian = Callable[[float, Array], Array]
@@ -103,6 +103,8 @@ class Integrator(ABC):
     on_stall: ClassVar[str] = advice.STALLED  # what helps a run of tiny steps
     # Of |h w| on average, above which stability and not accuracy limits the steps; None: nowhere.
     limited_above: ClassVar[float | None] = None
+
+    vibrates = True  # whether anything in the system stores energy and could vibrate
 
     def __init__(
         self,
@@ -348,6 +350,8 @@ class Integrator(ABC):
         found = pace.stalled(self.t, self.counters.steps, self.counters.rejected)
         if found is not None:
             rate, component = self._fastest_motion()
+            if not self.vibrates and rate * found.step > OWN:
+                return
             self.stalls.append(replace(found, component=component, rate=rate, remedy=self.on_stall))
 
     @property

@@ -7,6 +7,7 @@ from ...math.arrays import Array
 SLOW = 100  # steps of one interval of the results, at this pace
 INTERVALS = 1000  # a run has at least so many, however few are asked for
 WINDOW = 2000  # attempts between two looks
+OWN = 0.01  # step times rate of a motion, from which on the motion itself asks for such steps
 
 
 @dataclass(frozen=True)
