@@ -6,7 +6,7 @@ import numpy as np
 
 from ..dynamics.forces.contract import CoordinateForce
 from ..dynamics.forces.table import FORCES
-from ..dynamics.scales import scales
+from ..dynamics.scales import scales, speed_of_drives
 from ..errors import few
 from ..math.arrays import Array
 from ..math.keys import Code, Expression, Expressions
@@ -17,6 +17,7 @@ from .finished import FinishedRun
 # No power of time that loads or drives follow grows so fast: in the last tenth t^n grows by
 # (10/9)^n, which is 3 for n = 10; the kinetic energy of a smooth step begins with t^6 at most.
 PARTS, LAST, FACTOR = 10, 5, 3.0
+DRIVEN = 10_001  # output times at which drives are looked at
 # Kinds whose force the user writes as an expression or as code: a feedback may be among them.
 ACTIVE = {
     kind
@@ -32,7 +33,10 @@ def growth_findings(run: FinishedRun) -> Iterator[Finding]:
     if peaks is None or not np.all(peaks[-LAST:] > FACTOR * peaks[-LAST - 1 : -1]):
         return
     t, y0 = run.solution.t, run.solution.y[0]
-    scale = scales(run.model, y0, run.mechanism.solver.t_end).energy
+    size = scales(run.model, y0, run.mechanism.solver.t_end)
+    # A drive may be fast for a moment, as a spline at a jump: motion that is prescribed, not grown.
+    driven = speed_of_drives(run.model, y0, t[run.some(DRIVEN)], size.length)
+    scale = max(size.energy, float(run.model.mass.sum()) * driven**2)
     value = float(peaks[-1] / scale) if scale > 0.0 else np.inf
     if value <= GROWS.limit:
         return

@@ -5,10 +5,13 @@ linear body whose geometric stiffness is not small should have been stiffened.
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
+from ..dynamics.dense_equations import assemble
 from ..dynamics.model import Model
+from ..dynamics.null_space import free_motions
 from ..dynamics.recover import stiffened
 from ..dynamics.series import mass_matrices
 from ..math.arrays import Array
@@ -16,9 +19,11 @@ from ..mechanism import build
 from ..monitors.buckling import buckling_text
 from ..monitors.geometric_stiffness import Loading, geometric_stiffness
 from ..monitors.spin import SpinMonitor
-from ..results.codes.motion import BUCKLING, INDEFINITE, MATTERS, NO_STIFFENING_DATA
+from ..results.codes.motion import BUCKLING, INDEFINITE, MATTERS, NO_STIFFENING_DATA, ROTATION
 from ..results.finding import Finding
 from .finished import FinishedRun
+
+MOST_FREE = 41  # states of which the mass of free motions is computed, a dense problem
 
 
 def stiffening_findings(run: FinishedRun) -> Iterator[Finding]:
@@ -67,15 +72,9 @@ def _of_stiffened(run: FinishedRun, i: int, loading: Loading) -> Iterator[Findin
         return np.asarray(-np.linalg.eigvalsh(elastic + Kg)[:, 0])
 
     t, values = run.scan(negative_mass, run.look.stiffening)
-    bad = np.flatnonzero(~(-values > INDEFINITE.limit))
-    if bad.size:
-        when, lowest = float(t[bad[0]]), -float(values[bad[0]])
-        text = (
-            f"{name}: at t = {when:.4g} s the mass matrix of the body alone is not positive: "
-            "it has moved too far from its frame for second-order displacements. A chord or "
-            "mean-axis frame, or splitting the body (a beam: more segments), helps"
-        )
-        yield INDEFINITE.finding(text, body=name, t=when, value=lowest)
+    bad = ~(-values > INDEFINITE.limit)
+    if bad.any():
+        yield from _of_mass(run, i, t[bad], -values[bad])
     if any(finding.code == BUCKLING.name and finding.body == name for finding in run.noticed):
         return
     t, values = run.scan(softness, run.look.stiffening)
@@ -83,6 +82,48 @@ def _of_stiffened(run: FinishedRun, i: int, loading: Loading) -> Iterator[Findin
     if bad.size:
         when, lowest = float(t[bad[0]]), -float(values[bad[0]])
         yield BUCKLING.finding(buckling_text(name, when), body=name, t=when, value=lowest)
+
+
+def _of_mass(run: FinishedRun, i: int, t: Array, lowest: Array) -> Iterator[Finding]:
+    """Yield the first time of t (k,) at which the mass of a body that is not positive counts.
+
+    Joints may hold the body in the directions that have lost their mass, such as those of a
+    clamped root: no motion of the mechanism is without inertia then. What remains is a body that
+    has turned too far in itself, if it has.
+    """
+    model, name = run.model, run.built.body_names[i]
+    some = np.linspace(0, t.size - 1, min(t.size, MOST_FREE)).astype(int)
+    some = np.union1d(some, np.argmin(lowest))
+    t, lowest = t[some], lowest[some]
+    rows = np.searchsorted(run.solution.t, t)
+    free = np.array([_free_mass(model, when, run.solution.y[k]) for when, k in zip(t, rows)])
+    turned = np.zeros(t.size)
+    a = int(model.pos_start[i]) + 7
+    q = run.solution.y[rows][:, a : a + int(model.n_mode[i])]
+    for interface in run.packages[name].interfaces:
+        turned = np.maximum(turned, np.linalg.norm(q @ interface.psi_B.T, axis=1))
+    lost = ~(free > INDEFINITE.limit)
+    counts = np.flatnonzero(lost | (turned > ROTATION.limit))
+    if not counts.size:
+        return
+    k = counts[np.argmax(lost[counts])]  # the first, where a motion of the mechanism has none
+    whose = "" if lost[k] else " alone"
+    text = (
+        f"{name}: at t = {t[k]:.4g} s the mass matrix of the body{whose} is not positive: "
+        "it has moved too far from its frame for second-order displacements. A chord or "
+        "mean-axis frame, or splitting the body (a beam: more segments), helps"
+    )
+    found = INDEFINITE.finding(text, body=name, t=float(t[k]), value=float(lowest[k]))
+    yield found if lost[k] else replace(found, level="warning")
+
+
+def _free_mass(model: Model, t: float, y: Array) -> float:
+    """Return the least eigenvalue of the mass of free motions, scaled to a unit diagonal."""
+    equations = assemble(model, t, y)
+    Z = free_motions(equations, model.inertia_scale).Z
+    M = Z.T @ equations.M @ Z
+    scale = 1.0 / np.sqrt(np.abs(np.diag(M)))
+    return float(np.linalg.eigvalsh(M * scale[:, None] * scale)[0]) if M.size else 1.0
 
 
 def _of_linear(run: FinishedRun, tables: Model, i: int, loading: Loading) -> Iterator[Finding]:

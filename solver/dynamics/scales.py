@@ -39,7 +39,8 @@ def scales(model: Model, y0: Array, t_end: float) -> Scales:
     Energy: that of all masses at this speed.
     """
     length = extent(model, y0)
-    speed = max(length / t_end, _at_start(model, y0, length), _of_drives(model, y0, t_end, length))
+    driven = speed_of_drives(model, y0, np.linspace(0.0, t_end, SAMPLES), length)
+    speed = max(length / t_end, _at_start(model, y0, length), driven)
     return Scales(length, speed, float(model.mass.sum()) * speed**2)
 
 
@@ -90,9 +91,10 @@ def _of_frames(model: Model, v: Array, length: float) -> float:
     return largest if np.isfinite(largest) else 0.0
 
 
-def _of_drives(model: Model, y0: Array, t_end: float, length: float) -> float:
+def speed_of_drives(model: Model, y0: Array, times: Array, length: float) -> float:
+    """Return the largest speed that drives prescribe at times (k,) [m/s]; of turns, at a length."""
     if not (model.joint_law >= 0).any():
         return 0.0
     arm = np.where(position_rows(model.joint_kind), 1.0, length)
-    speeds = driven_speeds(model, np.linspace(0.0, t_end, SAMPLES), y0)
+    speeds = driven_speeds(model, times, y0)
     return float(np.fmax.reduce(np.abs(speeds) * arm, axis=None, initial=0.0))

@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 
 from ..dynamics.model import Model
+from ..dynamics.scales import scales
+from ..dynamics.series import driven_speeds
 from ..math.arrays import Array
 from ..math.keys import Number
 from .compiled import step_control as codes
@@ -20,7 +22,7 @@ from .generic.explicit import Powers
 from .generic.pace import OWN, Pace, Refusals
 from .ringing import kinetic_energies, ringing
 from .step_loop import ClosingLoop
-from .turning import A_TURN, TOO_FAST, turning
+from .turning import A_TURN, GROWN, TOO_FAST, Turning, turning
 
 # Cutoffs that are tried against a stall, times pi over the interval of the results.
 CUTOFFS = (10.0, 3.0, 1.0)
@@ -85,6 +87,7 @@ class Radau(ClosingLoop):
         self._workspace.clock[codes.CUTOFF] = cutoff_frequency or 0.0
         self._tries = list(CUTOFFS) if cutoff_frequency is None else []
         self._patience = 0
+        self._y_start = y0
         self._kinetic = np.zeros(2)  # largest at these looks, above the cutoff and of all [J]
 
     def follow(self, pace: Pace) -> None:
@@ -99,12 +102,13 @@ class Radau(ClosingLoop):
             return
         fastest = turning(self._model, self.y)
         if fastest.spin * found.step > A_TURN:
-            if fastest.rim > TOO_FAST:
+            if fastest.rim > TOO_FAST and self._is_beyond(fastest):
                 self.status = "failed"
                 self.message = TURNS_TOO_FAST.format(t=self.t, spin=fastest.spin, rim=fastest.rim)
             return
         cutoff = (self._tries or CUTOFFS)[0] * np.pi / pace.interval
-        energies = kinetic_energies(self._model, self._workspace, self.y, cutoff)
+        least = self._workspace.cutoff.held.stiffness
+        energies = kinetic_energies(self._model, least, self.t, self.y, cutoff)
         self._kinetic = np.maximum(self._kinetic, energies)
         component, rate = ringing(self._model, self._workspace)
         if energies[0] <= NOTHING * energies[1] and rate * found.step > OWN:
@@ -119,6 +123,13 @@ class Radau(ClosingLoop):
             self._patience = PATIENCE
             self._workspace.clock[codes.CUTOFF] = cutoff
             self.stalls = [replace(self.stalls[0], cutoff=cutoff)]
+
+    def _is_beyond(self, fastest: Turning) -> bool:
+        """Tell whether the body turns far faster than the start and the drives prescribe."""
+        model = self._model
+        prescribed = np.abs(driven_speeds(model, np.array([self.t]), self.y)).max(initial=0.0)
+        speed = scales(model, self._y_start, self.t_end).speed
+        return bool(fastest.spin > GROWN * prescribed and fastest.rim > GROWN * speed)
 
     def refusals(self) -> Refusals:
         """Attempts that were refused so far, with the component that was most often the reason."""

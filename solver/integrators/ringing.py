@@ -2,9 +2,12 @@
 
 import numpy as np
 
+from ..dynamics.evaluation import evaluate
 from ..dynamics.model import Model
+from ..dynamics.workspace import new_work
 from ..math.arrays import Array
-from .compiled.cutoff import filter_error, start_filter
+from .compiled.cutoff import filter_error, new_cutoff, start_filter
+from .compiled.pencil import freeze, new_frozen
 from .compiled.radau_workspace import RadauWorkspace
 
 
@@ -31,22 +34,26 @@ def ringing(model: Model, workspace: RadauWorkspace) -> tuple[int, float]:
 
 
 def kinetic_energies(
-    model: Model, workspace: RadauWorkspace, y: Array, cutoff: float
+    model: Model, least: Array, t: float, y: Array, cutoff: float
 ) -> tuple[float, float]:
     """Return the kinetic energy of vibrations above a cutoff [rad/s], and of all motion [J].
 
-    In state y (n,), by the filter that takes such vibrations out of errors: motion without
-    stiffness is not among them, however fast it is.
+    In state y (n,) at t [s], by the filter that takes such vibrations out of errors: motion without
+    stiffness is not among them, however fast it is. `least` (n_e,): as of `new_cutoff`.
     """
-    start_filter(model, workspace.frozen, workspace.cutoff, cutoff)
-    filter_error(model, workspace.cutoff, cutoff, y)
+    work, frozen = new_work(model), new_frozen(model)
+    evaluate(model, work, t, y)
+    freeze(model, work, t, y, frozen)
+    memory = new_cutoff(model, frozen, least.copy())
+    start_filter(model, frozen, memory, cutoff)
+    filter_error(model, memory, cutoff, y)
     found = np.zeros(2)
     for i, j in enumerate(np.asarray(model.vel_start) + model.n_pos):
         size, lead = int(model.plan.size[i]), int(model.plan.lead[i])
-        M = workspace.frozen.M[i, :size, :size]
+        M = frozen.M[i, :size, :size]
         lower = np.tril(M, -1)
         lower[:, lead:] = 0.0
         v = y[j : j + size]
-        for k, w in enumerate((v - workspace.cutoff.error[j : j + size], v)):
+        for k, w in enumerate((v - memory.error[j : j + size], v)):
             found[k] += w @ lower @ w + 0.5 * (np.diag(M) * w) @ w
     return float(found[0]), float(found[1])

@@ -10,6 +10,7 @@ from ..math.arrays import Array
 A_TURN = 0.1  # rad in a step, from which on the rotation itself asks for steps this short
 # Speed of a rim that no material holds [m/s]: hoops of carbon fibre burst below 3000 m/s.
 TOO_FAST = 1e4
+GROWN = 10.0  # over the speeds of the start and the drives: these are asked for, not grown
 
 
 class Turning(NamedTuple):

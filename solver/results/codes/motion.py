@@ -89,8 +89,11 @@ BUCKLING_LOAD = Code(
 INDEFINITE = Code(
     "stiffened-mass-indefinite",
     "error",
-    "a stiffened body is so far from its frame that its mass matrix is not positive definite",
-    "smallest eigenvalue of the mass matrix, scaled to a unit diagonal, not above {limit:g}",
+    "a stiffened body is so far from its frame that its mass matrix is not positive definite; a "
+    "warning where joints hold the body in the directions concerned",
+    "smallest eigenvalue of the mass matrix, scaled to a unit diagonal, not above {limit:g}, in "
+    "the motions that joints leave free; or of the body alone, with an interface that has turned "
+    "by more than 0.1 rad",
     "use a chord or mean-axis frame, or split the body",
     limit=-1e-12,
 )
