@@ -16,6 +16,7 @@ from ..integrators.generic import Solution
 from ..math.arrays import Array, IntArray
 from ..math.rows import spans
 from ..mechanism import BuiltMechanism
+from ..monitors.step_sizes import StepSizes
 from ..package import ModalPackage
 from ..results.finding import Finding
 from .past import Past
@@ -60,6 +61,7 @@ class FinishedRun:
     known: Past | None = None  # `past`, of who has computed it
     independent: bool = False
     in_play: float = 0.0  # energy in play at any step; output times may show less [J]
+    sizes: StepSizes = field(default_factory=StepSizes)
 
     @property
     def model(self) -> Model:

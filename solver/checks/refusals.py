@@ -13,7 +13,10 @@ WORTH_A_WORD = 100  # attempts: a shorter run costs nothing
 
 
 def refusal_findings(run: FinishedRun) -> Iterator[Finding]:
-    """Yield one finding for a run whose share of refused attempts is above the limit."""
+    """Yield one finding for a run whose share of refused attempts is above the limit.
+
+    None where nothing would help: refusals where impacts or ramps begin are how steps are found.
+    """
     found = run.solution.refusals
     if found is None or found.attempts < WORTH_A_WORD or found.share <= REFUSED.limit:
         return
@@ -25,12 +28,16 @@ def refusal_findings(run: FinishedRun) -> Iterator[Finding]:
     why = f" ({', '.join(reasons)})" if reasons else ""
     body, motion = named_motion(run.built, found.component)
     cause = f"; most often because of {motion}" if found.component >= 0 else ""
-    helps = f"max_step = {found.step:.2g}, the average step"
-    if body and found.rough >= found.newton:
-        helps += (
-            "; or, if this motion is a vibration of no interest, cutoff_frequency or damping of "
-            "the body"
-        )
+    helps = []
+    # Of a run that has small steps in places, as after impacts, a shorter longest step is no help.
+    # An iteration that does not converge takes its time, and fails in the longest steps.
+    if found.newton > found.rough or run.sizes.steps_with(found.step) < found.attempts:
+        helps.append(f"max_step = {found.step:.2g}, the average step")
+        if body and found.rough >= found.newton:
+            helps.append(
+                "if this motion is a vibration of no interest, cutoff_frequency or damping of "
+                "the body"
+            )
     if found.newton > found.rough:
         advice = {
             name: FORCES[force.kind].steep
@@ -39,9 +46,11 @@ def refusal_findings(run: FinishedRun) -> Iterator[Finding]:
         }
         for change in dict.fromkeys(advice.values()):
             names = few([f"forces.{name}" for name, of in advice.items() if of == change])
-            helps = f"for {names} {change}; or {helps}"
+            helps.insert(0, f"for {names} {change}")
+    if not helps:
+        return
     text = (
         f"{found.share:.0%} of {found.attempts} attempts at a step were refused{why}{cause}. "
-        f"What helps: {helps}"
+        f"What helps: {'; or '.join(helps)}"
     )
     yield REFUSED.finding(text, body=body, value=found.share)

@@ -47,14 +47,19 @@ class EnergyMonitor:
             self.largest_jump, self.t_jump = float(jumps[k]), float(t[k])
         self.balance = float(balance[-1])
 
-    def findings(self) -> list[Finding]:
-        """Return the largest jump of the run so far, if it is above the threshold."""
+    def findings(self, *, sudden: bool = True) -> list[Finding]:
+        """Return the largest jump of the run so far, if it is above the threshold.
+
+        `sudden`: whether forces of the mechanism may jump, or bodies collide.
+        """
         share = float(self.largest_jump / max(self.in_play, 1e-300))
         if share < ENERGY_JUMP.limit or self.largest_jump < ROUNDING * self._terms:
             return []
+        cause = "the step was too long for the motion there: decrease rtol, or set max_step"
+        if sudden:
+            cause = "look for an impact or a jump of force there; decrease rtol"
         text = (
             f"one step, to t = {self.t_jump:.6g} s, changed the energy balance by "
-            f"{share:.2g} of the energy in play (expected below {ENERGY_JUMP.limit:g}): look for "
-            "an impact or a jump of force there; decrease rtol"
+            f"{share:.2g} of the energy in play (expected below {ENERGY_JUMP.limit:g}): {cause}"
         )
         return [ENERGY_JUMP.finding(text, t=self.t_jump, value=share)]

@@ -1,7 +1,7 @@
 """A mechanism ready to be integrated: model, consistent start, monitors, sensors."""
 
 from collections.abc import Callable, Container
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,6 +10,7 @@ from ..checks.finished import FinishedRun, Look
 from ..dynamics.constraints.treatment import Treatment, treated
 from ..dynamics.model import Model
 from ..dynamics.scales import scales
+from ..inputs.case.of_time import is_smooth
 from ..integrators.choice import treatment_of
 from ..integrators.generic import Solution
 from ..math.arrays import Array
@@ -22,6 +23,7 @@ from ..mechanism.start import starting_state
 from ..monitors.buckling import BucklingMonitor
 from ..monitors.singularity import SingularityMonitor
 from ..monitors.spin import SpinMonitor
+from ..monitors.step_sizes import StepSizes
 from ..monitors.together import Monitors
 from ..package import ModalPackage
 from ..results.codes.course import SINGULAR
@@ -55,6 +57,7 @@ class Prepared:
     refused: Solution | None  # in place of a run that should not begin
     turns: Turns  # of the angles among the signals
     functions: tuple[Called, ...] = ()  # of the user, which controllers call
+    sizes: StepSizes = field(default_factory=StepSizes)
 
     @property
     def model(self) -> Model:
@@ -64,7 +67,7 @@ class Prepared:
     @property
     def watch(self) -> Monitors:
         """All monitors."""
-        return Monitors(self.spin, self.passage, self.buckling, self.turns)
+        return Monitors(self.spin, self.passage, self.buckling, self.turns, self.sizes)
 
     def explained(self, solution: Solution) -> Solution:
         """Return the solution; of a run that failed in a singular position, with words on that."""
@@ -84,7 +87,8 @@ class Prepared:
         if self.buckling is not None:
             found += self.buckling.findings
         met = [f for f in found if f.t is None or f.t <= t_end]
-        noticed = (*met, *self.notes, *passage.passed(), *passage.energy.findings())
+        jumps = passage.energy.findings(sudden=not is_smooth(self.mechanism))
+        noticed = (*met, *self.notes, *passage.passed(), *jumps)
         return FinishedRun(
             mechanism=self.mechanism,
             built=self.built,
@@ -95,6 +99,7 @@ class Prepared:
             look=look,
             independent=self.independent,
             in_play=passage.energy.in_play,
+            sizes=self.sizes,
         )
 
 

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from .forces import CoordinateTable, ForceTable, LoadTable
     from .joints import JointTable
     from .laws import LoadLaw, RotationDrive, TranslationDrive
+    from .schema import Mechanism
 
 
 def drives(joint: "JointTable") -> dict[str, "RotationDrive | TranslationDrive"]:
@@ -39,3 +40,14 @@ def law(force: "ForceTable") -> "LoadLaw | None":
         return None
     laws = [getattr(force, key) for key in ELEMENTS[force.kind].laws]
     return laws[0] if laws else None
+
+
+def is_smooth(mechanism: "Mechanism") -> bool:
+    """Whether nothing in a mechanism may jump: no contact, feedback, expression or linear table."""
+    given = [law(force) for force in mechanism.forces.values() if not is_along(force)]
+    laws = [*given, *(each for joint in mechanism.joints.values() for each in drives(joint).values())]
+    return not any(is_along(force) for force in mechanism.forces.values()) and all(
+        each is None
+        or (each.expression is None and getattr(each.table, "interpolation", "") != "linear")
+        for each in laws
+    )
