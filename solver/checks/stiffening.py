@@ -57,7 +57,11 @@ def _without_data(name: str) -> Finding:
 
 
 def _of_stiffened(run: FinishedRun, i: int, loading: Loading) -> Iterator[Finding]:
-    """Yield the first instants at which mass or stiffness of a stiffened body is not positive."""
+    """Yield the first instants at which mass or stiffness of a stiffened body is not positive.
+
+    The stiffness along a run is looked at during it, where a loss must last to count
+    (monitors/buckling.py); here that of states alone.
+    """
     model, name = run.model, run.built.body_names[i]
     spin = SpinMonitor(model, run.built.body_names, stop=False)
 
@@ -75,12 +79,12 @@ def _of_stiffened(run: FinishedRun, i: int, loading: Loading) -> Iterator[Findin
     bad = ~(-values > INDEFINITE.limit)
     if bad.any():
         yield from _of_mass(run, i, t[bad], -values[bad])
-    if any(finding.code == BUCKLING.name and finding.body == name for finding in run.noticed):
+    if run.solution.counters.steps:
         return
     t, values = run.scan(softness, run.look.stiffening)
-    bad = np.flatnonzero(-values <= BUCKLING.limit)
-    if bad.size:
-        when, lowest = float(t[bad[0]]), -float(values[bad[0]])
+    bad = -values <= BUCKLING.limit
+    if bad.any():
+        when, lowest = float(t[bad][0]), -float(values[bad][0])
         yield BUCKLING.finding(buckling_text(name, when), body=name, t=when, value=lowest)
 
 
@@ -96,7 +100,9 @@ def _of_mass(run: FinishedRun, i: int, t: Array, lowest: Array) -> Iterator[Find
     some = np.union1d(some, np.argmin(lowest))
     t, lowest = t[some], lowest[some]
     rows = np.searchsorted(run.solution.t, t)
-    free = np.array([_free_mass(model, when, run.solution.y[k]) for when, k in zip(t, rows)])
+    free = np.array(
+        [_free_mass(model, when, run.solution.y[k]) for when, k in zip(t, rows, strict=True)]
+    )
     turned = np.zeros(t.size)
     a = int(model.pos_start[i]) + 7
     q = run.solution.y[rows][:, a : a + int(model.n_mode[i])]

@@ -4,18 +4,22 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..dynamics.model import Model
 from ..dynamics.recover import stiffened
 from ..integrators.generic import Steps, StopRequest
 from ..integrators.generic.base import Dense
-from ..math.arrays import Array
+from ..math.arrays import Array, IntArray
 from ..results.codes.motion import BUCKLING, BUCKLING_LOAD
 from ..results.finding import Finding
 from .geometric_stiffness import Loading, geometric_stiffness
 from .spin import SpinMonitor
 
 LOOKS = 1000  # of a run, and one of each block of steps
+# Over the lowest frequency of the body [rad]: it does not notice a load that passes sooner, as the
+# waves of stress that follow a sudden release.
+LASTS = 0.05
 
 
 def buckling_text(name: str, t: float, *, linear: bool = False) -> str:
@@ -38,6 +42,8 @@ class BucklingMonitor:
     A stiffened body buckles then, and second-order displacements do not follow it far: the run
     ends, if asked to. A linear body keeps its stiffness, which is wrong from then on.
 
+    A load that passes sooner than the body can follow is none that it buckles under.
+
     Parameters
     ----------
     tables : the same mechanism with the second-order terms of all bodies that have them
@@ -53,10 +59,18 @@ class BucklingMonitor:
     stop: bool = True
     findings: list[Finding] = field(default_factory=list)  # one for each body
     _last: int = -1  # part of the run in which the last look was
+    _since: dict[int, float] = field(default_factory=dict)  # start of a loss that lasts so far [s]
     _loading: Loading = field(init=False)
 
     def __post_init__(self) -> None:
         self._loading = Loading(self.model)
+        self._lasts = {i: self._lasting(i) for i in self.bodies}
+
+    def _lasting(self, i: int) -> float:
+        """Return how long a loss must last to count [s]."""
+        m, two = int(self.model.n_mode[i]), int(self.model.square_start[i])
+        lowest = np.linalg.eigvalsh(self.model.K_qq[two : two + m * m].reshape(m, m))[:1]
+        return LASTS / float(lowest[0]) ** 0.5 if lowest.size and lowest[0] > 0.0 else 0.0
 
     def __call__(self, steps: Steps) -> StopRequest | None:
         """Check the steps just taken; called by `integrate`."""
@@ -64,17 +78,16 @@ class BucklingMonitor:
         looks = 1 + np.flatnonzero(np.diff(part, prepend=self._last) > 0)
         self._last = int(part[-1]) if part.size else self._last
         request, known = None, {finding.body for finding in self.findings}
-        for i in self.bodies if looks.size else ():
+        for i in self.bodies:
             if self.spin.body_names[i] in known:
                 continue
-            lost = np.flatnonzero(~(self.margin(i, steps.t[looks], steps.y[looks]) > 0.0))
-            if lost.size:
-                before = int(looks[lost[0] - 1]) if lost[0] > 0 else 0
-                found = self._found(i, steps, before, int(looks[lost[0]]))
-                assert found.t is not None
-                ends = self.stop and stiffened(self.model, i)
-                if ends and (request is None or found.t < request.t_stop):
-                    request = StopRequest(found.t, found.text, found.code)
+            t = self._lost(i, steps, looks)
+            if t is None:
+                continue
+            found = self._found(i, t)
+            ends = self.stop and stiffened(self.model, i)
+            if ends and (request is None or t < request.t_stop):
+                request = StopRequest(t, found.text, found.code)
         return request
 
     def margin(self, i: int, t: Array, y: Array) -> Array:
@@ -86,11 +99,37 @@ class BucklingMonitor:
         found[finite] = np.linalg.eigvalsh(whole[finite])[:, 0]
         return found
 
-    def _found(self, i: int, steps: Steps, before: int, after: int) -> Finding:
-        """Find the instant between two ends of steps, and keep what was found."""
-        ends = np.arange(before + 1, after + 1)
-        step = before + int(np.argmax(~(self.margin(i, steps.t[ends], steps.y[ends]) > 0.0)))
-        t = self._crossing(i, steps.t[step], steps.t[step + 1], steps.dense_output(step))
+    def _lost(self, i: int, steps: Steps, looks: IntArray) -> float | None:
+        """Return the time at which body i has been without stiffness long enough [s]."""
+        first = 1  # end of a step that is not looked at yet
+        while True:
+            if i not in self._since:
+                ahead = looks[looks >= first]
+                lost = self._without(i, steps, ahead)
+                if not lost.any():
+                    return None
+                k = int(np.argmax(lost))
+                ends = np.arange(int(ahead[k - 1]) + 1 if k > 0 else first, int(ahead[k]) + 1)
+                first = int(ends[np.argmax(self._without(i, steps, ends))])
+                dense = steps.dense_output(first - 1)
+                self._since[i] = self._crossing(i, steps.t[first - 1], steps.t[first], dense)
+            until = self._since[i] + self._lasts[i]
+            last = min(int(np.searchsorted(steps.t, until)), len(steps))
+            ends = np.arange(first, last + 1)
+            back = ~self._without(i, steps, ends)
+            if not back.any():
+                return until if steps.t[last] >= until else None
+            del self._since[i]
+            first = int(ends[np.argmax(back)]) + 1
+
+    def _without(self, i: int, steps: Steps, ends: IntArray) -> NDArray[np.bool_]:
+        """Tell at which ends of steps (k,) body i has no stiffness left, (k,)."""
+        if not ends.size:
+            return np.zeros(0, dtype=bool)
+        return ~(self.margin(i, steps.t[ends], steps.y[ends]) > 0.0)
+
+    def _found(self, i: int, t: float) -> Finding:
+        """Keep and return what was found at t [s]."""
         name, linear = self.spin.body_names[i], not stiffened(self.model, i)
         code = BUCKLING_LOAD if linear else BUCKLING
         text = buckling_text(name, t, linear=linear)

@@ -44,8 +44,9 @@ def law(force: "ForceTable") -> "LoadLaw | None":
 
 def is_smooth(mechanism: "Mechanism") -> bool:
     """Whether nothing in a mechanism may jump: no contact, feedback, expression or linear table."""
-    given = [law(force) for force in mechanism.forces.values() if not is_along(force)]
-    laws = [*given, *(each for joint in mechanism.joints.values() for each in drives(joint).values())]
+    laws: list[LoadLaw | RotationDrive | TranslationDrive | None] = []
+    laws += [law(force) for force in mechanism.forces.values()]
+    laws += [each for joint in mechanism.joints.values() for each in drives(joint).values()]
     return not any(is_along(force) for force in mechanism.forces.values()) and all(
         each is None
         or (each.expression is None and getattr(each.table, "interpolation", "") != "linear")
