@@ -2,12 +2,20 @@
 
 from collections.abc import Iterator
 
-from ..dynamics.held import held_deformations, is_moving
+from ..dynamics.held import (
+    held_deformations,
+    is_moving,
+    joined_deformations,
+    motions_without_strain,
+)
 from ..dynamics.instant import law_values
+from ..math.arrays import Array
+from ..mechanism.initial import undeformed
 from ..results.codes.course import LOADED_START
 from ..results.finding import Finding
 from .finished import FinishedRun
 
+MOST = 400  # velocity coordinates: the eigenproblem of more would be felt
 QUASI_STATIC = (
     'With solver.start = "quasi-static" the bodies begin in the shape that the loads of this '
     "motion call for. "
@@ -19,13 +27,13 @@ def start_findings(run: FinishedRun) -> Iterator[Finding]:
 
     A body that starts in another shape than its loads call for vibrates about that shape. The
     energy of this difference is compared with the largest strain energy of the body. A body whose
-    `modal_coordinates` the case gives has the shape that is meant.
+    `modal_coordinates` the case gives has the shape that is meant. A quasi-static start has the
+    shape that its loads call for.
     """
-    if not run.model.n_mode.any():
+    if not run.model.n_mode.any() or run.mechanism.solver.start == "quasi-static":
         return
-    y0 = run.solution.y[0]
     worst, where = 0.0, -1
-    for i, change in enumerate(held_deformations(run.model, float(run.solution.t[0]), y0)):
+    for i, change in enumerate(_called_for(run)):
         if not change.size:
             continue  # rigid; without a name if it is a heavy point mass
         body = run.mechanism.bodies.get(run.built.body_names[i])
@@ -43,6 +51,18 @@ def start_findings(run: FinishedRun) -> Iterator[Finding]:
             f"strain energy of the run (expected below {LOADED_START.limit:g}). {_remedy(run)}"
         )
         yield LOADED_START.finding(text, body=name, t=0.0, value=worst)
+
+
+def _called_for(run: FinishedRun) -> list[Array]:
+    """Return the change of the shape of each body that its loads at the start call for."""
+    model, t, y = run.model, float(run.solution.t[0]), run.solution.y[0]
+    if run.independent and model.n_vel <= MOST:
+        rigid = undeformed(model, y, t)
+        free = motions_without_strain(model, t, rigid)
+        # Of a loop that is over-constrained but for its deformation, rigid bodies would be locked.
+        if free > motions_without_strain(model, t, y):
+            return joined_deformations(model, t, y, free)
+    return held_deformations(model, t, y)
 
 
 def _remedy(run: FinishedRun) -> str:

@@ -29,6 +29,12 @@ _POSITION_TOLERANCE = 1e-12
 _VELOCITY_TOLERANCE = 1e-9
 SPRUNG = 1e-5  # gap [rad, over the size] that tilted hinges leave, closed by deformation
 PREFERRED = 1e3  # of motion of frames over deformation, which counts as sqrt(J)
+GIVEN = "Check lengths, ground points and initial positions of the bodies"
+DEFORMED = (
+    "They close while the bodies are undeformed: give bodies that twist as they bend modes of "
+    "torsion and of bending in both planes, or take joints that leave more freedom (spherical, "
+    "universal, point_on_line)"
+)
 _MAX_STEP = 0.5  # [m, rad] limit of one Newton correction, for rough initial positions
 _MAX_ITERATIONS = 60
 
@@ -75,8 +81,18 @@ class Redundancy:
         return found
 
 
-def consistent_state(model: Model, start: Start, joint_names: list[str], t: float = 0.0) -> Array:
+def consistent_state(
+    model: Model,
+    start: Start,
+    joint_names: list[str],
+    t: float = 0.0,
+    *,
+    deforming: bool = False,
+) -> Array:
     """Return the state y (n,) at time t that satisfies position and velocity constraints.
+
+    `deforming`: bodies may deform, and have modal rates, where frames alone do not close the
+    joints; otherwise only to close the small gaps of tilted hinges.
 
     Raises
     ------
@@ -86,8 +102,9 @@ def consistent_state(model: Model, start: Start, joint_names: list[str], t: floa
     """
     y = np.concatenate([start.positions, np.zeros(model.n_vel), model.quantities.start, [0.0]])
     if model.n_constraint:
-        y = _assembled(model, y, joint_names, t)
-    y[model.n_pos : model.n_pos + model.n_vel] = _velocities(model, start, y, joint_names, t)
+        y = _assembled(model, y, joint_names, t, deforming=deforming)
+    v = _velocities(model, start, y, joint_names, t, deforming=deforming)
+    y[model.n_pos : model.n_pos + model.n_vel] = v
     return started(model, t, y)
 
 
@@ -96,12 +113,7 @@ def _closed(model: Model, y: Array, t: float, *, elastic: bool = False) -> Array
 
     elastic : bodies deform where frames alone do not close the joints, with least strain energy
     """
-    scale = np.full(model.n_vel, PREFERRED if elastic else 1.0)
-    for i in range(model.n_body):
-        j, m, k = int(model.vel_start[i]) + 6, int(model.n_mode[i]), int(model.square_start[i])
-        stiffness = np.diagonal(model.K_qq[k : k + m * m].reshape(m, m))
-        scale[j : j + m] = 1.0 / np.sqrt(np.maximum(stiffness, 1.0)) if elastic else 0.0
-    y = y.copy()
+    scale, y = _ease(model, elastic=elastic), y.copy()
     for _ in range(_MAX_ITERATIONS):
         if _open(model, y, t).max() < _POSITION_TOLERANCE:
             break  # without the dense Jacobian of a long chain
@@ -112,24 +124,49 @@ def _closed(model: Model, y: Array, t: float, *, elastic: bool = False) -> Array
     return y
 
 
+def _ease(model: Model, *, elastic: bool) -> Array:
+    """Return how easily each coordinate changes to close joints, (n_vel,)."""
+    scale = np.full(model.n_vel, PREFERRED if elastic else 1.0)
+    for i in range(model.n_body):
+        j, m, k = int(model.vel_start[i]) + 6, int(model.n_mode[i]), int(model.square_start[i])
+        stiffness = np.diagonal(model.K_qq[k : k + m * m].reshape(m, m))
+        scale[j : j + m] = 1.0 / np.sqrt(np.maximum(stiffness, 1.0)) if elastic else 0.0
+    return scale
+
+
+def undeformed(model: Model, y: Array, t: float) -> Array:
+    """Return state y (n,) with bodies without deformation, joints closed."""
+    y = y.copy()
+    for i in range(model.n_body):
+        a = int(model.pos_start[i]) + 7
+        y[a : a + int(model.n_mode[i])] = 0.0
+    return _closed(model, y, t)
+
+
+def frames_close(model: Model, y: Array, t: float = 0.0) -> bool:
+    """Tell whether the joints can be closed in state y (n,) without further deformation."""
+    if not model.n_constraint:
+        return True
+    return bool(_open(model, _closed(model, y, t), t).max() <= 1e3 * _POSITION_TOLERANCE)
+
+
 def _open(model: Model, y: Array, t: float) -> Array:
     """Return |Phi|, (n_c,), in state y."""
     return np.abs(balance(model, np.array([t]), y[None]).Phi[0])
 
 
-def _assembled(model: Model, y: Array, names: list[str], t: float) -> Array:
+def _assembled(model: Model, y: Array, names: list[str], t: float, *, deforming: bool) -> Array:
     """Close the joints; the error names those that stay open."""
     y = _closed(model, y, t)
-    gap = _open(model, y, t)
-    if 1e3 * _POSITION_TOLERANCE < gap.max() < SPRUNG * min(1.0, extent(model, y)):
+    gap, sprung = _open(model, y, t), np.inf if deforming else SPRUNG
+    if 1e3 * _POSITION_TOLERANCE < gap.max() < sprung * min(1.0, extent(model, y)):
         y = _closed(model, y, t, elastic=True)
         gap = _open(model, y, t)
     if gap.max() > 1e3 * _POSITION_TOLERANCE:
         apart = described_gaps(model, gap, names, ("m apart", "rad twisted"))
         raise InputError(
             "the mechanism cannot be assembled from the given positions; joints left open: "
-            f"{apart}. "
-            "Check lengths, ground points and initial positions of the bodies"
+            f"{apart}. {DEFORMED if deforming else GIVEN}"
         )
     for k, name in enumerate(names):
         if _at_another_root(model, y, k, t):
@@ -233,8 +270,13 @@ def _nearby(model: Model, y: Array, rank: _Rank, t: float) -> Array | None:
     return near if closed else None
 
 
-def _velocities(model: Model, start: Start, y: Array, names: list[str], t: float) -> Array:
-    """Keep the given velocities; the others follow from the joints with minimum kinetic energy."""
+def _velocities(
+    model: Model, start: Start, y: Array, names: list[str], t: float, *, deforming: bool
+) -> Array:
+    """Keep the given velocities; the others follow from the joints with minimum kinetic energy.
+
+    deforming : bodies deform, at a rate of least strain, where frames alone cannot follow
+    """
     free = ~np.asarray(start.given, dtype=bool)
     v = np.where(free, 0.0, start.velocities)
     n_free, n_c = int(free.sum()), model.n_constraint
@@ -251,6 +293,10 @@ def _velocities(model: Model, start: Start, y: Array, names: list[str], t: float
     v[free] = _least_energy(equations, model, v, free)
     residual = equations.Phi_q @ v + equations.Phi_t
     scale = max(1.0, float(np.max(np.abs(v), initial=0.0)))
+    if deforming and n_c:
+        ease = _ease(model, elastic=True)
+        v = v - ease * np.linalg.lstsq(equations.Phi_q * ease, residual, rcond=1e-10)[0]
+        residual = equations.Phi_q @ v + equations.Phi_t
     if n_c and np.max(np.abs(residual)) > _VELOCITY_TOLERANCE * scale:
         require_movable(model, y, names, np.array([t]))
         off = described_gaps(model, residual, names, ("m/s", "rad/s"))
